@@ -1,6 +1,6 @@
-"""``python -m compare`` is ``rollbench``."""
+"""``python -m rollbench.comparison`` is ``rollbench``."""
 
-from compare.cli import main
+from rollbench.comparison.cli import main
 
 if __name__ == "__main__":
     main()

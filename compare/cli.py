@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
+import threading
+from collections.abc import Iterable
+from contextlib import suppress
+from types import FrameType
 
 from cyclopts import CycloptsError
 
-from compare.commands.arguments import app
-from compare.commands.arguments.terminal import OutputLost, writing
-from compare.errors import InputError, one_line
+from rollbench.comparison.commands.arguments import app
+from rollbench.comparison.commands.arguments.terminal import OutputLost, writing
+from rollbench.comparison.errors import InputError, one_line
 
 
 def _drop_output() -> None:
@@ -17,30 +22,53 @@ def _drop_output() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
+class Terminated(KeyboardInterrupt):
+    """The signal TERM came: what an interrupt ends and tidies up, it ends alike."""
+
+
+def _terminated(_number: int, _frame: FrameType | None) -> None:
+    raise Terminated
+
+
+def _say(lines: Iterable[str]) -> None:
+    """Lines on standard error, as far as anybody reads it: the exit code is what counts."""
+    with suppress(OSError):
+        sys.stderr.writelines(f"rollbench: {line}\n" for line in lines)
+        sys.stderr.flush()
+
+
 def main(tokens: list[str] | None = None) -> None:
-    """Entry point: bad input gives one line on standard error and exit code 2, an interrupt 130; an output that nobody
-    reads any more ends quietly with 141, one that cannot be written with 74 and one line."""
-    if sys.stdout is None:  # closed by the caller: nobody reads it
-        sys.stdout = open(os.devnull, "w")  # noqa: SIM115 - for the life of the process
+    """Entry point: bad input gives one line on standard error and exit code 2, an interrupt 130, TERM 143; an output that
+    nobody reads any more ends quietly with 141, one that cannot be written with 74 and one line."""
+    if threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGTERM, _terminated)
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:  # closed by the caller: nobody reads it
+            setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 - for the life of the process
     try:
         code = app(tokens, exit_on_error=False, print_error=False, result_action="return_value")
         with writing():
             sys.stdout.flush()
     except InputError as error:
-        sys.stderr.writelines(f"rollbench: {line}\n" for line in error.lines())
+        _say(error.lines())
         sys.exit(2)
     except CycloptsError as error:
         text = one_line(" ".join(str(error).split()), 400)
-        sys.stderr.write(f"rollbench: command line: {text} Advice: see rollbench --help\n")
+        _say((f"command line: {text} Advice: see rollbench --help",))
         sys.exit(2)
-    except KeyboardInterrupt:
-        sys.stderr.write("rollbench: interrupted; nothing was left half-written\n")
-        sys.exit(130)
+    except KeyboardInterrupt as stop:
+        _say(("interrupted; nothing was left half-written",))
+        sys.exit(143 if isinstance(stop, Terminated) else 130)
     except BrokenPipeError:
         _drop_output()
         sys.exit(141)
+    except SystemExit as stop:
+        if isinstance(stop.__context__, BrokenPipeError):  # rich ends the process by itself, with 1
+            _drop_output()
+            sys.exit(141)
+        raise
     except OutputLost as error:
         _drop_output()
-        sys.stderr.write(f"rollbench: standard output: {error}\n")
+        _say((f"standard output: {error}",))
         sys.exit(74)
     sys.exit(code if isinstance(code, int) else 0)

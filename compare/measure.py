@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from meshes.arrays import Array
-from meshes.parts import SIDES
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.loads import mean_load
+from rollbench.meshes.parts import SIDES
 
 
 def error_percent(value: ArrayLike, reference: ArrayLike, scale: ArrayLike | None = None) -> Array:
@@ -29,7 +30,7 @@ def error_percent(value: ArrayLike, reference: ArrayLike, scale: ArrayLike | Non
 class LoadError:
     """Difference of two load distributions in per cent.
 
-    max_percent, rms_percent: of the mean loaded contact of the reference, over all contacts loaded in either;
+    max_percent, rms_percent: of the reference's mean load (`meshes.loads.mean_load`), over all contacts loaded in either;
     own_max_percent, own_rms_percent: each contact against its own reference load (as the source does), over the contacts
     loaded in the reference; ball (from 1) and side: where max_percent is met.
     """
@@ -48,7 +49,7 @@ def load_error(value: Array, reference: Array) -> LoadError:
     loaded = reference > 0.0
     if not either.any() or not loaded.any():
         return LoadError(0.0, 0.0, 0.0, 0.0, 0, "")
-    of_mean = np.where(either, error_percent(value, reference, float(reference[loaded].mean())), 0.0)
+    of_mean = np.where(either, error_percent(value, reference, mean_load(reference)), 0.0)
     own = error_percent(value[loaded], reference[loaded])
     ball, side = np.unravel_index(int(np.abs(of_mean).argmax()), of_mean.shape)
     return LoadError(

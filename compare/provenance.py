@@ -7,8 +7,7 @@ from collections.abc import Mapping, Sequence
 from importlib import resources
 from pathlib import Path
 
-import compare
-from reports.manifest import sha256
+from rollbench.reports.manifest import sha256
 
 #: Packages whose sources are part of what a page rests on.
 PACKAGES = ("compare", "hifi", "lowfi", "meshes", "reports")
@@ -22,7 +21,7 @@ SCENE, DATA, RUN = "scene ", "printed ", "reference "
 
 def commit() -> str:
     """Commit of the sources where they stand in a repository, marked where they were changed since; else words."""
-    root = Path(compare.__file__).resolve().parents[1]
+    root = Path(__file__).resolve().parents[1]
     if not (root / ".git").exists():
         return "not a repository: an installed package"
     try:
@@ -35,11 +34,17 @@ def commit() -> str:
     return run[0].strip() + (", changed since" if run[1].strip() else "")
 
 
+def _source_folder(package: str) -> Path:
+    """Where a folder of the repository, as ``compare/rolling``, stands in the installed package."""
+    first, *rest = package.split("/")
+    return Path(str(resources.files("rollbench").joinpath("comparison" if first == "compare" else first, *rest)))
+
+
 def sources_hash(folders: Sequence[str] = PACKAGES, more: str = "") -> str:
     """SHA-256 over names and contents of all Python sources of the packages, or of folders in them, and over a text."""
     lines = [more] if more else []
     for package in folders:
-        root = Path(str(resources.files(package.replace("/", "."))))
+        root = _source_folder(package)
         files = sorted(p for p in root.rglob("*.py") if "__pycache__" not in p.parts)
         lines += [f"{package}/{p.relative_to(root).as_posix()} {sha256(p.read_bytes())}" for p in files]
     return sha256("\n".join(lines))
@@ -50,7 +55,7 @@ def inputs(stores: Sequence[Path], scenes: Mapping[str, str]) -> dict[str, str]:
     stores (of several of one name the first store's)."""
     found = {SOURCES: sources_hash()}
     found |= {f"{SCENE}{name}": sha256(text) for name, text in sorted(scenes.items())}
-    printed = Path(str(resources.files("compare") / "printed"))
+    printed = Path(str(resources.files("rollbench.comparison") / "printed"))
     for path in sorted(p for pattern in PRINTED for p in printed.rglob(pattern)):
         found[f"{DATA}{path.relative_to(printed).as_posix()}"] = sha256(path.read_bytes())
     for store in reversed(stores):

@@ -4,34 +4,53 @@ from __future__ import annotations
 
 import os
 import platform
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from compare.errors import InputError
-from meshes.libraries import MESHING, install, missing
+from rollbench.comparison.errors import InputError
+from rollbench.meshes.libraries import MESHING, REFERENCE, fault, install, missing, version
 
 
 def gmsh_fault() -> str:
     """Why gmsh cannot be loaded, with the shared libraries that are missing; empty where it can."""
-    try:
-        import gmsh  # noqa: F401
-    except (ImportError, OSError) as error:
-        lacking = [name for name in missing(MESHING) if name not in str(error)]
-        return str(error) + (f"; also missing: {', '.join(lacking)}" if lacking else "")
-    return ""
+    found = fault("gmsh")
+    if not found or version("gmsh") is None:
+        return found
+    lacking = [name for name in missing(MESHING) if name not in found]
+    return found + (f"; also missing: {', '.join(lacking)}" if lacking else "")
+
+
+def gmsh_remedy() -> str:
+    """What to do where gmsh cannot be loaded."""
+    return "pip install gmsh" if version("gmsh") is None else install(MESHING)
 
 
 def need_gmsh() -> None:
     """Raise InputError where gmsh cannot be loaded."""
-    fault = gmsh_fault()
-    if fault:
-        raise InputError(
-            "this machine",
-            "gmsh",
-            fault,
-            "gmsh with its shared libraries",
-            f"install them (Debian: {install(MESHING)}), or leave the 3D reference out; see rollbench doctor",
-        )
+    found = gmsh_fault()
+    if found:
+        advice = f"{gmsh_remedy()}, or leave the 3D reference out; see rollbench doctor"
+        raise InputError("this machine", "gmsh", found, "gmsh with its shared libraries", advice)
+
+
+def need_packages(*packages: str) -> None:
+    """Raise InputError for the first of some Python packages that cannot be used."""
+    for package in packages:
+        if found := fault(package):
+            advice = f"pip install {package}; see rollbench doctor for what works without"
+            raise InputError("this machine", package, found, "a package that this command needs", advice)
+
+
+def need_reference() -> None:
+    """Raise InputError where no run of the 3D reference can be computed."""
+    need_gmsh()
+    need_packages(*REFERENCE)
+
+
+def libraries(packages: Sequence[str]) -> str:
+    """Packages with their versions, in words."""
+    return ", ".join(f"{name} {version(name) or 'not installed'}" for name in packages)
 
 
 def machine() -> str:

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from time import monotonic
 
-from compare.errors import InputError
+from rollbench.comparison.errors import InputError
 
 #: Seconds after which a solution says that it is still at work, and between two such lines.
 FIRST, AGAIN = 2.0, 1.0

@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from compare.errors import InputError
-from meshes.leftovers import folder_for_group, for_group, temporary
+from rollbench.comparison.errors import InputError
+from rollbench.meshes.leftovers import folder_for_group, for_group, temporary
+from rollbench.meshes.libraries import fault
+
+if TYPE_CHECKING:
+    from rollbench.reports.records import Figure
 
 
 def write_new(path: Path, text: str) -> None:
@@ -50,6 +55,22 @@ def replace_file(path: Path, text: str) -> None:
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(str(path), "file", reason, "a folder that can be written to", "check the path") from None
+
+
+def no_figure() -> str:
+    """Why no figure can be drawn, and what helps; empty where one can."""
+    reason = fault("matplotlib")
+    return f"no figure ({reason}: pip install matplotlib)" if reason else ""
+
+
+def write_figure(path: Path, figure: Figure) -> str:
+    """Draw a figure into a file, SVG; the file's name, or why there is none. Raises InputError if it cannot be written."""
+    if reason := no_figure():
+        return reason
+    from rollbench.reports.figures import draw
+
+    replace_file(path, draw(figure))
+    return str(path)
 
 
 def need_writable(path: Path) -> None:

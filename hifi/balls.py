@@ -19,17 +19,22 @@ from itertools import pairwise
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
+from scipy.linalg import lu_factor, lu_solve
 from scipy.optimize import nnls
 
-from hifi.compliance import BallBlock, BlockFactor, Compliance
-from hifi.contact import ContactResult
-from meshes.arrays import Array
+from rollbench.hifi.compliance import BallBlock, BlockFactor, Compliance
+from rollbench.hifi.contact import ContactResult
+from rollbench.meshes.arrays import Array
 
 Flags = NDArray[np.bool_]
 #: Rounds after which the solution over all balls is given up.
 MOST = 60
 #: Stiffness [N/m] that holds, far from equilibrium, what contacts do not: a ten thousandth of a contact's.
 HOLD = 1e4
+#: Share of the residual that a step by the factor of an earlier one may leave; where it leaves more, a new one is made.
+KEPT = 0.2
+#: LU factor of Newton's equations and the motion that it does not hold.
+Factor = tuple[Array, NDArray[np.int32]]
 
 
 @dataclass
@@ -77,11 +82,13 @@ def _energy(block: BallBlock, gap: Array, forces: Array) -> float:
 
 @dataclass
 class State:
-    """Where a solution ended, or one may begin: amplitudes w, motions y, and, for the same compliance, its balls."""
+    """Where a solution ended, or one may begin: amplitudes w, motions y, and, for the same compliance, its balls and the
+    factor of its last step."""
 
     w: Array
     y: Array
     balls: list[Ball] | None = None
+    factor: Factor | None = None
 
 
 class _System:
@@ -125,12 +132,12 @@ class _System:
             np.add.at(back, self.C.columns[i], self.C.modes[i].T @ forces)
             columns, n = self.rows[i]
             balance[columns] -= n.T @ forces
-        return self.step(back, balance, HOLD)
+        return split(self.factor(HOLD), back, balance)
 
-    def step(self, back: Array, balance: Array, shift: float) -> tuple[Array, Array]:
-        """Newton step (dw, dy)."""
-        r, k = back.size, balance.size
+    def factor(self, shift: float) -> Factor:
+        """Newton's equations at the balls' states; shift: stiffness [N/m] that holds what contacts do not."""
         G = self.C.coupling
+        r, k = len(G), self.f.size
         MG, Mn, Nn = np.zeros((r, r)), np.zeros((r, k)), shift * np.eye(k)  # M is zero between balls
         for i, ball in enumerate(self.balls):
             if ball.factor is None or not ball.active.any():
@@ -143,9 +150,14 @@ class _System:
             Mn[np.ix_(c, columns)] += U.T @ sn
             Nn[np.ix_(columns, columns)] += n.T @ sn
         MG[np.diag_indices(r)] += 1.0
-        full = np.block([[MG, -Mn], [-Mn.T @ G, Nn]])
-        solution = np.linalg.solve(full, np.concatenate([back, balance]))
-        return solution[:r], solution[r:]
+        LU, pivots = lu_factor(np.block([[MG, -Mn], [-Mn.T @ G, Nn]]), overwrite_a=True, check_finite=False)
+        return LU, pivots
+
+
+def split(factor: Factor, back: Array, balance: Array) -> tuple[Array, Array]:
+    """Newton step (dw, dy)."""
+    solution = lu_solve(factor, np.concatenate([back, balance]), check_finite=False)
+    return solution[: back.size], solution[back.size :]
 
 
 def solve_balls(
@@ -168,7 +180,7 @@ def solve_balls(
     system = _System(C, gap, N, f, begin.balls)
     w, y = system.in_touch(touching) if touching and start is None else (begin.w.copy(), begin.y.copy())
     phi, back, balance = system.evaluate(w, y)
-    status, it, residual = "", 0, np.inf
+    status, it, residual, factor, before = "", 0, np.inf, begin.factor, np.inf
     for it in range(1, MOST + 1):  # noqa: B007
         heaviest = max(float(b.forces.sum()) for b in system.balls)
         scale = max(heaviest, float(np.abs(f).max(initial=0.0)) / len(system.balls))
@@ -177,7 +189,12 @@ def solve_balls(
         if residual <= tolerance and mismatch <= tolerance:
             status = "converged"
             break
-        dw, dy = system.step(back, balance, HOLD * min(1.0, residual))
+        error = max(residual, mismatch)
+        kept = factor is not None and error <= KEPT * before
+        if factor is None or not kept:
+            factor = system.factor(HOLD * min(1.0, residual))
+        before = error
+        dw, dy = split(factor, back, balance)
         slope = -float(dw @ (C.coupling @ back)) - float(dy @ balance)
         t, done = 1.0, False
         for _ in range(30):
@@ -188,7 +205,9 @@ def solve_balls(
             t *= 0.4
         w, y = w + t * dw, y + t * dy
         phi, back, balance = trial
-        if not done:
+        if not done and kept:
+            before = 0.0  # from here by a factor of its own
+        elif not done:
             status = f"stalled at a relative residual of {residual:.1e}"
             break
     if not status:
@@ -205,4 +224,4 @@ def solve_balls(
         ]
     )
     result = ContactResult(forces, slack, y, it, status, float(-slack.min(initial=0.0)), residual)
-    return result, State(w, y, system.balls)
+    return result, State(w, y, system.balls, factor)

@@ -23,16 +23,16 @@ from time import perf_counter
 import numpy as np
 import scipy.sparse as sp
 
-from hifi.assembly import assemble, nodal_areas
-from hifi.balls import solve_balls
-from hifi.compliance import uncoupled
-from hifi.contact import ContactResult
-from hifi.forms import elasticity
-from hifi.hertz import HertzSolution, hertz
-from hifi.solvers import factor
-from meshes.arrays import Array, Index
-from meshes.block import BlockMesh, Influence, hexahedra, tetrahedra
-from meshes.fem import freedoms_on, nodes_on
+from rollbench.hifi.assembly import assemble, nodal_areas
+from rollbench.hifi.balls import solve_balls
+from rollbench.hifi.compliance import uncoupled
+from rollbench.hifi.contact import ContactResult
+from rollbench.hifi.forms import elasticity
+from rollbench.hifi.hertz import HertzSolution, hertz
+from rollbench.hifi.solvers import factor
+from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.block import BlockMesh, Influence, hexahedra, tetrahedra
+from rollbench.meshes.fem import freedoms_on, nodes_on
 
 #: Right-hand sides solved at once.
 CHUNK = 128

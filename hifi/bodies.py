@@ -16,14 +16,14 @@ import scipy.sparse as sp
 from scipy.linalg import qr
 from skfem import Mesh
 
-from hifi import assembly
-from hifi.forms import elasticity, share
-from hifi.patch import CondensedPatch
-from hifi.pressures import mean_weights
-from hifi.rigid import rigid_modes
-from meshes.arrays import Array, Index
-from meshes.fem import cells_of, faces_of, freedoms_on, mesh_of, nodes_on, points_of
-from meshes.tet_patch import SUB_TRIANGLES, split_second_order
+from rollbench.hifi import assembly
+from rollbench.hifi.forms import elasticity, share
+from rollbench.hifi.patch import CondensedPatch
+from rollbench.hifi.pressures import mean_weights
+from rollbench.hifi.rigid import rigid_modes
+from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.fem import cells_of, faces_of, freedoms_on, mesh_of, nodes_on, points_of
+from rollbench.meshes.tet_patch import SUB_TRIANGLES, split_second_order
 
 
 @dataclass(frozen=True)

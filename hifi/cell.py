@@ -13,18 +13,18 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from hifi.assembly import assemble
-from hifi.bodies import end_transform
-from hifi.cut import cut_flexibility
-from hifi.forms import elasticity
-from hifi.helical_section import helical_stiffness
-from hifi.response import compliance
-from hifi.shaft import ShaftSection, round_section
-from meshes.arrays import Array
-from meshes.groove_map import GrooveMap
-from meshes.grooved_body import BodySpec, build_body
-from meshes.parts import Material
-from meshes.sockets import SocketSize
+from rollbench.hifi.assembly import assemble
+from rollbench.hifi.bodies import end_transform
+from rollbench.hifi.cut import cut_flexibility
+from rollbench.hifi.forms import elasticity
+from rollbench.hifi.helical_section import helical_stiffness
+from rollbench.hifi.response import compliance
+from rollbench.hifi.shaft import ShaftSection, round_section
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.grooved_body import BodySpec, build_body
+from rollbench.meshes.parts import Material
+from rollbench.meshes.sockets import SocketSize
 
 
 @dataclass(frozen=True)

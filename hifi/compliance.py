@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag, lu_factor, lu_solve
 from scipy.linalg.lapack import dpotrf, dpotrs
 
-from meshes.arrays import Array
+from rollbench.meshes.arrays import Array
 
 Indices = NDArray[np.int64]
 Flags = NDArray[np.bool_]

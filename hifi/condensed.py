@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.linalg import block_diag
 
-from hifi.grid_wave import contact_frame, mean_approaches, relative_radii, resolved_forces, unit_hertz
-from hifi.hertz import hertz
-from hifi.pressures import mean_weights
-from meshes.arrays import Array
-from meshes.condensed import CondensedBodies, geometry_digest
+from rollbench.hifi.grid_wave import contact_frame, mean_approaches, relative_radii, resolved_forces, unit_hertz
+from rollbench.hifi.hertz import hertz
+from rollbench.hifi.pressures import mean_weights
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.condensed import CondensedBodies, geometry_digest
 
 if TYPE_CHECKING:
-    from hifi.setup import Setup
+    from rollbench.hifi.setup import Setup
 
 
 #: Number of forces at which a contact's own approach is sampled.

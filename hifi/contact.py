@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from meshes.arrays import Array
+from rollbench.meshes.arrays import Array
 
 
 @dataclass(frozen=True)

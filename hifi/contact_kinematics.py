@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
-from hifi.compliance import Compliance
-from hifi.contact import ContactResult
-from hifi.coupling import Zones, modal_motion
-from hifi.part_meshes import rotation
-from hifi.pressures import mean_weights
-from hifi.setup import Setup
-from meshes.arrays import Array
-from meshes.errors import Specimen
-from meshes.helix import groove_radii, nominal_groove_centres
-from meshes.surface import groove_profile
+from rollbench.hifi.compliance import Compliance
+from rollbench.hifi.contact import ContactResult
+from rollbench.hifi.coupling import Zones, modal_motion
+from rollbench.hifi.part_meshes import rotation
+from rollbench.hifi.pressures import mean_weights
+from rollbench.hifi.setup import Setup
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import Specimen
+from rollbench.meshes.helix import groove_radii, nominal_groove_centres
+from rollbench.meshes.surface import groove_profile
 
 
 def expected_touch(gap: Array, zones: Zones) -> Array:
@@ -110,24 +110,31 @@ def screw_rows(setup: Setup, directions: Array, zones: Zones, origin: float) -> 
 
 def relative_motion(
     setup: Setup, result: ContactResult, C: Compliance, directions: Array, zones: Zones, at_rest: Array, rigid: Array
-) -> Array:
-    """Motion of each ball's centre relative to each of its grooves, ``(balls, n, 3)``, the same for a side's nodes.
+) -> tuple[Array, Array]:
+    """Motion of each ball's centre relative to each of its grooves, the same for a side's nodes: in the section plane
+    ``(balls, n, 3)``, and along the track ``(balls, n)``, less what the sides of a ball have in common [m].
 
     The groove's own motion is read along the normal from the body's modes and its rigid motion: what the ball's centre
-    moves beyond the groove, in the section plane.
+    moves beyond the groove. Along the track it is what turns the normals; a ball may stand anywhere on its track.
+
+    A groove is invariant under its helical motion, which therefore changes no gap, and does no work on what presses on it
+    without friction: every contact stands abreast of the ball. By linear kinematics a screw that winds up by theta moves
+    its contacts R theta/2 along, and R theta^2/2 out of their section. The middle of the pressures would show the same
+    motion, but on the grid: under a light contact that closes few nodes it sticks to them, or jumps.
     """
     count, n, _ = directions.shape
     y = result.motions[: 3 * count].reshape(count, 3)
     z = C.coupling @ C.amplitude(result.forces) + at_rest
     along = (modal_motion(C, z) + rigid @ result.motions[3 * count :]).reshape(count, n)
-    shift = np.zeros((count, n, 3))
-    for part in zones.parts:
+    motion = np.zeros((count, len(zones.parts), 3))
+    for k, part in enumerate(zones.parts):
         for i in range(count):
-            v = np.linalg.lstsq(directions[i, part], along[i, part], rcond=1e-6)[0]
-            shift[i, part] = y[i] - v
+            motion[i, k] = y[i] - np.linalg.lstsq(directions[i, part], along[i, part], rcond=1e-6)[0]
     y3 = tangent(setup)
-    shift -= (shift @ y3)[..., None] * y3  # motion along the track: `places`
-    return shift
+    slid = motion @ y3
+    shift = motion - slid[..., None] * y3
+    sizes = [part.stop - part.start for part in zones.parts]
+    return np.repeat(shift, sizes, axis=1), np.repeat(slid - slid.mean(axis=1, keepdims=True), sizes, axis=1)
 
 
 def tangent(setup: Setup) -> Array:
@@ -140,24 +147,3 @@ def along_track(setup: Setup, sides: tuple[int, ...]) -> Array:
     m = setup.map
     x = np.concatenate([setup.patches[s].groove.points for s in sides])
     return np.asarray(np.stack([-x[:, 1], x[:, 0], np.full(len(x), m.rg)], axis=1) * (np.cos(m.alpha) / m.R))
-
-
-def places(setup: Setup, zones: Zones, forces: Array) -> Array:
-    """Where on its groove each contact presses along the track ``(balls, n)`` [m], the same for a side's nodes, less what
-    the contacts of a ball have in common: a ball may stand anywhere on its track.
-
-    A groove is invariant under its helical motion, which therefore changes no gap, and does no work on what presses on it
-    without friction: every contact stands abreast of the ball. By linear kinematics a screw that winds up by theta moves
-    its contacts R theta/2 along, and R theta^2/2 out of their section; what is moved so far is taken back. forces: of the
-    contact nodes along their normals, ``(balls, n)`` [N].
-    """
-    y3 = tangent(setup)
-    middle = np.full((len(forces), len(zones.sides)), np.nan)
-    for k, (part, s) in enumerate(zip(zones.parts, zones.sides, strict=True)):
-        total = forces[:, part].sum(axis=1)
-        moment = forces[:, part] @ (setup.patches[s].groove.points @ y3)
-        middle[:, k] = np.divide(moment, total, out=middle[:, k], where=total > 0.0)
-    closed = np.isfinite(middle)
-    common = np.where(closed, middle, 0.0).sum(axis=1) / np.maximum(closed.sum(axis=1), 1)
-    place = np.where(closed, middle - common[:, None], 0.0)
-    return np.repeat(place, [part.stop - part.start for part in zones.parts], axis=1)

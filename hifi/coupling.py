@@ -9,12 +9,12 @@ from itertools import pairwise
 import numpy as np
 from scipy.linalg import block_diag
 
-from hifi.compliance import BallBlock, Compliance, coupled
-from hifi.contact import ContactResult
-from hifi.mounting import Mounted, beam_stretch, mount
-from hifi.setup import Setup
-from meshes.arrays import Array, Index
-from meshes.parts import Scene
+from rollbench.hifi.compliance import BallBlock, Compliance, coupled
+from rollbench.hifi.contact import ContactResult
+from rollbench.hifi.mounting import Mounted, beam_stretch, mount
+from rollbench.hifi.setup import Setup
+from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.parts import Scene
 
 
 @dataclass(frozen=True)

@@ -23,9 +23,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hifi.response import transport
-from meshes.arrays import Array
-from meshes.groove_map import GrooveMap
+from rollbench.hifi.response import transport
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.groove_map import GrooveMap
 
 #: Half a turn about x of motions and wrenches.
 HALF_TURN = np.diag([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])

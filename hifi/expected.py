@@ -19,14 +19,15 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 
-from hifi.hertz import HertzSolution, hertz
-from hifi.response import transport
-from hifi.shaft import beam_stiffness, round_section
-from meshes.arrays import Array
-from meshes.errors import specimen
-from meshes.helix import ball_layout, groove_radii, lead_angle
-from meshes.parts import FREEDOMS, SIDE_SIGNS, Material, Scene
-from meshes.solid import dimensions
+from rollbench.hifi.hertz import HertzSolution, hertz
+from rollbench.hifi.response import transport
+from rollbench.hifi.shaft import beam_stiffness, round_section
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout, groove_radii, lead_angle
+from rollbench.meshes.one_arc import is_one_arc
+from rollbench.meshes.parts import FREEDOMS, SIDE_SIGNS, Material, Scene
+from rollbench.meshes.solid import dimensions
 
 #: Newton steps at most, and the imbalance over the largest force at which they end.
 STEPS, BALANCED = 200, 1e-6
@@ -105,6 +106,7 @@ def expected_contacts(scene: Scene) -> ExpectedContacts:
     scale = np.cbrt(load)
     across, along = (scale * np.array([getattr(unit, name) for unit in units]) for name in ("semi_x", "semi_y"))
     gap = model.touch - np.linalg.norm(vectors, axis=2)
+    gap[:, model.constant == 0.0] = np.inf
     return ExpectedContacts(load, angle, across, along, (angle - beta) * groove_radii(scene), gap)
 
 
@@ -146,6 +148,8 @@ def _model(scene: Scene, units: tuple[HertzSolution, ...]) -> _Model:
 
     share = sum(float(np.linalg.norm(x.force)) + float(np.linalg.norm(x.moment)) / track.pitch_radius for x in scene.loads)
     constant = np.array([unit.approach for unit in units]) ** -1.5
+    if is_one_arc(scene):
+        constant[1:3] = 0.0  # SL and NR stand for the arcs
     stiffness = 1.5 * float(constant.max()) ** (2.0 / 3.0) * max(share / n, 1.0) ** (1.0 / 3.0)
     P, held = np.zeros(K.shape[0]), sp.csr_matrix(K.shape)
     for load in scene.loads:

@@ -15,30 +15,40 @@ import numpy as np
 import scipy.sparse as sp
 from skfem import Mesh, condense
 
-from hifi import assembly
-from hifi.balls import solve_balls
-from hifi.bodies import Socket, assemble, freedoms, isostatic, mode_rows, of_order, patch_modes
-from hifi.compliance import BallBlock, uncoupled
-from hifi.fit import Settings, ball_place
-from hifi.forms import hooke
-from hifi.hertz import HertzSolution, hertz
-from hifi.part_meshes import Meshes, body_kind, mesh_parts, patch_mesh, patch_normals, placed, rotation, sockets_of
-from hifi.patch import CondensedPatch, PatchMesh, field
-from hifi.pressures import mean_weights
-from hifi.reference import ReferenceResult
-from hifi.responses import ball_compliance, nut_transform, screw_transform
-from hifi.setup import Setup
-from hifi.sides import condense_side
-from hifi.solvers import factor
-from meshes.arrays import Array, Index
-from meshes.ball_body import directions
-from meshes.fem import cells_of, moved
-from meshes.groove_map import GrooveMap
-from meshes.grooved_body import GroovedBody
-from meshes.helix import BallLayout, ball_layout
-from meshes.parts import SIDE_SIGNS, Material, Scene
-from meshes.sockets import local_points
-from meshes.solid import Dimensions, dimensions
+from rollbench.hifi import assembly
+from rollbench.hifi.balls import solve_balls
+from rollbench.hifi.bodies import Socket, assemble, freedoms, isostatic, mode_rows, of_order, patch_modes
+from rollbench.hifi.compliance import BallBlock, uncoupled
+from rollbench.hifi.fit import ball_place
+from rollbench.hifi.forms import hooke
+from rollbench.hifi.hertz import HertzSolution, hertz
+from rollbench.hifi.part_meshes import (
+    Meshes,
+    body_kind,
+    mesh_parts,
+    patch_mesh,
+    patch_normals,
+    placed,
+    rotation,
+    sockets_of,
+)
+from rollbench.hifi.patch import CondensedPatch, PatchMesh, field
+from rollbench.hifi.pressures import mean_weights
+from rollbench.hifi.reference import ReferenceResult
+from rollbench.hifi.responses import ball_compliance, nut_transform, screw_transform
+from rollbench.hifi.settings import Settings
+from rollbench.hifi.setup import Setup
+from rollbench.hifi.sides import condense_side, side_of
+from rollbench.hifi.solvers import factor
+from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.ball_body import directions
+from rollbench.meshes.fem import cells_of, moved
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.grooved_body import GroovedBody
+from rollbench.meshes.helix import BallLayout, ball_layout
+from rollbench.meshes.parts import SIDE_SIGNS, Material, Scene
+from rollbench.meshes.sockets import local_points
+from rollbench.meshes.solid import Dimensions, dimensions
 
 
 @dataclass(frozen=True)
@@ -280,8 +290,8 @@ def pressed_ball(scene: Scene, settings: Settings, ball: int, loads: Array, angl
     own = slice(ball, ball + 1)
     layout = BallLayout(*(getattr(whole, x.name)[own] for x in fields(BallLayout)))
     meshes = mesh_parts(scene, m, layout, dims, sides, settings)
-    patches = {s: condense_side(scene, m, dims, meshes, s, settings) for s in sides}
-    whole_ball = ball_compliance(scene, meshes.ball, patches, settings)
+    patches = {s: condense_side(*side_of(scene, m, dims, meshes, s, settings)) for s in sides}
+    whole_ball = ball_compliance(scene.balls.material, meshes.ball, patches, settings)
     block = BallBlock(tuple(patches[s].own for s in sides), tuple(whole_ball.modes[s] for s in sides), whole_ball.G)
     x3, z3 = np.array([1.0, 0.0, 0.0]), np.array([0.0, -np.sin(m.alpha), np.cos(m.alpha)])
     gaps, N, f, start = [], np.zeros((len(block), 3 * len(sides))), np.zeros(3 * len(sides)), 0

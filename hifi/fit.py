@@ -1,81 +1,27 @@
-"""Mesh choices of the 3D reference: sizes, the contact zone's grid, and the ball's patch on the groove's nodes."""
+"""Sizes of the meshes of the 3D reference, the contact zone's grid, and the ball's patch on the groove's nodes."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
-from hifi.expected import expected_contacts
-from hifi.patch import Lines, graded, growing
-from meshes.arrays import Array
-from meshes.ball_body import BallSocket, ball_depth, ball_points
-from meshes.groove_map import GrooveMap
-from meshes.helix import BallLayout
-from meshes.parts import Scene
-from meshes.sockets import ZONE, SocketSize, fitted_socket
-from meshes.solid import Dimensions
-
-
-@dataclass(frozen=True)
-class Settings:
-    """Mesh choices of the 3D reference; lengths in m.
-
-    b_over_h: cells across the short semi-axis; semi: semi-axes (a, b) of a typical contact; reach: how far contacts reach
-    from their nominal middle across and along the groove; fine, coarse: element sizes of the coarse bodies near and away
-    from sockets; ball_fine, ball_coarse: those of balls; cuts: subdivisions of the sockets' edges across, in depth and
-    along; growth: ratio of neighbouring cells of a patch outside the contact zone; own_cuts, own_sizes, own_ball_sizes:
-    subdivisions and element sizes (near, away) of the submodels of one contact's groove and ball; cell: element size of
-    the shafts that say what a cut does; modes, ball_modes: smooth modes kept per patch of the bodies, of the ball; element:
-    ``"Q2"`` patches on second-order bodies, or ``"P1"``: first-order tetrahedra of ``tet`` size around each contact, on
-    first-order bodies, as the source's mesh, without submodels.
-    """
-
-    b_over_h: float = 4.0
-    semi: tuple[float, float] = (0.40e-3, 0.105e-3)
-    reach: tuple[float, float] = (0.40e-3, 0.105e-3)
-    fine: float = 1.0e-3
-    coarse: float = 5.0e-3
-    ball_fine: float = 0.35e-3
-    ball_coarse: float = 0.8e-3
-    cuts: tuple[int, int, int] = (3, 2, 3)
-    growth: float = 1.6
-    own_cuts: tuple[int, int, int] = (4, 4, 4)
-    own_sizes: tuple[float, float] = (0.5e-3, 2.5e-3)
-    own_ball_sizes: tuple[float, float] = (0.3e-3, 0.6e-3)
-    cell: float = 4.5e-3
-    modes: int = 16
-    ball_modes: int = 24
-    element: str = "Q2"
-    tet: float = 0.08e-3
-
+from rollbench.hifi.patch import Lines, graded, growing
+from rollbench.hifi.settings import Settings
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.ball_body import BallSocket, ball_depth, ball_points
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.helix import BallLayout
+from rollbench.meshes.parts import Scene
+from rollbench.meshes.sockets import ZONE, SocketSize, fitted_socket
+from rollbench.meshes.solid import Dimensions
 
 #: Half width of the contact zone over the expected reach of the contacts, across and along the groove.
 MARGIN = (1.15, 1.2)
 #: How much smaller cells are at most where there is hardly room for the contact.
 TIGHT = 4.0
-#: Expected semi-axes are rounded to this length [m], so that like scenes share their patches.
-ROUNDING = 5e-6
-
-
-def expected_semi_axes(scene: Scene) -> tuple[float, float]:
-    """Semi-axes (a, b) [m] of a typical contact of a scene, rounded up. Raises ValueError as `expected_contacts`."""
-    return _rounded(expected_contacts(scene).semi())
-
-
-def expected_reach(scene: Scene) -> tuple[float, float]:
-    """How far contacts of a scene reach on any side from their nominal middle, across and along the groove [m], rounded up.
-
-    Raises ValueError as `expected_contacts`.
-    """
-    return _rounded(expected_contacts(scene).reach((0, 1, 2, 3)))
-
-
-def _rounded(lengths: tuple[float, float]) -> tuple[float, float]:
-    a, b = (max(1.0, float(np.ceil(x / ROUNDING - 1e-9))) * ROUNDING for x in lengths)
-    return a, b
 
 
 def patch_lines(settings: Settings, width: tuple[float, float], deep: float) -> tuple[Lines, tuple[float, float]]:

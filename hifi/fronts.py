@@ -1,13 +1,15 @@
-"""B^T K^-1 B front by front (multifrontal elimination): the factor of K is never held, only the fronts under way.
+"""Elimination of a sparse matrix front by front (multifrontal): what B^T K^-1 B needs, or a factor to be solved with.
 
-The freedoms are eliminated in the supernodes of CHOLMOD's symbolic factor. The front of a supernode is the dense matrix of
-its rows, with the columns of B that load its subtree as a border; what its elimination leaves goes to its parent, and the
-border's share, Y^T Y with Y = L^-1 B, straight into the result. (Duff and Reid 1983.) Memory is that of K, of the result
-and of the fronts of one branch, where a bordered factor holds L and Y whole.
+The freedoms are eliminated in supernodes (`hifi.dissection`). The front of a supernode is the dense matrix of its rows,
+with the columns of B that load its subtree as a border; what its elimination leaves goes to its parent. (Duff and Reid
+1983.) For B^T K^-1 B the factor of K is never held, only the fronts under way: the border's share, Y^T Y with Y = L^-1 B,
+goes straight into the result. Memory is that of K, of the result and of the fronts of one branch, where a bordered factor
+holds L and Y whole.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -15,28 +17,32 @@ import scipy.sparse as sp
 from scipy.linalg.blas import dgemm, dsyrk, dtrsm
 from scipy.linalg.lapack import dpotrf
 
-from meshes.arrays import Array, Index
+from rollbench.hifi.dissection import Supernodes
+from rollbench.meshes.arrays import Array, Index
 
 #: Columns of a front that are added at once: of what lies above the diagonal, half this many rows are added in vain.
 WIDTH = 64
 
 
-class Supernodes(NamedTuple):
-    """Symbolic factor: ``order[i]`` is the i-th freedom to eliminate; supernode k has the columns ``first[k]`` to
-    ``first[k + 1]`` and the rows ``rows[start[k]:start[k + 1]]``, sorted, its own columns first."""
-
-    order: Index
-    first: Index
-    start: Index
-    rows: Index
-
-
 class Update(NamedTuple):
-    """What a front leaves its parent: rows, columns of B, and the block ``(rows + columns, rows)``."""
+    """What a front leaves its parent: rows, columns of B, and their blocks ``(rows, rows)``, of which the lower triangle
+    counts, and ``(columns, rows)``."""
 
     rows: Index
     border: Index
     block: Array
+    loads: Array
+
+
+class Eliminated(NamedTuple):
+    """A front that is done: rows, its own columns first; columns of B; L ``(own, own)``, and L^-T multiplied into what
+    stands below it ``(other rows, own)`` and into its border ``(columns of B, own)``."""
+
+    rows: Index
+    border: Index
+    L: Array
+    below: Array
+    share: Array
 
 
 def gram_by_fronts(K: sp.csc_matrix, B: sp.csr_matrix, nodes: Supernodes) -> Array:
@@ -44,12 +50,43 @@ def gram_by_fronts(K: sp.csc_matrix, B: sp.csr_matrix, nodes: Supernodes) -> Arr
 
     Raises ArithmeticError where K is not positive definite.
     """
-    n, m = B.shape
-    place = np.empty(n, dtype=np.int64)
-    place[nodes.order] = np.arange(n)
+    found = np.zeros((B.shape[1], B.shape[1]))
+    for front in _eliminated(K, B, nodes):
+        if front.border.size:
+            found[np.ix_(front.border, front.border)] += front.share @ front.share.T
+    return found
+
+
+def factor_by_fronts(K: sp.csc_matrix, nodes: Supernodes) -> Callable[[Array], Array]:
+    """Solutions K^-1 rhs, ``(n, k)``, for symmetric positive definite K ``(n, n)``, stored whole; L is held.
+
+    Raises ArithmeticError where K is not positive definite.
+    """
+    size = K.shape[0]
+    fronts = list(_eliminated(K, sp.csr_matrix((size, 0)), nodes))
+
+    def solve(rhs: Array) -> Array:
+        x = rhs[nodes.order]
+        for rows, _, L, below, _ in fronts:
+            own, other = slice(rows[0], rows[0] + len(L)), rows[len(L) :]
+            x[own] = dtrsm(1.0, L, x[own], lower=1)
+            x[other] -= below @ x[own]
+        for rows, _, L, below, _ in reversed(fronts):
+            own, other = slice(rows[0], rows[0] + len(L)), rows[len(L) :]
+            x[own] = dtrsm(1.0, L, x[own] - below.T @ x[other], lower=1, trans_a=1)
+        out = np.empty_like(x)
+        out[nodes.order] = x
+        return out
+
+    return solve
+
+
+def _eliminated(K: sp.csc_matrix, B: sp.csr_matrix, nodes: Supernodes) -> Iterator[Eliminated]:
+    """Fronts of K with columns of B as borders, one after another. Raises ArithmeticError as `gram_by_fronts` does."""
+    place = np.empty(K.shape[0], dtype=np.int64)
+    place[nodes.order] = np.arange(K.shape[0])
     owner = np.repeat(np.arange(nodes.first.size - 1), np.diff(nodes.first))
     waiting: dict[int, list[Update]] = {}
-    found = np.zeros((m, m))
     for k in range(nodes.first.size - 1):
         low, high = int(nodes.first[k]), int(nodes.first[k + 1])
         own = nodes.order[low:high]
@@ -57,19 +94,22 @@ def gram_by_fronts(K: sp.csc_matrix, B: sp.csr_matrix, nodes: Supernodes) -> Arr
         children = waiting.pop(k, [])
         loaded, load_of, loads = _entries(B, own)
         border = np.unique(np.concatenate([loaded, *(child.border for child in children)]))
-        front = np.zeros((rows.size + border.size, rows.size), order="F")
+        front, bordering = (np.zeros((size, rows.size), order="F") for size in (rows.size, border.size))
         coupled, column, stiffness = _entries(K, own)
         at = place[coupled]
         kept = at >= low
         front[np.searchsorted(rows, at[kept]), column[kept]] = stiffness[kept]
-        front[rows.size + np.searchsorted(border, loaded), load_of] = loads
+        bordering[np.searchsorted(border, loaded), load_of] = loads
         for child in children:
             down = np.searchsorted(rows, child.rows)
-            all_ = np.concatenate([down, rows.size + np.searchsorted(border, child.border)])
-            _extend_add(front, all_, down, child.block)
+            _add_lower(front, down, child.block)
+            if child.border.size:
+                bordering[np.ix_(np.searchsorted(border, child.border), down)] += child.loads
         children.clear()
-        _eliminate(front, high - low, rows, border, found, waiting, owner)
-    return found
+        done, block, left = _eliminate(front, bordering, high - low, rows, border)
+        if block.size:
+            waiting.setdefault(int(owner[rows[high - low]]), []).append(Update(rows[high - low :], border, block, left))
+        yield done
 
 
 def _entries(A: sp.csc_matrix | sp.csr_matrix, own: Index) -> tuple[Index, Index, Array]:
@@ -81,31 +121,25 @@ def _entries(A: sp.csc_matrix | sp.csr_matrix, own: Index) -> tuple[Index, Index
     return A.indices[at].astype(np.int64), of, A.data[at]
 
 
-def _extend_add(front: Array, rows: Index, columns: Index, block: Array) -> None:
+def _add_lower(front: Array, places: Index, block: Array) -> None:
     """Add a child's block to its rows and columns of a front, columns ``WIDTH`` by ``WIDTH`` from the diagonal down."""
-    flat, start = front.ravel(order="K"), columns * front.shape[0]
-    for k in range(0, columns.size, WIDTH):
+    flat, start = front.ravel(order="K"), places * front.shape[0]
+    for k in range(0, places.size, WIDTH):
         own = slice(k, k + WIDTH)
-        np.add.at(flat, (start[own, None] + rows[k:]).ravel(), block[k:, own].ravel(order="F"))
+        np.add.at(flat, (start[own, None] + places[k:]).ravel(), block[k:, own].ravel(order="F"))
 
 
-def _eliminate(
-    front: Array, count: int, rows: Index, border: Index, found: Array, waiting: dict[int, list[Update]], owner: Index
-) -> None:
-    """Eliminate the first ``count`` columns of a front: its border's share into ``found``, the rest to its parent."""
+def _eliminate(front: Array, bordering: Array, count: int, rows: Index, border: Index) -> tuple[Eliminated, Array, Array]:
+    """Eliminate the first ``count`` columns of a front and its border; what is left of both for the parent."""
     L, fault = dpotrf(front[:count, :count], lower=1)
     if fault:
         raise ArithmeticError(int(rows[0]) + int(fault) - 1)
-    if front.shape[0] == count:
-        return
-    below = dtrsm(1.0, L, front[count:, :count], side=1, lower=1, trans_a=1)
-    inner = rows.size - count
-    share = below[inner:]
-    if border.size:
-        found[np.ix_(border, border)] += share @ share.T
-    if inner:  # of the rows' own block the lower triangle counts
-        rest = np.empty((below.shape[0], inner), order="F")
-        rest[:inner] = dsyrk(-1.0, below[:inner], 1.0, front[count : rows.size, count:], lower=1)
-        if border.size:
-            rest[inner:] = dgemm(-1.0, share, below[:inner], 1.0, front[rows.size :, count:], trans_b=1)
-        waiting.setdefault(int(owner[rows[count]]), []).append(Update(rows[count:], border, rest))
+    below, share = front[count:, :count], bordering[:, :count]
+    block, left = front[count:, count:], bordering[:, count:]
+    if below.size:
+        below = dtrsm(1.0, L, below, side=1, lower=1, trans_a=1)
+        block = dsyrk(-1.0, below, 1.0, block, lower=1)
+    if share.size:
+        share = dtrsm(1.0, L, share, side=1, lower=1, trans_a=1)
+        left = dgemm(-1.0, share, below, 1.0, left, trans_b=1, overwrite_c=1) if below.size else left
+    return Eliminated(rows, border, L, below, share), block, left

@@ -19,13 +19,13 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.linalg.lapack import dpotrs
 
-from hifi.compliance import picked_factor
-from hifi.hertz import HertzSolution, hertz
-from hifi.patch import CondensedPatch
-from hifi.pressures import mean_weights
-from meshes.arrays import Array
-from meshes.groove_map import GrooveMap
-from meshes.parts import Material
+from rollbench.hifi.compliance import picked_factor
+from rollbench.hifi.hertz import HertzSolution, hertz
+from rollbench.hifi.patch import CondensedPatch
+from rollbench.hifi.pressures import mean_weights
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.parts import Material
 
 Flags = NDArray[np.bool_]
 

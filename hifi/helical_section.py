@@ -17,9 +17,9 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 from skfem import Basis, ElementQuad2, ElementVector, MeshQuad
 
-from meshes.arrays import Array
-from meshes.groove_map import GrooveMap
-from meshes.parts import Material
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.parts import Material
 
 Mean = Callable[[Array], list[Array]]
 

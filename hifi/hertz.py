@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
-from meshes.arrays import Array
+from rollbench.meshes.arrays import Array
 
 #: Thinnest ellipse the quadrature is meant for, b/a.
 THINNEST = 1e-3

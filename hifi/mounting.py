@@ -22,12 +22,12 @@ from itertools import pairwise
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, qr
 
-from hifi.cut import at_high, at_low
-from hifi.response import transport
-from hifi.shaft import ShaftSection, beam_stiffness
-from meshes.arrays import Array
-from meshes.groove_map import GrooveMap
-from meshes.parts import FREEDOMS, Scene
+from rollbench.hifi.cut import at_high, at_low
+from rollbench.hifi.response import transport
+from rollbench.hifi.shaft import ShaftSection, beam_stiffness
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.parts import FREEDOMS, Scene
 
 
 @dataclass(frozen=True)

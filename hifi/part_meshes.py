@@ -8,19 +8,20 @@ from typing import Literal
 
 import numpy as np
 
-from hifi.bodies import Socket
-from hifi.fit import Settings, ball_place, patch_lines, socket_size
-from hifi.patch import PatchMesh, build_patch, build_tet_patch
-from meshes.arrays import Array
-from meshes.ball_body import BallBody, build_ball
-from meshes.cache import Cache
-from meshes.groove_map import GrooveMap
-from meshes.grooved_body import BodySpec, GroovedBody, build_body
-from meshes.helix import BallLayout
-from meshes.parts import Scene
-from meshes.sockets import SocketMesh, SocketSize
-from meshes.solid import Dimensions
-from meshes.tet_patch import build_tets, source_box
+from rollbench.hifi.bodies import Socket
+from rollbench.hifi.fit import ball_place, patch_lines, socket_size
+from rollbench.hifi.patch import PatchMesh, build_patch, build_tet_patch
+from rollbench.hifi.settings import Settings
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.ball_body import BallBody, build_ball
+from rollbench.meshes.cache import Cache
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.grooved_body import BodySpec, GroovedBody, build_body
+from rollbench.meshes.helix import BallLayout
+from rollbench.meshes.parts import Scene
+from rollbench.meshes.sockets import SocketMesh, SocketSize
+from rollbench.meshes.solid import Dimensions
+from rollbench.meshes.tet_patch import build_tets, source_box
 
 #: Edges [m] of first-order tetrahedra tried at a patch's rim; long ones may be turned inside out by the map to space.
 RIM_EDGES = (0.5e-3, 0.35e-3, 0.25e-3, 0.15e-3)
@@ -28,6 +29,17 @@ RIM_EDGES = (0.5e-3, 0.35e-3, 0.25e-3, 0.15e-3)
 CARRIER = 0.5
 #: Contact as a socket of a body: (azimuth [rad], z [m], side).
 Place = tuple[float, float, int]
+
+
+@dataclass(frozen=True)
+class Sockets:
+    """What the patches of one side fit: sockets of groove and ball; socket size, contact zone and widths as in `Meshes`."""
+
+    groove: SocketMesh
+    ball: SocketMesh
+    size: SocketSize
+    zone: tuple[float, float]
+    widths: tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -40,6 +52,11 @@ class Meshes:
     size: SocketSize
     zone: tuple[float, float]
     widths: tuple[float, float]
+
+    def sockets(self, side: int) -> Sockets:
+        """What the patches of a side fit."""
+        body = self.screw if side < 2 else self.nut
+        return Sockets(body.sockets[side], self.ball.sockets[side], self.size, self.zone, self.widths)
 
 
 def mesh_parts(
@@ -82,10 +99,9 @@ def mesh_parts(
         dims.groove_ends,
     )
     sockets = tuple(ball_place(m, size, s, zone)[0] for s in sides)
-    recipe = (m, sockets, settings.ball_fine, settings.ball_coarse, size.cuts)
-    ball = cache.get("ball", recipe, lambda: build_ball(*recipe), BallBody)
-    screw = cache.get("screw", (m, screw_spec), lambda: build_body(m, screw_spec), GroovedBody)
-    outer = cache.get("nut", (m, nut_spec), lambda: build_body(m, nut_spec), GroovedBody)
+    ball = cache.get(build_ball, (m, sockets, settings.ball_fine, settings.ball_coarse, size.cuts), BallBody)
+    screw = cache.get(build_body, (m, screw_spec), GroovedBody)
+    outer = cache.get(build_body, (m, nut_spec), GroovedBody)
     return Meshes(screw, outer, ball, size, zone, widths)
 
 
@@ -112,14 +128,16 @@ def body_kind(settings: Settings) -> Literal["P1", "P2"]:
 
 
 def carrier_mesh(
-    meshes: Meshes, socket: SocketMesh, place: Callable[[Array], Array], settings: Settings
+    meshes: Meshes | Sockets, socket: SocketMesh, place: Callable[[Array], Array], settings: Settings
 ) -> PatchMesh | None:
     """The patch that stands for a finer one of hexahedra where only what it passes on to its body counts."""
     coarse = replace(settings, b_over_h=CARRIER * settings.b_over_h)
     return patch_mesh(meshes, socket, place, coarse) if settings.element == "Q2" else None
 
 
-def patch_mesh(meshes: Meshes, socket: SocketMesh, place: Callable[[Array], Array], settings: Settings) -> PatchMesh:
+def patch_mesh(
+    meshes: Meshes | Sockets, socket: SocketMesh, place: Callable[[Array], Array], settings: Settings
+) -> PatchMesh:
     """Mesh of a patch in a socket: graded hexahedra, or the source's tetrahedra."""
     lines, zone = patch_lines(settings, meshes.widths, meshes.size.depth)
     if settings.element == "Q2":

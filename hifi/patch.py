@@ -12,22 +12,21 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import product
-from time import perf_counter
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 from skfem import ElementLineP2, Mesh, condense
 
-from hifi.assembly import CurvedMap, assemble
-from hifi.forms import elasticity
-from hifi.pressures import contact_weights, mean_weights
-from hifi.response import compliance
-from hifi.solvers import factor
-from meshes.arrays import Array, Index
-from meshes.fem import cells_of, freedoms_on, kind_of, mesh_of, moved, named, points_of, tensor_grid
-from meshes.sockets import SocketMesh
-from meshes.tet_patch import LocalTets, signed_volumes
+from rollbench.hifi.assembly import CurvedMap, assemble
+from rollbench.hifi.forms import elasticity
+from rollbench.hifi.pressures import contact_weights, mean_weights
+from rollbench.hifi.response import compliance
+from rollbench.hifi.solvers import factor
+from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.fem import cells_of, freedoms_on, kind_of, mesh_of, moved, named, points_of, tensor_grid
+from rollbench.meshes.sockets import SocketMesh
+from rollbench.meshes.tet_patch import LocalTets, signed_volumes
 
 Flags = NDArray[np.bool_]
 
@@ -88,7 +87,7 @@ class CondensedPatch:
     """A ``(c, c)``, H ``(c, 3k)``, S ``(3k, 3k)`` for c pressure hats, one at each contact node, and k socket nodes;
     contact points and normals ``(c, 3)``, areas of the hats ``(c,)`` [m2], which nodes are the zone's outermost ``(c,)``,
     the shape of their grid (None: no grid), weights W ``(c, c)`` of hats (rows) at displacements (columns) [m2]; points of
-    the socket's nodes ``(k, 3)`` [m] in the patch's frame; unknowns and seconds it took."""
+    the socket's nodes ``(k, 3)`` [m] in the patch's frame; unknowns."""
 
     A: Array
     H: Array
@@ -101,7 +100,6 @@ class CondensedPatch:
     weights: sp.csr_matrix
     socket: Array
     unknowns: int
-    seconds: float
 
 
 def graded(inner: float, step: float, growth: float) -> Array:
@@ -341,7 +339,6 @@ def condense_patch(
     Exact, or with the coarser patch ``carrier`` of the same socket in its stead: H and S, smooth as they are, hardly
     change, A does. Raises ValueError where the contact zone reaches the patch's rim.
     """
-    begin = perf_counter()
     part = _partition(mesh, normals, young, poisson, carrier)
     boundary = (part.tie.T @ (part.outer_stiffness @ part.tie)).toarray()
     c = part.forces.shape[1]
@@ -359,7 +356,6 @@ def condense_patch(
         weights=mesh.weights,
         socket=mesh.socket,
         unknowns=3 * (mesh.mesh.doflocs.shape[1] - mesh.interface.size),
-        seconds=perf_counter() - begin,
     )
 
 

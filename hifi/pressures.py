@@ -14,9 +14,9 @@ import scipy.sparse as sp
 from skfem import ElementHex2, Mesh
 from skfem.quadrature import get_quadrature
 
-from hifi.assembly import faces, products
-from hifi.forms import share
-from meshes.arrays import Array, Index
+from rollbench.hifi.assembly import faces, products
+from rollbench.hifi.forms import share
+from rollbench.meshes.arrays import Array, Index
 
 
 class ElementHexHats(ElementHex2):  # type: ignore[misc]

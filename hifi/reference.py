@@ -7,43 +7,54 @@ distances from the ball's centre; directions and gaps follow the motion of ball 
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from time import perf_counter
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from hifi.balls import State, solve_balls
-from hifi.contact import ContactResult
-from hifi.contact_kinematics import (
+from rollbench.hifi.balls import State, solve_balls
+from rollbench.hifi.contact import ContactResult
+from rollbench.hifi.contact_kinematics import (
     along_track,
     directions_matrix,
     expected_touch,
     groove_errors,
     over_hats,
-    places,
     relative_motion,
     screw_rows,
     tangent,
     wave_gaps,
 )
-from hifi.coupling import Zones, compliance_of, modal_motion, modal_rows, mounted_screw, screw_modal, spread, zones_of
-from hifi.mounting import Mounted
-from hifi.response import transport
-from hifi.setup import Setup
-from meshes.arrays import Array, Index
-from meshes.errors import specimen
-from meshes.parts import Scene
+from rollbench.hifi.coupling import (
+    Zones,
+    compliance_of,
+    modal_motion,
+    modal_rows,
+    mounted_screw,
+    screw_modal,
+    spread,
+    zones_of,
+)
+from rollbench.hifi.mounting import Mounted
+from rollbench.hifi.response import transport
+from rollbench.hifi.setup import Setup
+from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.parts import Scene
 
-#: Change of the relative motions [m] below which directions and gaps count as settled.
-SETTLED = 2e-9
-#: Weight there of what contacts still stand off along the track: 0.1 um turns a resultant by 4e-5 rad.
-SLIDE = 0.02
+#: Change of any contact's load that is left when directions and gaps count as settled, over the mean load: a hundredth of
+#: what the mesh leaves open on the finest level (0.1 %).
+SETTLED = 1e-5
+#: Times at most that directions and gaps follow the motion; most scenes take three or four.
+ROUNDS = 30
+#: Largest ratio of changes by which a rest is told: slower ones are as good as none.
+SLOWEST = 0.99
 AT_RIM = "a contact reaches the rim of its patch: the expected semi-axes are too small"
-#: Times that smaller a change of what the grid's wave does to a gap must be: it closes the gap in full.
-WAVE = 20.0
-#: Rounds allowed to it where directions are frozen.
-ROUNDS = 6
+#: Seconds after which every round of a solution is told.
+SLOW = 5.0
 #: Ingredients of the reference that can be left out, to see what they change.
 INGREDIENTS = ("elastic nut", "3D shaft", "finite ball", "patch coupling", "moving normals")
 
@@ -52,7 +63,8 @@ INGREDIENTS = ("elastic nut", "3D shaft", "finite ball", "patch coupling", "movi
 class ReferenceResult:
     """Loads ``(n, 4)`` [N], contact angles ``(n, 4)`` [rad], ball motions ``(n, 3)`` [m], centreline: stations ``(s,)`` [m]
     and motions ``(s, 6)``, contact record, residuals, unknowns (of the equivalent monolithic mesh), seconds by stage,
-    status."""
+    updates of directions and gaps, status; moving: what more of them may still change of any load [N] where these did not
+    settle, else 0."""
 
     status: str
     load: Array
@@ -69,28 +81,33 @@ class ReferenceResult:
     unknowns: int
     seconds: dict[str, float]
     updates: int
+    moving: float
 
 
 def solve_reference(
     setup: Setup,
     scene: Scene,
     *,
-    updates: int = 6,
+    updates: int = ROUNDS,
     sides: tuple[int, ...] | None = None,
     leave_out: frozenset[str] = frozenset(),
+    step: Callable[[str], None] = lambda _: None,
 ) -> ReferenceResult:
     """Loads of a load case or error pattern of a prepared geometry.
 
-    updates: how often directions and gaps follow the motion at most (0: frozen at the nominal state); sides: those that
-    may touch (all prepared ones if left out); leave_out: some of ``INGREDIENTS``. Raises ValueError for others.
+    updates: how often directions and gaps follow the motion at most (0: frozen at the nominal state, gaps follow the grid's
+    wave alone); sides: those that may touch (all prepared ones if left out); leave_out: some of ``INGREDIENTS``;
+    step: hears of every round of a solution that takes long. Raises ValueError for other ingredients.
     """
     if leave_out - set(INGREDIENTS):
         raise ValueError(f"unknown ingredients {sorted(leave_out - set(INGREDIENTS))}")
     with threadpool_limits(1):  # many small factors: the threads of two BLAS libraries only wait for one another
-        return _solve(setup, scene, updates, setup.sides if sides is None else sides, leave_out)
+        return _solve(setup, scene, updates, setup.sides if sides is None else sides, leave_out, step)
 
 
-def _solve(setup: Setup, scene: Scene, updates: int, sides: tuple[int, ...], leave_out: frozenset[str]) -> ReferenceResult:
+def _solve(
+    setup: Setup, scene: Scene, updates: int, sides: tuple[int, ...], leave_out: frozenset[str], step: Callable[[str], None]
+) -> ReferenceResult:
     begin = perf_counter()
     sides = tuple(s for s in setup.sides if s in sides)
     moving = updates > 0 and "moving normals" not in leave_out
@@ -107,8 +124,11 @@ def _solve(setup: Setup, scene: Scene, updates: int, sides: tuple[int, ...], lea
     shift, level, slid = np.zeros((count, n, 3)), np.zeros((count, n)), np.zeros((count, n))
     along = along_track(setup, sides)
     state: State | None = None
+    found: list[Array] = []
     done = 0
     while True:
+        if perf_counter() - begin > SLOW:
+            step(f"contacts of {scene.name}: round {done + 1}, {perf_counter() - begin:.0f} s")
         arms = nominal[None] + errors - shift
         length = np.linalg.norm(arms, axis=2)
         directions = arms / length[..., None]
@@ -121,28 +141,26 @@ def _solve(setup: Setup, scene: Scene, updates: int, sides: tuple[int, ...], lea
         rest = (gap + level).ravel() + load_motion
         touching = tuple(expected_touch(gap, zones)) if state is None else ()
         result, state = solve_balls(C, rest, N, f, start=state, touching=touching)
-        new = relative_motion(setup, result, C, directions, zones, at_rest, by_screw @ mounted.motions)
-        smoothed = wave_gaps(setup, zones, result.forces.reshape(count, n), directions)
-        place = places(setup, zones, result.forces.reshape(count, n))
-        moved = max(float(np.abs(new - shift).max()), SLIDE * float(np.abs(place).max()))
-        change = max(moved * moving, WAVE * float(np.abs(smoothed - level).max()))
-        if not result.converged:
+        forces = result.forces.reshape(count, n)
+        vectors = forces[..., None] * directions
+        load, angle = _loads(setup, vectors, zones)
+        found = [*found[-2:], load]
+        left = left_over(found)
+        if not result.converged or left <= SETTLED * _mean(load) or done == (updates or ROUNDS):
             break
-        shift, slid, level = (new, slid + place, smoothed) if moving else (shift, slid, smoothed)
-        if change < SETTLED or done == max(updates, ROUNDS):
-            break
+        if moving:
+            shift, slid = relative_motion(setup, result, C, directions, zones, at_rest, by_screw @ mounted.motions)
+        level = wave_gaps(setup, zones, forces, directions)
         done += 1
-    forces = result.forces.reshape(count, n)
-    vectors = forces[..., None] * directions
-    load, angle = _loads(setup, vectors, zones)
     net = vectors.sum(axis=1)
     largest = max(float(load.max()), 1e-300)
     y3 = tangent(setup)
-    status = result.status
+    status, may_move = result.status, 0.0
     if status == "converged" and _at_rim(setup, forces, zones):
         status = AT_RIM
-    elif status == "converged" and change >= SETTLED:
-        status = f"directions and gaps still move by {1e9 * change:.1f} nm after {done} updates"
+    elif status == "converged" and left > SETTLED * _mean(load):
+        status = f"not settled: loads may still move by {left:.2g} N after {done} updates of directions and gaps"
+        may_move = left
     stations, line = _centreline(mounted, own_rows, screw_modal(setup, C, result, sides), result.motions[3 * count :])
     free = np.abs(N[:, 3 * count :].T @ result.forces - mounted.work).max(initial=0.0)
     return ReferenceResult(
@@ -161,7 +179,23 @@ def _solve(setup: Setup, scene: Scene, updates: int, sides: tuple[int, ...], lea
         setup.unknowns,
         {**setup.seconds, "contact": perf_counter() - begin},
         done,
+        may_move,
     )
+
+
+def left_over(loads: Sequence[Array]) -> float:
+    """What the rounds to come would still change at most of any load, by the loads of the last three: the rest of a
+    geometric series, last change x ratio / (1 - ratio); by two the slowest series, by one infinite."""
+    changes = [float(np.abs(b - a).max()) for a, b in pairwise(loads[-3:])]
+    if not changes:
+        return np.inf
+    ratio = min(changes[1] / changes[0], SLOWEST) if len(changes) == 2 and changes[0] > 0.0 else SLOWEST
+    return changes[-1] * ratio / (1.0 - ratio)
+
+
+def _mean(load: Array) -> float:
+    """Mean load [N] of the contacts that carry any."""
+    return float(load[load > 0.0].mean()) if load.any() else 0.0
 
 
 def _loads(setup: Setup, vectors: Array, zones: Zones) -> tuple[Array, Array]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
-from hifi.solvers import gram
-from meshes.arrays import Array
+from rollbench.hifi.solvers import gram
+from rollbench.meshes.arrays import Array
 
 
 def compliance(K: sp.spmatrix, rows: sp.spmatrix) -> Array:

@@ -10,7 +10,7 @@ import numpy as np
 import scipy.sparse as sp
 from skfem import Mesh, condense
 
-from hifi.bodies import (
+from rollbench.hifi.bodies import (
     Socket,
     assemble,
     end_transform,
@@ -21,23 +21,23 @@ from hifi.bodies import (
     of_order,
     patch_modes,
 )
-from hifi.cell import Homogenised, homogenise
-from hifi.fit import Settings
-from hifi.mounting import Stretch
-from hifi.part_meshes import body_kind, placed, sockets_of
-from hifi.patch import CondensedPatch
-from hifi.response import compliance, transport
-from hifi.rigid import rigid_modes
-from hifi.shaft import ShaftSection, round_section
-from hifi.sides import SidePatches
-from meshes.arrays import Array, Index
-from meshes.ball_body import BallBody
-from meshes.fem import nodes_on
-from meshes.groove_map import GrooveMap
-from meshes.grooved_body import GroovedBody
-from meshes.helix import BallLayout
-from meshes.parts import Material, Scene
-from meshes.solid import Dimensions
+from rollbench.hifi.cell import Homogenised, homogenise
+from rollbench.hifi.mounting import Stretch
+from rollbench.hifi.part_meshes import body_kind, placed, sockets_of
+from rollbench.hifi.patch import CondensedPatch
+from rollbench.hifi.response import compliance, transport
+from rollbench.hifi.rigid import rigid_modes
+from rollbench.hifi.settings import Settings
+from rollbench.hifi.shaft import ShaftSection, round_section
+from rollbench.hifi.sides import SidePatches
+from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.ball_body import BallBody
+from rollbench.meshes.fem import nodes_on
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.grooved_body import GroovedBody
+from rollbench.meshes.helix import BallLayout
+from rollbench.meshes.parts import Material, Nut, Screw
+from rollbench.meshes.solid import Dimensions
 
 #: Boundaries of the nut's mesh by where it is held.
 NUT_HELD = {
@@ -102,38 +102,44 @@ def _with_modes(
     return K, mode_rows(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0]), kept
 
 
-def ball_compliance(scene: Scene, mesh: BallBody, patches: dict[int, SidePatches], settings: Settings) -> BallResponse:
+def ball_compliance(
+    material: Material, mesh: BallBody, patches: dict[int, SidePatches], settings: Settings
+) -> BallResponse:
     """How one ball couples the contacts of all its sides, rigid motions held isostatically (its loads balance)."""
     own = {s: p.ball for s, p in patches.items()}
     sockets = [Socket(mesh.socket_nodes[s], np.eye(3), s) for s in own]
-    K, rows, kept = _with_modes(scene.balls.material, mesh.mesh, sockets, own, settings.ball_modes, settings)
+    K, rows, kept = _with_modes(material, mesh.mesh, sockets, own, settings.ball_modes, settings)
     held = isostatic(mesh.points, np.concatenate([s.nodes for s in sockets]))
     free = np.setdiff1d(np.arange(K.shape[0]), held)
     G = compliance(condense(K, D=held, expand=False), rows[:, free])
     return BallResponse(G, {s: k[0] for s, k in kept.items()}, int(free.size))
 
 
-def shaft_section(scene: Scene, m: GrooveMap, dims: Dimensions, size: float, stations: Sequence[float]) -> Shaft:
-    """Section of the shaft beyond the 3D stretch; where no station lies there, any will do."""
-    e, outer = scene.screw.material, scene.screw.outer_diameter / 2.0
-    low, high = dims.ends(scene)
+def shaft_section(
+    screw: Screw, m: GrooveMap, dims: Dimensions, ends: tuple[float, float], size: float, stations: Sequence[float]
+) -> Shaft:
+    """Section of the shaft beyond the 3D stretch, between its ``ends``; where no station lies there, any will do."""
+    e, outer = screw.material, screw.outer_diameter / 2.0
+    low, high = ends
     plain = round_section(outer, e.youngs_modulus, e.poissons_ratio)
     if dims.screw_held == "bore" or all(low <= z <= high for z in stations):
         return Shaft(plain, None)
     if dims.shaft_radius is not None:
         return Shaft(round_section(dims.shaft_radius, e.youngs_modulus, e.poissons_ratio), None)
-    if scene.track.lead == 0.0:
-        if scene.screw.bore == 0.0:
+    if m.rg == 0.0:
+        if screw.bore == 0.0:
             return Shaft(plain, None)
-        bore = round_section(scene.screw.bore / 2.0, e.youngs_modulus, e.poissons_ratio)
+        bore = round_section(screw.bore / 2.0, e.youngs_modulus, e.poissons_ratio)
         own = ShaftSection(plain.EA - bore.EA, plain.EI - bore.EI, plain.GJ - bore.GJ, plain.kGA - bore.kGA)
         return Shaft(own, None)
-    found = homogenise(m, outer, scene.screw.bore / 2.0, dims.hole, e, size)
+    found = homogenise(m, outer, screw.bore / 2.0, dims.hole, e, size)
     return Shaft(found.section, found)
 
 
 def screw_response(
-    scene: Scene,
+    material: Material,
+    nut: Nut,
+    ends: tuple[float, float],
     inside: Sequence[float],
     mesh: GroovedBody,
     layout: BallLayout,
@@ -142,22 +148,23 @@ def screw_response(
     settings: Settings,
     dims: Dimensions,
 ) -> ScrewResponse:
-    """The 3D stretch of the screw, held at its base; ``inside``: stations of supports and loads within it."""
+    """The 3D stretch of the screw between its ``ends``, held at its base; ``inside``: stations of supports and loads
+    within it."""
     places = sockets_of(layout, sides, True)
-    K, modes, kept = _with_modes(scene.screw.material, mesh.mesh, placed(mesh, places), own, settings.modes, settings)
+    K, modes, kept = _with_modes(material, mesh.mesh, placed(mesh, places), own, settings.modes, settings)
     size = K.shape[0]
-    low, high = dims.ends(scene)
+    low, high = ends
     bore = dims.screw_held == "bore"
     T = screw_transform(mesh, dims, high)
-    base = scene.nut.position if bore else low
+    base = nut.position if bore else low
     if bore:
         ports: tuple[float, ...] = ()
         observers: tuple[float, ...] = ()
         rows = modes @ T
     else:
         ports = (high, *inside)
-        half = scene.nut.length / 2.0
-        observers = tuple(float(scene.nut.position + x * half) for x in (-1.0, -0.5, 0.0, 0.5, 1.0))
+        half = nut.length / 2.0
+        observers = tuple(float(nut.position + x * half) for x in (-1.0, -0.5, 0.0, 0.5, 1.0))
         end = sp.csr_matrix((np.ones(6), (np.arange(6), T.shape[1] - 6 + np.arange(6))), (6, T.shape[1]))
         hole = nodes_on(mesh.mesh, "bore")
         follow = [section_motion(mesh.points, hole, z, size) @ T for z in (*inside, *observers)]
@@ -199,7 +206,7 @@ def nut_transform(mesh: GroovedBody, dims: Dimensions) -> sp.csc_matrix:
 
 
 def nut_response(
-    scene: Scene,
+    material: Material,
     mesh: GroovedBody,
     layout: BallLayout,
     sides: tuple[int, ...],
@@ -207,9 +214,9 @@ def nut_response(
     settings: Settings,
     dims: Dimensions,
 ) -> NutResponse:
-    """Response of the nut held where the scene says."""
+    """Response of the nut held where ``dims`` says."""
     sockets = placed(mesh, sockets_of(layout, sides, False))
-    K, rows, kept = _with_modes(scene.nut.material, mesh.mesh, sockets, own, settings.modes, settings)
+    K, rows, kept = _with_modes(material, mesh.mesh, sockets, own, settings.modes, settings)
     T = nut_transform(mesh, dims)
     K = (T.T @ K @ T).tocsc()
     return NutResponse(compliance(K, rows @ T), {s: k[0] for s, k in kept.items()}, T.shape[1])

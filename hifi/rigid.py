@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from meshes.arrays import Array
+from rollbench.meshes.arrays import Array
 
 
 def rigid_modes(points: Array, centre: Array | None = None) -> Array:

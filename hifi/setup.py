@@ -9,16 +9,16 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 
-from hifi.cell import Homogenised
-from hifi.fit import Settings
-from hifi.mounting import as_stiff_as, without_cuts
-from hifi.part_meshes import Meshes, mesh_parts
-from hifi.responses import (
+from rollbench.hifi.cell import Homogenised
+from rollbench.hifi.mounting import as_stiff_as, without_cuts
+from rollbench.hifi.part_meshes import Meshes, mesh_parts
+from rollbench.hifi.responses import (
     BallResponse,
     NutResponse,
     ScrewResponse,
@@ -28,15 +28,16 @@ from hifi.responses import (
     screw_response,
     shaft_section,
 )
-from hifi.shaft import ShaftSection
-from hifi.side_by_side import Part, make
-from hifi.sides import SidePatches, condense_side, congruent, turned
-from meshes.cache import Cache
-from meshes.groove_map import GrooveMap
-from meshes.helix import BallLayout, ball_layout
-from meshes.parts import Scene
-from meshes.sockets import AZIMUTH_TURNED
-from meshes.solid import Dimensions, dimensions
+from rollbench.hifi.settings import Settings
+from rollbench.hifi.shaft import ShaftSection
+from rollbench.hifi.side_by_side import Part, make
+from rollbench.hifi.sides import SidePatches, condense_side, congruent, side_of, turned
+from rollbench.meshes.cache import Cache
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.helix import BallLayout, ball_layout
+from rollbench.meshes.parts import Scene
+from rollbench.meshes.sockets import AZIMUTH_TURNED
+from rollbench.meshes.solid import Dimensions, dimensions
 
 Step = Callable[[str], None]
 #: Contacts up to which screw and nut are condensed at once: with more, each takes gigabytes.
@@ -47,8 +48,8 @@ TOGETHER = 160
 class Setup:
     """Everything of one geometry that load cases share; ``nut`` is None where it is rigid.
 
-    seconds: of every stage (their sum passed on the clock: of stages made at once each has a share); others_MB: sum of the
-    peaks of memory of the other processes that helped.
+    seconds: of every stage, of records that came from the cache those that they took when they were made (of stages made
+    at once each has a share of the clock's); others_MB: sum of the peaks of memory of the other processes that helped.
     """
 
     scene: Scene
@@ -77,18 +78,20 @@ class _Stages:
         self.seconds: dict[str, float] = {}
         self.others: dict[int, float] = {}
 
-    def told(self, stage: str, spent: float, cached: Sequence[bool]) -> None:
-        """Keep and tell the seconds of a stage, of whose records some came from the cache."""
+    def told(self, stage: str, spent: float, cached: Sequence[bool], cold: float) -> None:
+        """Tell the seconds that a stage took, of whose records some came from the cache; keep those that it takes cold."""
         origin = "" if not any(cached) else ", from the cache" if all(cached) else ", partly from the cache"
-        self.seconds[stage] = spent
+        self.seconds[stage] = cold
         self.step(f"{stage}: {spent:.1f} s{origin}")
 
     def meshed(self, build: Callable[[], Meshes]) -> Meshes:
         """The meshes, which read the cache themselves."""
-        start, hits, misses = perf_counter(), self.cache.hits, self.cache.misses
+        start, cache = perf_counter(), self.cache
+        hits, misses, cold = cache.hits, cache.misses, cache.cold_seconds
         meshes = build()
-        cached = [True] * (self.cache.hits - hits) + [False] * (self.cache.misses - misses)
-        self.told("meshes", perf_counter() - start, cached)
+        cached = [True] * (cache.hits - hits) + [False] * (cache.misses - misses)
+        spent = perf_counter() - start
+        self.told("meshes", spent, cached, cache.cold_seconds - cold)
         return meshes
 
     def made(self, parts: Sequence[Part], processes: int) -> list[Any]:
@@ -98,7 +101,8 @@ class _Stages:
         share = (perf_counter() - start) / max(sum(one.seconds for one in found), 1e-9)
         for stage in dict.fromkeys(part.stage for part in parts):
             own = [one for part, one in zip(parts, found, strict=True) if part.stage == stage]
-            self.told(stage, share * sum(one.seconds for one in own), [one.cached for one in own])
+            cold = sum((1.0 if one.cached else share) * one.cold_seconds for one in own)
+            self.told(stage, share * sum(one.seconds for one in own), [one.cached for one in own], cold)
         for one in found:
             if one.process != os.getpid() and one.peak_MB is not None:
                 self.others[one.process] = max(self.others.get(one.process, 0.0), one.peak_MB)
@@ -123,7 +127,7 @@ def prepare(
     """
     stages = _Stages(cache or Cache(None), step)
     m, layout, dims = GrooveMap.of(scene), ball_layout(scene), dimensions(scene)
-    meshes = stages.meshed(lambda: mesh_parts(scene, m, layout, dims, sides, settings, stages.cache))
+    meshes = stages.meshed(partial(mesh_parts, scene, m, layout, dims, sides, settings, stages.cache))
     parts = _patch_parts(scene, m, dims, meshes, sides, settings)
     condensed = dict(zip(parts, stages.made(list(parts.values()), processes), strict=True))
     patches = {s: condensed[s] if s in condensed else turned(condensed[s - 1]) for s in sides}
@@ -164,11 +168,7 @@ def _patch_parts(
     for s in sides:
         alike = s - 1 in sides and settings.element == "Q2" and congruent(m, s) and _same_boxes(meshes, s)
         if not alike:
-            body, part = (meshes.screw, scene.screw) if s < 2 else (meshes.nut, scene.nut)
-            groove, ball = body.sockets[s], meshes.ball.sockets[s]
-            boxes = (groove.xi, groove.triangles, ball.xi, ball.triangles)
-            recipe = (m, dims, meshes.size, s, settings, *boxes, part, scene.balls.material)
-            parts[s] = Part("patches", "patch", recipe, condense_side, (scene, m, dims, meshes, s, settings), SidePatches)
+            parts[s] = Part("patches", condense_side, side_of(scene, m, dims, meshes, s, settings), SidePatches)
     return parts
 
 
@@ -184,22 +184,18 @@ def _body_parts(
     stations: tuple[float, ...],
 ) -> list[Part]:
     """Shaft, screw, nut (where it is elastic) and ball, as parts to be made; stations of supports and loads [m]."""
-    low, high = dims.ends(scene)
-    inside = tuple(z for z in stations if low < z < high)
+    screw, nut, ball, ends = scene.screw, scene.nut, scene.balls.material, dims.ends(scene)
+    inside = tuple(z for z in stations if ends[0] < z < ends[1])
     own = {s: p.groove for s, p in patches.items() if s < 2}
     facing = {s: p.groove for s, p in patches.items() if s >= 2}
-    shaft_of = (m, dims, scene.screw, low, high, stations, settings.cell)
-    screw_of = (meshes.screw.points, meshes.screw.cells, own, layout, sides, settings, dims, scene.screw, scene.nut, inside)
-    screw_from = (scene, inside, meshes.screw, layout, sides, own, settings, dims)
-    nut_of = (meshes.nut.points, meshes.nut.cells, facing, layout, sides, settings, dims, scene.nut)
-    nut_from = (scene, meshes.nut, layout, sides, facing, settings, dims)
-    ball_of = (meshes.ball.points, meshes.ball.cells, scene.balls.material, patches, settings)
-    nut = [Part("nut", "nut-response", nut_of, nut_response, nut_from, NutResponse)]
+    of_screw = (screw.material, nut, ends, inside, meshes.screw, layout, sides, own, settings, dims)
+    of_nut = (nut.material, meshes.nut, layout, sides, facing, settings, dims)
+    nuts = [Part("nut", nut_response, of_nut, NutResponse)]
     return [
-        Part("shaft section", "shaft", shaft_of, shaft_section, (scene, m, dims, settings.cell, stations), Shaft),
-        Part("screw", "screw-response", screw_of, screw_response, screw_from, ScrewResponse),
-        *(nut if scene.solid.nut == "elastic" else []),
-        Part("ball", "ball-response", ball_of, ball_compliance, (scene, meshes.ball, patches, settings), BallResponse),
+        Part("shaft section", shaft_section, (screw, m, dims, ends, settings.cell, stations), Shaft),
+        Part("screw", screw_response, of_screw, ScrewResponse),
+        *(nuts if scene.solid.nut == "elastic" else []),
+        Part("ball", ball_compliance, (ball, meshes.ball, patches, settings), BallResponse),
     ]
 
 

@@ -3,24 +3,27 @@
 from __future__ import annotations
 
 import os
+from collections import deque
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from time import perf_counter
 from typing import Any, Generic, NamedTuple, TypeVar
 
-from meshes.cache import Cache
-from meshes.memory import peak_MB, reset_peak
+from threadpoolctl import threadpool_limits
+
+from rollbench.meshes.cache import Cache
+from rollbench.meshes.memory import peak_MB, reset_peak
+from rollbench.meshes.workers import end_with_parent
 
 T = TypeVar("T")
 
 
 class Part(NamedTuple):
-    """A record to be made, or read from the cache: kind, recipe and class as for `Cache.get`; a function and its arguments
-    that make it, picklable; name of its stage."""
+    """A record to be made, or read from the cache: name of its stage; function, arguments and class as for `Cache.get`, all
+    picklable."""
 
     stage: str
-    kind: str
-    recipe: object
     build: Callable[..., Any]
     arguments: tuple[Any, ...]
     type_: type
@@ -28,43 +31,71 @@ class Part(NamedTuple):
 
 @dataclass(frozen=True)
 class Made(Generic[T]):
-    """A record, seconds it took, whether it came from the cache; process that made it, and its peak of memory [MB] (None:
-    not measured)."""
+    """A record, seconds it took, whether it came from the cache, seconds it took when it was made; process that made it,
+    and its peak of memory [MB] (None: not measured); why that process writes nothing to the cache any more."""
 
     value: T
     seconds: float
     cached: bool
+    cold_seconds: float
     process: int
     peak_MB: float | None
+    cache_fault: str = ""
 
 
 def make(parts: Sequence[Part], cache: Cache, processes: int) -> list[Made[Any]]:
-    """Records of independent parts, in their order, by so many processes at once, one thread each; by this one alone for
-    one. Raises what a part raises, and MemoryError where a process was ended from outside."""
+    """Records of independent parts, in their order, by so many processes at once, this one among them, one thread each; by
+    this one alone for one. Raises what a part raises, and MemoryError where a process was ended from outside."""
     if processes == 1 or len(parts) < 2:
         return [_make(part, cache) for part in parts]
-    from joblib import Parallel, delayed, parallel_config
+    from joblib.executor import get_memmapping_executor  # the workers of joblib.Parallel, not others beside them
     from joblib.externals.loky.process_executor import BrokenProcessPool
 
-    with parallel_config(backend="loky", inner_max_num_threads=1):
+    helpers = min(processes, len(parts)) - 1
+    others = get_memmapping_executor(helpers, initializer=end_with_parent, initargs=(os.getpid(),), max_nbytes=None)
+    left, made = deque(enumerate(parts)), dict[int, Made[Any]]()
+
+    def take(maker: Callable[[Part], Made[Any]]) -> None:
+        """Make parts until none is left."""
+        while left:
+            try:
+                k, part = left.popleft()
+            except IndexError:  # another one was faster
+                return
+            made[k] = maker(part)
+
+    def helped(part: Part) -> Made[Any]:
+        found: Made[Any] = others.submit(_elsewhere, part, cache).result()
+        return found
+
+    with ThreadPoolExecutor(helpers) as threads, threadpool_limits(1):
+        helping = [threads.submit(take, helped) for _ in range(helpers)]
         try:
-            made = Parallel(n_jobs=processes, batch_size=1, max_nbytes=None)(
-                delayed(_elsewhere)(part, cache) for part in parts
-            )
+            take(lambda part: _make(part, cache))
+            for one in helping:
+                one.result()
         except BrokenProcessPool as error:
             raise MemoryError("a process of the set-up was ended from outside: is there memory for it?") from error
-    cache.hits += sum(one.cached for one in made)
-    cache.misses += sum(not one.cached for one in made)
-    return list(made)
+        finally:
+            left.clear()
+    away = [one.cached for one in made.values() if one.process != os.getpid()]
+    cache.hits += sum(away)
+    cache.misses += len(away) - sum(away)
+    for record in made.values():
+        cache.report(record.cache_fault)
+    return [made[k] for k in range(len(parts))]
 
 
 def _elsewhere(part: Part, cache: Cache) -> Made[Any]:
     """In another process, whose record of memory starts anew."""
     reset_peak()
-    return _make(part, cache)
+    cache.quiet = True
+    with threadpool_limits(1):
+        return _make(part, cache)
 
 
 def _make(part: Part, cache: Cache) -> Made[Any]:
-    start, hits = perf_counter(), cache.hits
-    value = cache.get(part.kind, part.recipe, lambda: part.build(*part.arguments), part.type_)
-    return Made(value, perf_counter() - start, cache.hits > hits, os.getpid(), peak_MB())
+    start, hits, cold = perf_counter(), cache.hits, cache.cold_seconds
+    value = cache.get(part.build, part.arguments, part.type_)
+    spent, known = perf_counter() - start, cache.cold_seconds - cold
+    return Made(value, spent, cache.hits > hits, known, os.getpid(), peak_MB(), cache.fault)

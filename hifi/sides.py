@@ -7,24 +7,27 @@ from functools import partial
 
 import numpy as np
 
-from hifi.bodies import patch_modes
-from hifi.fit import Settings, ball_place
-from hifi.grid_wave import GridWave, grid_wave
-from hifi.part_meshes import Meshes, carrier_mesh, patch_mesh, patch_normals, rotation
-from hifi.patch import CondensedPatch, condense_patch
-from hifi.submodel import Piece, coarse_compliance, fine_compliance, own_compliance
-from meshes.arrays import Array
-from meshes.ball_body import build_ball
-from meshes.groove_map import GrooveMap
-from meshes.grooved_body import BodySpec, GroovedBody, build_body
-from meshes.parts import Material, Scene
-from meshes.sockets import SocketMesh, local_points, reach
-from meshes.solid import Dimensions
+from rollbench.hifi.bodies import patch_modes
+from rollbench.hifi.fit import ball_place
+from rollbench.hifi.grid_wave import GridWave, grid_wave
+from rollbench.hifi.part_meshes import Meshes, Sockets, carrier_mesh, patch_mesh, patch_normals, rotation
+from rollbench.hifi.patch import CondensedPatch, condense_patch
+from rollbench.hifi.settings import Settings
+from rollbench.hifi.submodel import Piece, coarse_compliance, fine_compliance, own_compliance
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.ball_body import build_ball
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.grooved_body import BodySpec, GroovedBody, build_body
+from rollbench.meshes.parts import Material, Scene
+from rollbench.meshes.sockets import SocketMesh, local_points, reach
+from rollbench.meshes.solid import Dimensions
 
 #: Length of a submodel beyond its socket, over the ball's radius: what the mesh of the coarse body has wrong has died out.
 BEYOND = 1.5
 #: Turn by 180 degrees about the radius through a ball at azimuth 0: left flanks onto right ones.
 TURN = np.array([1.0, -1.0, -1.0])
+
+SideArguments = tuple[GrooveMap, int, tuple[float, float], tuple[Material, Material], Sockets, Settings]
 
 
 @dataclass(frozen=True)
@@ -39,36 +42,46 @@ class SidePatches:
     wave: GridWave | None
 
 
+def side_of(scene: Scene, m: GrooveMap, dims: Dimensions, meshes: Meshes, side: int, settings: Settings) -> SideArguments:
+    """Arguments of `condense_side` for a side of a scene."""
+    part, inner = (scene.screw, dims.hole) if side < 2 else (scene.nut, dims.land)
+    radii, materials = (inner, part.outer_diameter / 2.0), (part.material, scene.balls.material)
+    return m, side, radii, materials, meshes.sockets(side), settings
+
+
 def condense_side(
-    scene: Scene, m: GrooveMap, dims: Dimensions, meshes: Meshes, side: int, settings: Settings
+    m: GrooveMap,
+    side: int,
+    radii: tuple[float, float],
+    materials: tuple[Material, Material],
+    sockets: Sockets,
+    settings: Settings,
 ) -> SidePatches:
     """Condensed patches of groove and ball at one side, on the same contact nodes, and their own compliance.
 
-    Raises ValueError where the contact nodes of both do not match, or a submodel cannot be meshed.
+    radii: of the grooved body's plain surface away from the groove (hole, or land) and of the other one [m]; materials: of
+    that body and of the ball. Raises ValueError where the contact nodes of both do not match, or a submodel cannot be
+    meshed.
     """
-    body = meshes.screw if side < 2 else meshes.nut
-    groove_place = partial(local_points, m, meshes.size, side)
-    ball_socket, place = ball_place(m, meshes.size, side, meshes.zone)
-    mesh = patch_mesh(meshes, body.sockets[side], groove_place, settings)
-    ball_mesh = patch_mesh(meshes, meshes.ball.sockets[side], place, settings)
+    groove_place = partial(local_points, m, sockets.size, side)
+    ball_socket, place = ball_place(m, sockets.size, side, sockets.zone)
+    mesh = patch_mesh(sockets, sockets.groove, groove_place, settings)
+    ball_mesh = patch_mesh(sockets, sockets.ball, place, settings)
     normals = patch_normals(mesh, np.array([m.R, 0.0, 0.0]))
     found = patch_normals(ball_mesh, np.zeros(3))
     spread = float(np.abs(found - normals).max())
     if spread > 1e-9:
         raise ValueError(f"contact nodes of ball and groove do not match ({spread:.1e})")
-    e, b = (scene.screw if side < 2 else scene.nut).material, scene.balls.material
-    groove = condense_patch(mesh, normals, *_constants(e), carrier_mesh(meshes, body.sockets[side], groove_place, settings))
-    ball = condense_patch(
-        ball_mesh, -normals, *_constants(b), carrier_mesh(meshes, meshes.ball.sockets[side], place, settings)
-    )
+    e, b = materials
+    groove = condense_patch(mesh, normals, *_constants(e), carrier_mesh(sockets, sockets.groove, groove_place, settings))
+    ball = condense_patch(ball_mesh, -normals, *_constants(b), carrier_mesh(sockets, sockets.ball, place, settings))
     if settings.element == "P1":  # the source's mesh is not changed
         return SidePatches(groove, ball, groove.A + ball.A, None)
-    fine = replace(meshes.size, cuts=settings.own_cuts)
+    fine = replace(sockets.size, cuts=settings.own_cuts)
 
     def groove_piece(scale: float, *, coarse: bool) -> tuple[Piece, SocketMesh]:
-        size, sizes = (meshes.size, (settings.fine, settings.coarse)) if coarse else (fine, settings.own_sizes)
-        half = max(reach(m, meshes.size, (side,))) + BEYOND * m.ball
-        radii = (dims.hole, scene.screw.outer_diameter / 2.0) if side < 2 else (dims.land, scene.nut.outer_diameter / 2.0)
+        size, sizes = (sockets.size, (settings.fine, settings.coarse)) if coarse else (fine, settings.own_sizes)
+        half = max(reach(m, sockets.size, (side,))) + BEYOND * m.ball
         spec = BodySpec(
             *radii, m.z0 - half, m.z0 + half, side < 2, ((m.phase, m.z0, side),), size, scale * sizes[0], scale * sizes[1]
         )
@@ -77,7 +90,7 @@ def condense_side(
 
     def ball_piece(scale: float, *, coarse: bool) -> tuple[Piece, SocketMesh]:
         own = (settings.ball_fine, settings.ball_coarse) if coarse else settings.own_ball_sizes
-        cuts = meshes.size.cuts if coarse else settings.own_cuts
+        cuts = sockets.size.cuts if coarse else settings.own_cuts
         made = build_ball(m, (ball_socket,), scale * own[0], scale * own[1], cuts)
         return Piece(made.mesh, made.socket_nodes[side], np.eye(3), ()), made.sockets[side]
 
@@ -87,7 +100,7 @@ def condense_side(
         (ball_piece, place, ball, -normals, b, settings.ball_modes),
     ):
         piece, socket = piece_of(1.0, coarse=False)
-        C = fine_compliance(piece, patch_mesh(meshes, socket, where, settings), along, *_constants(material))
+        C = fine_compliance(piece, patch_mesh(sockets, socket, where, settings), along, *_constants(material))
         V, rows = patch_modes(condensed, modes)
 
         def response(scale: float, piece_of=piece_of, condensed=condensed, rows=rows, material=material) -> Array:  # type: ignore[no-untyped-def]

@@ -24,14 +24,14 @@ import numpy as np
 import scipy.sparse as sp
 from skfem import Mesh
 
-from hifi import assembly
-from hifi.bodies import Socket, assemble, freedoms, isostatic, mode_rows, rigid_loads
-from hifi.forms import elasticity
-from hifi.patch import CondensedPatch, PatchMesh, hat_rows
-from hifi.response import compliance
-from hifi.rigid import rigid_modes
-from meshes.arrays import Array, Index
-from meshes.fem import freedoms_on, points_of
+from rollbench.hifi import assembly
+from rollbench.hifi.bodies import Socket, assemble, freedoms, isostatic, mode_rows, rigid_loads
+from rollbench.hifi.forms import elasticity
+from rollbench.hifi.patch import CondensedPatch, PatchMesh, hat_rows
+from rollbench.hifi.response import compliance
+from rollbench.hifi.rigid import rigid_modes
+from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.fem import freedoms_on, points_of
 
 #: Meshes of the coarse piece over which its response is averaged: sizes differ by a hundredth, so that the scatter of
 #: unstructured meshes (some ten thousandths of an approach) does not pass into all contacts of a side.

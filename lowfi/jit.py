@@ -19,9 +19,10 @@ import importlib
 import importlib.util
 import os
 import shutil
-import stat
+import signal
 import sys
 import tempfile
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
@@ -29,15 +30,17 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeVar
 
+from rollbench.meshes.private import private_folder
+
 F = TypeVar("F", bound=Callable[..., Any])
 
 #: Kernel packages, each with those whose kernels it calls.
 PACKAGES: dict[str, tuple[str, ...]] = {
-    "lowfi.statics.kernel": (),
-    "lowfi.friction.contact.kernel": (),
-    "lowfi.friction.linear.kernel": (),
-    "lowfi.friction.screw.kernel": ("lowfi.friction.contact.kernel",),
-    "lowfi.random_errors.kernel": (),
+    "rollbench.lowfi.statics.kernel": (),
+    "rollbench.lowfi.friction.contact.kernel": (),
+    "rollbench.lowfi.friction.linear.kernel": (),
+    "rollbench.lowfi.friction.screw.kernel": ("rollbench.lowfi.friction.contact.kernel",),
+    "rollbench.lowfi.random_errors.kernel": (),
 }
 STATICS, CONTACT, LINEAR, SCREW, RANDOM_ERRORS = PACKAGES
 #: Part of the name under which a package is loaded a second time.
@@ -67,22 +70,75 @@ def _compiled(function: F, allowed: set[str]) -> F:
         return function
     import numba
 
+    _hold_signals_back()
     keep = code_folder() is not None
     compiled_function: F = numba.njit(cache=keep, nogil=True, error_model="numpy", fastmath=allowed)(function)
     return compiled_function
 
 
+@cache
+def _hold_signals_back() -> None:
+    """From now on let an interrupt, or TERM where Python handles it, wait until numba has compiled the kernel at hand: an
+    exception in between is swallowed by llvmlite's callbacks, or ends the process in a segmentation fault."""
+    from numba.core import event
+
+    class Hold(event.Listener):  # type: ignore[misc]
+        """While numba holds its lock in the main thread, which alone handles signals."""
+
+        def __init__(self) -> None:
+            self.depth = 0
+            self.came: list[int] = []
+            self.before: dict[int, Any] = {}
+
+        def on_start(self, event: Any) -> None:
+            if event.kind == LOCK and threading.current_thread() is threading.main_thread():
+                self.depth += 1
+                if self.depth == 1:
+                    handled = (number for number in (signal.SIGINT, signal.SIGTERM) if callable(signal.getsignal(number)))
+                    self.before = {number: signal.signal(number, self.note) for number in handled}
+
+        def note(self, number: int, _: object) -> None:
+            self.came.append(number)
+            sys.stderr.write("rollbench: interrupted: ends when the kernel at hand is compiled\n")
+
+        def on_end(self, event: Any) -> None:
+            if threading.current_thread() is threading.main_thread():
+                self.depth -= event.kind == LOCK
+                if self.depth == 0 or (self.came and event.kind == KERNEL):
+                    while self.before:
+                        signal.signal(*self.before.popitem())
+                    came, self.came = self.came, []
+                    if came:
+                        signal.raise_signal(came[0])
+
+    LOCK, KERNEL = "numba:compiler_lock", "numba:compile"
+    hold = Hold()
+    event.register(LOCK, hold)
+    event.register(KERNEL, hold)
+
+
 def kernels(package: str, *, compiled: bool) -> ModuleType:
-    """A kernel package as plain Python or compiled (loaded once in a process, compiled on the first call of each kernel).
+    """A kernel package as plain Python or compiled (loaded once in a process, compiled on the first call of each kernel);
+    without numba always as plain Python, and standard error says so.
 
     Raises KeyError for a package that ``PACKAGES`` does not name.
     """
     used = PACKAGES[package]
-    if not compiled:
+    if not (compiled and _numba_works()):
         return importlib.import_module(package)
     for other in used:
         _load(other)
     return _load(package)
+
+
+@cache
+def _numba_works() -> bool:
+    from rollbench.meshes.libraries import ONLY_FOR, fault
+
+    found = fault("numba")
+    if found:
+        sys.stderr.write(f"rollbench: {found}: {ONLY_FOR['numba']}; pip install numba\n")
+    return not found
 
 
 def loaded(package: str) -> bool:
@@ -101,20 +157,20 @@ def code_folder() -> Path | None:
     """Folder of the machine code of these sources: in NUMBA_CACHE_DIR, else in the user's cache of rollbench; None where
     the cache is switched off (ROLLBENCH_CACHE=off). Where nothing can be written there, standard error says so, and a
     folder of this user's own in that of temporary files serves; without that, kernels are compiled in every process."""
-    from meshes.cache import default_root
+    from rollbench.meshes.cache import default_root
 
     named = os.environ.get("NUMBA_CACHE_DIR", "").strip()
     root = Path(named) if named else default_root()
     if root is None:
         return None
-    folder = root / "kernels" / digest()
-    advice = "name a folder that can be written to by ROLLBENCH_CACHE"
+    advice = "name a folder that only you can write to by ROLLBENCH_CACHE"
     try:
-        return _opened(folder)
+        return _opened(root)
     except OSError as error:
-        reason = f"{folder}: {error.strerror}"
+        reason = f"{error.filename}: {error.strerror}"
+    user = os.getuid() if hasattr(os, "getuid") else 0
     try:
-        kept = _opened(_private() / "kernels" / digest())
+        kept = _opened(private_folder(Path(tempfile.gettempdir()), f"rollbench-{user}"))
     except OSError as error:
         sys.stderr.write(f"rollbench: compiled kernels are not kept: {reason}; {error}; {advice}\n")
         return None
@@ -122,27 +178,16 @@ def code_folder() -> Path | None:
     return kept
 
 
-def _opened(folder: Path) -> Path:
-    """A folder of machine code, made if need be. Raises OSError where nothing can be written."""
-    folder.mkdir(parents=True, exist_ok=True)
+def _opened(root: Path) -> Path:
+    """The folder of these sources in a root, made if need be: machine code is run, so nobody else may write there.
+
+    Raises OSError where nothing can be written, and where others can.
+    """
+    folder = private_folder(root, "kernels", digest())
     os.utime(folder)
     if not os.access(folder, os.W_OK):
         raise PermissionError(13, os.strerror(13), str(folder))
     _drop_old(folder.parent)
-    return folder
-
-
-def _private() -> Path:
-    """This user's own folder among the temporary ones: machine code is run, so nobody else may write there.
-
-    Raises OSError where there is one of another owner, or open to others.
-    """
-    user = os.getuid() if hasattr(os, "getuid") else 0
-    folder = Path(tempfile.gettempdir()) / f"rollbench-{user}"
-    folder.mkdir(mode=0o700, exist_ok=True)
-    found = folder.lstat()
-    if not stat.S_ISDIR(found.st_mode) or (hasattr(os, "getuid") and (found.st_uid != user or found.st_mode & 0o022)):
-        raise PermissionError(13, "it is not this user's alone", str(folder))
     return folder
 
 
@@ -165,7 +210,7 @@ def _drop_old(parent: Path) -> None:
 
 
 def _folder(package: str) -> Path:
-    return Path(__file__).parents[1].joinpath(*package.split("."))
+    return Path(__file__).parents[1].joinpath(*package.split(".")[1:])
 
 
 def _sources(package: str) -> Path:
@@ -192,7 +237,7 @@ def _contents(folder: Path) -> dict[str, bytes]:
 
 
 def _copy_name(package: str) -> str:
-    return f"lowfi.{_MARK}{package.removeprefix('lowfi.').replace('.', '_')}"
+    return f"rollbench.lowfi.{_MARK}{package.removeprefix('rollbench.lowfi.').replace('.', '_')}"
 
 
 @cache

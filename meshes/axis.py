@@ -12,7 +12,7 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.parts import Friction, Ingredients, Load, Material, Motion, Scene, Screw, Support
+from rollbench.meshes.parts import Friction, Ingredients, Load, Material, Motion, Scene, Screw, Support
 
 #: A symmetric stiffness (6, 6), rows by FREEDOMS [N/m, N, N m].
 Stiffness = tuple[tuple[float, ...], ...]
@@ -119,8 +119,8 @@ class Assembly:
     ingredients: Ingredients = field(default_factory=Ingredients)
     source: str = ""
     assumed: tuple[str, ...] = ()
-    friction: Friction | None = field(default=None, repr=False)
-    motion: Motion | None = field(default=None, repr=False)
+    friction: Friction | None = None
+    motion: Motion | None = None
     stiffness_at: float | str | None = None
     thermal_strain: float = 0.0
     kind: ClassVar[str] = "axis"

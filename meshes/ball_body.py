@@ -10,20 +10,19 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from math import cos, sin
-from time import perf_counter
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from skfem import Mesh
 
-from meshes.arrays import Array, Index
-from meshes.fem import cells_of, points_of
-from meshes.groove_map import GrooveMap
-from meshes.parts import SIDES
-from meshes.quality import Quality, measure, refuse_bad, straighten, untangle
-from meshes.shell import BEND, POOREST, STRAIGHTENED, Shell, best_of, fill, graded
-from meshes.sockets import SocketMesh, SocketSize, local_points, rim, side_socket, socket_mesh
+from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.fem import cells_of, points_of
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.parts import SIDES
+from rollbench.meshes.quality import Quality, measure, refuse_bad, straighten, untangle
+from rollbench.meshes.shell import BEND, POOREST, STRAIGHTENED, Shell, best_of, fill, graded
+from rollbench.meshes.sockets import SocketMesh, SocketSize, local_points, rim, side_socket, socket_mesh
 
 Flags = NDArray[np.bool_]
 
@@ -47,12 +46,11 @@ class BallSocket:
 @dataclass(frozen=True)
 class BallBody:
     """Second-order tetrahedra of a ball about its centre in the frame of azimuth 0 [m], boundaries "sphere" and
-    "socket SL" or of other sides; per socket its nodes and its faces' mesh, seconds it took, quality."""
+    "socket SL" or of other sides; per socket its nodes and its faces' mesh, quality."""
 
     mesh: Mesh
     socket_nodes: dict[int, Index]
     sockets: dict[int, SocketMesh]
-    seconds: float
     quality: Quality
 
     @property
@@ -139,7 +137,6 @@ def _meshed(
     m: GrooveMap, sockets: tuple[BallSocket, ...], boxes: list[tuple[SocketMesh, Array]], fine: float, coarse: float
 ) -> BallBody:
     """Mesh of a ball with sockets of given meshes and raised corners."""
-    begin = perf_counter()
     near = np.concatenate([ball_points(m, socket, box.xi) for socket, (box, _) in zip(sockets, boxes, strict=True)])
 
     def attempt(gmsh: Any, plane: int, volume: int, share: float) -> tuple[BallBody, float]:
@@ -158,7 +155,7 @@ def _meshed(
         refuse_bad(quality, "ball")
         nodes = {socket.side: n for socket, n in zip(sockets, own, strict=True)}
         meshes = {socket.side: box for socket, (box, _) in zip(sockets, boxes, strict=True)}
-        body = BallBody(mesh, nodes, meshes, perf_counter() - begin, quality)
+        body = BallBody(mesh, nodes, meshes, quality)
         return body, moved + max(0.0, POOREST - quality.smallest)
 
     return best_of("ball", attempt)
@@ -200,7 +197,7 @@ def _refuse_overlap(m: GrooveMap, sockets: tuple[BallSocket, ...]) -> None:
     """Raise ValueError where there is no socket, one is too deep or too wide, or two share a part of the sphere."""
     if not sockets:
         raise ValueError("a ball is meshed around its contacts: give it at least one socket")
-    remedy = "make the sockets smaller (meshes.sockets.fitted_socket finds a size that fits)"
+    remedy = "make the sockets smaller (rollbench.meshes.sockets.fitted_socket finds a size that fits)"
     a, b = np.linspace(-1.0, 1.0, 41)[:-1], np.ones(40)
     around = np.concatenate([np.stack(x, 1) for x in ((a, 0 * a, -b), (b, 0 * a, a), (-a, 0 * a, b), (-b, 0 * a, -a))])
     outlines = {one.side: ball_points(m, one, 1.02 * around) for one in sockets}

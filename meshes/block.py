@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from skfem import Mesh
 
-from meshes.arrays import Array
-from meshes.fem import kind_of, moved, named, points_of, tensor_grid
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.fem import kind_of, moved, named, points_of, tensor_grid
 
 
 @dataclass(frozen=True)
@@ -123,7 +123,7 @@ def tetrahedra(order: int, influence: Influence, size: float) -> BlockMesh:
         ImportError: gmsh, or a system library that it needs, is missing.
     """
     gmsh = _gmsh()
-    from meshes.bridge import from_gmsh, to_skfem
+    from rollbench.meshes.bridge import from_gmsh, to_skfem
 
     own = not gmsh.isInitialized()
     if own:

@@ -15,8 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from meshes.arrays import Array, Index
-from meshes.leftovers import temporary
+from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.deck import element_faces
+from rollbench.meshes.leftovers import temporary
 
 VOLUMES = {4: "P1", 11: "P2", 5: "Q1", 12: "Q2"}
 """Volume elements by gmsh's element type."""
@@ -39,7 +40,8 @@ _MED: dict[str, tuple[int, ...]] = {
 }
 _ABAQUS = {"tetra": "C3D4", "tetra10": "C3D10", "hexahedron": "C3D8", "hexahedron20": "C3D20"}
 _FACES = {3: "triangle", 6: "triangle6", 4: "quad", 9: "quad9"}
-_MESHIO = {"vtu": "vtu", "msh": "gmsh22", "med": "med"}
+_CORNERS = {3: 3, 6: 3, 4: 4, 9: 4}
+_MESHIO = {"vtu": "vtu", "msh": "gmsh", "med": "med"}
 
 FORMATS = {"vtu": "VTK files", "msh": "gmsh files", "med": "MED files", "inp": "Abaqus files"}
 """Formats of mesh files by their suffix, without the dot."""
@@ -131,7 +133,7 @@ def to_skfem(data: MeshData, *elements: str) -> Any:
     Facets lie in `mesh.boundaries[name]`, cells in `mesh.subdomains[name]`. scikit-fem renumbers the points of
     second-order meshes. Raises ValueError if the mesh has other elements too, or if a boundary is lost.
     """
-    from meshes.fem import mesh_of
+    from rollbench.meshes.fem import mesh_of
 
     if len(elements) != 1 or set(data.cells) != set(elements):
         found, wanted = ", ".join(data.cells), ", ".join(elements)
@@ -141,7 +143,7 @@ def to_skfem(data: MeshData, *elements: str) -> Any:
 
 def from_skfem(mesh: Any, *boundaries: str) -> MeshData:
     """A scikit-fem mesh of the parts in gmsh's node order, with its subdomains and the named ones of its boundaries."""
-    from meshes.fem import cells_of, faces_of, kind_of, points_of
+    from rollbench.meshes.fem import cells_of, faces_of, kind_of, points_of
 
     regions = {name: np.asarray(own, dtype=np.int64) for name, own in (mesh.subdomains or {}).items()}
     faces = {name: faces_of(mesh, name) for name in boundaries}
@@ -178,13 +180,14 @@ def write_mesh(
     cell_fields: Mapping[str, Array] | None = None,
     form: str = "",
 ) -> None:
-    """Write mesh and fields, whole or not at all: .vtu, .msh (gmsh 2.2), .inp (Abaqus, CalculiX) or .med (Salome).
+    """Write mesh and fields, whole or not at all: .vtu, .msh (gmsh 4.1), .inp (Abaqus, CalculiX) or .med (Salome).
 
     point_fields: shape (n,) or (n, k); cell_fields: shape (cells,) or (cells, k), cells counted through `data.cells`;
     form: one of `FORMATS`, by the suffix unless given. Names go along: regions as groups of cells, in .vtu as the cell
     field `region` (their place in `data.regions`, -1 for none); boundaries as faces with a physical group in .msh, as
-    groups of nodes in .inp and .med, as point fields `boundary <name>` of 0 and 1 in .vtu. Where a format is `reduced`,
-    the face and centre nodes of 27-node hexahedra are left out (20 nodes); .inp takes no fields.
+    groups of nodes in .inp and .med, as surfaces in .inp, as point fields `boundary <name>` of 0 and 1 in .vtu; in .vtu and
+    .msh also as the cell fields by which `skfem.Mesh.load` knows them. Where a format is `reduced`, the face and centre
+    nodes of 27-node hexahedra are left out (20 nodes); .inp takes no fields.
     Raises ValueError for an unknown format, a field of wrong length or that the format cannot hold, a cell in two regions,
     ImportError where a package is missing, OSError where the file cannot be written.
     """
@@ -192,7 +195,7 @@ def write_mesh(
     form = form_of(path, form)
     need(form)
     point_data = {name: np.asarray(v) for name, v in (point_fields or {}).items()}
-    cell_data = {name: np.asarray(v) for name, v in (cell_fields or {}).items()}
+    cell_data: dict[str, Any] = {name: np.asarray(v) for name, v in (cell_fields or {}).items()}
     for fields, length in ((point_data, len(data.points)), (cell_data, data.count)):
         for name, values in fields.items():
             if len(values) != length:
@@ -203,6 +206,7 @@ def write_mesh(
             raise ValueError(f"region {list(data.regions)[k]!r} shares cells with another: a file holds one for each cell")
         region[cells] = k
     nodes = {name: np.unique(faces) for name, faces in data.boundaries.items()}
+    corners = {name: faces[:, : _CORNERS[faces.shape[1]]] for name, faces in data.boundaries.items()}
     points, blocks = data.points, [(*_VTK[name], cells) for name, cells in data.cells.items()]
     if reduced(data, form):
         blocks = [("hexahedron20", o[:20], c) if kind == "hexahedron27" else (kind, o, c) for kind, o, c in blocks]
@@ -214,7 +218,10 @@ def write_mesh(
         points = points[used]
         point_data = {name: values[used] for name, values in point_data.items()}
         nodes = {name: np.flatnonzero(np.isin(used, own)) for name, own in nodes.items()}
-    plain = _Plain(points, connected, point_data, cell_data, region, tuple(data.regions), nodes)
+        corners = {name: np.searchsorted(used, own) for name, own in corners.items()}
+    if form in ("vtu", "msh"):
+        cell_data.update(_skfem_fields(data))
+    plain = _Plain(points, connected, point_data, cell_data, region, tuple(data.regions), nodes, corners)
     fresh = temporary(path, f"{form}.tmp")
     try:
         if form == "inp":
@@ -232,7 +239,7 @@ def write_mesh(
 @dataclass(frozen=True, eq=False)
 class _Plain:
     """What all formats are written from: points, cells in VTK's node order by meshio's names, fields, place of every cell's
-    region (-1 for none), names of the regions, nodes of the boundaries."""
+    region (-1 for none), names of the regions, nodes of the boundaries, corners of their faces."""
 
     points: Array
     blocks: list[tuple[str, Index]]
@@ -241,10 +248,29 @@ class _Plain:
     region: Index
     regions: tuple[str, ...]
     nodes: dict[str, Index]
+    corners: dict[str, Index]
 
     def split(self, values: Any) -> list[Any]:
         """Cell values by blocks."""
         return np.split(values, np.cumsum([len(c) for _, c in self.blocks])[:-1])
+
+
+def _skfem_fields(data: MeshData) -> dict[str, Index]:
+    """Cell fields in which scikit-fem keeps names: which faces of a cell are of a boundary, as bits; cells of a region.
+
+    They are its own (`Mesh.save`): it reads no names of second-order meshes from a file's groups. None for cells that are
+    not of one kind and region, which it does not read so.
+    """
+    if len(data.cells) != 1 or len(data.regions) > 1:
+        return {}
+    fields = {}
+    mesh = to_skfem(data, *data.cells)
+    bits = 1 << np.arange(len(mesh.t2f))
+    for name, own in (mesh.boundaries or {}).items():  # hexahedra are read the other way round: corner 7 - k, face 5 - k
+        fields[f"skfem:b:{name}"] = (bits[::-1] if len(bits) == 6 else bits) @ np.isin(mesh.t2f, own)
+    for name, own in data.regions.items():
+        fields[f"skfem:s:{name}"] = np.isin(np.arange(data.count), own).astype(np.int64)
+    return fields
 
 
 def _as_vtu(plain: _Plain) -> Any:
@@ -260,26 +286,56 @@ def _as_vtu(plain: _Plain) -> Any:
 
 
 def _as_msh(plain: _Plain, faces: Mapping[str, Index]) -> Any:
-    """Regions and boundaries as physical groups; cell fields are not a number on the boundaries' faces."""
+    """Regions (cells of none: "other") and boundaries as entities with a physical group; cell fields are not a number on
+    the boundaries' faces.
+
+    Cells come region by region. In this format an entity is known by a node that lies on it, so that each needs one.
+    """
     import meshio
 
-    blocks = list(plain.blocks)
-    cells = {name: plain.split(np.asarray(values, dtype=float)) for name, values in plain.cell_data.items()}
-    groups = plain.split(plain.region + 1)
-    entities = plain.split(np.where(plain.region < 0, len(plain.regions), plain.region) + 1)
     for name, values in (*plain.point_data.items(), *plain.cell_data.items()):
         if values.size not in (len(values), 3 * len(values), 9 * len(values)):
             raise ValueError(f"field {name!r} has {values.size // len(values)} components: an .msh file takes 1, 3 or 9")
-    field_data = {name: np.array([k + 1, 3]) for k, name in enumerate(plain.regions)}
-    for number, (name, own) in enumerate(faces.items(), start=1):
+    blocks, groups, entities = [], list[Index](), list[tuple[int, int]]()
+    fields: dict[str, list[Any]] = {name: [] for name in plain.cell_data}
+    regions = (*plain.regions, *(["other"] if np.any(plain.region < 0) else []))
+    region_of = np.where(plain.region < 0, len(plain.regions), plain.region)
+    parted = [plain.split(values) for values in (region_of, *plain.cell_data.values())]
+    for (kind, cells), region, *data in zip(plain.blocks, *parted, strict=True):
+        for one in np.unique(region):
+            own = region == one
+            blocks.append((kind, cells[own]))
+            groups.append(np.full(own.sum(), len(faces) + one + 1))
+            entities.append((3, len(blocks)))
+            for values, all_ in zip(fields.values(), data, strict=True):
+                values.append(np.asarray(all_[own], dtype=float))
+    for number, own in enumerate(faces.values(), start=1):
         blocks.append((_FACES[own.shape[1]], own))
         groups.append(np.full(len(own), number))
-        entities.append(groups[-1])
-        field_data[name] = np.array([number, 2])
-        for values in cells.values():
+        entities.append((2, number))
+        for values in fields.values():
             values.append(np.full((len(own), *values[0].shape[1:]), np.nan))
-    cells |= {"gmsh:physical": groups, "gmsh:geometrical": entities}
-    return meshio.Mesh(plain.points, blocks, plain.point_data, cells, field_data)
+    field_data = {name: np.array([k, 2]) for k, name in enumerate(faces, start=1)}
+    field_data |= {name: np.array([k, 3]) for k, name in enumerate(regions, start=len(faces) + 1)}
+    tags = [np.full(len(own), tag) for own, (_, tag) in zip(groups, entities, strict=True)]
+    owners = _owners([own for _, own in blocks], len(plain.points))
+    points = {**plain.point_data, "gmsh:dim_tags": np.array(entities)[owners]}
+    return meshio.Mesh(
+        plain.points, blocks, points, {**fields, "gmsh:physical": groups, "gmsh:geometrical": tags}, field_data
+    )
+
+
+def _owners(cells: list[Index], count: int) -> Index:
+    """One of the sets of ``cells`` for every node ``(count,)``, the smallest that has it, so that each set has a node."""
+    nodes = [np.unique(own) for own in cells]
+    owner = np.zeros(count, dtype=np.int64)
+    for k in sorted(range(len(nodes)), key=lambda k: -nodes[k].size):
+        owner[nodes[k]] = k
+    for k, own in enumerate(nodes):
+        shared = np.bincount(owner, minlength=len(nodes)) > 1
+        if not np.any(owner[own] == k):
+            owner[own[shared[owner[own]]][0]] = k
+    return owner
 
 
 def _as_med(plain: _Plain) -> Any:
@@ -328,6 +384,9 @@ def _write_inp(path: Path, plain: _Plain) -> None:
         sets += [("ELSET", name, np.flatnonzero(plain.region == k)) for k, name in enumerate(plain.regions)]
         for what, name, own in sets:
             file.write(f"*{what}, {what}={name.replace(' ', '_')}\n{_lines((own + 1).tolist(), open_end=False)}")
+        for name, corners in plain.corners.items():
+            file.write(f"*SURFACE, NAME={name.replace(' ', '_')}, TYPE=ELEMENT\n")
+            file.writelines(f"{cell + 1}, S{face}\n" for cell, face in element_faces(plain.blocks[0][1], corners).tolist())
 
 
 def _lines(entries: list[int], *, open_end: bool = True) -> str:

@@ -1,34 +1,43 @@
-"""A cache on disc of records that are slow to make, keyed by the content of the recipe that makes them.
+"""A cache on disc of records that are slow to make, keyed by the recipe that makes them: a function and its arguments.
 
-joblib.Memory keeps the files: whole or not at all, those used longest ago dropped first. A record is stored with a digest
-of its bytes and read only where that fits, so that a damaged file is built anew. Records are pickled: as with every such
-cache, the folder must not be writable by others.
+A record is a file of its own, whole or not at all; those used longest ago are dropped first. It begins with a digest of the
+rest, which is looked at only where that fits, so that a damaged file is built anew; what is read is data alone
+(`meshes.packed`), from a folder of this user's alone (`meshes.private`).
 
-The key covers the recipe, the kind, the record's class, the versions of gmsh, scikit-fem and rollbench, and the sources of
-the packages that make the record, because a version number stands still while a mesh generator is being worked on.
+The key covers the function's name, the canonical form of its arguments, the record's class, the versions of gmsh,
+scikit-fem and rollbench, and the sources of the packages that make the record, because a version number stands still while
+a mesh generator is being worked on.
 """
 
 from __future__ import annotations
 
 import hashlib
 import os
-import pickle
+import shutil
+import struct
 import sys
 import time
-import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from functools import lru_cache
 from importlib import metadata
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
-from joblib import Memory
-from joblib.hashing import NumpyHasher
+from rollbench.meshes.canonical import digest
+from rollbench.meshes.leftovers import temporary
+from rollbench.meshes.packed import packed, unpacked
+from rollbench.meshes.private import private_folder
 
 T = TypeVar("T")
 
+#: Folder of the records in that of a cache, and where versions before 0.5 had theirs.
+RECORDS, BEFORE = "records", ("joblib", "rollbench")
+#: Length of the digest that a file begins with.
+_DIGEST = 32
+#: Seconds that a record took to make, before its content.
+_SECONDS = struct.Struct("<d")
 #: Largest size of a cache [bytes], unless told otherwise.
 LIMIT = 4_000_000_000
 
@@ -48,10 +57,12 @@ def default_root() -> Path | None:
 
 
 class Cache:
-    """Records by the content of their recipes; `hits` and `misses` count the answers of `get`.
+    """Records by the content of their recipes; `hits` and `misses` count the answers of `get`, `cold_seconds` adds up what
+    the records took when they were made.
 
     root: the folder, made when first used; None switches the cache off. limit: largest size of all files [bytes]. A folder
-    that cannot be written to, or a full disc, is reported once on standard error, and work goes on without writing.
+    that cannot be written to or that is not this user's alone, or a full disc, is reported once on standard error, and work
+    goes on without it. `fault`: what is to be reported, where ``quiet`` says that another process does.
     """
 
     def __init__(self, root: Path | None, limit: int = LIMIT) -> None:
@@ -60,85 +71,114 @@ class Cache:
         self.limit = limit
         self.hits = 0
         self.misses = 0
-        self._writing = True
+        self.cold_seconds = 0.0
+        self.quiet = False
+        self.fault = ""
 
-    def get(self, kind: str, recipe: object, build: Callable[[], T], type_: type[T]) -> T:
-        """The record of that recipe: from its file, else built, and kept.
+    def get(self, build: Callable[..., T], arguments: tuple[object, ...], type_: type[T]) -> T:
+        """What a function makes of its arguments: from its file, else built, and kept.
 
-        kind: what the record is; recipe: all that the result depends on, picklable; type_: class of the result. Raises
-        TypeError for a result that is no `type_`.
+        build: a function of a module, whose result depends on its arguments alone; type_: class of the result. Raises
+        TypeError for a result that is no `type_`, and for arguments or functions that no key can be made of.
         """
-        found, kept, key = None, None, ""
-        if self.root is not None:
-            key = key_of(kind, recipe, type_)
-            with self._attempt():
-                kept = Memory(self.root, verbose=0).cache(_kept, ignore=["content"], verbose=0)
-                found = _read(kept, key, type_)
+        path = self._path(build, arguments, type_)
+        found = None if path is None else _read(path, type_)
         if found is not None:
             self.hits += 1
-            return found
+            self.cold_seconds += found[1]
+            return found[0]
         self.misses += 1
-        value = build()
+        start = time.perf_counter()
+        value = build(*arguments)
+        spent = time.perf_counter() - start
+        self.cold_seconds += spent
         if not isinstance(value, type_):
-            raise TypeError(f"{kind}: built a {type(value).__name__}, not a {type_.__name__}")
-        content = pickle.dumps(value, protocol=pickle.HIGHEST_PROTOCOL) if kept is not None and self._writing else b""
-        if kept is not None and 0 < len(content) <= self.limit:
-            with self._attempt():
-                kept.call(key, (hashlib.sha256(content).digest(), content))
-                Memory(self.root, verbose=0).reduce_size(bytes_limit=self.limit)
+            raise TypeError(f"{build.__qualname__}: built a {type(value).__name__}, not a {type_.__name__}")
+        if path is not None and not self.fault:
+            self._write(path, _SECONDS.pack(spent) + packed(value))
         return value
 
-    @contextmanager
-    def _attempt(self) -> Iterator[None]:
-        """Work with the files; the first failure ends writing and is reported."""
-        reason = ""
-        with warnings.catch_warnings(record=True) as told:  # joblib warns where it cannot write
-            warnings.simplefilter("always")
-            try:
-                yield
-            except OSError as error:
-                reason = error.strerror or str(error)
-        for warning in told:
-            reason = reason or str(warning.message)
-        if reason and self._writing:
-            self._writing = False
-            print(f"rollbench: cache {self.root}: {reason}; going on without it", file=sys.stderr)
+    def report(self, fault: str) -> None:
+        """Note why nothing is written any more, and say so once on standard error."""
+        if fault and not self.fault and not self.quiet:
+            print(f"rollbench: cache {self.root}: {fault}; going on without it", file=sys.stderr)
+        self.fault = self.fault or fault
 
-
-def _kept(key: str, content: tuple[bytes, bytes] | None) -> tuple[bytes, bytes] | None:  # noqa: ARG001  # the key is joblib's
-    """What joblib keeps under a key: a record's bytes and their digest."""
-    return content
-
-
-def _read(kept: Any, key: str, type_: type[T]) -> T | None:
-    """The record of a key, or None if there is none or it is not exactly what was written."""
-    with suppress(Exception), warnings.catch_warnings():  # whatever a damaged file leads to: it is built anew
-        warnings.simplefilter("ignore")
-        if not kept.check_call_in_cache(key, None):
+    def _path(self, build: Callable[..., object], arguments: tuple[object, ...], type_: type) -> Path | None:
+        """File of a record; None without a folder that is this user's alone."""
+        if self.root is None:
             return None
-        digest, content = kept(key, None)
-        if hashlib.sha256(content).digest() == digest:
-            value = pickle.loads(content)
-            return value if isinstance(value, type_) else None
-    return None
+        key = key_of(build, arguments, type_)
+        try:
+            return private_folder(self.root, RECORDS) / f"{key}.npz"
+        except OSError as error:
+            self.report(error.strerror or str(error))
+            return None
+
+    def _write(self, path: Path, content: bytes) -> None:
+        """Keep a record, and make room for it."""
+        if len(content) > self.limit:
+            return
+        try:
+            new = temporary(path)
+            try:
+                new.write_bytes(hashlib.sha256(content).digest() + content)
+                new.replace(path)
+            finally:
+                new.unlink(missing_ok=True)
+            _shrink(path.parent, self.limit)
+            shutil.rmtree(path.parents[1].joinpath(*BEFORE), ignore_errors=True)
+        except OSError as error:
+            self.report(error.strerror or str(error))
 
 
-def key_of(kind: str, recipe: object, type_: type) -> str:
-    """Content key of a recipe, 40 hexadecimal digits.
+def _shrink(folder: Path, limit: int) -> None:
+    """Remove the files used longest ago until all together are no larger than a limit [bytes]."""
+    kept = []
+    for file in folder.glob("*.npz"):
+        with suppress(FileNotFoundError):  # another process removed it
+            kept.append((file.stat(), file))
+    total = sum(found.st_size for found, _ in kept)
+    for found, file in sorted(kept, key=lambda one: one[0].st_mtime):
+        if total <= limit:
+            return
+        file.unlink(missing_ok=True)
+        total -= found.st_size
 
-    Dicts count without their order, arrays by values, type, shape and layout; numbers of different types differ.
+
+def _read(path: Path, type_: type[T]) -> tuple[T, float] | None:
+    """The record in a file and the seconds that it took to make, or None if there is none or it is not exactly what was
+    written."""
+    try:
+        with path.open("rb") as file:
+            digest, content = file.read(_DIGEST), file.read()
+        if hashlib.sha256(content).digest() != digest:
+            return None
+        value = unpacked(content[_SECONDS.size :], type_.__module__.split(".")[0])
+    except (OSError, ValueError, KeyError, AttributeError, ImportError):  # none, or of other sources: it is built anew
+        return None
+    with suppress(OSError):  # a folder that may only be read
+        os.utime(path)
+    return (value, *_SECONDS.unpack_from(content)) if isinstance(value, type_) else None
+
+
+def key_of(build: Callable[..., object], arguments: tuple[object, ...], type_: type) -> str:
+    """Content key of a recipe, 64 hexadecimal digits.
+
+    Raises TypeError for a function without a name of its own, and for arguments without a canonical form.
     """
-    made_by = sorted({"meshes", type_.__module__.partition(".")[0]})
-    head = (
-        kind,
-        f"{type_.__module__}:{type_.__qualname__}",
-        *map(_version, ("gmsh", "scikit-fem", "rollbench")),
-        *map(sources, made_by),
-        recipe,
-    )
-    hasher = NumpyHasher(hash_name="sha1")
-    hasher.fast = True  # equal parts count the same whether or not they are one object
-    return str(hasher.hash(head))
+    name = f"{build.__module__}.{build.__qualname__}"
+    if "<" in name:
+        raise TypeError(f"{name}: what is kept is made by a function of a module")
+    made_by = sorted({"rollbench.meshes", _package(build.__module__), _package(type_.__module__)})
+    programs = [*map(_version, ("gmsh", "scikit-fem", "rollbench")), *map(sources, made_by)]
+    return digest(name, type_, programs, arguments)
+
+
+def _package(module: str) -> str:
+    """What a module counts to: rollbench.hifi of rollbench.hifi.bodies, else the first name."""
+    parts = module.split(".")
+    return ".".join(parts[: 2 if parts[0] == "rollbench" else 1])
 
 
 @lru_cache

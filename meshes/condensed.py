@@ -20,9 +20,10 @@ from typing import Any
 
 import numpy as np
 
-from meshes.arrays import Array
-from meshes.leftovers import folder_for_group, for_group, temporary
-from meshes.parts import Scene
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.canonical import digest
+from rollbench.meshes.leftovers import folder_for_group, for_group, temporary
+from rollbench.meshes.parts import Scene
 
 #: Number of this format; files of another are refused.
 FORMAT = 2
@@ -38,6 +39,8 @@ DAMAGE = (
 )
 #: Difference of a compliance from its transpose, and negative eigenvalue, over its largest entry, that a mesh may leave.
 ASYMMETRY, NEGATIVE = 1e-6, 1e-3
+#: Largest numbers that are read: compliances [m/N], Hertz's [m/N^(2/3)], forces [N], place of the screw's support [m].
+LARGEST = {"screw": 1e-2, "nut": 1e-2, "ball": 1e-2, "local": 1e-2, "hertz": 1e-3, "force": 1e9, "base": 1e3}
 
 
 @dataclass(frozen=True)
@@ -102,8 +105,7 @@ def _write(path: Path, values: Mapping[str, Any]) -> None:
 
 def geometry_digest(scene: Scene) -> str:
     """Digest of what the bodies' compliance depends on: track, screw, nut, balls, solid dimensions, rigid screw or not."""
-    parts = (scene.track, scene.screw, scene.nut, scene.balls, scene.solid, scene.ingredients.screw)
-    return hashlib.sha256(repr(parts).encode()).hexdigest()[:16]
+    return digest(scene.track, scene.screw, scene.nut, scene.balls, scene.solid, scene.ingredients.screw)[:16]
 
 
 def load_condensed(path: Path) -> CondensedBodies:
@@ -193,6 +195,14 @@ def _check(found: CondensedBodies) -> None:
             raise ValueError(f"{name}: not all numbers are finite")
     if not (found.hertz > 0.0).all() or not (found.force > 0.0).all():
         raise ValueError("hertz, force: not all positive")
+    for name, most in LARGEST.items():
+        if float(np.abs(getattr(found, name)).max(initial=0.0)) > most:
+            raise ValueError(f"{name}: more than {most:g}, which no steel part has")
+    order = np.argsort(found.force, axis=1)
+    force, local = (np.take_along_axis(x, order, axis=1) for x in (found.force, found.local))
+    approach = found.hertz[:, None] * np.cbrt(force) ** 2 + local * force
+    if not (np.diff(approach, axis=1, prepend=0.0) > 0.0).all():
+        raise ValueError("local: an approach that does not grow with the force, so that a contact would do work")
     for name in ("screw", "nut", "ball"):
         matrix = getattr(found, name)
         size = float(np.abs(matrix).max(initial=0.0))

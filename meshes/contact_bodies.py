@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from skfem import Mesh
 
-from meshes.arrays import Array, Index
-from meshes.fem import moved, named, points_of, tensor_grid
+from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.fem import moved, named, points_of, tensor_grid
 
 
 @dataclass(frozen=True)

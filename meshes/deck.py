@@ -12,11 +12,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from meshes.arrays import Array, Index
-from meshes.parts import Material
+from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.parts import Material
 
-#: Corners of the faces S1 to S4 of a ten-node tetrahedron.
+#: Corners of the faces S1 to S4 of a tetrahedron, and S1 to S6 of a hexahedron.
 FACES = ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0))
+HEX_FACES = ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0))
 #: gmsh's node at every place of a C3D10.
 C3D10 = (0, 1, 2, 3, 4, 5, 6, 7, 9, 8)
 LONGEST_NAME = 80
@@ -136,16 +137,18 @@ def checked_names(names: Sequence[str]) -> None:
 
 
 def element_faces(cells: Index, corners: Index) -> Index:
-    """Cell and face (from 1) ``(k, 2)`` of faces given by their corners ``(k, 3)``. Raises ValueError for a strange one."""
-    table = np.sort(cells[:, np.array(FACES)].reshape(-1, 3), axis=1)
+    """Cell and face (from 1) ``(k, 2)`` of faces given by their corners ``(k, 3)``, or ``(k, 4)`` where the cells are
+    hexahedra. Raises ValueError for a strange one."""
+    faces = np.array(FACES if corners.shape[1] == 3 else HEX_FACES)
+    table = np.sort(cells[:, faces].reshape(-1, corners.shape[1]), axis=1)
     count = int(cells.max(initial=0)) + 1
-    base = np.array([count * count, count, 1])
-    keys, wanted = table @ base, np.sort(corners, axis=1) @ base
+    base = np.array([count * count, count, 1])  # three corners name a face of a mesh
+    keys, wanted = table[:, :3] @ base, np.sort(corners, axis=1)[:, :3] @ base
     order = np.argsort(keys, kind="stable")
     place = order[np.minimum(np.searchsorted(keys, wanted, sorter=order), len(keys) - 1)]
     if not np.array_equal(keys[place], wanted):
         raise ValueError("a face of a deck's surface belongs to no cell")
-    return np.stack([place // 4, place % 4 + 1], axis=1)
+    return np.stack([place // len(faces), place % len(faces) + 1], axis=1)
 
 
 def outer_faces(cells: Index) -> Index:

@@ -10,10 +10,12 @@ from math import cos
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from meshes.arrays import Array
-from meshes.helix import BallLayout, groove_radii, lead_angle, nominal_groove_centres
-from meshes.parts import SIDES, BallErrors, Errors, FourierTerm, Scene, SideErrors
+from rollbench.meshes.arrays import Array, Mask
+from rollbench.meshes.helix import BallLayout, groove_radii, lead_angle, nominal_groove_centres
+from rollbench.meshes.parts import SIDES, BallErrors, Errors, FourierTerm, Scene, SideErrors
 
+#: Distance from the nut's centre, over the ball's radius, up to which a ball stands at it.
+AT_CENTRE = 1e-6
 #: In place of a generator where nothing is random.
 _UNUSED = np.random.default_rng(0)
 
@@ -107,6 +109,15 @@ class Drawn:
         return Specimen(ball_radius, centre, slopes, radius, table)
 
 
+def beyond_step(scene: Scene, station: Array) -> Mask:
+    """Which balls at stations (n,) [m] are in the half of the nut that a lead offset shifts, ``(n,)``.
+
+    The groove steps between two balls: one that stands at the nut's centre has the step beside it, and counts to the half
+    that is not shifted.
+    """
+    return np.asarray(station - scene.nut.position > AT_CENTRE * scene.balls.radius)
+
+
 def _shifted_centres(scene: Scene, station: Array) -> Array:
     """Groove centres ``(n, 4, 2)`` [m] of balls at stations (n,) [m]: nominal but for the nut's lead offset.
 
@@ -116,7 +127,7 @@ def _shifted_centres(scene: Scene, station: Array) -> Array:
     centre = np.empty((station.size, 4, 2))
     centre[:] = nominal_groove_centres(scene)
     if scene.errors.lead_offset != 0.0:
-        centre[station > scene.nut.position, 2:, 1] += scene.errors.lead_offset * cos(lead_angle(scene.track))
+        centre[beyond_step(scene, station), 2:, 1] += scene.errors.lead_offset * cos(lead_angle(scene.track))
     return centre
 
 

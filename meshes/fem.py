@@ -15,7 +15,7 @@ import numpy as np
 from skfem import ElementVector, Mesh, MeshHex1, MeshHex2, MeshTet1, MeshTet2
 from skfem.assembly import Dofs
 
-from meshes.arrays import Array, Index
+from rollbench.meshes.arrays import Array, Index
 
 
 class _Numbered:

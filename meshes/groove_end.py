@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.arrays import Array
-from meshes.groove_map import GrooveMap
-from meshes.sockets import ON_GROOVE, SocketSize, groove_lines, whole_turns
-from meshes.solid import RUN_OUT, WHOLE
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.sockets import ON_GROOVE, SocketSize, groove_lines, whole_turns
+from rollbench.meshes.solid import RUN_OUT, WHOLE
 
 
 @dataclass(frozen=True)

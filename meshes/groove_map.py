@@ -12,9 +12,10 @@ from math import cos, sin
 
 import numpy as np
 
-from meshes.arrays import Array
-from meshes.helix import groove_radii, lead_angle, nominal_groove_centres, reduced_lead
-from meshes.parts import SIDE_SIGNS, Scene
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.helix import groove_radii, lead_angle, nominal_groove_centres, reduced_lead
+from rollbench.meshes.one_arc import near_apex
+from rollbench.meshes.parts import SIDE_SIGNS, Scene
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,11 @@ class GrooveMap:
             track.phase,
             track.starts,
         )
+
+    @property
+    def one_arc(self) -> bool:
+        """Whether each groove is one arc, which the sides SL and NR stand for (`meshes.one_arc`)."""
+        return self.rg == 0.0 and near_apex(float(self.radius.min()), self.beta, self.ball)
 
     def section(self, side: int, gamma: Array, rho: Array) -> tuple[Array, Array]:
         """Section coordinates (x3, z3) [m] at angle gamma and distance rho from the centre of a side's arc."""

@@ -11,19 +11,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
-from time import perf_counter
 from typing import Any
 
 import numpy as np
 from skfem import Mesh
 
-from meshes.arrays import Array, Index
-from meshes.fem import cells_of, nodes_on, points_of
-from meshes.groove_end import GrooveEnds
-from meshes.groove_map import GrooveMap
-from meshes.parts import SIDES
-from meshes.quality import Quality, arc_deviation, measure, refuse_bad, straighten, untangle
-from meshes.shell import (
+from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.fem import cells_of, nodes_on, points_of
+from rollbench.meshes.groove_end import GrooveEnds
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.parts import SIDES
+from rollbench.meshes.quality import Quality, arc_deviation, measure, refuse_bad, straighten, untangle
+from rollbench.meshes.shell import (
     BEND,
     EXACT,
     GROWTH,
@@ -39,7 +38,7 @@ from meshes.shell import (
     fill,
     graded,
 )
-from meshes.sockets import (
+from rollbench.meshes.sockets import (
     ON_GROOVE,
     SocketMesh,
     SocketSize,
@@ -84,13 +83,12 @@ class GroovedBody:
     """Second-order tetrahedra with boundaries "low end", "high end", "flank SL" or of other sides, "land", "bore" of a
     screw that has one or "outside" of a nut, "sockets" if any; per socket the nodes of its inner faces in the order of
     its side's ``sockets`` mesh ``(count, k)``; largest distance [m] of the flanks' nodes, the sockets' rims among them,
-    from the exact flanks; seconds it took; quality."""
+    from the exact flanks; quality."""
 
     mesh: Mesh
     socket_nodes: Index
     sockets: dict[int, SocketMesh]
     deviation: float
-    seconds: float
     quality: Quality
 
     @property
@@ -113,12 +111,12 @@ def cylindrical(r: float | Array, phi: float | Array, z: float | Array) -> Array
 
 @dataclass(frozen=True)
 class Groove:
-    """Section of a body's groove: map, sides of its flanks, radii of land and of the smooth surface behind [m], angles
-    gamma of apex and edge [rad], half opening along z [m], thickness of the wall under the groove [m], where it ends (None:
-    at the flat ends)."""
+    """Section of a body's groove: map, sides of its flanks (one for both where they are one arc), radii of land and of the
+    smooth surface behind [m], angles gamma of apex and edge [rad], half opening along z [m], thickness of the wall under
+    the groove [m], where it ends (None: at the flat ends)."""
 
     m: GrooveMap
-    sides: tuple[int, int]
+    sides: tuple[int, ...]
     land: float
     behind: float
     apex: float
@@ -130,11 +128,15 @@ class Groove:
     @staticmethod
     def of(m: GrooveMap, spec: BodySpec) -> Groove:
         """Groove of a body. Raises ValueError where it leaves no land or no wall."""
-        sides = (0, 1) if spec.outer else (2, 3)
+        sides: tuple[int, ...] = (0, 1) if spec.outer else (2, 3)
+        if m.one_arc:
+            sides = sides[:1] if spec.outer else sides[1:]
         land, behind = (spec.r_out, spec.r_in) if spec.outer else (spec.r_in, spec.r_out)
-        apex, edge = flank_limits(m, sides[1], land)
+        apex, edge = flank_limits(m, sides[-1], land)
+        apex = max(apex, 0.0)
         gamma = np.linspace(apex, edge, 65)
-        r, zeta, _ = m.unroll(*m.section(sides[1], gamma, np.full(65, m.radius[sides[1]])))
+        r, zeta, _ = m.unroll(*m.section(sides[-1], gamma, np.full(65, m.radius[sides[-1]])))
+        zeta = np.abs(zeta)
         wall = float(r.min() - behind if spec.outer else behind - r.max())
         if wall <= 0.0:
             raise ValueError(
@@ -201,11 +203,13 @@ def rail(line: float, zeta: float, rg: float, at: float | None = None) -> Placin
 class Surface:
     """The surface of a grooved body in a shell; plane coordinates are (azimuth, gamma) or (azimuth, z)."""
 
-    def __init__(self, shell: Shell, m: GrooveMap, spec: BodySpec, share: float = 1.0) -> None:
+    def __init__(
+        self, shell: Shell, m: GrooveMap, spec: BodySpec, share: float = 1.0, groove: Groove | None = None
+    ) -> None:
         """Divide and triangulate all of it; ``corners``: of every socket, in the order of ``spec.sockets``; share: of the
-        usual longest edges on curved faces."""
+        usual longest edges on curved faces; groove: another one than that of ``spec``."""
         self.shell, self.m, self.spec = shell, m, spec
-        self.groove = Groove.of(m, spec)
+        self.groove = groove or Groove.of(m, spec)
         self.z = (spec.z_low, spec.z_high)
         kinds = {s: side_socket(partial(partial, local_points, m, spec.size), s, spec.size.cuts) for s in self.groove.sides}
         self.boxes = {side: kinds[side][0] for side in sorted({s for _, _, s in spec.sockets})}
@@ -295,15 +299,19 @@ class Surface:
         left, right = (self._circle(g.land, line + sign * g.half, min(limit, self.flank_limit)) for sign in (-1.0, 1.0))
         self._tube("land", g.land, circles[0], left, (self.z[0], line - g.half), limit)
         self._tube("land", g.land, right, circles[1], (line + g.half, self.z[1]), limit)
-        r, zeta = g.profile(g.sides[0], np.array([g.apex]))
-        apex = self._circle(float(r[0]), line + float(zeta[0]), min(limit, self.flank_limit))
-        for side, edge in zip(g.sides, (left, right), strict=True):
+        if self.m.one_arc:
+            faces = [(g.sides[0], *((right, left) if self.spec.outer else (left, right)), -g.edge)]
+        else:
+            r, zeta = g.profile(g.sides[0], np.array([g.apex]))
+            apex = self._circle(float(r[0]), line + float(zeta[0]), min(limit, self.flank_limit))
+            faces = [(side, apex, edge, g.apex) for side, edge in zip(g.sides, (left, right), strict=True)]
+        for side, low, high, begin in faces:
 
             def seam(gamma: Array, side: int = side) -> Array:
                 r, zeta = g.profile(side, gamma)
                 return cylindrical(r, self.start, line + zeta)
 
-            self._flank(side, line, self._around(apex, edge, (g.apex, g.edge), seam, self.flank_limit))
+            self._flank(side, line, self._around(low, high, (begin, g.edge), seam, self.flank_limit))
         return [[c.on(seen(g.land))] for c in circles]
 
     def _helix(self) -> list[list[Side]]:
@@ -412,7 +420,6 @@ def widest_gap(spec: BodySpec) -> float:
 
 def build_body(m: GrooveMap, spec: BodySpec) -> GroovedBody:
     """Mesh a grooved body. Raises ValueError where a socket does not fit or no attempt gives a good mesh."""
-    begin = perf_counter()
     land, behind = (spec.r_out, spec.r_in) if spec.outer else (spec.r_in, spec.r_out)
     refuse_misfit(m, spec.size, spec.sockets, land, behind, (spec.z_low, spec.z_high))
     Groove.of(m, spec)
@@ -423,14 +430,14 @@ def build_body(m: GrooveMap, spec: BodySpec) -> GroovedBody:
         sizes = share * spec.fine, share * spec.coarse
         shell = Shell(gmsh, graded(near, *sizes, *(m.ball * g for g in GROWTH)), min(sizes), plane)
         surface = Surface(shell, m, spec, share)
-        body = _collected(surface, fill(shell, volume), begin)
+        body = _collected(surface, fill(shell, volume))
         off = body.deviation / m.ball if body.deviation > EXACT else 0.0
         return body, off + max(0.0, POOREST - body.quality.smallest)
 
     return best_of("screw" if spec.outer else "nut", attempt)
 
 
-def _collected(surface: Surface, filled: Filled, begin: float) -> GroovedBody:
+def _collected(surface: Surface, filled: Filled) -> GroovedBody:
     """The mesh, its boundaries named; edges that would turn cells inside out are straightened."""
     m, spec, shell = surface.m, surface.spec, surface.shell
     places = zip(surface.corners, spec.sockets, strict=True)
@@ -443,7 +450,7 @@ def _collected(surface: Surface, filled: Filled, begin: float) -> GroovedBody:
     flanks = {s: points_of(mesh)[nodes_on(mesh, f"flank {SIDES[s]}")] for s in surface.groove.sides}
     ends = surface.groove.ends
     deviation = max(_flank_deviation(m, s, x if ends is None else x[ends.in_whole(x)]) for s, x in flanks.items())
-    return GroovedBody(mesh, sockets, surface.boxes, deviation, perf_counter() - begin, quality)
+    return GroovedBody(mesh, sockets, surface.boxes, deviation, quality)
 
 
 def _flank_deviation(m: GrooveMap, side: int, points: Array) -> float:

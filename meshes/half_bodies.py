@@ -11,11 +11,11 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.arrays import Array
-from meshes.groove_map import GrooveMap
-from meshes.grooved_body import FLANK, BodySpec, Groove, circle, cylindrical, flat, level, seen, upright
-from meshes.parts import SIDES
-from meshes.shell import BEND, WALL, Curve, Placing, Shell, Side
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.grooved_body import FLANK, BodySpec, Groove, circle, cylindrical, flat, level, seen, upright
+from rollbench.meshes.parts import SIDES
+from rollbench.meshes.shell import BEND, WALL, Curve, Placing, Shell, Side
 
 #: Azimuths [rad] of the two parts of the cut.
 CUT = (0.0, np.pi)
@@ -34,9 +34,9 @@ class HalfRing:
 
     def __init__(self, shell: Shell, m: GrooveMap, spec: BodySpec, share: float = 1.0) -> None:
         """Divide and triangulate all of it; share: of the usual longest edges on curved faces. Raises ValueError for a
-        helix, a ring without bore, or a groove that leaves no land or wall."""
-        if m.rg or spec.r_in <= 0.0:
-            raise ValueError("only a ring with a bore is cut in halves")
+        helix, a ring without bore, a groove of one arc, or one that leaves no land or wall."""
+        if m.rg or spec.r_in <= 0.0 or m.one_arc:
+            raise ValueError("only a ring with a bore and a groove of two arcs is cut in halves")
         self.shell, self.groove, self.spec = shell, Groove.of(m, spec), spec
         sizes_as_asked(shell)
         g, line, (low, high) = self.groove, m.z0, (spec.z_low, spec.z_high)

@@ -7,8 +7,8 @@ from math import atan2, cos, pi, sin
 
 import numpy as np
 
-from meshes.arrays import Array
-from meshes.parts import SIDE_SIGNS, Scene, Track
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import SIDE_SIGNS, Scene, Track
 
 
 def reduced_lead(track: Track) -> float:

@@ -1,10 +1,12 @@
 """System libraries that only meshing and pictures need, by the Debian package that holds them, and Python packages of
-single files: the one list of them."""
+some work: the one list of them."""
 
 from __future__ import annotations
 
 import ctypes
 from collections.abc import Mapping
+from functools import cache
+from importlib import import_module, metadata
 
 #: Shared libraries that gmsh loads; everything but meshing runs without.
 MESHING = {
@@ -20,11 +22,50 @@ MESHING = {
 }
 #: Shared libraries that VTK draws with where there is no screen; everything but 3D pictures runs without.
 PICTURES = {"libEGL.so.1": "libegl1", "libGL.so.1": "libgl1", "libXrender.so.1": "libxrender1"}
+_NO_RUN = "no run of the 3D reference is computed; stored ones are read"
+#: Python packages that not all commands need, and what goes without; the others are needed by all.
+ONLY_FOR = {
+    "gmsh": f"no 3D meshes: no export and no condense, {_NO_RUN}",
+    "meshio": "no export of meshes",
+    "scikit-fem": f"no export of meshes, no whole report, no 3D model of rolling, {_NO_RUN}",
+    "pymetis": _NO_RUN,
+    "pyvista": "the report has no 3D pictures",
+    "matplotlib": "no report; compare, mesh-study, sweep and solve --curve write tables without figures",
+    "numba": "kernels are interpreted: friction, large screws and ensembles take some hundred times as long",
+}
+#: Those that a run of the 3D reference needs.
+REFERENCE = ("gmsh", "scikit-fem", "pymetis")
+#: Modules of packages that have another name.
+_MODULES = {"scikit-fem": "skfem", "pillow": "PIL"}
 #: Python packages that one file of the report needs each: the file, and what installs the package.
 EXTRAS = {
     "typst": ("the PDF of the first pages", "pip install typst"),
     "trimesh": ("the view that can be turned", "pip install trimesh"),
 }
+
+
+@cache
+def fault(package: str) -> str:
+    """Why a Python package cannot be used; empty where it can.
+
+    >>> fault("numpy"), fault("no-such-package")
+    ('', 'no-such-package is not installed')
+    """
+    try:
+        import_module(_MODULES.get(package, package))
+    except Exception as error:  # whatever a damaged package raises
+        if version(package) is None:
+            return f"{package} is not installed"
+        return f"{package} cannot be imported ({type(error).__name__}: {error})"
+    return ""
+
+
+def version(package: str) -> str | None:
+    """Version of an installed Python package; None where it is not installed."""
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return None
 
 
 def install(*lists: Mapping[str, str]) -> str:

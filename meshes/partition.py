@@ -6,9 +6,9 @@ from math import ceil, cos, floor
 
 import numpy as np
 
-from meshes.arrays import Array
-from meshes.helix import BallLayout, lead_angle, nominal_contact_points
-from meshes.parts import Scene
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.helix import BallLayout, lead_angle, nominal_contact_points
+from rollbench.meshes.parts import Scene
 
 #: Stations closer than this share a node; the rest of the way is rigid. [m]
 MERGE = 1.0e-5

@@ -150,11 +150,6 @@ class Errors:
     seed: int = 0
     lead_offset: float = 0.0
 
-    def __repr__(self) -> str:
-        """As of any record, but without a lead offset of zero: keys of stored runs are made of it."""
-        shown = [f.name for f in fields(self) if f.name != "lead_offset" or self.lead_offset]
-        return f"Errors({', '.join(f'{name}={getattr(self, name)!r}' for name in shown)})"
-
     def side(self, name: str) -> SideErrors:
         """Errors of the flank ``name`` (one of SIDES)."""
         found: SideErrors = getattr(self, name)
@@ -234,15 +229,15 @@ class Solid:
 class Friction:
     """Coulomb coefficients of the balls on the grooves of screw and nut; ``assumed``: where they come from.
 
-    coupling: whether friction moves each ball across its grooves (``"ball"``), leaves the contact loads alone
-    (``"none"``), or leaves them alone while neighbouring balls that touch push each other (``"balls"``); balls: coefficient
-    from ball to ball, ``None`` for the larger one of the grooves.
+    coupling: whether friction moves each ball across its grooves (``"ball"``, the default of scene files and commands
+    too), leaves the contact loads alone (``"none"``), or leaves them alone while neighbouring balls that touch push each
+    other (``"balls"``); balls: coefficient from ball to ball, ``None`` for the larger one of the grooves.
     """
 
     screw: float
     nut: float
     assumed: tuple[str, ...] = ()
-    coupling: Literal["none", "ball", "balls"] = "none"
+    coupling: Literal["none", "ball", "balls"] = "ball"
     balls: float | None = None
 
     @property
@@ -307,11 +302,7 @@ class GateLimits:
 
 @dataclass(frozen=True)
 class Scene:
-    """One load case of one ball screw or bearing. ``assumed``: statements about what the source leaves open.
-
-    ``friction``, ``motion``, ``circulation`` and ``time`` say nothing about the static loads: they are no part of the
-    ``repr``, by which stored static results are keyed.
-    """
+    """One load case of one ball screw or bearing. ``assumed``: statements about what the source leaves open."""
 
     name: str
     title: str
@@ -327,12 +318,12 @@ class Scene:
     source: str = ""
     assumed: tuple[str, ...] = ()
     members: int = 1
-    friction: Friction | None = field(default=None, repr=False)
-    motion: Motion | None = field(default=None, repr=False)
-    role: str = field(default="", repr=False, compare=False)
-    circulation: Circulation | None = field(default=None, repr=False)
-    time: Time | None = field(default=None, repr=False)
-    gate: GateLimits = field(default_factory=GateLimits, repr=False, compare=False)
+    friction: Friction | None = None
+    motion: Motion | None = None
+    role: str = field(default="", compare=False)
+    circulation: Circulation | None = None
+    time: Time | None = None
+    gate: GateLimits = field(default_factory=GateLimits, compare=False)
 
     def __hash__(self) -> int:
         """Hash of the fields that are compared, kept once computed: many caches are looked up by scenes."""

@@ -9,8 +9,8 @@ import numpy as np
 from skfem import Mesh
 from skfem.element import Element
 
-from meshes.arrays import Array, Index
-from meshes.fem import moved
+from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.fem import moved
 
 #: Share of cells below this scaled Jacobian is counted.
 POOR = 0.1

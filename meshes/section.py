@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import asin, cos, hypot, pi, sin, sqrt
 
-from meshes.parts import Material, Scene
+from rollbench.meshes.parts import Material, Scene
 
 
 @dataclass(frozen=True)

@@ -15,9 +15,9 @@ import numpy as np
 from scipy.spatial import cKDTree
 from skfem import Mesh
 
-from meshes.arrays import Array, Index
-from meshes.fem import Tet1, moved, second_order, with_faces
-from meshes.sockets import SocketMesh
+from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.fem import Tet1, moved, second_order, with_faces
+from rollbench.meshes.sockets import SocketMesh
 
 Placing = Callable[[Array], Array]
 #: Nodes along a side of a face and their plane coordinates ``(n, 2)`` [m].

@@ -13,16 +13,18 @@ from itertools import pairwise, product
 import numpy as np
 from scipy.optimize import brentq
 
-from meshes.arrays import Array, Index
-from meshes.groove_map import GrooveMap
-from meshes.helix import BallLayout
-from meshes.parts import SIDES
+from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.helix import BallLayout
+from rollbench.meshes.parts import SIDES
 
 #: Socket where nothing is near: half width in gamma [rad]; depth and half length along the track over the ball's radius
 #: (1.2 mm and 1.24 mm with the balls of 2.778 mm of Lin's case 1).
 GAMMA, DEPTH, ALONG = 0.30, 1.2 / 2.778, 1.24 / 2.778
 #: Smallest share of that size at which a contact zone still finds room.
 LEAST = 0.4
+#: That share beside a flat end, where a lip leaves no more depth; contacts keep the width and length that they need.
+LIP = 0.1
 #: Share of a socket's half width and length that its contact zone fills, if there is room; and at most.
 FILLED, ZONE = 0.6, 0.95
 #: Width that sockets offer to contacts over what they need, unless that takes more than half of what is left.
@@ -33,6 +35,8 @@ BESIDE, CLOSE = 0.25, 0.03
 BETWEEN = 0.6
 #: Material kept under a socket, over its depth; and beside it to an end or to the next turn, over the ball's radius.
 UNDER, AWAY = 0.5, 0.12
+#: That beside an end, where no more is left.
+THIN = 0.05
 #: How much narrower a socket is at its bottom: beside the edge of a groove there is room for it to bulge.
 TAPER = 0.2
 #: How far a ball may lie off its groove, over its radius.
@@ -196,7 +200,7 @@ def socket_coordinates(
 
 
 def flank_limits(m: GrooveMap, side: int, land: float) -> tuple[float, float]:
-    """Angles gamma [rad] of the apex and of the edge of a flank at the land radius [m].
+    """Angles gamma [rad] of the apex and of the edge of a flank at the land radius [m]; both edges of a groove of one arc.
 
     Raises ValueError where the contact does not lie between the two.
     """
@@ -206,7 +210,8 @@ def flank_limits(m: GrooveMap, side: int, land: float) -> tuple[float, float]:
         return float(m.unroll(*m.section(side, np.array(gamma), np.array(m.radius[side])))[0]) - land
 
     if excess(m.beta) * excess(np.pi) < 0.0:
-        return apex, float(brentq(excess, m.beta, np.pi, xtol=1e-14))
+        edge = float(brentq(excess, m.beta, np.pi, xtol=1e-14))
+        return (-edge if m.one_arc else apex), edge
     raise ValueError(
         f"the {SIDES[side]} flank ends before its contact at {np.degrees(m.beta):.3g} deg: a land radius of "
         f"{1e3 * land:.4g} mm leaves no groove there; move the land towards the pitch radius {1e3 * m.R:.4g} mm"
@@ -317,7 +322,8 @@ def fitted_socket(
     below what the contacts need; shallower over a thin wall; shorter between close balls; smaller altogether beside an
     end or the next turn of the groove.
     Raises ValueError, with the cause and a remedy, where a contact reaches beyond what apex and edge leave to a socket,
-    or less than 0.4 of the usual depth, length or (without ``need``) width would be left.
+    or less than 0.4 of the usual depth, length or (without ``need``) width would be left, 0.1 of depth and length beside an
+    end.
     """
     usual = SocketSize(GAMMA, DEPTH * m.ball, ALONG * m.ball / m.R)
     bodies = [tuple(s for s in sides if (s < 2) == screw) for screw in (True, False)]
@@ -354,17 +360,25 @@ def fitted_socket(
 
     def scaled(share: float) -> SocketSize:
         narrow = max(share * size.gamma, min(size.gamma, least))
-        return replace(size, gamma=narrow, depth=share * size.depth, phi=share * size.phi)
+        short = max(share * size.phi, min(size.phi, need[1] / (ZONE * m.R)))
+        return replace(size, gamma=narrow, depth=share * size.depth, phi=short)
 
-    def inside(share: float) -> bool:
+    def inside(share: float, away: float = AWAY) -> bool:
         below, above = reach(m, scaled(share), sides)
-        return bool(below + AWAY * m.ball <= low and above + AWAY * m.ball <= high)
+        return bool(below + away * m.ball <= low and above + away * m.ball <= high)
+
+    def just_inside(share: float) -> bool:
+        return inside(share, THIN)
 
     def clear(share: float) -> bool:
         return min(turn_left(m, scaled(share), own) for own in bodies if own) >= AWAY * m.ball
 
+    lip = not inside(LEAST)
     for fits, why in (
-        (inside, f"the outermost balls are {mm(low)} and {mm(high)} from the flat ends; lengthen the nut or move balls"),
+        (
+            just_inside if lip else inside,
+            f"the outermost balls are {mm(low)} and {mm(high)} from the flat ends; lengthen the nut or move balls",
+        ),
         (clear, f"the next turn of the groove is {mm(2.0 * np.pi * abs(m.rg) / m.starts)} on; raise the lead"),
     ):
         share = _largest(fits)
@@ -373,8 +387,8 @@ def fitted_socket(
             cause = dict.fromkeys(cause, why)
     for name, word, floor in (
         ("gamma", "narrow", least or LEAST * GAMMA),
-        ("depth", "shallow", LEAST * usual.depth),
-        ("phi", "short", max(LEAST * usual.phi, need[1] / (ZONE * m.R))),
+        ("depth", "shallow", (LIP if lip else LEAST) * usual.depth),
+        ("phi", "short", max((LIP if lip else LEAST) * usual.phi, need[1] / (ZONE * m.R))),
     ):
         if getattr(size, name) < floor * (1.0 - 1e-9):
             found, wanted = getattr(size, name) / getattr(usual, name), floor / getattr(usual, name)
@@ -427,13 +441,13 @@ def refuse_misfit(
     ends: tuple[float, float],
 ) -> None:
     """Raise ValueError where sockets (azimuth, z, side) of one body leave it or one another; radii and ends [m]."""
-    remedy = "make the sockets smaller (meshes.sockets.fitted_socket finds a size that fits)"
+    remedy = "make the sockets smaller (rollbench.meshes.sockets.fitted_socket finds a size that fits)"
     sides = tuple(sorted({s for _, _, s in sockets}))
     for phi, z, _ in sockets:
         if min(whole_turns(m, phi, z, line)[1] for line in groove_lines(m)) > ON_GROOVE * m.ball:
             raise ValueError(
                 f"the socket at azimuth {np.degrees(phi):.4g} deg, z = {1e3 * z:.4g} mm lies on no groove: place balls by "
-                "meshes.helix.ball_layout"
+                "rollbench.meshes.helix.ball_layout"
             )
     for side in sides:
         apex, edge = flank_limits(m, side, land)

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from meshes.helix import groove_radii
-from meshes.parts import Scene
+from rollbench.meshes.helix import groove_radii
+from rollbench.meshes.parts import Scene
 
 #: Hole assumed along the axis of a solid screw, over the pitch radius: the mesh needs one; its effect is part of the
 #: modelling spread.
@@ -47,6 +47,29 @@ class Dimensions:
         stations = [*(s.at for s in scene.supports), *(x.at for x in scene.loads)]
         low, high = (next((z for z in stations if abs(z - end) <= SAME), end) for end in ends)
         return low, high
+
+
+def _check_lands(scene: Scene, land: float, reach: float) -> None:
+    """Raise ValueError, naming what the scene says, where lands of radius ``land`` [m] leave the nut no groove or no wall.
+
+    reach: of the grooves beyond the pitch cylinder [m].
+    """
+    pitch, outer = 2e3 * scene.track.pitch_radius, 1e3 * scene.screw.outer_diameter
+    most = pitch + 2e3 * reach
+    found = 2e3 * land
+    if found >= 1e3 * scene.nut.outer_diameter and pitch < found < most:
+        wall = f"the nut's lands of {found:.4g} mm diameter leave no wall"
+        raise ValueError(f"nut.outer_diameter of {1e3 * scene.nut.outer_diameter:.4g} mm: {wall}")
+    if pitch < found < most:
+        return
+    if scene.solid.nut_inner_diameter is not None:
+        between = f"it must lie between the pitch diameter {pitch:.4g} mm and {most:.4g} mm"
+        raise ValueError(f"solid.nut_inner_diameter of {found:.4g} mm leaves no groove: {between}")
+    raise ValueError(
+        f"screw.outer_diameter of {outer:.4g} mm with a pitch diameter of {pitch:.4g} mm leaves no groove: the nut's lands "
+        f"mirror the screw's, which must lie between {pitch - 2e3 * reach:.4g} mm and the pitch diameter; mend one of the "
+        "two, or give the nut's lands by solid.nut_inner_diameter"
+    )
 
 
 def dimensions(scene: Scene) -> Dimensions:
@@ -97,11 +120,7 @@ def dimensions(scene: Scene) -> Dimensions:
     else:
         assumed.append("The groove runs through the whole nut and the whole 3D stretch of the screw; flat nut faces.")
     reach = float(groove_radii(scene).max())
-    if not R < land < R + reach or land >= scene.nut.outer_diameter / 2.0:
-        raise ValueError(
-            f"solid.nut_inner_diameter of {2e3 * land:.4g} mm leaves no groove: it must lie between the pitch diameter "
-            f"{2e3 * R:.4g} mm and {2e3 * (R + reach):.4g} mm, and below the nut's outer diameter"
-        )
+    _check_lands(scene, land, reach)
     if not 0.0 < hole < R - reach:
         raise ValueError(
             f"the hole of {2e3 * hole:.4g} mm diameter along the screw leaves no wall under the groove, which needs it "

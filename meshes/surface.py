@@ -6,10 +6,10 @@ from math import cos, sin
 
 import numpy as np
 
-from meshes.arrays import Array
-from meshes.errors import Specimen
-from meshes.helix import lead_angle, reduced_lead
-from meshes.parts import SIDE_SIGNS, Scene
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import Specimen
+from rollbench.meshes.helix import lead_angle, reduced_lead
+from rollbench.meshes.parts import SIDE_SIGNS, Scene
 
 SIGNS = np.array(SIDE_SIGNS)
 #: In place of a side: all four, in a second axis.

@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from meshes.arrays import Array, Index
-from meshes.shell import MM
-from meshes.sockets import SocketMesh
+from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.shell import MM
+from rollbench.meshes.sockets import SocketMesh
 
 #: gmsh's Delaunay tetrahedra are that much larger than regular ones of the edge asked for (cube root of mean volumes).
 LARGER = 1.22

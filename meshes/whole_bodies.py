@@ -8,20 +8,22 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from scipy.spatial import cKDTree
+from skfem import Mesh
 
-from meshes.arrays import Array, Index
-from meshes.ball_body import directions, sphere
-from meshes.fem import cells_of, nodes_on, points_of
-from meshes.groove_map import GrooveMap
-from meshes.grooved_body import BodySpec, Surface
-from meshes.half_bodies import HalfRing, half_sphere
-from meshes.quality import Quality, measure, refuse_bad, straighten, untangle
-from meshes.shell import POOREST, STRAIGHTENED, Placing, Shell, best_of, fill
-from meshes.sockets import SocketSize, socket_points
+from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.ball_body import directions, sphere
+from rollbench.meshes.fem import cells_of, nodes_on, points_of
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.grooved_body import BodySpec, Groove, Surface
+from rollbench.meshes.half_bodies import HalfRing, half_sphere
+from rollbench.meshes.quality import Quality, measure, refuse_bad, straighten, untangle
+from rollbench.meshes.shell import POOREST, STRAIGHTENED, Placing, Shell, best_of, fill
+from rollbench.meshes.sockets import SocketSize, socket_points
 
 
 @dataclass(frozen=True)
@@ -42,13 +44,25 @@ class Refinement:
 
 @dataclass(frozen=True)
 class WholeBody:
-    """Points ``(n, 3)`` [m], second-order tetrahedra ``(m, 10)`` in gmsh's order, nodes of the named parts of the surface,
-    quality."""
+    """Second-order tetrahedra, the parts of their surface as boundaries; quality."""
 
-    points: Array
-    cells: Index
-    named: dict[str, Index]
+    mesh: Mesh
     quality: Quality
+
+    @property
+    def points(self) -> Array:
+        """Nodes ``(n, 3)`` [m]."""
+        return points_of(self.mesh)
+
+    @property
+    def cells(self) -> Index:
+        """Nodes of the cells ``(m, 10)`` in gmsh's order."""
+        return cells_of(self.mesh)
+
+    @cached_property
+    def named(self) -> dict[str, Index]:
+        """Nodes of the named parts of the surface."""
+        return {part: nodes_on(self.mesh, part) for part in sorted(self.mesh.boundaries)}
 
 
 def grid(half: tuple[float, float], step: float) -> Array:
@@ -87,11 +101,14 @@ def place_ball(m: GrooveMap, at: tuple[float, float], points: Array) -> Array:
 
 
 def whole_body(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> WholeBody:
-    """Mesh a screw or nut; ``spec``'s sockets and sizes are not used. Its surface's parts are named as there.
+    """Mesh a screw or nut; ``spec``'s sockets say where its groove ends, if it does; its sizes are not used. The parts of
+    its surface are named as in `meshes.grooved_body`.
 
     Raises ValueError where the groove leaves no land or wall, or no attempt gives a good mesh.
     """
-    return _meshed("screw" if spec.outer else "nut", lambda shell, share: Surface(shell, m, spec, share), refinement)
+    whole, groove = replace(spec, sockets=()), Groove.of(m, spec)
+    name = "screw" if spec.outer else "nut"
+    return _meshed(name, lambda shell, share: Surface(shell, m, whole, share, groove), refinement)
 
 
 def whole_ball(m: GrooveMap, radius: float, refinement: Refinement) -> WholeBody:
@@ -129,8 +146,6 @@ def _meshed(name: str, surface: Callable[[Shell, float], object], refinement: Re
         mesh, moved = straighten(mesh, np.zeros(0, dtype=np.int64), STRAIGHTENED)
         quality = measure(mesh)
         refuse_bad(quality, name)
-        surface_nodes = {part: nodes_on(mesh, part) for part in sorted(mesh.boundaries or {})}
-        body = WholeBody(points_of(mesh), cells_of(mesh), surface_nodes, quality)
-        return body, moved + max(0.0, POOREST - quality.smallest)
+        return WholeBody(mesh, quality), moved + max(0.0, POOREST - quality.smallest)
 
     return best_of(name, attempt)

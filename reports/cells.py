@@ -8,7 +8,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-from reports.records import Cell, Column, Table
+from rollbench.reports.records import Cell, Column, Table
 
 #: Characters of a text from which its column is made wide, and up to which it stands in one line, as "31 SL".
 LONG, SHORT = 90, 9
@@ -127,10 +127,12 @@ def cell_view(column: Column, value: Cell, *, number: bool) -> dict[str, str]:
 
 def verdict(text: str) -> str:
     """``good``, ``bad``, ``open`` or ``other``, by the first word of a verdict."""
+    if text == "not identifiable":
+        return "open"
     first = re.split(r"\W", text.strip().lower(), maxsplit=1)[0]
     kinds = {
-        "good": ("reproduced", "within", "converged", "agrees", "passed", "yes"),
-        "bad": ("not", "no", "failed", "fails", "diverged", "differs"),
+        "good": ("reproduced", "band", "within", "converged", "agrees", "passed", "yes"),
+        "bad": ("contradicted", "not", "no", "failed", "fails", "diverged", "differs"),
         "open": ("open", "partly", "mechanism"),
     }
     return next((kind for kind, words in kinds.items() if first in words), "other")

@@ -15,11 +15,11 @@ from typing import Any
 
 import numpy as np
 
-from meshes.arrays import Array, Index
-from reports.figures import COLOURS
-from reports.offscreen import draw_in_child
-from reports.records import FieldPicture, MeshPart
-from reports.scene3d import SIZE
+from rollbench.meshes.arrays import Array, Index
+from rollbench.reports.figures import COLOURS
+from rollbench.reports.offscreen import draw_in_child
+from rollbench.reports.records import FieldPicture, MeshPart
+from rollbench.reports.scene3d import SIZE
 
 _TET_FACES = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
 _TET_EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (2, 3), (1, 3))  # midpoints 4 to 9, gmsh's order
@@ -49,7 +49,7 @@ def draw_field(picture: FieldPicture, path: str | Path) -> None:
     Raises ValueError for arrays that do not belong together, RuntimeError where this machine cannot draw it.
     """
     check(picture)
-    draw_in_child("reports.field3d", picture, path)
+    draw_in_child("rollbench.reports.field3d", picture, path)
 
 
 def check(picture: FieldPicture) -> None:
@@ -266,6 +266,7 @@ def _axes(picture: FieldPicture) -> tuple[Array, Array, Array]:
 
 def _render(picture: FieldPicture, path: str) -> None:
     """Build the picture and write it; runs in the child process."""
+    import matplotlib
     import pyvista
 
     pyvista.OFF_SCREEN = True
@@ -300,7 +301,9 @@ def _render(picture: FieldPicture, path: str) -> None:
     plotter.enable_anti_aliasing("ssaa")
     image = plotter.screenshot(None, return_img=True)
     plotter.close()
-    _compose(picture, np.asarray(image), limits, path)
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()  # whatever a matplotlibrc says
+        _compose(picture, np.asarray(image), limits, path)
 
 
 def _compose(picture: FieldPicture, image: Any, limits: tuple[float, float] | None, path: str) -> None:

@@ -6,7 +6,8 @@ import io
 import math
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import matplotlib
@@ -17,9 +18,9 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter, ScalarFormatter
 from matplotlib.transforms import ScaledTranslation
 
-from reports.cells import micro
-from reports.labels import place_texts
-from reports.records import Figure, Panel, PressureMap, PressurePanel, Series
+from rollbench.reports.cells import micro
+from rollbench.reports.labels import place_texts
+from rollbench.reports.records import Figure, Panel, PressureMap, PressurePanel, Series
 
 #: Okabe and Ito's palette without its yellow, dark tones first; safe for colour blindness.
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#7B4EA3", "#E69F00", "#333333", "#56B4E9", "#CC79A7")
@@ -67,6 +68,15 @@ _RC = {
 }
 
 
+@contextmanager
+def own_style(name: str) -> Iterator[None]:
+    """Settings of matplotlib for the drawing ``name``: its own defaults and these, whatever a matplotlibrc says."""
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        matplotlib.rcParams.update({**_RC, "svg.hashsalt": f"rollbench-{name}"})
+        yield
+
+
 def draw(figure: Figure) -> str:
     """Draw a figure of one to six panels: the document of `drawing`."""
     return drawing(figure)[0]
@@ -91,7 +101,7 @@ def drawing(figure: Figure) -> tuple[str, Canvas]:
         _check(figure.name, panel)
     columns = max(1, min(figure.columns, len(figure.panels), 3))
     rows = math.ceil(len(figure.panels) / columns)
-    with matplotlib.rc_context({**_RC, "svg.hashsalt": f"rollbench-{figure.name}"}):
+    with own_style(figure.name):
         canvas = Canvas(layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05, wspace=0.03, hspace=0.05))
         svg = FigureCanvasSVG(canvas)
         orders = _orders(figure.panels)
@@ -137,7 +147,7 @@ def draw_map(item: PressureMap) -> str:
     spans = [max(float(np.ptp(getattr(p, k))) for p in item.panels) for k in ("x", "y")]
     top = max(float(np.max(panel.values)) for panel in item.panels)
     levels = MaxNLocator(nbins=10, steps=[1, 2, 2.5, 5, 10]).tick_values(0.0, top)
-    with matplotlib.rc_context({**_RC, "svg.hashsalt": f"rollbench-{item.name}"}):
+    with own_style(item.name):
         canvas = Canvas(layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05, wspace=0.03, hspace=0.05))
         FigureCanvasSVG(canvas)
         filled: Any = None

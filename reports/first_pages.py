@@ -11,9 +11,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from meshes.libraries import EXTRAS
-from reports.cells import filled, format_cell, is_number, micro
-from reports.records import Report, Summary, Table
+from rollbench.meshes.libraries import EXTRAS
+from rollbench.reports.cells import filled, format_cell, is_number, micro
+from rollbench.reports.records import Report, Summary, Table
 
 #: Name of the file in the folder of a report.
 FILE = "first-pages.pdf"
@@ -30,7 +30,7 @@ def write_first_pages(report: Report, summary: Summary, figure: str, folder: Pat
     import typst
     from matplotlib import get_data_path
 
-    template = resources.files("reports").joinpath("templates", _TEMPLATE).read_bytes()
+    template = resources.files("rollbench.reports").joinpath("templates", _TEMPLATE).read_bytes()
     with TemporaryDirectory() as place:
         root = Path(place)
         (root / _TEMPLATE).write_bytes(template)

@@ -6,12 +6,12 @@ import re
 import shutil
 from pathlib import Path
 
-from meshes.leftovers import temporary
-from reports.cells import format_cell, harmless, write_csv
-from reports.first_pages import FILE as PDF
-from reports.manifest import FILE as MANIFEST
-from reports.pages import MARKER, SEARCH, Progress, write_pages
-from reports.records import Report, Table, Text
+from rollbench.meshes.leftovers import temporary
+from rollbench.reports.cells import format_cell, harmless, write_csv
+from rollbench.reports.first_pages import FILE as PDF
+from rollbench.reports.manifest import FILE as MANIFEST
+from rollbench.reports.pages import MARKER, SEARCH, Progress, write_pages
+from rollbench.reports.records import Report, Table, Text
 
 __all__ = ["MARKER", "check_target", "format_cell", "harmless", "write", "write_csv"]
 

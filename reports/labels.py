@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.records import Series
+from rollbench.reports.records import Series
 
 #: Distance between lines of text, and from a text to the points it belongs to [points of 1/72 inch].
 LINE, AWAY = 10.0, 10.0

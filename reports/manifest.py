@@ -11,6 +11,8 @@ from typing import Any
 
 #: File of a report's folder that holds them.
 FILE = "manifest.json"
+#: Largest file of a report that is read [bytes]: ten times the largest page.
+LARGEST = 200_000_000
 
 
 def sha256(data: str | bytes) -> str:
@@ -30,9 +32,32 @@ def write_manifest(folder: Path, origin: Mapping[str, Any]) -> None:
     (folder / FILE).write_text(text + "\n", encoding="utf-8", newline="\n")
 
 
+def page_text(path: Path) -> str:
+    """Text of a file of a report. Raises OSError where there is none, ValueError for a pipe, a device, or a file that no
+    report has."""
+    if path.exists() and not path.is_file():
+        raise ValueError("a pipe, a device or a folder")
+    if (size := path.stat().st_size) > LARGEST:
+        raise ValueError(f"{size:.3g} bytes; pages have at most {LARGEST:.3g}")
+    return path.read_text(encoding="utf-8")
+
+
+def parsed(text: str) -> Any:
+    """JSON of a text. Raises ValueError for anything else, however deeply nested."""
+    try:
+        return json.loads(text)
+    except RecursionError:
+        raise ValueError("brackets are nested too deeply") from None
+
+
+def all_texts(found: object) -> bool:
+    """Whether a part of a manifest is texts by name."""
+    return isinstance(found, dict) and all(isinstance(value, str) for value in found.values())
+
+
 def read_manifest(folder: Path) -> dict[str, Any]:
     """The manifest of a report's folder. Raises OSError where there is none, ValueError where it is damaged."""
-    found = json.loads((folder / FILE).read_text(encoding="utf-8"))
-    if not isinstance(found, dict) or not all(isinstance(found.get(key), dict) for key in ("inputs", "files")):
+    found = parsed(page_text(folder / FILE))
+    if not isinstance(found, dict) or not all(all_texts(found.get(key)) for key in ("inputs", "files")):
         raise ValueError(f"{FILE} is damaged")
     return found

@@ -9,7 +9,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from meshes.libraries import PICTURES, install
+from rollbench.meshes.libraries import PICTURES, install
 
 TIMEOUT = 180.0  # s; two seconds are usual
 ADVICE = f"install the off-screen OpenGL libraries (Debian: {install(PICTURES)})"
@@ -18,11 +18,11 @@ ADVICE = f"install the off-screen OpenGL libraries (Debian: {install(PICTURES)})
 def draw_in_child(module: str, picture: object, path: str | Path) -> None:
     """Run ``python -m module`` with the pickled (picture, file to write) on its standard input.
 
-    Nothing is imported from the working folder, unless that holds this program.
+    Nothing is imported from the working folder.
     Raises RuntimeError where this machine cannot draw it: says which libraries are missing, or what else went wrong.
     """
-    here, root = os.getcwd(), str(Path(__file__).resolve().parents[1])
-    search = os.pathsep.join([root, *(p for p in sys.path if p and os.path.abspath(p) != here)])
+    here = os.getcwd()
+    search = os.pathsep.join(p for p in sys.path if p and os.path.abspath(p) != here)
     try:
         child = subprocess.run(
             [sys.executable, "-P", "-m", module],
@@ -48,7 +48,7 @@ def fault() -> str:
     """Why no picture can be drawn here, by drawing a small one (some seconds); empty where it can."""
     with tempfile.TemporaryDirectory() as folder:
         try:
-            draw_in_child("reports.offscreen", None, Path(folder) / "sphere.png")
+            draw_in_child("rollbench.reports.offscreen", None, Path(folder) / "sphere.png")
         except RuntimeError as error:
             return str(error)
     return ""

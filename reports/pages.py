@@ -12,11 +12,11 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from reports import field3d, figures, first_pages, scene3d, view3d
-from reports.cells import cell_view, filled, is_number, micro, write_csv
-from reports.manifest import write_manifest
-from reports.panels import draw_parts, themed
-from reports.records import FieldPicture, Figure, LoadedScrew, PressureMap, Report, Section, Summary, Table, Text
+from rollbench.reports import field3d, figures, first_pages, scene3d, view3d
+from rollbench.reports.cells import cell_view, filled, is_number, micro, write_csv
+from rollbench.reports.manifest import write_manifest
+from rollbench.reports.panels import draw_parts, themed
+from rollbench.reports.records import FieldPicture, Figure, LoadedScrew, PressureMap, Report, Section, Summary, Table, Text
 
 #: What marks pages as written by a report, and their folder as its to replace.
 MARKER = '<meta name="generator" content="rollbench">'
@@ -44,7 +44,11 @@ def write_pages(report: Report, folder: Path, say: Progress) -> None:
     """Draw everything and write pages, tables, figures and the index of the search into ``folder``, which has the folders
     ``tables`` and ``figures``."""
     environment = Environment(
-        loader=PackageLoader("reports"), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+        loader=PackageLoader("rollbench.reports"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
     )
     environment.filters["micro"] = micro
     writer = _Writer(folder, say)

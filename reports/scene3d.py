@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from meshes.arrays import Array
-from reports.offscreen import draw_in_child
-from reports.records import LoadedScrew
+from rollbench.meshes.arrays import Array
+from rollbench.reports.offscreen import draw_in_child
+from rollbench.reports.records import LoadedScrew
 
 SIZE = (1600, 900)
 
@@ -39,7 +39,7 @@ def draw_loaded_screw(picture: LoadedScrew, path: str | Path) -> None:
         RuntimeError: this machine cannot draw it; says which libraries are missing, or what else went wrong.
     """
     _check(picture)
-    draw_in_child("reports.scene3d", picture, path)
+    draw_in_child("rollbench.reports.scene3d", picture, path)
 
 
 def _check(picture: LoadedScrew) -> None:

@@ -18,11 +18,11 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from reports import figures, scene3d
-from reports.cells import micro
-from reports.html import MARKER, format_cell
-from reports.manifest import sha256
-from reports.records import Figure, LoadedScrew, Section
+from rollbench.reports import figures, scene3d
+from rollbench.reports.cells import micro
+from rollbench.reports.html import MARKER, format_cell
+from rollbench.reports.manifest import all_texts, parsed, sha256
+from rollbench.reports.records import Figure, LoadedScrew, Section
 
 #: Blocks of the page that hold data, by id.
 BLOCKS = ("manifest", "scene", "results")
@@ -65,7 +65,11 @@ def results_hash(results: Mapping[str, Any]) -> str:
 def render(page: ScenePage) -> str:
     """The page as HTML. Raises ValueError for a figure whose data are inconsistent."""
     environment = Environment(
-        loader=PackageLoader("reports"), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+        loader=PackageLoader("rollbench.reports"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
     )
     environment.finalize = lambda value: value if isinstance(value, Markup) else micro(str(value))
     environment.globals["cell"] = format_cell
@@ -125,9 +129,11 @@ def read_page(html: str) -> dict[str, Any]:
         if found is None:
             raise ValueError(f"the page has no block {name!r}")
         try:
-            out[name] = json.loads(found[1])
+            out[name] = parsed(found[1])
         except ValueError as error:
             raise ValueError(f"the block {name!r} is damaged: {error}") from None
-    if not isinstance(out["manifest"], dict) or not isinstance(out["scene"], str):
+    manifest, texts = out["manifest"], isinstance(out["scene"], str)
+    whole = isinstance(manifest, dict) and all(all_texts(manifest.get(key, {})) for key in ("files", "provenance"))
+    if not (whole and texts and isinstance(out["results"], dict)):
         raise ValueError("the manifest is damaged")
     return out

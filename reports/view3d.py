@@ -16,10 +16,10 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from meshes.libraries import EXTRAS
-from reports import scene3d
-from reports.offscreen import draw_in_child
-from reports.records import LoadedScrew
+from rollbench.meshes.libraries import EXTRAS
+from rollbench.reports import scene3d
+from rollbench.reports.offscreen import draw_in_child
+from rollbench.reports.records import LoadedScrew
 
 #: What installs the viewer.
 REMEDY = EXTRAS["trimesh"][1]
@@ -54,7 +54,7 @@ def write_view(picture: LoadedScrew, path: Path, marker: str, back: str) -> None
 
     with TemporaryDirectory() as folder:
         scene = Path(folder) / "scene.gltf"
-        draw_in_child("reports.view3d", picture, scene)
+        draw_in_child("rollbench.reports.view3d", picture, scene)
         html: str = scene_to_html(_Exported(_finished(scene.read_text(encoding="utf-8"))))
     title = escape(picture.title)
     words = (

@@ -3,11 +3,11 @@
 from dataclasses import replace
 
 import numpy as np
-
-from lowfi.statics.axis.solve import solve_assembly
-from meshes.axis import Assembly, Housing, RollerRow, RollingSet, diagonal
-from meshes.parts import Balls, Load, Nut, Scene, Screw, Support, Track
 from tests.helpers import ALL_BUT_AXIAL, STEEL, small_screw
+
+from rollbench.lowfi.statics.axis.solve import solve_assembly
+from rollbench.meshes.axis import Assembly, Housing, RollerRow, RollingSet, diagonal
+from rollbench.meshes.parts import Balls, Load, Nut, Scene, Screw, Support, Track
 
 SHAFT = Screw(0.3, 32e-3, 3.254e-3, STEEL)
 #: An angular-contact bearing of 14 balls at 60 degrees.

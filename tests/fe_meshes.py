@@ -9,11 +9,11 @@ import numpy as np
 from skfem import Basis, ElementVector, Functional, LinearForm
 from skfem.helpers import dot, eye, sym_grad, trace
 
-from hifi import assembly
-from hifi.assembly import CurvedMap, rule
-from hifi.forms import elasticity, share
-from meshes.fem import _SKFEM, MESHES, mesh_of
-from meshes.quality import scaled_jacobians
+from rollbench.hifi import assembly
+from rollbench.hifi.assembly import CurvedMap, rule
+from rollbench.hifi.forms import elasticity, share
+from rollbench.meshes.fem import _SKFEM, MESHES, mesh_of
+from rollbench.meshes.quality import scaled_jacobians
 
 KINDS = ["P1", "P2", "Q1", "Q2"]
 #: Nodes of the elements on the unit cell, in gmsh's order.

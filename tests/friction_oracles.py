@@ -5,14 +5,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import ellipe
 
-from lowfi.friction.contact.ellipse import Contacts
-from lowfi.friction.linear.bearing import LinearBearing
-from lowfi.friction.screw.coupled import PATIENCE
-from lowfi.friction.screw.groove import ScrewGroove
-from lowfi.friction.screw.joint import solve_joint
-from lowfi.friction.screw.load import Cell, ScrewLoad, screw_rows, settle_load
-from lowfi.friction.screw.motion import AGREED, ROUNDS, BallMotion, Coupling, Mixer, ball_motion, feedback, hold_screw
-from meshes.arrays import Array
+from rollbench.lowfi.friction.contact.ellipse import Contacts
+from rollbench.lowfi.friction.linear.bearing import LinearBearing
+from rollbench.lowfi.friction.screw.coupled import PATIENCE
+from rollbench.lowfi.friction.screw.groove import ScrewGroove
+from rollbench.lowfi.friction.screw.joint import solve_joint
+from rollbench.lowfi.friction.screw.load import Cell, ScrewLoad, screw_rows, settle_load
+from rollbench.lowfi.friction.screw.motion import (
+    AGREED,
+    ROUNDS,
+    BallMotion,
+    Coupling,
+    Mixer,
+    ball_motion,
+    feedback,
+    hold_screw,
+)
+from rollbench.meshes.arrays import Array
 
 _FORCE_SENSE = np.array([1.0, 1.0, -1.0, -1.0])
 _SPIN_SENSE = np.array([1.0, -1.0, -1.0, 1.0])

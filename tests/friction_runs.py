@@ -3,17 +3,17 @@
 from dataclasses import replace
 
 import numpy as np
-
-from lowfi.friction.screw.groove import contact_spacing, pair_geometry
-from lowfi.friction.whole.balls import balls_of
-from lowfi.friction.whole.losses import ball_path
-from lowfi.friction.whole.run import Setting
-from lowfi.statics.again import beam_loads
-from meshes.errors import draw
-from meshes.parts import BallErrors, Circulation, Errors, FourierTerm, Friction, Motion, SideErrors
 from tests.helpers import small_screw
 
-MU, TURN = Friction(0.1, 0.1), Motion(10.0)
+from rollbench.lowfi.friction.screw.groove import contact_spacing, pair_geometry
+from rollbench.lowfi.friction.whole.balls import balls_of
+from rollbench.lowfi.friction.whole.losses import ball_path
+from rollbench.lowfi.friction.whole.run import Setting
+from rollbench.lowfi.statics.again import beam_loads
+from rollbench.meshes.errors import draw
+from rollbench.meshes.parts import BallErrors, Circulation, Errors, FourierTerm, Friction, Motion, SideErrors
+
+MU, TURN = Friction(0.1, 0.1, coupling="none"), Motion(10.0)
 SIZES = BallErrors(oversize=4e-6, listed=((2, 2e-6), (4, -2e-6), (5, 1.5e-6)))
 WAVES = Errors(
     balls=SIZES, SL=SideErrors(pitch=(FourierTerm(2.0, 2e-6),)), NR=SideErrors(roundness=(FourierTerm(1.0, 1e-6, 2e-6),))

@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from lowfi import jit
-from lowfi.statics.problem import build
-from lowfi.statics.static import prepare, solve_static
-from meshes.errors import specimen
-from meshes.groove_map import GrooveMap
-from meshes.grooved_body import BodySpec
-from meshes.helix import ball_layout
-from meshes.parts import (
+from rollbench.lowfi import jit
+from rollbench.lowfi.statics.problem import build
+from rollbench.lowfi.statics.static import prepare, solve_static
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.grooved_body import BodySpec
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import (
     SIDES,
     BallErrors,
     Balls,
@@ -27,7 +27,7 @@ from meshes.parts import (
     Support,
     Track,
 )
-from meshes.sockets import fitted_socket
+from rollbench.meshes.sockets import fitted_socket
 
 STEEL = Material(210e9, 0.28)
 ALL_BUT_AXIAL = (("ux", 0.0), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0), ("rz", 0.0))

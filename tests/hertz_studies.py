@@ -2,8 +2,8 @@
 
 from functools import cache
 
-from hifi.block import SIZE, HertzJob, HertzRun
-from hifi.block import study as fresh
+from rollbench.hifi.block import SIZE, HertzJob, HertzRun
+from rollbench.hifi.block import study as fresh
 
 GROUP = "Hertz blocks"
 

@@ -6,15 +6,15 @@ from dataclasses import replace
 from functools import cache, partial
 
 import numpy as np
-
-from hifi.fit import ball_place
-from hifi.patch import Lines, build_patch, build_tet_patch, condense_patch, graded, growing
-from meshes.fem import mesh_of
-from meshes.groove_map import GrooveMap
-from meshes.sockets import SocketMesh, SocketSize, local_points
-from meshes.tet_patch import build_tets, source_box
 from tests.fe_meshes import boundary_faces, cube
 from tests.helpers import small_screw
+
+from rollbench.hifi.fit import ball_place
+from rollbench.hifi.patch import Lines, build_patch, build_tet_patch, condense_patch, graded, growing
+from rollbench.meshes.fem import mesh_of
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.sockets import SocketMesh, SocketSize, local_points
+from rollbench.meshes.tet_patch import build_tets, source_box
 
 E, NU = 210e9, 0.28
 MAP = GrooveMap.of(small_screw(6))

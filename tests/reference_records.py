@@ -4,11 +4,11 @@ from dataclasses import asdict
 
 import numpy as np
 
-from compare.reference.store import Run
-from compare.reference.tasks import settings_of
-from compare.scenes import catalogue
-from meshes.condensed import CondensedBodies, geometry_digest
-from meshes.parts import Scene
+from rollbench.comparison.reference.store import Run
+from rollbench.comparison.reference.tasks import settings_of
+from rollbench.comparison.scenes import catalogue
+from rollbench.meshes.condensed import CondensedBodies, geometry_digest
+from rollbench.meshes.parts import Scene
 
 
 def run_of(scene_name: str, level: int, load_: np.ndarray, variant: str = "", group: tuple[str, ...] = ()) -> Run:
@@ -49,10 +49,10 @@ def bodies_of(scene: Scene, level: int, sides: tuple[int, ...] = (0, 3)) -> Cond
         level,
         np.array(sides, dtype=float),
         0.3,
-        eye,
-        eye,
-        np.eye(k),
-        np.ones((k, 2)),
+        1e-9 * eye,
+        1e-9 * eye,
+        1e-9 * np.eye(k),
+        np.full((k, 2), 1e-9),
         np.tile([100.0, 200.0], (k, 1)),
         np.full(k, 1e-7),
     )

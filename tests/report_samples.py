@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from reports.records import Column, Figure, LoadedScrew, Panel, Report, Section, Series, Table, Text
+from rollbench.reports.records import Column, Figure, LoadedScrew, Panel, Report, Section, Series, Table, Text
 
 
 def figure(name="loads", **changes):

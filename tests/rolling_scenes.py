@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from hifi.rolling.balls import Rolling
-from hifi.rolling.scenes import Material, linear_layout, scene_of, screw_layout
+from rollbench.hifi.rolling.balls import Rolling
+from rollbench.hifi.rolling.scenes import Material, linear_layout, scene_of, screw_layout
 
 STEEL = Material(210e9, 0.28, 0.1, 0.1)
 #: Directions from the ball's centre at BL, BR, TR, TL.

@@ -1,7 +1,7 @@
 """Shared by the tests of scenes: shipped scenes as text, with lines changed, and the names of the axes."""
 
-from compare.scenes import catalogue
-from meshes.axis import Assembly
+from rollbench.comparison.scenes import catalogue
+from rollbench.meshes.axis import Assembly
 
 
 def axis_names():

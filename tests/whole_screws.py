@@ -3,14 +3,14 @@
 from dataclasses import replace
 
 import numpy as np
-
-from lowfi.friction.whole.contacts import StaticContacts
-from lowfi.friction.whole.state import friction_state
-from meshes.helix import BallLayout
-from meshes.parts import Balls, Friction, Load, Material, Motion, Nut, Scene, Screw, Track
 from tests.helpers import FLANK_ERRORS, small_screw, solved
 
-MU, TURN = Friction(0.1, 0.1), Motion(10.0)
+from rollbench.lowfi.friction.whole.contacts import StaticContacts
+from rollbench.lowfi.friction.whole.state import friction_state
+from rollbench.meshes.helix import BallLayout
+from rollbench.meshes.parts import Balls, Friction, Load, Material, Motion, Nut, Scene, Screw, Track
+
+MU, TURN = Friction(0.1, 0.1, coupling="none"), Motion(10.0)
 AXIAL = (0.0, 0.0, 800.0)
 
 

@@ -4,26 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from compare.api.results import Friction, Judged, Result, Solution
-from compare.errors import InputError
-from compare.scenes import catalogue
-from compare.scenes.scene_file import whole
-from meshes.axis import Assembly
-from meshes.parts import Scene
+from rollbench.comparison.api.results import Friction, Judged, Result, Solution
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.scenes.scene_file import whole
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
-    from compare.scenes.kinds.common import KindScene
+    from rollbench.comparison.scenes.kinds.common import KindScene
+    from rollbench.comparison.sweep.design import Method
 
 
 def read(name: str | Path) -> Scene | Assembly | KindScene:
     """The scene of a file, or the shipped scene of that name: a frozen record in SI units, to be changed by
     ``dataclasses.replace``.
 
-    Raises compare.errors.InputError, whose ``lines()`` hold every fault of the file.
+    Raises rollbench.InputError, whose ``lines()`` hold every fault of the file.
     """
     return catalogue.any_scene(str(name))
 
@@ -38,16 +39,18 @@ def solve(scene: Scene | Assembly | str | Path, model: str = "", *, member: int 
     described = _described(scene)
     if isinstance(described, Assembly):
         return _solve_axis(described, model, member)
-    from compare.commands.solve_output import as_json
-    from compare.commands.summary import answers_json
-    from compare.models.answers import gather
-    from compare.models.model_form import estimate
-    from compare.models.registry import DEFAULT, Options, run_model
+    from rollbench.comparison.commands.solve_output import as_json
+    from rollbench.comparison.commands.summary import answers_json
+    from rollbench.comparison.models.answers import gather
+    from rollbench.comparison.models.model_form import estimate
+    from rollbench.comparison.models.outside import with_answers
+    from rollbench.comparison.models.registry import DEFAULT, Options, run_model
 
     own = whole(described, described.name)
     name, options = model or DEFAULT, Options(member=member)
     result = run_model(own, name, options)
     found = gather(own, result, name, options) if result.converged else None
+    result = result if found is None else with_answers(own, result, found)
     worth = estimate(own, result) if found is not None else None
     data = as_json(own, result, worth, None if found is None else answers_json(own, result, found))
     angle = np.where(result.load > 0.0, np.degrees(result.contact_angle), np.nan)
@@ -57,13 +60,16 @@ def solve(scene: Scene | Assembly | str | Path, model: str = "", *, member: int 
 
 def _solve_axis(axis: Assembly, model: str, member: int) -> Solution:
     """A shaft with several rolling sets."""
-    from compare.commands.axis_output import as_json
-    from compare.models.axis import run_axis
-    from compare.models.axis_answers import gather
+    from rollbench.comparison.commands.axis_output import as_json
+    from rollbench.comparison.models.axis import run_axis
+    from rollbench.comparison.models.axis_answers import gather
+    from rollbench.comparison.models.outside import with_axis_answers
 
     result = run_axis(axis, model, member=member)
-    data = as_json(axis, result, gather(axis, result, member) if result.converged else None, member)
-    return Solution(data, "sets", (f"{axis.name}, {data['model']}: {data['status']}",))
+    found = gather(axis, result, member) if result.converged else None
+    result = result if found is None else with_axis_answers(result, found)
+    data = as_json(axis, result, found, member)
+    return Solution(data, "sets", (f"{axis.name}, {data['model']}: {data['status']}", *result.warnings))
 
 
 def friction(scene: Scene | Assembly | KindScene | str | Path, *, mu: Sequence[float] = (), model: str = "") -> Friction:
@@ -72,18 +78,18 @@ def friction(scene: Scene | Assembly | KindScene | str | Path, *, mu: Sequence[f
     mu: coefficients of friction in place of the scene's; model: of the contact loads, refined unless given. The first use
     compiles kernels for some 20 s. Raises InputError.
     """
-    from compare.commands.friction_whole import Choices, solve_scene
+    from rollbench.comparison.commands.friction_whole import Choices, solve_scene
 
     described = _described(scene)
     choices = Choices(model, tuple(mu))
     if isinstance(described, Scene):
         answer = solve_scene(described, choices)
     elif isinstance(described, Assembly):
-        from compare.commands.axis_friction import solve_axis
+        from rollbench.comparison.commands.axis_friction import solve_axis
 
         answer = solve_axis(described, choices)
     else:
-        from compare.commands.friction_kinds import solve_kind
+        from rollbench.comparison.commands.friction_kinds import solve_kind
 
         if choices != Choices():
             raise InputError("friction", "mu, model", "given", f"none for a {described.kind}", "the scene holds its own")
@@ -106,14 +112,14 @@ def compare(
     the best stored reference; all levels where there is none, which takes long); store: folder of the reference's runs.
     Raises InputError, Refusal where no run of the reference converged.
     """
-    from compare.commands.compare_output import answers_of, compared, verdict
-    from compare.commands.study import on_terminal, unconverged
-    from compare.models.comparison import compared_models, suited
-    from compare.reference.estimate import reference
-    from compare.reference.jobs import Engine, ensure, plan
-    from compare.reference.levels import LEVELS
-    from compare.reference.store import shipped_store
-    from meshes.cache import default_root
+    from rollbench.comparison.commands.compare_output import answers_of, compared, verdict
+    from rollbench.comparison.commands.study import on_terminal, unconverged
+    from rollbench.comparison.models.comparison import compared_models, suited
+    from rollbench.comparison.reference.estimate import reference
+    from rollbench.comparison.reference.jobs import Engine, ensure, plan
+    from rollbench.comparison.reference.levels import LEVELS
+    from rollbench.comparison.reference.store import shipped_store
+    from rollbench.meshes.cache import default_root
 
     described = _described(scene)
     own, stores = whole(described, described.name), (Path(store), shipped_store())
@@ -129,6 +135,7 @@ def compare(
     data = {
         "scene": own.name,
         "levels": [run.level for run in found.runs],
+        "reference_status": found.unsettled or "converged",
         "models": {
             b.label: {
                 "largest_error_percent": None if b.error is None else b.error.max_percent,
@@ -159,11 +166,11 @@ def check(
     max_error: limit in per cent, the scene's own or 7 unless given; loads: CSV file with the columns ball, flank, newton;
     compute: whether runs of the reference that are missing are computed. Raises InputError.
     """
-    from compare.commands.study import on_terminal
-    from compare.gate.user import asked, check_scenes
-    from compare.gate.verdict import worst_of
-    from compare.reference.jobs import Engine
-    from meshes.cache import default_root
+    from rollbench.comparison.commands.study import on_terminal
+    from rollbench.comparison.gate.user import asked, check_scenes
+    from rollbench.comparison.gate.verdict import worst_of
+    from rollbench.comparison.reference.jobs import Engine
+    from rollbench.meshes.cache import default_root
 
     described = _described(scene)
     own = whole(described, described.name)
@@ -179,6 +186,86 @@ def check(
     gravest = worst_of([v.word for v in verdicts])
     data = {"verdict": gravest, "passed": gravest == "pass", "verdicts": [v.as_json() for v in verdicts]}
     return Judged(data, "verdicts", tuple(v.line() for v in verdicts))
+
+
+def mesh_study(
+    scene: Scene | str | Path, *, levels: int = 3, spread: bool = False, store: str | Path = "rollbench-reference"
+) -> Result:
+    """The 3D reference on several mesh levels: what each level gives, observed orders, uncertainty of every contact.
+
+    levels: 1 to this one; spread: modelling choices that are not printed are varied too, on the coarsest level; store:
+    folder of the runs, where those that are missing are computed. Raises InputError, Refusal where no run converged.
+    """
+    from rollbench.comparison.commands.study import compute_study, on_terminal
+    from rollbench.comparison.models.mesh_study import closing, level_rows, study_table
+    from rollbench.comparison.reference.jobs import Engine
+    from rollbench.comparison.reference.store import shipped_store
+    from rollbench.meshes.cache import default_root
+
+    described = _described(scene)
+    own, stores = whole(described, described.name), (Path(store), shipped_store())
+    engine = Engine(cache=default_root())
+    found = compute_study([own], levels, stores, engine, on_terminal, spread=spread)[own.name]
+    data = {"scene": own.name, "levels": level_rows(found), "quantities": study_table(own, stores, levels)}
+    return Result(data, "levels", (closing(found),))
+
+
+def sweep(
+    scene: str | Path,
+    vary: Sequence[str],
+    *,
+    samples: int = 256,
+    method: Method = "sobol",
+    model: str = "",
+    seed: int = 0,
+    out: str | Path = "rollbench-sweep",
+) -> Result:
+    """A scene solved at many values of its keys: statistics, effects and Sobol indices of its outputs.
+
+    scene: name or file; vary: as ``--vary`` of the command, ``["errors.balls.oversize=0 um:7 um"]``; out: folder of the
+    samples (samples.csv) and the summary: what it holds is not solved again. Raises InputError.
+    """
+    from rollbench.comparison.commands.study import on_terminal
+    from rollbench.comparison.commands.sweep import solve_sweep, sweep_of
+    from rollbench.comparison.reference.jobs import Engine
+
+    found = solve_sweep(sweep_of(str(scene), vary, samples, method, seed, model), Path(out), Engine(), on_terminal)
+    return Result(found, "outputs", (f"{found['converged']} of {found['solved']} samples converged: {Path(out)}",))
+
+
+def report(
+    scene: str | Path | None = None,
+    *,
+    only: Sequence[str] = (),
+    out: str | Path = "rollbench-report",
+    store: str | Path = "rollbench-reference",
+    quick: bool = False,
+    stored: bool = False,
+    fresh: bool = False,
+    everything: bool = False,
+) -> Result:
+    """The validation report, or one page on a scene (a name or file), written to the folder ``out``.
+
+    only, quick, stored, fresh, everything: of the whole report, as the command's options (everything: ``--all``).
+    ``["passed"]`` of the result is False where a run of the reference that was computed anew does not agree with the stored
+    one. Raises InputError, Refusal where the scene does not solve.
+    """
+    folder = Path(out)
+    choices = {"only": only, "quick": quick, "stored": stored, "fresh": fresh, "everything": everything}
+    given = [name for name, value in choices.items() if value]
+    if scene is not None and given:
+        raise InputError("report", given[0], "given", "without a scene", "leave it out")
+    data: dict[str, Any] = {"page": str(folder / "index.html"), "passed": True}
+    if scene is not None:
+        from rollbench.comparison.commands.scene_page import make_page
+
+        page = make_page(str(scene), folder, Path(store))
+        return Result(data | {"verdict": page.verdict}, "", (page.verdict,))
+    from rollbench.comparison.commands.report import make_report
+
+    code = make_report(only, folder, store=Path(store), quick=quick, stored=stored, fresh=fresh, everything=everything)
+    data["passed"] = code == 0
+    return Result(data)
 
 
 def _described(scene: Scene | Assembly | KindScene | str | Path) -> Scene | Assembly | KindScene:

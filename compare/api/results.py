@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from meshes.arrays import Array
-from meshes.parts import SIDES
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import SIDES
 
 #: How keys of results end, and the unit that this says, for people and for pint; the longest fits first.
 UNITS = {

@@ -8,19 +8,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from compare.commands.left_out import left_out_of_kind
-from compare.commands.solve_output import number
-from compare.commands.wrapping import wrapped
-from compare.measure import error_percent
-from meshes.arrays import Array
+from rollbench.comparison.commands.left_out import left_out_of_kind
+from rollbench.comparison.commands.solve_output import number
+from rollbench.comparison.commands.wrapping import wrapped
+from rollbench.comparison.measure import error_percent
+from rollbench.meshes.arrays import Array
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from compare.scenes.kinds.common import KindScene
+    from rollbench.comparison.scenes.kinds.common import KindScene
 
 #: Dissipation over that of full sliding below which it is an artefact of regularisation and round-off.
 NOTHING = 1e-6
+#: Share of a loss by which two computations of it differ without a cause.
+ROUND_OFF = 1e-9
 
 Column = tuple[str, str, str]
 
@@ -77,8 +79,11 @@ def energy(power: float, loss: float, bound: float) -> dict[str, Any]:
 
 
 def increase(loss: float, apart: float, bound: float) -> float | None:
-    """Increase of losses by ball-to-ball contact [%]; None where the balls apart lose next to nothing."""
-    return number(float(error_percent(loss, apart))) if apart > NOTHING * bound else None
+    """Increase of losses by ball-to-ball contact [%], zero where it is round-off; None where the balls apart lose next to
+    nothing."""
+    if not apart > NOTHING * bound:
+        return None
+    return 0.0 if abs(loss - apart) <= ROUND_OFF * apart else number(float(error_percent(loss, apart)))
 
 
 def energy_line(values: dict[str, Any]) -> str:

@@ -6,13 +6,13 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from compare.commands.answer import cell
-from compare.errors import InputError
-from compare.evidence.audit import APART, VERDICTS, Audited, as_stored, audit, changes, counts, trust
-from compare.evidence.left_out import left_out, misprints
-from compare.models.study import Study
-from compare.printed.printed_data import tables
-from compare.writing import replace_file
+from rollbench.comparison.commands.answer import cell
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.evidence.audit import APART, VERDICTS, Audited, as_stored, audit, changes, counts, trust
+from rollbench.comparison.evidence.left_out import left_out, misprints
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import tables
+from rollbench.comparison.writing import replace_file
 
 
 def run_audit(

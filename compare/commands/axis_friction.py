@@ -9,17 +9,33 @@ from typing import Any
 
 import numpy as np
 
-from compare.commands.answer import NOTHING, Answer, Column
-from compare.commands.friction_output import BALL_COLUMNS, ball_rows, flat_rows, left_out, loss_rows, sums, warnings_of
-from compare.commands.friction_whole import COMPILING, NO_SPEED, ONE_TURN, Choices, coefficients, settled, status_of
-from compare.commands.solve_output import number
-from compare.errors import InputError
-from compare.models.axis import run_axis
-from lowfi.friction.whole.state import FrictionState, friction_state, will_compile
-from lowfi.jit import cached
-from lowfi.statics.axis.result import AxisResult, SetResult
-from meshes.axis import Assembly
-from meshes.parts import Friction, Motion, Scene
+from rollbench.comparison.commands.answer import NOTHING, Answer, Column
+from rollbench.comparison.commands.friction_output import (
+    BALL_COLUMNS,
+    ball_rows,
+    flat_rows,
+    left_out,
+    loss_rows,
+    sums,
+    warnings_of,
+)
+from rollbench.comparison.commands.friction_whole import (
+    COMPILING,
+    NO_SPEED,
+    ONE_TURN,
+    Choices,
+    coefficients,
+    settled,
+    status_of,
+)
+from rollbench.comparison.commands.solve_output import number
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.models.axis import run_axis
+from rollbench.lowfi.friction.whole.state import FrictionState, friction_state, will_compile
+from rollbench.lowfi.jit import cached
+from rollbench.lowfi.statics.axis.result import AxisResult, SetResult
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import Friction, Motion, Scene
 
 #: What the friction of a shaft does not hold besides that of its sets.
 ROLLERS = "friction of tapered rollers: races, ribs and cage (Smith 3.29 needs the maker's factor)"
@@ -101,7 +117,7 @@ def _answer(
     failed = next((x for x in solved if not settled(x[2])), None)
     torque, power = _sum(solved, drag), _energy(solved)
     without = any(s.balls is None for s in result.sets)
-    warnings = list(result.warnings)
+    warnings: list[str] = list(result.warnings)
     for _, s, state in solved:
         if isinstance(s.of.parts, Scene):
             warnings += [f"{s.of.name}: {w}" for w in warnings_of(s.of.parts, friction, state, ())]

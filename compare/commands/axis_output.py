@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from compare.commands.answer import Column, cell
-from compare.commands.axis_summary import set_summary, stiffness_json, whole_summary
-from compare.commands.solve_output import equilibrium_json, number, per_side, solver_json
-from compare.models.axis import random_errors
-from compare.models.axis_answers import AxisAnswers, SetAnswers, loads_of
-from lowfi.statics.axis.result import AxisResult, HousingResult, SetResult
-from meshes.axis import Assembly
-from meshes.parts import FREEDOMS, SIDES
+from rollbench.comparison.commands.answer import Column, cell
+from rollbench.comparison.commands.axis_summary import set_summary, stiffness_json, whole_summary
+from rollbench.comparison.commands.solve_output import equilibrium_json, number, per_side, solver_json, solver_lines
+from rollbench.comparison.models.axis import random_errors
+from rollbench.comparison.models.axis_answers import AxisAnswers, SetAnswers, loads_of
+from rollbench.lowfi.statics.axis.result import AxisResult, HousingResult, SetResult
+from rollbench.lowfi.warned import above
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import FREEDOMS, SIDES
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -50,7 +51,7 @@ def _set(i: int, s: SetResult, found: SetAnswers | None) -> dict[str, Any]:
         "force_on_shaft_N": [number(x) for x in s.force],
         "moment_on_shaft_Nm": [number(x) for x in s.moment],
         "largest_load_N": number(loads.max(initial=0.0)),
-        "loaded": int((loads > 0.0).sum()),
+        "loaded": int((loads > 0.0).sum()) if np.isfinite(loads).all() else None,
         "outer_motion": {name: number(f * x) for (name, f), x in zip(MOTION, s.outer, strict=True)},
         "stiffness": [[number(x) for x in row] for row in s.stiffness],
         "summary": set_summary(s, found),
@@ -125,6 +126,7 @@ def as_json(assembly: Assembly, result: AxisResult, found: AxisAnswers | None = 
         "model_form": None,
         "assumed": list(result.assumed),
         "left_out": list(result.left_out),
+        "warning": above(result.warnings) or None,
         "warnings": list(result.warnings),
     }
 
@@ -135,12 +137,13 @@ def as_table(assembly: Assembly, result: AxisResult, *, block: str = "", balls: 
     parts: list[Any] = [
         f"{assembly.name}, {len(assembly.sets)} sets, model {result.model}: {result.status}",
         assembly.title,
+        *(["", line] if (line := above(result.warnings)) else []),
         *(["", block, ""] if block else []),
     ]
-    if result.sets:
+    if result.sets and result.converged:
         parts += [_table("sets: force on the shaft, stiffness of the set alone", SET_COLUMNS, _set_rows(result))]
         parts += _element_tables(result) if balls else []
-    for h in result.housings:
+    for h in result.housings if result.converged else ():
         moved = ", ".join(
             f"{n.split('_')[0]} {f * x:.4g} {n.split('_')[1]}" for (n, f), x in zip(MOTION, h.motion, strict=True)
         )
@@ -150,10 +153,7 @@ def as_table(assembly: Assembly, result: AxisResult, *, block: str = "", balls: 
     e, s = result.equilibrium, result.solver
     if e is not None:
         parts.append(f"balance of the shaft: force {e.force_residual:.1e}, moment {e.moment_residual:.1e} (relative)")
-    parts.append(
-        f"solver: {s.formulation}, {s.engine}; {s.iterations} iterations, residual {s.residual:.1e}, "
-        f"{s.unknowns} unknowns, {s.elements} beam elements, {s.seconds:.3g} s"
-    )
+    parts += solver_lines(s)
     headed = ("warning", result.warnings), ("note", s.notes), ("assumed", result.assumed), ("left out", result.left_out)
     for heading, lines in headed:
         parts += [f"{heading}: {line}" for line in lines]

@@ -9,17 +9,20 @@ from typing import Any
 
 import numpy as np
 
-from compare.commands.axis_output import as_json, as_table
-from compare.commands.axis_summary import block
-from compare.commands.load_curve import FACTORS, write_rows
-from compare.commands.matrix_files import write_stiffness
-from compare.commands.solve_choices import Choices
-from compare.commands.wrapping import wrapped
-from compare.errors import InputError
-from compare.models.axis import run_axis
-from compare.models.axis_answers import curve, gather
-from lowfi.statics.axis.result import AxisResult
-from meshes.axis import Assembly
+from rollbench.comparison.commands.axis_output import as_json, as_table
+from rollbench.comparison.commands.axis_summary import block
+from rollbench.comparison.commands.load_curve import FACTORS, write_rows
+from rollbench.comparison.commands.matrix_files import write_stiffness
+from rollbench.comparison.commands.solve_choices import Choices
+from rollbench.comparison.commands.wrapping import wrapped
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.gate.loads_file import loads_csv, write_loads
+from rollbench.comparison.models.axis import run_axis
+from rollbench.comparison.models.axis_answers import curve, gather
+from rollbench.comparison.models.outside import with_axis_answers
+from rollbench.lowfi.statics.axis.result import AxisResult
+from rollbench.lowfi.warned import above
+from rollbench.meshes.axis import Assembly
 
 
 def solve_shown(
@@ -39,6 +42,7 @@ def solve_shown(
         assembly = replace(assembly, stiffness_at=station)
     result = run_axis(assembly, choices.model, member=choices.member)
     found = gather(assembly, result, choices.member) if result.converged else None
+    result = result if found is None else with_axis_answers(result, found)
     written = _write(assembly, result, choices) if result.converged else []
     if print_json is not None:
         print_json(as_json(assembly, result, found, choices.member))
@@ -46,7 +50,7 @@ def solve_shown(
         text = "" if found is None else block(assembly, result, found, width)
         parts = [*as_table(assembly, result, block=text, balls=choices.balls), *written]
         show(*(wrapped(part, width) if isinstance(part, str) else part for part in parts))
-    return 0 if result.converged else 1
+    return 1 if not result.converged or (choices.strict and above(result.warnings)) else 0
 
 
 def _check(assembly: Assembly, choices: Choices, station: float) -> None:
@@ -76,6 +80,13 @@ def _write(assembly: Assembly, result: AxisResult, choices: Choices) -> list[str
         lines.append(f"wrote {choices.matrix}: the matrix, symmetric, in N, m and rad")
     if choices.curve is not None:
         lines += write_axis_curve(choices.curve, assembly, result.model, choices.member)
+    if choices.loads_csv is not None:
+        sets = [(k, s.balls) for k, s in enumerate(result.sets, 1) if s.balls is not None]
+        rows = [{"set": str(k)} | row for k, b in sets for row in loads_csv(b.load, b.azimuth, b.z)]
+        if not rows:
+            advice = "rollers have no flanks: leave it out"
+            raise InputError("command line", "--loads-csv", str(choices.loads_csv), "a set of balls", advice)
+        lines.append(write_loads(choices.loads_csv, rows))
     return lines
 
 

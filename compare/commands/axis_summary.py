@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from compare.commands.solve_output import number, summary
-from compare.commands.summary import contact_entries, contacts_json, entry, loads_json
-from compare.models.axis_answers import AxisAnswers, SetAnswers
-from lowfi.bearings.axis import lost_motion
-from lowfi.statics.axis.result import AxisResult, SetResult
-from meshes.axis import Assembly
-from meshes.parts import FREEDOMS
+from rollbench.comparison.commands.solve_output import number, summary
+from rollbench.comparison.commands.summary import contact_entries, contacts_json, entry, loads_json
+from rollbench.comparison.models.axis_answers import AxisAnswers, SetAnswers
+from rollbench.lowfi.bearings.axis import lost_motion
+from rollbench.lowfi.statics.axis.result import AxisResult, SetResult
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import FREEDOMS
 
 
 def stiffness_json(result: AxisResult) -> dict[str, Any] | None:
@@ -44,7 +44,7 @@ def set_summary(s: SetResult, found: SetAnswers | None) -> dict[str, Any]:
 def whole_summary(result: AxisResult, found: AxisAnswers | None) -> dict[str, Any]:
     """Summary of the whole: sides over all sets, what the set of the worst contact says with its number, axial answers."""
     loads = [s.balls.load for s in result.sets if s.balls is not None]
-    if not loads:
+    if not loads or not result.converged:
         return {}
     data: dict[str, Any] = {"sides": summary(np.concatenate(loads))}
     if found is None:

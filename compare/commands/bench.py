@@ -7,12 +7,12 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
-from compare.costs.axis_bench import jobs as axis_jobs
-from compare.costs.bench import run_bench
-from compare.costs.chain_bench import jobs as chain_jobs
-from compare.costs.friction_bench import jobs as friction_jobs
-from compare.costs.rolling_bench import jobs as rolling_jobs
-from compare.costs.timing import Job
+from rollbench.comparison.costs.axis_bench import jobs as axis_jobs
+from rollbench.comparison.costs.bench import run_bench
+from rollbench.comparison.costs.chain_bench import jobs as chain_jobs
+from rollbench.comparison.costs.friction_bench import jobs as friction_jobs
+from rollbench.comparison.costs.rolling_bench import jobs as rolling_jobs
+from rollbench.comparison.costs.timing import Job
 
 
 def run_bench_command(*, as_json: bool, show: Callable[..., None], print_json: Callable[[Any], None]) -> int:

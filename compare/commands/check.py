@@ -7,15 +7,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from compare.commands.study import on_terminal
-from compare.errors import InputError
-from compare.gate.publish import Outcome, of_row, of_verdict, publish
-from compare.gate.user import Asked, check_scenes
-from compare.gate.verdict import CODES, LARGEST, LIMIT, Verdict, worst_of
-from compare.reference.jobs import Engine
-from compare.scenes import catalogue
-from compare.scenes.scene_file import whole
-from meshes.axis import Assembly
+from rollbench.comparison.commands.study import on_terminal
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.gate.publish import Outcome, of_row, of_verdict, publish
+from rollbench.comparison.gate.user import Asked, check_scenes
+from rollbench.comparison.gate.verdict import CODES, LARGEST, LIMIT, Verdict, worst_of
+from rollbench.comparison.reference.jobs import Engine
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.scenes.scene_file import whole
+from rollbench.meshes.axis import Assembly
 
 
 @dataclass(frozen=True)
@@ -64,8 +64,8 @@ def _of_axis(assembly: Assembly, what: Asked) -> Verdict:
 
 def run_shipped(max_error: float | None, out: Output) -> int:
     """The gate of what is shipped; returns 1 where a row fails."""
-    from compare.gate.gate import as_table, run_gate
-    from compare.models.study import Study
+    from rollbench.comparison.gate.gate import as_table, run_gate
+    from rollbench.comparison.models.study import Study
 
     limit = LIMIT if max_error is None else max_error
     rows = run_gate(Study(members=0), limit)  # no screws are drawn: no claim on random errors is gated

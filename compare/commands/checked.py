@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from rollbench.comparison.errors import escaped
+
 
 @dataclass(frozen=True)
 class Checked:
@@ -17,4 +19,6 @@ class Checked:
     @property
     def line(self) -> str:
         """For the terminal."""
-        return f"{self.state:8} {self.name} {self.stated[:16]}" + (f", now {self.found[:16]}" if self.found else "")
+        return f"{self.state:8} {escaped(self.name)} {escaped(self.stated[:16])}" + (
+            f", now {self.found[:16]}" if self.found else ""
+        )

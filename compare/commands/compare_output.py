@@ -11,22 +11,25 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from compare.commands.solve_output import number
-from compare.commands.summary import contacts_json, loads_json
-from compare.measure import LoadError, error_percent, load_error
-from compare.models.answers import LoadAnswers, load_answers
-from compare.models.comparison import Loads, from_result, from_run, reference_answers, solved
-from compare.models.model_form import ModelForm, Point, estimate, shipped_points
-from compare.models.registry import DEFAULT, MODELS, Model
-from compare.reference.estimate import Reference
-from compare.reference.grid_summary import uncertainty_percent
-from compare.reference.levels import SOURCE_LEVEL
-from compare.reference.store import load
-from compare.writing import replace_file
-from meshes.helix import lead_angle
-from meshes.parts import SIDES, Scene
-from reports.html import harmless
-from reports.records import Figure, Panel, Series
+from rollbench.comparison.commands.solve_output import number
+from rollbench.comparison.commands.summary import contacts_json, loads_json
+from rollbench.comparison.measure import LoadError, error_percent, load_error
+from rollbench.comparison.models.answers import LoadAnswers, load_answers, unloaded_place
+from rollbench.comparison.models.comparison import Loads, from_result, from_run, options_for, reference_answers, solved
+from rollbench.comparison.models.loading import solve_scaled
+from rollbench.comparison.models.model_form import ModelForm, Point, estimate, shipped_points
+from rollbench.comparison.models.registry import DEFAULT, MODELS, Model
+from rollbench.comparison.models.total_uncertainty import Total, total
+from rollbench.comparison.reference.estimate import Reference
+from rollbench.comparison.reference.grid_summary import uncertainty_percent
+from rollbench.comparison.reference.levels import SOURCE_LEVEL
+from rollbench.comparison.reference.store import load
+from rollbench.comparison.writing import replace_file, write_figure
+from rollbench.meshes.helix import lead_angle
+from rollbench.meshes.loads import mean_load
+from rollbench.meshes.parts import SIDES, Scene
+from rollbench.reports.cells import harmless
+from rollbench.reports.records import Figure, Panel, Series
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -52,7 +55,7 @@ ANSWERS = (
 @dataclass(frozen=True)
 class Beside:
     """A model beside the reference: its answer, its errors (None for the reference itself), what its loads answer, axial
-    displacement [m] of the screw at the nut's centre from the nominal place, axial force [N] of the screw on the nut."""
+    displacement [m] of the screw at the nut's centre from its place without loads, axial force [N] of it on the nut."""
 
     answer: Loads
     error: LoadError | None
@@ -71,23 +74,26 @@ class Beside:
         return 0.0 if self.found.worst is None else self.found.worst.pressure
 
 
-def beside(scene: Scene, answer: Loads, found: Reference | None) -> Beside:
-    """An answer beside a reference, or by itself."""
+def beside(scene: Scene, answer: Loads, found: Reference | None, start: float = 0.0) -> Beside:
+    """An answer beside a reference, or by itself; start: the axial place [m] without loads."""
     angle = np.radians(answer.angle)
     moved = float(np.interp(scene.nut.position, answer.stations, answer.line[:, 2])) if answer.stations.size else np.nan
     error = None if found is None else load_error(answer.load, found.load)
     pull = np.where(answer.load > 0.0, answer.load * np.sin(angle), 0.0).sum(axis=0) * np.cos(lead_angle(scene.track))
-    return Beside(answer, error, load_answers(scene, answer.load, angle), moved, float(pull[0] - pull[1]))
+    return Beside(answer, error, load_answers(scene, answer.load, angle), moved - start, float(pull[0] - pull[1]))
 
 
 @dataclass(frozen=True)
 class Comparison:
     """Models and coarser meshes beside the reference of a scene; the reference itself; the error that was to be expected of
-    the model that the verdict speaks of."""
+    the model that the verdict speaks of; what the comparison is uncertain by; start: axial place [m] of the screw without
+    loads by that model, from which the displacements of the reference are counted too."""
 
     models: tuple[Beside, ...]
     itself: Beside
     expected: ModelForm | None
+    total: Total
+    start: float = 0.0
 
     @property
     def spoken(self) -> Beside:
@@ -98,16 +104,20 @@ class Comparison:
 def compared(scene: Scene, models: Sequence[Model], found: Reference, stores: Sequence[Path]) -> Comparison:
     """Models, coarser meshes and the source's mesh beside the reference. Raises InputError for a model that cannot be
     run."""
-    answers, expected = [], {}
+    answers, expected, starts = [], {}, {}
     for model in models:
         result, seconds = solved(model, scene, found, stores)
         answers.append(from_result(result, seconds))
+        bare = solve_scaled(scene, 0.0, model.name, options_for(model, scene, found, stores, "interpreted"))
+        starts[answers[-1].model] = unloaded_place(scene, bare)
         if result.converged:
             expected[model.name] = estimate(scene, result, others_than(scene))
     others = reference_answers(found, load(scene, SOURCE_LEVEL, stores=tuple(stores)))
     answers += [answer for answer in others if not is_itself(answer, found)]
-    each = tuple(beside(scene, answer, found) for answer in answers)
-    whole = Comparison(each, beside(scene, from_run(found.best, "3D reference"), None), None)
+    shared = starts.get(DEFAULT, next(iter(starts.values()), 0.0))  # of the reference no run without loads is stored
+    each = tuple(beside(scene, answer, found, starts.get(answer.model, shared)) for answer in answers)
+    itself = beside(scene, from_run(found.best, "3D reference"), None, shared)
+    whole = Comparison(each, itself, None, total(scene, found), shared)
     return replace(whole, expected=expected.get(whole.spoken.label))
 
 
@@ -132,6 +142,8 @@ def answers_json(whole: Comparison, found: Reference) -> dict[str, Any]:
         "verdict": verdict(whole, found),
         "levels": [run.level for run in found.runs],
         "uncertainty_percent": uncertainty_percent(found),
+        "reference_status": found.unsettled or "converged",
+        "uncertainty": whole.total.as_json(),
         "model": whole.spoken.label,
         "expected_error_percent": None if expected is None else expected.percent,
         "measured_error_percent": None if error is None else error.max_percent,
@@ -155,31 +167,39 @@ def answers_table(whole: Comparison) -> RenderableType:
     return out
 
 
+def start_lines(whole: Comparison) -> list[str]:
+    """From where displacements are counted, where that is not the nominal place."""
+    if not whole.start:
+        return []
+    return [
+        f"displacements: from the place without loads, by {whole.spoken.label} {1e6 * whole.start:.3g} um from the nominal "
+        "one, which the reference's are counted from too"
+    ]
+
+
 def is_itself(answer: Loads, found: Reference) -> bool:
     """Whether an answer is the run that it would be compared with."""
     return answer.model == f"3D level {found.best.level}"
 
 
-def levels_text(found: Reference) -> str:
-    """Levels of the reference and its uncertainty, in words."""
+def levels_text(found: Reference, total: Total) -> str:
+    """Levels of the reference and what it is uncertain by, in words."""
     levels = ", ".join(str(run.level) for run in found.runs)
-    bar = uncertainty_percent(found)
-    if bar is None or len(found.runs) < 2:
-        return (
-            f"3D reference on level {levels} only: one level gives no uncertainty, so that part of the error may be its own"
-        )
-    return f"3D reference on levels {levels}, itself uncertain by {bar:.2f} %"
+    rest = f" ({found.unsettled}, which is added)" if found.unsettled else ""
+    return f"3D reference on level{'s' * (len(found.runs) > 1)} {levels}, {total.text}{rest}"
 
 
 def verdict(whole: Comparison, found: Reference) -> str:
-    """The first sentence: the error of the default model, or of the first one, and what was to be expected."""
-    own, e = whole.spoken, whole.spoken.error
+    """The first sentence: the error of the default model, or of the first one, what was to be expected, and what the
+    comparison is uncertain by."""
+    own, e, reference = whole.spoken, whole.spoken.error, levels_text(found, whole.total)
     if e is None:
-        return levels_text(found)
+        return reference
     where = f" (ball {e.ball} {e.side})" if e.ball else ""
     return (
         f"{own.label} is off by {e.max_percent:.2f} % of the mean load on the worst contact{where}, "
-        f"{e.rms_percent:.2f} % RMS{_expected(whole.expected)}; {levels_text(found)}"
+        f"{e.rms_percent:.2f} % RMS{_expected(whole.expected)}, and by {e.own_max_percent:.2f} % of a contact's own load; "
+        f"{reference}"
     )
 
 
@@ -199,7 +219,7 @@ def _cells(b: Beside) -> list[str]:
         b.label,
         *errors,
         f"{held.max(initial=0.0):.1f}",
-        f"{held.mean() if held.size else 0.0:.1f}",
+        f"{mean_load(held):.1f}",
         f"{1e-6 * b.pressure:.0f}",
         f"{1e6 * b.displacement:.3f}",
         "" if b.answer.seconds is None else f"{b.answer.seconds:.{0 if b.answer.seconds >= 10.0 else 2}f}",
@@ -225,7 +245,7 @@ def contact_rows(scene: Scene, models: Sequence[Beside], found: Reference) -> li
     for i, s in zip(*np.nonzero(loaded), strict=True):
         row: dict[str, Any] = {"scene": scene.name, "ball": int(i) + 1, "side": SIDES[int(s)]}
         row |= {"reference_N": float(found.load[i, s])}
-        row |= {"uncertainty_N": None if found.uncertainty is None else float(found.uncertainty[i, s])}
+        row |= {"uncertainty_N": float(found.uncertainty[i, s])}
         rows.append(row | {f"{b.label}_N": float(b.answer.load[i, s]) for b in models})
     return rows
 
@@ -238,8 +258,8 @@ def load_figure(name: str, models: Sequence[Beside], found: Reference) -> Figure
             continue
         balls = list(range(1, found.load.shape[0] + 1))
         value = found.load[:, s]
-        bar = None if found.uncertainty is None else found.uncertainty[:, s]
-        ends = None if bar is None else ((value - bar).tolist(), (value + bar).tolist())
+        bar = found.uncertainty[:, s]
+        ends = (value - bar).tolist(), (value + bar).tolist()
         series = [Series("3D reference", balls, value.tolist(), "line+markers", emphasis=True, bars=ends)]
         series += [Series(b.label, balls, b.answer.load[:, s].tolist(), "line") for b in models if b.label in MODELS]
         panels.append(Panel(f"screw's flank {SIDES[s]}", "ball", "contact load / N", series, integer_x=True))
@@ -248,8 +268,6 @@ def load_figure(name: str, models: Sequence[Beside], found: Reference) -> Figure
 
 def write_files(scene: Scene, models: Sequence[Beside], found: Reference, store: Path) -> str:
     """Write the contacts as CSV and the figure as SVG into the store; a line that says so."""
-    from reports.figures import draw
-
     rows = contact_rows(scene, models, found)
     text = io.StringIO()
     writer = csv.DictWriter(text, list(rows[0]))
@@ -257,5 +275,5 @@ def write_files(scene: Scene, models: Sequence[Beside], found: Reference, store:
     writer.writerows({k: harmless(v) if isinstance(v, str) else v for k, v in row.items()} for row in rows)
     stem = store / f"{scene.name}-compare"
     replace_file(Path(f"{stem}.csv"), text.getvalue())
-    replace_file(Path(f"{stem}.svg"), draw(load_figure("compare-loads", models, found)))
-    return f"wrote {stem}.csv (every contact) and {stem}.svg"
+    figure = write_figure(Path(f"{stem}.svg"), load_figure("compare-loads", models, found))
+    return f"wrote {stem}.csv (every contact) and {figure}"

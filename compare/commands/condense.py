@@ -7,12 +7,12 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from compare.errors import InputError, Refusal
-from compare.reference.levels import LEVELS
-from compare.reference.tasks import settings_of
-from compare.system import cores, need_gmsh, out_of_memory
-from compare.writing import need_writable
-from meshes.parts import Scene
+from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.reference.levels import LEVELS
+from rollbench.comparison.reference.tasks import settings_of
+from rollbench.comparison.system import cores, need_reference, out_of_memory
+from rollbench.comparison.writing import need_writable
+from rollbench.meshes.parts import Scene
 
 
 def run_condense(
@@ -26,10 +26,10 @@ def run_condense(
         raise InputError("command line", "--level", str(level), f"1 to {len(LEVELS)}", "choose a mesh level")
     out = out or Path(f"{scene.name}-condensed.npz")
     need_writable(out)
-    need_gmsh()
-    from hifi.condensed import condensed_bodies
-    from hifi.setup import prepare
-    from meshes.cache import Cache
+    need_reference()
+    from rollbench.hifi.condensed import condensed_bodies
+    from rollbench.hifi.setup import prepare
+    from rollbench.meshes.cache import Cache
 
     def step(text: str) -> None:
         print(text, file=sys.stderr, flush=True)

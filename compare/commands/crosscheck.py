@@ -6,18 +6,18 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from compare.commands.study import on_terminal
-from compare.crosscheck import nut
-from compare.crosscheck.data import CrossData, load, save, shipped
-from compare.crosscheck.rows import ContactRow, agreement, columns, contact_rows
-from compare.crosscheck.study import STUDIES, checked_scene, run_study, scene_key
-from compare.errors import InputError
-from compare.reference.estimate import Reference, reference
-from compare.reference.jobs import Engine, ensure, plan
-from compare.reference.levels import LEVELS
-from compare.reference.store import shipped_store
-from compare.system import need_gmsh
-from meshes.parts import Scene
+from rollbench.comparison.commands.study import on_terminal
+from rollbench.comparison.crosscheck import nut
+from rollbench.comparison.crosscheck.data import CrossData, load, save, shipped
+from rollbench.comparison.crosscheck.rows import ContactRow, agreement, columns, contact_rows
+from rollbench.comparison.crosscheck.study import STUDIES, checked_scene, run_study, scene_key
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.reference.estimate import Reference, reference
+from rollbench.comparison.reference.jobs import Engine, ensure, plan
+from rollbench.comparison.reference.levels import LEVELS
+from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison.system import need_gmsh
+from rollbench.meshes.parts import Scene
 
 Show = Callable[..., None]
 
@@ -95,7 +95,7 @@ def _ours(scene: Scene, store: Path, engine: Engine) -> Reference:
 def _table(scene: Scene, rows: Sequence[ContactRow]) -> Any:
     from rich.table import Table
 
-    out = Table(title=f"{scene.name}: contact loads, both extrapolated; every mesh: --json", title_justify="left")
+    out = Table(title=f"{scene.name}: contact loads, CalculiX extrapolated; every mesh: --json", title_justify="left")
     own = columns()
     for column in own:
         head = "\n".join((*column.label.split(", "), *([column.unit] if column.unit else ())))

@@ -6,13 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from compare.crosscheck.deck import DeckOptions, build_deck
-from compare.crosscheck.deck_cut import cut_scene, parse_balls
-from compare.errors import InputError
-from compare.system import need_gmsh
-from compare.writing import replace_file
-from meshes.deck import UNITS, write
-from meshes.parts import Scene
+from rollbench.comparison.crosscheck.deck import DeckOptions, build_deck
+from rollbench.comparison.crosscheck.deck_cut import cut_scene, parse_balls
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.system import need_gmsh
+from rollbench.comparison.writing import replace_file
+from rollbench.meshes.deck import UNITS, write
+from rollbench.meshes.parts import Scene
 
 #: Programs that a deck can be written for; Abaqus reads CalculiX's.
 PROGRAMS = ("ccx",)

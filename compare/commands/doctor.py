@@ -12,28 +12,19 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any, Literal
 
-from compare import __version__
-from compare.system import available_GB, cores, gmsh_fault
-from compare.writing import need_writable
-from meshes.libraries import EXTRAS, MESHING, PICTURES, install
+from rollbench.comparison import __version__
+from rollbench.comparison.system import available_GB, cores, gmsh_fault, gmsh_remedy
+from rollbench.comparison.writing import need_writable
+from rollbench.meshes.libraries import EXTRAS, ONLY_FOR, PICTURES, fault, install, version
 
 State = Literal["ok", "missing", "optional"]
 #: Least version of Python.
 PYTHON = (3, 11)
-#: Packages without which some commands work, and what goes then; the others are needed by all.
-ONLY_FOR = {
-    "gmsh": "no 3D meshes: compare, mesh-study, condense and export compute no reference; shipped ones are used",
-    "meshio": "no export of meshes",
-    "scikit-fem": "no 3D reference is computed; shipped ones are used",
-    "cvxopt": "no 3D reference is computed; shipped ones are used",
-    "pymetis": "no 3D reference is computed; shipped ones are used",
-    "pyvista": "the report has no 3D pictures",
-}
 #: Licences that ask something of who passes the program on with what it imports.
-STRICT = {"gmsh": "GPL-2.0-or-later, with exceptions for linking", "cvxopt": "GPL-3.0-or-later"}
+STRICT = {"gmsh": "GPL-2.0-or-later, with exceptions for linking"}
 LICENCES = (
-    "rollbench's own code is under the MIT licence. It imports gmsh and cvxopt, which are under the GNU GPL: who passes "
-    "the program on together with these keeps to the GPL. Only the 3D reference imports them."
+    "rollbench's own code is under the MIT licence. It imports gmsh, which is under the GNU GPL: who passes the program "
+    "on together with it keeps to the GPL. Only the 3D reference imports it."
 )
 #: Memory [GB] for one run of the reference on level 1 of a screw of 32 balls, and free disc [GB] for its caches.
 ENOUGH_GB, DISC_GB = 4.0, 2.0
@@ -103,13 +94,13 @@ def _packages() -> Iterator[Check]:
     for name, least in needed.items():
         cost = ONLY_FOR.get(name, "rollbench does not run")
         advice = f"pip install '{name}>={least}'"
-        try:
-            found = metadata.version(name)
-        except metadata.PackageNotFoundError:
+        found = version(name)
+        if found is None:
             yield Check(name, "missing", "not installed", cost, advice)
-            continue
-        if _numbers(found) < _numbers(least):
+        elif _numbers(found) < _numbers(least):
             yield Check(name, "missing", f"{found}, older than {least}", cost, advice)
+        elif name != "gmsh" and (broken := fault(name)):  # gmsh: see `_graphics`
+            yield Check(name, "missing", f"{found}, {broken}", cost, f"pip install --force-reinstall '{name}>={least}'")
         else:
             licence = f" ({STRICT[name]})" if name in STRICT else ""
             yield Check(name, "ok", f"{found}, at least {least}{licence}")
@@ -117,10 +108,12 @@ def _packages() -> Iterator[Check]:
 
 def _extras() -> Iterator[Check]:
     for name, (what, remedy) in EXTRAS.items():
-        try:
-            yield Check(name, "ok", metadata.version(name))
-        except metadata.PackageNotFoundError:
-            yield Check(name, "optional", "not installed", f"the report is without {what}", remedy)
+        found = version(name)
+        yield (
+            Check(name, "ok", found)
+            if found
+            else Check(name, "optional", "not installed", f"the report is without {what}", remedy)
+        )
 
 
 def _numbers(version: str) -> tuple[int, ...]:
@@ -133,16 +126,17 @@ def _numbers(version: str) -> tuple[int, ...]:
 
 
 def _graphics() -> Iterator[Check]:
-    from reports.offscreen import fault
+    from rollbench.reports import offscreen
 
-    meshing, drawing = gmsh_fault(), fault()
+    meshing, drawing = gmsh_fault(), offscreen.fault()
+    remedy = install(PICTURES) if version("pyvista") else "pip install pyvista"
     yield (
-        Check("meshing", "missing", meshing, ONLY_FOR["gmsh"], install(MESHING))
+        Check("meshing", "missing", meshing, ONLY_FOR["gmsh"], gmsh_remedy())
         if meshing
         else Check("meshing", "ok", "gmsh loads")
     )
     yield (
-        Check("off-screen rendering", "missing", drawing.split(";")[0], ONLY_FOR["pyvista"], install(PICTURES))
+        Check("off-screen rendering", "missing", drawing.split(";")[0], ONLY_FOR["pyvista"], remedy)
         if drawing
         else Check("off-screen rendering", "ok", "a picture was drawn")
     )
@@ -159,8 +153,8 @@ def _programs() -> Iterator[Check]:
 
 
 def _folders(store: Path) -> Iterator[Check]:
-    from lowfi.jit import cached, code_folder
-    from meshes.cache import default_root
+    from rollbench.lowfi.jit import cached, code_folder
+    from rollbench.meshes.cache import default_root
 
     folder = code_folder()
     if folder is None:
@@ -181,7 +175,7 @@ def _folders(store: Path) -> Iterator[Check]:
 
 
 def _folder(name: str, folder: Path, cost: str, advice: str) -> Check:
-    from compare.errors import InputError
+    from rollbench.comparison.errors import InputError
 
     near = folder
     while not near.exists() and near != near.parent:
@@ -211,16 +205,19 @@ def _size() -> Iterator[Check]:
 
 
 def _shipped() -> Iterator[Check]:
-    from compare.reference.estimate import reference
-    from compare.reference.store import versions
-    from compare.scenes import catalogue
+    from rollbench.comparison.reference.estimate import reference
+    from rollbench.comparison.reference.store import PROGRAMS
+    from rollbench.comparison.scenes import catalogue
 
     names = catalogue.with_role("referenced")
-    held = [name for name in names if reference(catalogue.scene(name)) is not None]
-    here = ", ".join(f"{name} {version or 'none'}" for name, version in versions().items())
+    held = [kept for name in names if (kept := reference(catalogue.scene(name))) is not None]
+    made = ", ".join(
+        f"{program} {' and '.join(sorted({run.versions[program] for kept in held for run in kept.runs}))}"
+        for program in PROGRAMS
+    )
     if len(held) == len(names):
-        yield Check("shipped references", "ok", f"the keys of all {len(names)} scenes hold with {here}")
+        yield Check("shipped references", "ok", f"of all {len(names)} scenes, made by {made}")
     else:
-        found = f"those of {len(held)} of {len(names)} scenes hold with {here}"
         cost = "the others are computed anew, in hours"
-        yield Check("shipped references", "optional", found, cost, "take the versions of .ci/constraints.txt")
+        found = f"of {len(held)} of {len(names)} scenes, made by {made}"
+        yield Check("shipped references", "missing", found, cost, "install rollbench anew")

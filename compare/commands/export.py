@@ -3,31 +3,40 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from compare.errors import InputError, Refusal
-from compare.reference.tasks import needed_sides, settings_of
-from compare.system import need_gmsh
-from meshes.arrays import Array
-from meshes.bridge import FORMATS, MeshData, form_of, from_skfem, need, reduced, write_mesh
-from meshes.parts import SIDES, Scene
+import numpy as np
+
+from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.reference.tasks import needed_sides, settings_of
+from rollbench.comparison.system import need_gmsh, need_packages
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.bridge import FORMATS, MeshData, form_of, from_skfem, need, reduced, write_mesh
+from rollbench.meshes.parts import SIDES, Scene
 
 if TYPE_CHECKING:
-    from hifi.part_meshes import Meshes
-    from hifi.patch import PatchMesh
+    from rollbench.hifi.part_meshes import Meshes
+    from rollbench.hifi.patch import PatchMesh
 
 Show = Callable[..., None]
 
 #: The source's body of influence for Hertz contact (a quarter of the block), without any scene's geometry.
 BLOCK = "block-source"
+#: Bodies, and what is added to their names for those that the reference condenses: with a socket, a hole, at every contact.
+BODIES, SOCKETS = ("screw", "nut", "ball"), "-with-sockets"
+#: Growth of a whole body's element sizes per length away from its contacts.
+AWAY = 0.4
 
 
 def parts_of(scene: Scene) -> tuple[str, ...]:
-    """Names of the parts that can be exported: bodies, patches of groove and ball of the sides that may touch, block."""
+    """Names of the parts that can be exported: whole bodies, the same with sockets, patches of groove and ball of the sides
+    that may touch, block."""
     sides = [SIDES[s] for s in needed_sides(scene)]
-    return ("screw", "nut", "ball", *(f"patch-{s}" for s in sides), *(f"ball-patch-{s}" for s in sides), BLOCK)
+    patches = (f"{kind}-{s}" for kind in ("patch", "ball-patch") for s in sides)
+    return (*BODIES, *(body + SOCKETS for body in BODIES), *patches, BLOCK)
 
 
 def run_export(
@@ -41,10 +50,11 @@ def run_export(
     show: Show = print,
     ball: int | None = None,
 ) -> int:
-    """Write the mesh of a part, with the sockets, contact zones and end faces as named groups; lengths in m.
+    """Write the mesh of a part, the parts of its surface as named groups (flanks, lands and ends; sockets; contact zones);
+    lengths in m.
 
     ball: solve the scene and add displacement [m], stress and von Mises stress [Pa] of that ball's parts (from 1), or of
-    the whole screw or nut; None: the mesh alone.
+    screw or nut, on the body that is solved, with sockets; None: the mesh alone.
     form: vtu, msh, med or inp, by the suffix of ``out`` unless given, vtu without one; out: the file, which is replaced
     if it exists; None: ``<scene>-<part>.<form>``; level: mesh level of the reference (0: the source's mesh); cache: folder
     of the reference's meshes, None for none.
@@ -57,6 +67,7 @@ def run_export(
     if form and form not in FORMATS:
         raise InputError("command line", "--format", form, ", ".join(FORMATS), "leave it out to go by the file's name")
     need_gmsh()
+    need_packages("scikit-fem")
     if out is None:
         out = Path(f"{scene.name}-{part}.{form or 'vtu'}")
     elif out.suffix == "":
@@ -72,14 +83,18 @@ def run_export(
     if ball is not None and not (1 <= ball <= scene.ball_count and part != BLOCK and form != "inp"):
         allowed = f"1 to {scene.ball_count}, for parts of the scene, in vtu, msh or med"
         raise InputError("command line", "--ball", str(ball), allowed, "leave it out for the mesh alone")
+    if ball is not None and part in BODIES:
+        show(f"fields are those of the {part} that is solved, with a socket at every contact: {part}{SOCKETS}")
+        part += SOCKETS
     fields: dict[str, Array] = {}
     try:
         if ball is not None and part.startswith(("screw", "patch-S")):
-            from hifi.fields import refuse_beyond_low_end
-            from meshes.solid import dimensions
+            from rollbench.hifi.fields import refuse_beyond_low_end
+            from rollbench.meshes.solid import dimensions
 
             refuse_beyond_low_end(scene, dimensions(scene))
         data = part_mesh(scene, part, level, cache)
+        data = replace(data, regions={part: np.arange(data.count)})
         if ball is not None:
             fields = result_fields(scene, part, level, ball - 1, cache)
     except ValueError as error:
@@ -101,19 +116,24 @@ _LABELS = {"P1": "4-node tetrahedra", "P2": "10-node tetrahedra", "Q1": "8-node 
 
 
 def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) -> MeshData:
-    """Mesh of a part as the reference of that level uses it; raises ValueError where it cannot be built."""
+    """Mesh of a part: a whole body with that level's element sizes, the others as the reference of that level uses them.
+
+    Raises ValueError where it cannot be built.
+    """
     if part == BLOCK:
         return _block()
-    from hifi.part_meshes import body_kind, mesh_parts
-    from meshes.cache import Cache
-    from meshes.groove_map import GrooveMap
-    from meshes.helix import ball_layout
-    from meshes.solid import dimensions
+    if part in BODIES:
+        return _whole(scene, part, level)
+    from rollbench.hifi.part_meshes import body_kind, mesh_parts
+    from rollbench.meshes.cache import Cache
+    from rollbench.meshes.groove_map import GrooveMap
+    from rollbench.meshes.helix import ball_layout
+    from rollbench.meshes.solid import dimensions
 
     settings, sides, m = settings_of([scene], level), needed_sides(scene), GrooveMap.of(scene)
     meshes = mesh_parts(scene, m, ball_layout(scene), dimensions(scene), sides, settings, Cache(cache))
-    if part in ("screw", "nut", "ball"):
-        return _body(meshes, part, body_kind(settings))
+    if part.endswith(SOCKETS):
+        return _body(meshes, part.removesuffix(SOCKETS), body_kind(settings))
     kind, _, side = part.rpartition("-")
     return _patch(_patch_mesh(meshes, m, SIDES.index(side), settings, of_ball=kind == "ball-patch"))
 
@@ -123,26 +143,24 @@ def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | 
 
     ball: from 0. Raises ValueError where the scene is not solved, or its screw is held or loaded beyond the low end.
     """
-    from hifi import fields
-    from hifi.bodies import of_order
-    from hifi.part_meshes import body_kind, mesh_parts
-    from hifi.reference import solve_reference
-    from hifi.setup import prepare
-    from meshes.cache import Cache
+    from rollbench.hifi import fields
+    from rollbench.hifi.bodies import of_order
+    from rollbench.hifi.part_meshes import body_kind, mesh_parts
+    from rollbench.hifi.reference import solve_reference
+    from rollbench.hifi.setup import prepare
+    from rollbench.meshes.cache import Cache
 
     settings, sides, store = settings_of([scene], level), needed_sides(scene), Cache(cache)
     made = prepare(scene, sides, settings, cache=store)
     result = solve_reference(made, scene)
-    if result.status != "converged":
+    if result.status != "converged" and result.moving == 0.0:
         raise ValueError(result.status)
     meshes = mesh_parts(scene, made.map, made.layout, made.dims, sides, settings, store)
-    forces = fields.contact_forces(made, result)
-    if part in ("screw", "nut"):
-        body, material = (meshes.screw, scene.screw.material) if part == "screw" else (meshes.nut, scene.nut.material)
-        if part == "screw":
-            u = fields.screw_displacement(made, body, forces, scene)
-        else:
-            u = fields.nut_displacement(made, body, forces)
+    forces, body_name = fields.contact_forces(made, result), part.removesuffix(SOCKETS)
+    if body_name in ("screw", "nut"):
+        screw = body_name == "screw"
+        body, material = (meshes.screw, scene.screw.material) if screw else (meshes.nut, scene.nut.material)
+        u = fields.screw_displacement(made, body, forces, scene) if screw else fields.nut_displacement(made, body, forces)
         stress = fields.nodal_stress(of_order(body.mesh, body_kind(settings)), u, material)
     else:
         own, _, side = part.rpartition("-")
@@ -159,9 +177,38 @@ def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | 
     return {"displacement": u, "von_mises": fields.von_mises(stress), **six}
 
 
+def _whole(scene: Scene, part: str, level: int) -> MeshData:
+    """Whole screw (its 3D stretch), nut or ball, finest where contacts are expected, with all parts of its surface."""
+    from rollbench.hifi.bodies import of_order
+    from rollbench.hifi.fit import socket_size
+    from rollbench.hifi.part_meshes import body_kind, sockets_of
+    from rollbench.meshes.groove_map import GrooveMap
+    from rollbench.meshes.grooved_body import BodySpec
+    from rollbench.meshes.helix import ball_layout
+    from rollbench.meshes.solid import dimensions
+    from rollbench.meshes.whole_bodies import Refinement, groove_points, sphere_points, whole_ball, whole_body
+
+    settings, sides, m = settings_of([scene], level), needed_sides(scene), GrooveMap.of(scene)
+    layout, dims, middle = ball_layout(scene), dimensions(scene), np.zeros((1, 2))
+    if part == "ball":
+        near = np.concatenate([sphere_points(m, side, m.ball, middle) for side in sides])
+        made = whole_ball(m, m.ball, Refinement(near, settings.ball_fine, AWAY, settings.ball_coarse))
+    else:
+        screw, half = part == "screw", scene.nut.length / 2.0
+        radii = (dims.hole, scene.screw.outer_diameter / 2.0) if screw else (dims.land, scene.nut.outer_diameter / 2.0)
+        ends = dims.ends(scene) if screw else (scene.nut.position - half, scene.nut.position + half)
+        places, size = sockets_of(layout, sides, screw), socket_size(scene, m, layout, sides, dims, settings)
+        filled = dims.groove_ends and not screw
+        spec = BodySpec(*radii, *ends, screw, places, size, settings.fine, settings.coarse, filled)
+        near = np.concatenate([groove_points(m, place, middle) for place in places])
+        made = whole_body(m, spec, Refinement(near, settings.fine, AWAY, settings.coarse))
+    mesh = of_order(made.mesh, body_kind(settings))
+    return from_skfem(mesh, *sorted(mesh.boundaries))
+
+
 def _body(meshes: Meshes, part: str, kind: str) -> MeshData:
     """Screw, nut or ball of ``kind`` elements, with its sockets' inner faces and the flat ends."""
-    from hifi.bodies import of_order
+    from rollbench.hifi.bodies import of_order
 
     mesh = {"ball": meshes.ball.mesh, "screw": meshes.screw.mesh, "nut": meshes.nut.mesh}[part]
     names = [name for name in mesh.boundaries if "socket" in name or " end" in name]
@@ -169,9 +216,9 @@ def _body(meshes: Meshes, part: str, kind: str) -> MeshData:
 
 
 def _patch_mesh(meshes: Meshes, m: Any, side: int, settings: Any, *, of_ball: bool) -> PatchMesh:
-    from hifi.fit import ball_place
-    from hifi.part_meshes import patch_mesh
-    from meshes.sockets import local_points
+    from rollbench.hifi.fit import ball_place
+    from rollbench.hifi.part_meshes import patch_mesh
+    from rollbench.meshes.sockets import local_points
 
     if of_ball:
         place = ball_place(m, meshes.size, side, meshes.zone)[1]
@@ -186,8 +233,8 @@ def _patch(mesh: PatchMesh) -> MeshData:
 
 
 def _block() -> MeshData:
-    from hifi.block import SOURCE_COARSE, SOURCE_FINE, SOURCE_RADIUS
-    from meshes.block import Influence, tetrahedra
+    from rollbench.hifi.block import SOURCE_COARSE, SOURCE_FINE, SOURCE_RADIUS
+    from rollbench.meshes.block import Influence, tetrahedra
 
     radius = SOURCE_RADIUS
     mesh = tetrahedra(1, Influence(SOURCE_FINE, (radius, radius, radius), 0.2, SOURCE_COARSE), SOURCE_COARSE)

@@ -6,15 +6,15 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
-from compare.commands.answer import Answer, as_table
-from compare.commands.friction_whole import COMPILING, Choices, coefficients, solve_scene
-from compare.errors import InputError, one_line
-from compare.scenes import catalogue
-from compare.watch import checked, watched
-from lowfi.friction.whole.state import will_compile
-from lowfi.jit import cached
-from meshes.axis import Assembly
-from meshes.parts import Scene
+from rollbench.comparison.commands.answer import Answer, as_table
+from rollbench.comparison.commands.friction_whole import COMPILING, Choices, coefficients, solve_scene
+from rollbench.comparison.errors import InputError, one_line
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.watch import checked, watched
+from rollbench.lowfi.friction.whole.state import will_compile
+from rollbench.lowfi.jit import cached
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import Scene
 
 
 def run_friction(
@@ -51,9 +51,9 @@ def solve_friction(name: str, choices: Choices) -> Answer:
         given = "--model, --mu, --member or --condensed"
         raise InputError("command line", given, f"with {name}", "with the scene of a whole screw or bearing", advice)
     if isinstance(scene, Assembly):
-        from compare.commands.axis_friction import solve_axis
+        from rollbench.comparison.commands.axis_friction import solve_axis
 
         return solve_axis(scene, choices)
-    from compare.commands.friction_kinds import solve_kind
+    from rollbench.comparison.commands.friction_kinds import solve_kind
 
     return solve_kind(scene)

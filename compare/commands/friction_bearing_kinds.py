@@ -7,18 +7,25 @@ from typing import Any
 
 import numpy as np
 
-from compare.commands.answer import NOTHING, Answer, by_side, cell, energy, energy_line, head, load_row
-from compare.commands.friction_screw_kinds import screw_warnings, sliding
-from compare.commands.solve_output import number
-from compare.scenes.kinds.bearing_ball import BearingBallScene
-from compare.scenes.kinds.bearing_pair import BearingPairScene
-from compare.scenes.kinds.common import KindScene
-from lowfi.friction.bearing.module_load import ModuleLoad
-from lowfi.friction.bearing.pairs import BearingCase, BearingState, free_motion, solve_bearing
-from lowfi.friction.bearing.rotary import SIDES, ball_contacts, bearing_load, inner_torque, motion_problem, source_law
-from lowfi.friction.contact.ellipse import Contacts
-from lowfi.friction.contact.laws import Regularised
-from lowfi.friction.contact.motion import (
+from rollbench.comparison.commands.answer import NOTHING, Answer, by_side, cell, energy, energy_line, head, load_row
+from rollbench.comparison.commands.friction_screw_kinds import screw_warnings, sliding
+from rollbench.comparison.commands.solve_output import number
+from rollbench.comparison.scenes.kinds.bearing_ball import BearingBallScene
+from rollbench.comparison.scenes.kinds.bearing_pair import BearingPairScene
+from rollbench.comparison.scenes.kinds.common import KindScene
+from rollbench.lowfi.friction.bearing.module_load import ModuleLoad
+from rollbench.lowfi.friction.bearing.pairs import BearingCase, BearingState, free_motion, solve_bearing
+from rollbench.lowfi.friction.bearing.rotary import (
+    SIDES,
+    ball_contacts,
+    bearing_load,
+    inner_torque,
+    motion_problem,
+    source_law,
+)
+from rollbench.lowfi.friction.contact.ellipse import Contacts
+from rollbench.lowfi.friction.contact.laws import Regularised
+from rollbench.lowfi.friction.contact.motion import (
     Motion,
     Problem,
     balance_by_root,
@@ -26,8 +33,8 @@ from lowfi.friction.contact.motion import (
     least_dissipation,
     without_friction,
 )
-from lowfi.statics.validity import size_warnings
-from meshes.arrays import Array
+from rollbench.lowfi.statics.validity import size_warnings
+from rollbench.meshes.arrays import Array
 
 
 def ball_motion(scene: BearingBallScene, problem: Problem) -> Motion:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from compare.commands.answer import Answer
-from compare.commands.friction_bearing_kinds import solve_ball, solve_bearings
-from compare.commands.friction_linear_kinds import solve_linear
-from compare.commands.friction_screw_kinds import solve_run, solve_screw_pair
-from compare.scenes.kinds.common import KindScene
+from rollbench.comparison.commands.answer import Answer
+from rollbench.comparison.commands.friction_bearing_kinds import solve_ball, solve_bearings
+from rollbench.comparison.commands.friction_linear_kinds import solve_linear
+from rollbench.comparison.commands.friction_screw_kinds import solve_run, solve_screw_pair
+from rollbench.comparison.scenes.kinds.common import KindScene
 
 SOLVERS = {
     "bearing ball": solve_ball,

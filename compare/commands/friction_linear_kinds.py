@@ -6,16 +6,26 @@ from typing import Any
 
 import numpy as np
 
-from compare.commands.answer import NOTHING, Answer, Column, energy, energy_line, flat_ball, head, increase, load_row
-from compare.commands.solve_output import number
-from compare.errors import Refusal
-from compare.scenes.kinds.common import KindScene
-from compare.scenes.kinds.linear import LinearScene
-from lowfi.friction.linear.bearing import CONTACTS, directions
-from lowfi.friction.linear.chain import ChainResult, prepare, solve_linear_chain
-from lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads
-from lowfi.statics.validity import size_warnings
-from meshes.arrays import Array
+from rollbench.comparison.commands.answer import (
+    NOTHING,
+    Answer,
+    Column,
+    energy,
+    energy_line,
+    flat_ball,
+    head,
+    increase,
+    load_row,
+)
+from rollbench.comparison.commands.solve_output import number
+from rollbench.comparison.errors import Refusal
+from rollbench.comparison.scenes.kinds.common import KindScene
+from rollbench.comparison.scenes.kinds.linear import LinearScene
+from rollbench.lowfi.friction.linear.bearing import CONTACTS, directions
+from rollbench.lowfi.friction.linear.chain import ChainResult, prepare, solve_linear_chain
+from rollbench.lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads
+from rollbench.lowfi.statics.validity import size_warnings
+from rollbench.meshes.arrays import Array
 
 #: Force out of balance over the largest up to which loads count as solved.
 BALANCED = 1e-8

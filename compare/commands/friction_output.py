@@ -8,18 +8,19 @@ from typing import Any
 
 import numpy as np
 
-from compare.commands.answer import Column
-from compare.commands.left_out import BESIDES, WHOLE
-from compare.commands.solve_output import number
-from lowfi.friction.whole.feedback import JAMMED
-from lowfi.friction.whole.heathcote import WIDE
-from lowfi.friction.whole.losses import CAUSES
-from lowfi.friction.whole.state import FrictionState
-from lowfi.friction.whole.torque import ScrewTorque
-from lowfi.statics.result import StaticResult
-from lowfi.statics.validity import PRESSURE, SIZE, contact_warnings
-from meshes.arrays import Array
-from meshes.parts import SIDES, Friction, Motion, Scene
+from rollbench.comparison.commands.answer import Column, increase
+from rollbench.comparison.commands.left_out import BESIDES, WHOLE
+from rollbench.comparison.commands.solve_output import number
+from rollbench.lowfi.friction.whole.feedback import JAMMED
+from rollbench.lowfi.friction.whole.heathcote import WIDE
+from rollbench.lowfi.friction.whole.losses import CAUSES
+from rollbench.lowfi.friction.whole.state import FrictionState
+from rollbench.lowfi.friction.whole.torque import ScrewTorque
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.statics.validity import contact_warnings
+from rollbench.lowfi.warned import Warned
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import SIDES, Friction, Motion, Scene
 
 
 def left_out(friction: Friction) -> list[str]:
@@ -60,7 +61,7 @@ def neighbour_data(state: FrictionState) -> dict[str, Any]:
         "smallest_gap_um": number(1e6 * n.least),
         "force_on_next_N": [number(f) for f in n.force],
         "loss_W": number(n.power),
-        "friction_torque_change_percent": number(100.0 * (t.power / state.bare.power - 1.0)) if state.bare.power else None,
+        "friction_torque_change_percent": increase(t.power, state.bare.power, 0.0),
     }
 
 
@@ -209,7 +210,8 @@ def warnings_of(scene: Scene, friction: Friction, state: FrictionState, static: 
     """Where the result leaves the range in which it holds."""
     at = state.at
     loaded = at.force > 0.0
-    notes = [line for line in static if not line.startswith((PRESSURE, SIZE))]  # friction changes the loads: said anew
+    anew = ("pressure", "size")  # friction changes the loads
+    notes = [w for w in static if not (isinstance(w, Warned) and w.kind in anew)]
     notes += contact_warnings(np.where(loaded, at.pressure, 0.0), np.where(loaded, at.a, 0.0), scene.balls.radius)
     if max(friction.screw, friction.nut) >= JAMMED:
         notes.append(jam_words(state))

@@ -9,16 +9,16 @@ from typing import Any
 
 import numpy as np
 
-from compare.commands.solve_output import number
-from compare.errors import InputError, Refusal
-from lowfi.friction.screw.run import groups
-from lowfi.friction.screw.steps import REFUSED, StepError
-from lowfi.friction.whole.balls import balls_of
-from lowfi.friction.whole.run import History, Setting, resolved
-from lowfi.statics.again import AGAIN
-from meshes.arrays import Array
-from meshes.errors import draw
-from meshes.parts import Friction, Motion, Scene, Time
+from rollbench.comparison.commands.solve_output import number
+from rollbench.comparison.errors import InputError, Refusal
+from rollbench.lowfi.friction.screw.run import groups
+from rollbench.lowfi.friction.screw.steps import REFUSED, StepError
+from rollbench.lowfi.friction.whole.balls import balls_of
+from rollbench.lowfi.friction.whole.run import History, Setting, resolved
+from rollbench.lowfi.statics.again import AGAIN
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import draw
+from rollbench.meshes.parts import Friction, Motion, Scene, Time
 
 #: Rows of the table in the terminal.
 ROWS = 12

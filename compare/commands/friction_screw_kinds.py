@@ -7,18 +7,29 @@ from typing import Any
 
 import numpy as np
 
-from compare.commands.answer import NOTHING, Answer, Column, cell, energy, energy_line, flat_ball, head, increase, load_row
-from compare.commands.friction_run import error_data
-from compare.commands.solve_output import number
-from compare.scenes.kinds.common import KindScene
-from compare.scenes.kinds.screw_balls import ScrewPairScene, ScrewRunScene
-from lowfi.friction.screw.groove import ScrewGroove
-from lowfi.friction.screw.pair import PairResult, solve_pair
-from lowfi.friction.screw.run import RunResult, checked, groups, summarise
-from lowfi.friction.screw.steps import StepError
-from lowfi.statics.validity import size_warnings
-from meshes.arrays import Array
-from meshes.parts import SIDES
+from rollbench.comparison.commands.answer import (
+    NOTHING,
+    Answer,
+    Column,
+    cell,
+    energy,
+    energy_line,
+    flat_ball,
+    head,
+    increase,
+    load_row,
+)
+from rollbench.comparison.commands.friction_run import error_data
+from rollbench.comparison.commands.solve_output import number
+from rollbench.comparison.scenes.kinds.common import KindScene
+from rollbench.comparison.scenes.kinds.screw_balls import ScrewPairScene, ScrewRunScene
+from rollbench.lowfi.friction.screw.groove import ScrewGroove
+from rollbench.lowfi.friction.screw.pair import PairResult, solve_pair
+from rollbench.lowfi.friction.screw.run import RunResult, checked, groups, summarise
+from rollbench.lowfi.friction.screw.steps import StepError
+from rollbench.lowfi.statics.validity import size_warnings
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import SIDES
 
 #: Overlap of neighbours [rad] that is round-off.
 TOUCHING = 1e-9
@@ -37,7 +48,7 @@ def sliding(groove: ScrewGroove, force: Array) -> float:
 
 def screw_warnings(groove: ScrewGroove, force: Array) -> list[str]:
     """Warn of contacts that are large against the ball; forces (..., 4) [N]."""
-    return size_warnings((groove.constants.C_a * np.cbrt(force)).ravel(), groove.ball_radius)
+    return list(size_warnings((groove.constants.C_a * np.cbrt(force)).ravel(), groove.ball_radius))
 
 
 # --- two balls

@@ -10,8 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
-from compare.commands.answer import Answer
-from compare.commands.friction_output import (
+from rollbench.comparison.commands.answer import Answer
+from rollbench.comparison.commands.friction_band import Solved, band, band_lines, feedback_warnings, play, play_line
+from rollbench.comparison.commands.friction_output import (
     BALL_COLUMNS,
     LOSS_COLUMNS,
     ball_rows,
@@ -27,15 +28,15 @@ from compare.commands.friction_output import (
     sums,
     warnings_of,
 )
-from compare.commands.friction_run import Run, run_data, run_lines, run_table, solve_run
-from compare.commands.solve_output import number
-from compare.errors import InputError, Refusal
-from compare.models.registry import DEFAULT, Options, run_model
-from compare.scenes.scene_file import kind_of
-from lowfi.friction.whole.heathcote import WIDE, heathcote
-from lowfi.friction.whole.state import FrictionState, friction_state
-from lowfi.statics.result import StaticResult
-from meshes.parts import Friction, Motion, Scene, Support
+from rollbench.comparison.commands.friction_run import Run, run_data, run_lines, run_table, solve_run
+from rollbench.comparison.commands.solve_output import number
+from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.models.registry import DEFAULT, Options, run_model
+from rollbench.comparison.scenes.scene_file import kind_of
+from rollbench.lowfi.friction.whole.heathcote import WIDE, heathcote
+from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.parts import Friction, Motion, Scene, Support
 
 #: Largest coefficient of friction that is taken.
 MOST = 2.0
@@ -74,7 +75,7 @@ def coefficients(scene: Scene, mu: Sequence[float]) -> list[Friction]:
         if not 0.0 <= value <= MOST:
             raise InputError("command line", "--mu", str(value), f"0 to {MOST:g}", "a usual one is 0.1")
     if mu:
-        coupling = "ball" if scene.friction is None else scene.friction.coupling
+        coupling = Friction.coupling if scene.friction is None else scene.friction.coupling
         said = ("The coefficient of friction is that of the command line.",)
         return [Friction(value, value, said, coupling) for value in mu]
     if scene.friction is None:
@@ -108,8 +109,9 @@ def solve_scene(scene: Scene, choices: Choices) -> Answer:
         states = [friction_state(scene, result, pair, motion, choices.member) for pair in pairs]
     except ValueError as error:  # balls that overlap by their random sizes
         raise Refusal(scene.name, "balls", str(error), 'spread the balls, or take coupling = "ball"') from error
-    drags = drag_torques(scene, states, pairs, model, options)
-    answer = _answer(scene, result, head, (pairs, states, drags))
+    bare = result if not loaded(scene) else run_model(replace(scene, loads=()), model, options)
+    drags = drag_torques(scene, states, pairs, bare, options)
+    answer = _answer(scene, result, head, (pairs, states, drags), Solved(scene, model, options, pairs[0], motion, bare))
     if scene.time is None:
         return answer
     return _with_run(answer, solve_run(scene, pairs[0], motion, model, choices.member))
@@ -125,31 +127,37 @@ def _with_run(answer: Answer, run: Run) -> Answer:
     return Answer(data | {"converged": good}, tables, [*answer.lines, *run_lines(run)], good, answer.ball_tables)
 
 
+def loaded(scene: Scene) -> bool:
+    """Whether a scene has loads."""
+    return any(np.any(load.force) or np.any(load.moment) for load in scene.loads)
+
+
 def drag_torques(
-    scene: Scene, states: Sequence[FrictionState], pairs: Sequence[Friction], model: str, options: Options
+    scene: Scene, states: Sequence[FrictionState], pairs: Sequence[Friction], unloaded: StaticResult, options: Options
 ) -> list[Drag]:
     """Friction torque without the scene's loads, for each pair of coefficients; supports and what they prescribe stay.
+    unloaded: the result without them.
 
     Where these press the screw along its axis, which is an axial load too, its supports let it go along the axis: drag is
     the friction torque at no axial load.
     """
     bare, motion = replace(scene, loads=()), scene.motion or Motion(ONE_TURN)
 
-    def solved(changed: Scene) -> list[FrictionState] | str:
-        result = run_model(changed, model, options)
+    def solved(changed: Scene, result: StaticResult) -> list[FrictionState] | str:
         if not result.converged:
             return result.status
         return [friction_state(changed, result, pair, motion, options.member) for pair in pairs]
 
     without: Sequence[FrictionState] | str = states
-    if any(np.any(load.force) or np.any(load.moment) for load in scene.loads):
-        without = solved(bare)
+    if loaded(scene):
+        without = solved(bare, unloaded)
     if isinstance(without, str):
         return [Drag(None, without)] * len(pairs)
     if not any(state.torque.translating for state in without):
         return [drag_of(state) for state in without]
     pressed = f"its supports press it with {without[0].torque.load:.4g} N along its axis"
-    let_go = solved(replace(bare, supports=without_axial(scene.supports)))
+    freed = replace(bare, supports=without_axial(scene.supports))
+    let_go = solved(freed, run_model(freed, unloaded.model, options))
     if isinstance(let_go, str):
         return [Drag(None, f"{pressed}, and without them: {let_go}")] * len(pairs)
     note = f"the screw left free along its axis: {pressed}"
@@ -188,10 +196,10 @@ def _assumed(scene: Scene, result: StaticResult) -> list[str]:
     return [line if line in scene.assumed else f"contact loads: {line}" for line in result.assumed]
 
 
-Solved = tuple[list[Friction], list[FrictionState], list[Drag]]
+States = tuple[list[Friction], list[FrictionState], list[Drag]]
 
 
-def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved: Solved) -> Answer:
+def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved: States, besides: Solved) -> Answer:
     """Values for JSON and tables for the terminal."""
     (friction, *_), (state, *_), (drag, *_) = solved
     motion = scene.motion or Motion(ONE_TURN)
@@ -201,6 +209,7 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
     rows, losses = ball_rows(result, state), loss_rows(state)
     over = [mu_row(f, s, d.torque) for f, s, d in zip(*solved, strict=True)]
     assumed = [*friction.assumed, *(() if scene.motion else (NO_SPEED,)), *_assumed(scene, result)]
+    wide, played = band(besides, result), play(besides, state)
     e, slip = state.torque, heathcote(scene, state.at, state.balls, friction, motion)
     data = head | {
         "status": status,
@@ -211,6 +220,8 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
         "motion": {"turns": motion.turns, "speed_rad_s": number(motion.speed)},
         "balls": rows,
         "torque": torque,
+        "band": wide,
+        "play": played,
         "drag_unknown": drag.reason or None,
         "drag_note": drag.note or None,
         "over_friction": over,
@@ -242,7 +253,9 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
         },
         "assumed": assumed,
         "left_out": left_out(friction),
-        "warnings": warnings_of(scene, friction, state, (*result.warnings, *slip_warnings(slip))),
+        "warnings": warnings_of(
+            scene, friction, state, (*result.warnings, *feedback_warnings(state), *slip_warnings(slip))
+        ),
     }
     tables: list[tuple[str, Sequence[tuple[str, str, str]], Sequence[dict[str, object]]]] = []
     if state.loaded:
@@ -250,7 +263,11 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
     if len(over) > 1:
         tables.append(("over the coefficient of friction", mu_columns(kind_of(scene)), over))
     every = [("per ball", BALL_COLUMNS, flat_rows(rows))] if state.loaded else []
-    lines = lines_of(motion, state, (drag.torque, drag.reason or drag.note))
+    lines = [] if played is None else [play_line(played)]
+    lines += [
+        *lines_of(motion, state, (drag.torque, drag.reason or drag.note)),
+        *(band_lines(wide) if state.loaded else ()),
+    ]
     if e.friction and slip <= WIDE:
         lines.append("contacts are not flat: " + slip_words(slip))
     return Answer(data, tables, lines, good, every)

@@ -6,12 +6,12 @@ from collections.abc import Iterator
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from compare.models.axis import AXIS_MODELS
-from compare.models.registry import MODELS
-from compare.printed import printed_data
-from compare.scenes import catalogue
-from compare.scenes.keys import AXIS, FRICTION_ONLY, WHOLE
-from compare.scenes.scene_file import kind_of
+from rollbench.comparison.models.axis import AXIS_MODELS
+from rollbench.comparison.models.registry import MODELS
+from rollbench.comparison.printed import printed_data
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.scenes.keys import AXIS, FRICTION_ONLY, WHOLE
+from rollbench.comparison.scenes.scene_file import kind_of
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -42,7 +42,7 @@ def shipped_lines() -> Iterator[str]:
 def trace_json(table: str = "") -> list[dict[str, Any]]:
     """Every printed entry of one table, or of all: table, key, as printed, class, scenes or why none, computation
     (``module:function``), test. Raises InputError for an unknown table."""
-    from compare.evidence.registry import traces
+    from rollbench.comparison.evidence.registry import traces
 
     return [asdict(trace) for trace in traces(table)]
 
@@ -51,7 +51,7 @@ def trace_table(table: str = "") -> Table:
     """The same for the terminal."""
     from rich.table import Table
 
-    from compare.evidence.registry import traces
+    from rollbench.comparison.evidence.registry import traces
 
     out = Table(title="every printed number: scenes, computation, test", title_justify="left")
     for heading in ("table", "key", "printed", "class", "scenes, or why none", "computed by", "test"):

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
-from compare.errors import InputError
-from compare.models.answers import quick_friction
-from compare.models.loading import CurvePoint, curve
-from compare.models.registry import Options
-from compare.writing import replace_file
-from meshes.parts import Scene
-from reports.records import Figure, Panel, Series
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.models.answers import quick_friction
+from rollbench.comparison.models.loading import CurvePoint, curve
+from rollbench.comparison.models.registry import Options
+from rollbench.comparison.writing import replace_file, write_figure
+from rollbench.meshes.parts import Scene
+from rollbench.reports.records import Figure, Panel, Series
 
 #: Factors on the scene's loads.
 FACTORS = tuple(round(0.1 * k, 1) for k in range(16))
@@ -40,10 +40,7 @@ def write_rows(path: Path, name: str, rows: list[dict[str, float | None]], over:
     writer.writeheader()
     writer.writerows(rows)
     replace_file(path, text.getvalue())
-    from reports.figures import draw
-
-    picture = path.with_suffix(".svg")
-    replace_file(picture, draw(curve_figure(name, rows, over)))
+    picture = write_figure(path.with_suffix(".svg"), curve_figure(name, rows, over))
     missing = len(FACTORS) - len(rows)
     left = f"; {missing} of {len(FACTORS)} loads without a solution are left out" if missing else ""
     if all(row["torque_Nmm"] is None for row in rows):

@@ -6,10 +6,10 @@ import io
 import re
 from pathlib import Path
 
-from compare.errors import InputError
-from compare.writing import need_writable, replace_file
-from lowfi.statics.tangent import Tangent
-from meshes.arrays import Array
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.writing import need_writable, replace_file
+from rollbench.lowfi.statics.tangent import Tangent
+from rollbench.meshes.arrays import Array
 
 #: Grid point and name of the matrix in DMIG cards.
 GRID, NAME = 1, "KNUT"

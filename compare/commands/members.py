@@ -12,18 +12,18 @@ from typing import Any
 
 import numpy as np
 
-from compare.commands.solve_output import number
-from compare.commands.study import on_terminal
-from compare.errors import InputError
-from compare.models.axis_members import OF_SET, WHOLE, AxisMembers, columns, run_axis_members, with_seed
-from compare.models.members import KEPT, Bands, Members, run_members, statistics
-from compare.models.registry import DEFAULT
-from compare.reference.jobs import Engine
-from compare.scenes import catalogue
-from compare.scenes.scene_file import whole
-from meshes.arrays import Array
-from meshes.axis import Assembly
-from meshes.parts import SIDES, Scene
+from rollbench.comparison.commands.solve_output import number
+from rollbench.comparison.commands.study import on_terminal
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.models.axis_members import OF_SET, WHOLE, AxisMembers, columns, run_axis_members, with_seed
+from rollbench.comparison.models.members import KEPT, Bands, Members, run_members, statistics
+from rollbench.comparison.models.registry import DEFAULT
+from rollbench.comparison.reference.jobs import Engine
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.scenes.scene_file import whole
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import SIDES, Scene
 
 Row = Callable[[int, str, Array], None]
 

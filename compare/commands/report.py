@@ -7,36 +7,36 @@ import platform
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from importlib import metadata
 from pathlib import Path
 from time import perf_counter
 
-from compare import __version__
-from compare.commands import report_moved
-from compare.commands.report_first import kept_parts, lacking, live_check
-from compare.commands.report_halves import build, split
-from compare.commands.report_parts import PARTS, SECTIONS, Part
-from compare.errors import InputError
-from compare.models.study import Study
-from compare.provenance import commit, inputs
-from compare.reference.jobs import Engine
-from compare.scenes import catalogue
-from compare.scenes.scene_file import scene_hash
-from compare.system import gmsh_fault, machine
-from reports.records import Report
+from rollbench.comparison import __version__
+from rollbench.comparison.commands import report_moved
+from rollbench.comparison.commands.report_first import kept_parts, lacking, live_check
+from rollbench.comparison.commands.report_halves import build, split
+from rollbench.comparison.commands.report_parts import PARTS, SECTIONS, Part
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.provenance import commit, inputs
+from rollbench.comparison.reference.jobs import Engine
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.scenes.scene_file import scene_hash
+from rollbench.comparison.system import gmsh_fault, libraries, machine, need_packages
+from rollbench.comparison.writing import need_writable
+from rollbench.reports.records import Report
 
 Step = Callable[[str], None]
 
 
 def provenance() -> dict[str, str]:
     """What was run where: version, date, machine, library versions."""
-    packages = ("numpy", "scipy", "numba", "gmsh", "scikit-fem", "cvxopt", "matplotlib", "pyvista")
+    packages = ("numpy", "scipy", "numba", "gmsh", "scikit-fem", "pymetis", "matplotlib", "pyvista")
     return {
         "rollbench": f"{__version__}, commit {commit()}",
         "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "machine": f"{machine()}, {platform.system()}",
         "Python": platform.python_version(),
-        "libraries": ", ".join(f"{name} {metadata.version(name)}" for name in packages),
+        "libraries": libraries(packages),
         "source": "Lin (2019), doctoral thesis: chapters 2 and 3, appendices B to G, section 4.3; Smith (1994), thesis; "
         "Liu et al. (2025), Lubricants 13, 57",
     }
@@ -74,19 +74,17 @@ class Source:
 
 def compute_references(study: Study, source: Source, step: Step) -> None:
     """Compute the runs that the report needs and ``source`` does not hold yet."""
-    from compare.models.comparison import REFERENCED
-    from compare.models.modelling import REFINED, VARIED
-    from compare.reference.expected import expected
-    from compare.reference.jobs import all_variants, ensure, plan, refinements
-    from compare.reference.levels import LEVELS, STUDIED
+    from rollbench.comparison.models.comparison import REFERENCED
+    from rollbench.comparison.models.modelling import REFINED, VARIED
+    from rollbench.comparison.reference.expected import expected
+    from rollbench.comparison.reference.jobs import all_variants, ensure, plan, refinements
+    from rollbench.comparison.reference.levels import LEVELS, STUDIED
 
     if not source.compute or source.stores is None:
         return
-    from compare.crosscheck.study import STUDIES
-    from compare.evidence.liu.bodies import SOLID, SOLID_LEVELS
-    from compare.models.ladder import DEEP, UNSEEN
-    from compare.reference import grid_order
-    from compare.reference.estimate import reference
+    from rollbench.comparison.crosscheck.study import STUDIES
+    from rollbench.comparison.evidence.liu.bodies import SOLID, SOLID_LEVELS
+    from rollbench.comparison.models.ladder import DEEP, UNSEEN
 
     scenes = [study.scene(name) for name in REFERENCED]
     if source.quick:
@@ -102,10 +100,25 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
         tasks.sort(key=lambda task: -expected(task).seconds)
     ensure(tasks, source.stores[0], source.engine, step, source.stores[1:], fresh=source.fresh)
     if not source.quick:
-        known = [reference(study.scene(name), source.stores) for name in dict.fromkeys((*REFERENCED, *STUDIES, *UNSEEN))]
-        order = grid_order.measured([ref for ref in known if ref is not None])
-        if order is not None:
-            grid_order.save(source.stores[0], order)
+        keep_experience(source.stores)
+
+
+def keep_experience(stores: Sequence[Path]) -> None:
+    """Write what all compared scenes tell of one another into the first store: parts of the discretisation that a scene's
+    own levels do not show, and the modelling choices."""
+    from rollbench.comparison.models import total_uncertainty
+    from rollbench.comparison.models.grid_coverage import experience
+    from rollbench.comparison.models.modelling import VARIED, combined, varied
+    from rollbench.comparison.models.study import Study
+    from rollbench.comparison.reference import grid_parts
+
+    study = Study(stores)
+    known = experience(study)
+    if known is not None:
+        grid_parts.save(stores[0], known)
+    found = [combined(study.scene(name), varied(study.scene(name), stores)) for name in VARIED]
+    if all(found):
+        total_uncertainty.save(stores[0], {m.scene: total_uncertainty.choices_of(m) for m in found if m is not None})
 
 
 def wanted_parts(only: Sequence[str], *, quick: bool = False) -> list[Part]:
@@ -119,8 +132,8 @@ def wanted_parts(only: Sequence[str], *, quick: bool = False) -> list[Part]:
 def save_model_form(study: Study) -> None:
     """Write what the model-form estimate rests on into the report's own store, for ``rollbench solve`` to read once it is
     shipped; nothing without references or without a store."""
-    from compare.models.ladder import ladder, points
-    from compare.models.model_form import save_points
+    from rollbench.comparison.models.ladder import ladder, points
+    from rollbench.comparison.models.model_form import save_points
 
     rungs = study.once(ladder)
     if rungs and study.stores:
@@ -146,19 +159,21 @@ def make_report(
     the costly sections too; against: an earlier report, to list what moved. Raises InputError for a bad section name or
     folder.
     """
+    need_packages("matplotlib", "scikit-fem")
     before = None if against is None else report_moved.tables(against)
     wanted = wanted_parts(only, quick=quick)
     if fresh and stored:
         raise InputError("command line", "--fresh", "also --stored", "one of both", "leave --stored out to compute")
-    from reports.html import check_target, write
+    from rollbench.reports.html import check_target, write
 
     try:
         check_target(out)
     except (ValueError, OSError) as error:
         raise _bad_folder(out, error) from None
+    need_writable(out / "index.html")
     wanted, missed = kept_parts(wanted, named=bool(only), everything=everything or fresh)
     meshing = not gmsh_fault()
-    from compare.reference.store import shipped_store
+    from rollbench.comparison.reference.store import shipped_store
 
     own = (store,) if fresh or quick else (store, shipped_store())
     source = Source(None if stored else own, engine or Engine(), not stored and meshing, quick, fresh)

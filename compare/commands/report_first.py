@@ -10,16 +10,17 @@ from time import perf_counter
 
 import numpy as np
 
-from compare.commands.report_parts import Part
-from compare.measure import error_percent
-from compare.reference.computing import compute
-from compare.reference.store import load
-from compare.reference.tasks import Task
-from compare.scenes import catalogue
-from compare.system import cores, gmsh_fault
-from meshes.libraries import EXTRAS, MESHING, PICTURES, install
-from reports.offscreen import fault as drawing_fault
-from reports.records import FieldPicture, LoadedScrew, Section
+from rollbench.comparison.commands.report_parts import Part
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.reference.computing import compute
+from rollbench.comparison.reference.store import load
+from rollbench.comparison.reference.tasks import Task
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.system import cores, gmsh_fault
+from rollbench.meshes.libraries import EXTRAS, MESHING, PICTURES, install
+from rollbench.meshes.loads import mean_load
+from rollbench.reports.offscreen import fault as drawing_fault
+from rollbench.reports.records import FieldPicture, LoadedScrew, Section
 
 #: Sections that take most of a report's time: they come with ``--all``, with ``--fresh``, and by name.
 COSTLY = frozenset({"pictures", "friction", "friction-screw", "verification", "stability", "timing"})
@@ -105,6 +106,6 @@ def live_check(stores: Sequence[Path] | None, step: Callable[[str], None]) -> Li
         return None
     start = perf_counter()
     (run,) = compute(Task((scene,), LEVEL, processes=cores()), step)
-    mean = float(stored.load[stored.load > 0.0].mean())
+    mean = mean_load(stored.load)
     percent = float(np.abs(error_percent(run.load, stored.load, mean)).max()) if run.status == "converged" else float("inf")
     return LiveCheck(CHECKED, LEVEL, percent, perf_counter() - start)

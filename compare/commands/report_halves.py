@@ -13,10 +13,11 @@ from importlib import import_module
 from time import perf_counter
 from typing import Any
 
-from compare.commands.report_parts import Part
-from compare.models.study import Study
-from compare.system import cores
-from reports.records import Section
+from rollbench.comparison.commands.report_parts import Part
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.system import cores
+from rollbench.meshes.workers import local
+from rollbench.reports.records import Section
 
 Step = Callable[[str], None]
 
@@ -62,7 +63,7 @@ def make(parts: Sequence[Part], announce: Step, step: Step, study: Study, then: 
     made = {}
     for part in parts:
         announce(part.name)
-        section: Callable[[Study, Step], Section] = import_module(f"compare.sections.{part.module}").section
+        section: Callable[[Study, Step], Section] = import_module(f"rollbench.comparison.sections.{part.module}").section
         made[part.name] = replace(section(study, step), appendix=part.appendix)
     if "ladder" in made:
         then(study)
@@ -92,10 +93,10 @@ def _elsewhere(parts: Sequence[Part], study: Study, then: Callable[[Study], None
 @contextmanager
 def _another(parts: Sequence[Part], study: Study, then: Callable[[Study], None]) -> Iterator[Iterator[Made]]:
     """A process that makes ``parts``, each of the two with one thread; ended where the body fails."""
-    from joblib import Parallel, delayed, parallel_config
+    from joblib import Parallel, delayed
     from threadpoolctl import threadpool_limits
 
-    with parallel_config(backend="loky", inner_max_num_threads=1), threadpool_limits(1):
+    with local(threads=1), threadpool_limits(1):
         pool: Any = Parallel(n_jobs=2, max_nbytes=None, return_as="generator")
         running = pool([delayed(_elsewhere)(list(parts), study, then)])
         try:

@@ -7,12 +7,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from compare.commands.checked import Checked
-from compare.errors import InputError
-from compare.measure import error_percent
-from compare.provenance import SCENE, inputs
-from compare.scenes import catalogue
-from reports.manifest import FILE, hashes, read_manifest
+from rollbench.comparison.commands.checked import Checked
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.provenance import SCENE, inputs
+from rollbench.comparison.scenes import catalogue
+from rollbench.reports.manifest import FILE, hashes, read_manifest
 
 #: Change [%] of a number up to which it is round-off, or what a solver's tolerance leaves.
 SAME = 1e-3

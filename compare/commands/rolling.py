@@ -2,43 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from compare.commands.study import on_terminal
-from compare.commands.wrapping import aligned
-from compare.errors import InputError, Refusal
-from compare.reference.jobs import Engine
-from compare.reference.parallel import as_done
-from compare.reference.store import shipped_store
-from compare.rolling.rows import RollingRow, load_state, rows, uncertainty
-from compare.rolling.runs import BODIES, HALF_SPACE, LEVELS, SOURCE_LEVEL, SOURCE_SIZE, RollingRun, compute, load, save
-from compare.scenes import catalogue
-from compare.scenes.kinds.common import KindScene
+from rollbench.comparison.commands.study import on_terminal
+from rollbench.comparison.commands.wrapping import aligned
+from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.reference.jobs import Engine
+from rollbench.comparison.reference.parallel import as_done
+from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison.rolling.names import HALF_SPACE
+from rollbench.comparison.rolling.rows import UNSTATED, RollingRow, load_state, rows, uncertainty
+from rollbench.comparison.rolling.runs import LEVELS, SOURCE_LEVEL, SOURCE_SIZE, RollingRun, compute, load, save
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.scenes.kinds.common import KindScene
 
 Show = Callable[..., None]
-
-
-def all_rolling(names: Sequence[str]) -> bool:
-    """Whether all scenes are of kinds that only friction solves. Raises InputError where some are and some are not."""
-    kinds = [isinstance(catalogue.any_scene(name), KindScene) for name in names]
-    if any(kinds) and not all(kinds):
-        raise InputError(
-            "command line", "scenes", " ".join(names), "whole screws and bearings, or scenes of friction", "name them apart"
-        )
-    return bool(kinds) and all(kinds)
-
-
-def known_bodies(bodies: str, *, rolling: bool) -> str:
-    """The name of bodies as it is. Raises InputError for an unknown one, and for half spaces under whole screws."""
-    if bodies not in BODIES:
-        raise InputError("command line", "--bodies", bodies, " or ".join(BODIES), "half spaces are the faster ones")
-    if bodies != HALF_SPACE and not rolling:
-        raise InputError(
-            "command line", "--bodies", bodies, "scenes of friction", "the static reference is of finite bodies"
-        )
-    return bodies
 
 
 def runs_of(
@@ -70,18 +50,6 @@ def known_levels(levels: Sequence[int]) -> list[int]:
         advice = "mesh-study --source-mesh shows the source's size"
         raise InputError("command line", "--levels", got, f"1 to {len(LEVELS)} for scenes of friction", advice)
     return list(levels)
-
-
-def refuse_options(given: Mapping[str, bool]) -> None:
-    """Raises InputError for an option that means nothing to rolling balls; given: whether each was."""
-    for option in (name for name, is_given in given.items() if is_given):
-        raise InputError(
-            "command line",
-            option,
-            "scenes of friction",
-            "whole screws and bearings",
-            "leave it out: it would change nothing",
-        )
 
 
 def run_rolling_compare(
@@ -121,7 +89,7 @@ def finite(row: dict[str, Any]) -> dict[str, Any]:
 def _table(name: str, own: Sequence[RollingRow]) -> Any:
     from rich.table import Table
 
-    state = f" ({own[0].load_state} load state)" if own[0].load_state else ""
+    state = f" ({own[0].load_state} load state{UNSTATED})" if own[0].load_state else ""
     table = Table(title=f"{name}{state}: low-order model against the 3D model of rolling", title_justify="left")
     for column in (
         "quantity",

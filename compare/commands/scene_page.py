@@ -5,58 +5,58 @@ from __future__ import annotations
 import datetime
 import platform
 from collections.abc import Sequence
-from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from compare import __version__
-from compare.commands.solve_output import as_json
-from compare.commands.summary import answers_json, entries
-from compare.errors import InputError, Refusal
-from compare.models.answers import Answers, gather, tangent_of
-from compare.models.comparison import from_result
-from compare.models.model_form import FILE, ModelForm, estimate
-from compare.models.registry import DEFAULT, Options, run_model
-from compare.models.study import Study
-from compare.models.u_val import QUANTITIES, Validated, validated
-from compare.provenance import SOURCES, commit, sources_hash
-from compare.reference.estimate import Reference
-from compare.reference.store import path_in, shipped_store
-from compare.scenes import catalogue, scene_file
-from compare.sections.applicability import range_figure, range_table
-from compare.sections.loaded_screw import loaded_screw
-from compare.writing import replace_file
-from lowfi.statics.problem import nominal_hertz
-from lowfi.statics.result import StaticResult
-from lowfi.statics.tangent import Tangent
-from meshes.parts import FREEDOMS, SIDES, Scene
-from reports.manifest import sha256
-from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
-from reports.scene_page import ScenePage, render
+from rollbench.comparison import __version__
+from rollbench.comparison.commands.solve_output import as_json
+from rollbench.comparison.commands.summary import answers_json, entries
+from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.models.answers import Answers, gather, tangent_of
+from rollbench.comparison.models.comparison import from_result
+from rollbench.comparison.models.model_form import FILE, ModelForm, estimate
+from rollbench.comparison.models.registry import DEFAULT, Options, run_model
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.models.u_val import QUANTITIES, Validated, validated
+from rollbench.comparison.provenance import SOURCES, commit, sources_hash
+from rollbench.comparison.reference.estimate import Reference
+from rollbench.comparison.reference.store import path_in, shipped_store
+from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.comparison.sections.applicability import range_figure, range_table
+from rollbench.comparison.sections.loaded_screw import loaded_screw
+from rollbench.comparison.system import libraries
+from rollbench.comparison.writing import need_writable, replace_file
+from rollbench.lowfi.statics.problem import nominal_hertz
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.statics.tangent import Tangent
+from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
+from rollbench.reports.manifest import sha256
+from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
+from rollbench.reports.scene_page import ScenePage
 
 LIBRARIES = ("numpy", "scipy", "numba")
 
 
-def make_page(name: str, out: Path, store: Path) -> int:
+def make_page(name: str, out: Path, store: Path) -> ScenePage:
     """Solve a scene by the default model, set it beside a stored reference where there is one, and write the page.
 
-    Returns 0. Raises InputError for a scene of another kind and a folder that holds what no report wrote, Refusal where
+    Raises InputError for a scene of another kind and a folder that holds what no report wrote, Refusal where
     the scene does not solve.
     """
-    from reports.html import check_target
+    from rollbench.reports.html import check_target
+    from rollbench.reports.scene_page import render
 
     try:
         check_target(out)
     except (ValueError, OSError) as error:
         allowed = "a folder that is new, empty or an earlier report"
         raise InputError(str(out), "--out", str(error), allowed, "choose another folder") from None
+    need_writable(out / "index.html")
     page = page_of(name, (store, shipped_store()))
-    out.mkdir(parents=True, exist_ok=True)
     replace_file(out / "index.html", render(page))
-    print(f"{page.verdict}\npage: {out / 'index.html'}", flush=True)
-    return 0
+    return page
 
 
 def page_of(name: str, stores: Sequence[Path]) -> ScenePage:
@@ -106,6 +106,7 @@ def verdict(found: Answers, worth: ModelForm, judged: Sequence[Validated], refer
     if judged and reference is not None:
         v = judged[0]
         bar = f"u_val {v.combined:.2f} %" if np.isfinite(v.combined) else "one mesh level, so without its uncertainty"
+        bar += f"; {reference.unsettled}" if reference.unsettled else ""
         return (
             f"{text}; measured against the 3D reference, loads are off by up to {abs(v.error):.2f} % of their mean ({bar})."
         )
@@ -124,8 +125,8 @@ def _loads(scene: Scene, result: StaticResult, reference: Reference | None) -> S
             continue
         series = [Series(DEFAULT, balls, result.load[:, s].tolist(), "line+markers", emphasis=True)]
         if reference is not None:
-            own, bar = reference.load[:, s], None if reference.uncertainty is None else reference.uncertainty[:, s]
-            ends = None if bar is None else ((own - bar).tolist(), (own + bar).tolist())
+            own, bar = reference.load[:, s], reference.uncertainty[:, s]
+            ends = (own - bar).tolist(), (own + bar).tolist()
             series.append(Series("3D reference", balls, own.tolist(), "markers", bars=ends))
         panels.append(Panel(f"screw's flank {side}", "ball", "contact load / N", tuple(series), zero=True, integer_x=True))
     rows: list[dict[str, Cell]] = []
@@ -149,16 +150,21 @@ def _loads(scene: Scene, result: StaticResult, reference: Reference | None) -> S
 
 
 def _stiffness(found: Answers, tangent: Tangent) -> Section:
-    """Three rigidities and the tangent stiffness at the nut."""
+    """Rigidities by formulas and by the model, and the tangent stiffness at the nut."""
     three = found.rigidities
-    names = ("contacts alone (R_b/t)", "with the bodies (R_nu)", "with unequal loads (R_nu,ar)", "tangent at this load")
+    names = (
+        "contacts alone (R_b/t), formula at the nominal contact angle",
+        "contacts and bodies (R_nu), formula at the nominal contact angle",
+        "this model, secant (R_nu,ar)",
+        "this model, tangent at this load",
+    )
     values = (None,) * 3 if three is None else (three.contacts, three.bodies, three.unequal)
     rows: list[dict[str, Cell]] = [
         {"name": name, "value": None if value is None else 1e-6 * value}
         for name, value in zip(names, (*values, found.tangent), strict=True)
     ]
     columns = (Column("name", "axial rigidity", "", "s"), Column("value", "", "N/um", "g4"))
-    first = Table("rigidity", "Axial rigidities as ISO 3408-4 separates them", columns, rows)
+    first = Table("rigidity", "Axial rigidities: formulas of ISO 3408-4, and of this model", columns, rows)
     if tangent.status != "converged":
         return Section("stiffness", "Stiffness", (first, Text((f"Tangent stiffness: {tangent.status}.",))))
     cells: list[dict[str, Cell]] = [
@@ -172,7 +178,7 @@ def _stiffness(found: Answers, tangent: Tangent) -> Section:
 
 def _error(scene: Scene, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None) -> Section:
     """Measured error with u_val where a reference is stored, expected error, and where the scene lies."""
-    from compare.commands.solve_output import model_form_text
+    from rollbench.comparison.commands.solve_output import model_form_text
 
     items: list[Text | Table | Figure] = []
     if judged and reference is not None:
@@ -247,7 +253,7 @@ def _provenance(name: str, scene: Scene, text: str, reference: Reference | None)
         "scene": f"{Path(name).name}, SHA-256 {sha256(text)}",
         "rollbench": f"{__version__}, commit {commit()}",
         "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        "libraries": ", ".join(f"{lib} {metadata.version(lib)}" for lib in LIBRARIES),
+        "libraries": libraries(LIBRARIES),
         "Python": f"{platform.python_version()}, {platform.system()} {platform.machine()}",
         "model": f"{DEFAULT}; nothing in it is fitted to a 3D solution",
     }

@@ -5,25 +5,28 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from compare.commands.load_curve import write_curve
-from compare.commands.matrix_files import check_matrix, write_matrix
-from compare.commands.solve_choices import Choices
-from compare.commands.solve_output import as_json as to_json
-from compare.commands.solve_output import as_table, number, stiffness_lines
-from compare.commands.summary import answers_json, block
-from compare.commands.wrapping import wrapped
-from compare.errors import InputError, named, one_line
-from compare.models.answers import Answers, gather, tangent_of
-from compare.models.model_form import estimate
-from compare.models.registry import DEFAULT, Options, run_model
-from compare.scenes import catalogue, units
-from compare.scenes.scene_file import whole
-from compare.watch import checked, watched
-from compare.writing import need_writable
-from lowfi.statics.result import StaticResult
-from lowfi.statics.tangent import Tangent
-from meshes.axis import Assembly
-from meshes.parts import FREEDOMS, Scene
+from rollbench.comparison.commands.load_curve import write_curve
+from rollbench.comparison.commands.matrix_files import check_matrix, write_matrix
+from rollbench.comparison.commands.solve_choices import Choices
+from rollbench.comparison.commands.solve_output import as_json as to_json
+from rollbench.comparison.commands.solve_output import as_table, number, stiffness_lines
+from rollbench.comparison.commands.summary import answers_json, block
+from rollbench.comparison.commands.wrapping import wrapped
+from rollbench.comparison.errors import InputError, named, one_line
+from rollbench.comparison.gate.loads_file import loads_csv, write_loads
+from rollbench.comparison.models.answers import Answers, gather, tangent_of
+from rollbench.comparison.models.model_form import estimate
+from rollbench.comparison.models.outside import with_answers
+from rollbench.comparison.models.registry import DEFAULT, Options, run_model
+from rollbench.comparison.scenes import catalogue, units
+from rollbench.comparison.scenes.scene_file import whole
+from rollbench.comparison.watch import checked, watched
+from rollbench.comparison.writing import need_writable
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.statics.tangent import Tangent
+from rollbench.lowfi.warned import above
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import FREEDOMS, Scene
 
 
 def run_solve(
@@ -45,6 +48,7 @@ def run_solve(
         result = run_model(scene, model, options)
         if result.converged:
             found = gather(scene, result, model, options)
+            result = with_answers(scene, result, found)
             if choices.stiffness_at:
                 tangent = tangent_of(scene, station, model, options)
     worth = estimate(scene, result) if found is not None else None
@@ -60,7 +64,7 @@ def run_solve(
         parts = as_table(scene, result, worth, block=text, balls=choices.balls)
         parts += [*([] if tangent is None else stiffness_lines(tangent)), *written]
         show(*(wrapped(part, width) if isinstance(part, str) else part for part in parts))
-    return 0 if result.converged else 1
+    return 1 if not result.converged or (choices.strict and above(result.warnings)) else 0
 
 
 def _run_axis(
@@ -71,7 +75,7 @@ def _run_axis(
     print_json: Callable[[Any], None] | None,
 ) -> int:
     """Solve and print several sets on one shaft."""
-    from compare.commands.axis_solve import solve_shown
+    from rollbench.comparison.commands.axis_solve import solve_shown
 
     with watched(axis.name, checked(asked[0].time_limit)), named(axis.name, name):
         return solve_shown(axis, *asked, show, print_json)
@@ -93,6 +97,8 @@ def _checked(choices: Choices) -> tuple[str, float]:
         if choices.curve.suffix.lower() != ".csv":
             raise InputError("command line", "--curve", str(choices.curve), "a name that ends in .csv", "rename it")
         need_writable(choices.curve)
+    if choices.loads_csv is not None:
+        need_writable(choices.loads_csv)
     if not choices.stiffness_at:
         return model, 0.0
     try:
@@ -112,6 +118,8 @@ def _write(
         lines.append(f"wrote {choices.matrix}: the matrix, symmetric, in N, m and rad")
     if choices.curve is not None and result.converged:
         lines += write_curve(choices.curve, scene, model, options)
+    if choices.loads_csv is not None and result.converged:
+        lines.append(write_loads(choices.loads_csv, loads_csv(result.load, result.azimuth, result.z)))
     return lines
 
 

@@ -9,7 +9,8 @@ from pathlib import Path
 @dataclass(frozen=True)
 class Choices:
     """What the command line says: model, whether to leave nothing out, specimen, condensed bodies, whether to print the
-    table of balls, station of the stiffness and its file, file of the load curve, seconds after which to give up."""
+    table of balls, station of the stiffness and its file, files of the load curve and of the contact loads, seconds after
+    which to give up, whether a warning above the answers makes the exit code 1."""
 
     model: str = ""
     everything: bool = False
@@ -19,4 +20,6 @@ class Choices:
     stiffness_at: str = ""
     matrix: Path | None = None
     curve: Path | None = None
+    loads_csv: Path | None = None
     time_limit: float | None = None
+    strict: bool = False

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from compare.measure import error_percent
-from compare.models.model_form import ModelForm
-from lowfi.statics.result import Equilibrium, SolverReport, StaticResult
-from lowfi.statics.tangent import Tangent
-from meshes.arrays import Array
-from meshes.parts import FREEDOMS, SIDES, Scene
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.models.model_form import ModelForm
+from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult
+from rollbench.lowfi.statics.tangent import Tangent
+from rollbench.lowfi.warned import above
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -157,6 +158,7 @@ def as_json(
         "model_form": _model_form(worth),
         "assumed": list(result.assumed),
         "left_out": list(result.left_out),
+        "warning": above(result.warnings) or None,
         "warnings": list(result.warnings),
     }
 
@@ -173,6 +175,8 @@ def as_table(
     drawn = f", member {result.member} of its random errors" if scene.errors.random else ""
     title = f"{scene.name}{drawn}, model {result.model}: {result.status}"
     parts: list[Any] = [title]
+    if line := above(result.warnings):
+        parts += ["", line]
     if block:
         parts += ["", block, ""]
     if balls and (result.load > 0.0).any():
@@ -181,18 +185,24 @@ def as_table(
         parts += _balance(result.equilibrium)
     s = result.solver
     error = discretisation_percent(result)
-    parts.append(
-        f"solver: {s.formulation}, {s.engine}; {s.iterations} iterations, residual {s.residual:.1e}, "
-        f"{s.unknowns} unknowns, {s.elements} beam elements"
-        + (f" (discretisation error {error:.1e} % of the mean load)" if error is not None else "")
-        + f", {s.seconds:.3g} s"
-    )
+    measured = "" if error is None else f" (discretisation error {error:.1e} % of the mean load)"
+    parts += solver_lines(s, measured)
     if worth is not None and not block:
         parts.append(model_form_text(worth))
     headed = ("warning", result.warnings), ("note", s.notes), ("assumed", result.assumed), ("left out", result.left_out)
     for heading, lines in headed:
         parts += [f"{heading}: {line}" for line in lines]
     return parts
+
+
+def solver_lines(s: SolverReport, measured: str = "") -> list[str]:
+    """How the solution came about; only the time where nothing was solved. measured: of the elements."""
+    if not math.isfinite(s.residual):
+        return [f"refused before anything was solved for, in {s.seconds:.3g} s"]
+    return [
+        f"solver: {s.formulation}, {s.engine}; {s.iterations} iterations, residual {s.residual:.1e}, "
+        f"{s.unknowns} unknowns, {s.elements} beam elements{measured}, {s.seconds:.3g} s"
+    ]
 
 
 def _balance(e: Equilibrium) -> list[str]:

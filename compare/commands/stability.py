@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import io
 import sys
 from collections.abc import Callable
+from contextlib import redirect_stdout
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from compare.errors import InputError
-from compare.extremes.rows import tally, wide_rows
-from compare.extremes.static import FORMULATIONS, failures, table
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.extremes.rows import tally, wide_rows
+from rollbench.comparison.extremes.static import FORMULATIONS, failures, table
 
 
 def run_stability(*, as_json: bool, show: Callable[..., None], print_json: Callable[[Any], None]) -> int:
@@ -46,6 +49,17 @@ def run_stability(*, as_json: bool, show: Callable[..., None], print_json: Calla
     return 1 if bad else 0
 
 
+def captured(run: Callable[[list[str]], Any], tokens: list[str]) -> tuple[int, str]:
+    """Exit code of a command and what it prints on standard output; 2 and its line where it refuses its input."""
+    out = io.StringIO()
+    try:
+        with redirect_stdout(out):
+            code = int(run(tokens))
+    except InputError as error:
+        return 2, str(error)
+    return code, out.getvalue()
+
+
 def run_campaign(
     count: int,
     seed: int,
@@ -53,20 +67,21 @@ def run_campaign(
     files: int,
     kills: int,
     keep: Path | None,
+    run: Callable[[list[str]], Any],
     *,
     as_json: bool,
     show: Callable[..., None],
     print_json: Callable[[Any], None],
 ) -> int:
     """Run a campaign, print its counts and every bad outcome; 1 where there is any, else 0. With ``keep``, an interrupted
-    one goes on from the lines beside that file.
+    one goes on from the lines beside that file. run: runs a command of these tokens and returns its exit code.
 
     Raises InputError for counts and seeds out of range, an unknown model, and a file that cannot be written.
     """
-    from compare.extremes.campaign import record
-    from compare.extremes.campaign.part import Part
-    from compare.models.registry import MODELS
-    from compare.writing import need_writable, replace_file
+    from rollbench.comparison.extremes.campaign import record
+    from rollbench.comparison.extremes.campaign.part import Part
+    from rollbench.comparison.models.registry import MODELS
+    from rollbench.comparison.writing import need_writable, replace_file
 
     whole = (("--random", count, 1, 1_000_000), ("--seed", seed, 0, 2**31), ("--files", files, 0, 100_000))
     for name, value, low, high in (*whole, ("--kills", kills, 0, 10_000)):
@@ -85,7 +100,7 @@ def run_campaign(
     part = None if keep is None else Part(keep.with_name(f"{keep.name}.{model}-{seed}.part"), seed, model)
     if part is not None and part.outcomes:
         sys.stderr.write(f"{len(part.outcomes)} scenes of an interrupted campaign are known\n")
-    found = record.run_campaign(seed, count, model, files, kills, progress, part)
+    found = record.run_campaign(seed, count, model, files, kills, progress, part, partial(captured, run))
     if sys.stderr.isatty():
         sys.stderr.write("\r\033[K")
     if keep is not None:
@@ -98,3 +113,40 @@ def run_campaign(
         for line in record.lines(found):
             show(line)
     return 1 if found["bad"] else 0
+
+
+def run_drawn(
+    count: int,
+    folder: Path,
+    workers: int,
+    keep: Path | None,
+    *,
+    as_json: bool,
+    show: Callable[..., None],
+    print_json: Callable[[Any], None],
+) -> int:
+    """Run the survey of drawn screws, print its errors and every scene without an answer; 1 where there is any, else 0.
+
+    Raises InputError for counts out of range, a folder that is no survey's, and a file that cannot be written.
+    """
+    from rollbench.comparison.commands.study import on_terminal
+    from rollbench.comparison.commands.wrapping import aligned
+    from rollbench.comparison.extremes.survey import run
+    from rollbench.comparison.extremes.survey.draw import SCENES, SEED
+    from rollbench.comparison.writing import need_writable, replace_file
+
+    if not 1 <= count <= SCENES:
+        raise InputError("command line", "--survey", str(count), f"1 to {SCENES}", "choose a number in that range")
+    if keep is not None:
+        need_writable(keep)
+    records = run.run_survey(SEED, count, folder, workers, on_terminal)
+    bad = run.unanswered(records)
+    if keep is not None:
+        replace_file(keep, run.text(SEED, records))
+    if as_json:
+        print_json({"scenes": records, "without_answer": len(bad)})
+    else:
+        found = run.summary(records)
+        show(*([aligned(found)] if found else []), f"{len(records) - len(bad)} of {len(records)} scenes have an answer")
+        show(*(f"scene {r['number']}: {r['status']}" for r in bad))
+    return 1 if bad else 0

@@ -5,34 +5,38 @@ from __future__ import annotations
 import csv
 import io
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from compare.commands.compare_output import (
+from rollbench.comparison.commands.compare_output import (
     Beside,
     answers_json,
     answers_table,
     compared,
     contact_rows,
+    start_lines,
     verdict,
     write_files,
 )
-from compare.commands.compare_output import table as compared_table
-from compare.commands.wrapping import aligned
-from compare.errors import InputError, Refusal
-from compare.models.comparison import compared_models, finest_bodies, rows, suited
-from compare.models.mesh_study import closing, level_rows, studied, study_table
-from compare.reference.estimate import Reference, reference
-from compare.reference.jobs import Engine, all_variants, ensure, plan
-from compare.reference.levels import LEVELS, SOURCE_LEVEL, STUDIED
-from compare.reference.store import Run, shipped_store
-from compare.scenes import catalogue
-from compare.writing import replace_file
-from meshes.parts import Scene
-from reports.html import harmless
+from rollbench.comparison.commands.compare_output import table as compared_table
+from rollbench.comparison.commands.wrapping import aligned
+from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.models.comparison import compared_models, finest_bodies, rows, suited
+from rollbench.comparison.models.mesh_study import closing, level_rows, studied, study_table
+from rollbench.comparison.reference.estimate import Reference, reference, reference_of
+from rollbench.comparison.reference.jobs import Engine, all_variants, ensure, plan
+from rollbench.comparison.reference.levels import ADVISED, LEVELS, SOURCE_LEVEL
+from rollbench.comparison.reference.store import Run, load, shipped_store
+from rollbench.comparison.reference.tasks import Task
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.writing import no_figure, replace_file, write_figure
+from rollbench.meshes.parts import Scene
+from rollbench.reports.cells import harmless
 
 Show = Callable[..., None]
+#: Exit code where a reference has loads that did not settle.
+NOT_SETTLED = 5
 
 
 def on_terminal(text: str) -> None:
@@ -57,19 +61,11 @@ def run_mesh_study(
 
     Raises Refusal for a scene of which no run converged.
     """
-    if not 1 <= levels <= len(LEVELS):
-        raise InputError("command line", "--levels", str(levels), f"1 to {len(LEVELS)}", "three levels give an order")
     scenes = [catalogue.scene(name) for name in names]
-    tasks = plan(scenes, range(1, levels + 1), source=source)
-    if spread:
-        tasks += [t for s in scenes for t in plan([s], (), all_variants())]
     stores = (store,) if fresh else (store, shipped_store())
-    failed = ensure(tasks, store, engine, on_terminal, stores[1:], fresh=fresh)
-    found = {scene.name: studied(scene, stores, levels) for scene in scenes}
+    found = compute_study(scenes, levels, stores, engine, on_terminal, spread=spread, source=source, fresh=fresh)
     tables = {scene.name: study_table(scene, stores, levels) for scene in scenes}
     for name, whole in found.items():
-        if whole is None:
-            raise unconverged(name, failed)
         table = tables[name]
         columns = list(dict.fromkeys(k for row in table for k in row))
         text = io.StringIO()
@@ -80,10 +76,58 @@ def run_mesh_study(
         _figure(name, table, whole, store)
         if not json_out:
             show(f"mesh study of {name}", "", aligned(level_rows(whole)), "", aligned(_extremes(table)), "")
-            show(closing(whole), f"every contact: {store / name}-mesh-study.csv and .svg written")
+            show(
+                closing(whole),
+                *([whole.unsettled] if whole.unsettled else []),
+                f"every contact: {store / name}-mesh-study.csv and {no_figure() or '.svg'}",
+            )
     if json_out:
         print_json(tables)
-    return 0
+    return code_of(found.values())
+
+
+def compute_study(
+    scenes: Sequence[Scene],
+    levels: int,
+    stores: Sequence[Path],
+    engine: Engine,
+    step: Callable[[str], None],
+    *,
+    spread: bool = False,
+    source: bool = False,
+    fresh: bool = False,
+) -> dict[str, Reference]:
+    """Runs of the scenes on levels 1 to ``levels``, by name; what the stores lack is computed and kept in the first.
+
+    spread, source, fresh: as the options of ``rollbench mesh-study``. Raises InputError for other levels, Refusal for a
+    scene of which no run converged.
+    """
+    if not 1 <= levels <= len(LEVELS):
+        raise InputError("command line", "--levels", str(levels), f"1 to {len(LEVELS)}", "three levels give an order")
+    tasks = plan(scenes, range(1, levels + 1), source=source)
+    if spread:
+        tasks += [t for s in scenes for t in plan([s], (), all_variants())]
+
+    def first(task: Task) -> None:
+        """Say what the coarsest level found while finer ones are computed."""
+        for scene in task.scenes if task.level == min(LEVELS) and not task.variant else ():
+            table = _extremes(study_table(scene, stores[:1], task.level))
+            values = (f"{row['quantity']} {row[f'level {task.level}']:.4g} {row['unit']}" for row in table)
+            step(f"{scene.name}, by level {task.level} alone: {'; '.join(values)}")
+
+    failed = ensure(tasks, stores[0], engine, step, stores[1:], fresh=fresh, stored=first)
+    found = {}
+    for scene in scenes:
+        whole = studied(scene, stores, levels)
+        if whole is None:
+            raise unconverged(scene.name, failed)
+        found[scene.name] = whole
+    return found
+
+
+def code_of(found: Iterable[Reference]) -> int:
+    """Exit code of a command that shows references: `NOT_SETTLED` where the loads of one did not settle, else 0."""
+    return NOT_SETTLED if any(reference.unsettled for reference in found) else 0
 
 
 def unconverged(name: str, failed: Sequence[Run]) -> Refusal:
@@ -94,12 +138,11 @@ def unconverged(name: str, failed: Sequence[Run]) -> Refusal:
 
 
 def _figure(name: str, table: Sequence[dict[str, Any]], found: Reference, store: Path) -> None:
-    from compare.sections.study_figure import study_figure
-    from reports.figures import draw
+    from rollbench.comparison.sections.study_figure import study_figure
 
     figure = study_figure(name, table, found)
     if figure is not None:
-        replace_file(store / f"{name}-mesh-study.svg", draw(figure))
+        write_figure(store / f"{name}-mesh-study.svg", figure)
 
 
 def _extremes(table: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -140,7 +183,7 @@ def run_compare(
 
     JSON: verdict and answers of every scene, and rows of every quantity and model, the reference's coarser runs among
     them. balls: also print every contact.
-    levels: None for the best stored reference (levels `STUDIED` are computed where there is none); else just those. fresh:
+    levels: None for the best stored reference (levels `ADVISED` are computed where there is none); else just those. fresh:
     compute them even where they are stored. Raises Refusal for a scene of which no run converged.
     """
     own = compared_models(tuple(models))
@@ -149,20 +192,38 @@ def run_compare(
     without = [s for s in scenes if reference(s, stores) is None] if levels is None and not fresh else scenes
     failed: list[Run] = []
     if without:
-        wanted = levels or STUDIED
+        wanted = levels or ADVISED
         tasks = plan(without, [k for k in wanted if k != SOURCE_LEVEL], source=SOURCE_LEVEL in wanted)
-        failed = ensure(tasks, store, engine, on_terminal, stores, fresh=fresh)
-    told, out = [], []
+
+        def first(task: Task) -> None:
+            """Print the verdict by the coarsest level while finer ones are computed."""
+            for scene in task.scenes if task.level == min(set(wanted) - {SOURCE_LEVEL}) else ():
+                run = load(scene, task.level, stores=(store,))
+                if run is not None:
+                    found = reference_of(scene.name, (run,), None)
+                    whole = compared(scene, (own or suited(scene))[:1], found, stores)
+                    on_terminal(f"{scene.name}, by level {task.level} alone: {verdict(whole, found)}")
+
+        failed = ensure(tasks, store, engine, on_terminal, stores, fresh=fresh, stored=first)
+    told, out, kept = [], [], []
     for name, scene in zip(names, scenes, strict=True):
         found = reference(scene, stores)
         if found is None:
             raise unconverged(scene.name, failed)
+        kept.append(found)
         whole = compared(scene, own or suited(scene), found, stores)
         if json_out:
             told.append(answers_json(whole, found))
             out += [row.as_json() for b in whole.models for row in rows(scene, b.answer, found)]
             continue
-        show(f"{scene.name}: {verdict(whole, found)}", "", answers_table(whole), "")
+        show(
+            f"{scene.name}: {verdict(whole, found)}",
+            "",
+            *(line for line in (whole.total.beside,) if line),
+            answers_table(whole),
+            *start_lines(whole),
+            "",
+        )
         show(compared_table(whole.models, whole.itself), "")
         if balls:
             show(_contacts(scene, whole.models, found), "")
@@ -172,7 +233,7 @@ def run_compare(
         show(write_files(scene, whole.models, found, store))
     if json_out:
         print_json({"scenes": told, "rows": out})
-    return 0
+    return code_of(kept)
 
 
 def _contacts(scene: Scene, models: Sequence[Beside], found: Reference) -> Any:

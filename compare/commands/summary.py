@@ -1,4 +1,4 @@
-"""The answers of a solved scene as a block of ten entries, aligned and no wider than asked, and as JSON."""
+"""The answers of a solved scene as a block of eleven entries, aligned and no wider than asked, and as JSON."""
 
 from __future__ import annotations
 
@@ -8,17 +8,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from compare.commands.solve_output import MODEL_FORM, model_form_text, number
-from compare.models.answers import Answers, LoadAnswers
-from compare.models.model_form import ModelForm
-from lowfi.rating.contacts import ALLOWED
-from lowfi.statics.result import StaticResult
-from lowfi.statics.validity import DENT_PRESSURE
-from meshes.arrays import Array
-from meshes.parts import SIDES, Scene
+from rollbench.comparison.commands.solve_output import MODEL_FORM, model_form_text, number
+from rollbench.comparison.models.answers import Answers, LoadAnswers
+from rollbench.comparison.models.model_form import ModelForm
+from rollbench.lowfi.rating.contacts import ALLOWED
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.statics.validity import DENT_PRESSURE
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.loads import bearing, mean_load
+from rollbench.meshes.parts import SIDES, Scene
 
 if TYPE_CHECKING:
-    from lowfi.friction.whole.state import FrictionState
+    from rollbench.lowfi.friction.whole.state import FrictionState
 
 
 #: Width of the labels of the block.
@@ -26,7 +27,7 @@ LABEL = 10
 
 
 def loads_json(load: Array) -> dict[str, Any] | None:
-    """Worst ball, mean and extremes of the loaded contacts ``(n, 4)`` [N]; None without load."""
+    """Worst ball, mean (`meshes.loads.mean_load`) and extremes of the loaded contacts ``(n, 4)`` [N]; None without load."""
     held = load > 0.0
     if not held.any():
         return None
@@ -36,16 +37,17 @@ def loads_json(load: Array) -> dict[str, Any] | None:
         "worst_ball": int(i) + 1,
         "worst_side": SIDES[int(s)],
         "max_N": number(own.max()),
-        "mean_N": number(own.mean()),
+        "mean_N": number(mean_load(load)),
         "min_N": number(own.min()),
         "loaded_contacts": int(own.size),
+        "contacts_in_mean": int(bearing(load).sum()),
         "balls_without_load": int((~held.any(axis=1)).sum()),
     }
 
 
 def contacts_json(found: LoadAnswers) -> dict[str, Any]:
-    """Worst contact, truncation, static safety and life; null where there is none."""
-    w, t, s, life = found.worst, found.reach, found.safety, found.life
+    """Worst contact, truncation, static safety, life and ratings; null where there is none."""
+    w, t, s, life, rated = found.worst, found.reach, found.safety, found.life, found.ratings
     return {
         "worst_contact": None
         if w is None
@@ -88,6 +90,15 @@ def contacts_json(found: LoadAnswers) -> dict[str, Any]:
             "equivalent_load_N": number(life.equivalent),
             "standard": life.standard,
         },
+        "ratings": None
+        if rated is None
+        else {
+            "dynamic_N": number(rated.dynamic),
+            "static_N": number(rated.static),
+            "direction": "axial" if rated.axial else "radial",
+            "dynamic_standard": rated.dynamic_standard,
+            "static_standard": rated.static_standard,
+        },
         "rating_refused": found.words or None,
     }
 
@@ -106,6 +117,7 @@ def answers_json(scene: Scene, result: StaticResult, found: Answers) -> dict[str
             "displacement_um": number(1e6 * found.displacement),
             "rigidity_N_per_um": None if three is None or three.unequal is None else number(1e-6 * three.unequal),
             "tangent_N_per_um": None if found.tangent is None else number(1e-6 * found.tangent),
+            "tangent_words": found.tangent_words or None,
         },
         "rigidities_N_per_um": None
         if three is None
@@ -138,7 +150,7 @@ def answers_json(scene: Scene, result: StaticResult, found: Answers) -> dict[str
 
 
 def _friction_json(state: FrictionState) -> dict[str, Any]:
-    from compare.commands.friction_output import sums
+    from rollbench.comparison.commands.friction_output import sums
 
     return sums(state, None)
 
@@ -146,14 +158,14 @@ def _friction_json(state: FrictionState) -> dict[str, Any]:
 def block(
     scene: Scene, result: StaticResult, found: Answers, worth: ModelForm | None, width: int, speed: float | None = None
 ) -> str:
-    """Ten labelled entries, no line wider than ``width`` (40 or more); speed: of the turning part [rad/s], for hours."""
+    """Eleven labelled entries, no line wider than ``width`` (40 or more); speed: of the turning part [rad/s], for hours."""
     return "\n".join(entry(label, text, width) for label, text in entries(scene, result, found, worth, speed))
 
 
 def entries(
     scene: Scene, result: StaticResult, found: Answers, worth: ModelForm | None, speed: float | None = None
 ) -> tuple[tuple[str, str], ...]:
-    """The ten entries of the block: label and sentence."""
+    """The eleven entries of the block: label and sentence."""
     data = answers_json(scene, result, found)
     return (
         ("loads", _loads(data)),
@@ -162,19 +174,21 @@ def entries(
         ("preload", _preload(data)),
         ("friction", _friction(data)),
         ("life", _life(data, speed)),
+        ("ratings", _ratings(data)),
         ("error", "not estimated" if worth is None else model_form_text(worth).removeprefix(MODEL_FORM).lstrip(": ")),
         ("assumed", f"{len(result.assumed)} statements, {len(result.left_out)} things left out: listed below"),
     )
 
 
 def contact_entries(data: dict[str, Any], speed: float | None) -> tuple[tuple[str, str], ...]:
-    """Labels and texts of what contacts alone say: loads, worst contact, ellipses, static safety, life."""
+    """Labels and texts of what contacts alone say: loads, worst contact, ellipses, static safety, life, ratings."""
     return (
         ("loads", _loads(data)),
         ("contact", _contact(data)),
         ("ellipse", _ellipse(data)),
         ("static", _static(data)),
         ("life", _life(data, speed)),
+        ("ratings", _ratings(data)),
     )
 
 
@@ -190,6 +204,8 @@ def _loads(data: dict[str, Any]) -> str:
     if d is None:
         return "no contact carries load"
     lost = f"; {d['balls_without_load']} balls without load" if d["balls_without_load"] else ""
+    barely = d["loaded_contacts"] - d["contacts_in_mean"]
+    lost += f"; {barely} of them bear less than a hundredth of the largest, and do not count in the mean" if barely else ""
     return (
         f"ball {d['worst_ball']} {d['worst_side']} carries most, {d['max_N']:.1f} N; mean {d['mean_N']:.1f} N, least "
         f"{d['min_N']:.1f} N of {d['loaded_contacts']} loaded contacts{lost}"
@@ -201,14 +217,19 @@ def _axial(data: dict[str, Any]) -> str:
     text = f"{d['displacement_um']:.3g} um under {d['force_N']:.5g} N at the nut's centre"
     if three is None:
         return f"{text}; no rigidity without axial load"
-    names = (
-        ("contacts alone", three["contacts_alone"]),
-        ("with the bodies", three["with_bodies"]),
-        ("with unequal loads", three["with_unequal_loads"]),
-        ("tangent", d["tangent_N_per_um"]),
-    )
-    known = ", ".join(f"{name} {value:.4g}" for name, value in names if value is not None)
-    return f"{text}; rigidity in N/um: {known}"
+    why = f"; no tangent: {d['tangent_words']}" if d["tangent_words"] else ""
+    return f"{text}; {_rigidities(three, d['tangent_N_per_um'])}{why}"
+
+
+def _rigidities(three: dict[str, Any], tangent: float | None) -> str:
+    """The model's own rigidity, and those of formulas, which take another contact angle: no one bounds another."""
+
+    def known(*named: tuple[str, float | None]) -> str:
+        return ", ".join(f"{name} {value:.4g}" for name, value in named if value is not None)
+
+    own = known(("secant", three["with_unequal_loads"]), ("tangent", tangent))
+    formulas = known(("contacts alone", three["contacts_alone"]), ("contacts and bodies", three["with_bodies"]))
+    return f"rigidity in N/um: {own or 'none'} by this model; {formulas} by formulas at the nominal contact angle"
 
 
 def _contact(data: dict[str, Any]) -> str:
@@ -282,4 +303,14 @@ def _life(data: dict[str, Any], speed: float | None) -> str:
         f"L10 {d['L10_million_revolutions']:.4g} million revolutions{hours} of this load distribution, equivalent load "
         f"{d['equivalent_load_N']:.0f} N, rating {d['rating_as_computed_N']:.0f} N as computed by "
         f"{d['standard']}, not a maker's"
+    )
+
+
+def _ratings(data: dict[str, Any]) -> str:
+    d = data["ratings"]
+    if d is None:
+        return f"none: {data['rating_refused']}"
+    return (
+        f"C {d['dynamic_N']:.0f} N ({d['dynamic_standard']}), C0 {d['static_N']:.0f} N ({d['static_standard']}), both "
+        f"{d['direction']}, as computed of these parts, not a maker's"
     )

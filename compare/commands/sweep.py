@@ -9,20 +9,20 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from compare.commands.study import on_terminal
-from compare.models.axis import default_model
-from compare.models.registry import DEFAULT
-from compare.reference.jobs import Engine
-from compare.scenes import catalogue, scene_file
-from compare.sweep import run as sweeping
-from compare.sweep.design import Method
-from compare.sweep.keys import Vary, read_vary
-from compare.sweep.run import Sweep
-from compare.sweep.sample import OUTPUTS
-from compare.sweep.store import Record
-from compare.sweep.summary import MAIN, converged, summary
-from compare.writing import replace_file
-from meshes.axis import Assembly
+from rollbench.comparison.commands.study import on_terminal
+from rollbench.comparison.models.axis import default_model
+from rollbench.comparison.models.registry import DEFAULT
+from rollbench.comparison.reference.jobs import Engine
+from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.comparison.sweep import run as sweeping
+from rollbench.comparison.sweep.design import Method
+from rollbench.comparison.sweep.keys import Vary, read_vary
+from rollbench.comparison.sweep.outputs import OUTPUTS
+from rollbench.comparison.sweep.run import Sweep
+from rollbench.comparison.sweep.store import Record
+from rollbench.comparison.sweep.summary import MAIN, converged, summary
+from rollbench.comparison.writing import no_figure, replace_file, write_figure
+from rollbench.meshes.axis import Assembly
 
 Show = Callable[..., None]
 
@@ -45,25 +45,31 @@ def run_sweep(
     sweep: Sweep, out: Path, engine: Engine, *, json_out: bool, show: Show, print_json: Callable[[Any], None]
 ) -> int:
     """Solve what is missing, write the summary, print it; 1 where no sample converged. Raises InputError."""
-    records = sweeping.run_samples(sweep, out, engine, on_terminal)
-    found = summary(sweep, records)
-    write(sweep, records, found, out)
+    found = solve_sweep(sweep, out, engine, on_terminal)
     if json_out:
         print_json(found)
     else:
-        show(*terminal(sweep.keys, found), f"{out}: samples.csv, summary.json and figures (SVG) written")
+        drawn = no_figure() or "figures (SVG)"
+        show(*terminal(sweep.keys, found), f"{out}: written: samples.csv, summary.json and {drawn}")
     return 0 if found["converged"] else 1
+
+
+def solve_sweep(sweep: Sweep, out: Path, engine: Engine, step: Callable[[str], None]) -> dict[str, Any]:
+    """Solve what is missing, write the summary into the folder, return it. Raises InputError."""
+    records = sweeping.run_samples(sweep, out, engine, step)
+    found = summary(sweep, records)
+    write(sweep, records, found, out)
+    return found
 
 
 def write(sweep: Sweep, records: Mapping[int, Record], found: Mapping[str, Any], out: Path) -> None:
     """Write samples.csv, summary.json and the figures into the folder."""
-    from compare.sections.sweep_figures import figures
-    from reports.figures import draw
+    from rollbench.comparison.sections.sweep_figures import figures
 
     replace_file(out / "samples.csv", samples_csv(sweep.keys, records))
     replace_file(out / "summary.json", json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
     for figure in figures("sweep", sweep.keys, found, converged(records)):
-        replace_file(out / f"{figure.name}.svg", draw(figure))
+        write_figure(out / f"{figure.name}.svg", figure)
 
 
 def samples_csv(keys: Sequence[Vary], records: Mapping[int, Record]) -> str:

@@ -6,15 +6,15 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from compare.commands import report_moved
-from compare.commands.checked import Checked
-from compare.commands.scene_page import make_page
-from compare.errors import InputError
-from compare.measure import error_percent
-from compare.provenance import SOURCES, sources_hash
-from compare.reference.store import shipped_store
-from reports.manifest import sha256
-from reports.scene_page import read_page, results_hash, without_manifest
+from rollbench.comparison.commands import report_moved
+from rollbench.comparison.commands.checked import Checked
+from rollbench.comparison.commands.scene_page import make_page
+from rollbench.comparison.errors import InputError, escaped
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.provenance import SOURCES, sources_hash
+from rollbench.comparison.reference.store import shipped_store
+from rollbench.reports.manifest import page_text, sha256
+from rollbench.reports.scene_page import read_page, results_hash, without_manifest
 
 #: Change [%] of a number up to which it is round-off.
 ROUND_OFF = 1e-6
@@ -29,7 +29,7 @@ def read(report: Path) -> tuple[str, dict[str, Any]]:
     """Text of a page and its blocks. Raises InputError for a file that is no such page."""
     path = page_file(report)
     try:
-        html = path.read_text(encoding="utf-8")
+        html = page_text(path)
         return html, read_page(html)
     except (OSError, ValueError) as error:
         advice = "pages with a manifest are written by: rollbench report SCENE --out DIR"
@@ -69,7 +69,8 @@ def run_verify(report: Path, store: Path) -> int:
 def run_page(scene: str, out: Path, store: Path, against: Path | None) -> int:
     """Write the page of a scene, and list what moved against an earlier one. Raises InputError as `make_page`, `read`."""
     before = None if against is None else read(against)[1]
-    code = make_page(scene, out, store)
+    page = make_page(scene, out, store)
+    print(f"{escaped(page.verdict)}\npage: {escaped(str(out / 'index.html'))}", flush=True)
     if before is not None:
         after = read(out)[1]
         lines = [
@@ -77,7 +78,7 @@ def run_page(scene: str, out: Path, store: Path, against: Path | None) -> int:
             *moved(_stable(before["results"]), _stable(after["results"])),
         ]
         print("\n".join(lines) or "nothing moved")
-    return code
+    return 0
 
 
 def _inputs(manifest: dict[str, Any]) -> dict[str, Any]:

@@ -9,14 +9,14 @@ from functools import partial
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from compare.costs.timing import Job, timed
-from compare.scenes.catalogue import shipped
-from lowfi.statics.axis.solve import solve_assembly
-from lowfi.statics.problem import forget_nominal
-from lowfi.statics.static import solve_static
-from meshes.axis import Assembly, Housing, RollingSet, diagonal
-from meshes.memory import peak_MB
-from meshes.parts import Scene
+from rollbench.comparison.costs.timing import Job, timed
+from rollbench.comparison.scenes.catalogue import shipped
+from rollbench.lowfi.statics.axis.solve import solve_assembly
+from rollbench.lowfi.statics.problem import forget_nominal
+from rollbench.lowfi.statics.static import solve_static
+from rollbench.meshes.axis import Assembly, Housing, RollingSet, diagonal
+from rollbench.meshes.memory import peak_MB
+from rollbench.meshes.parts import Scene
 
 #: Numbers of nuts in the row whose slope is given; time of a double nut that is aimed at [s].
 SETS, AIM = (2, 4, 8, 16), 5e-3

@@ -17,17 +17,17 @@ from statistics import median
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from compare.costs.prepared import TOLERANCE, Energy, Refined, Source
-from compare.costs.startup import command_line_job, startup_jobs
-from compare.costs.timing import Job, launch, timed
-from compare.extremes.static import with_balls
-from compare.models.ensemble import ENOUGH, run_ensemble
-from compare.scenes.catalogue import scene as shipped
-from lowfi.as_source import static as lin
-from lowfi.compliance.ends import forget
-from lowfi.statics.static import solve_static
-from meshes.memory import peak_MB, reset_peak
-from meshes.parts import Scene
+from rollbench.comparison.costs.prepared import TOLERANCE, Energy, Refined, Source
+from rollbench.comparison.costs.startup import command_line_job, startup_jobs
+from rollbench.comparison.costs.timing import Job, launch, timed
+from rollbench.comparison.extremes.static import with_balls
+from rollbench.comparison.models.ensemble import ENOUGH, run_ensemble
+from rollbench.comparison.scenes.catalogue import scene as shipped
+from rollbench.lowfi.as_source import static as lin
+from rollbench.lowfi.compliance.ends import forget
+from rollbench.lowfi.statics.static import solve_static
+from rollbench.meshes.memory import peak_MB, reset_peak
+from rollbench.meshes.parts import Scene
 
 MEMBERS = 1000
 #: Time of a member [s] and of a set-up [s], and ratio of a cold solve, that are aimed at.
@@ -232,7 +232,7 @@ def run_bench(progress: Callable[[str], None] | None = None, *, repeats: int = 1
     Raises RuntimeError where the timing process fails.
     """
     jobs: list[Job] = []
-    code = f"from compare.costs.bench import _child; _child({repeats})"
+    code = f"from rollbench.comparison.costs.bench import _child; _child({repeats})"
     _, done = launch(["-c", code])
     if done.returncode != 0:
         raise RuntimeError(f"bench: the timing process failed: {done.stderr.strip().splitlines()[-1:]}")

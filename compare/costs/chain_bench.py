@@ -6,12 +6,12 @@ from collections.abc import Iterator
 
 from threadpoolctl import threadpool_limits
 
-from compare.costs.timing import Job, timed
-from compare.evidence.liu import case
-from lowfi.random_errors.chain import LAWS, Chain
-from lowfi.random_errors.elimination import solve_by_elimination
-from lowfi.random_errors.ensemble import draw_errors, solve_ensemble
-from meshes.memory import peak_MB
+from rollbench.comparison.costs.timing import Job, timed
+from rollbench.comparison.evidence.liu import case
+from rollbench.lowfi.random_errors.chain import LAWS, Chain
+from rollbench.lowfi.random_errors.elimination import solve_by_elimination
+from rollbench.lowfi.random_errors.ensemble import draw_errors, solve_ensemble
+from rollbench.meshes.memory import peak_MB
 
 #: Screws of an ensemble; screws that the elimination is timed on; load [N]; half range of the errors [m].
 MEMBERS, FEW, LOAD, HALF_RANGE = 20000, 4, 1000.0, 2e-6

@@ -15,8 +15,9 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from time import time
+from typing import Any
 
-from compare.costs.timing import ROOT, SINGLE_THREAD
+from rollbench.comparison.costs.timing import SINGLE_THREAD
 
 #: Longest wait for a process [s].
 PATIENCE = 600.0
@@ -25,13 +26,13 @@ REPEATS = 5
 
 CHILD = """
 import sys
-sys.path.insert(0, {root!r})
+sys.path[:] = {path!r}
 from time import perf_counter, time
 from pathlib import Path
 import json
-from compare.scenes import catalogue
-from meshes.memory import peak_MB
-from compare.models.registry import Options, run_model
+from rollbench.comparison.scenes import catalogue
+from rollbench.meshes.memory import peak_MB
+from rollbench.comparison.models.registry import Options, run_model
 ask = json.loads({ask!r})
 scene = catalogue.scene(ask["scene"])
 path = Path(ask["condensed"]) if ask["condensed"] else None
@@ -45,6 +46,34 @@ for _ in range(1 + ask["repeats"]):
         done, memory = time(), peak_MB()
 print(json.dumps({{"done": done, "first": spent[0], "warm": min(spent[1:]), "memory": memory, "status": result.status}}))
 """
+
+
+#: A level as `compare` computes it, without a cache to read or a store to write.
+LEVEL_CHILD = """
+import sys
+sys.path[:] = {path!r}
+from time import time
+import json
+from rollbench.comparison.reference.computing import compute
+from rollbench.comparison.reference.tasks import Task
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.system import cores
+ask = json.loads({ask!r})
+(run,) = compute(Task((catalogue.scene(ask["scene"]),), ask["level"], processes=cores()))
+print(json.dumps({{"done": time(), "memory": run.peak_MB, "status": run.status}}))
+"""
+
+
+@dataclass(frozen=True)
+class ColdLevel:
+    """A level of the 3D reference, from the start of the interpreter to its loads: seconds, CPU seconds of all processes,
+    sum of their peaks of memory [MB] (None: not measured), status."""
+
+    level: int
+    process: float
+    cpu: float
+    memory: float | None
+    status: str
 
 
 @dataclass(frozen=True)
@@ -71,11 +100,27 @@ def measure(
         "repeats": repeats,
         "condensed": str(condensed.resolve()) if condensed else "",
     }
+    begin, found = _alone(CHILD, ask, f"{model} on {scene}", SINGLE_THREAD)
+    return Cold(found["done"] - begin, found["first"], found["warm"], found["memory"], engine, found["status"])
+
+
+def measure_level(scene: str, level: int) -> ColdLevel:
+    """Times of a level of the 3D reference of a shipped scene in a new process with empty caches, on all cores. Raises
+    RuntimeError where the process fails."""
+    before = os.times()
+    begin, found = _alone(LEVEL_CHILD, {"scene": scene, "level": level}, f"level {level} of {scene}", {})
+    after = os.times()
+    cpu = sum(y - x for x, y in zip(before[2:4], after[2:4], strict=True))
+    return ColdLevel(level, found["done"] - begin, cpu, found["memory"], found["status"])
+
+
+def _alone(child: str, ask: dict[str, Any], what: str, environment: dict[str, str]) -> tuple[float, dict[str, Any]]:
+    """When a new process with empty caches began, and what it printed."""
     with tempfile.TemporaryDirectory() as folder:
         own = {name: str(Path(folder) / name.lower()) for name in ("ROLLBENCH_CACHE", "NUMBA_CACHE_DIR")}
         for place in own.values():
             Path(place).mkdir()
-        code = CHILD.format(root=str(ROOT), ask=json.dumps(ask))
+        code = child.format(path=[p for p in sys.path if p], ask=json.dumps(ask))
         begin = time()
         done = subprocess.run(
             [sys.executable, "-I", "-c", code],
@@ -83,10 +128,9 @@ def measure(
             text=True,
             check=False,
             timeout=PATIENCE,
-            env={**os.environ, **SINGLE_THREAD, **own},
+            env={**os.environ, **environment, **own},
         )
     if done.returncode != 0:
         last = done.stderr.strip().splitlines()[-1:] or ["no message"]
-        raise RuntimeError(f"{model} on {scene}: the timing process failed: {last[0]}")
-    found = json.loads(done.stdout)
-    return Cold(found["done"] - begin, found["first"], found["warm"], found["memory"], engine, found["status"])
+        raise RuntimeError(f"{what}: the timing process failed: {last[0]}")
+    return begin, json.loads(done.stdout)

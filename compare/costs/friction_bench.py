@@ -9,39 +9,39 @@ from time import perf_counter
 
 import numpy as np
 
-from compare.costs.timing import timed
-from compare.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, SIDE, THETA, VERTICAL
-from compare.evidence.source_cases import inferred, lin_3_4_4, plain
-from compare.extremes.friction_chains import chain_state
-from compare.printed.printed_data import entry
-from compare.scenes.catalogue import scene as scene_of
-from lowfi.as_source.chain import SHARPNESS, SourceMotion
-from lowfi.as_source.linear import linear_pair_by_root, solve_linear_by_root
-from lowfi.as_source.run import simulate_by_root
-from lowfi.as_source.screw import screw_pair_by_root, state_of
-from lowfi.friction.bearing.rotary import solve_ball, source_law
-from lowfi.friction.contact.ellipse import about_point
-from lowfi.friction.contact.motion import Motion, balance_by_root, least_dissipation
-from lowfi.friction.linear.chain import prepare, solve_linear_chain
-from lowfi.friction.linear.pair import pair_state
-from lowfi.friction.linear.pair import solve_pair as solve_linear_pair
-from lowfi.friction.screw.motion import ROUNDS, ball_motion, ball_motion_by_root
-from lowfi.friction.screw.motion import source_law as screw_law
-from lowfi.friction.screw.pair import Pair, solve_pair
-from lowfi.friction.screw.run import simulate
-from lowfi.friction.whole.balls import balls_of
-from lowfi.friction.whole.contacts import contacts_of
-from lowfi.friction.whole.losses import ball_friction
-from lowfi.friction.whole.run import Setting
-from lowfi.friction.whole.run import simulate as simulate_scene
-from lowfi.jit import CONTACT, kernels
-from lowfi.statics.again import AGAIN, ContactLoads
-from lowfi.statics.static import solve_static
-from meshes.arrays import Array
-from meshes.errors import Specimen, draw
-from meshes.helix import BallLayout
-from meshes.parts import Friction, Scene
-from meshes.parts import Motion as Drive
+from rollbench.comparison.costs.timing import timed
+from rollbench.comparison.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, SIDE, THETA, VERTICAL
+from rollbench.comparison.evidence.source_cases import inferred, lin_3_4_4, plain
+from rollbench.comparison.extremes.friction_chains import chain_state
+from rollbench.comparison.printed.printed_data import entry
+from rollbench.comparison.scenes.catalogue import scene as scene_of
+from rollbench.lowfi.as_source.chain import SHARPNESS, SourceMotion
+from rollbench.lowfi.as_source.linear import linear_pair_by_root, solve_linear_by_root
+from rollbench.lowfi.as_source.run import simulate_by_root
+from rollbench.lowfi.as_source.screw import screw_pair_by_root, state_of
+from rollbench.lowfi.friction.bearing.rotary import solve_ball, source_law
+from rollbench.lowfi.friction.contact.ellipse import about_point
+from rollbench.lowfi.friction.contact.motion import Motion, balance_by_root, least_dissipation
+from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain
+from rollbench.lowfi.friction.linear.pair import pair_state
+from rollbench.lowfi.friction.linear.pair import solve_pair as solve_linear_pair
+from rollbench.lowfi.friction.screw.motion import ROUNDS, ball_motion, ball_motion_by_root
+from rollbench.lowfi.friction.screw.motion import source_law as screw_law
+from rollbench.lowfi.friction.screw.pair import Pair, solve_pair
+from rollbench.lowfi.friction.screw.run import simulate
+from rollbench.lowfi.friction.whole.balls import balls_of
+from rollbench.lowfi.friction.whole.contacts import contacts_of
+from rollbench.lowfi.friction.whole.losses import ball_friction
+from rollbench.lowfi.friction.whole.run import Setting
+from rollbench.lowfi.friction.whole.run import simulate as simulate_scene
+from rollbench.lowfi.jit import CONTACT, kernels
+from rollbench.lowfi.statics.again import AGAIN, ContactLoads
+from rollbench.lowfi.statics.static import solve_static
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import Specimen, draw
+from rollbench.meshes.helix import BallLayout
+from rollbench.meshes.parts import Friction, Scene
+from rollbench.meshes.parts import Motion as Drive
 
 #: Contacts in one call that a single one is timed with.
 MANY = 2000

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from compare.writing import replace_file
+from rollbench.comparison.writing import replace_file
 
 #: File of a store that holds them.
 FILE = "history.json"

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from lowfi.as_source import static as lin
-from lowfi.compliance.bodies import REFINED
-from lowfi.statics.elastic import iterate as iterate_elastic
-from lowfi.statics.elastic_system import Rebuild
-from lowfi.statics.problem import Problem, build, distances
-from lowfi.statics.records import Outcome
-from lowfi.statics.selection import choose_sides
-from lowfi.statics.static import Prepared, iterate, pick_engine, prepare
-from meshes.arrays import Array
-from meshes.errors import specimen
-from meshes.helix import ball_layout
-from meshes.parts import Scene
+from rollbench.lowfi.as_source import static as lin
+from rollbench.lowfi.compliance.bodies import REFINED
+from rollbench.lowfi.statics.elastic import iterate as iterate_elastic
+from rollbench.lowfi.statics.elastic_system import Rebuild
+from rollbench.lowfi.statics.problem import Problem, build, distances
+from rollbench.lowfi.statics.records import Outcome
+from rollbench.lowfi.statics.selection import choose_sides
+from rollbench.lowfi.statics.static import Prepared, iterate, pick_engine, prepare
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import Scene
 
 #: Relative residual that both formulations solve to.
 TOLERANCE = 1e-10

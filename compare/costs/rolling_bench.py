@@ -9,18 +9,18 @@ import numpy as np
 from joblib.externals.loky import get_reusable_executor
 from threadpoolctl import threadpool_limits
 
-from compare.costs.timing import Job, timed
-from compare.rolling.cases import case_of
-from compare.rolling.from_rest import DURATION, GAP
-from compare.rolling.low_order import low_order
-from compare.rolling.runs import LEVELS
-from compare.scenes.catalogue import shipped
-from compare.scenes.kinds.common import KindScene
-from compare.system import cores
-from hifi.rolling.balls import Choices, Rolling, finite_patch, prepare_bodies, solve_rolling, unit_patch
-from hifi.rolling.bodies import Sizes, forget_kernels
-from hifi.rolling.transient import run_from_rest
-from meshes.memory import peak_MB
+from rollbench.comparison.costs.timing import Job, timed
+from rollbench.comparison.rolling.cases import case_of
+from rollbench.comparison.rolling.from_rest import DURATION, GAP
+from rollbench.comparison.rolling.low_order import low_order
+from rollbench.comparison.rolling.runs import LEVELS
+from rollbench.comparison.scenes.catalogue import shipped
+from rollbench.comparison.scenes.kinds.common import KindScene
+from rollbench.comparison.system import cores
+from rollbench.hifi.rolling.balls import Choices, Rolling, finite_patch, prepare_bodies, solve_rolling, unit_patch
+from rollbench.hifi.rolling.bodies import Sizes, forget_kernels
+from rollbench.hifi.rolling.transient import run_from_rest
+from rollbench.meshes.memory import peak_MB
 
 #: Grids of the steady scenes, of the run from rest, and a coarse one; targets [s].
 PRODUCTION, REST, COARSE = LEVELS[1], (12, 16), (10, 12)

@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from compare.costs.cold import Cold, measure
-from compare.writing import replace_file
+from rollbench.comparison.costs.cold import Cold, ColdLevel, measure
+from rollbench.comparison.writing import replace_file
 
 #: File of a store that holds them.
 FILE = "run_times.json"
@@ -27,12 +27,14 @@ class RunTime:
 
 @dataclass(frozen=True)
 class Kept:
-    """Times of one machine and day: ``times`` by scene and model, ``first``: a first process by model and engine."""
+    """Times of one machine and day: ``times`` by scene and model, ``first``: a first process by model and engine,
+    ``levels`` of the 3D reference, cold (none where they were not measured)."""
 
     machine: str
     date: str
     times: Mapping[tuple[str, str], RunTime]
     first: Mapping[tuple[str, str], Cold]
+    levels: Sequence[ColdLevel] = ()
 
 
 def today() -> str:
@@ -44,9 +46,11 @@ def save(store: Path, kept: Kept) -> None:
     """Write times into a store. Raises InputError where it cannot be written."""
     times = [{"scene": scene, "model": model, **asdict(t)} for (scene, model), t in sorted(kept.times.items())]
     first = [{"model": model, **asdict(c)} for (model, _), c in sorted(kept.first.items())]
-    rows = ",\n ".join(json.dumps(row) for row in times), ",\n ".join(json.dumps(row) for row in first)
+    lists = {"times": times, "first": first, "levels": [asdict(c) for c in kept.levels]}
+    rows = {name: ",\n ".join(json.dumps(row) for row in own) for name, own in lists.items()}
     head = f'"machine": {json.dumps(kept.machine)}, "date": {json.dumps(kept.date)}'
-    replace_file(store / FILE, f'{{{head}, "times": [\n {rows[0]}], "first": [\n {rows[1]}]}}\n')
+    body = ", ".join(f'"{name}": [\n {own}]' for name, own in rows.items())
+    replace_file(store / FILE, f"{{{head}, {body}}}\n")
 
 
 def load(stores: Sequence[Path]) -> Kept | None:
@@ -56,7 +60,8 @@ def load(stores: Sequence[Path]) -> Kept | None:
             found = json.loads((store / FILE).read_text(encoding="utf-8"))
             times = {(r["scene"], r["model"]): RunTime(r["cold"], r["warm"], r["memory"]) for r in found["times"]}
             first = {(r.pop("model"), r["engine"]): Cold(**r) for r in found["first"]}
-            return Kept(str(found["machine"]), str(found["date"]), times, first)
+            levels = tuple(ColdLevel(**r) for r in found.get("levels", []))
+            return Kept(str(found["machine"]), str(found["date"]), times, first, levels)
         except (OSError, ValueError, KeyError, TypeError):
             continue
     return None

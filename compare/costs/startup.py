@@ -7,12 +7,12 @@ import subprocess
 import tempfile
 from collections.abc import Iterator
 
-from compare.costs.timing import Job, launch
+from rollbench.comparison.costs.timing import Job, launch
 
 
 def command_line_job() -> Job:
     """First solve from the command line, process start to exit."""
-    arguments = ["-m", "compare", "solve", "lin-case1", "--json"]
+    arguments = ["-m", "rollbench", "solve", "lin-case1", "--json"]
     seconds, done = launch(arguments)
     try:
         solver = json.loads(done.stdout)["solver"]
@@ -22,7 +22,7 @@ def command_line_job() -> Job:
     if failed:
         last = done.stderr.strip().splitlines()[-1:] or ["no message"]
         return Job("first call, command line", None, None, None, None, f"not measured: {last[0][:120]}")
-    note = "python -m compare solve lin-case1 --json: interpreter, imports, solve and output"
+    note = "python -m rollbench solve lin-case1 --json: interpreter, imports, solve and output"
     return Job("first call, command line", seconds, None, unknowns, None, note)
 
 
@@ -30,7 +30,8 @@ def startup_jobs() -> Iterator[Job]:
     """Import time, and the time to compile the kernels into an empty cache, each in a process of its own."""
     code = (
         "from time import perf_counter as t; a = t()\n"
-        "from compare.scenes.catalogue import scene; from lowfi.statics.static import solve_static; b = t()\n"
+        "from rollbench.comparison.scenes.catalogue import scene\n"
+        "from rollbench.lowfi.statics.static import solve_static; b = t()\n"
         "s = scene('lin-case1'); solve_static(s, engine={engine!r}); c = t(); solve_static(s, engine={engine!r})\n"
         "print(b - a, c - b - (t() - c))"
     )

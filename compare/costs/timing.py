@@ -8,12 +8,10 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from statistics import median
 from time import perf_counter
 
 SINGLE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "VECLIB_MAXIMUM")}
-ROOT = Path(__file__).resolve().parents[2]
 
 
 @dataclass(frozen=True)
@@ -56,8 +54,6 @@ def timed(work: Callable[[], object], repeats: int, reset: Callable[[], object] 
 def launch(arguments: list[str], extra: dict[str, str] | None = None) -> tuple[float, subprocess.CompletedProcess[str]]:
     """Wall clock of a Python process [s], which imports nothing from the working folder, and what it left."""
     environment = {**os.environ, **SINGLE_THREAD, **(extra or {})}
-    path = [str(ROOT), environment.get("PYTHONPATH", "")]
-    environment["PYTHONPATH"] = os.pathsep.join(p for p in path if p)
     begin = perf_counter()
     done = subprocess.run(
         [sys.executable, "-P", *arguments], capture_output=True, text=True, env=environment, check=False, timeout=300

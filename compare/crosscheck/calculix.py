@@ -7,14 +7,13 @@ import hashlib
 import json
 import os
 import re
-import resource
 import shutil
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from compare.errors import InputError
+from rollbench.comparison.errors import InputError
 
 #: Name of the deck and of its results in their folder.
 NAME = "deck"
@@ -105,7 +104,7 @@ def _run(program: str, text: str, folder: Path) -> dict[str, Any]:
     (folder / f"{NAME}.inp").write_text(text, encoding="ascii")
     for old in folder.glob(f"{NAME}.[dcfs]*"):
         old.unlink()
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    before = os.times()
     try:
         done = subprocess.run(
             [program, "-i", NAME],
@@ -118,13 +117,14 @@ def _run(program: str, text: str, folder: Path) -> dict[str, Any]:
         )
     except subprocess.TimeoutExpired:
         raise ValueError(f"CalculiX took longer than {LONGEST:.0f} s") from None
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    after = os.times()
     if done.returncode or "*ERROR" in done.stdout or "Job finished" not in done.stdout:
         faults = [line.strip() for line in done.stdout.splitlines() if "*ERROR" in line] or done.stdout.split("\n")[-3:]
         raise ValueError(f"CalculiX failed (code {done.returncode}): {' '.join(faults[:3])}")
-    seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    seconds = after.children_user + after.children_system - before.children_user - before.children_system
     today = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d")
-    return {"seconds": seconds, "date": today, "version": ccx_version(program)}
+    elapsed = after.elapsed - before.elapsed  # where children are not accounted for (Windows); of one thread, too
+    return {"seconds": seconds or elapsed, "date": today, "version": ccx_version(program)}
 
 
 def read_dat(text: str) -> tuple[list[ContactForce], dict[str, dict[int, tuple[float, float, float]]]]:

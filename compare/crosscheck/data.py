@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from compare.errors import InputError
-from compare.writing import replace_file
-from meshes.arrays import Array
-from meshes.parts import SIDES
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.writing import replace_file
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import SIDES
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ class CrossData:
 
 def shipped() -> Path:
     """Folder of the results that come with the package."""
-    return Path(str(resources.files("compare").joinpath("crosscheck")))
+    return Path(str(resources.files("rollbench.comparison").joinpath("crosscheck")))
 
 
 def path_of(folder: Path, scene: str) -> Path:

@@ -7,8 +7,8 @@ from itertools import combinations
 
 import numpy as np
 
-from compare import __version__
-from compare.crosscheck.deck_contacts import (
+from rollbench.comparison import __version__
+from rollbench.comparison.crosscheck.deck_contacts import (
     Place,
     ball_faces,
     fine_zone,
@@ -17,22 +17,22 @@ from compare.crosscheck.deck_contacts import (
     places_of,
     sphere_faces,
 )
-from compare.errors import InputError
-from compare.models.model_form import estimate
-from compare.models.registry import Options, run_model
-from compare.reference.tasks import needed_sides
-from lowfi.statics.result import StaticResult
-from meshes.arrays import Array, Index
-from meshes.ball_body import directions, parting
-from meshes.deck import Contact, Deck, DeckBody, RigidSection
-from meshes.errors import Specimen, specimen
-from meshes.groove_map import GrooveMap
-from meshes.grooved_body import BodySpec
-from meshes.helix import BallLayout, ball_layout, groove_radii, nominal_groove_centres
-from meshes.parts import FREEDOMS, SIDES, Scene
-from meshes.sockets import SocketSize
-from meshes.solid import Dimensions, dimensions
-from meshes.whole_bodies import (
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.models.model_form import estimate
+from rollbench.comparison.models.registry import Options, run_model
+from rollbench.comparison.reference.tasks import needed_sides
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.ball_body import directions, parting
+from rollbench.meshes.deck import Contact, Deck, DeckBody, RigidSection
+from rollbench.meshes.errors import Specimen, specimen
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.grooved_body import BodySpec
+from rollbench.meshes.helix import BallLayout, ball_layout, groove_radii, nominal_groove_centres
+from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
+from rollbench.meshes.sockets import SocketSize
+from rollbench.meshes.solid import Dimensions, dimensions
+from rollbench.meshes.whole_bodies import (
     Refinement,
     WholeBody,
     groove_points,

@@ -6,15 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lowfi.hertz import contact_modulus, hertz_constants
-from meshes.arrays import Array, Index
-from meshes.ball_body import directions
-from meshes.deck import outer_faces
-from meshes.groove_map import GrooveMap
-from meshes.helix import ball_layout, lead_angle
-from meshes.parts import SIDES, Scene
-from meshes.sockets import SocketSize, socket_coordinates
-from meshes.whole_bodies import WholeBody, grid
+from rollbench.lowfi.hertz import contact_modulus, hertz_constants
+from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.ball_body import directions
+from rollbench.meshes.deck import outer_faces
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.helix import ball_layout, lead_angle
+from rollbench.meshes.parts import SIDES, Scene
+from rollbench.meshes.sockets import SocketSize, socket_coordinates
+from rollbench.meshes.whole_bodies import WholeBody, grid
 
 #: Half axes of the refined zone, the slave's and the master's faces over those of the expected ellipse; the faces' zones
 #: are wider by some elements, too.

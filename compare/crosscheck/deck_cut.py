@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from compare.errors import InputError
-from meshes.helix import ball_layout
-from meshes.parts import Load, Scene, Support
+from rollbench.comparison.errors import InputError
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import Load, Scene, Support
 
 #: Nut beyond the outermost balls, and 3D screw beyond the nut, over the ball's radius.
 NUT, SHAFT = 3.0, 3.0

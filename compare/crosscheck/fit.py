@@ -28,8 +28,8 @@ from itertools import combinations, product
 
 import numpy as np
 
-from compare.crosscheck.data import CrossRun
-from meshes.arrays import Array
+from rollbench.comparison.crosscheck.data import CrossRun
+from rollbench.meshes.arrays import Array
 
 #: Orders tried: second-order elements have 4 where the field is smooth and 3 at the rim of a contact, whose pressure falls
 #: like a root; coarse ones may show as little as first-order elements have, 2.

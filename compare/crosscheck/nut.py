@@ -14,19 +14,19 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from compare.crosscheck.calculix import run_calculix
-from compare.crosscheck.deck import DeckOptions, build_deck
-from compare.errors import InputError
-from compare.writing import replace_file
-from hifi.assembly import assemble
-from hifi.forms import elasticity
-from hifi.rigid import rigid_modes
-from hifi.solvers import factor
-from meshes.arrays import Array
-from meshes.deck import UNITS, Deck, DeckBody, RigidSection, write
-from meshes.fem import mesh_of
-from meshes.helix import ball_layout
-from meshes.parts import Scene
+from rollbench.comparison.crosscheck.calculix import run_calculix
+from rollbench.comparison.crosscheck.deck import DeckOptions, build_deck
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.writing import replace_file
+from rollbench.hifi.assembly import assemble
+from rollbench.hifi.forms import elasticity
+from rollbench.hifi.rigid import rigid_modes
+from rollbench.hifi.solvers import factor
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.deck import UNITS, Deck, DeckBody, RigidSection, write
+from rollbench.meshes.fem import mesh_of
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import Scene
 
 #: Scene whose nut is compared, and the mesh.
 SCENE, MESH = "lin-case1-cut", DeckOptions(b_over_h=0.7, growth=0.8)

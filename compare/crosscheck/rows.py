@@ -1,4 +1,4 @@
-"""The 3D reference against another program: contact by contact, each at its meshes, extrapolated, with both errors."""
+"""The 3D reference against another program: contact by contact, each at its meshes, with both errors."""
 
 from __future__ import annotations
 
@@ -7,12 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compare.crosscheck.data import CrossData, CrossRun
-from compare.crosscheck.fit import Extrapolation, extrapolate
-from compare.measure import error_percent
-from compare.reference.estimate import Reference
-from meshes.parts import SIDES
-from reports.records import Cell, Column
+from rollbench.comparison.crosscheck.data import CrossData, CrossRun
+from rollbench.comparison.crosscheck.fit import Extrapolation, extrapolate
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.reference.estimate import Reference
+from rollbench.meshes.loads import mean_load
+from rollbench.meshes.parts import SIDES
+from rollbench.reports.records import Cell, Column
 
 #: Agreement aimed at, in per cent of the mean load.
 TARGET = 0.5
@@ -20,16 +21,16 @@ TARGET = 0.5
 
 @dataclass(frozen=True)
 class ContactRow:
-    """One contact: ball (from 1), side, loads [N] of the reference by level and of the other program by deck, both
-    extrapolated (the reference's finest where it has no limit), their uncertainties and differences in per cent of the
-    mean load of the reference's best."""
+    """One contact: ball (from 1), side, loads [N] of the reference by level and of the other program by deck, the
+    reference's finest and the other's extrapolated, their uncertainties and differences in per cent of the
+    mean load of the reference."""
 
     ball: int
     side: str
     levels: Mapping[int, float]
     decks: Mapping[str, float]
     ours: float
-    ours_percent: float | None
+    ours_percent: float
     theirs: float
     theirs_percent: float
     difference: float
@@ -64,11 +65,11 @@ def deck_label(run: CrossRun) -> str:
 def contact_rows(data: CrossData, ours: Reference, limit: Extrapolation | None = None) -> list[ContactRow]:
     """Rows of all contacts that either program finds loaded."""
     limit = limit or extrapolate(data.runs)
-    best = ours.load if ours.extrapolated is None else ours.extrapolated
-    mean = float(best[best > 0.0].mean())
+    best = ours.load
+    mean = mean_load(best)
     rows = []
     for i, s in zip(*np.nonzero((best > 0.0) | (limit.load > 1e-3 * mean)), strict=True):
-        own = None if ours.uncertainty is None else float(error_percent(ours.uncertainty[i, s], 0.0, mean))
+        own = float(error_percent(ours.uncertainty[i, s], 0.0, mean))
         rows.append(
             ContactRow(
                 int(i) + 1,
@@ -89,7 +90,7 @@ PLACE = (Column("ball", "ball", "", "s"), Column("side", "side", "", "s"))
 
 
 def columns() -> list[Column]:
-    """Columns of the comparison of both programs, each extrapolated."""
+    """Columns of the comparison: the reference's finest level, the other program extrapolated."""
     return [
         *PLACE,
         Column("ours", "reference", "N", ".2f"),
@@ -115,7 +116,7 @@ def agreement(name: str, rows: Sequence[ContactRow]) -> str:
     rms = float(np.sqrt(np.mean([r.difference**2 for r in rows])))
     met = "within" if abs(worst.difference) <= TARGET else "NOT within"
     theirs = max(r.theirs_percent for r in rows)
-    beyond = sum(abs(r.difference) > np.hypot(r.theirs_percent, r.ours_percent or 0.0) for r in rows)
+    beyond = sum(abs(r.difference) > np.hypot(r.theirs_percent, r.ours_percent) for r in rows)
     return (
         f"{name}: the 3D reference differs from CalculiX by at most {worst.difference:+.2f} % of the mean load (ball "
         f"{worst.ball} {worst.side}; RMS {rms:.2f} %), {met} {TARGET} %; CalculiX's own uncertainty is up to "

@@ -6,19 +6,19 @@ import hashlib
 import json
 import tomllib
 from collections.abc import Callable, Sequence
-from importlib import metadata
 from pathlib import Path
 
 import numpy as np
 
-from compare import __version__
-from compare.crosscheck.calculix import Outcome, digest, run_calculix
-from compare.crosscheck.data import BodyMesh, CrossData, CrossRun
-from compare.crosscheck.deck import DeckOptions, Made, build_deck
-from compare.errors import InputError
-from compare.scenes import catalogue
-from meshes.deck import UNITS, write
-from meshes.parts import SIDES, Scene
+from rollbench.comparison import __version__
+from rollbench.comparison.crosscheck.calculix import Outcome, digest, run_calculix
+from rollbench.comparison.crosscheck.data import BodyMesh, CrossData, CrossRun
+from rollbench.comparison.crosscheck.deck import DeckOptions, Made, build_deck
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.scenes import catalogue
+from rollbench.meshes.deck import UNITS, write
+from rollbench.meshes.libraries import version
+from rollbench.meshes.parts import SIDES, Scene
 
 #: Unit of the decks.
 UNIT = "mm"
@@ -94,7 +94,7 @@ def run_study(scene: Scene, work: Path, step: Callable[[str], None], stored: Seq
                 scene.name, label(options), str(error), "a deck that CalculiX solves", "see its folder"
             ) from None
         step(f"{label(options)}: {made.deck.node_count} nodes, {outcome.iterations} iterations, {outcome.seconds:.0f} s")
-    return CrossData(scene.name, scene_key(scene.name), __version__, metadata.version("gmsh"), tuple(runs))
+    return CrossData(scene.name, scene_key(scene.name), __version__, version("gmsh") or "", tuple(runs))
 
 
 def record(made: Made, options: DeckOptions, deck: str, outcome: Outcome) -> CrossRun:

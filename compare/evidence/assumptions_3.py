@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from itertools import product
 
-from compare.evidence.rotary_linear import CASES, LOADS, ROTARY, WORST, as_printed, pair, right
-from compare.measure import error_percent
-from compare.printed.printed_data import entry
-from lowfi.friction.bearing.rotary import inner_torque
-from reports.records import Cell
+from rollbench.comparison.evidence.rotary_linear import CASES, LOADS, ROTARY, WORST, as_printed, pair, right
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.printed.printed_data import entry
+from rollbench.lowfi.friction.bearing.rotary import inner_torque
+from rollbench.reports.records import Cell
 
 
 def balance_rows() -> list[dict[str, Cell]]:

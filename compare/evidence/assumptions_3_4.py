@@ -9,7 +9,7 @@ from math import degrees, radians
 
 import numpy as np
 
-from compare.evidence.screw import (
+from rollbench.comparison.evidence.screw import (
     AMPLITUDES,
     ANGLES,
     ENDS,
@@ -24,17 +24,25 @@ from compare.evidence.screw import (
     settled,
     variation,
 )
-from compare.evidence.source_cases import double_row, four_point, inferred, inferred_oversize, lin_3_4_4, plain, table_3_6
-from compare.measure import error_percent
-from compare.models.study import Study
-from compare.printed.printed_data import entry
-from lowfi.as_source.run import simulate_by_root
-from lowfi.friction.bearing.pairs import DIAGONAL, OTHER, BallRow, BearingCase, torque_curve
-from lowfi.friction.screw.groove import Mode
-from lowfi.friction.screw.motion import Coupling
-from lowfi.friction.screw.pair import SHIFTED, Pair, PairMap, implied_load, oversize_map, solve_pair
-from lowfi.friction.screw.run import Run, RunResult, RunSummary, groups, simulate, summarise
-from reports.records import Cell
+from rollbench.comparison.evidence.source_cases import (
+    double_row,
+    four_point,
+    inferred,
+    inferred_oversize,
+    lin_3_4_4,
+    plain,
+    table_3_6,
+)
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import entry
+from rollbench.lowfi.as_source.run import simulate_by_root
+from rollbench.lowfi.friction.bearing.pairs import DIAGONAL, OTHER, BallRow, BearingCase, torque_curve
+from rollbench.lowfi.friction.screw.groove import Mode
+from rollbench.lowfi.friction.screw.motion import Coupling
+from rollbench.lowfi.friction.screw.pair import SHIFTED, Pair, PairMap, implied_load, oversize_map, solve_pair
+from rollbench.lowfi.friction.screw.run import Run, RunResult, RunSummary, groups, simulate, summarise
+from rollbench.reports.records import Cell
 
 #: Labels of rows that the introduction quotes.
 AS_TEXT, UNCOUPLED = "text as it stands, friction moves the balls", "loads not coupled to friction"

@@ -13,10 +13,10 @@ from functools import cache
 from importlib import resources
 from typing import Any, Literal
 
-from compare.evidence.record import Evidence, sentences
-from compare.evidence.registry import NOT_COMPUTED, evidence
-from compare.models.study import Study
-from compare.printed.printed_data import Printed, load_table, tables
+from rollbench.comparison.evidence.record import Evidence, sentences
+from rollbench.comparison.evidence.registry import NOT_COMPUTED, evidence
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import Printed, load_table, tables
 
 Verdict = Literal["reproduced", "only as printed", "band", "contradicted", "not identifiable", "input", "identity"]
 #: Verdicts, those that say something of the source's models first; in words.
@@ -92,7 +92,7 @@ def contradicted() -> dict[str, str]:
 
 
 def _text(name: str) -> str:
-    return resources.files("compare").joinpath("printed", "audit", name).read_text(encoding="utf-8")
+    return resources.files("rollbench.comparison").joinpath("printed", "audit", name).read_text(encoding="utf-8")
 
 
 def judge(found: Evidence) -> tuple[Verdict, str]:
@@ -147,7 +147,7 @@ def reference_value(study: Study, name: str) -> float | None:
     reference = study.reference("lin-case1")
     if reference is None:
         return None
-    load = reference.estimate[:, 0]
+    load = reference.load[:, 0]
     return float(load.max() / load.min())
 
 

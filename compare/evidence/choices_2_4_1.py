@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from compare.evidence.hertz_b1 import TABLE_CONFORMITY
-from compare.measure import LoadError, load_error
-from compare.models.study import Study, with_groove
-from lowfi.statics.result import StaticResult
-from meshes.parts import Scene
+from rollbench.comparison.evidence.hertz_b1 import TABLE_CONFORMITY
+from rollbench.comparison.measure import LoadError, load_error
+from rollbench.comparison.models.study import Study, with_groove
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.parts import Scene
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from compare.evidence.record import Sheet
-from compare.printed.printed_data import load_table
+from rollbench.comparison.evidence.record import Sheet
+from rollbench.comparison.printed.printed_data import load_table
 
 
 class Entries(Sheet):

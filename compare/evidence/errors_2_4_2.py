@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from compare.evidence.loads_2_4_1 import two_point
-from compare.evidence.record import Evidence, Sheet, count_of
-from compare.measure import load_error
-from compare.models.study import Study
-from meshes.section import groove_section
+from rollbench.comparison.evidence.loads_2_4_1 import two_point
+from rollbench.comparison.evidence.record import Evidence, Sheet, count_of
+from rollbench.comparison.measure import load_error
+from rollbench.comparison.models.study import Study
+from rollbench.meshes.section import groove_section
 
 #: Change of a load, in per cent of the mean load, from which a distribution counts as significantly changed: twice the
 #: largest error that the source reports of its own model (5.38 %).

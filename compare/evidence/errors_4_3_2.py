@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from compare.evidence.record import Evidence, Sheet, count_of
-from compare.models.study import Study
-from lowfi.statics.result import StaticResult
-from meshes.helix import ball_layout
-from meshes.parts import Scene, SideErrors, Support
+from rollbench.comparison.evidence.record import Evidence, Sheet, count_of
+from rollbench.comparison.models.study import Study
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import Scene, SideErrors, Support
 
 SCREWS = {"4p1": "Table 4.1", "2p1": "Table 2.1"}
 #: Clearances tried for the claim of two-point contact: change of every ball's radius [m].

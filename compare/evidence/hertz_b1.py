@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from compare.evidence.record import Evidence, Sheet
-from compare.models.study import Study, with_groove
-from lowfi.statics.problem import nominal_hertz, printed_sides
-from meshes.errors import specimen
-from meshes.helix import ball_layout
-from meshes.parts import Errors, Scene
-from meshes.surface import principal_curvatures
+from rollbench.comparison.evidence.record import Evidence, Sheet
+from rollbench.comparison.models.study import Study, with_groove
+from rollbench.lowfi.statics.problem import nominal_hertz, printed_sides
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import Errors, Scene
+from rollbench.meshes.surface import principal_curvatures
 
 #: Conformity that Table B.1 was computed with (Table 3.6), not Table 2.1's groove radius.
 TABLE_CONFORMITY = 0.56

@@ -8,9 +8,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from compare.evidence.record import Evidence, Sheet
-from compare.models.study import Study
-from hifi.rolling.verification import linear_coefficients
+from rollbench.comparison.evidence.record import Evidence, Sheet
+from rollbench.comparison.models.study import Study
+from rollbench.hifi.rolling.verification import linear_coefficients
 
 #: Ratios of semi-axes and Poisson's ratios; grids of each ratio, cells along and across.
 GRIDS = {"0.2": ((12, 24), (16, 32), (18, 36)), "1": ((20, 20), (28, 28), (36, 36)), "5": ((60, 12), (80, 16), (100, 20))}

@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from compare.measure import error_percent
-from lowfi.statics.static import solve_static
-from meshes.arrays import Array
-from meshes.helix import reduced_lead
-from meshes.parts import Load, Scene, Support
+from rollbench.comparison.measure import error_percent
+from rollbench.lowfi.statics.static import solve_static
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.helix import reduced_lead
+from rollbench.meshes.parts import Load, Scene, Support
 
 #: Greatest force of the axial lash test [N]; that of the conical one is not printed, and taken to be the same.
 FORCE = 200.0

@@ -29,6 +29,6 @@ def left_out() -> list[dict[str, Any]]:
 
 
 def _rows(*place: str) -> list[dict[str, Any]]:
-    text = resources.files("compare").joinpath("printed", *place).read_text(encoding="utf-8")
+    text = resources.files("rollbench.comparison").joinpath("printed", *place).read_text(encoding="utf-8")
     rows: list[dict[str, Any]] = tomllib.loads(text)["row"]
     return rows

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compare.evidence.record import Evidence, Sheet, count_of
-from compare.measure import error_percent, load_error
-from compare.models.comparison import PRINTED
-from compare.models.study import Study
-from compare.printed.printed_data import entry
-from meshes.arrays import Array
-from meshes.partition import fixed_partition
+from rollbench.comparison.evidence.record import Evidence, Sheet, count_of
+from rollbench.comparison.measure import error_percent, load_error
+from rollbench.comparison.models.comparison import PRINTED
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import entry
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.partition import fixed_partition
 
 
 @dataclass(frozen=True)

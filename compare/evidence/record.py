@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from compare.measure import error_percent
-from compare.printed.printed_data import Printed, load_table
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.printed.printed_data import Printed, load_table
 
 #: Verdict of a number or claim of class band that agrees: no more can be said of it.
 WITHIN = "within its band"
@@ -49,7 +49,8 @@ class Evidence:
     def _against_printed(self, value: float | None) -> float | None:
         if value is None or self.printed.value is None:
             return None
-        return float(error_percent(value, self.printed.value))
+        percent = float(error_percent(value, self.printed.value))
+        return percent if np.isfinite(percent) else None  # of a printed zero there is none
 
     @property
     def agrees(self) -> bool | None:

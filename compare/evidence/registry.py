@@ -6,23 +6,23 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
-from compare.evidence import rotary_linear, screw, steering_4_2
-from compare.evidence.errors_2_4_2 import section_2_4_2
-from compare.evidence.errors_4_3_2 import section_4_3_2
-from compare.evidence.external import bearings, contacts, screws
-from compare.evidence.hertz_b1 import table_b_1
-from compare.evidence.kalker import table_e3
-from compare.evidence.liu import drawn as liu_drawn
-from compare.evidence.liu import given as liu_given
-from compare.evidence.liu import single_error as liu_single
-from compare.evidence.loads_2_4_1 import section_2_4_1
-from compare.evidence.record import Evidence
-from compare.evidence.smith import ball as smith_ball
-from compare.evidence.smith import screw as smith_axis
-from compare.evidence.smith import taper as smith_taper
-from compare.evidence.smith import trials as smith_trials
-from compare.models.study import Study
-from compare.printed.printed_data import KINDS, Printed, load_table, tables
+from rollbench.comparison.evidence import rotary_linear, screw, steering_4_2
+from rollbench.comparison.evidence.errors_2_4_2 import section_2_4_2
+from rollbench.comparison.evidence.errors_4_3_2 import section_4_3_2
+from rollbench.comparison.evidence.external import bearings, contacts, screws
+from rollbench.comparison.evidence.hertz_b1 import table_b_1
+from rollbench.comparison.evidence.kalker import table_e3
+from rollbench.comparison.evidence.liu import drawn as liu_drawn
+from rollbench.comparison.evidence.liu import given as liu_given
+from rollbench.comparison.evidence.liu import single_error as liu_single
+from rollbench.comparison.evidence.loads_2_4_1 import section_2_4_1
+from rollbench.comparison.evidence.record import Evidence
+from rollbench.comparison.evidence.smith import ball as smith_ball
+from rollbench.comparison.evidence.smith import screw as smith_axis
+from rollbench.comparison.evidence.smith import taper as smith_taper
+from rollbench.comparison.evidence.smith import trials as smith_trials
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import KINDS, Printed, load_table, tables
 
 CHAPTER_2 = "tests/literature/test_lin_chapter2.py"
 ROTARY = "tests/literature/test_lin_chapter3_rotary.py"

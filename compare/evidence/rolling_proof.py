@@ -9,18 +9,18 @@ from functools import lru_cache
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from compare.evidence.external.contacts import EXAMPLE_CELLS, example
-from compare.evidence.kalker import GRIDS, coefficients
-from compare.measure import error_percent
-from compare.printed.printed_data import entry
-from compare.rolling.cases import case_of
-from compare.rolling.runs import LEVELS, QUADRATURES
-from compare.scenes.catalogue import shipped
-from compare.scenes.kinds.common import KindScene
-from hifi.rolling.balls import NEARLY_RIGID, Choices, place_of, solve_rolling
-from hifi.rolling.bodies import Place, Sizes
-from hifi.rolling.patch import Patch, hertz_patch
-from hifi.rolling.verification import (
+from rollbench.comparison.evidence.external.contacts import EXAMPLE_CELLS, example
+from rollbench.comparison.evidence.kalker import GRIDS, coefficients
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.printed.printed_data import entry
+from rollbench.comparison.rolling.cases import case_of
+from rollbench.comparison.rolling.runs import LEVELS, QUADRATURES
+from rollbench.comparison.scenes.catalogue import shipped
+from rollbench.comparison.scenes.kinds.common import KindScene
+from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, place_of, solve_rolling
+from rollbench.hifi.rolling.bodies import Place, Sizes
+from rollbench.hifi.rolling.patch import Patch, hertz_patch
+from rollbench.hifi.rolling.verification import (
     Creep,
     Pressed,
     at_rest,
@@ -33,7 +33,7 @@ from hifi.rolling.verification import (
     steady,
     uniform_on_half_space,
 )
-from meshes.arrays import Array
+from rollbench.meshes.arrays import Array
 
 #: Contact of the full-slip cases: load [N], relative radii [m], Young's modulus [Pa], Poisson's ratio; friction.
 GROOVE, MU = (100.0, (5e-3, 46.667e-3), 210e9, 0.28), 0.1
@@ -45,6 +45,9 @@ BY_GRID, RESOLVED, AS_RUNS = "on a grid alone", "on a grid, slip resolved within
 WRENCH = ("force [N]", "moment [N mm]")
 #: Errors [%] to reach: Carter, Cattaneo-Mindlin, full slip, Kalker's table.
 REACH = (0.5, 0.5, 0.1, 2.0)
+#: Share of the largest force whose strip of stick is so narrow, 4 to 17 cells here, that its width jumps with where cells
+#: lie (-1.9, 0.3, 0.8 % on 40, 80, 160 of them): errors without an order, and what is left of them to reach.
+NARROW, NARROW_REACH = 0.95, 1.0
 #: The same of grids alone whose spin pole lies inside a cell: what differencing against the rigid limit takes out.
 ALONE = 2.0
 #: Share of the compliance along tangents with which all of a contact slips as rigid bodies do.
@@ -165,6 +168,11 @@ def _carter() -> Iterator[Proof]:
         for k, name in enumerate(("force over mu P", "half width of stick over a")):
             values = tuple(float(f[0][k]) for f in found)
             yield Proof(f"Carter, Q = {share:g} mu P", name, values, float(found[-1][1][k]), REACH[0], values[-1])
+    found = [carter(n, NARROW) for n in (40, 80, 160)]
+    for k, name in enumerate(("force over mu P", "half width of stick over a")):
+        values, exact = tuple(float(f[0][k]) for f in found), float(found[-1][1][k])
+        name += " (stick of a few cells: no order)"
+        yield Proof(f"Carter, Q = {NARROW:g} mu P", name, values, exact, NARROW_REACH, values[-1], None)
 
 
 def _mindlin() -> Iterator[Proof]:

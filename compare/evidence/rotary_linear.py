@@ -9,18 +9,18 @@ from math import degrees
 
 import numpy as np
 
-from compare.evidence import source_cases
-from compare.evidence.record import Evidence, Sheet
-from compare.measure import error_percent
-from compare.models.study import Study
-from compare.printed.printed_data import entry, load_table
-from lowfi.friction.bearing.rotary import SIDES, Mode, Solution, solve_ball, solve_ball_as_printed, source_law
-from lowfi.friction.contact.ellipse import cubic_factor, linear_error, linear_factor
-from lowfi.friction.linear.analytic import velocity_deviation
-from lowfi.friction.linear.loads import Loads
-from lowfi.friction.linear.pair import PairMaps, PairResult, maps, pair_formulas, pair_state, solve_pair
-from lowfi.hertz import contact_modulus, hertz_constants
-from meshes.arrays import Array
+from rollbench.comparison.evidence import source_cases
+from rollbench.comparison.evidence.record import Evidence, Sheet
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import entry, load_table
+from rollbench.lowfi.friction.bearing.rotary import SIDES, Mode, Solution, solve_ball, solve_ball_as_printed, source_law
+from rollbench.lowfi.friction.contact.ellipse import cubic_factor, linear_error, linear_factor
+from rollbench.lowfi.friction.linear.analytic import velocity_deviation
+from rollbench.lowfi.friction.linear.loads import Loads
+from rollbench.lowfi.friction.linear.pair import PairMaps, PairResult, maps, pair_formulas, pair_state, solve_pair
+from rollbench.lowfi.hertz import contact_modulus, hertz_constants
+from rollbench.meshes.arrays import Array
 
 #: Tables 3.1 and 3.3: inputs of the two case studies.
 ROTARY, AXIAL = source_cases.rotary("I").bearing, source_cases.rotary("I").force

@@ -9,20 +9,28 @@ from typing import Literal
 
 import numpy as np
 
-from compare.evidence import source_cases
-from compare.evidence.record import Evidence, Sheet
-from compare.evidence.source_cases import double_row, four_point, inferred, inferred_oversize, lin_3_4_4, plain, table_3_6
-from compare.measure import error_percent
-from compare.models.study import Study
-from compare.printed.printed_data import entry
-from compare.scenes.catalogue import case as case_of
-from compare.scenes.kinds.screw_balls import ScrewPairScene
-from lowfi.friction.bearing.pairs import TorqueCurve, torque_curve
-from lowfi.friction.screw.errors import Onset, contact_onset
-from lowfi.friction.screw.pair import PairResult, implied_load, solve_pair
-from lowfi.friction.screw.run import RunResult, simulate, summarise
-from lowfi.friction.screw.steps import StepError, solve_steps
-from meshes.arrays import Array
+from rollbench.comparison.evidence import source_cases
+from rollbench.comparison.evidence.record import Evidence, Sheet
+from rollbench.comparison.evidence.source_cases import (
+    double_row,
+    four_point,
+    inferred,
+    inferred_oversize,
+    lin_3_4_4,
+    plain,
+    table_3_6,
+)
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import entry
+from rollbench.comparison.scenes.catalogue import case as case_of
+from rollbench.comparison.scenes.kinds.screw_balls import ScrewPairScene
+from rollbench.lowfi.friction.bearing.pairs import TorqueCurve, torque_curve
+from rollbench.lowfi.friction.screw.errors import Onset, contact_onset
+from rollbench.lowfi.friction.screw.pair import PairResult, implied_load, solve_pair
+from rollbench.lowfi.friction.screw.run import RunResult, simulate, summarise
+from rollbench.lowfi.friction.screw.steps import StepError, solve_steps
+from rollbench.meshes.arrays import Array
 
 #: Deviations theta [deg] of the cases of Table 3.7, and amplitudes [deg] of the runs, which 3.4.4 does not print.
 THETA = {name: degrees(source_cases.deviation(name)) for name in source_cases.PAIR_SCENES}

@@ -7,16 +7,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from compare.printed.printed_data import entry
-from compare.scenes.catalogue import case
-from compare.scenes.kinds.bearing_ball import BearingBallScene
-from compare.scenes.kinds.bearing_pair import BearingPairScene
-from compare.scenes.kinds.linear import LinearPairScene
-from compare.scenes.kinds.screw_balls import ScrewPairScene, ScrewRunScene
-from lowfi.friction.bearing.pairs import BearingCase
-from lowfi.friction.screw.groove import ScrewGroove
-from lowfi.friction.screw.pair import Pair
-from lowfi.friction.screw.run import Run
+from rollbench.comparison.printed.printed_data import entry
+from rollbench.comparison.scenes.catalogue import case
+from rollbench.comparison.scenes.kinds.bearing_ball import BearingBallScene
+from rollbench.comparison.scenes.kinds.bearing_pair import BearingPairScene
+from rollbench.comparison.scenes.kinds.linear import LinearPairScene
+from rollbench.comparison.scenes.kinds.screw_balls import ScrewPairScene, ScrewRunScene
+from rollbench.lowfi.friction.bearing.pairs import BearingCase
+from rollbench.lowfi.friction.screw.groove import ScrewGroove
+from rollbench.lowfi.friction.screw.pair import Pair
+from rollbench.lowfi.friction.screw.run import Run
 
 #: Scenes of the cases of 3.2: as computed here, and with the source's constants and law.
 ROTARY_SCENES = {"I": "lin-rotary-1", "II": "lin-rotary-2", "III": "lin-rotary-3"}

@@ -6,14 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from compare.evidence.lash_4_2_1 import TURNS, lash
-from compare.evidence.record import Evidence, Sheet
-from compare.models.axis import run_axis
-from compare.models.study import Study
-from compare.scenes import catalogue
-from lowfi.statics.axis.result import AxisResult
-from meshes.arrays import Array
-from meshes.axis import Assembly
+from rollbench.comparison.evidence.lash_4_2_1 import TURNS, lash
+from rollbench.comparison.evidence.record import Evidence, Sheet
+from rollbench.comparison.models.axis import run_axis
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi.statics.axis.result import AxisResult
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly
 
 #: Shipped scenes, total rack force [N], distance of the lateral force of the conical lash test from the nut [m].
 SCREW, RACK = "lin-nominal-4p1", "lin-steering-rack"

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from compare.evidence.lash_4_2_1 import TURNING, Lash, lash
-from compare.evidence.steering_4_2 import REACH, at_angle, largest, ratios
-from meshes.axis import Assembly
-from meshes.parts import Scene
+from rollbench.comparison.evidence.lash_4_2_1 import TURNING, Lash, lash
+from rollbench.comparison.evidence.steering_4_2 import REACH, at_angle, largest, ratios
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import Scene
 
 #: Outer diameters [m], distances of the lateral force from the nut [m], restraints of the screw's left end.
 DIAMETERS, REACHES = (26e-3, 28e-3, 30e-3), (0.1, 0.2, 0.3, 0.5)

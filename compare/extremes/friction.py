@@ -10,10 +10,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict
 
-from compare.extremes.friction_balls import ball_rows
-from compare.extremes.friction_chains import chain_rows
-from compare.extremes.tally import CHAIN_STARTS, FAR_START, NEAR_START, STARTS, Record
-from reports.records import Cell, Column, Table, Text
+from rollbench.comparison.extremes.friction_balls import ball_rows
+from rollbench.comparison.extremes.friction_chains import chain_rows
+from rollbench.comparison.extremes.tally import CHAIN_STARTS, FAR_START, NEAR_START, STARTS, Record
+from rollbench.reports.records import Cell, Column, Table, Text
 
 
 def rows() -> list[Record]:

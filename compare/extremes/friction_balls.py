@@ -9,16 +9,27 @@ from math import radians
 
 import numpy as np
 
-from compare.evidence.rotary_linear import AXIAL, CASES, ROTARY
-from compare.evidence.source_cases import inferred, plain, table_3_6
-from compare.extremes.tally import ANGLES, CLEARANCE, FAR_START, LOADS, MU, NEAR_START, SHARPNESS, STARTS, Record, Tally
-from lowfi.friction.bearing.rotary import Bearing, Mode, solve_ball, source_law
-from lowfi.friction.contact.laws import Sigmoid
-from lowfi.friction.contact.motion import Problem, balance_by_root, least_dissipation
-from lowfi.friction.screw.motion import screw_contacts
-from lowfi.friction.screw.motion import source_law as screw_law
-from lowfi.friction.screw.pair import Pair, solve_pair
-from meshes.arrays import Array
+from rollbench.comparison.evidence.rotary_linear import AXIAL, CASES, ROTARY
+from rollbench.comparison.evidence.source_cases import inferred, plain, table_3_6
+from rollbench.comparison.extremes.tally import (
+    ANGLES,
+    CLEARANCE,
+    FAR_START,
+    LOADS,
+    MU,
+    NEAR_START,
+    SHARPNESS,
+    STARTS,
+    Record,
+    Tally,
+)
+from rollbench.lowfi.friction.bearing.rotary import Bearing, Mode, solve_ball, source_law
+from rollbench.lowfi.friction.contact.laws import Sigmoid
+from rollbench.lowfi.friction.contact.motion import Problem, balance_by_root, least_dissipation
+from rollbench.lowfi.friction.screw.motion import screw_contacts
+from rollbench.lowfi.friction.screw.motion import source_law as screw_law
+from rollbench.lowfi.friction.screw.pair import Pair, solve_pair
+from rollbench.meshes.arrays import Array
 
 
 @dataclass(frozen=True)

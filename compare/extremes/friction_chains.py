@@ -9,9 +9,9 @@ from math import radians
 
 import numpy as np
 
-from compare.evidence.rotary_linear import LINEAR, VERTICAL
-from compare.evidence.source_cases import four_point, inferred, plain, table_3_6
-from compare.extremes.tally import (
+from rollbench.comparison.evidence.rotary_linear import LINEAR, VERTICAL
+from rollbench.comparison.evidence.source_cases import four_point, inferred, plain, table_3_6
+from rollbench.comparison.extremes.tally import (
     ANGLES,
     BALLS,
     CHAIN_STARTS,
@@ -28,16 +28,16 @@ from compare.extremes.tally import (
     Record,
     Tally,
 )
-from lowfi.as_source.starts import from_linear_starts, from_pair_starts, from_screw_starts
-from lowfi.friction.bearing.pairs import solve_bearing
-from lowfi.friction.linear.bearing import LinearBearing, deviations
-from lowfi.friction.linear.chain import Chain, prepare, solve_linear_chain
-from lowfi.friction.linear.loads import balanced_loads
-from lowfi.friction.linear.pair import pair_state
-from lowfi.friction.screw.chain import Chain as ScrewChain
-from lowfi.friction.screw.chain import ChainMotion, solve_chain
-from lowfi.friction.screw.pair import Pair, solve_pair
-from meshes.arrays import Array
+from rollbench.lowfi.as_source.starts import from_linear_starts, from_pair_starts, from_screw_starts
+from rollbench.lowfi.friction.bearing.pairs import solve_bearing
+from rollbench.lowfi.friction.linear.bearing import LinearBearing, deviations
+from rollbench.lowfi.friction.linear.chain import Chain, prepare, solve_linear_chain
+from rollbench.lowfi.friction.linear.loads import balanced_loads
+from rollbench.lowfi.friction.linear.pair import pair_state
+from rollbench.lowfi.friction.screw.chain import Chain as ScrewChain
+from rollbench.lowfi.friction.screw.chain import ChainMotion, solve_chain
+from rollbench.lowfi.friction.screw.pair import Pair, solve_pair
+from rollbench.meshes.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -8,12 +8,12 @@ from math import radians
 
 import numpy as np
 
-from compare.evidence.rotary_linear import CASES, LINEAR, ROTARY, right
-from lowfi.friction.bearing.rotary import source_law
-from lowfi.friction.contact.motion import balance_by_root, least_dissipation
-from lowfi.friction.linear.chain import Chain, prepare, solve_linear_chain
-from lowfi.friction.linear.pair import pair_state
-from reports.records import Cell
+from rollbench.comparison.evidence.rotary_linear import CASES, LINEAR, ROTARY, right
+from rollbench.lowfi.friction.bearing.rotary import source_law
+from rollbench.lowfi.friction.contact.motion import balance_by_root, least_dissipation
+from rollbench.lowfi.friction.linear.chain import Chain, prepare, solve_linear_chain
+from rollbench.lowfi.friction.linear.pair import pair_state
+from rollbench.reports.records import Cell
 
 #: Random starts of root finding, near and far.
 ROOT_STARTS = 8

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from compare.extremes.static import CONVERGED, ENERGY, FORMULATIONS, SAME, Attempt
-from reports.records import Cell
+from rollbench.comparison.extremes.static import CONVERGED, ENERGY, FORMULATIONS, SAME, Attempt
+from rollbench.reports.records import Cell
 
 
 def wide_rows(rows: Sequence[Attempt]) -> list[dict[str, Cell]]:

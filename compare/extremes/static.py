@@ -18,21 +18,22 @@ from time import perf_counter
 
 import numpy as np
 
-from compare.measure import error_percent
-from compare.models.registry import MODELS
-from compare.scenes.catalogue import scene as shipped
-from lowfi.as_source.static import Start, solve_source
-from lowfi.compliance.bodies import LADDER
-from lowfi.statics.elastic import solve_elastic
-from lowfi.statics.problem import build
-from lowfi.statics.result import StaticResult
-from lowfi.statics.static import ACCEPTED, solve_static
-from lowfi.statics.summary import BALANCE
-from meshes.arrays import Array
-from meshes.errors import specimen
-from meshes.helix import ball_layout
-from meshes.parts import BallErrors, Errors, Load, Material, Scene, Support
-from meshes.section import volume_ratio
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.models.registry import MODELS
+from rollbench.comparison.scenes.catalogue import scene as shipped
+from rollbench.lowfi.as_source.static import Start, solve_source
+from rollbench.lowfi.compliance.bodies import LADDER
+from rollbench.lowfi.statics.elastic import solve_elastic
+from rollbench.lowfi.statics.problem import build
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.statics.static import ACCEPTED, solve_static
+from rollbench.lowfi.statics.summary import BALANCE
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import BallErrors, Errors, Load, Material, Scene, Support
+from rollbench.meshes.section import volume_ratio
+from rollbench.meshes.workers import local
 
 ENERGY = "energy solver"
 SOURCE: dict[str, Start] = {
@@ -423,7 +424,8 @@ def table(
     from joblib import Parallel, delayed
 
     rows: list[Attempt] = []
-    workers = Parallel(n_jobs=min(n_jobs, max(1, len(picked))), return_as="generator")
+    with local():
+        workers = Parallel(n_jobs=min(n_jobs, max(1, len(picked))), return_as="generator")
     done = workers(delayed(_rows_of)(c) for c in picked)
     for i, (case, found) in enumerate(zip(picked, done, strict=True)):
         rows += found

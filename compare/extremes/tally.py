@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lowfi.as_source.chain import SourceMotion
-from meshes.arrays import Array
+from rollbench.lowfi.as_source.chain import SourceMotion
+from rollbench.meshes.arrays import Array
 
 #: Sharpness of the source's sigmoid, Lin's k_S, in its own formulation; 100 where it is not what is varied.
 SHARPNESS = (100.0, 1e3, 1e4)

@@ -8,13 +8,13 @@ from math import cos, hypot, pi, sin
 import numpy as np
 from scipy.optimize import brentq
 
-from lowfi.hertz import contact_modulus, hertz_constants
-from lowfi.statics.problem import drawn_hertz, nominal_hertz
-from lowfi.statics.static import solve_static
-from meshes.errors import specimen
-from meshes.helix import ball_layout, lead_angle
-from meshes.parts import Errors, Ingredients, Load, Scene, Support
-from meshes.section import screw_section
+from rollbench.lowfi.hertz import contact_modulus, hertz_constants
+from rollbench.lowfi.statics.problem import drawn_hertz, nominal_hertz
+from rollbench.lowfi.statics.static import solve_static
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout, lead_angle
+from rollbench.meshes.parts import Errors, Ingredients, Load, Scene, Support
+from rollbench.meshes.section import screw_section
 
 
 def sphere_on_flat(scene: Scene, force: float) -> list[tuple[str, str, float, float]]:

@@ -5,20 +5,20 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-from compare.evidence.external.case import PREFIX
-from compare.evidence.record import Evidence
-from compare.evidence.registry import BY_TABLE, evidence
-from compare.gate import closed_forms
-from compare.measure import error_percent, load_error
-from compare.models.comparison import REFERENCED, gate_points, known_exceedances
-from compare.models.ladder import UNSEEN
-from compare.models.registry import DEFAULT
-from compare.models.source_start import best_start
-from compare.models.study import Study
-from compare.reference.grid_summary import uncertainty_percent
-from compare.reference.store import shipped_store
-from compare.rolling.rows import GATED, KNOWN, LIMIT, PAIRS, RINGS, stored_rows, within
-from compare.scenes import catalogue
+from rollbench.comparison.evidence.external.case import PREFIX
+from rollbench.comparison.evidence.record import Evidence
+from rollbench.comparison.evidence.registry import BY_TABLE, evidence
+from rollbench.comparison.gate import closed_forms
+from rollbench.comparison.measure import error_percent, load_error
+from rollbench.comparison.models.comparison import REFERENCED, gate_points, known_exceedances
+from rollbench.comparison.models.ladder import UNSEEN
+from rollbench.comparison.models.registry import DEFAULT
+from rollbench.comparison.models.source_start import best_start
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.reference.grid_summary import uncertainty_percent
+from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison.rolling.rows import GATED, KNOWN, LIMIT, PAIRS, RINGS, stored_rows, within
+from rollbench.comparison.scenes import catalogue
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -185,7 +185,7 @@ def reference_rows(study: Study, max_error: float) -> list[GateRow]:
             rows.append(GateRow(f"{name}: 3D reference", "3D reference", None, None, None, max_error, False, text))
             continue
         load = study.solve(name, DEFAULT).load
-        bar = uncertainty_percent(found) or 0.0
+        bar = uncertainty_percent(found)
         points = gate_points(name, found, max_error, load)
         over = [p for p in points if p.exceeds]
         for p in over:

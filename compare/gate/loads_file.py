@@ -1,18 +1,24 @@
-"""Contact loads of another program: a CSV file with the columns ball, flank, newton."""
+"""Contact loads as a CSV file with the columns ball, flank, newton, and where the balls are: read and written."""
 
 from __future__ import annotations
 
 import csv
-from dataclasses import dataclass
+import io
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-from compare.errors import InputError
-from meshes.arrays import Array
-from meshes.parts import SIDES
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.writing import replace_file
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import SIDES, Scene
 
 COLUMNS = ("ball", "flank", "newton")
+#: Where a ball is; given both, they say which ball a row is of, however the file numbers it.
+PLACE = ("azimuth_deg", "z_mm")
 #: Largest file [bytes]: four loads of 100 000 balls.
 MAX_BYTES = 16_000_000
 EXAMPLE = "write a first line ball,flank,newton and rows such as 1,SL,225.4"
@@ -20,14 +26,43 @@ EXAMPLE = "write a first line ball,flank,newton and rows such as 1,SL,225.4"
 
 @dataclass(frozen=True)
 class GivenLoads:
-    """Loads ``(n, 4)`` [N] in the order of SIDES, zero on the flanks that the file does not name, and the named flanks."""
+    """Loads ``(n, 4)`` [N] in the order of SIDES, zero on the flanks that the file does not name, the named flanks, and
+    how many balls have another number in the file than in the scene."""
 
     load: Array
     flanks: tuple[str, ...]
+    renumbered: int = 0
 
 
-def read_loads(path: Path, balls: int) -> GivenLoads:
+def loads_csv(load: Array, azimuth: Array, z: Array) -> list[dict[str, str]]:
+    """Rows of a file with every contact: loads ``(n, 4)`` [N], azimuths ``(n,)`` [rad], stations ``(n,)`` [m]."""
+    return [
+        {
+            "ball": str(i + 1),
+            "flank": side,
+            "newton": repr(float(load[i, s]) + 0.0),
+            "azimuth_deg": f"{np.degrees(azimuth[i]):.9g}",
+            "z_mm": f"{1e3 * z[i]:.9g}",
+        }
+        for i in range(len(load))
+        for s, side in enumerate(SIDES)
+    ]
+
+
+def write_loads(path: Path, rows: Sequence[Mapping[str, str]]) -> str:
+    """Write rows of `loads_csv`, of several sets with a column ``set`` first; a line that says so."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    replace_file(path, text.getvalue())
+    return f"wrote {path}: {len(rows)} contact loads, for: rollbench check SCENE --loads {path}"
+
+
+def read_loads(path: Path, balls: int, scene: Scene | None = None) -> GivenLoads:
     """Loads of a file for a scene of ``balls`` balls.
+
+    scene: whose balls are told by azimuth and station where the file has both columns of `PLACE`, else by their numbers.
 
     Columns are separated by commas, semicolons or tabs (a decimal comma is read where they are not commas), in any order;
     further columns are ignored. Every ball must be given on every flank that is named, 0 where it carries nothing: a row
@@ -42,17 +77,63 @@ def read_loads(path: Path, balls: int) -> GivenLoads:
     for name in COLUMNS:
         if name not in heads:
             raise InputError(str(path), "line 1", lines[0], f"a column {name}", EXAMPLE)
+    find = None if scene is None or not set(PLACE) <= set(heads) else _Places(scene)
     load = np.full((balls, len(SIDES)), np.nan)
+    cases, renumbered = set(), set()
     for number, row in enumerate(rows, 2):
         if not any(cell.strip() for cell in row):
             continue
         cells = dict(zip(heads, (cell.strip() for cell in row), strict=False))
+        cases.add(cells.get("case", ""))
+        if len(cases) > 1:
+            advice = "a scene is one load case: split the file, or delete the others"
+            raise InputError(str(path), f"line {number}: case", cells["case"], "one case", advice)
+        own = cells.get("ball", "")
+        if find is not None:
+            cells["ball"] = find.number(path, number, cells, decimal_comma=separator != ",")
+            renumbered |= {own} if own != cells["ball"] else set()
         ball, side, force = _row(path, number, cells, balls, decimal_comma=separator != ",")
         if not np.isnan(load[ball, side]):
             value = f"ball {ball + 1} {SIDES[side]} again"
             raise InputError(str(path), f"line {number}", value, "each contact once", "keep one of the rows")
         load[ball, side] = force
-    return _whole(path, load)
+    return replace(_whole(path, load), renumbered=len(renumbered))
+
+
+class _Places:
+    """Which ball of a scene is at an azimuth and a station."""
+
+    def __init__(self, scene: Scene) -> None:
+        layout = ball_layout(scene)
+        self._azimuth, self._z = layout.azimuth, layout.z
+        self._pitch, self._near = scene.track.pitch_radius, scene.balls.radius
+
+    def number(self, path: Path, line: int, cells: Mapping[str, str], *, decimal_comma: bool) -> str:
+        """Number, from 1, of the ball at the place of a row. Raises InputError where none is within a ball's radius."""
+        values = []
+        for name in PLACE:
+            text = cells.get(name, "")
+            values.append(_number(text, decimal_comma=decimal_comma))
+            if not np.isfinite(values[-1]):
+                where = f"line {line}: {name}"
+                raise InputError(str(path), where, text or "nothing", "a number", "or leave the column out")
+        turn = np.angle(np.exp(1j * (self._azimuth - np.radians(values[0]))))
+        away = np.hypot(self._pitch * turn, self._z - 1e-3 * values[1])
+        ball = int(away.argmin())
+        if away[ball] > self._near:
+            found = f"{values[0]:g} deg, {values[1]:g} mm"
+            allowed = f"the place of a ball; the nearest, {ball + 1}, is {1e3 * away[ball]:.3g} mm away"
+            advice = "places are those of rollbench solve SCENE --loads-csv FILE; without the columns, numbers count"
+            raise InputError(str(path), f"line {line}: {PLACE[0]}, {PLACE[1]}", found, allowed, advice)
+        return str(ball + 1)
+
+
+def _number(text: str, *, decimal_comma: bool) -> float:
+    """A number; nan for anything else."""
+    try:
+        return float(text.replace(",", ".") if decimal_comma else text)
+    except ValueError:
+        return float("nan")
 
 
 def _text(path: Path) -> str:
@@ -75,15 +156,13 @@ def _row(path: Path, number: int, cells: dict[str, str], balls: int, *, decimal_
     where = f"line {number}"
     ball, flank, text = (cells.get(name, "") for name in COLUMNS)
     if not (ball.isascii() and ball.isdecimal() and len(ball) < 10 and 1 <= int(ball) <= balls):
-        advice = "balls are numbered from 1, all balls of start 1 first"
+        first = "the file's seem to begin with 0: " if ball == "0" else ""
+        advice = f"{first}balls are numbered from 1, all balls of start 1 first"
         raise InputError(str(path), f"{where}: ball", ball or "nothing", f"a ball number from 1 to {balls}", advice)
     if flank.upper() not in SIDES:
         advice = "SL and SR: left and right flank of the screw, NL and NR: of the nut"
         raise InputError(str(path), f"{where}: flank", flank or "nothing", ", ".join(SIDES), advice)
-    try:
-        force = float(text.replace(",", ".") if decimal_comma else text)
-    except ValueError:
-        force = float("nan")
+    force = _number(text, decimal_comma=decimal_comma)
     if not 0.0 <= force < float("inf"):
         advice = "write the size of the contact force in newton, 0 where contact is lost, without unit"
         raise InputError(str(path), f"{where}: newton", text or "nothing", "a number from 0", advice)

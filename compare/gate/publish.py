@@ -8,12 +8,16 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
-from compare.errors import InputError, one_line
-from compare.gate.gate import GateRow
-from compare.gate.verdict import Verdict
-from compare.writing import replace_file
+from rollbench.comparison.errors import InputError, one_line
+from rollbench.comparison.gate.verdict import Verdict
+from rollbench.comparison.writing import replace_file
+from rollbench.reports.cells import harmless
+
+if TYPE_CHECKING:
+    from rollbench.comparison.gate.gate import GateRow  # brings all evidence with it
 
 #: Variables of the environment in which services of continuous integration name the file of a job's summary.
 SUMMARIES = ("GITHUB_STEP_SUMMARY",)
@@ -91,7 +95,6 @@ def _line(cells: Sequence[str]) -> str:
 
 def table(outcomes: Sequence[Outcome]) -> str:
     """CSV with a line of headings."""
-    from reports.html import harmless  # brings drawing with it
 
     text = io.StringIO()
     writer = csv.writer(text)

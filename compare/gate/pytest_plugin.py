@@ -1,4 +1,4 @@
-"""Scenes judged against their 3D reference within a user's pytest (the fixture: `compare/toplevel/rollbench_pytest.py`)."""
+"""Scenes judged against their 3D reference within a user's pytest (the fixture: `rollbench.fixture`)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 if TYPE_CHECKING:
-    from compare.gate.verdict import Verdict
+    from rollbench.comparison.gate.verdict import Verdict
 
 
 class Rollbench:
@@ -35,11 +35,11 @@ class Rollbench:
         scene: a file, from the folder of the test, or the name of a shipped scene; the rest as for ``rollbench check``.
         A scene that is undecided or not covered fails too: nothing is said of it. Bad input fails with its one line.
         """
-        from compare.errors import InputError
-        from compare.gate.user import asked, check_scenes
-        from compare.reference.jobs import Engine
-        from compare.scenes import catalogue
-        from meshes.cache import default_root
+        from rollbench.comparison.errors import InputError
+        from rollbench.comparison.gate.user import asked, check_scenes
+        from rollbench.comparison.reference.jobs import Engine
+        from rollbench.comparison.scenes import catalogue
+        from rollbench.meshes.cache import default_root
 
         try:
             what = asked(

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from compare.errors import InputError, Refusal
-from compare.gate.loads_file import read_loads
-from compare.gate.verdict import LARGEST, LIMIT, Limits, Verdict, judge
-from compare.models.comparison import compared_models, options_for
-from compare.models.registry import DEFAULT, MODELS, run_model
-from compare.reference.estimate import Reference, reference
-from compare.reference.jobs import Engine, ensure, plan
-from compare.reference.levels import LEVELS
-from compare.reference.store import load, shipped_store
-from compare.reference.tasks import groups
-from meshes.parts import SIDES, Scene
+from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.gate.loads_file import GivenLoads, read_loads
+from rollbench.comparison.gate.loads_looks import looks
+from rollbench.comparison.gate.verdict import LARGEST, LIMIT, Limits, Verdict, judge
+from rollbench.comparison.models.comparison import compared_models, options_for
+from rollbench.comparison.models.registry import DEFAULT, MODELS, run_model
+from rollbench.comparison.reference.estimate import Reference, reference
+from rollbench.comparison.reference.jobs import Engine, ensure, plan
+from rollbench.comparison.reference.levels import LEVELS
+from rollbench.comparison.reference.store import load, shipped_store
+from rollbench.comparison.reference.tasks import groups
+from rollbench.meshes.parts import SIDES, Scene
 
 #: Mesh levels that are computed where none is asked for: the fewest that give an uncertainty.
 ENOUGH = 2
@@ -73,7 +74,7 @@ def check_scenes(scenes: Sequence[Scene], what: Asked, engine: Engine, step: Cal
     if what.loads is not None and len(scenes) != 1:
         advice = "check the scenes one by one, each with its file"
         raise InputError("command line", "--loads", str(what.loads), f"one scene, not {len(scenes)}", advice)
-    given = None if what.loads is None else read_loads(what.loads, scenes[0].ball_count)
+    given = None if what.loads is None else read_loads(what.loads, scenes[0].ball_count, scenes[0])
     why = _computed(scenes, what, engine, step) if what.compute else {}
     out: list[Verdict] = []
     for scene in scenes:
@@ -84,12 +85,20 @@ def check_scenes(scenes: Sequence[Scene], what: Asked, engine: Engine, step: Cal
             reason = why.get(scene.name, "no stored run of its 3D reference, and none is to be computed")
             out.append(Verdict(scene.name, judged, LARGEST, "not covered", None, None, limits.largest, detail=reason))
         elif given is not None:
-            left = [side for side in SIDES if side not in given.flanks]
-            detail = f"not judged, because not given: {', '.join(left)}" if left else ""
+            detail = "; ".join(part for part in _said(given, found, limits) if part)
             out += judge(judged, given.load, found, limits, given.flanks, detail)
         else:
             out += _model(scene, what.model, found, limits, what.stores)
     return out
+
+
+def _said(given: GivenLoads, found: Reference, limits: Limits) -> Iterator[str]:
+    """What is said of loads of another program beside their errors."""
+    left = [side for side in SIDES if side not in given.flanks]
+    yield f"not judged, because not given: {', '.join(left)}" if left else ""
+    if given.renumbered:
+        yield f"{given.renumbered} balls are numbered otherwise in the file, and were matched by azimuth and z"
+    yield looks(given.load, found.load, given.flanks, limits.largest)
 
 
 def limits_of(scene: Scene, max_error: float | None) -> Limits:

@@ -8,12 +8,11 @@ from typing import Any, Literal
 
 import numpy as np
 
-from compare.measure import load_error
-from compare.models.comparison import gate_points
-from compare.reference.estimate import Reference
-from compare.reference.grid_summary import summarise
-from meshes.arrays import Array
-from meshes.parts import SIDES
+from rollbench.comparison.measure import LoadError, load_error
+from rollbench.comparison.models.comparison import gate_points
+from rollbench.comparison.reference.estimate import Reference
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import SIDES
 
 Word = Literal["pass", "fail", "undecided", "not covered"]
 
@@ -23,8 +22,10 @@ LIMIT = 7.0
 CODES: dict[Word, int] = {"fail": 1, "undecided": 3, "not covered": 4, "pass": 0}
 LARGEST = "largest error of a contact load"
 RMS = "RMS error of the contact loads"
+#: Of what the largest error is a part, in words.
+RULE = "in per cent of a contact's own load, of the mean load for contacts below a tenth of it"
 #: What is said where the reference has one mesh level.
-ONE_LEVEL = "one mesh level gives the reference no uncertainty: take --levels 2 or 3"
+ONE_LEVEL = "one mesh level: its uncertainty is from experience with other scenes; --levels 2 or 3 gives its own"
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,8 @@ class Limits:
 @dataclass(frozen=True)
 class Verdict:
     """One judgement: scene, whose loads, which quantity; error, the reference's uncertainty in the same per cent (None: not
-    known) and the limit; ball (from 1) and flank that decide; mesh levels of the reference; contacts that were judged."""
+    known) and the limit; ball (from 1) and flank that decide; mesh levels of the reference; contacts that were judged;
+    of_mean: the errors that head every output, in per cent of the mean load of the loaded contacts."""
 
     scene: str
     judged: str
@@ -53,10 +55,14 @@ class Verdict:
     levels: tuple[int, ...] = ()
     contacts: int = 0
     detail: str = ""
+    of_mean: LoadError | None = None
 
     def as_json(self) -> dict[str, Any]:
         """JSON-ready."""
-        return asdict(self) | {"levels": list(self.levels)}
+        data = asdict(self) | {"levels": list(self.levels)}
+        e = data.pop("of_mean")
+        both = ("max_percent", "rms_percent")
+        return data | {f"{key}_of_mean": None if e is None else e[key] for key in both}
 
     def line(self) -> str:
         """The verdict as one line of text, with both numbers and the limit."""
@@ -65,7 +71,11 @@ class Verdict:
             return f"{head}: {self.detail}"
         at = "" if self.ball is None else f" (ball {self.ball} {self.flank})"
         tail = f"; {self.detail}" if self.detail else ""
-        return f"{head}: {self.quantity} {self.compared()}{at}{tail}"
+        if self.of_mean is None:
+            return f"{head}: {self.quantity} {self.compared()}{at}{tail}"
+        e = self.of_mean
+        first = f"{e.max_percent:.2f} % of the mean load on the worst contact (ball {e.ball} {e.side})"
+        return f"{head}: {first}, {e.rms_percent:.2f} % RMS; {self.quantity} {self.compared()}{at}, {RULE}{tail}"
 
     def compared(self) -> str:
         """Error, uncertainty and limit as a comparison: ``1.4 % + 0.2 % <= 7 %``."""
@@ -103,8 +113,9 @@ def judge(
     chosen = np.array([side in flanks for side in SIDES])
     levels = tuple(run.level for run in found.runs)
     points = [p for p in gate_points(found.scene, found, limits.largest, load) if p.side in flanks]
-    if found.uncertainty is None:
-        detail = "; ".join(part for part in (detail, ONE_LEVEL) if part)
+    one = ONE_LEVEL if found.parts.by_experience else ""
+    detail = "; ".join(part for part in (detail, found.unsettled, one) if part)
+    of_mean = load_error(np.where(chosen, load, 0.0), np.where(chosen, found.load, 0.0))
     shared = {"levels": levels, "contacts": len(points), "detail": detail}
     if not points:
         why = f"the reference carries no load on {', '.join(flanks)}"
@@ -112,7 +123,7 @@ def judge(
 
     def verdict_of(k: int) -> Verdict:
         p = points[k]
-        bar = None if found.uncertainty is None or not np.isfinite(p.uncertainty_percent) else abs(p.uncertainty_percent)
+        bar = abs(p.uncertainty_percent) if np.isfinite(p.uncertainty_percent) else None
         own = word(p.error_percent, bar, limits.largest)
         return Verdict(
             found.scene,
@@ -124,6 +135,7 @@ def judge(
             limits.largest,
             p.ball,
             p.side,
+            of_mean=of_mean,
             **shared,  # type: ignore[arg-type]
         )
 
@@ -137,8 +149,7 @@ def judge(
         )
     ]
     if limits.rms is not None:
-        error = load_error(np.where(chosen, load, 0.0), np.where(chosen, found.load, 0.0)).rms_percent
-        bar = summarise(found).rms
+        error, bar = of_mean.rms_percent, found.parts.bar
         out.append(
             Verdict(found.scene, judged, RMS, word(error, bar, limits.rms), error, bar, limits.rms, **shared)  # type: ignore[arg-type]
         )

@@ -7,21 +7,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from compare.errors import InputError
-from compare.models.loading import LiftOff, Preload, lift_off, preload, solve_scaled
-from compare.models.registry import MODELS, Options, read_condensed
-from lowfi.compliance.bodies import LADDER, REFINED
-from lowfi.jit import cached
-from lowfi.rating.contacts import Contact, StaticSafety, Truncation, static_safety, truncation, worst_contact
-from lowfi.rating.life import Life, life
-from lowfi.rating.rigidity import Rigidities, axial_displacement, axial_force, rigidities
-from lowfi.statics.result import StaticResult
-from lowfi.statics.tangent import Tangent, tangent_stiffness
-from meshes.arrays import Array
-from meshes.parts import Motion, Scene
+from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.models.loading import LiftOff, Preload, lift_off, preload, solve_scaled
+from rollbench.comparison.models.registry import MODELS, Options, blamed, read_condensed
+from rollbench.lowfi.compliance.bodies import LADDER, REFINED
+from rollbench.lowfi.jit import cached
+from rollbench.lowfi.rating.contacts import Contact, StaticSafety, Truncation, static_safety, truncation, worst_contact
+from rollbench.lowfi.rating.life import Life, life
+from rollbench.lowfi.rating.rigidity import Rigidities, axial_displacement, axial_force, rigidities
+from rollbench.lowfi.rating.static import Ratings, ratings
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.statics.tangent import Tangent, tangent_stiffness
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import Motion, Scene
 
 if TYPE_CHECKING:
-    from lowfi.friction.whole.state import FrictionState
+    from rollbench.lowfi.friction.whole.state import FrictionState
 
 
 #: Ladder step whose bodies give the tangent of a model; the others have none.
@@ -39,6 +40,7 @@ class LoadAnswers:
     safety: StaticSafety | None
     reach: Truncation | None
     life: Life | None
+    ratings: Ratings | None
     words: str = ""
 
 
@@ -46,13 +48,15 @@ class LoadAnswers:
 class Answers:
     """Answers of one low-order result. displacement: axial [m] of the screw at the nut's centre from that without loads
     (from the nominal place where nothing holds the screw then); force: axial on the nut [N]; tangent: axial rigidity [N/m],
-    rotation held, None where the model has no tangent; friction: the state, or words why it is not computed."""
+    rotation held, None where the model has no tangent, or none is found, for which ``tangent_words`` say why; friction: the
+    state, or words why it is not computed."""
 
     loads: LoadAnswers
     force: float
     displacement: float
     rigidities: Rigidities | None
     tangent: float | None
+    tangent_words: str
     preload: Preload | None
     lift: LiftOff | None
     friction: FrictionState | None
@@ -64,18 +68,20 @@ def load_answers(scene: Scene, load: Array, angle: Array) -> LoadAnswers:
     words = ""
     found: Life | None = None
     reach: Truncation | None = None
+    rated: Ratings | None = None
     try:
         reach = truncation(scene, load, angle)
+        rated = ratings(scene)
         found = life(scene, load)
     except ValueError as error:
         words = str(error)
     worst = worst_contact(scene, load, angle)
-    return LoadAnswers(worst, None if worst is None else static_safety(scene, worst), reach, found, words)
+    return LoadAnswers(worst, None if worst is None else static_safety(scene, worst), reach, found, rated, words)
 
 
 def tangent_of(scene: Scene, station: float, model: str, options: Options) -> Tangent:
-    """Tangent stiffness at a station [m] by a model with beams or elastic bodies. Raises InputError for another model or a
-    station off the screw."""
+    """Tangent stiffness at a station [m] of the screw by a model with beams or elastic bodies. Raises InputError for
+    another model, Refusal for a scene that its bodies cannot be made of."""
     step = TANGENT_OF.get(model, model)
     if step not in (*LADDER, "condensed"):
         allowed = ", ".join((*LADDER, "condensed", *TANGENT_OF))
@@ -87,8 +93,26 @@ def tangent_of(scene: Scene, station: float, model: str, options: Options) -> Ta
             own, station, backend=LADDER.get(step, REFINED), condensed=condensed, member=options.member
         )
     except ValueError as error:
-        advice = "give a station of the screw, and see that the scene solves"
-        raise InputError("command line", "--stiffness-at", f"{1e3 * station:g} mm", str(error), advice) from error
+        advice = "the loads are solved without it: leave the stiffness out"
+        raise Refusal(scene.name, blamed(str(error)), str(error), advice) from error
+
+
+def axial_tangent(scene: Scene, model: str, options: Options) -> tuple[float | None, str]:
+    """Tangent axial rigidity [N/m] at the nut's centre, rotation held, None where the model has none; words where the
+    bodies that it needs cannot be made, or do not come to rest."""
+    if TANGENT_OF.get(model, model) not in (*LADDER, "condensed"):
+        return None, ""
+    try:
+        found = tangent_of(scene, scene.nut.position, model, options)
+    except Refusal as refused:
+        return None, refused.value
+    return (found.rigidity("uz"), "") if found.status == "converged" else (None, found.status)
+
+
+def unloaded_place(scene: Scene, bare: StaticResult) -> float:
+    """Axial displacement [m] of the screw at the nut's centre without loads, from which displacements are counted; zero,
+    its nominal place, where no contact holds it then. bare: the result without loads."""
+    return axial_displacement(scene, bare) if bare.converged and (bare.load > 0.0).any() else 0.0
 
 
 def gather(scene: Scene, result: StaticResult, model: str, options: Options) -> Answers:
@@ -96,7 +120,7 @@ def gather(scene: Scene, result: StaticResult, model: str, options: Options) -> 
     which a preloaded contact opens."""
     bare = solve_scaled(scene, 0.0, model, options)
     held = preload(scene, bare) if bare.converged else None
-    start = axial_displacement(scene, bare) if held is not None and held.loaded else 0.0
+    start = unloaded_place(scene, bare)
     force, moved = axial_force(result), axial_displacement(scene, result) - start
     try:
         three = rigidities(scene, force, moved)
@@ -104,19 +128,16 @@ def gather(scene: Scene, result: StaticResult, model: str, options: Options) -> 
         three = None
     lift = lift_off(scene, result, bare, model, options) if held is not None else None
     state, words = quick_friction(scene, result, options)
-    slope = None
-    if force != 0.0 and TANGENT_OF.get(model, model) in (*LADDER, "condensed"):
-        found = tangent_of(scene, scene.nut.position, model, options)
-        slope = found.rigidity("uz") if found.status == "converged" else None
+    slope, why = axial_tangent(scene, model, options) if force != 0.0 else (None, "")
     loads = load_answers(scene, result.load, result.contact_angle)
-    return Answers(loads, force, moved, three, slope, held, lift, state, words)
+    return Answers(loads, force, moved, three, slope, why, held, lift, state, words)
 
 
 def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tuple[FrictionState | None, str]:
     """Friction where the scene gives a coefficient and no kernel has to be compiled for it; else what to do."""
     if scene.friction is None:
         return None, "no coefficient in the scene; for one of 0.1: rollbench friction SCENE --mu 0.1"
-    from lowfi.friction.whole.state import friction_state, will_compile
+    from rollbench.lowfi.friction.whole.state import friction_state, will_compile
 
     if will_compile(scene, scene.friction) and not cached():
         return None, "kernels are not compiled yet; rollbench friction SCENE does it, once"

@@ -13,10 +13,10 @@ from functools import cache
 
 import numpy as np
 
-from compare.scenes import catalogue
-from meshes.helix import ball_layout
-from meshes.parts import Scene
-from meshes.solid import dimensions
+from rollbench.comparison.scenes import catalogue
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import Scene
+from rollbench.meshes.solid import dimensions
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ def _preload(scene: Scene) -> float:
 def _beyond_balls(scene: Scene) -> float:
     """Least length of nut or outer ring beyond the outermost balls' centres, over the ball's radius; 4 where it is more.
 
-    Where balls run to the nut's face, their flanks have a thin land behind them, which no smooth body has.
+    Where balls run to the nut's face, a lip stands behind their flanks (`lowfi.compliance.faces`), and few were compared.
     """
     z, half = ball_layout(scene).z - scene.nut.position, scene.nut.length / 2.0
     return min(float(half - np.abs(z).max()) / scene.balls.radius, 4.0)

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from compare.errors import InputError, Refusal
-from compare.models.registry import MODELS
-from meshes.axis import Assembly
-from meshes.parts import Scene
+from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.models.registry import MODELS
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
-    from lowfi.statics.axis.result import AxisResult
-    from lowfi.statics.static import Engine
+    from rollbench.lowfi.statics.axis.result import AxisResult
+    from rollbench.lowfi.statics.static import Engine
 
 #: Models that know several sets on one shaft: the source's and the steps of the ladder to the refined one.
 AXIS_MODELS = ("refined", "lin", "lin-cell", "lin-nut")
@@ -43,7 +43,8 @@ def default_model(assembly: Assembly) -> str:
 
 
 def run_axis(assembly: Assembly, model: str = "", engine: Engine = "auto", member: int = 0) -> AxisResult:
-    """Run a model on an assembly; member: which specimen of its random errors.
+    """Run a model on an assembly; member: which specimen of its random errors. No loads stand in a result that did not
+    converge.
 
     Raises InputError for a model that knows one set only, or a member of a scene without random errors.
     """
@@ -53,14 +54,14 @@ def run_axis(assembly: Assembly, model: str = "", engine: Engine = "auto", membe
         raise InputError(assembly.name, "model", f'"{model}"', ", ".join(AXIS_MODELS), advice)
     if member and not random_errors(assembly):
         raise InputError(assembly.name, "member", str(member), "0", "no set has random errors: leave it out")
-    from lowfi.compliance.bodies import LADDER
-    from lowfi.statics.axis.refined import solve_refined
-    from lowfi.statics.axis.solve import solve_assembly
+    from rollbench.lowfi.compliance.bodies import LADDER
+    from rollbench.lowfi.statics.axis.refined import solve_refined
+    from rollbench.lowfi.statics.axis.solve import solve_assembly
 
     try:
         with np.errstate(all="ignore"):
             if model == "lin":
-                return solve_assembly(assembly, engine=engine, member=member)
-            return solve_refined(assembly, engine=engine, member=member, backend=LADDER[model], name=model)
+                return solve_assembly(assembly, engine=engine, member=member).answers()
+            return solve_refined(assembly, engine=engine, member=member, backend=LADDER[model], name=model).answers()
     except ValueError as error:
         raise Refusal(assembly.name, "scene", str(error), "check the geometry") from error

@@ -7,11 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from compare.models.answers import LoadAnswers, load_answers
-from compare.models.axis import run_axis
-from lowfi.statics.axis.result import AxisResult, SetResult
-from meshes.axis import Assembly
-from meshes.parts import Load, Scene
+from rollbench.comparison.models.answers import LoadAnswers, load_answers
+from rollbench.comparison.models.axis import run_axis
+from rollbench.lowfi.statics.axis.result import AxisResult, SetResult
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.loads import mean_load
+from rollbench.meshes.parts import Load, Scene
 
 
 @dataclass(frozen=True)
@@ -100,7 +101,7 @@ def _of_set(s: SetResult, bare: SetResult | None) -> SetAnswers | None:
     if bare is None or bare.balls is None:
         return SetAnswers(found, None)
     own = bare.balls.load[bare.balls.load > 0.0]
-    mean, largest = (float(own.mean()), float(own.max())) if own.size else (0.0, 0.0)
+    mean, largest = (mean_load(own), float(own.max())) if own.size else (0.0, 0.0)
     return SetAnswers(found, (mean, largest, int(own.size), float(bare.force[2])))
 
 

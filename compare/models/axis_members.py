@@ -13,16 +13,17 @@ from time import perf_counter
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from compare.errors import InputError
-from compare.models.axis import default_model, random_errors, run_axis
-from compare.models.axis_answers import loads_of
-from compare.models.members import COMPILE_FROM, SYSTEM, Bands, Block, check_count, gathered, life_sum
-from compare.reference.jobs import Engine
-from lowfi.statics.axis.result import AxisResult
-from meshes.arrays import Array
-from meshes.axis import Assembly, RollingSet
-from meshes.errors import without_draws
-from meshes.parts import Scene
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.models.axis import default_model, random_errors, run_axis
+from rollbench.comparison.models.axis_answers import loads_of
+from rollbench.comparison.models.members import COMPILE_FROM, SYSTEM, Bands, Block, check_count, gathered, life_sum
+from rollbench.comparison.reference.jobs import Engine
+from rollbench.lowfi.statics.axis.result import AxisResult
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly, RollingSet
+from rollbench.meshes.errors import without_draws
+from rollbench.meshes.loads import mean_load
+from rollbench.meshes.parts import Scene
 
 #: What is kept of each member, of the whole and of each set: key and heading.
 WHOLE = {
@@ -107,7 +108,7 @@ def numbers(result: AxisResult, nominal: Array, where: Sequence[slice | None]) -
     found = [largest, stiffness, float(lost.sum()), result.solver.residual]
     for s, place in zip(result.sets, where, strict=True):
         own = loads_of(s)
-        mean = float(own[own > 0.0].mean()) if (own > 0.0).any() else 0.0
+        mean = mean_load(own)
         found += [float(own.max(initial=0.0)), mean, float(s.force[2])]
         if place is None:
             found += [np.nan, np.nan]

@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from compare.measure import LoadError, error_percent, load_error
-from compare.models.study import Study
-from lowfi.compliance.bodies import REFINED, Backend
-from lowfi.statics.elastic import solve_elastic
+from rollbench.comparison.measure import LoadError, error_percent, load_error
+from rollbench.comparison.models.study import Study
+from rollbench.lowfi.compliance.bodies import REFINED, Backend
+from rollbench.lowfi.statics.elastic import solve_elastic
+from rollbench.meshes.loads import mean_load
 
 #: Choices of the refined model that its derivation leaves open, varied one at a time.
 CHOICES: dict[str, Backend] = {
@@ -47,7 +48,7 @@ def choices_of(study: Study, name: str) -> Iterator[Changed]:
     if found is None:
         return
     base = solve_elastic(scene, engine="interpreted").load
-    mean = float(base[base > 0.0].mean())
+    mean = mean_load(base)
     for label, backend in {"as it is": REFINED, **CHOICES}.items():
         load = solve_elastic(scene, backend=backend, engine="interpreted").load
         change = float(np.abs(np.asarray(error_percent(load, base, mean))).max())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from importlib import resources
 from pathlib import Path
 from time import perf_counter
@@ -12,18 +12,19 @@ from typing import Any
 
 import numpy as np
 
-from compare.errors import InputError
-from compare.measure import error_percent, load_error
-from compare.models.registry import MODELS, Model, Options, run_model
-from compare.printed.printed_data import entry
-from compare.reference.convergence import pool
-from compare.reference.estimate import Reference
-from compare.reference.grid_summary import uncertainty_percent
-from compare.reference.store import Run, bodies_path, shipped_store
-from compare.scenes.catalogue import with_role
-from lowfi.statics.result import StaticResult
-from meshes.arrays import Array
-from meshes.parts import SIDES, Scene
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.measure import error_percent, load_error
+from rollbench.comparison.models.registry import MODELS, Model, Options, run_model
+from rollbench.comparison.printed.printed_data import entry
+from rollbench.comparison.reference.convergence import pool
+from rollbench.comparison.reference.estimate import Reference
+from rollbench.comparison.reference.grid_summary import uncertainty_percent
+from rollbench.comparison.reference.store import Run, bodies_path, shipped_store
+from rollbench.comparison.scenes.catalogue import with_role
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.loads import mean_load
+from rollbench.meshes.parts import SIDES, Scene
 
 #: Scenes whose reference runs come with the package.
 REFERENCED = with_role("referenced")
@@ -130,12 +131,10 @@ def from_run(run: Run, name: str) -> Loads:
 
 
 def reference_answers(found: Reference, source: Run | None) -> list[Loads]:
-    """The reference on its levels, extrapolated, and on the source's mesh."""
+    """The reference on its levels and on the source's mesh."""
     out = [from_run(run, f"3D level {run.level}") for run in found.runs]
     if source is not None:
         out.insert(0, from_run(source, "3D source mesh"))
-    if found.extrapolated is not None:
-        out.append(replace(out[-1], model="3D extrapolated", load=found.extrapolated, seconds=None))
     return out
 
 
@@ -151,7 +150,7 @@ def uncertainties_of(found: Reference, take: Callable[[Run], Array]) -> Array:
     bars = np.full(values.shape[1:], np.nan)
     known = np.isfinite(values).all(axis=0)
     if known.any():
-        bars[known] = np.array([c.uncertainty for c in pool(values[:, known], found.sizes).each], dtype=float)
+        bars[known] = pool(values[:, known], found.sizes)
     return bars
 
 
@@ -165,7 +164,7 @@ def _contact_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Com
         value, ref = float(answer.load[i, s]), float(found.load[i, s])
         if value == 0.0 and ref == 0.0:
             continue
-        bar = None if found.uncertainty is None else float(found.uncertainty[i, s])
+        bar = float(found.uncertainty[i, s])
         percent = float(error_percent(value, ref)) if ref > 0.0 else None
         yield ComparisonRow(
             scene.name, "load", i + 1, SIDES[s], "N", None, answer.model, value, ref, bar, percent, answer.seconds
@@ -253,10 +252,10 @@ def load_ratio(load: Array) -> float:
 
 
 def ratio_uncertainty(found: Reference) -> float | None:
-    """Grid uncertainty of `load_ratio`: the relative ones of its two contacts, which may err in opposite senses; None with
-    one level or without a finite ratio."""
+    """Grid uncertainty of `load_ratio`: the relative ones of its two contacts, which may err in opposite senses; None
+    without a finite ratio."""
     ratio = load_ratio(found.load)
-    if found.uncertainty is None or not np.isfinite(ratio):
+    if not np.isfinite(ratio):
         return None
     own = found.load[:, 0]
     ends = [int(own.argmax()), int(own.argmin())]
@@ -275,7 +274,9 @@ class Exceedance:
 
 def known_exceedances() -> list[Exceedance]:
     """Named exceedances of the gate, shipped as data."""
-    text = resources.files("compare").joinpath("references", "known_exceedances.toml").read_text(encoding="utf-8")
+    text = (
+        resources.files("rollbench.comparison").joinpath("references", "known_exceedances.toml").read_text(encoding="utf-8")
+    )
     return [Exceedance(**row) for row in tomllib.loads(text).get("row", [])]
 
 
@@ -294,12 +295,12 @@ class GatePoint:
 
 def gate_points(name: str, found: Reference, max_error: float, load: Array) -> list[GatePoint]:
     """Every contact of a scene loaded in the reference or in ``load`` (n, 4) [N], with the gate's verdict."""
-    mean = float(found.load[found.load > 0.0].mean())
+    mean = mean_load(found.load)
     points = []
     for i, s in zip(*np.nonzero((found.load > 0.0) | (load > 0.0)), strict=True):
         own = float(found.load[i, s])
         scale = own if own >= SMALL * mean else mean
         error = float(error_percent(load[i, s], own, scale))
-        bar = 0.0 if found.uncertainty is None else float(error_percent(found.uncertainty[i, s], 0.0, scale))
+        bar = float(error_percent(found.uncertainty[i, s], 0.0, scale))
         points.append(GatePoint(name, int(i) + 1, SIDES[int(s)], error, bar, abs(error) - bar > max_error))
     return points

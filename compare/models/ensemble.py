@@ -13,15 +13,15 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.statics.elastic_system import one_thread
-from lowfi.statics.mechanism import free_motions
-from lowfi.statics.pressed import Pressed, pressed
-from lowfi.statics.problem import Problem, build, distances, hertz_C, lever_arms
-from lowfi.statics.records import MemberArrays, MemberStates
-from lowfi.statics.result import StaticResult
-from lowfi.statics.selection import all_clear, choose_sides
-from lowfi.statics.shape import motion_matrices
-from lowfi.statics.static import (
+from rollbench.lowfi.statics.elastic_system import one_thread
+from rollbench.lowfi.statics.mechanism import free_motions
+from rollbench.lowfi.statics.pressed import Pressed, pressed
+from rollbench.lowfi.statics.problem import Problem, build, distances, hertz_C, lever_arms
+from rollbench.lowfi.statics.records import MemberArrays, MemberStates
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.statics.selection import all_clear, all_sides, choose_sides
+from rollbench.lowfi.statics.shape import motion_matrices
+from rollbench.lowfi.statics.static import (
     ACCEPTED,
     Engine,
     Prepared,
@@ -32,10 +32,10 @@ from lowfi.statics.static import (
     reference_scale,
     solve_static,
 )
-from meshes.arrays import Array
-from meshes.errors import Specimens, alike_in_shape, specimen, specimens, without_draws
-from meshes.helix import BallLayout, ball_layout, nominal_groove_centres
-from meshes.parts import Scene
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import Specimens, alike_in_shape, specimen, specimens, without_draws
+from rollbench.meshes.helix import BallLayout, ball_layout, nominal_groove_centres
+from rollbench.meshes.parts import Scene
 
 #: Many solves pay for compiled kernels.
 ENGINE: Engine = "compiled"
@@ -156,7 +156,7 @@ class _Batch:
         begin = perf_counter()
         # sides that the loads would leave idle if no ball were tight: tried, then verified member by member
         few = choose_sides(self.scene, replace(self.mean, ball_radius=self.drawn.ball_radius.min(axis=0)))
-        whole = self._held(np.ones(4, dtype=bool))
+        whole = self._held(all_sides(self.scene))
         if whole is None:
             return None
         count = self.solved.size

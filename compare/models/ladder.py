@@ -8,19 +8,19 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from compare.measure import LoadError, error_percent, load_error
-from compare.models.comparison import REFERENCED, finest_bodies
-from compare.models.model_form import Point, estimate, features
-from compare.models.registry import MODELS, Options, run_model
-from compare.models.study import Study
-from compare.reference.estimate import Reference
-from compare.reference.grid_summary import uncertainty_percent
-from compare.scenes.catalogue import with_role
-from lowfi.compliance.ends import forget
-from lowfi.compliance.imported import PARTS, Condensed
-from lowfi.statics.elastic import solve_elastic
-from lowfi.statics.result import StaticResult
-from meshes.parts import Scene
+from rollbench.comparison.measure import LoadError, error_percent, load_error
+from rollbench.comparison.models.comparison import REFERENCED, finest_bodies
+from rollbench.comparison.models.model_form import Point, estimate, features
+from rollbench.comparison.models.registry import MODELS, Options, run_model
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.reference.estimate import Reference
+from rollbench.comparison.reference.grid_summary import uncertainty_percent
+from rollbench.comparison.scenes.catalogue import with_role
+from rollbench.lowfi.compliance.ends import forget
+from rollbench.lowfi.compliance.imported import PARTS, Condensed
+from rollbench.lowfi.statics.elastic import solve_elastic
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.parts import Scene
 
 #: Screws and a bearing that were not used while the refined model was developed: changed parts, and catalogue sizes.
 CHANGED, CATALOGUE, UNSEEN = (with_role(f"unseen{kind}") for kind in (", changed", ", catalogue", ""))

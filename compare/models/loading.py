@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from compare.models.registry import Options, run_model
-from lowfi.rating.rigidity import axial_displacement, axial_force, slope_of
-from lowfi.statics.result import StaticResult
-from meshes.parts import SIDES, Load, Scene
+from rollbench.comparison.models.registry import Options, run_model
+from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, slope_of
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.loads import mean_load
+from rollbench.meshes.parts import SIDES, Load, Scene
 
 #: Relative accuracy of the factor at which a contact is lost, the largest one looked for, and how often is solved for it.
 TOLERANCE, FURTHEST, MOST = 0.005, 20.0, 16
@@ -83,7 +84,7 @@ def preload(scene: Scene, bare: StaticResult) -> Preload:
     left, right = float(bare.load[:, 0].sum()) * s, float(bare.load[:, 1].sum()) * s
     if not held.size:
         return Preload(0.0, 0.0, 0, 0.0)
-    return Preload(float(held.mean()), float(held.max()), int(held.size), min(left, right))
+    return Preload(mean_load(held), float(held.max()), int(held.size), min(left, right))
 
 
 def lift_off(scene: Scene, result: StaticResult, bare: StaticResult, model: str, options: Options) -> LiftOff | None:

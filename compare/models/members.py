@@ -17,14 +17,14 @@ from numpy.typing import NDArray
 from scipy.stats import binom
 from threadpoolctl import threadpool_limits
 
-from compare.errors import InputError
-from compare.models.ensemble import run_ensemble, work_of
-from compare.models.registry import MODELS, Options, run_model
-from compare.reference import parallel
-from compare.reference.jobs import Engine
-from meshes.arrays import Array
-from meshes.errors import without_draws
-from meshes.parts import Scene
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.models.ensemble import run_ensemble, work_of
+from rollbench.comparison.models.registry import MODELS, Options, run_model
+from rollbench.comparison.reference import parallel
+from rollbench.comparison.reference.jobs import Engine
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import without_draws
+from rollbench.meshes.parts import Scene
 
 #: What is kept of each member: key and heading.
 KEPT = {

@@ -10,18 +10,21 @@ from typing import Any
 
 import numpy as np
 
-from compare.measure import error_percent, load_error
-from compare.models.modelling import base_run
-from compare.reference import grid_order
-from compare.reference.convergence import observe
-from compare.reference.estimate import Reference, reference_of
-from compare.reference.grid_summary import mean_load
-from compare.reference.levels import LEVELS
-from compare.reference.store import Run, load, shipped_store
-from compare.reference.variants import VARIANTS
-from meshes.parts import SIDES, Scene
+from rollbench.comparison.measure import error_percent, load_error
+from rollbench.comparison.models.modelling import base_run
+from rollbench.comparison.reference.convergence import observe
+from rollbench.comparison.reference.estimate import FITTED, Reference, reference_of
+from rollbench.comparison.reference.levels import LEVELS
+from rollbench.comparison.reference.store import Run, load
+from rollbench.comparison.reference.variants import VARIANTS
+from rollbench.meshes.parts import SIDES, Scene
 
 Take = partial[float]
+
+#: A level is worth its time where its uncertainty is no more than this share of the one before it.
+CLEARLY = 0.8
+#: Why a contact's load has no order.
+SCATTERS = "no order: contact loads scatter from mesh to mesh"
 
 
 def _extreme(side: int, sign: float, run: Run) -> float:
@@ -57,13 +60,13 @@ def quantities(run: Run) -> list[tuple[str, str, Take]]:
 def studied(scene: Scene, stores: Sequence[Path] | None, levels: int = len(LEVELS)) -> Reference | None:
     """The reference of all stored runs on levels 1 to ``levels``; None without any."""
     runs = tuple(r for k in range(1, levels + 1) if (r := load(scene, k, stores=stores)) is not None)
-    order = grid_order.load((*(stores or ()), shipped_store()))
-    return reference_of(scene.name, runs, None if order is None else order.interval) if runs else None
+    return reference_of(scene.name, runs) if runs else None
 
 
 def level_rows(found: Reference) -> list[dict[str, Any]]:
-    """Per level, coarsest first: cell size over the finest's, unknowns of the equivalent monolithic mesh, own seconds,
-    largest difference of a contact load from the finest and `enough`, in per cent of the mean load."""
+    """Per level, coarsest first: cell size over the finest's, unknowns of the equivalent monolithic mesh, own seconds
+    without anything known before, largest difference of a contact load from the finest and `enough`, in per cent of the
+    mean load."""
     return [
         {
             "level": run.level,
@@ -71,31 +74,35 @@ def level_rows(found: Reference) -> list[dict[str, Any]]:
             "unknowns": run.unknowns,
             "seconds": run.setup_seconds + run.solve_seconds,
             "difference_percent": load_error(run.load, found.load).max_percent,
-            "enough_for_percent": enough(run, found),
+            "enough_for_percent": enough(found, k),
         }
-        for run, size in zip(found.runs, found.sizes, strict=True)
+        for k, (run, size) in enumerate(zip(found.runs, found.sizes, strict=True))
     ]
 
 
-def enough(run: Run, found: Reference) -> float | None:
-    """What a run's contact loads are good for [% of the mean load]: the largest difference from the finest run with that
-    run's uncertainty added; None with one level."""
-    if found.uncertainty is None:
-        return None
-    return float(error_percent(np.abs(run.load - found.load) + found.uncertainty, 0.0, mean_load(found)).max())
+def enough(found: Reference, k: int) -> float:
+    """What the contact loads of run ``k`` are good for [% of the mean load] with those before it: their uncertainty by
+    discretisation, RMS over the contacts; of the first alone from experience with other scenes."""
+    return reference_of(found.scene, found.runs[max(0, k + 1 - FITTED) : k + 1]).parts.bar
 
 
 def closing(found: Reference) -> str:
-    """Which level is enough for what, in one sentence.
+    """Which level is enough for what, in one sentence, and which are not worth their time.
 
     Per cents are rounded up.
     """
-    rows = level_rows(found)
-    if rows[-1]["enough_for_percent"] is None:
-        return "One level does not say what it is enough for: take two or more."
-    first, *others = [(r["level"], f"{_up(r['enough_for_percent'])} %", f"{r['seconds']:.0f} s") for r in rows]
-    rest = "".join(f", level {level} for {percent} ({time})" for level, percent, time in others)
-    return f"Level {first[0]} is enough for {first[1]} of the mean contact load ({first[2]}){rest}."
+    told, idle = list[tuple[str, float]](), list[int]()
+    for row in level_rows(found):
+        good, time = row["enough_for_percent"], f"{row['seconds']:.0f} s"
+        if told and good > CLEARLY * told[-1][1]:
+            idle.append(row["level"])
+            continue
+        own = f"level {row['level']}{' with those before it' if told else ''} for {_up(good)} %"
+        told.append((f"{own}{'' if told else ' of the mean contact load, by experience with other scenes'} ({time})", good))
+    (first, _), *others = told
+    rest = "".join(f", {text}" for text, _ in others)
+    tail = f" Hardly better than the one before: level {', '.join(map(str, idle))}." if idle else ""
+    return f"Enough: {first}{rest}.{tail}"
 
 
 def _up(percent: float) -> str:
@@ -113,8 +120,8 @@ def study_table(scene: Scene, stores: Sequence[Path] | None, levels: int = len(L
     why it has an order or none; modelling uncertainty (root of squares over the choices that were varied) and the effect of
     the scene's own ones.
 
-    Loads of single contacts, extremes that every level finds at the same ball among them, have the uncertainty of the fit
-    with one order for all contacts, the others that of their own.
+    Loads, extremes among them, have the uncertainty of their contact on the finest level, and no order; displacements that
+    of their own order.
     """
     found = studied(scene, stores, levels)
     if found is None:
@@ -132,15 +139,15 @@ def study_table(scene: Scene, stores: Sequence[Path] | None, levels: int = len(L
         row: dict[str, Any] = {"quantity": name, "unit": unit}
         row |= {f"level {r.level}": v for r, v in zip(runs, values, strict=True)}
         if len(runs) >= 2:
-            contact = _contact(take, runs)
-            pooled = found.convergence is not None and contact is not None
-            c = found.convergence[contact[0]][contact[1]] if pooled else observe(values, found.sizes)  # type: ignore[index]
+            contact = _contact(take, runs[-1])
+            own = observe(values, found.sizes) if contact is None else None
+            bar = own.uncertainty if own else float(found.uncertainty[contact])
             row |= {
-                "order": c.order,
-                "extrapolated": c.extrapolated,
-                "uncertainty": c.uncertainty,
-                "uncertainty_percent": _percent(c.uncertainty, values[-1]),
-                "kind": c.text,
+                "order": own and own.order,
+                "extrapolated": own and own.extrapolated,
+                "uncertainty": bar,
+                "uncertainty_percent": _percent(bar, values[-1]),
+                "kind": own.text if own else SCATTERS,
             }
         if base is not None and changed:
             moves = {v: abs(take(r) - take(base)) for v, r in changed.items()}
@@ -150,15 +157,14 @@ def study_table(scene: Scene, stores: Sequence[Path] | None, levels: int = len(L
     return table
 
 
-def _contact(take: Take, runs: Sequence[Run]) -> tuple[int, int] | None:
-    """Ball and side of the contact whose load a quantity is on every level, if it is that of one contact."""
+def _contact(take: Take, finest: Run) -> tuple[int, int] | None:
+    """Ball and side of the contact whose load a quantity is on the finest level, if it is that of one contact."""
     if take.func is _single:
         return take.args[0], take.args[1]
     if take.func is not _extreme:
         return None
     side, sign = take.args
-    balls = {int((sign * run.load[:, side]).argmax()) for run in runs}
-    return (balls.pop(), side) if len(balls) == 1 else None
+    return int((sign * finest.load[:, side]).argmax()), side
 
 
 def _percent(value: float | None, of: float) -> float | None:

@@ -16,15 +16,15 @@ from pathlib import Path
 
 import numpy as np
 
-from compare.models.applicability import outside
-from compare.models.registry import MODELS
-from compare.reference.store import shipped_store
-from compare.writing import replace_file
-from lowfi.statics.problem import nominal_hertz
-from lowfi.statics.result import StaticResult
-from meshes.arrays import Array
-from meshes.parts import Scene
-from meshes.solid import dimensions
+from rollbench.comparison.models.applicability import outside
+from rollbench.comparison.models.registry import MODELS
+from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison.writing import replace_file
+from rollbench.lowfi.statics.problem import nominal_hertz
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import Scene
+from rollbench.meshes.solid import dimensions
 
 #: File of the points in a store of runs.
 FILE = "model_form.json"

@@ -16,12 +16,13 @@ from pathlib import Path
 
 import numpy as np
 
-from compare.measure import LoadError, error_percent, load_error
-from compare.models.registry import DEFAULT, Options, run_model
-from compare.reference.store import Run, load
-from compare.reference.variants import TWIST, VARIANTS, Kind, twisted
-from meshes.arrays import Array
-from meshes.parts import Scene
+from rollbench.comparison.measure import LoadError, error_percent, load_error
+from rollbench.comparison.models.registry import DEFAULT, Options, run_model
+from rollbench.comparison.reference.store import Run, load
+from rollbench.comparison.reference.variants import TWIST, VARIANTS, Kind, twisted
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.loads import mean_load
+from rollbench.meshes.parts import Scene
 
 #: Scenes on which every choice is varied: one without preload, one with.
 VARIED = ("lin-case1", "lin-case3")
@@ -85,7 +86,7 @@ def varied(scene: Scene, stores: Sequence[Path] | None = None) -> list[Effect]:
 
 def effect(scene: str, variant: str, label: str, choice: str, kind: Kind, changed: Array, base: Array) -> Effect:
     """The effect of loads ``changed`` (n, 4) against ``base`` (n, 4) [N]."""
-    change = np.asarray(error_percent(changed, base, float(base[base > 0.0].mean())))
+    change = np.asarray(error_percent(changed, base, mean_load(base)))
     with np.errstate(divide="ignore", invalid="ignore"):
         before, after = (float(x[:, 0].max() / x[:, 0].min()) for x in (base, changed))
     ratio = float(error_percent(after, before)) if np.isfinite([before, after]).all() else float("nan")

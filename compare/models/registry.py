@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from compare.errors import InputError, Refusal
-from lowfi.statics.result import StaticResult
-from meshes.parts import Scene
+from rollbench.comparison.errors import InputError, Refusal
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
-    from lowfi.compliance.imported import Condensed
+    from rollbench.lowfi.compliance.imported import Condensed
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Options:
 
 
 def _lin(scene: Scene, options: Options) -> StaticResult:
-    from lowfi.statics.static import solve_static
+    from rollbench.lowfi.statics.static import solve_static
 
     return solve_static(
         scene,
@@ -45,7 +45,7 @@ def _lin(scene: Scene, options: Options) -> StaticResult:
 
 def read_condensed(scene: Scene, options: Options) -> Condensed:
     """Bodies of the file that the options name. Raises InputError where there is none that fits the scene."""
-    from lowfi.compliance.imported import Condensed
+    from rollbench.lowfi.compliance.imported import Condensed
 
     if options.condensed is None:
         raise InputError(
@@ -73,8 +73,8 @@ def read_condensed(scene: Scene, options: Options) -> Condensed:
 
 def _elastic(scene: Scene, options: Options, *, name: str) -> StaticResult:
     """A model with elastic bodies, by the name of its backend; "condensed" takes them from a file."""
-    from lowfi.compliance.bodies import LADDER, REFINED
-    from lowfi.statics.elastic import solve_elastic, with_discretisation
+    from rollbench.lowfi.compliance.bodies import LADDER, REFINED
+    from rollbench.lowfi.statics.elastic import solve_elastic, with_discretisation
 
     condensed = read_condensed(scene, options) if name == "condensed" else None
     own: dict[str, Any] = {
@@ -90,7 +90,7 @@ def _elastic(scene: Scene, options: Options, *, name: str) -> StaticResult:
 
 
 def _source(scene: Scene, options: Options) -> StaticResult:
-    from lowfi.as_source.static import solve_source_result
+    from rollbench.lowfi.as_source.static import solve_source_result
 
     if scene.ingredients.screw == "rigid":
         raise InputError(
@@ -100,13 +100,13 @@ def _source(scene: Scene, options: Options) -> StaticResult:
 
 
 def _mei(scene: Scene, options: Options) -> StaticResult:
-    from lowfi.statics.mei import solve_mei
+    from rollbench.lowfi.statics.mei import solve_mei
 
     return solve_mei(scene, member=options.member)
 
 
 def _mei_nut(scene: Scene, options: Options) -> StaticResult:
-    from lowfi.statics.mei import solve_mei
+    from rollbench.lowfi.statics.mei import solve_mei
 
     return solve_mei(scene, member=options.member, elastic_nut=True)
 
@@ -270,7 +270,8 @@ def blamed(reason: str) -> str:
 
 
 def run_model(scene: Scene, name: str = DEFAULT, options: Options | None = None) -> StaticResult:
-    """Run one model on a scene. Raises InputError for an unknown name or a scene that the model cannot describe."""
+    """Run one model on a scene; no loads stand in a result that did not converge. Raises InputError for an unknown name or
+    a scene that the model cannot describe."""
     if name not in MODELS:
         raise InputError("model", "name", f'"{name}"', ", ".join(MODELS), "see: rollbench list")
     options = options or Options()
@@ -281,4 +282,4 @@ def run_model(scene: Scene, name: str = DEFAULT, options: Options | None = None)
             result = MODELS[name].run(MODELS[name].scene(scene), options)
     except ValueError as error:
         raise Refusal(scene.name, blamed(str(error)), str(error), "check the geometry and the ingredients") from error
-    return replace(result, model=name, member=options.member)
+    return replace(result.answers(), model=name, member=options.member)

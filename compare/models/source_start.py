@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Literal
 
-from lowfi.as_source.static import SourceSolution, solve_source
-from meshes.parts import Scene
+from rollbench.lowfi.as_source.static import SourceSolution, solve_source
+from rollbench.meshes.parts import Scene
 
 
 def best_start(scene: Scene, kinematics: Literal["arc", "source"]) -> SourceSolution:

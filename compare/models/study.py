@@ -7,18 +7,18 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
-from compare.models.ensemble import EnsembleResult, run_ensemble
-from compare.models.registry import Options, run_model
-from compare.reference.estimate import Reference, reference
-from compare.scenes import catalogue
-from lowfi.statics.result import StaticResult
-from meshes.parts import SIDES, Scene
+from rollbench.comparison.models.ensemble import EnsembleResult, run_ensemble
+from rollbench.comparison.models.registry import Options, run_model
+from rollbench.comparison.reference.estimate import Reference, reference
+from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.parts import SIDES, Scene
 
 T = TypeVar("T")
 
 if TYPE_CHECKING:
-    from compare.scenes.kinds.common import KindScene
-    from meshes.axis import Assembly
+    from rollbench.comparison.scenes.kinds.common import KindScene
+    from rollbench.meshes.axis import Assembly
 
 
 @dataclass

@@ -21,16 +21,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from compare.measure import error_percent
-from compare.models.comparison import Loads, from_result, from_run
-from compare.models.modelling import SPOKEN_FOR, VARIED, base_run
-from compare.models.study import Study
-from compare.reference.convergence import observe
-from compare.reference.estimate import Reference, reference_of
-from compare.reference.store import Run, load
-from compare.reference.variants import VARIANTS
-from meshes.arrays import Array
-from meshes.parts import Material, Scene
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.models.comparison import Loads, from_result, from_run
+from rollbench.comparison.models.modelling import SPOKEN_FOR, VARIED, base_run
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.reference.convergence import observe
+from rollbench.comparison.reference.estimate import Reference
+from rollbench.comparison.reference.store import Run, load
+from rollbench.comparison.reference.variants import VARIANTS
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.loads import mean_load
+from rollbench.meshes.parts import Material, Scene
 
 Take = Callable[[Scene, Loads], Array]
 
@@ -42,13 +43,14 @@ CONTACTS = "contact loads"
 
 @dataclass(frozen=True)
 class Quantity:
-    """What is compared: name, unit, its values (any shape) of an answer, and whether per cent are of the mean of the loaded
-    contacts in place of the value itself."""
+    """What is compared: name, unit, its values (any shape) of an answer; whether per cent are of the mean of the loaded
+    contacts in place of the value itself; whether it is the load of the most loaded contact."""
 
     name: str
     unit: str
     take: Take
     of_mean: bool = False
+    of_largest: bool = False
 
 
 def _axial(scene: Scene, answer: Loads) -> Array:
@@ -63,7 +65,7 @@ def _angle(scene: Scene, answer: Loads) -> Array:  # noqa: ARG001 - every quanti
 
 QUANTITIES = (
     Quantity(CONTACTS, "N", lambda scene, answer: answer.load, of_mean=True),  # noqa: ARG005
-    Quantity("largest load", "N", lambda scene, answer: np.array([answer.load.max()])),  # noqa: ARG005
+    Quantity("largest load", "N", lambda scene, answer: np.array([answer.load.max()]), of_largest=True),  # noqa: ARG005
     Quantity("axial displacement", "um", _axial),
     Quantity("contact angle of the most loaded contact", "deg", _angle),
 )
@@ -135,18 +137,20 @@ class Uncertainty:
 
 def percent(quantity: Quantity, value: Array, base: Array, loads: Array) -> Array:
     """Difference in per cent of what the quantity is given in; loads (n, 4) [N] of the reference."""
-    scale = float(loads[loads > 0.0].mean()) if quantity.of_mean else None
+    scale = mean_load(loads) if quantity.of_mean else None
     return np.asarray(error_percent(value, base, scale))
 
 
 def grid_uncertainty(scene: Scene, found: Reference, quantity: Quantity) -> Array:
-    """Of the finest run, in per cent; nan with one level."""
+    """Of the finest run, in per cent; nan with one level, but for loads, of which there is experience."""
     base = quantity.take(scene, from_run(found.best, ""))
+    if quantity.of_mean:
+        return percent(quantity, found.uncertainty, np.zeros_like(base), found.load)
+    if quantity.of_largest:
+        own = found.uncertainty.ravel()[int(found.load.argmax())]
+        return np.asarray(error_percent(np.full(base.shape, own), np.zeros(base.shape), base))
     if len(found.runs) < 2:
         return np.full(base.shape, np.nan)
-    if quantity.of_mean:
-        assert found.uncertainty is not None
-        return percent(quantity, found.uncertainty, np.zeros_like(base), found.load)
     values = [float(quantity.take(scene, from_run(run, ""))[0]) for run in found.runs]
     own = observe(values, found.sizes).uncertainty or 0.0
     return np.asarray(error_percent(np.full(base.shape, own), np.zeros(base.shape), base))
@@ -179,18 +183,21 @@ def choice_uncertainty(study: Study, name: str, quantity: Quantity) -> Array | N
     return np.asarray(np.sqrt(sum(x**2 for x in worst.values()))) if worst else None
 
 
-def input_uncertainty(study: Study, scene: Scene, quantity: Quantity) -> Array:
-    """Root of squares over the tolerances of the inputs, by the sensitivities of a cheap model."""
+def input_parts(study: Study, scene: Scene, quantity: Quantity) -> dict[str, Array]:
+    """Change in per cent by every tolerance of the inputs that a scene has, by the sensitivities of a cheap model."""
     base = study.solve(scene, SENSITIVE)
-    own = quantity.take(scene, from_result(base))
-    total = np.zeros_like(own)
+    own, out = quantity.take(scene, from_result(base)), {}
     for one in INPUTS:
         changed = one.change(scene)
-        if changed is None:
-            continue
-        result = study.solve(changed, SENSITIVE)
-        total = total + percent(quantity, quantity.take(changed, from_result(result)), own, base.load) ** 2
-    return np.asarray(np.sqrt(total))
+        if changed is not None:
+            value = quantity.take(changed, from_result(study.solve(changed, SENSITIVE)))
+            out[one.name] = percent(quantity, value, own, base.load)
+    return out
+
+
+def input_uncertainty(study: Study, scene: Scene, quantity: Quantity) -> Array:
+    """Root of squares over the tolerances of the inputs."""
+    return np.asarray(np.sqrt(sum(change**2 for change in input_parts(study, scene, quantity).values())))
 
 
 def uncertainty(study: Study, name: str, quantity: Quantity) -> Uncertainty | None:
@@ -247,7 +254,7 @@ def validated(study: Study, name: str, model: str, quantity: Quantity, answer: L
     reference = quantity.take(scene, from_run(found.best, ""))
     value = quantity.take(scene, answer)
     error = percent(quantity, value, reference, found.load)
-    floor = 0.1 * float(found.load[found.load > 0.0].mean()) if quantity.of_mean else 0.0
+    floor = 0.1 * mean_load(found.load) if quantity.of_mean else 0.0
     # every loaded contact is judged; a value by itself is one
     judged = ((value > 0.0) | (reference > 0.0)) if quantity.of_mean else np.ones(value.shape, dtype=bool)
     big = judged & (reference > floor) & (value > 0.0) if quantity.of_mean else reference * value > 0.0
@@ -305,15 +312,3 @@ def bound_shares(rows: Sequence[Mapping[str, float | str]]) -> dict[str, tuple[i
         good = float(row["measured"]) <= float(row["expected"])
         out[str(row["model"])] = (held + good, total + 1)
     return out
-
-
-def grid_bounds(found: Reference) -> tuple[int, int] | None:
-    """Contacts whose load on the finest of four levels lies within the uncertainty that the three before stated, and all;
-    None with fewer levels."""
-    if len(found.runs) < 4:
-        return None
-    coarser = reference_of(found.scene, found.runs[:3])
-    assert coarser.uncertainty is not None
-    loaded = found.load > 0.0
-    held = np.abs(found.load - coarser.load)[loaded] <= coarser.uncertainty[loaded]
-    return int(held.sum()), int(loaded.sum())

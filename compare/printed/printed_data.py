@@ -11,7 +11,7 @@ from functools import cache
 from importlib import resources
 from typing import Any, Literal, cast
 
-from compare.errors import InputError
+from rollbench.comparison.errors import InputError
 
 Class = Literal["hard", "as-printed", "band", "open", "input"]
 CLASSES: tuple[Class, ...] = ("hard", "as-printed", "band", "open", "input")
@@ -62,7 +62,7 @@ class Printed:
 
 def tables() -> list[str]:
     """Names of the shipped tables, sorted."""
-    files = resources.files("compare").joinpath("printed").iterdir()
+    files = resources.files("rollbench.comparison").joinpath("printed").iterdir()
     return sorted(f.name.removesuffix(".toml") for f in files if f.name.endswith(".toml"))
 
 
@@ -72,7 +72,7 @@ def load_table(name: str) -> tuple[Printed, ...]:
     if name not in tables():
         advice = "list the tables with: rollbench list"
         raise InputError("printed tables", "name", f'"{name}"', ", ".join(tables()), advice)
-    text = resources.files("compare").joinpath("printed", f"{name}.toml").read_text(encoding="utf-8")
+    text = resources.files("rollbench.comparison").joinpath("printed", f"{name}.toml").read_text(encoding="utf-8")
     return parse_table(text, name)
 
 

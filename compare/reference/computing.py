@@ -9,19 +9,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from compare import __version__
-from compare.reference.levels import LEVELS
-from compare.reference.store import Run, versions
-from compare.reference.tasks import Task, needed_sides, refused, settings_of
-from compare.reference.variants import VARIANTS
-from compare.system import need_gmsh, out_of_memory
-from meshes.condensed import CondensedBodies
-from meshes.memory import peak_MB
-from meshes.parts import Scene
+from rollbench.comparison import __version__
+from rollbench.comparison.reference.levels import LEVELS
+from rollbench.comparison.reference.store import Run, versions
+from rollbench.comparison.reference.tasks import Task, needed_sides, refused, settings_of
+from rollbench.comparison.reference.variants import VARIANTS
+from rollbench.comparison.system import need_reference, out_of_memory
+from rollbench.meshes.condensed import CondensedBodies
+from rollbench.meshes.memory import peak_MB
+from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
-    from hifi.fit import Settings
-    from hifi.setup import Setup
+    from rollbench.hifi.settings import Settings
+    from rollbench.hifi.setup import Setup
 
 Step = Callable[[str], None]
 
@@ -37,15 +37,15 @@ def compute(task: Task, step: Step = lambda _: None) -> list[Run]:
 
 
 def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[Run], CondensedBodies | None]:
-    """Run a task; with its runs, where all converged, the bodies condensed to the contacts, if `with_bodies`.
+    """Run a task; with its runs, where all have loads, the bodies condensed to the contacts, if `with_bodies`.
 
     Where a contact reaches the rim of its patch, patches are enlarged to what the loads found need, if that changes them.
     """
-    need_gmsh()
-    from hifi.condensed import condensed_bodies
-    from hifi.reference import AT_RIM
-    from hifi.setup import prepare
-    from meshes.cache import Cache
+    need_reference()
+    from rollbench.hifi.condensed import condensed_bodies
+    from rollbench.hifi.reference import AT_RIM
+    from rollbench.hifi.setup import prepare
+    from rollbench.meshes.cache import Cache
 
     scenes = task.scenes
     if task.variant:
@@ -70,15 +70,15 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
             break
         settings = larger
         step(f"a contact reaches the rim of its patch, larger patches: {why}")
-    good = all(run.status == "converged" for run in runs)
+    good = all(run.answers for run in runs)
     return runs, condensed_bodies(setup, task.level) if good and with_bodies(task) else None
 
 
 def enlarged(setup: Setup, scenes: Sequence[Scene], runs: Sequence[Run]) -> tuple[Settings | None, str]:
     """Settings with patches for the loads that were found, or None where that changes no patch; a text with both
     numbers."""
-    from hifi.expected import hertz_units
-    from hifi.fit import patch_lines, socket_size
+    from rollbench.hifi.expected import hertz_units
+    from rollbench.hifi.fit import patch_lines, socket_size
 
     def zone(settings: Settings) -> tuple[float, float]:
         """Half widths [m] of the contact zone."""
@@ -121,9 +121,9 @@ def with_bodies(task: Task) -> bool:
 
 def _one(task: Task, number: int, scene: Scene, setup: Setup, sides: tuple[int, ...], step: Step) -> Run:
     """One load case of a prepared geometry; the run carries the name of the task's own scene."""
-    from hifi.reference import INGREDIENTS, solve_reference
+    from rollbench.hifi.reference import INGREDIENTS, solve_reference
 
-    result = solve_reference(setup, scene, sides=sides)
+    result = solve_reference(setup, scene, sides=sides, step=step)
     without, seconds = {}, {}
     if task.ablate:
         for name in INGREDIENTS:
@@ -132,12 +132,13 @@ def _one(task: Task, number: int, scene: Scene, setup: Setup, sides: tuple[int, 
     frozen = without.get("moving normals")
     if frozen is None:
         frozen = solve_reference(setup, scene, sides=sides, updates=0).load
-    step(f"{scene.name}, level {task.level}: {result.status}, {result.seconds['contact']:.1f} s")
+    step(f"contact loads: {result.seconds['contact']:.1f} s, {scene.name} {result.status}")
     return Run(
         scene=task.scenes[number].name,
         level=task.level,
         variant=task.variant,
         status=result.status,
+        moving=result.moving,
         load=result.load,
         angle=np.degrees(result.contact_angle),
         frozen=frozen,

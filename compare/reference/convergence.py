@@ -1,4 +1,5 @@
-"""Grid convergence by least squares after Eca and Hoekstra (J. Comput. Phys. 262 (2014) 104-130), alone and pooled.
+"""Grid convergence by least squares after Eca and Hoekstra (J. Comput. Phys. 262 (2014) 104-130), alone and pooled: of
+displacements, angles and friction. Contact loads do not converge by an order: `compare.reference.grid_parts`.
 
 A quantity phi on cells of size h is fitted by phi_0 + alpha h^p, with equal weights and with weights 1 / h; the fit of the
 smaller standard deviation counts. Where its order p lies outside ``ORDERS``, phi_0 + alpha h, phi_0 + alpha h^2 and (below
@@ -15,16 +16,15 @@ so; both are tested for the share of noisy sequences whose truth U holds.
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from compare.reference.grid_fits import SEARCH, Fit, allowed, fixed, given, searched
-from meshes.arrays import Array
+from rollbench.comparison.reference.grid_fits import SEARCH, Fit, allowed, fixed, given, searched
+from rollbench.meshes.arrays import Array
 
 #: Orders that are believed (the source's range): below, cells are too coarse to tell; above, it is chance.
 ORDERS = (0.5, 2.0)
@@ -32,11 +32,6 @@ ORDERS = (0.5, 2.0)
 SAFE, CAREFUL = 1.25, 3.0
 #: Changes below this share of the largest value are the last digit of stored values.
 ROUND_OFF = 1e-6
-#: Of the F test by which a scene's own values must contradict the order of the method before it is not believed for them,
-#: since of twenty scenes one contradicts at 95 % by chance. Its contacts share the scatter of their bodies' meshes and so
-#: count as one quantity there: as independent ones, those of case 3 ask for an order below zero, where 2 fits them to
-#: 0.033 % of the mean load in place of 0.031 %.
-CONTRADICTION = 0.99
 #: Orders of the interval that ``pool`` goes through for the largest uncertainty.
 STEPS = 16
 
@@ -45,12 +40,11 @@ NOT_MONOTONE = "not monotone"
 OUT_OF_RANGE = "order out of range"
 HELD = "held (zero by a support or no load)"
 TOO_FEW = "fewer than three levels"
-LABELS = (MONOTONE, NOT_MONOTONE, OUT_OF_RANGE, HELD, TOO_FEW)
 
 
 @dataclass(frozen=True)
 class Convergence:
-    """One quantity: ``values`` coarse to fine; ``label``, one of ``LABELS``: why it has an order of its own or none;
+    """One quantity: ``values`` coarse to fine; ``label``: why it has an order of its own or none;
     ``own_order``: what its own values give, believed or not (None where they give nothing); ``extrapolated``: value on
     cells of no size, None where none is believed; ``uncertainty`` of the finest value, in the quantity's unit, None with
     one level."""
@@ -74,38 +68,6 @@ class Convergence:
         if self.label == MONOTONE:
             return f"monotone, order {self.own_order:.2f}"
         return f"order out of range (p {_shown(self.own_order)})"
-
-
-@dataclass(frozen=True)
-class Pooled:
-    """Quantities with one order: ``order`` where it is believed; ``fitted_order`` whatever it is and the ``interval`` that
-    the data allow (both None with fewer than three levels); standard deviation about the fit of all quantities together;
-    the convergence of each; ``by_method``: whether the order of the method stood in for their own."""
-
-    order: float | None
-    fitted_order: float | None
-    interval: tuple[float, float] | None
-    deviation: float | None
-    each: tuple[Convergence, ...]
-    by_method: bool = False
-
-    @property
-    def labels(self) -> dict[str, int]:
-        """Number of quantities by label, in the order of ``LABELS``."""
-        found = Counter(c.label for c in self.each)
-        return {label: found[label] for label in LABELS if found[label]}
-
-    @property
-    def text(self) -> str:
-        """Text on the order, with the interval that the data allow."""
-        if self.fitted_order is None or self.interval is None:
-            return TOO_FEW if any(c.label == TOO_FEW for c in self.each) else HELD
-        low, high = self.interval
-        if self.by_method:
-            return f"of the method (own p {_shown(self.fitted_order)}, {low:.2g} to {high:.2g})"
-        if self.order is None:
-            return f"out of range: p {_shown(self.fitted_order)} ({low:.2g} to {high:.2g})"
-        return f"{self.order:.2f} ({low:.2g} to {high:.2g})"
 
 
 def _shown(p: float) -> str:
@@ -154,87 +116,44 @@ def observe(values: ArrayLike, sizes: ArrayLike) -> Convergence:
     return Convergence(given_, label, order, limit, uncertainty)
 
 
-def common_order(values: ArrayLike, sizes: ArrayLike) -> tuple[float, tuple[float, float]]:
-    """Order of the method, and the interval that the data allow (F test, 95 %), of quantities ``(levels, m)`` of many
-    scenes in one unit. Quantities that are the same on every level take no part.
-
-    Raises ValueError as ``observe``, and for fewer than three levels or nothing that moves.
-    """
-    y, h = _checked(values, sizes)
-    y = y[:, [not _still(column) for column in y.T]]
-    if len(h) < 3 or not y.size:
-        raise ValueError(f"{len(h)} levels of {y.shape[1]} moving quantities give no order")
-    free = min((searched(y, h, weighted) for weighted in (False, True)), key=lambda f: f.deviation)
-    assert free.order is not None
-    return free.order, allowed(y, h, free)
-
-
-def pool(values: ArrayLike, sizes: ArrayLike, method: tuple[float, float] | None = None) -> Pooled:
-    """Convergence of many like quantities ``(levels, m)`` on cells of ``sizes``, coarse to fine, with one order for all.
+def pool(values: ArrayLike, sizes: ArrayLike) -> Array:
+    """Uncertainties ``(m,)`` of the finest values of many like quantities ``(levels, m)`` that converge, on cells of
+    ``sizes``, coarse to fine, with one order for all; nan with one level.
 
     phi_0 and alpha are each quantity's own; the order that all share is searched, with the interval of orders that the
     data allow (F test, 95 %). So many degrees of freedom are left that sigma is known, which changes against the source:
     U is the largest of 1.25 |delta| + sigma + |r_1| over all allowed orders within ``ORDERS``; where all of them lie above,
     2 is taken, whose error is larger than the fit's own; where all lie below, the source's fits of fixed orders are,
     with its factor of 3. sigma of a quantity is its own or that of all, whichever is larger: one or two residuals are
-    small by chance too often. The order is believed where it lies in the range, or above it by no more than chance allows
-    (then it is 2); values are extrapolated by it unless an order below the range is allowed too.
-
-    method: interval of orders of the method, from many scenes together (`common_order`); its lower end, at most 2, is
-    the least order that is looked at unless all orders that the quantities, taken together, allow lie below it (F test,
-    ``CONTRADICTION``): where little but scatter is left between the levels they allow any order, and one that is too
-    low makes errors of scatter.
+    small by chance too often.
 
     Two levels: a band of three times the difference, or three times the RMS difference of all where that is larger.
-    Quantities that are the same on every level are held: they take no part, and have no uncertainty.
-    Raises ValueError as ``observe``.
+    Quantities that are the same on every level have no uncertainty. Raises ValueError as ``observe``.
     """
     y, h = _checked(values, sizes)
-    n, m = y.shape
+    bars = np.zeros(y.shape[1])
     moving = np.array([not _still(column) for column in y.T], dtype=bool)
-    if n < 3 or not moving.any():
-        return _banded(y, moving)
     data = y[:, moving]
+    if len(h) == 1:
+        return np.full(y.shape[1], np.nan)
+    if len(h) == 2:
+        difference = np.abs(data[1] - data[0])
+        bars[moving] = CAREFUL * np.maximum(difference, np.sqrt((difference**2).sum() / max(difference.size, 1)))
+    elif moving.any():
+        bars[moving] = _pooled(data, h)
+    return bars
+
+
+def _pooled(data: Array, h: Array) -> Array:
+    """The uncertainties of `pool` for three levels or more of quantities that all move."""
     free = min((searched(data, h, weighted) for weighted in (False, True)), key=lambda f: f.deviation)
-    assert free.order is not None
-    data_allow = interval = allowed(data, h, free)
-    order, by_method = free.order, False
-    if method is not None:
-        least = min(method[0], ORDERS[1])
-        if allowed(data, h, free, CONTRADICTION, together=True)[1] >= least:
-            interval, by_method = (least, max(method[1], least)), True
-            order = min(max(order, interval[0]), interval[1])
-    if interval[1] < ORDERS[0]:
+    low, high = allowed(data, h, free)
+    if high < ORDERS[0]:
         fits, factor = [min(fixed(data, h, both=True), key=lambda f: f.deviation)], CAREFUL
     else:
-        low, high = (min(max(p, ORDERS[0]), ORDERS[1]) for p in interval)
+        low, high = (min(max(p, ORDERS[0]), ORDERS[1]) for p in (low, high))
         fits, factor = [given(data, h, float(p), free.weighted) for p in np.linspace(low, high, STEPS)], SAFE
-    bars, limits = np.zeros(m), y[-1].copy()
-    bars[moving] = np.max([_bar(data, f, np.maximum(f.own, f.deviation), factor) for f in fits], axis=0)
-    believed = min(order, ORDERS[1]) if order >= ORDERS[0] and (by_method or interval[0] <= ORDERS[1]) else None
-    extrapolate = believed is not None and interval[0] >= ORDERS[0]
-    if believed is not None:
-        limits[moving] = given(data, h, believed, free.weighted).limit
-    each = []
-    for k in range(m):
-        label, own = _label(y[:, k], h) if moving[k] else (HELD, None)
-        limit = float(limits[k]) if extrapolate or not moving[k] else None
-        each.append(Convergence(tuple(float(v) for v in y[:, k]), label, own, limit, float(bars[k])))
-    return Pooled(believed, free.order, data_allow, free.deviation, tuple(each), by_method)
-
-
-def _banded(y: Array, moving: NDArray[np.bool_]) -> Pooled:
-    """One or two levels, or nothing that moves: bands, no order."""
-    n, m = y.shape
-    if n == 1:
-        return Pooled(None, None, None, None, tuple(Convergence((float(v),), TOO_FEW, None, None, None) for v in y[0]))
-    difference = np.abs(y[-1] - y[-2])
-    floor = float(np.sqrt((difference[moving] ** 2).mean())) if moving.any() else 0.0
-    band = np.where(moving, CAREFUL * np.maximum(difference, floor), 0.0)
-    label = TOO_FEW if n == 2 else HELD
-    limits = [None if n == 2 else float(v) for v in y[-1]]
-    each = [Convergence(tuple(float(v) for v in y[:, k]), label, None, limits[k], float(band[k])) for k in range(m)]
-    return Pooled(None, None, None, None, tuple(each))
+    return np.asarray(np.max([_bar(data, f, np.maximum(f.own, f.deviation), factor) for f in fits], axis=0))
 
 
 def _checked(values: ArrayLike, sizes: ArrayLike) -> tuple[Array, Array]:

@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from compare.errors import InputError
-from compare.reference.tasks import Task, needed_sides
-from compare.system import available_GB
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.reference.tasks import Task, needed_sides
+from rollbench.comparison.system import available_GB
 
 #: Seconds of the contact patches, by level: they do not depend on the number of contacts.
 PATCHES = {0: 3.0, 1: 13.0, 2: 25.0, 3: 45.0, 4: 100.0, 5: 200.0}
@@ -22,8 +22,9 @@ GROWTH = {0: 0.4, 1: 1.0, 2: 1.2, 3: 1.8, 4: 3.0, 5: 6.0}
 #: Memory [GB]: of all that does not grow with the contacts, by level, and a contact.
 BASE_GB = {0: 0.6, 1: 0.65, 2: 0.9, 3: 1.3, 4: 2.2, 5: 4.4}
 CONTACT_GB = 0.007
-#: What a second process saves of the time of the stages that it shares, and adds to the memory.
-SHARED, FASTER, MORE = ("patches", "ball", "shaft section", "screw", "nut"), 1.7, 0.7
+#: What a second process saves of the time of the stages that it shares, and adds to the memory: a share, or where there are
+#: so many contacts that it makes patches alone (`hifi.setup.TOGETHER`), what these take.
+SHARED, FASTER, MORE, TOGETHER = ("patches", "ball", "shaft section", "screw", "nut"), 1.7, 0.7, 160
 #: Order of the stages, by the names that `hifi.setup.prepare` gives them.
 STAGES = ("meshes", "patches", "ball", "shaft section", "screw", "nut", "contact loads")
 
@@ -52,7 +53,7 @@ def expected(task: Task) -> Expected:
     memory = BASE_GB[task.level] + CONTACT_GB * contacts
     if task.processes > 1:
         stages |= {name: stages[name] / FASTER for name in SHARED}
-        memory *= 1.0 + MORE
+        memory += MORE * memory if contacts <= TOGETHER else BASE_GB[task.level]
     return Expected(stages, memory)
 
 
@@ -85,18 +86,38 @@ def duration(seconds: float) -> str:
 
 
 class Progress:
-    """Stage, share and time left of one task, from what its stages were expected to take and have taken."""
+    """Stage, share and time left of one task, from what its stages were expected to take and have taken.
 
-    def __init__(self, task: Task) -> None:
+    ``stages``: name and expected seconds of those to come, the contact loads of every scene one of them; ``after``:
+    expected seconds of the tasks that follow, which are left too.
+    """
+
+    def __init__(self, task: Task, after: float = 0.0) -> None:
         """Nothing is done yet."""
-        self.label, self.stages, self.done = task.label, expected(task).stages, 0.0
+        self.label, self.after = task.label, after
+        stages, scenes = expected(task).stages, len(task.scenes)
+        loads = stages.pop("contact loads")
+        self.stages = [*stages.items(), *[("contact loads", loads / scenes)] * scenes]
+        self.done = self.computed = 0.0
+
+    @property
+    def under_way(self) -> str:
+        """The task, and the stage that is not done yet."""
+        return f"{self.label}: {self.stages[0][0]}" if self.stages else self.label
 
     def line(self, text: str, spent: float) -> str:
-        """What is said when ``text`` (``stage: seconds``) is heard after ``spent`` seconds."""
+        """What is said when ``text`` (``stage: seconds``) is heard after ``spent`` seconds.
+
+        Stages from the cache say nothing of the machine's pace.
+        """
         name = text.split(":")[0]
-        if name not in self.stages:
+        own = next((stage for stage in self.stages if stage[0] == name), None)
+        if own is None:
             return f"{self.label}: {text}"
-        self.done += self.stages.pop(name)
-        left = sum(self.stages.values())
-        pace = min(max(spent / self.done, 0.1), 10.0) if self.done else 1.0
-        return f"{self.label}: {text}; {self.done / (self.done + left):.0%}, about {duration(pace * left)} left"
+        self.stages.remove(own)
+        self.done += own[1]
+        self.computed += 0.0 if text.endswith(", from the cache") else own[1]
+        left = sum(seconds for _, seconds in self.stages)
+        pace = min(max(spent / self.computed, 0.1), 10.0) if self.computed else 1.0
+        total = f"about {duration(pace * (left + self.after))} left"
+        return f"{self.label}: {text}; {self.done / (self.done + left):.0%}, {total}{' in all' if self.after else ''}"

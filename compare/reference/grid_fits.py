@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import f as f_ratio
 
-from meshes.arrays import Array
+from rollbench.meshes.arrays import Array
 
 #: Orders that are looked for, negative ones (values that drift off) among them.
 SEARCH = (-4.0, 12.0)
@@ -69,21 +69,16 @@ def fixed(y: Array, h: Array, *, both: bool) -> list[Fit]:
     return out
 
 
-def allowed(
-    y: Array, h: Array, best: Fit, confidence: float = CONFIDENCE, *, together: bool = False
-) -> tuple[float, float]:
+def allowed(y: Array, h: Array, best: Fit) -> tuple[float, float]:
     """Interval of orders about that of the ``searched`` fit whose squares exceed its own by no more than chance allows (F
-    test of that ``confidence``); all of ``SEARCH`` where the fit has no degree of freedom.
-
-    together: the quantities scatter together, so that all of them have the freedom of one.
-    """
+    test, ``CONFIDENCE``); all of ``SEARCH`` where the fit has no degree of freedom."""
     n, m = y.shape
-    freedom = n - 2 if together else (n - 2) * m - 1
+    freedom = (n - 2) * m - 1
     if freedom < 1 or best.order is None:
         return SEARCH
     w = weights(h, best.weighted)
     least = float(_squares(y, h, w, np.array([best.order]))[0])
-    limit = least * (1.0 + float(f_ratio.ppf(confidence, 1, freedom)) / freedom)
+    limit = least * (1.0 + float(f_ratio.ppf(CONFIDENCE, 1, freedom)) / freedom)
     ends = []
     for end in SEARCH:
         p = np.linspace(best.order, end, 801)

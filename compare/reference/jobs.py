@@ -9,18 +9,18 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
 
-from compare.errors import InputError
-from compare.reference.computing import compute_with_bodies, with_bodies
-from compare.reference.expected import Progress, duration, expected, need_memory
-from compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
-from compare.reference.store import Run, bodies_path, load, path_in, save
-from compare.reference.tasks import Task, groups
-from compare.reference.variants import VARIANTS
-from compare.system import cores
-from compare.watch import reader_gone
-from meshes.condensed import CondensedBodies
-from meshes.memory import reset_peak
-from meshes.parts import Scene
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.reference.computing import compute_with_bodies, with_bodies
+from rollbench.comparison.reference.expected import Progress, duration, expected, need_memory
+from rollbench.comparison.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
+from rollbench.comparison.reference.store import Run, bodies_path, load, path_in, save
+from rollbench.comparison.reference.tasks import Task, groups
+from rollbench.comparison.reference.variants import VARIANTS
+from rollbench.comparison.system import cores
+from rollbench.comparison.watch import reader_gone
+from rollbench.meshes.condensed import CondensedBodies
+from rollbench.meshes.memory import reset_peak
+from rollbench.meshes.parts import Scene
 
 Step = Callable[[str], None]
 #: Interval of progress messages [s].
@@ -51,7 +51,8 @@ def plan(
     source: bool = False,
     ablate: bool = False,
 ) -> list[Task]:
-    """Tasks of a study, dearest first: every level of every geometry, variants on their level, ablation on the coarsest."""
+    """Tasks of a study: the coarsest level of every geometry, which already says something, then the dearest of the rest;
+    variants on their level, ablation on the coarsest."""
     tasks = []
     for group in groups(scenes):
         own = tuple(group)
@@ -61,7 +62,8 @@ def plan(
         tasks += [Task(own[:1], VARIANTS[variant].level, variant) for variant in variants]
         if any(VARIANTS[variant].refined for variant in variants):
             tasks.append(Task(own[:1], PRODUCTION, "base"))  # what choices refined alone are compared with
-    return sorted(tasks, key=lambda task: -expected(task).seconds)
+    coarsest = min(levels, default=None)
+    return sorted(tasks, key=lambda task: (task.level != coarsest or bool(task.variant), -expected(task).seconds))
 
 
 def missing(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
@@ -82,22 +84,24 @@ def missing(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
     return left
 
 
-def perform(task: Task, store: Path, step: Step = lambda _: None) -> tuple[list[Run], CondensedBodies | None]:
+def perform(
+    task: Task, store: Path, step: Step = lambda _: None, progress: Progress | None = None
+) -> tuple[list[Run], CondensedBodies | None]:
     """Compute a task and store what it gives at once, so that an interrupted study loses only what was under way.
 
-    The record of peak memory starts anew, so that every run has its own. step: hears of every stage.
+    The record of peak memory starts anew, so that every run has its own. step: hears of every stage, by ``progress``.
     """
     reset_peak()
-    start, progress = perf_counter(), Progress(task)
+    start, progress = perf_counter(), progress or Progress(task)
     runs, bodies = compute_with_bodies(task, lambda text: step(progress.line(text, perf_counter() - start)))
     keep(store, task, runs, bodies)
     return runs, bodies
 
 
 def keep(store: Path, task: Task, runs: Sequence[Run], bodies: CondensedBodies | None) -> None:
-    """Store the converged runs of a task, and its bodies. Raises InputError where the folder cannot be written to."""
+    """Store the runs of a task that have loads, and its bodies. Raises InputError where the folder cannot be written to."""
     for run, scene in zip(runs, task.scenes, strict=True):
-        if run.status == "converged":
+        if run.answers:
             save(store, scene, run)
     if bodies is None:
         return
@@ -110,13 +114,21 @@ def keep(store: Path, task: Task, runs: Sequence[Run], bodies: CondensedBodies |
 
 
 def ensure(
-    tasks: Sequence[Task], store: Path, engine: Engine, step: Step, stores: Sequence[Path] = (), *, fresh: bool = False
+    tasks: Sequence[Task],
+    store: Path,
+    engine: Engine,
+    step: Step,
+    stores: Sequence[Path] = (),
+    *,
+    fresh: bool = False,
+    stored: Callable[[Task], None] = lambda _: None,
 ) -> list[Run]:
-    """Compute what neither ``store`` nor ``stores`` hold, or, fresh, everything; returns the runs that did not converge.
+    """Compute what neither ``store`` nor ``stores`` hold, or, fresh, everything; returns the runs without loads.
 
-    What it will take is said first. Raises InputError where this machine has too little memory for it.
+    What it will take is said first. stored: hears of every task that is kept while more are to come. Raises InputError
+    where this machine has too little memory for it.
     """
-    from compare.reference import parallel
+    from rollbench.comparison.reference import parallel
 
     wanted = tasks if fresh else missing(tasks, (store, *stores))
     here = engine.backend == "joblib"
@@ -124,28 +136,34 @@ def ensure(
     failed: list[Run] = []
     if not left:
         return failed
-    start, done, total = perf_counter(), 0.0, sum(expected(task).seconds for task in left)
+    start, done = perf_counter(), 0.0
     alone = here and (engine.workers or 1) == 1
     step(_announced(left, len(tasks) - len(left), store, engine.workers or 1, here=here))
-    jobs = [(perform, (task, store, step) if alone else (task, store)) for task in left]
+    seconds = [expected(task).seconds for task in left]
+    told = [Progress(task, sum(seconds[k + 1 :])) for k, task in enumerate(left)]
+    jobs = [(perform, (task, store, step, own) if alone else (task, store)) for task, own in zip(left, told, strict=True)]
     finished = 0
 
     def reached(index: int, made: tuple[list[Run], CondensedBodies | None]) -> None:
         nonlocal done, finished
         task = left[index]
         runs, bodies = made
-        good = [(scene, run) for scene, run in zip(task.scenes, runs, strict=True) if run.status == "converged"]
+        good = [(scene, run) for scene, run in zip(task.scenes, runs, strict=True) if run.answers]
         if not all(path_in(store, scene, run).exists() for scene, run in good):
             keep(store, task, runs, bodies)  # computed on a machine that does not share this folder
-        failed.extend(run for run in runs if run.status != "converged")
-        done += expected(task).seconds
+        failed.extend(run for run in runs if not run.answers)
+        done += seconds[index]
         finished += 1
         spent = perf_counter() - start
-        rest = spent * (total - done) / done
-        bad = [f"{run.scene}: {run.status}" for run in runs if run.status != "converged"]
-        tail = f" (not stored: {'; '.join(bad)})" if bad else ""
+        rest = spent * (sum(seconds) - done) / done
+        bad = [
+            f"{run.scene}: {'' if run.answers else 'not stored: '}{run.status}" for run in runs if run.status != "converged"
+        ]
+        tail = f" ({'; '.join(bad)})" if bad else ""
         ahead = f", about {rest:.0f} s left" if finished < len(left) else ""
         step(" ".join(f"[{finished}/{len(left)}] {task.label}{tail}: {spent:.0f} s{ahead}".split()))
+        if finished < len(left):
+            stored(task)
 
     over = threading.Event()
 
@@ -154,7 +172,8 @@ def ensure(
             if reader_gone():
                 interrupt_main()
                 return
-            step(f"... {perf_counter() - start:.0f} s, {finished} of {len(left)} done")
+            stage = f"; {told[finished].under_way}" if alone and finished < len(left) else ""
+            step(f"... {perf_counter() - start:.0f} s, {finished} of {len(left)} done{stage}")
 
     threading.Thread(target=pulse, daemon=True).start()
     try:

@@ -122,9 +122,12 @@ SOURCE_MESH: dict[str, Any] = {
 }
 #: Finest level of a production run, from which single choices are refined alone.
 PRODUCTION = 3
-#: Levels of a study: the one beyond production tells the order of the method. Level 5 is for scenes whose uncertainty four
-#: levels leave above 0.3 %.
+#: Levels of a study: the one beyond production judges the uncertainty of those before it. Level 5 is for scenes with
+#: lightly loaded contacts beside heavy ones, of which it judges that of four levels.
 STUDIED = (1, 2, 3, 4)
+#: Levels of a scene that nobody studies: each is clearly more accurate than those before it, which level 3 hardly is than
+#: levels 1 and 2 (`rollbench mesh-study`).
+ADVISED = (1, 2, 4)
 _RATIOS = ("b_over_h", "growth")
 
 

@@ -16,8 +16,9 @@ from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager
 from typing import Any
 
-from compare import __version__
-from compare.errors import InputError
+from rollbench.comparison import __version__
+from rollbench.comparison.errors import InputError
+from rollbench.meshes.workers import local
 
 #: A job: a function without arguments, or a function and its arguments. What leaves this process must be picklable.
 Job = Callable[[], Any] | tuple[Callable[..., Any], Sequence[Any]]
@@ -69,7 +70,7 @@ def _elsewhere(
     """Numbers and results of jobs in other processes."""
     from joblib import delayed
 
-    tasks = [delayed(_call)(number, *call) for number, call in enumerate(calls)]
+    tasks = [delayed(_call)(number, __version__, *call) for number, call in enumerate(calls)]
     with _answers(tasks, backend, scheduler, workers) as answers:
         for number, good, packed in answers:
             value = pickle.loads(packed)
@@ -78,13 +79,16 @@ def _elsewhere(
             yield number, value
 
 
-def _call(number: int, function: Callable[..., Any], arguments: Sequence[Any]) -> Answer:
+def _call(number: int, version: str, function: Callable[..., Any], arguments: Sequence[Any]) -> Answer:
     """Run one job in a worker; one at a time in a process, because gmsh has one state per process.
 
+    A worker that is not of ``version``, which may have joined the cluster at any time, refuses it by an InputError.
     Results and exceptions travel as bytes: joblib hangs on results that cannot be unpickled.
     """
     with _ALONE:
         try:
+            if version != __version__:
+                raise _other_version(f"a worker of rollbench {__version__}, which joined later", version)
             return number, True, pickle.dumps(function(*arguments))
         except Exception as error:
             note = f"In a worker: {traceback.format_exc()}"
@@ -119,7 +123,7 @@ def _answers(tasks: list[Any], backend: str, scheduler: str | None, workers: int
         else:
             options |= {"n_jobs": workers, "pre_dispatch": workers, "max_nbytes": None}  # no read-only arguments
             threads = max(1, cpu_count() // workers)
-            stack.enter_context(parallel_config(backend="loky", inner_max_num_threads=threads))
+            stack.enter_context(local(threads))
         answers = Parallel(**options)(tasks)
         try:
             yield answers
@@ -214,9 +218,14 @@ def _cluster(scheduler: str | None, workers: int) -> Iterator[tuple[Any, int]]:
             raise refuse(f"workers without rollbench ({error})", "install it where the workers run") from error
         if versions != {__version__}:
             found = ", ".join(sorted(versions))
-            raise refuse(f"workers of rollbench {found}", f"install version {__version__} where the workers run")
+            raise _other_version(f"{place}: workers of rollbench {found}", __version__)
         count = len(client.nthreads())
         yield client, min(workers or count, count)
+
+
+def _other_version(found: str, version: str) -> InputError:
+    advice = f"install version {version} where the workers run"
+    return InputError("command line", "--scheduler", found, f"workers of rollbench {version}", advice)
 
 
 def _alive(scheduler: str) -> bool:

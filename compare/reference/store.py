@@ -3,29 +3,43 @@
 from __future__ import annotations
 
 import glob
-import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import cache, partial
 from importlib import metadata, resources
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from compare.reference.sealing import sealed, unsealed
-from compare.reference.tasks import plain, serves
-from compare.writing import replace_file
-from meshes.arrays import Array
-from meshes.condensed import geometry_digest
-from meshes.parts import Scene
-from meshes.solid import dimensions
+from rollbench.comparison.reference.sealing import sealed, unsealed
+from rollbench.comparison.reference.tasks import plain, serves
+from rollbench.comparison.writing import replace_file
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.canonical import Fields, digest
+from rollbench.meshes.condensed import geometry_digest
+from rollbench.meshes.parts import GateLimits, Scene
+from rollbench.meshes.solid import dimensions
 
 #: Bump when the mechanics of the reference or an assumption of meshes.solid changes: older runs are not used then.
 SCHEMA = 8
 #: As `SCHEMA`, for the condensed bodies.
 BODIES = 4
+#: Programs whose results runs depend on.
+PROGRAMS = ("gmsh", "scikit-fem")
 #: Fields of a run that are arrays.
 ARRAYS = ("load", "angle", "frozen", "centreline")
+#: What of a scene says nothing about static loads (of an ensemble, those of the first member).
+UNSAID: dict[str, Any] = {
+    "name": "",
+    "title": "",
+    "source": "",
+    "assumed": (),
+    "role": "",
+    "members": 1,
+    "gate": GateLimits(),
+    **dict.fromkeys(("friction", "motion", "circulation", "time")),
+}
 
 
 @dataclass(frozen=True)
@@ -36,7 +50,7 @@ class Run:
     ``(stations, 4)``: z, ux, uy, uz [m]; loads without single ingredients, with seconds they take; sides that were
     prepared; unknowns of the equivalent monolithic mesh; seconds of the set-up by stage and of the load case; peak
     memory [MB] of the set-up and its load cases so far (None: not measured); balance of balls and screw; bound on the
-    modes left out; settings and versions.
+    modes left out; settings and versions; moving: what any load may still move by [N] in a run that did not settle, else 0.
     """
 
     scene: str
@@ -62,6 +76,12 @@ class Run:
     assumed: tuple[str, ...]
     versions: dict[str, str]
     date: str
+    moving: float = 0.0
+
+    @property
+    def answers(self) -> bool:
+        """Whether the run has loads: converged, or not settled but for a known rest."""
+        return self.status == "converged" or self.moving > 0.0
 
     @property
     def setup_seconds(self) -> float:
@@ -71,47 +91,58 @@ class Run:
 
 def versions() -> dict[str, str]:
     """Versions of the programs whose results runs depend on; empty for one that is not installed."""
-    found = {}
-    for name in ("gmsh", "scikit-fem"):
-        try:
-            found[name] = metadata.version(name)
-        except metadata.PackageNotFoundError:
-            found[name] = ""
-    return found
+    return {name: _version(name) for name in PROGRAMS}
 
 
-def key_of(scene: Scene, variant: str, settings: Mapping[str, Any], sides: Sequence[int]) -> str:
+@cache
+def _version(name: str) -> str:
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return ""
+
+
+def key_of(
+    scene: Scene, variant: str, settings: Mapping[str, Any], sides: Sequence[int], programs: Mapping[str, str] | None = None
+) -> str:
     """Content key of a run: all that its numbers depend on.
 
-    Geometry, errors, loads and supports of the scene (names and remarks do not count), its solid dimensions as resolved,
-    the variant, the mesh settings as resolved, in numbers, and the prepared sides (both set by all scenes that were meshed
-    together), the ensemble's member (the first), versions of the mesh generator and the finite elements, ``SCHEMA``.
+    Geometry, errors, loads and supports of the scene (not what is `UNSAID`), its solid dimensions as resolved, the
+    variant, the mesh settings as resolved, in numbers, and the prepared sides (both set by all scenes that were meshed
+    together), ``SCHEMA``, and versions of the mesh generator and the finite elements: those installed unless given.
     """
-    bare = replace(scene, name="", title="", source="", assumed=(), members=1)
-    solid = replace(dimensions(scene), assumed=())
-    mesh, programs = sorted(plain(settings).items()), sorted(versions().items())
-    return _digest(SCHEMA, bare, solid, variant, mesh, tuple(sides), 0, programs)
+    return digest(SCHEMA, replace(scene, **UNSAID), variant, *_meshed(scene, settings, sides, programs))[:16]
 
 
-def bodies_key(scene: Scene, settings: Mapping[str, Any], sides: Sequence[int]) -> str:
-    """Content key of condensed bodies: parts, solid dimensions, mesh settings and sides as for runs, ``BODIES``."""
-    solid = replace(dimensions(scene), assumed=())
-    mesh = sorted(plain(settings).items())
-    return _digest(SCHEMA, BODIES, geometry_digest(scene), solid, mesh, tuple(sides), sorted(versions().items()))
+def bodies_key(
+    scene: Scene, settings: Mapping[str, Any], sides: Sequence[int], programs: Mapping[str, str] | None = None
+) -> str:
+    """Content key of condensed bodies: parts, solid dimensions, settings, sides and versions as for runs, ``BODIES``."""
+    return digest(SCHEMA, BODIES, geometry_digest(scene), *_meshed(scene, settings, sides, programs))[:16]
 
 
-def _digest(*parts: object) -> str:
-    return hashlib.sha256("|".join(repr(part) for part in parts).encode()).hexdigest()[:16]
+def _meshed(
+    scene: Scene, settings: Mapping[str, Any], sides: Sequence[int], programs: Mapping[str, str] | None
+) -> tuple[object, ...]:
+    """What a mesh depends on beside the scene's own fields."""
+    made_by = versions() if programs is None else {name: programs.get(name, "") for name in PROGRAMS}
+    return replace(dimensions(scene), assumed=()), Fields("Settings", plain(settings)), tuple(sides), made_by
 
 
 def path_in(store: Path, scene: Scene, run: Run) -> Path:
     """File of a run of a scene in a store."""
-    return store / f"{_stem(scene, run.level, run.variant)}{key_of(scene, run.variant, run.settings, run.sides)}.json"
+    return store / f"{_stem(scene, run.level, run.variant)}{_key(scene, run)}.json"
+
+
+def _key(scene: Scene, run: Run) -> str:
+    """The key of a run by the versions that it names: it may be read where others, or none, are installed."""
+    return key_of(scene, run.variant, run.settings, run.sides, run.versions)
 
 
 def bodies_path(store: Path, scene: Scene, run: Run) -> Path:
     """File of the condensed bodies that belong to a run of a scene, in a store."""
-    return store / f"bodies-{geometry_digest(scene)}-level{run.level}-{bodies_key(scene, run.settings, run.sides)}.npz"
+    key = bodies_key(scene, run.settings, run.sides, run.versions)
+    return store / f"bodies-{geometry_digest(scene)}-level{run.level}-{key}.npz"
 
 
 def _stem(scene: Scene, level: int, variant: str) -> str:
@@ -119,8 +150,8 @@ def _stem(scene: Scene, level: int, variant: str) -> str:
 
 
 def save(store: Path, scene: Scene, run: Run) -> Path:
-    """Write a converged run whole or not at all. Raises ValueError for another one."""
-    if run.status != "converged":
+    """Write a run that has loads whole or not at all. Raises ValueError for another one."""
+    if not run.answers:
         raise ValueError(f"a run that did not converge is no reference: {run.status}")
     path = path_in(store, scene, run)
     data = asdict(run) | {name: _rows(getattr(run, name)) for name in ARRAYS}
@@ -136,27 +167,35 @@ def _rows(array: Array) -> list[list[float | None]]:
 
 def shipped_store() -> Path:
     """Folder of the runs that come with the package."""
-    return Path(str(resources.files("compare").joinpath("references")))
+    return Path(str(resources.files("rollbench.comparison").joinpath("references")))
 
 
 def load(scene: Scene, level: int, variant: str = "", stores: Sequence[Path] | None = None) -> Run | None:
     """A stored run of a mesh that serves the scene, or None; a damaged file, or one of another key, counts as absent.
 
-    stores: the shipped one unless given, the first that has a run counts. Of several runs, made with other scenes, that on
-    the finest cells is taken (then that with the largest patches).
+    stores: the shipped one unless given, the first that has a run counts. Of several runs, made with other scenes, one of
+    the installed versions of gmsh and scikit-fem is taken if there is any, of these that on the finest cells (then that
+    with the largest patches).
     """
+    here = versions()
     for store in (shipped_store(),) if stores is None else stores:
         found = []
         for path in sorted(store.glob(f"{glob.escape(_stem(scene, level, variant))}*.json")):
-            run = _read(path, scene, level, variant)
+            run = read(path, scene, level, variant)
             if run is not None and serves(scene, level, variant, run.settings, run.sides):
                 found.append(run)
         if found:
-            return min(found, key=lambda run: (*run.settings["semi"], *(-x for x in run.settings["reach"])))
+            return min(found, key=partial(_order, here))
     return None
 
 
-def _read(path: Path, scene: Scene, level: int, variant: str) -> Run | None:
+def _order(here: Mapping[str, str], run: Run) -> tuple[float, ...]:
+    """Runs that are taken first come first."""
+    other = any(run.versions.get(name) != version for name, version in here.items())
+    return (other, *run.settings["semi"], *(-x for x in run.settings["reach"]))
+
+
+def read(path: Path, scene: Scene, level: int, variant: str) -> Run | None:
     """Run in a file, if that is whole and its name is the key of what it holds."""
     try:
         data = unsealed(path)
@@ -166,7 +205,7 @@ def _read(path: Path, scene: Scene, level: int, variant: str) -> Run | None:
         run = Run(**data, **arrays, without=without)
         whole = run.load.shape == (scene.ball_count, 4) == run.angle.shape == run.frozen.shape
         own = (run.level, run.variant) == (level, variant) and path.name == path_in(path.parent, scene, run).name
-        return run if whole and own and run.status == "converged" else None
+        return run if whole and own and run.answers else None
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None
 

@@ -7,18 +7,19 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from compare.errors import InputError, Refusal
-from compare.reference.levels import LEVELS, SOURCE_LEVEL, scaled
-from compare.reference.variants import VARIANTS
-from meshes.parts import Scene
+from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.reference.levels import LEVELS, SOURCE_LEVEL, scaled
+from rollbench.comparison.reference.variants import VARIANTS
+from rollbench.meshes.canonical import Fields, canonical
+from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
-    from hifi.fit import Settings
+    from rollbench.hifi.settings import Settings
 
 
 def needed_sides(scene: Scene) -> tuple[int, ...]:
     """Sides that may touch, by `hifi.expected`. Raises Refusal where that finds no equilibrium."""
-    from hifi.expected import expected_contacts
+    from rollbench.hifi.expected import expected_contacts
 
     try:
         return expected_contacts(scene).sides()
@@ -49,7 +50,7 @@ def settings_of(scenes: Sequence[Scene], level: int, variant: str = "") -> Setti
 
     Raises InputError for an unknown level, Refusal where no contacts can be expected.
     """
-    from hifi.fit import Settings, expected_reach, expected_semi_axes
+    from rollbench.hifi.settings import Settings, expected_reach, expected_semi_axes
 
     if level not in (SOURCE_LEVEL, *LEVELS):
         raise InputError("command line", "--levels", str(level), f"1 to {len(LEVELS)}", "choose fewer levels")
@@ -75,7 +76,7 @@ def serves(scene: Scene, level: int, variant: str, settings: Mapping[str, Any], 
     except InputError:
         return False
     found = plain(settings)
-    same = all(found.get(name) == value for name, value in own.items() if name not in ("semi", "reach"))
+    same = _but_sizes({k: v for k, v in found.items() if k in own}) == _but_sizes(own)
     fits = {"semi", "reach"} <= set(found) and set(needed) <= set(sides)
     return bool(
         same
@@ -83,6 +84,11 @@ def serves(scene: Scene, level: int, variant: str, settings: Mapping[str, Any], 
         and all(x <= y for x, y in zip(found["semi"], own["semi"], strict=True))
         and all(x >= y for x, y in zip(found["reach"], own["reach"], strict=True))
     )
+
+
+def _but_sizes(settings: Mapping[str, Any]) -> str:
+    """Settings that must be alike, as a text."""
+    return canonical(Fields("Settings", {k: v for k, v in settings.items() if k not in ("semi", "reach")}))
 
 
 def plain(settings: Mapping[str, Any]) -> dict[str, Any]:

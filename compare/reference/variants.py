@@ -9,9 +9,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from compare.reference.levels import LEVELS, PRODUCTION
-from meshes.parts import Scene
-from meshes.solid import Dimensions, dimensions
+from rollbench.comparison.reference.levels import LEVELS, PRODUCTION
+from rollbench.meshes.parts import Scene
+from rollbench.meshes.solid import Dimensions, dimensions
 
 Change = Callable[[Scene], Scene]
 #: "modelling": an idealisation or a dimension that the source does not print; "numerical": a choice of the method beside

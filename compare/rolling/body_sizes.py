@@ -6,13 +6,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
-from compare.rolling.cases import case_of
-from compare.rolling.runs import BODIES, FINITE, measures
-from compare.scenes.catalogue import shipped
-from compare.scenes.kinds.common import KindScene
-from hifi.rolling.balls import NEARLY_RIGID, Choices, solve_rolling
-from hifi.rolling.bodies import Sizes
-from hifi.rolling.rigid_limit import FIRST, solve_rigid_rolling
+from rollbench.comparison.rolling.cases import case_of
+from rollbench.comparison.rolling.names import FINITE
+from rollbench.comparison.rolling.runs import BODIES, measures
+from rollbench.comparison.scenes.catalogue import shipped
+from rollbench.comparison.scenes.kinds.common import KindScene
+from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, solve_rolling
+from rollbench.hifi.rolling.bodies import Sizes
+from rollbench.hifi.rolling.rigid_limit import FIRST, solve_rigid_rolling
 
 #: Scenes: two balls of a linear bearing, on bars, and of a screw, on patches of the static reference.
 LINEAR, SCREW = SCENES = ("lin-pair-a", "lin-screw-pair-b-inferred")

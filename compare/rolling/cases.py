@@ -6,17 +6,25 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compare.errors import Refusal
-from compare.scenes.kinds.bearing_ball import BearingBallScene
-from compare.scenes.kinds.common import KindScene
-from compare.scenes.kinds.linear import LinearScene
-from compare.scenes.kinds.screw_balls import ScrewPairScene
-from hifi.rolling.balls import Choices, Rolling, without_meetings
-from hifi.rolling.feedback import solve_loaded
-from hifi.rolling.loads import Cell, cell_loads
-from hifi.rolling.scenes import Layout, Material, hertz_constants, linear_layout, ring_layout, scene_of, screw_layout
-from meshes.arrays import Array
-from meshes.parts import SIDE_SIGNS
+from rollbench.comparison.errors import Refusal
+from rollbench.comparison.scenes.kinds.bearing_ball import BearingBallScene
+from rollbench.comparison.scenes.kinds.common import KindScene
+from rollbench.comparison.scenes.kinds.linear import LinearScene
+from rollbench.comparison.scenes.kinds.screw_balls import ScrewPairScene
+from rollbench.hifi.rolling.balls import Choices, Rolling, without_meetings
+from rollbench.hifi.rolling.feedback import solve_loaded
+from rollbench.hifi.rolling.loads import Cell, cell_loads
+from rollbench.hifi.rolling.scenes import (
+    Layout,
+    Material,
+    hertz_constants,
+    linear_layout,
+    ring_layout,
+    scene_of,
+    screw_layout,
+)
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import SIDE_SIGNS
 
 #: Most balls of a scene.
 MOST = 4

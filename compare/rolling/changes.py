@@ -9,16 +9,17 @@ from pathlib import Path
 
 import numpy as np
 
-from compare.measure import error_percent
-from compare.rolling.body_sizes import LINEAR, SCENES, SHAPE, Variant, variants
-from compare.rolling.cases import case_of
-from compare.rolling.from_rest import Series
-from compare.rolling.rows import stored_rows
-from compare.rolling.runs import FINITE, LEVELS, load
-from compare.scenes.catalogue import shipped
-from compare.scenes.kinds.common import KindScene
-from hifi.rolling.balls import NEARLY_RIGID, Choices, Rolling, solve_rolling
-from hifi.rolling.friction import PATH
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.rolling.body_sizes import LINEAR, SCENES, SHAPE, Variant, variants
+from rollbench.comparison.rolling.cases import case_of
+from rollbench.comparison.rolling.from_rest import Series
+from rollbench.comparison.rolling.names import FINITE
+from rollbench.comparison.rolling.rows import stored_rows
+from rollbench.comparison.rolling.runs import LEVELS, load
+from rollbench.comparison.scenes.catalogue import shipped
+from rollbench.comparison.scenes.kinds.common import KindScene
+from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, Rolling, solve_rolling
+from rollbench.hifi.rolling.friction import PATH
 
 #: A grid beyond those of the uncertainty, and other paths: creeping speeds over the largest slip.
 BEYOND = (30, 44)

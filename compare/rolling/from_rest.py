@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 
-from compare.rolling.cases import case_of
-from compare.scenes.catalogue import case as shipped_case
-from compare.scenes.kinds.linear import LinearPairScene
-from hifi.rolling.balls import Choices, solve_rolling
-from hifi.rolling.transient import run_from_rest
+from rollbench.comparison.rolling.cases import case_of
+from rollbench.comparison.scenes.catalogue import case as shipped_case
+from rollbench.comparison.scenes.kinds.linear import LinearPairScene
+from rollbench.hifi.rolling.balls import Choices, solve_rolling
+from rollbench.hifi.rolling.transient import run_from_rest
 
 #: Time [s], gap at the start [m] and steps (Lin 3.3.5 has ten); cells of the contacts.
 DURATION, GAP, STEPS = 0.1, 1e-6, (10, 50, 100)

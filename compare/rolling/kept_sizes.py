@@ -11,12 +11,12 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from compare.measure import error_percent
-from compare.provenance import sources_hash
-from compare.reference.store import shipped_store
-from compare.rolling.body_sizes import LINEAR, NAMES, SCENES, Variant, body_sizes, variant, variants
-from compare.scenes import catalogue
-from compare.writing import replace_file
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.provenance import sources_hash
+from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison.rolling.body_sizes import LINEAR, NAMES, SCENES, Variant, body_sizes, variant, variants
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.writing import replace_file
 
 #: File of a store that holds them.
 FILE = "body_sizes.json"

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from time import perf_counter
 
-from compare.scenes.kinds.bearing_ball import BearingBallScene
-from compare.scenes.kinds.common import KindScene
-from compare.scenes.kinds.linear import LinearScene
-from compare.scenes.kinds.screw_balls import ScrewPairScene
-from lowfi.friction.bearing.rotary import SIDES, solve_ball
-from lowfi.friction.linear.chain import prepare, solve_linear_chain
-from lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads
-from lowfi.friction.screw.pair import solve_pair
+from rollbench.comparison.scenes.kinds.bearing_ball import BearingBallScene
+from rollbench.comparison.scenes.kinds.common import KindScene
+from rollbench.comparison.scenes.kinds.linear import LinearScene
+from rollbench.comparison.scenes.kinds.screw_balls import ScrewPairScene
+from rollbench.lowfi.friction.bearing.rotary import SIDES, solve_ball
+from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain
+from rollbench.lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads
+from rollbench.lowfi.friction.screw.pair import solve_pair
 
 
 def low_order(scene: KindScene) -> tuple[dict[str, float], float, str]:

@@ -8,13 +8,13 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.rolling.cases import case_of
-from compare.rolling.runs import LEVELS
-from compare.scenes.catalogue import shipped
-from compare.scenes.kinds.common import KindScene
-from hifi.rolling.balls import Choices, ContactOut, Rolling, hertz_size, solve_rolling
-from hifi.rolling.kinematics import rolling_speed
-from meshes.arrays import Array
+from rollbench.comparison.rolling.cases import case_of
+from rollbench.comparison.rolling.runs import LEVELS
+from rollbench.comparison.scenes.catalogue import shipped
+from rollbench.comparison.scenes.kinds.common import KindScene
+from rollbench.hifi.rolling.balls import Choices, ContactOut, Rolling, hertz_size, solve_rolling
+from rollbench.hifi.rolling.kinematics import rolling_speed
+from rollbench.meshes.arrays import Array
 
 #: Contacts shown: scene, ball, name of the contact.
 SHOWN = (("lin-pair-a", 0, "BL"), ("lin-pair-a", 0, "TR"), ("lin-rotary-1", 0, "IL"), ("lin-rotary-1", 0, "OR"))

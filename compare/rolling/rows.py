@@ -9,13 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from compare.measure import error_percent
-from compare.printed.printed_data import entry
-from compare.rolling.kept_sizes import choices_share
-from compare.rolling.low_order import low_order
-from compare.rolling.runs import HALF_SPACE, LEVELS, RollingRun, load
-from compare.scenes.catalogue import shipped
-from compare.scenes.kinds.common import KindScene
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.printed.printed_data import entry
+from rollbench.comparison.rolling.kept_sizes import choices_share
+from rollbench.comparison.rolling.low_order import low_order
+from rollbench.comparison.rolling.names import HALF_SPACE
+from rollbench.comparison.rolling.runs import LEVELS, RollingRun, load
+from rollbench.comparison.scenes.catalogue import shipped
+from rollbench.comparison.scenes.kinds.common import KindScene
 
 #: Factor on the scatter of the grids, as grid convergence indices have it for three grids.
 SAFETY = 1.25
@@ -79,6 +80,10 @@ def split(name: str) -> tuple[str, str]:
         if name.endswith(f" {unit}"):
             return name.removesuffix(f" {unit}"), unit
     raise KeyError(name)
+
+
+#: What the uncertainty of a scene does not hold whose load state is not printed.
+UNSTATED = ": +- is the scatter of the grids and holds nothing of what that reading of the load leaves open"
 
 
 def load_state(name: str) -> str | None:

@@ -9,32 +9,39 @@ grid, on top of the rigid limit by quadrature (`hifi.rolling.rigid_limit`).
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from time import process_time
-from typing import Any
 
 import numpy as np
 
-from compare.errors import Refusal
-from compare.rolling.cases import Case, case_of
-from compare.scenes.kinds.common import KindScene
-from compare.system import out_of_memory
-from compare.writing import replace_file
-from hifi.rolling.balls import NEARLY_RIGID, Choices, Rolling, RollingResult, hertz_size, prepare_bodies, solve_rolling
-from hifi.rolling.bodies import Sizes
-from hifi.rolling.patch import MARGIN
-from hifi.rolling.rigid_limit import RigidResult, solve_rigid_rolling
+from rollbench.comparison.errors import Refusal
+from rollbench.comparison.rolling.cases import Case, case_of
+from rollbench.comparison.rolling.names import FINITE, HALF_SPACE
+from rollbench.comparison.scenes.kinds.common import KindScene
+from rollbench.comparison.system import out_of_memory
+from rollbench.comparison.writing import replace_file
+from rollbench.hifi.rolling.balls import (
+    NEARLY_RIGID,
+    Choices,
+    Rolling,
+    RollingResult,
+    hertz_size,
+    prepare_bodies,
+    solve_rolling,
+)
+from rollbench.hifi.rolling.bodies import Sizes
+from rollbench.hifi.rolling.patch import MARGIN
+from rollbench.hifi.rolling.rigid_limit import RigidResult, solve_rigid_rolling
+from rollbench.meshes.canonical import digest
 
 #: Cells along and across the grooves of the levels; bump SCHEMA when the mechanics or the record change.
 LEVELS = {1: (16, 24), 2: (20, 30), 3: (24, 36)}
 SCHEMA = 1
 #: Bodies by name, and those of a scene unless others are asked for; bump MESHED when the mechanics of finite ones change.
 MESHED = 2
-HALF_SPACE, FINITE = "half-space", "finite"
 BODIES = {HALF_SPACE: None, FINITE: Sizes()}
 #: Points of the two quadratures of the rigid limit, whose difference is its uncertainty.
 QUADRATURES = (160, 187)
@@ -79,15 +86,9 @@ class RollingRun:
 
 def key_of(scene: KindScene, level: int, bodies: str = HALF_SPACE) -> str:
     """Digest of all that a run's numbers depend on."""
-    told = [SCHEMA, asdict(scene), level, LEVELS.get(level), SOURCE_SIZE.get(scene.kind), QUADRATURES, NEARLY_RIGID]
+    told = (SCHEMA, scene, level, LEVELS.get(level), SOURCE_SIZE.get(scene.kind), QUADRATURES, NEARLY_RIGID)
     sizes = BODIES[bodies]
-    if sizes is not None:
-        told += [asdict(sizes), MESHED]
-    return hashlib.sha256(json.dumps(told, default=_plain).encode()).hexdigest()[:16]
-
-
-def _plain(value: Any) -> Any:
-    return value.tolist() if isinstance(value, np.ndarray) else repr(value)
+    return digest(*told, *(() if sizes is None else (sizes, MESHED)))[:16]
 
 
 def path_in(store: Path, scene: KindScene, level: int, bodies: str = HALF_SPACE) -> Path:

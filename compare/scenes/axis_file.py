@@ -8,15 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from compare.scenes.axis_schema import AxisKeys, HousingKeys, SetKeys, StiffKeys
-from compare.scenes.body_checks import geometry_faults
-from compare.scenes.fault import TOLERANCE, Fault, mm
-from compare.scenes.key_checks import choice_faults, friction_choice_faults
-from compare.scenes.records import friction_of, material_of, scene_of, support_of, vector
-from compare.scenes.refusal import refuse
-from compare.scenes.schema import IngredientKeys, SceneKeys, ScrewKeys
-from meshes.axis import Assembly, Housing, Joint, RollerRow, RollingSet, Segment, Stiffness, diagonal, full
-from meshes.parts import FREEDOMS, Ingredients, Load, Motion, Scene, Screw
+from rollbench.comparison.scenes.axis_schema import AxisKeys, HousingKeys, SetKeys, StiffKeys
+from rollbench.comparison.scenes.body_checks import geometry_faults
+from rollbench.comparison.scenes.fault import TOLERANCE, Fault, mm
+from rollbench.comparison.scenes.key_checks import choice_faults, friction_choice_faults
+from rollbench.comparison.scenes.preload import force_of
+from rollbench.comparison.scenes.quantity import ShareOfRating
+from rollbench.comparison.scenes.records import friction_of, material_of, scene_of, support_of, vector
+from rollbench.comparison.scenes.refusal import refuse
+from rollbench.comparison.scenes.schema import IngredientKeys, SceneKeys, ScrewKeys
+from rollbench.meshes.axis import Assembly, Housing, Joint, RollerRow, RollingSet, Segment, Stiffness, diagonal, full
+from rollbench.meshes.one_arc import as_one_arc, is_one_arc
+from rollbench.meshes.parts import FREEDOMS, Ingredients, Load, Motion, Scene, Screw
 
 #: Thrusts of a row that carries one way.
 ONE_WAY = ("+z", "-z")
@@ -59,12 +62,19 @@ def read_axis(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) ->
         loads=tuple(Load(p.at, vector(p.force), vector(p.moment)) for p in keys.loads),
         ingredients=Ingredients(**keys.ingredients.model_dump()),
         source=keys.source,
-        assumed=tuple(keys.assumed),
+        assumed=(*keys.assumed, *_rated(keys, sets)),
         friction=None if keys.friction is None else friction_of(keys.friction),
         motion=None if keys.motion is None else Motion(**keys.motion.model_dump()),
         stiffness_at=ask.housing if ask.housing is not None else ask.at,
         thermal_strain=0.0 if heat is None else heat.warming * heat.expansion,
     )
+
+
+def _rated(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[str]:
+    """Sentences on preloads that are given as a part of a rating."""
+    for one, found in zip(keys.sets, sets, strict=True):
+        if isinstance(one.preload, ShareOfRating) and isinstance(found.parts, Scene):
+            yield f"{found.name}: preload of {found.preload:g} N{force_of(found.parts, one.preload)[1]}"
 
 
 def _housing(h: HousingKeys) -> Housing:
@@ -143,11 +153,13 @@ def _set_faults(keys: AxisKeys, i: int, one: SetKeys) -> Iterator[Fault]:
     found_kind = kind_of_set(one)
     if one.kind not in (None, found_kind):
         yield Fault((f"{at}.kind",), f'"{found_kind}" with these tables', "mend kind, or track.lead")
-    if one.preload > 0.0 and one.thrust not in ONE_WAY:
+    if one.preload and one.thrust not in ONE_WAY:
         advice = "a row that carries thrust both ways is preloaded by errors.balls.oversize, or a pair by offset"
         yield Fault((f"{at}.preload",), 'thrust "+z" or "-z"', advice)
-    if one.preload > 0.0 and one.offset != 0.0:
+    if one.preload and one.offset != 0.0:
         yield Fault((f"{at}.preload",), "either preload or offset", "the force sets the shift: leave offset out", "both")
+    if one.rollers is not None and isinstance(one.preload, ShareOfRating):
+        yield Fault((f"{at}.preload",), "a force", "the rating of rollers is not computed: write the force")
     if one.carrier is not None and one.carrier == one.housing:
         yield Fault((f"{at}.carrier",), "another housing than its outer part's", "a rigid body cannot roll on itself")
     if keys.material.youngs_modulus is None or keys.material.poissons_ratio is None:
@@ -211,7 +223,9 @@ def _set(keys: AxisKeys, i: int, raw: Mapping[str, Any], origin: str) -> Rolling
     refuse(origin, raw, [_blamed(f, i, raw) for f in choice_faults(own)])
     scene = scene_of(own, one.name)
     refuse(origin, raw, [_blamed(f, i, raw) for f in geometry_faults(scene)])
-    own_place = (one.housing, one.offset, one.preload, thrust, one.carrier)
+    if one.thrust is None and is_one_arc(scene):
+        scene, thrust = as_one_arc(scene), "deep groove"
+    own_place = (one.housing, one.offset, force_of(scene, one.preload)[0], thrust, one.carrier)
     return RollingSet(*shared, scene, scene.nut.position, *own_place)  # type: ignore[arg-type]
 
 

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from compare.scenes.keys import (
+from rollbench.comparison.scenes.keys import (
     MATERIAL,
     Bore,
     ContactAngle,
@@ -23,8 +23,8 @@ from compare.scenes.keys import (
     Station,
     Table,
 )
-from compare.scenes.quantity import Quantity, key
-from compare.scenes.schema import (
+from rollbench.comparison.scenes.quantity import ForceOrShare, Quantity, ShareOfRating, key
+from rollbench.comparison.scenes.schema import (
     BallKeys,
     DisplaceKeys,
     ErrorKeys,
@@ -40,7 +40,7 @@ Spring = Annotated[float, Quantity("stiffness", "0 N/m", "1000000 kN/um", "200 N
 Twist = Annotated[float, Quantity("moment", "0 N m", "1000000 kN m", "5 kN m")]
 Warming = Annotated[float, Quantity("temperature difference", "-500 K", "500 K", "10 K")]
 Expansion = Annotated[float, Quantity("number", 0, 1e-3, 11.5e-6)]
-Push = Annotated[float, Quantity("force", "0 N", "1000 MN", "500 N")]
+Push = Annotated[float | ShareOfRating, ForceOrShare("force", "0 N", "1000 MN", "500 N")]
 Name = Annotated[str, Field(min_length=1, max_length=60)]
 Entry = Annotated[float, Field(allow_inf_nan=False)]
 
@@ -102,7 +102,10 @@ class SetKeys(Table):
         "shift of its outer part along the shaft against its housing (spacer, lead offset)", "0 um", "4 um"
     )
     preload: Push = key(
-        "axial force set by such a shift at mounting, without loads and warming, and then locked", "0 N", "500 N"
+        "axial force set by such a shift at mounting, without loads and warming, and then locked; or in per cent of the "
+        'dynamic load rating of balls as computed: "5 % of C"',
+        "0 N",
+        "500 N",
     )
     position: Station | None = key("of rollers: station of the middle of the cup's contact lines", None, "30 mm")
     track: TrackKeys | None = key("path of the ball centres", None)

@@ -7,13 +7,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from compare.scenes.fault import TOLERANCE, Fault, mm
-from lowfi.statics.supports import Held, contradiction, show
-from meshes.arrays import Array
-from meshes.errors import specimen
-from meshes.helix import ball_layout, lead_angle
-from meshes.parts import SIDES, Scene
-from meshes.section import volume_ratio
+from rollbench.comparison.scenes.fault import TOLERANCE, Fault, mm
+from rollbench.lowfi.statics.supports import Held, contradiction, show
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import beyond_step, specimen
+from rollbench.meshes.helix import ball_layout, lead_angle
+from rollbench.meshes.parts import SIDES, Scene
+from rollbench.meshes.section import volume_ratio
 
 #: Random ball errors are refused if this many standard deviations would make a ball as large as its groove.
 SIGMAS = 6.0
@@ -66,26 +66,20 @@ def _path_error_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _lead_offset_faults(scene: Scene) -> Iterator[Fault]:
-    """A lead offset larger than a ball, of a nut all of whose balls are on one side, or at a ball."""
+    """A lead offset larger than a ball, or of a nut all of whose balls are on one side."""
     where, radius, offset = ("preload.lead_offset",), scene.balls.radius, scene.errors.lead_offset
-    beyond = ball_layout(scene).z - scene.nut.position
+    beyond = beyond_step(scene, ball_layout(scene).z)
     if abs(offset) > radius:
         yield Fault(where, f"up to {mm(radius)}, the ball radius", "check the unit: offsets are micrometres", mm(offset))
-    if beyond.min() >= 0.0 or beyond.max() <= 0.0:
+    if beyond.all() or not beyond.any():
         yield Fault(where, "balls on both sides of the nut's centre", "it shifts one half against the other", mm(offset))
-        return
-    nearest = float(np.abs(beyond).min()) / math.sin(lead_angle(scene.track))
-    if nearest < radius:
-        advice = "leave turns without balls in the middle: an even number of circuits with a circuit_gap, or arcs"
-        allowed = f"no ball within {mm(radius)} along the track of the nut's centre, where the groove steps"
-        yield Fault(where, allowed, advice, f"a ball {mm(nearest)} from it")
 
 
 def contact_faults(scene: Scene) -> Iterator[Fault]:
     """Contacts without Hertz constants, for bodies that can be built: ball and flank conform, or the printed formula has no
     solution."""
-    from lowfi.statics.conformity import curvature_changes
-    from lowfi.statics.problem import nominal_curvatures, printed_sides
+    from rollbench.lowfi.statics.conformity import curvature_changes
+    from rollbench.lowfi.statics.problem import nominal_curvatures, printed_sides
 
     if scene.ingredients.hertz == "as printed":
         try:
@@ -113,7 +107,7 @@ def contact_faults(scene: Scene) -> Iterator[Fault]:
 
 def _circuit_faults(scene: Scene) -> Iterator[Fault]:
     """Circuits that cannot be built, and runs that leave the screw."""
-    from lowfi.friction.whole.circuit import CircuitError, circuits, travel
+    from rollbench.lowfi.friction.whole.circuit import CircuitError, circuits, travel
 
     try:
         circuits(scene)

@@ -9,15 +9,15 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from compare.errors import InputError
-from compare.printed import printed_data
-from compare.scenes import scene_file
-from compare.scenes.keys import AXIS, FRICTION_ONLY
-from meshes.parts import Scene
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.printed import printed_data
+from rollbench.comparison.scenes import scene_file
+from rollbench.comparison.scenes.keys import AXIS, FRICTION_ONLY
+from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
-    from compare.scenes.kinds.common import KindScene
-    from meshes.axis import Assembly
+    from rollbench.comparison.scenes.kinds.common import KindScene
+    from rollbench.meshes.axis import Assembly
 
 Of = TypeVar("Of", bound="KindScene")
 
@@ -25,7 +25,7 @@ Of = TypeVar("Of", bound="KindScene")
 @cache
 def scene_names() -> tuple[str, ...]:
     """Names of the shipped scenes of all kinds, sorted."""
-    files = resources.files("compare").joinpath("scenes").iterdir()
+    files = resources.files("rollbench.comparison").joinpath("scenes").iterdir()
     return tuple(sorted(f.name.removesuffix(".toml") for f in files if f.name.endswith(".toml")))
 
 
@@ -46,7 +46,7 @@ def scene_text(name: str) -> str:
     """Text of a shipped scene. Raises InputError for an unknown name."""
     if name not in scene_names():
         raise _unknown(name)
-    return resources.files("compare").joinpath("scenes", f"{name}.toml").read_text(encoding="utf-8")
+    return resources.files("rollbench.comparison").joinpath("scenes", f"{name}.toml").read_text(encoding="utf-8")
 
 
 @cache

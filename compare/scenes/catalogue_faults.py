@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from compare.scenes.fault import Fault, mm
-from compare.scenes.schema import SceneKeys
+from rollbench.comparison.scenes.fault import Fault, mm
+from rollbench.comparison.scenes.schema import SceneKeys
 
 #: Part of a ball diameter by which a diameter may differ from twice the radius beside it.
 SAME = 1e-9
@@ -49,7 +49,8 @@ def _circuits(keys: SceneKeys) -> Iterator[Fault]:
         yield Fault(("balls.circuits",), "1 for zero lead", "a bearing has one row")
     elif balls.circuit_gap is None:
         advice = "makers rarely print it: measure from ball to ball on a drawing, 0.3 to 1 turns are usual"
-        yield Fault(("balls.circuit_gap", "balls.circuits"), "turns without balls between circuits", advice, "nothing")
+        value = f"{circuits} without circuit_gap"
+        yield Fault(("balls.circuits",), "circuit_gap beside it, the turns without balls between circuits", advice, value)
     own = 1 if keys.circulation is None else keys.circulation.circuits
     if (keys.circulation is not None or keys.time is not None) and own != circuits:
         advice = f"[balls] has {circuits} circuits of each start: write circuits = {circuits} under [circulation]"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import floor, hypot, pi, sin
 
-from compare.scenes.schema import BallKeys, TrackKeys
+from rollbench.comparison.scenes.schema import BallKeys, TrackKeys
 
 
 def balls_of_circuit(balls: BallKeys, track: TrackKeys) -> int:

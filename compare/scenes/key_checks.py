@@ -5,12 +5,12 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 
-from compare.scenes.catalogue_faults import catalogue_faults
-from compare.scenes.circuits import ball_total
-from compare.scenes.fault import TOLERANCE, Fault, mm
-from compare.scenes.keys import MAX_BALLS, GrooveKeys
-from compare.scenes.schema import BallKeys, FrictionKeys, SceneKeys
-from meshes.partition import MERGE
+from rollbench.comparison.scenes.catalogue_faults import catalogue_faults
+from rollbench.comparison.scenes.circuits import ball_total
+from rollbench.comparison.scenes.fault import TOLERANCE, Fault, mm
+from rollbench.comparison.scenes.keys import MAX_BALLS, GrooveKeys
+from rollbench.comparison.scenes.schema import BallKeys, FrictionKeys, SceneKeys
+from rollbench.meshes.partition import MERGE
 
 
 def choice_faults(keys: SceneKeys) -> Iterator[Fault]:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from functools import cache
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator, model_validator
+from pydantic_core import PydanticCustomError
 
-from compare.scenes.catalogue_input import MATERIAL_NAMES, with_material
-from compare.scenes.quantity import Quantity, Rate, key
+from rollbench.comparison.scenes.catalogue_input import MATERIAL_NAMES, with_material
+from rollbench.comparison.scenes.quantity import Quantity, Rate, key
 
 MAX_BALLS = 100_000
 
@@ -45,6 +46,8 @@ MaterialName = Literal[
     "bearing steel", "silicon nitride", "zirconia", "100Cr6", "SUJ2", "AISI 52100", "42CrMo4", "50CrMo4", "Si3N4", "ZrO2"
 ]
 Freedom = Literal["ux", "uy", "uz", "rx", "ry", "rz"]
+#: Young's moduli [Pa] of solids that parts of machines are made of.
+SOLIDS = (1e9, 1e12)
 #: Kinds of scenes: whole screws and bearings, which every command solves, and those that only friction solves.
 WHOLE = ("ball screw", "bearing")
 #: Several rolling sets on one shaft, which solve and friction take.
@@ -62,6 +65,7 @@ class MaterialKeys(Table):
     """Isotropic elastic material. A part that gives only one of the two takes the other from [material]."""
 
     name: MaterialName | None = key(MATERIAL_NAMES, None, "bearing steel")
+    unusual: bool = key("the modulus is meant as it stands, although no solid of a machine has it", False, True)
     youngs_modulus: Modulus | None = key("Young's modulus", None)
     poissons_ratio: Poisson | None = key("Poisson's ratio", None)
 
@@ -69,6 +73,16 @@ class MaterialKeys(Table):
     @classmethod
     def _by_name(cls, value: Any) -> Any:
         return with_material(value)
+
+    @field_validator("youngs_modulus")
+    @classmethod
+    def _of_a_solid(cls, value: float | None, info: ValidationInfo) -> float | None:
+        """A modulus that is a slip of a unit is refused, unless the table says that it is meant."""
+        if value is None or SOLIDS[0] <= value <= SOLIDS[1] or info.data.get("unusual"):
+            return value
+        allowed = f"{1e-9 * SOLIDS[0]:g} GPa to {1e-9 * SOLIDS[1]:g} GPa"
+        advice = 'steel has "210 GPa"; if it is meant, write unusual = true beside it'
+        raise PydanticCustomError("quantity", "{advice}", {"allowed": allowed, "advice": advice})
 
 
 MATERIAL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.28}

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 from math import ceil, floor, pi, sin
+from typing import Any
 
-from compare.errors import InputError
-from compare.scenes.circuits import touching_angle
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.scenes.circuits import touching_angle
 
 #: Ball diameters that are kept in stock [mm].
 STOCK = (0.8, 1.0, 1.2, 1.588, 2.0, 2.381, 2.778, 3.175, 3.5, 3.969, 4.763, 5.556, 6.35, 7.144, 7.938, 9.525, 12.7)
@@ -15,22 +16,37 @@ DIAMETERS, LEADS = (6.0, 160.0), (1.0, 100.0)
 #: Ball diameter over lead and over nominal diameter at most; pitch circle beyond the land, in ball diameters; wall of the
 #: nut under its grooves, in ball diameters; part of the turns filled with balls.
 PER_LEAD, PER_DIAMETER, BEYOND, WALL, FILLING = 0.635, 0.2, 0.11, 1.2, 0.9
-#: Load of a ball over its diameter squared [N/mm2], about 13 % of a usual dynamic rating, and oversize of the ball radius
-#: over its diameter [-], a light preload.
-LOAD, OVERSIZE = 3.7, 4.7e-4
+#: Load of a ball over its diameter squared [N/mm2], about 13 % of a usual dynamic rating, and preload between rigid bodies
+#: in per cent of the dynamic rating: catalogues have 3 to 8 %.
+LOAD, PRELOAD = 3.7, 5.0
+#: Standard deviation of the ball radii [um]: the diameters of a lot of grade 10 lie within 0.5 um (ISO 3290-1), taken as
+#: six standard deviations.
+SIGMA = 0.04
 
-TEXT = """\
-# A ball screw of nominal size {size}, as is usual for it: edit what your drawing says otherwise.
-# Solve it with: rollbench solve FILE; judge it with: rollbench check FILE. All keys: rollbench schema
-title = "Ball screw {size}: {turns:g} turns of {ball:g} mm balls, preloaded, {force:g} kN"
-assumed = [
+#: Share of a nut's length between the nuts of a double nut.
+SPACER = 0.1
+
+#: What every size assumes.
+ASSUMED = """\
   "The balls are the largest in stock up to {per_lead:g} of the lead and {per_diameter:g} of the nominal diameter.",
   "Pitch circle {beyond:g} ball diameters beyond the nominal diameter, which is that of the lands.",
   "Conformity (groove radius over ball diameter) 0.525: within the usual 0.52 to 0.53; makers do not print it.",
   "{circuits} circuits of {each:g} turns, {percent:g} % filled; number and gaps of circuits differ from maker to maker.",
+  "Preload of {preload:g} % of the dynamic load rating{rigid}: catalogues have 3 to 8 %.",
+  "Ball radii scatter as in a lot of grade 10 (ISO 3290-1: diameters within 0.5 um, six standard deviations).",
   "Nut without flange, walls of {wall:g} ball diameters under the grooves, held at its left face.",
-  "Fixed bearing at the left end of the screw, floating bearing at the right one; the nut in the middle.",
-]
+  "Fixed bearing at the left end of the screw, floating bearing at the right one; {nuts} in the middle.",
+"""
+
+TEXT = (
+    """\
+# A ball screw of nominal size {size}, as is usual for it: edit what your drawing says otherwise.
+# Solve it with: rollbench solve FILE; judge it with: rollbench check FILE. All keys: rollbench schema
+title = "Ball screw {size}: {turns:g} turns of {ball:g} mm balls, preloaded, {force:g} kN"
+assumed = [
+"""
+    + ASSUMED
+    + """]
 
 [material]
 name = "bearing steel"
@@ -63,7 +79,13 @@ circuit_gap = {gap:g}  # turns without balls from one circuit to the next
 # material = {{ name = "silicon nitride" }}
 
 [preload]
-oversize = "{oversize:g} um"  # added to every ball radius; or: force = "500 N"
+force = "{preload:g} % of C"  # or: force = "500 N", or: oversize = "3 um", added to every ball radius
+
+[errors]
+seed = 1
+
+[errors.balls]
+sigma = "{sigma:g} um"  # of the radii: a lot of grade 10, diameters within 0.5 um; for: rollbench solve FILE --members 1000
 
 [[supports]]  # fixed bearing; the nut takes the load along the axis
 at = "0 mm"
@@ -83,10 +105,103 @@ force = ["0 N", "0 N", "{force:g} kN"]
 # [gate]  # for: rollbench check, in per cent
 # max_error = 7
 """
+)
+
+DOUBLE = (
+    """\
+# A double nut of nominal size {size}, as is usual for it: edit what your drawing says otherwise.
+# Solve it with: rollbench solve FILE. All keys: rollbench schema
+title = "Double nut {size}: {turns:g} turns of {ball:g} mm balls in each nut, preloaded, {force:g} kN"
+assumed = [
+"""
+    + ASSUMED
+    + """\
+  "Both nuts and the spacer between them are one rigid body, which is held.",
+]
+kind = "axis"
+
+[material]
+name = "bearing steel"
+
+[screw]
+length = "{length:g} mm"  # between the bearings
+outer_diameter = "{outer:g} mm"  # of the lands
+conformity = 0.525
+
+[[supports]]  # fixed bearing; the nuts take the load along the axis
+at = "0 mm"
+fix = ["ux", "uy", "rx", "ry", "rz"]
+
+[[supports]]
+at = "{length:g} mm"
+fix = ["ux", "uy"]
+
+[[loads]]
+at = "0 mm"
+force = ["0 N", "0 N", "{force:g} kN"]
+
+# [friction]  # for: rollbench friction
+# coefficient = 0.1
+"""
+)
+
+#: One nut of a double nut, which carries thrust one way.
+NUT = """
+[[sets]]
+name = "nut {number}"
+thrust = "{thrust}"
+preload = "{preload:g} % of C"  # or: preload = "500 N"
+
+[sets.track]
+pitch_diameter = "{pitch:g} mm"
+lead = "{lead:g} mm"
+contact_angle = "45 deg"
+
+[sets.nut]
+position = "{at:g} mm"  # of its centre, from the left end of the screw
+length = "{nut:g} mm"
+outer_diameter = "{outside:g} mm"
+conformity = 0.525
+
+[sets.balls]
+diameter = "{ball:g} mm"
+filling = {filling:g}  # or: count = ...
+turns = {each:g}  # of each circuit
+circuits = {circuits}
+circuit_gap = {gap:g}  # turns without balls from one circuit to the next
+
+[sets.errors.balls]
+sigma = "{sigma:g} um"  # of the radii: a lot of grade 10, diameters within 0.5 um
+"""
 
 
 def scene_like(size: str) -> str:
     """Text of a scene of a nominal size ``DIAMETERxLEAD`` in mm. Raises InputError where the rules do not reach."""
+    values = _values(size)
+    return _tidy(TEXT.format(**values, rigid=", between rigid bodies", nuts="the nut"), values)
+
+
+def double_nut_like(size: str) -> str:
+    """Text of a double nut of a nominal size, as `scene_like`: its nuts are pressed apart by a spacer."""
+    values = _values(size)
+    apart = values["nut"] + max(1.0, round(SPACER * values["nut"]))
+    places = [values["middle"] - 0.5 * apart, values["middle"] + 0.5 * apart]
+    nuts = [
+        NUT.format(**values, number=k + 1, thrust=thrust, at=at)
+        for k, (thrust, at) in enumerate(zip(("-z", "+z"), places, strict=True))
+    ]
+    return _tidy("".join((DOUBLE.format(**values, rigid=" of each nut", nuts="the nuts"), *nuts)), values)
+
+
+def _tidy(text: str, values: dict[str, Any]) -> str:
+    """Nothing about gaps where there is one circuit."""
+    if values["circuits"] > 1:
+        return text
+    return re.sub(r"(?m)^circuit_gap = .*\n", "", text).replace("1 circuits of", "1 circuit of")
+
+
+def _values(size: str) -> dict[str, Any]:
+    """Numbers of a size, as they stand in the file."""
     outer, lead = _size(size)
     ball = max(b for b in STOCK if b <= max(STOCK[0], 1.01 * min(PER_LEAD * lead, PER_DIAMETER * outer)))
     pitch = round(outer + 2.0 * BEYOND * ball, 2)
@@ -95,31 +210,31 @@ def scene_like(size: str) -> str:
     reach = circuits * each + (circuits - 1) * gap
     count = circuits * max(1, floor(FILLING * each * 2.0 * pi / touching_angle(pitch / 2.0, lead, ball)))
     length = 50.0 * ceil(20.0 * outer / 50.0)
-    text = TEXT.format(
-        size=f"{outer:g}x{lead:g}",
-        outer=outer,
-        lead=lead,
-        ball=ball,
-        pitch=pitch,
-        circuits=circuits,
-        each=each,
-        gap=gap,
-        turns=circuits * each,
-        length=length,
-        middle=length / 2.0,
-        nut=ceil(reach * lead + 3.0 * ball),
-        outside=ceil(pitch + (1.0 + 2.0 * WALL) * ball),
-        bore=floor(0.4 * outer),
-        filling=FILLING,
-        percent=100.0 * FILLING,
-        oversize=max(0.5, round(2e3 * OVERSIZE * ball) / 2.0),
-        force=float(f"{LOAD * ball**2 * count * sin(pi / 4.0) / 1e3:.2g}"),
-        per_lead=PER_LEAD,
-        per_diameter=PER_DIAMETER,
-        beyond=BEYOND,
-        wall=WALL,
-    )
-    return text if circuits > 1 else re.sub(r"(?m)^circuit_gap = .*\n", "", text).replace("1 circuits of", "1 circuit of")
+    return {
+        "size": f"{outer:g}x{lead:g}",
+        "outer": outer,
+        "lead": lead,
+        "ball": ball,
+        "pitch": pitch,
+        "circuits": circuits,
+        "each": each,
+        "gap": gap,
+        "turns": circuits * each,
+        "length": length,
+        "middle": length / 2.0,
+        "nut": ceil(reach * lead + 3.0 * ball),
+        "outside": ceil(pitch + (1.0 + 2.0 * WALL) * ball),
+        "bore": floor(0.4 * outer),
+        "filling": FILLING,
+        "percent": 100.0 * FILLING,
+        "preload": PRELOAD,
+        "sigma": SIGMA,
+        "force": float(f"{LOAD * ball**2 * count * sin(pi / 4.0) / 1e3:.2g}"),
+        "per_lead": PER_LEAD,
+        "per_diameter": PER_DIAMETER,
+        "beyond": BEYOND,
+        "wall": WALL,
+    }
 
 
 def _size(size: str) -> tuple[float, float]:

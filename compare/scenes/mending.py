@@ -9,8 +9,8 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from compare.scenes.keys import tidy_schema
-from compare.scenes.refusal import Said, key_faults, node_at, unknown
+from rollbench.comparison.scenes.keys import tidy_schema
+from rollbench.comparison.scenes.refusal import Said, key_faults, node_at, unknown
 
 Keys = TypeVar("Keys", bound=BaseModel)
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from math import cos, sin
 
-from compare.scenes.schema import PreloadKeys
-from meshes.helix import lead_angle
-from meshes.parts import Scene
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.scenes.quantity import ShareOfRating
+from rollbench.comparison.scenes.schema import PreloadKeys
+from rollbench.meshes.helix import lead_angle
+from rollbench.meshes.parts import Scene
 
 
 def oversize_for(scene: Scene, force: float) -> float:
@@ -19,7 +21,7 @@ def oversize_for(scene: Scene, force: float) -> float:
     angle. Valid where e is small against the distance of ball and groove centre, so that the angle hardly changes (a
     per cent of the force at 7 um and 0.5 mm).
     """
-    from lowfi.statics.problem import nominal_hertz
+    from rollbench.lowfi.statics.problem import nominal_hertz
 
     beta, alpha = scene.track.contact_angle, lead_angle(scene.track)
     each = force / (scene.ball_count * sin(beta) * cos(alpha))
@@ -28,15 +30,27 @@ def oversize_for(scene: Scene, force: float) -> float:
     return float(0.5 * pair * each ** (2.0 / 3.0))
 
 
+def force_of(scene: Scene, asked: float | ShareOfRating) -> tuple[float, str]:
+    """Preload force [N], and in words where it comes from."""
+    if not isinstance(asked, ShareOfRating):
+        return asked, ""
+    from rollbench.lowfi.rating.life import rating
+
+    C = rating(scene)
+    percent = float(error_percent(asked.share * C, 0.0, C))
+    return asked.share * C, f" ({percent:.3g} % of the dynamic load rating as computed, {C:.4g} N)"
+
+
 def preloaded(scene: Scene, keys: PreloadKeys | None) -> Scene:
     """The scene with its preload as an oversize, and what is idealised by it among the assumptions."""
     if keys is None or keys.lead_offset is not None:
         return scene
     size, said = keys.oversize or 0.0, scene.assumed
     if keys.force is not None:
-        size = oversize_for(scene, keys.force)
+        force, of = force_of(scene, keys.force)
+        size = oversize_for(scene, force)
         said += (
-            f"The preload of {keys.force:g} N was turned into an oversize of {1e6 * size:.3g} um in ball radius, by Hertz "
+            f"The preload of {force:g} N{of} was turned into an oversize of {1e6 * size:.3g} um in ball radius, by Hertz "
             "contacts between a rigid screw and a rigid nut; elastic ones give way, so that less than it is left.",
         )
     balls = replace(scene.errors.balls, oversize=size)

@@ -10,9 +10,10 @@ from typing import Any
 from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import PydanticCustomError, core_schema
 
-from compare.scenes import units
+from rollbench.comparison.scenes import units
 
 _NUMBER = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)\s*(\S.*)?")
+_OF_C = re.compile(r"\s*\+?([0-9]+\.?[0-9]*|\.[0-9]+)\s*%\s*of\s*C\s*")
 #: Units of speeds, angular speeds and times, as factors to SI; the SI unit first.
 RATES = {
     "speed": {"m/s": 1.0, "mm/s": 1e-3, "um/s": 1e-6, "m/min": 1.0 / 60.0},
@@ -74,6 +75,36 @@ class Quantity:
             high = "exclusiveMaximum" if self.below else "maximum"
             return schema | {low: self.low, high: self.high}
         return schema | {"x-unit": units.DIMENSIONS[self.dimension][0], "pattern": r"^\s*[+-]?[0-9.].*\S$"}
+
+
+@dataclass(frozen=True)
+class ShareOfRating:
+    """Part of the basic dynamic load rating C as computed [-]."""
+
+    share: float
+
+
+@dataclass(frozen=True)
+class ForceOrShare(Quantity):
+    """Range of a force, or of per cents of the dynamic load rating C: ``5 % of C``."""
+
+    most: float = 50.0
+
+    def read(self, value: object) -> float | ShareOfRating:  # type: ignore[override]
+        """SI value, or the part of C; raises pydantic's error carrying ``allowed`` and ``advice``."""
+        match = _OF_C.fullmatch(value) if isinstance(value, str) else None
+        if match is None:
+            return super().read(value)
+        percent = float(match[1])
+        if not 0.0 < percent <= self.most:
+            advice = "makers preload with 3 to 8 % of C, and seldom with more than 10 %"
+            raise self._refused(f"above 0, up to {self.most:g} % of C", advice)
+        return ShareOfRating(percent / 100.0)
+
+    @property
+    def allowed(self) -> str:
+        """The range as text."""
+        return f'{super().allowed}, or e.g. "5 % of C"'
 
 
 @dataclass(frozen=True)

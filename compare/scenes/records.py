@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from compare.errors import escaped
-from compare.scenes.circuits import azimuths
-from compare.scenes.keys import MaterialKeys
-from compare.scenes.schema import BallKeys, FrictionKeys, SceneKeys, SideKeys, SupportKeys, TermKeys, TrackKeys
-from meshes.parts import (
+from rollbench.comparison.errors import escaped
+from rollbench.comparison.scenes.circuits import azimuths
+from rollbench.comparison.scenes.keys import MaterialKeys
+from rollbench.comparison.scenes.schema import BallKeys, FrictionKeys, SceneKeys, SideKeys, SupportKeys, TermKeys, TrackKeys
+from rollbench.meshes.parts import (
     FREEDOMS,
     BallErrors,
     Balls,
@@ -35,7 +35,7 @@ from meshes.parts import (
 )
 
 if TYPE_CHECKING:
-    from compare.scenes.axis_schema import HousingKeys
+    from rollbench.comparison.scenes.axis_schema import HousingKeys
 
 
 def scene_of(keys: SceneKeys, name: str) -> Scene:

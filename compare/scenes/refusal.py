@@ -9,11 +9,11 @@ from typing import Any, NamedTuple, NoReturn
 
 from pydantic import BaseModel, ValidationError
 
-from compare.errors import SceneError
-from compare.scenes.fault import Fault
-from compare.scenes.keys import tidy_schema
-from compare.scenes.units import show
-from compare.scenes.words import hint
+from rollbench.comparison.errors import SceneError
+from rollbench.comparison.scenes.fault import Fault
+from rollbench.comparison.scenes.keys import tidy_schema
+from rollbench.comparison.scenes.units import show
+from rollbench.comparison.scenes.words import hint
 
 #: Keys that a file may have in place of another one.
 ALIASES = {

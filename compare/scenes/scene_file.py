@@ -11,24 +11,29 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from compare.errors import SceneError, escaped
-from compare.scenes.body_checks import contact_faults, geometry_faults
-from compare.scenes.fault import Fault
-from compare.scenes.key_checks import choice_faults
-from compare.scenes.keys import AXIS, FRICTION_ONLY, WHOLE
-from compare.scenes.mending import validated
-from compare.scenes.preload import preloaded
-from compare.scenes.records import scene_of
-from compare.scenes.refusal import refusal, refuse, refuse_keys, spoken
-from compare.scenes.schema import SceneKeys
-from compare.scenes.units import show
-from meshes.axis import Assembly
-from meshes.parts import Scene
+from rollbench.comparison.errors import SceneError, escaped
+from rollbench.comparison.scenes.body_checks import contact_faults, geometry_faults
+from rollbench.comparison.scenes.fault import Fault
+from rollbench.comparison.scenes.key_checks import choice_faults
+from rollbench.comparison.scenes.keys import AXIS, FRICTION_ONLY, WHOLE
+from rollbench.comparison.scenes.mending import validated
+from rollbench.comparison.scenes.preload import preloaded
+from rollbench.comparison.scenes.records import scene_of
+from rollbench.comparison.scenes.refusal import refusal, refuse, refuse_keys, spoken
+from rollbench.comparison.scenes.schema import SceneKeys
+from rollbench.comparison.scenes.units import show
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.one_arc import as_one_arc
+from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
-    from compare.scenes.axis_schema import AxisKeys
-    from compare.scenes.kinds.common import KindScene
+    from rollbench.comparison.scenes.axis_schema import AxisKeys
+    from rollbench.comparison.scenes.kinds.common import KindScene
 
+#: Most parts of a dotted key: the reader's time and memory grow with their square.
+MAX_PARTS = 32
+_PART = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')"""
+_DOTTED = re.compile(rf"""(?<![\w\-."'])(?:{_PART}[ \t]*+\.[ \t]*+){{{MAX_PARTS}}}""")
 #: Largest scene file [bytes] and longest line [characters]: 100 000 listed azimuths on one line have 2 MB.
 MAX_BYTES, MAX_LINE = 4_000_000, 2_500_000
 #: Tables that no whole screw or bearing has; without a kind they tell that one is missing.
@@ -81,7 +86,7 @@ def read_tables(raw: dict[str, Any], origin: str) -> Scene | KindScene | Assembl
         near = difflib.get_close_matches(str(kind), (*WHOLE, *FRICTION_ONLY), n=1, cutoff=0.5)
         advice = f"did you mean {show(near[0])}?" if near else "leave it out for a whole screw or bearing"
         raise SceneError(origin, "kind", show(kind), ", ".join(map(show, (*WHOLE, *FRICTION_ONLY))), advice)
-    from compare.scenes.kinds.table import KINDS
+    from rollbench.comparison.scenes.kinds.table import KINDS
 
     of = KINDS[kind]
     try:
@@ -93,13 +98,13 @@ def read_tables(raw: dict[str, Any], origin: str) -> Scene | KindScene | Assembl
 
 
 def _read_axis(raw: dict[str, Any], origin: str) -> Scene | Assembly:
-    from compare.scenes.axis_file import read_axis
+    from rollbench.comparison.scenes.axis_file import read_axis
 
     return read_axis(_axis_keys(raw, origin), raw, origin, Path(origin).stem)
 
 
 def _axis_keys(raw: dict[str, Any], origin: str) -> AxisKeys:
-    from compare.scenes.axis_schema import AxisKeys
+    from rollbench.comparison.scenes.axis_schema import AxisKeys
 
     try:
         return AxisKeys.model_validate(raw)
@@ -145,7 +150,7 @@ def of_tables(raw: dict[str, Any], origin: str) -> Scene:
     if keys.preload is not None:
         scene = preloaded(scene, keys.preload)
         refuse(origin, raw, _body_faults(scene))
-    return scene
+    return as_one_arc(scene)
 
 
 def _body_faults(scene: Scene) -> list[Fault]:
@@ -194,6 +199,10 @@ def scene_hash(text: str) -> str:
 
 def read_toml(text: str, origin: str) -> dict[str, Any]:
     """Tables and keys of a TOML text; ``origin`` is the file named in errors. Raises SceneError."""
+    if long := _DOTTED.search(text):
+        row = text.count("\n", 0, long.start()) + 1
+        advice = "keys of scenes have up to four: rollbench schema lists them"
+        raise SceneError(origin, f"line {row}", f"{long[0][:40]}...", f"a key of up to {MAX_PARTS} parts", advice)
     try:
         return tomllib.loads(text)
     except RecursionError:

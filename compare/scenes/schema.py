@@ -6,8 +6,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from compare.scenes.catalogue_input import either, with_radius
-from compare.scenes.keys import (
+from rollbench.comparison.scenes.catalogue_input import either, with_radius
+from rollbench.comparison.scenes.keys import (
     MATERIAL,
     MAX_BALLS,
     Azimuth,
@@ -41,12 +41,12 @@ from compare.scenes.keys import (
     Turn,
     Turns,
 )
-from compare.scenes.quantity import Quantity, key
-from meshes.parts import NutHeld
+from rollbench.comparison.scenes.quantity import ForceOrShare, Quantity, ShareOfRating, key
+from rollbench.meshes.parts import Friction, NutHeld
 
 BallDiameter = Annotated[float, Quantity("length", "0.02 mm", "2 m", "5.556 mm")]
 Gap = Annotated[float, Quantity("number", 0, 1000, 0.5)]
-Preload = Annotated[float, Quantity("force", "0 N", "10 MN", "500 N", above=True)]
+Preload = Annotated[float | ShareOfRating, ForceOrShare("force", "0 N", "10 MN", "500 N", above=True)]
 Percent = Annotated[float, Quantity("number", 0, 100, 7, above=True)]
 
 
@@ -258,7 +258,7 @@ class FrictionKeys(Table):
     coupling: Literal["none", "ball", "balls"] = key(
         "whether friction moves each ball across its grooves, at the axial load it carries, or leaves the loads alone; "
         '"balls": leaves the loads alone, and neighbours that touch push each other (a run in time always lets them)',
-        "ball",
+        Friction.coupling,
         "none",
     )
     assumed: Annotated[list[Sentence], Field(max_length=100)] = key(
@@ -297,11 +297,15 @@ class PreloadKeys(Table):
     contact by a lead offset of its halves. Give one of the three."""
 
     force: Preload | None = key(
-        "axial force between the two pairs of flanks of nut and screw without load, both taken as rigid", None, "500 N"
+        "axial force between the two pairs of flanks of nut and screw without load, both taken as rigid; or in per cent of "
+        'the dynamic load rating as computed: "5 % of C"',
+        None,
+        "500 N",
     )
     oversize: Deviation | None = key("added to every ball's radius", None, "3 um")
     lead_offset: Deviation | None = key(
-        "shift of the nut's groove beyond its centre along the axis, against the rest (two nuts: [[sets]] with an offset)",
+        "shift of the nut's groove beyond its centre along the axis, against the rest, the step between two balls: one at "
+        "the centre counts to the half before it (two nuts: [[sets]] with an offset)",
         None,
     )
 

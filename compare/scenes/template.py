@@ -7,11 +7,11 @@ from collections.abc import Iterator, Mapping
 from importlib import resources
 from typing import Any
 
-from compare.errors import InputError
-from compare.scenes.catalogue import scene_text
-from compare.scenes.keys import FRICTION_ONLY, WHOLE, tidy_schema
-from compare.scenes.schema import SceneKeys
-from compare.scenes.units import show
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.scenes.catalogue import scene_text
+from rollbench.comparison.scenes.keys import FRICTION_ONLY, WHOLE, tidy_schema
+from rollbench.comparison.scenes.schema import SceneKeys
+from rollbench.comparison.scenes.units import show
 
 #: Shipped scenes whose values the templates take; that of a ball screw is written by hand.
 EXAMPLES = {
@@ -48,7 +48,7 @@ def template(kind: str = "ball screw") -> str:
         allowed = ", ".join(k.replace(" ", "-") for k in (*WHOLE, *AXES, *FRICTION_ONLY))
         raise InputError("command line", "--kind", kind, allowed, "a whole screw is a ball-screw")
     if name == "ball screw":
-        return resources.files("compare").joinpath("template.toml").read_text(encoding="utf-8")
+        return resources.files("rollbench.comparison").joinpath("template.toml").read_text(encoding="utf-8")
     values = tomllib.loads(scene_text(EXAMPLES[name])) | {"title": f"My {name}", "kind": name}
     for said in ("source", "assumed"):
         values.pop(said, None)
@@ -62,7 +62,7 @@ def _schema(kind: str) -> dict[str, Any]:
         schema = tidy_schema(SceneKeys)
         left_out = {"circulation"} if kind == "bearing" else set()  # the balls of a ring go round its one turn
         return schema | {"properties": {k: v for k, v in schema["properties"].items() if k not in left_out}}
-    from compare.scenes.kinds.table import KINDS
+    from rollbench.comparison.scenes.kinds.table import KINDS
 
     return tidy_schema(KINDS[kind].keys)
 

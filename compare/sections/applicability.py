@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from compare.models.applicability import DESCRIPTORS, Descriptor, compared, places
-from compare.models.study import Study
-from meshes.parts import Scene
-from reports.records import Cell, Column, Figure, Panel, Series, Table
+from rollbench.comparison.models.applicability import DESCRIPTORS, Descriptor, compared, places
+from rollbench.comparison.models.study import Study
+from rollbench.meshes.parts import Scene
+from rollbench.reports.records import Cell, Column, Figure, Panel, Series, Table
 
 
 def range_table(scene: Scene | None = None) -> Table:

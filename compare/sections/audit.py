@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from compare.evidence.audit import APART, VERDICTS, Audited, audit, counts, trust
-from compare.evidence.left_out import left_out, misprints
-from compare.models.study import Study
-from reports.records import Cell, Column, Section, Table, Text
+from rollbench.comparison.evidence.audit import APART, VERDICTS, Audited, audit, counts, trust
+from rollbench.comparison.evidence.left_out import left_out, misprints
+from rollbench.comparison.models.study import Study
+from rollbench.reports.records import Cell, Column, Section, Table, Text
 
 
 def _texts(*columns: tuple[str, str]) -> tuple[Column, ...]:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from compare.evidence.loads_2_4_1 import READINGS
-from compare.measure import load_error
-from compare.models.registry import DEFAULT
-from compare.models.study import Study
-from reports.records import Cell, Column, Table
+from rollbench.comparison.evidence.loads_2_4_1 import READINGS
+from rollbench.comparison.measure import load_error
+from rollbench.comparison.models.registry import DEFAULT
+from rollbench.comparison.models.study import Study
+from rollbench.reports.records import Cell, Column, Table
 
 
 def reference_words(study: Study, name: str) -> str:

@@ -7,16 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from compare.evidence.choices_2_4_1 import Choice, choices
-from compare.evidence.loads_2_4_1 import CASES, READINGS, ratio, section_2_4_1, spread_of_choices
-from compare.models.study import Study
-from compare.sections.case3 import readings_table
-from compare.sections.curves import loads
-from compare.sections.finding_table import printed_table
-from compare.sections.loaded_screw import loaded_screw
-from lowfi.statics.result import StaticResult
-from meshes.parts import SIDES, Scene
-from reports.records import Cell, Column, Figure, LoadedScrew, Panel, Section, Series, Table, Text
+from rollbench.comparison.evidence.choices_2_4_1 import Choice, choices
+from rollbench.comparison.evidence.loads_2_4_1 import CASES, READINGS, ratio, section_2_4_1, spread_of_choices
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.sections.case3 import readings_table
+from rollbench.comparison.sections.curves import loads
+from rollbench.comparison.sections.finding_table import printed_table
+from rollbench.comparison.sections.loaded_screw import loaded_screw
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.parts import SIDES, Scene
+from rollbench.reports.records import Cell, Column, Figure, LoadedScrew, Panel, Section, Series, Table, Text
 
 
 def choice_rows(found: Sequence[Choice]) -> list[dict[str, Cell]]:

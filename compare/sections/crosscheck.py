@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from compare.crosscheck.data import CrossData, load, shipped
-from compare.crosscheck.fit import Extrapolation, extrapolate, mesh_of
-from compare.crosscheck.nut import load_nut
-from compare.crosscheck.rows import agreement, columns, contact_rows, mesh_columns
-from compare.crosscheck.study import STUDIES, scene_key
-from compare.measure import error_percent, load_error
-from compare.models.study import Study
-from compare.reference.estimate import Reference
-from reports.records import Cell, Column, Section, Table, Text
+from rollbench.comparison.crosscheck.data import CrossData, load, shipped
+from rollbench.comparison.crosscheck.fit import Extrapolation, extrapolate, mesh_of
+from rollbench.comparison.crosscheck.nut import load_nut
+from rollbench.comparison.crosscheck.rows import agreement, columns, contact_rows, mesh_columns
+from rollbench.comparison.crosscheck.study import STUDIES, scene_key
+from rollbench.comparison.measure import error_percent, load_error
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.reference.estimate import Reference
+from rollbench.meshes.loads import mean_load
+from rollbench.reports.records import Cell, Column, Section, Table, Text
 
 ABOUT = (
     "CalculiX solves two small scenes on whole bodies, without sockets, patches, condensation or beams: ten-node "
@@ -44,7 +45,7 @@ def run_table(data: CrossData) -> Table:
     rows: list[dict[str, Cell]] = []
     base = {(mesh_of(r), r.stiffness): r for r in data.runs if not r.nlgeom}
     for run in data.runs:
-        mean = float(run.load[run.load > 0.0].mean())
+        mean = mean_load(run.load)
         twin = base.get((mesh_of(run), run.stiffness))
         rows.append(
             {
@@ -91,7 +92,7 @@ def run_table(data: CrossData) -> Table:
 
 
 def contact_tables(data: CrossData, ours: Reference, limit: Extrapolation) -> list[Table]:
-    """Every contact by both programs, extrapolated; and on every mesh of either."""
+    """Every contact by both programs, CalculiX extrapolated; and on every mesh of either."""
     rows = contact_rows(data, ours, limit)
     heads = mesh_columns(data, ours)
     ends, each = ([{c.key: r.cells()[c.key] for c in own} for r in rows] for own in (columns(), heads))
@@ -103,7 +104,7 @@ def contact_tables(data: CrossData, ours: Reference, limit: Extrapolation) -> li
     )
     meshes = "CalculiX's columns are the runs of the most alike contact law."
     return [
-        Table(f"crosscheck-{data.scene}", f"{data.scene}: contact loads, both extrapolated", columns(), ends, note),
+        Table(f"crosscheck-{data.scene}", f"{data.scene}: contact loads, CalculiX extrapolated", columns(), ends, note),
         Table(f"crosscheck-meshes-{data.scene}", f"{data.scene}: contact loads on every mesh", heads, each, meshes),
     ]
 

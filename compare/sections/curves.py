@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from lowfi.statics.result import StaticResult
-from meshes.arrays import Array
-from reports.records import Series
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.arrays import Array
+from rollbench.reports.records import Series
 
 
 def numbers(values: Array, factor: float = 1.0) -> list[float]:

@@ -6,15 +6,15 @@ from collections.abc import Callable
 
 import numpy as np
 
-from compare.evidence.errors_2_4_2 import section_2_4_2
-from compare.evidence.loads_2_4_1 import ratio
-from compare.measure import load_error
-from compare.models.ensemble import EnsembleResult
-from compare.models.study import Study
-from compare.sections.curves import loads
-from compare.sections.finding_table import printed_table
-from meshes.parts import SIDES
-from reports.records import Cell, Column, Figure, Panel, Section, Series, Table
+from rollbench.comparison.evidence.errors_2_4_2 import section_2_4_2
+from rollbench.comparison.evidence.loads_2_4_1 import ratio
+from rollbench.comparison.measure import load_error
+from rollbench.comparison.models.ensemble import EnsembleResult
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.sections.curves import loads
+from rollbench.comparison.sections.finding_table import printed_table
+from rollbench.meshes.parts import SIDES
+from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Table
 
 
 def band(label: str, ensemble: EnsembleResult, side: int) -> Series:

@@ -6,19 +6,19 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from compare.evidence.external import bearings, screws
-from compare.evidence.external.case import PREFIX, assumptions
-from compare.evidence.record import WITHIN, Evidence
-from compare.evidence.registry import BY_TABLE, evidence
-from compare.models.ladder import UNSEEN
-from compare.models.registry import DEFAULT
-from compare.models.study import Study
-from compare.printed.printed_data import entry
-from compare.sections.finding_table import printed_table
-from compare.sections.rigidity_stages import stages_table
-from meshes.axis import Assembly
-from meshes.parts import Scene
-from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
+from rollbench.comparison.evidence.external import bearings, screws
+from rollbench.comparison.evidence.external.case import PREFIX, assumptions
+from rollbench.comparison.evidence.record import WITHIN, Evidence
+from rollbench.comparison.evidence.registry import BY_TABLE, evidence
+from rollbench.comparison.models.ladder import UNSEEN
+from rollbench.comparison.models.registry import DEFAULT
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import entry
+from rollbench.comparison.sections.finding_table import printed_table
+from rollbench.comparison.sections.rigidity_stages import stages_table
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import Scene
+from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
 
 #: Titles of the tables.
 TITLES = {

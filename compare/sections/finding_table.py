@@ -7,8 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from compare.evidence.record import Evidence, sentences
-from reports.records import Cell, Column, Table
+from rollbench.comparison.evidence.audit import judge
+from rollbench.comparison.evidence.record import Evidence, sentences
+from rollbench.reports.records import Cell, Column, Table
 
 #: Remarks that more rows than this share are numbered and stand once, in the note.
 SHARED = 2
@@ -70,7 +71,7 @@ def _cells(f: Evidence, usual: str, place: bool) -> dict[str, Cell]:
         "reading_error": shown_error(f.reading_error_percent),
         "error": shown_error(f.error_percent),
         "class": p.cls,
-        "verdict": f.verdict,
+        "verdict": judge(f)[0],
         "remark": sentences(f.words, p.remark, p.origin and f"Band: {p.origin}"),
     }
 

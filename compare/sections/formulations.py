@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Literal
 
-from compare.measure import load_error
-from compare.models.source_start import best_start
-from compare.models.study import Study
-from reports.records import Cell, Column, Section, Table, Text
+from rollbench.comparison.measure import load_error
+from rollbench.comparison.models.source_start import best_start
+from rollbench.comparison.models.study import Study
+from rollbench.reports.records import Cell, Column, Section, Table, Text
 
 SCENES = (
     "lin-case1",

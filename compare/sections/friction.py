@@ -7,19 +7,29 @@ from math import degrees
 
 import numpy as np
 
-from compare.evidence.assumptions_3 import balance_rows, sensitivity_rows
-from compare.evidence.registry import evidence
-from compare.evidence.rotary_linear import AXIAL, CASES, K_F, LINEAR, PRINTED_LAW, ROTARY, VERTICAL, as_printed, right
-from compare.extremes.printed_cases import pair_rows, root_rows
-from compare.measure import error_percent
-from compare.models.study import Study
-from compare.printed.printed_data import entry
-from compare.sections.curves import numbers
-from compare.sections.finding_table import printed_table
-from lowfi.friction.bearing.rotary import SIDES, Solution, Sweep, sweep
-from lowfi.friction.linear.pair import PairMaps, maps
-from meshes.arrays import Array
-from reports.records import Column, Figure, Panel, Section, Series, Table, Text
+from rollbench.comparison.evidence.assumptions_3 import balance_rows, sensitivity_rows
+from rollbench.comparison.evidence.registry import evidence
+from rollbench.comparison.evidence.rotary_linear import (
+    AXIAL,
+    CASES,
+    K_F,
+    LINEAR,
+    PRINTED_LAW,
+    ROTARY,
+    VERTICAL,
+    as_printed,
+    right,
+)
+from rollbench.comparison.extremes.printed_cases import pair_rows, root_rows
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import entry
+from rollbench.comparison.sections.curves import numbers
+from rollbench.comparison.sections.finding_table import printed_table
+from rollbench.lowfi.friction.bearing.rotary import SIDES, Solution, Sweep, sweep
+from rollbench.lowfi.friction.linear.pair import PairMaps, maps
+from rollbench.meshes.arrays import Array
+from rollbench.reports.records import Column, Figure, Panel, Section, Series, Table, Text
 
 # --- tables
 

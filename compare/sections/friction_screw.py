@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from compare.evidence.assumptions_3_4 import (
+from rollbench.comparison.evidence.assumptions_3_4 import (
     AS_CASE,
     AS_TEXT,
     SOURCE_RULE,
@@ -19,14 +19,14 @@ from compare.evidence.assumptions_3_4 import (
     reading_rows,
     run_rows,
 )
-from compare.evidence.registry import evidence
-from compare.evidence.screw import AMPLITUDES, ENDS, THETA
-from compare.evidence.source_cases import four_point, lin_3_4_4, plain
-from compare.models.study import Study
-from compare.printed.printed_data import entry
-from compare.sections.finding_table import printed_table
-from compare.sections.friction_screw_figures import bearing_figure, map_figure, run_figure
-from reports.records import Column, Section, Table, Text
+from rollbench.comparison.evidence.registry import evidence
+from rollbench.comparison.evidence.screw import AMPLITUDES, ENDS, THETA
+from rollbench.comparison.evidence.source_cases import four_point, lin_3_4_4, plain
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import entry
+from rollbench.comparison.sections.finding_table import printed_table
+from rollbench.comparison.sections.friction_screw_figures import bearing_figure, map_figure, run_figure
+from rollbench.reports.records import Column, Section, Table, Text
 
 # --- tables
 

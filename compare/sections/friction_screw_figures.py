@@ -6,16 +6,16 @@ from collections.abc import Callable
 
 import numpy as np
 
-from compare.evidence.assumptions_3_4 import AXIAL, OVERSIZE, pair_map
-from compare.evidence.screw import ANGLES, THETA, curve, cut, loose_run, screw_run, variation
-from compare.evidence.source_cases import inferred
-from compare.printed.printed_data import entry
-from compare.sections.curves import numbers
-from lowfi.friction.bearing.pairs import TorqueCurve
-from lowfi.friction.screw.motion import Coupling
-from lowfi.friction.screw.run import Run, RunResult, deviation, groups, summarise
-from meshes.arrays import Array
-from reports.records import Figure, Panel, Series
+from rollbench.comparison.evidence.assumptions_3_4 import AXIAL, OVERSIZE, pair_map
+from rollbench.comparison.evidence.screw import ANGLES, THETA, curve, cut, loose_run, screw_run, variation
+from rollbench.comparison.evidence.source_cases import inferred
+from rollbench.comparison.printed.printed_data import entry
+from rollbench.comparison.sections.curves import numbers
+from rollbench.lowfi.friction.bearing.pairs import TorqueCurve
+from rollbench.lowfi.friction.screw.motion import Coupling
+from rollbench.lowfi.friction.screw.run import Run, RunResult, deviation, groups, summarise
+from rollbench.meshes.arrays import Array
+from rollbench.reports.records import Figure, Panel, Series
 
 #: Axial force [N] of Table 3.7.
 LOAD = 50.0

@@ -6,11 +6,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from compare.evidence.hertz_b1 import TABLE_CONFORMITY, table_b_1
-from compare.measure import error_percent
-from compare.models.study import Study, with_groove
-from lowfi.statics.problem import nominal_hertz, printed_sides
-from reports.records import Column, Section, Table, Text
+from rollbench.comparison.evidence.audit import judge
+from rollbench.comparison.evidence.hertz_b1 import TABLE_CONFORMITY, table_b_1
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.models.study import Study, with_groove
+from rollbench.lowfi.statics.problem import nominal_hertz, printed_sides
+from rollbench.reports.records import Column, Section, Table, Text
 
 COLUMNS = (
     Column("label", "quantity", "", "s"),
@@ -41,7 +42,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
                 "error": f.error_percent,
                 "fault": None if f.value is None or p.value is None else float(error_percent(p.value, f.value)),
                 "class": p.cls,
-                "verdict": f.verdict,
+                "verdict": judge(f)[0],
             }
         )
     own = study.scene("lin-case1")

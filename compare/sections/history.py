@@ -6,18 +6,18 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from compare import __version__
-from compare.costs.history import NAMES, QUANTITIES, Release, added, load, save
-from compare.costs.run_times import today
-from compare.models.comparison import REFERENCED
-from compare.models.registry import MODELS
-from compare.models.study import Study
-from compare.provenance import commit
-from compare.reference.estimate import Reference
-from compare.reference.grid_summary import uncertainty_percent
-from compare.reference.store import shipped_store
-from compare.sections.reference_time import TimePoint, all_points
-from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
+from rollbench.comparison import __version__
+from rollbench.comparison.costs.history import NAMES, QUANTITIES, Release, added, load, save
+from rollbench.comparison.costs.run_times import today
+from rollbench.comparison.models.comparison import REFERENCED
+from rollbench.comparison.models.registry import MODELS
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.provenance import commit
+from rollbench.comparison.reference.estimate import Reference
+from rollbench.comparison.reference.grid_summary import uncertainty_percent
+from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison.sections.reference_time import TimePoint, all_points
+from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
 
 #: How a report names its own numbers.
 NOW = "this report"
@@ -37,7 +37,7 @@ def measured(points: Mapping[str, Sequence[TimePoint]], found: Mapping[str, Refe
         for name, label in labels.items()
     }
     taken[NAMES[-1]] = [[p for p in several if p.kind == "level"][-1] for several in own.values()]
-    bars = [bar for name in own if (bar := uncertainty_percent(found[name])) is not None]
+    bars = [uncertainty_percent(found[name]) for name in own]
     errors: dict[str, float | None] = {name: max((p.error for p in taken[name]), default=None) for name in labels}
     memory = {name: [p.memory for p in some if p.memory is not None] for name, some in taken.items()}
     return Release(

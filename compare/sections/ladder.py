@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from compare.models.choices import VARIED, choices_of
-from compare.models.comparison import REFERENCED
-from compare.models.ladder import CATALOGUE, CHANGED, RUNGS, UNSEEN, Rung, ladder, left_out_one, shares
-from compare.models.study import Study
-from lowfi.compliance.imported import PARTS
-from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
+from rollbench.comparison.models.choices import VARIED, choices_of
+from rollbench.comparison.models.comparison import REFERENCED
+from rollbench.comparison.models.ladder import CATALOGUE, CHANGED, RUNGS, UNSEEN, Rung, ladder, left_out_one, shares
+from rollbench.comparison.models.study import Study
+from rollbench.lowfi.compliance.imported import PARTS
+from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
 
 
 def ladder_table(rungs: Sequence[Rung]) -> Table:

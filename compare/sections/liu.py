@@ -7,15 +7,15 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from compare.evidence.liu import bodies, case
-from compare.evidence.registry import evidence
-from compare.measure import error_percent
-from compare.models.study import Study
-from compare.sections.finding_table import printed_table
-from lowfi.random_errors.chain import solve_chain
-from lowfi.random_errors.ensemble import Quantity
-from meshes.arrays import Array
-from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
+from rollbench.comparison.evidence.liu import bodies, case
+from rollbench.comparison.evidence.registry import evidence
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.sections.finding_table import printed_table
+from rollbench.lowfi.random_errors.chain import solve_chain
+from rollbench.lowfi.random_errors.ensemble import Quantity
+from rollbench.meshes.arrays import Array
+from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
 
 #: Titles of the tables.
 TITLES = {

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from meshes.arrays import Array
-from meshes.errors import specimen
-from meshes.helix import ball_layout
-from meshes.parts import Scene
-from reports.records import LoadedScrew
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import Scene
+from rollbench.reports.records import LoadedScrew
 
 
 def loaded_screw(

@@ -7,14 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from compare.evidence.errors_4_3_2 import SCREWS, readings, section_4_3_2, spread, unloaded
-from compare.models.study import Study
-from compare.printed.printed_data import entry
-from compare.sections.curves import loads
-from compare.sections.finding_table import printed_table
-from meshes.helix import lead_angle
-from meshes.parts import Errors, Scene
-from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
+from rollbench.comparison.evidence.errors_4_3_2 import SCREWS, readings, section_4_3_2, spread, unloaded
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import entry
+from rollbench.comparison.sections.curves import loads
+from rollbench.comparison.sections.finding_table import printed_table
+from rollbench.meshes.helix import lead_angle
+from rollbench.meshes.parts import Errors, Scene
+from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
 
 
 def equivalent_errors(scene: Scene) -> Panel:

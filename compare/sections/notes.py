@@ -6,11 +6,12 @@ import tomllib
 from collections.abc import Callable, Sequence
 from importlib import resources
 
-from compare.evidence.record import TAKEN, WITHIN, Evidence
-from compare.evidence.registry import evidence
-from compare.models.study import Study
-from lowfi.statics.summary import MODEL_ASSUMPTIONS
-from reports.records import Cell, Column, Section, Table, Text
+from rollbench.comparison.evidence.audit import judge
+from rollbench.comparison.evidence.record import Evidence
+from rollbench.comparison.evidence.registry import evidence
+from rollbench.comparison.models.study import Study
+from rollbench.lowfi.statics.summary import MODEL_ASSUMPTIONS
+from rollbench.reports.records import Cell, Column, Section, Table, Text
 
 #: Columns of a table of misprints.
 MISPRINT_COLUMNS = (
@@ -30,7 +31,11 @@ MISPRINTS = (
 
 def misprints(source: str = "lin") -> list[dict[str, Cell]]:
     """Shipped list of misprints and faults of a source, "lin", "smith" or "liu", with the evidence for each."""
-    text = resources.files("compare").joinpath("printed", "misprints", f"{source}.toml").read_text(encoding="utf-8")
+    text = (
+        resources.files("rollbench.comparison")
+        .joinpath("printed", "misprints", f"{source}.toml")
+        .read_text(encoding="utf-8")
+    )
     return [dict(row) for row in tomllib.loads(text)["row"]]
 
 
@@ -48,17 +53,17 @@ def assumptions(study: Study) -> list[dict[str, Cell]]:
 
 
 def not_reproduced(found: Sequence[Evidence]) -> list[dict[str, Cell]]:
-    """Entries that are not reproduced, and those that stay open."""
+    """Entries that are contradicted, and those that the text does not determine."""
     return [
         {
             "entry": f.printed.claim or f"{f.printed.label}: {f.printed.printed} {f.printed.unit}",
             "place": f.printed.place,
             "class": f.printed.cls,
-            "verdict": f.verdict,
+            "verdict": judge(f)[0],
             "why": f.words if f.words and f.agrees is not None else f.printed.remark,
         }
         for f in found
-        if not (f.verdict.startswith("reproduced") or f.verdict in (WITHIN, TAKEN))
+        if judge(f)[0] in ("contradicted", "not identifiable")
     ]
 
 
@@ -71,7 +76,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         (
             Table(
                 "not-reproduced",
-                "Not reproduced, or open",
+                "Contradicted, or not identifiable",
                 (
                     Column("entry", "printed", "", "s"),
                     Column("place", "place", "", "s"),

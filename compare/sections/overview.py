@@ -7,15 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compare.models.comparison import REFERENCED
-from compare.models.ladder import UNSEEN
-from compare.models.registry import DEFAULT, MODELS
-from compare.models.study import Study
-from compare.reference.estimate import Reference
-from compare.reference.grid_summary import uncertainty_percent
-from compare.sections.reference_time import FLOOR, TimePoint, all_points, when_measured
-from meshes.parts import Scene
-from reports.records import Cell, Column, Figure, Panel, Section, Series, Summary, Table, Text
+from rollbench.comparison.models.comparison import REFERENCED
+from rollbench.comparison.models.ladder import UNSEEN
+from rollbench.comparison.models.registry import DEFAULT, MODELS
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.reference.estimate import Reference
+from rollbench.comparison.reference.grid_summary import uncertainty_percent
+from rollbench.comparison.sections.reference_time import FLOOR, TimePoint, all_points, when_measured
+from rollbench.meshes.parts import Scene
+from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Summary, Table, Text
 
 QUESTION = "How far can a low-order model of a ball screw be trusted, and what does a better answer cost?"
 TITLE = "Error against run time of every model and mesh"
@@ -42,7 +42,7 @@ class Standing:
     [% of the mean load] and its scene, medians of the largest and RMS errors and of the ends of the error bar, largest RMS
     error, median cold seconds, scenes within `LINE`.
 
-    The error of a level that is itself the best estimate is its grid uncertainty.
+    The error of a level that is itself the finest is its grid uncertainty.
     """
 
     name: str
@@ -71,7 +71,7 @@ def named(label: str) -> tuple[str, str]:
 
 
 def off(point: TimePoint) -> float:
-    """Largest error [% of the mean load] of a point; the grid uncertainty of a level that is the best estimate itself."""
+    """Largest error [% of the mean load] of a point; the grid uncertainty of a level that is the finest itself."""
     return point.high if point.error == 0.0 and point.high is not None else point.error
 
 
@@ -160,7 +160,7 @@ def time_figure(
     panel = Panel("", "run time of a cold start / s", "largest error / % of the mean load", tuple(series), log="xy")
     caption = (
         f"Light points: {len(points)} scenes. Marked: medians, with what the reference's grid uncertainty leaves of them "
-        "as bars. A level that is itself the best estimate stands at its uncertainty; condensed reads bodies that a 3D run "
+        "as bars. A level that is itself the finest stands at its uncertainty; condensed reads bodies that a 3D run "
         "has made, which its time leaves out."
     )
     return Figure(name, TITLE, (panel,), caption, columns=1, size=size)
@@ -224,8 +224,8 @@ def coverage(scenes: Mapping[str, Scene], found: Mapping[str, Reference]) -> lis
     contacts = [int((ref.load > 0.0).sum()) for ref in found.values()]
     screws = [s for s in every if s.track.lead != 0.0]
     return [
-        f"{cases} case studies of the source, and {unseen} screws and bearings fixed before any of them was solved in 3D: "
-        "no model was made with them.",
+        f"{cases} case studies of the source, and {unseen} screws and bearings fixed before any of them was solved in 3D. "
+        "The refined model's part of faces and short lands was made while their errors were looked at; no other model was.",
         f"{len(screws)} screws of lead {span([1e3 * abs(s.track.lead) for s in screws], 'mm')}, bearings: "
         f"{len(every) - len(screws)}; pitch diameters {span([2e3 * s.track.pitch_radius for s in every], 'mm')}, "
         f"{span([s.ball_count for s in every], 'balls')}, {span(contacts, 'loaded contacts')}.",
@@ -272,8 +272,8 @@ def standing_table(found: Sequence[Standing]) -> Table:
         Column("cold", "cold start, median", "s", "g3"),
     )
     note = (
-        "Against the best estimate of the 3D reference of each scene; every point is in the table of error against run "
-        "time. The error of a level that is itself the best estimate is its grid uncertainty, and its RMS error is zero by "
+        "Against the finest level of the 3D reference of each scene; every point is in the table of error against run "
+        "time. The error of a level that is itself the finest is its grid uncertainty, and its RMS error is zero by "
         "definition."
     )
     return Table("overview-models", "Models and meshes over all scenes", columns, rows, note)
@@ -287,7 +287,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     if not points:
         return Section("overview", title, (Text(("No run of the 3D reference was found.",)),))
     found = study.references(tuple(points))
-    bars = [bar for bar in (uncertainty_percent(ref) for ref in found.values()) if bar is not None]
+    bars = [uncertainty_percent(ref) for ref in found.values()]
     wide = time_figure(points, "error-time", (11.0, 4.1))
     narrow = time_figure(points, "error-time-narrow", (3.75, 3.4), all_names=False)
     covered = coverage({name: study.scene(name) for name in points}, found)

@@ -10,23 +10,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from compare.models.registry import DEFAULT
-from compare.models.study import Study
-from compare.reference.levels import PRODUCTION
-from compare.reference.tasks import settings_of
-from compare.sections.loaded_screw import loaded_screw
-from compare.sections.pressures import MM, MPA, panel_of, pressure_table, profiles
-from meshes.arrays import Array, Index
-from meshes.errors import specimen
-from meshes.helix import ball_layout
-from meshes.parts import SIDES, Scene
-from reports.records import FieldPicture, LoadedScrew, MeshPart, PressureMap, Section, Text
+from rollbench.comparison.models.registry import DEFAULT
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.reference.levels import PRODUCTION
+from rollbench.comparison.reference.tasks import settings_of
+from rollbench.comparison.sections.loaded_screw import loaded_screw
+from rollbench.comparison.sections.pressures import MM, MPA, panel_of, pressure_table, profiles
+from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import SIDES, Scene
+from rollbench.reports.records import FieldPicture, LoadedScrew, MeshPart, PressureMap, Section, Text
 
 if TYPE_CHECKING:
-    from hifi.fields import ContactPressure, SolidField
-    from hifi.part_meshes import Meshes
-    from hifi.reference import ReferenceResult
-    from hifi.setup import Setup
+    from rollbench.hifi.fields import ContactPressure, SolidField
+    from rollbench.hifi.part_meshes import Meshes
+    from rollbench.hifi.reference import ReferenceResult
+    from rollbench.hifi.setup import Setup
 
 Step = Callable[[str], None]
 
@@ -63,11 +63,11 @@ class Stresses:
 
 def solve_pictured(study: Study, step: Step) -> Solved:
     """Solve the scene on the coarsest level, two-sided, and choose its most loaded ball."""
-    from hifi.fields import contact_forces
-    from hifi.part_meshes import mesh_parts
-    from hifi.reference import solve_reference
-    from hifi.setup import prepare
-    from meshes.cache import Cache
+    from rollbench.hifi.fields import contact_forces
+    from rollbench.hifi.part_meshes import mesh_parts
+    from rollbench.hifi.reference import solve_reference
+    from rollbench.hifi.setup import prepare
+    from rollbench.meshes.cache import Cache
 
     scene = study.scene(SCENE)
     sides = (0, 3)
@@ -85,7 +85,7 @@ def solve_pictured(study: Study, step: Step) -> Solved:
 
 def stresses(solved: Solved, step: Step) -> Stresses:
     """Recover the fields around the chosen ball."""
-    from hifi.fields import ball_fields, coarse_field, groove_patch_field, nut_displacement, screw_displacement
+    from rollbench.hifi.fields import ball_fields, coarse_field, groove_patch_field, nut_displacement, screw_displacement
 
     step("displacements and stresses recovered")
     setup, meshes, ball, forces = solved.setup, solved.meshes, solved.ball, solved.forces
@@ -116,7 +116,7 @@ def frame(solved: Solved) -> tuple[Array, Array, Array]:
 
 def contact_point(solved: Solved, side: int) -> Array:
     """Nominal contact point of a side in the ball's frame."""
-    from meshes.ball_body import directions
+    from rollbench.meshes.ball_body import directions
 
     m = solved.setup.map
     return np.asarray(np.array([m.R, 0.0, 0.0]) + m.ball * directions(m, side)[0])
@@ -130,8 +130,8 @@ def used(points: Array, cells: Index, kind: str, colour: str) -> MeshPart:
 
 def mesh_overview(solved: Solved) -> FieldPicture:
     """Coarse screw and half of the nut, with all fine patches in their sockets."""
-    from hifi.fields import groove_patch
-    from hifi.part_meshes import body_kind, rotation
+    from rollbench.hifi.fields import groove_patch
+    from rollbench.hifi.part_meshes import body_kind, rotation
 
     setup, meshes = solved.setup, solved.meshes
     toward = np.array([0.55, -0.83, 0.0])
@@ -274,7 +274,7 @@ def ball_picture(solved: Solved, found: Stresses) -> FieldPicture:
 
 def pressures(solved: Solved) -> dict[str, ContactPressure]:
     """Both contacts of the chosen ball."""
-    from hifi.fields import contact_pressure
+    from rollbench.hifi.fields import contact_pressure
 
     setup = solved.setup
     return {
@@ -288,7 +288,7 @@ def pressures(solved: Solved) -> dict[str, ContactPressure]:
 def pressed(study: Study, name: str) -> tuple[int, dict[str, ContactPressure]]:
     """The ball of a scene whose least loaded contact carries most, pressed on a fine mesh by its loads in the reference
     (where none is stored: in the default model)."""
-    from hifi.fields import pressed_ball
+    from rollbench.hifi.fields import pressed_ball
 
     scene, found = study.scene(name), study.reference(name)
     if found is not None:
@@ -326,7 +326,7 @@ def loaded(solved: Solved) -> LoadedScrew:
 
 def stress_caption(solved: Solved, found: Stresses, pressure: ContactPressure) -> tuple[str, tuple[float, float]]:
     """Largest equivalent stresses below the contact, by the 3D reference and by Hertz, and their ratio."""
-    from hifi.fields import hertz_von_mises
+    from rollbench.hifi.fields import hertz_von_mises
 
     h = pressure.hertz
     short = min(h.semi_x, h.semi_y)

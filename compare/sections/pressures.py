@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from reports.records import Cell, Column, Figure, Panel, PressurePanel, Series, Table
+from rollbench.reports.records import Cell, Column, Figure, Panel, PressurePanel, Series, Table
 
 if TYPE_CHECKING:
-    from hifi.fields import ContactPressure
+    from rollbench.hifi.fields import ContactPressure
 
 MM, MPA = 1e3, 1e-6
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from compare.measure import LoadError, error_percent, load_error
-from compare.models.comparison import (
+from rollbench.comparison.measure import LoadError, error_percent, load_error
+from rollbench.comparison.models.comparison import (
     PRINTED,
     REFERENCED,
     Loads,
@@ -19,17 +19,17 @@ from compare.models.comparison import (
     reference_answers,
     suited,
 )
-from compare.models.modelling import VARIED, Modelling, combined, modelling_percent, varied
-from compare.models.registry import MODELS
-from compare.models.study import Study
-from compare.printed.printed_data import entry
-from compare.reference.estimate import Reference
-from compare.reference.grid_summary import uncertainty_percent
-from compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
-from compare.reference.store import Run, load
-from compare.sections.reference_time import time_items
-from meshes.parts import SIDES
-from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
+from rollbench.comparison.models.modelling import VARIED, Modelling, combined, modelling_percent, varied
+from rollbench.comparison.models.registry import MODELS
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import entry
+from rollbench.comparison.reference.estimate import Reference
+from rollbench.comparison.reference.grid_summary import uncertainty_percent
+from rollbench.comparison.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
+from rollbench.comparison.reference.store import Run, load
+from rollbench.comparison.sections.reference_time import time_items
+from rollbench.meshes.parts import SIDES
+from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
 
 References = Mapping[str, Reference]
 
@@ -56,7 +56,7 @@ def answer(study: Study, name: str, model: str) -> Loads:
 
 
 def error_table(study: Study, found: References) -> Table:
-    """Errors of every low-order model, of the source's mesh and of the extrapolation against the finest reference."""
+    """Errors of every low-order model, of the source's mesh and of coarser levels against the finest reference."""
     rows: list[dict[str, Cell]] = []
     modelled = modelling(study)
     for name, ref in found.items():
@@ -103,7 +103,6 @@ def error_table(study: Study, found: References) -> Table:
 
 LABELS = {
     "3D source mesh": "3D reference, the source's mesh",
-    "3D extrapolated": "3D reference, extrapolated",
     **{f"3D level {level}": f"3D reference, level {level}" for level in LEVELS},
 }
 

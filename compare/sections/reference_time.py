@@ -10,24 +10,26 @@ from typing import Literal, cast
 
 import numpy as np
 
-from compare.costs.cold import Cold, measure
-from compare.costs.run_times import Kept, RunTime, live, today
-from compare.costs.run_times import load as load_times
-from compare.costs.run_times import save as save_times
-from compare.measure import error_percent, load_error
-from compare.models.comparison import REFERENCED, finest_bodies, suited
-from compare.models.ladder import UNSEEN, Rung, ladder
-from compare.models.registry import MODELS, Model, Options, run_model
-from compare.models.study import Study
-from compare.printed.printed_data import entry
-from compare.reference.estimate import Reference
-from compare.reference.levels import SOURCE_LEVEL
-from compare.reference.store import load, shipped_store
-from compare.system import machine
-from lowfi.statics.result import StaticResult
-from meshes.arrays import Array
-from meshes.parts import Scene
-from reports.records import Cell, Column, Figure, Panel, Series, Table
+from rollbench.comparison.costs.assembly_bench import OURS, REPEATS, AssemblyCost, assembly_costs
+from rollbench.comparison.costs.cold import Cold, ColdLevel, measure, measure_level
+from rollbench.comparison.costs.run_times import Kept, RunTime, live, today
+from rollbench.comparison.costs.run_times import load as load_times
+from rollbench.comparison.costs.run_times import save as save_times
+from rollbench.comparison.measure import error_percent, load_error
+from rollbench.comparison.models.comparison import REFERENCED, finest_bodies, suited
+from rollbench.comparison.models.ladder import UNSEEN, Rung, ladder
+from rollbench.comparison.models.registry import MODELS, Model, Options, run_model
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import entry
+from rollbench.comparison.reference.estimate import Reference
+from rollbench.comparison.reference.levels import SOURCE_LEVEL, STUDIED
+from rollbench.comparison.reference.store import load, shipped_store
+from rollbench.comparison.system import machine
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.loads import mean_load
+from rollbench.meshes.parts import Scene
+from rollbench.reports.records import Cell, Column, Figure, Panel, Series, Table
 
 Step = Callable[[str], None]
 #: Lower edge of the figures [% of the mean load].
@@ -44,7 +46,7 @@ PANELS = 6
 
 @dataclass(frozen=True)
 class TimePoint:
-    """One model or mesh of a scene against the best estimate of the reference: largest and RMS error [% of the mean load],
+    """One model or mesh of a scene against the reference's finest level: largest and RMS error [% of the mean load],
     lowest and highest largest error that the grid uncertainty of every contact allows (None with one level); seconds
     cold and warm, unknowns, peak memory [MB] (None: not measured), kind, and the status where it is no solution."""
 
@@ -62,16 +64,14 @@ class TimePoint:
 
 
 def error_range(value: Array, found: Reference) -> tuple[float, float, float | None, float | None]:
-    """Largest and RMS error of loads (n, 4) [N] against the best estimate, and the ends of the largest one's error bar.
+    """Largest and RMS error of loads (n, 4) [N] against the reference's finest level, and the ends of the largest's bar.
 
     With each contact's error e and uncertainty U, the true largest error lies between max(|e| - U) and max(|e| + U). Errors
-    are per cent of the mean load of the best estimate.
+    are per cent of its mean load.
     """
-    e = load_error(value, found.estimate)
-    if found.uncertainty is None:
-        return e.max_percent, e.rms_percent, None, None
-    mean = float(found.estimate[found.estimate > 0.0].mean())
-    off = np.abs(error_percent(value, found.estimate, mean))
+    e = load_error(value, found.load)
+    mean = mean_load(found.load)
+    off = np.abs(error_percent(value, found.load, mean))
     bar = np.abs(error_percent(found.uncertainty, 0.0, mean))
     return e.max_percent, e.rms_percent, max(0.0, float((off - bar).max())), float((off + bar).max())
 
@@ -186,14 +186,13 @@ def time_table(points: Mapping[str, Sequence[TimePoint]], measured: str = "") ->
         Column("status", "unless converged", "", "s"),
     )
     note = (
-        "Errors of all models and meshes are against the same best estimate: the reference extrapolated to cells of no "
-        "size where an order is believed, else its finest level, whose own difference is then zero by definition. At "
-        "least and at most: what the grid uncertainty of every contact leaves of the largest error. Cold: for low-order "
-        "models a new process with empty caches, from the start of the interpreter to the first solve, interpreted; for "
-        "the 3D reference set-up and load case as stored with the run. Warm: bodies of the geometry known, kernels "
-        "compiled; of the 3D reference a further load case. Peak memory is each run's own (of several processes: the "
-        "sum of their peaks), interpreter and libraries included. Unknowns of the 3D reference are those of the monolithic "
-        "mesh that its condensed parts are equal to." + (f" {measured}" if measured else "")
+        "Errors of all models and meshes are against the finest level of the reference, whose own difference is zero by "
+        "definition. At least and at most: what the grid uncertainty of every contact leaves of the largest error. Cold: "
+        "for low-order models a new process with empty caches, from the start of the interpreter to the first solve, "
+        "interpreted; for the 3D reference set-up and load case as stored with the run. Warm: bodies of the geometry "
+        "known, kernels compiled; of the 3D reference a further load case. Peak memory is each run's own (of several "
+        "processes: the sum of their peaks), interpreter and libraries included. Unknowns of the 3D reference are those of "
+        "the monolithic mesh that its condensed parts are equal to." + (f" {measured}" if measured else "")
     )
     return Table("reference-time", "Error against run time", columns, rows, note)
 
@@ -237,6 +236,66 @@ def compile_table(first: Mapping[tuple[str, str], Cold]) -> Table:
         "interpreted. Each row is a process of its own; the first solve of the refined model makes the geometry's bodies."
     )
     return Table("reference-cold", f"{FIRST}: first process, with and without compiling", columns, rows, note)
+
+
+def cold_levels(study: Study, step: Step) -> Sequence[ColdLevel]:
+    """Cold times of the levels: as kept, unless the study is timed or none are kept."""
+    kept = None if study.timed else study.once(_kept)
+    if kept is not None and kept.levels:
+        return kept.levels
+    out = []
+    for level in STUDIED:
+        step(f"{FIRST}, level {level} of the 3D reference, cold")
+        out.append(measure_level(FIRST, level))
+    return out
+
+
+def level_table(levels: Sequence[ColdLevel]) -> Table:
+    """What somebody waits for who asks for a level of the 3D reference of a new scene."""
+    rows: list[dict[str, Cell]] = [
+        {"level": c.level, "cold": c.process, "cpu": c.cpu, "memory": c.memory, "status": c.status} for c in levels
+    ]
+    columns = (
+        Column("level", "level", "", "s"),
+        Column("cold", "new process, empty caches", "s", "g3"),
+        Column("cpu", "CPU time of all processes", "s", "g3"),
+        Column("memory", "peak memory", "MB", ".0f"),
+        Column("status", "status", "", "s"),
+    )
+    note = (
+        f"Each level of {FIRST} in a process of its own on all cores, from the start of the interpreter to the loads: no "
+        "mesh, part or run is known before. Peak memory: the sum of the peaks of the processes that one set-up takes."
+    )
+    return Table("reference-levels-cold", f"{FIRST}: levels of the 3D reference, cold", columns, rows, note)
+
+
+def assembly_table(costs: Sequence[AssemblyCost]) -> Table:
+    """What the assembly beside scikit-fem's forms, and the map beside its own, buy."""
+    ours = {cost.mesh: cost.seconds for cost in costs if cost.way == OURS}
+    rows: list[dict[str, Cell]] = [
+        {
+            "mesh": cost.mesh,
+            "cells": cost.cells,
+            "way": cost.way,
+            "seconds": cost.seconds,
+            "ratio": cost.seconds / ours[cost.mesh],
+            "difference": cost.difference,
+        }
+        for cost in costs
+    ]
+    columns = (
+        Column("mesh", "mesh", "", "s"),
+        Column("cells", "cells", "", "s"),
+        Column("way", "stiffness by", "", "s"),
+        Column("seconds", "CPU time", "s", "g3"),
+        Column("ratio", "over ours", "", ".1f"),
+        Column("difference", "difference / largest entry", "", ".1e"),
+    )
+    note = (
+        "The same stiffness of curved cells at the same quadrature points, one way after the other in turns; median of "
+        f"{REPEATS}. Six scalar forms: the integrals of products of two derivatives, put together by Hooke's law."
+    )
+    return Table("reference-assembly", "Assembly: ours and scikit-fem's own", columns, rows, note)
 
 
 def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
@@ -295,7 +354,7 @@ def time_panel(scene: str, own: Sequence[TimePoint]) -> Panel:
 def time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
     """Case studies without and with preload, and the screws that no model was made with."""
     caption = (
-        "All points are errors against the same best estimate (extrapolated, or else the finest level), with what its grid "
+        "All points are errors against the finest level, with what its grid "
         f"uncertainty leaves of them as bars; what is below {FLOOR:g} % is drawn at the lower edge."
     )
     axial = MODELS["mei"].label  # takes part where there is no preload
@@ -329,8 +388,10 @@ def when_measured(study: Study, step: Step) -> str:
     return f"Run times of the models are kept, of {kept.date} on {kept.machine}; {sample}."
 
 
-def kept_now(points: Mapping[str, Sequence[TimePoint]], first: Mapping[tuple[str, str], Cold]) -> Kept:
-    """The times of these points and first processes, to be kept for reports to come."""
+def kept_now(
+    points: Mapping[str, Sequence[TimePoint]], first: Mapping[tuple[str, str], Cold], levels: Sequence[ColdLevel] = ()
+) -> Kept:
+    """The times of these points, first processes and levels, to be kept for reports to come."""
     names = {model.label: model.name for model in MODELS.values()}
     times = {
         (scene, names[p.label]): RunTime(p.cold, p.warm, p.memory)
@@ -338,15 +399,15 @@ def kept_now(points: Mapping[str, Sequence[TimePoint]], first: Mapping[tuple[str
         for p in own
         if p.kind == "model" and p.warm is not None
     }
-    return Kept(machine(), today(), times, first)
+    return Kept(machine(), today(), times, first, levels)
 
 
 def time_items(study: Study, step: Step) -> list[Table | Figure]:
-    """Tables and figures of all scenes with a reference; a quick study shows no first process. What a timed study measures
-    is kept in its first store."""
+    """Tables and figures of all scenes with a reference; a quick study measures no process and no assembly. What a timed
+    study measures is kept in its first store."""
     points = study.once(all_points, step)
-    first = {} if study.quick else first_processes(study, step)
+    first, levels = ({}, ()) if study.quick else (first_processes(study, step), cold_levels(study, step))
     if study.timed and study.stores:
-        save_times(study.stores[0], kept_now(points, first))
-    tables = [compile_table(first)] if first else []
+        save_times(study.stores[0], kept_now(points, first, levels))
+    tables = [compile_table(first), level_table(levels), assembly_table(assembly_costs())] if first else []
     return [time_table(points, study.once(when_measured, step)), *tables, speed_table(points), *time_figures(points)]

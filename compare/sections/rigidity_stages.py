@@ -6,14 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from compare.measure import error_percent
-from compare.models.loading import solve_scaled
-from compare.models.registry import DEFAULT, Options
-from compare.models.study import Study
-from compare.reference.estimate import Reference
-from lowfi.rating.rigidity import axial_displacement, axial_force, rigidities
-from meshes.parts import Scene
-from reports.records import Cell, Column, Table
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.models.loading import solve_scaled
+from rollbench.comparison.models.registry import DEFAULT, Options
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.reference.estimate import Reference
+from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, rigidities
+from rollbench.meshes.parts import Scene
+from rollbench.reports.records import Cell, Column, Table
 
 #: Displacement without loads over that with them up to which it is taken as none: the reference has no run without loads.
 STARTS = 0.01

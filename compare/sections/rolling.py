@@ -9,23 +9,24 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.evidence.rolling_proof import AS_RUNS, BY_GRID, RESOLVED, Proof, proofs
-from compare.measure import error_percent
-from compare.models.study import Study
-from compare.reference.store import shipped_store
-from compare.rolling.body_sizes import NAMES
-from compare.rolling.changes import Change, changes
-from compare.rolling.from_rest import GAP, Series, from_rest
-from compare.rolling.kept_sizes import Sizes
-from compare.rolling.kept_sizes import sizes as body_sizes
-from compare.rolling.patches import PatchField, fields
-from compare.rolling.rows import KNOWN, LIMIT, PAIRS, RINGS, RollingRow, load_state, stored_rows, within
-from compare.rolling.runs import FINITE, LEVELS, SOURCE_LEVEL, RollingRun, load
-from compare.scenes.catalogue import shipped
-from compare.scenes.kinds.common import KindScene
-from compare.system import gmsh_fault
-from reports.records import Column, Figure, Panel, PressureMap, PressurePanel, Section, Table, Text
-from reports.records import Series as Curve
+from rollbench.comparison.evidence.rolling_proof import AS_RUNS, BY_GRID, RESOLVED, Proof, proofs
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison.rolling.body_sizes import NAMES
+from rollbench.comparison.rolling.changes import Change, changes
+from rollbench.comparison.rolling.from_rest import GAP, Series, from_rest
+from rollbench.comparison.rolling.kept_sizes import Sizes
+from rollbench.comparison.rolling.kept_sizes import sizes as body_sizes
+from rollbench.comparison.rolling.names import FINITE
+from rollbench.comparison.rolling.patches import PatchField, fields
+from rollbench.comparison.rolling.rows import KNOWN, LIMIT, PAIRS, RINGS, RollingRow, load_state, stored_rows, within
+from rollbench.comparison.rolling.runs import LEVELS, SOURCE_LEVEL, RollingRun, load
+from rollbench.comparison.scenes.catalogue import shipped
+from rollbench.comparison.scenes.kinds.common import KindScene
+from rollbench.comparison.system import gmsh_fault
+from rollbench.reports.records import Column, Figure, Panel, PressureMap, PressurePanel, Section, Table, Text
+from rollbench.reports.records import Series as Curve
 
 PROOF = (
     Column("case", "case", "", "s"),
@@ -125,8 +126,8 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
             COMPARISON,
             [_compared(row) for name in PAIRS for row in found[name]],
             "3D: elastic half spaces; its uncertainty is the scatter of three grids. Plain and inferred readings of the "
-            "load state, which Table 3.7 does not print, are scenes of their own."
-            + (f" No stored runs: {', '.join(missing)}." if missing else ""),
+            "load state, which Table 3.7 does not print, are scenes of their own; the uncertainty of either holds "
+            "nothing of what that reading leaves open." + (f" No stored runs: {', '.join(missing)}." if missing else ""),
         ),
         Table(
             "rolling-ring",

@@ -6,14 +6,14 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from compare.evidence.record import Evidence
-from compare.evidence.registry import evidence
-from compare.evidence.smith import ball, case, layouts, screw, taper
-from compare.measure import error_percent
-from compare.models.study import Study
-from compare.sections.finding_table import printed_table
-from lowfi.bearings.axis import axis_stiffness
-from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
+from rollbench.comparison.evidence.record import Evidence
+from rollbench.comparison.evidence.registry import evidence
+from rollbench.comparison.evidence.smith import ball, case, layouts, screw, taper
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.sections.finding_table import printed_table
+from rollbench.lowfi.bearings.axis import axis_stiffness
+from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
 
 #: Titles of the tables.
 TITLES = {

@@ -6,14 +6,14 @@ from collections.abc import Callable
 
 import numpy as np
 
-from compare.evidence import lash_4_2_1 as tests
-from compare.evidence import steering_maps as maps
-from compare.evidence.steering_4_2 import RACK, REACH, SCREW, rack, section_4_2
-from compare.models.study import Study
-from compare.printed.printed_data import entry
-from compare.sections.finding_table import printed_table
-from meshes.parts import Scene
-from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
+from rollbench.comparison.evidence import lash_4_2_1 as tests
+from rollbench.comparison.evidence import steering_maps as maps
+from rollbench.comparison.evidence.steering_4_2 import RACK, REACH, SCREW, rack, section_4_2
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import entry
+from rollbench.comparison.sections.finding_table import printed_table
+from rollbench.meshes.parts import Scene
+from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
 
 ABOUT = (
     "Lash is the displacement of the screw under a force that goes from one sense to the other: axial, of its end along "

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from compare.measure import error_percent
-from compare.reference.estimate import Reference
-from reports.records import Figure, Panel, Series
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.reference.estimate import Reference
+from rollbench.reports.records import Figure, Panel, Series
 
 #: Curves of a panel.
 MOST = 8
@@ -22,14 +22,13 @@ def study_figure(name: str, table: Sequence[Mapping[str, Any]], found: Reference
         return None
     sizes = [size / found.sizes[-1] for size in found.sizes]
     keys = [f"level {run.level}" for run in found.runs]
-    order = None if found.pooled is None else found.pooled.order
     panels = []
     for title, own in (
         ("contact loads", [row for row in table if "est load" in row["quantity"]]),
         ("centreline", [row for row in table if row["quantity"].startswith("centreline")]),
     ):
         scale = max((abs(row[keys[-1]]) for row in own), default=0.0)
-        series = [s for row in own[:MOST] for s in _curves(row, keys, sizes, scale, row["order"] or order)]
+        series = [s for row in own[:MOST] for s in _curves(row, keys, sizes, scale)]
         if series:
             label = f"difference from the finest / % of {scale:.3g} {own[0]['unit']}"
             panels.append(Panel(title, "cell size over the finest's", label, tuple(series)))
@@ -41,9 +40,7 @@ def study_figure(name: str, table: Sequence[Mapping[str, Any]], found: Reference
     return Figure(f"mesh-study-{name}", f"{name}: mesh study", tuple(panels), caption)
 
 
-def _curves(
-    row: Mapping[str, Any], keys: Sequence[str], sizes: Sequence[float], scale: float, order: float | None
-) -> list[Series]:
+def _curves(row: Mapping[str, Any], keys: Sequence[str], sizes: Sequence[float], scale: float) -> list[Series]:
     """Values of one quantity over the cell size, and the power law from the finest to cells of no size."""
     finest, bar = row[keys[-1]], row["uncertainty"] or 0.0
     if scale == 0.0:
@@ -55,8 +52,8 @@ def _curves(
     y = [float(off(row[key])) for key in keys]
     ends = (*y[:-1], float(off(finest - bar))), (*y[:-1], float(off(finest + bar)))
     out = [Series(row["quantity"], sizes, y, "line+markers", bars=ends)]
-    if row["extrapolated"] is not None and order:
+    if row["extrapolated"] is not None and row["order"]:
         h = np.linspace(0.0, 1.0, 21)
-        line = off(row["extrapolated"] + (finest - row["extrapolated"]) * h**order)
+        line = off(row["extrapolated"] + (finest - row["extrapolated"]) * h ** row["order"])
         out.append(Series(row["quantity"], h.tolist(), np.asarray(line, float).tolist(), "line", light=True))
     return out

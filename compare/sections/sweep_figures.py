@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from compare.sweep.keys import Vary
-from compare.sweep.sample import OUTPUTS
-from compare.sweep.store import Record
-from compare.sweep.summary import MAIN, column, inputs
-from reports.records import Figure, Panel, Series
+from rollbench.comparison.sweep.keys import Vary
+from rollbench.comparison.sweep.outputs import OUTPUTS
+from rollbench.comparison.sweep.store import Record
+from rollbench.comparison.sweep.summary import MAIN, column, inputs
+from rollbench.reports.records import Figure, Panel, Series
 
 #: Most panels of a figure, and most points of a scatter.
 PANELS, POINTS = 6, 2000

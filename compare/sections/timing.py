@@ -6,14 +6,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
 
-from compare.costs.axis_bench import jobs as axis_jobs
-from compare.costs.bench import run_bench
-from compare.costs.chain_bench import jobs as chain_jobs
-from compare.costs.friction_bench import jobs
-from compare.costs.timing import Job
-from compare.models.study import Study
-from compare.printed.printed_data import entry, load_table
-from reports.records import Cell, Column, Section, Table, Text
+from rollbench.comparison.costs.axis_bench import jobs as axis_jobs
+from rollbench.comparison.costs.bench import run_bench
+from rollbench.comparison.costs.chain_bench import jobs as chain_jobs
+from rollbench.comparison.costs.friction_bench import jobs
+from rollbench.comparison.costs.timing import Job
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import entry, load_table
+from rollbench.reports.records import Cell, Column, Section, Table, Text
 
 
 def friction_table(step: Callable[[str], None]) -> Table:

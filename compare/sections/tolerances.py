@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from compare.models.study import Study
-from compare.sections.sweep_figures import of_summary
-from compare.sweep.keys import Vary, read_vary
-from compare.sweep.stored import TOLERANCES, command, stored
-from compare.sweep.summary import MAIN
-from reports.records import Cell, Column, Section, Table, Text
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.sections.sweep_figures import of_summary
+from rollbench.comparison.sweep.keys import Vary, read_vary
+from rollbench.comparison.sweep.stored import TOLERANCES, command, stored
+from rollbench.comparison.sweep.summary import MAIN
+from rollbench.reports.records import Cell, Column, Section, Table, Text
 
 #: What the keys are called here, by the beginning of their path.
 WORDS = {

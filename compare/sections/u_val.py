@@ -4,23 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from compare.models.comparison import REFERENCED, from_result
-from compare.models.ladder import RUNGS, UNSEEN, Rung, ladder, left_out_one
-from compare.models.registry import DEFAULT
-from compare.models.study import Study
-from compare.models.u_val import (
+from rollbench.comparison.models.comparison import from_result
+from rollbench.comparison.models.grid_coverage import coverage
+from rollbench.comparison.models.ladder import RUNGS, Rung, ladder, left_out_one
+from rollbench.comparison.models.registry import DEFAULT
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.models.u_val import (
     CONTACTS,
     INPUTS,
     QUANTITIES,
     Scatter,
     Validated,
     bound_shares,
-    grid_bounds,
     scatter,
     validated,
 )
-from compare.sections.applicability import items_of
-from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
+from rollbench.comparison.reference.levels import LEVELS
+from rollbench.comparison.sections.applicability import items_of
+from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
 
 #: Models whose rows are shown scene by scene; bias and scatter are of every one on the ladder.
 SHOWN = (DEFAULT, "lin")
@@ -132,13 +133,12 @@ def bounds_table(study: Study, rungs: Sequence[Rung]) -> Table:
         {"bound": f"largest error to expect, model {name}, scene left out", "held": held, "all": total}
         for name, (held, total) in bound_shares(rows).items()
     ]
-    grids = [
-        found for name, ref in study.references((*REFERENCED, *UNSEEN)).items() if (found := grid_bounds(ref)) and name
-    ]
-    held, total = (sum(x[k] for x in grids) for k in (0, 1))
-    if total:
-        words = f"grid uncertainty of three levels, against the fourth, contact loads of {len(grids)} scenes"
-        cells.append({"bound": words, "held": held, "all": total})
+    own = [h for h in coverage(study) if h.level > min(LEVELS)]
+    if own:
+        words = (
+            f"discretisation of coarser levels, against the finest, contact loads of {len({h.scene for h in own})} scenes"
+        )
+        cells.append({"bound": words, "held": sum(h.held for h in own), "all": sum(h.contacts for h in own)})
     for cell in cells:
         cell["share"] = f"{cell['held']} of {cell['all']}"
         cell["part"] = 100.0 * float(cell["held"] or 0) / float(cell["all"] or 1)

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Sequence
 
-from compare.evidence.record import TAKEN, WITHIN, Evidence
-from compare.evidence.registry import evidence
-from compare.models.study import Study
-from compare.printed.printed_data import KINDS
-from compare.sections.finding_table import printed_table
-from reports.records import Cell, Column, Section, Table, Text
+from rollbench.comparison.evidence.audit import VERDICTS, Audited, audit
+from rollbench.comparison.evidence.audit import counts as audited_counts
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import KINDS
+from rollbench.comparison.sections.finding_table import printed_table
+from rollbench.reports.records import Cell, Column, Section, Table, Text
 
 #: What was inferred from printed results, and from which.
 INFERRED = (
@@ -35,36 +35,37 @@ HOW_TO_READ = (
 )
 
 
-def counts(found: Sequence[Evidence]) -> list[tuple[str, str]]:
-    """Headline figures: entries by verdict."""
-    tally = Counter(f.verdict.split(":")[0] for f in found)
-    order = ("reproduced", "reproduced as printed", WITHIN, "not reproduced", "open")
-    numbers = sum(f.verdict == "reproduced" and f.printed.kind == "number" for f in found)
+def counts(rows: Sequence[Audited]) -> list[tuple[str, str]]:
+    """Headline figures: entries by verdict of the audit, and all of them."""
+    total = audited_counts(rows)[-1]
+    numbers = sum(r.verdict == "reproduced" and r.found.printed.kind == "number" for r in rows)
     return [
-        *((f"entries {verdict}", str(tally[verdict])) for verdict in order),
+        *((f"entries {verdict}", str(total[verdict])) for verdict in VERDICTS),
+        ("entries, all", str(total["all"])),
         ("computed numbers reproduced", str(numbers)),
-        ("inputs taken over, not counted", str(tally[TAKEN])),
     ]
 
 
-def kinds_table(found: Sequence[Evidence]) -> Table:
+def kinds_table(rows: Sequence[Audited]) -> Table:
     """Entries by kind and verdict."""
-    verdicts = ("reproduced", "reproduced as printed", WITHIN, TAKEN, "not reproduced", f"not {TAKEN}", "open")
-    tally = Counter((f.printed.kind, f.verdict.split(":")[0]) for f in found)
-    used = [v for v in verdicts if any(tally[kind, v] for kind in KINDS)]
-    rows: list[dict[str, Cell]] = [
-        {"kind": words, **{v: tally[kind, v] for v in used}, "all": sum(tally[kind, v] for v in verdicts)}
+    tally = Counter((r.found.printed.kind, r.verdict) for r in rows)
+    cells: list[dict[str, Cell]] = [
+        {"kind": words, **{str(v): tally[kind, v] for v in VERDICTS}, "all": sum(tally[kind, v] for v in VERDICTS)}
         for kind, words in KINDS.items()
     ]
-    columns = (Column("kind", "kind", "", "s"), *(Column(v, v, "", "s") for v in used), Column("all", "entries", "", "s"))
-    return Table("kinds", "Printed entries by kind and verdict", columns, rows)
+    columns = (
+        Column("kind", "kind", "", "s"),
+        *(Column(v, v, "", "s") for v in VERDICTS),
+        Column("all", "entries", "", "s"),
+    )
+    return Table("kinds", "Printed entries by kind and verdict", columns, cells)
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report, with the headline figures."""
     step("every printed number and claim")
-    found = evidence(study)
-    tally: dict[tuple[str, str], int] = Counter((f.printed.cls, f.verdict) for f in found)
+    audited = audit(study)
+    tally: dict[tuple[str, str], int] = Counter((r.found.printed.cls, r.verdict) for r in audited)
     rows: list[dict[str, Cell]] = [{"class": c, "verdict": v, "count": n} for (c, v), n in sorted(tally.items())]
     return Section(
         "verdicts",
@@ -73,7 +74,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
             Text(HOW_TO_READ),
             Table(
                 "verdicts",
-                "Printed entries of Lin (2019), Smith (1994) and Liu et al. (2025) by class and verdict",
+                "Printed entries of all sources by class and verdict of the audit",
                 (
                     Column("class", "class", "", "s"),
                     Column("verdict", "verdict", "", "s"),
@@ -81,8 +82,8 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
                 ),
                 rows,
             ),
-            kinds_table(found),
-            printed_table("printed", "Every printed entry", found, place=True),
+            kinds_table(audited),
+            printed_table("printed", "Every printed entry", [r.found for r in audited], place=True),
         ),
-        tuple(counts(found)),
+        tuple(counts(audited)),
     )

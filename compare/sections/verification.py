@@ -5,11 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from compare.measure import error_percent
-from compare.models.study import Study
-from hifi.block import ALONG, BALL, GROOVE, JOBS, SOURCE_COARSE, SOURCE_FINE, SOURCE_RADIUS, HertzRun, source_study
-from hifi.block import study as solve_block
-from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.models.study import Study
+from rollbench.hifi.block import (
+    ALONG,
+    BALL,
+    GROOVE,
+    JOBS,
+    SOURCE_COARSE,
+    SOURCE_FINE,
+    SOURCE_RADIUS,
+    HertzRun,
+    source_study,
+)
+from rollbench.hifi.block import study as solve_block
+from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
 
 #: Cells across the short semi-axis, by element. Sized for 25 s on two cores: tetrahedra are not stretched like the
 #: ellipse, so that P2 at 6 would take as long as all the rest.

@@ -10,9 +10,9 @@ from typing import Literal
 import numpy as np
 from scipy.stats import qmc
 
-from compare.errors import InputError
-from compare.sweep.keys import Vary
-from meshes.arrays import Array
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.sweep.keys import Vary
+from rollbench.meshes.arrays import Array
 
 Method = Literal["sobol", "lhs", "grid"]
 METHODS: tuple[Method, ...] = ("sobol", "lhs", "grid")

@@ -8,17 +8,29 @@ from __future__ import annotations
 import copy
 import re
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from compare.errors import InputError
-from compare.scenes.units import show
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.scenes.units import show
 
 _ONE = r"[A-Za-z_]\w*(\[\d+\])*(\.\w+(\[\d+\])*)*"
 _PATH = re.compile(rf"{_ONE}(\+{_ONE})*")
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*?)?\s*")
 _FORM = "KEY=A:B or KEY=v1,v2, units as in the scene"
+#: Keys of which a scene has one: a varied one takes the place of the others.
+_SAME = (
+    ("errors.balls.oversize", "preload.oversize", "preload.force"),
+    ("preload.lead_offset", "preload.oversize", "preload.force"),
+    ("track.pitch_radius", "track.pitch_diameter"),
+    ("balls.radius", "balls.diameter"),
+    ("balls.count", "balls.filling"),
+    ("screw.groove_radius", "screw.conformity"),
+    ("nut.groove_radius", "nut.conformity"),
+    ("circulation.gap", "circulation.filling"),
+    ("time.angle", "time.duration"),
+)
 #: Most keys of a sweep, and most values of a list.
 MOST_KEYS, MOST_VALUES = 20, 1000
 
@@ -132,16 +144,57 @@ def _scalar(text: str) -> Any:
 
 
 def changed(raw: dict[str, Any], keys: Sequence[Vary], values: Sequence[Any]) -> dict[str, Any]:
-    """A copy of a scene's tables with other values of the keys. Raises InputError for a list that has no such entry."""
+    """A copy of a scene's tables with other values of the keys, which take the place of keys that say the same.
+
+    Raises InputError for a list that has no such entry.
+    """
     out = copy.deepcopy(raw)
+    for path in (p for vary in keys for p in vary.paths):
+        for other in _said_by(path):
+            _take_out(out, other)
     for vary, value in zip(keys, values, strict=True):
         for path in vary.paths:
             _put(out, path, value)
     return out
 
 
+def displaced(raw: dict[str, Any], keys: Sequence[Vary]) -> list[tuple[str, str]]:
+    """Varied paths and the keys of the scene ``raw`` whose place they take."""
+    pairs = dict.fromkeys((path, other) for vary in keys for path in vary.paths for other in _said_by(path))
+    return [(path, other) for path, other in pairs if _take_out(copy.deepcopy(raw), other)]
+
+
+def _said_by(path: str) -> Iterator[str]:
+    """Other keys that say what ``path`` says, of the same set where there are several."""
+    prefix, own = re.fullmatch(r"(sets\[\d+\]\.)?(.*)", path).groups(default="")  # type: ignore[union-attr]
+    for group in _SAME:
+        if own in group:
+            yield from (prefix + other for other in group if other != own)
+
+
+def _take_out(raw: dict[str, Any], key: str) -> bool:
+    """Remove a key, and the table that it leaves empty; whether it was there."""
+    above, _, last = key.rpartition(".")
+    node: Any = raw
+    for part in _parts(above):
+        try:
+            node = node[part]
+        except (KeyError, IndexError, TypeError):
+            return False
+    if not isinstance(node, dict) or last not in node:
+        return False
+    del node[last]
+    if not node and "." not in above:
+        del raw[above]
+    return True
+
+
+def _parts(key: str) -> list[str | int]:
+    return [int(p) if p.isdigit() else p for p in re.findall(r"[^.\[\]]+", key)]
+
+
 def _put(raw: dict[str, Any], key: str, value: Any) -> None:
-    parts: list[str | int] = [int(p) if p.isdigit() else p for p in re.findall(r"[^.\[\]]+", key)]
+    parts = _parts(key)
     node: Any = raw
     for part, following in zip(parts, [*parts[1:], None], strict=True):
         _check_entry(node, part, key)

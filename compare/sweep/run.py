@@ -8,23 +8,25 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from compare import __version__
-from compare.errors import InputError
-from compare.models.axis import AXIS_MODELS
-from compare.models.registry import MODELS
-from compare.reference import parallel
-from compare.reference.jobs import Engine
-from compare.scenes import scene_file
-from compare.sweep import store
-from compare.sweep.design import Method, points, values
-from compare.sweep.keys import Vary, changed
-from compare.sweep.sample import solve_batch
-from meshes.arrays import Array
-from meshes.axis import Assembly
+from rollbench.comparison import __version__
+from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.models.axis import AXIS_MODELS
+from rollbench.comparison.models.registry import MODELS
+from rollbench.comparison.reference import parallel
+from rollbench.comparison.reference.jobs import Engine
+from rollbench.comparison.scenes import scene_file
+from rollbench.comparison.sweep import store
+from rollbench.comparison.sweep.design import Method, points, values
+from rollbench.comparison.sweep.keys import Vary, changed, displaced
+from rollbench.comparison.sweep.sample import REFUSED, solve_batch, solve_sample
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly
 
 Step = Callable[[str], None]
 #: From this many samples on the compiled kernels are used: by the size of the design, so that it is always the same.
 COMPILE_FROM = 500
+#: Samples that are tried before anything is stored: where each is refused for the same reason, nothing else is.
+FIRST = 10
 #: Most samples of a job, least number of jobs a worker, and seconds between two messages.
 LARGEST_BATCH, BATCHES, PULSE = 50, 20, 2.0
 
@@ -79,6 +81,10 @@ def run_samples(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[
     """
     sweep.check()
     places = sweep.places()
+    if not store.load(folder):
+        _try_first(sweep, places)
+    for path, other in displaced(scene_file.read_toml(sweep.text, sweep.origin), sweep.keys):
+        step(f"{path} takes the place of the scene's {other}")
     store.open_folder(folder, sweep.header())
     with store.taken_over(folder) as token:
         have = store.load(folder)
@@ -88,6 +94,19 @@ def run_samples(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[
             _solve_missing(sweep, folder, engine, step, (token, places, left))
             have = store.load(folder)
     return have
+
+
+def _try_first(sweep: Sweep, places: Array) -> None:
+    """Raise InputError where the first samples are all refused for one reason."""
+    reasons = set()
+    for place in places[:FIRST]:
+        found = solve_sample(sweep.text, sweep.origin, sweep.keys, values(sweep.keys, place), sweep.model, "interpreted")
+        reasons.add(found.get("reason"))
+        if None in reasons or len(reasons) > 1:
+            return
+    few = f"each of the first {min(FIRST, len(places))} samples is refused for one reason, the last one so"
+    said = found["status"].removeprefix(f"{REFUSED}: ")
+    raise Refusal(sweep.origin, "--vary", f"{few}: {said}", "vary other keys, or other ranges")
 
 
 def _solve_missing(sweep: Sweep, folder: Path, engine: Engine, step: Step, work: tuple[str, Array, list[int]]) -> None:

@@ -2,64 +2,27 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
-from compare.errors import InputError
-from compare.models.axis import run_axis
-from compare.models.axis_answers import along_axis, axial_load
-from compare.models.registry import Options, run_model
-from compare.scenes import scene_file
-from compare.sweep import store
-from compare.sweep.keys import Vary, changed
-from lowfi.statics.axis.result import AxisResult
-from lowfi.statics.result import StaticResult
-from meshes.axis import Assembly
-from meshes.parts import SIDES, Scene
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.models.axis import run_axis
+from rollbench.comparison.models.registry import Options, run_model
+from rollbench.comparison.scenes import scene_file
+from rollbench.comparison.sweep import store
+from rollbench.comparison.sweep.keys import Vary, changed
+from rollbench.comparison.sweep.outputs import axis_outputs, outputs
+from rollbench.meshes.axis import Assembly
 
-#: What is kept of a solved sample: key and heading.
-OUTPUTS = {
-    "largest_load_N": "largest contact load / N",
-    "mean_load_N": "mean loaded contact / N",
-    "loaded_contacts": "loaded contacts",
-    "idle_balls": "balls without load",
-    "displacement_um": "displacement at the load / um",
-    "largest_approach_um": "largest approach of a contact / um",
-}
-CONVERGED = "converged"
+CONVERGED, REFUSED = "converged", "refused"
+_NUMBER = re.compile(r"[0-9][0-9.]*(e[+-]?[0-9]+)?")
 #: Balls on one shaft from which a sample by plain Python takes seconds.
 AXIS_COMPILED = 40
-
-
-def outputs(scene: Scene, result: StaticResult) -> dict[str, Any]:
-    """Numbers of a converged result: `OUTPUTS`, and ``at``, the ball and side of the largest load."""
-    load = result.load
-    ball, side = np.unravel_index(int(load.argmax()), load.shape)
-    loaded = load > 0.0
-    return {
-        "largest_load_N": float(load.max()),
-        "mean_load_N": float(load[loaded].mean()) if loaded.any() else 0.0,
-        "loaded_contacts": int(np.count_nonzero(loaded)),
-        "idle_balls": int(np.count_nonzero(~loaded.any(axis=1))),
-        "displacement_um": _displacement(scene, result),
-        "largest_approach_um": 1e6 * float((result.hertz_C * np.cbrt(load) ** 2).max()),
-        "at": f"{ball + 1} {SIDES[side]}" if loaded.any() else "",
-    }
-
-
-def _displacement(scene: Scene, result: StaticResult) -> float | None:
-    """Displacement of the loaded stations along the forces there [um], weighted by the forces; None without a force."""
-    work = total = 0.0
-    for x in scene.loads:
-        motion = result.centreline[int(np.abs(result.centreline_z - x.at).argmin())]
-        work += float(np.dot(x.force, motion[:3]))
-        total += float(np.linalg.norm(x.force))
-    return 1e6 * work / total if total > 0.0 else None
 
 
 @lru_cache(maxsize=8)
@@ -76,44 +39,22 @@ def solve_sample(
         if isinstance(scene, Assembly):
             return _solve_axis(scene, model, engine)
         scene = scene_file.whole(scene, origin)
-        result = run_model(scene, model, Options(discretisation=False, engine=engine))
+        options = Options(discretisation=False, engine=engine)
+        result = run_model(scene, model, options)
+        kept = outputs(scene, result, model, options) if result.converged else {}
+        return {"status": result.status, **kept}
     except InputError as error:
-        return {"status": f"refused: {error}"}
-    if not result.converged:
-        return {"status": result.status}
-    return {"status": CONVERGED, **outputs(scene, result)}
+        reason = _NUMBER.sub("#", f"{error.key}: {error.allowed or error.value}")  # the range depends on the sample
+        return {"status": f"{REFUSED}: {error}", "reason": reason}
 
 
 def _solve_axis(assembly: Assembly, model: str, engine: str) -> dict[str, Any]:
     """Status and outputs of several sets on one shaft; from `AXIS_COMPILED` balls on always by compiled kernels."""
-    result = run_axis(assembly, model, "compiled" if assembly.ball_count >= AXIS_COMPILED else engine)  # type: ignore[arg-type]
+    kernels = "compiled" if assembly.ball_count >= AXIS_COMPILED else engine
+    result = run_axis(assembly, model, kernels)  # type: ignore[arg-type]
     if not result.converged:
         return {"status": result.status}
-    return {"status": CONVERGED, **axis_outputs(assembly, result)}
-
-
-def axis_outputs(assembly: Assembly, result: AxisResult) -> dict[str, Any]:
-    """`OUTPUTS` of several sets of balls together; ``at`` begins with the name of the set; displacement: along the axis, of
-    what the scene asks about, from the unloaded place of the parts; approaches are those of balls.
-    """
-    rows = [(s.of.name, s.balls) for s in result.sets if s.balls is not None]
-    loads = [balls.load for _, balls in rows]
-    loaded = [load[load > 0.0] for load in loads]
-    every = np.concatenate(loaded) if loaded else np.zeros(0)
-    worst = int(np.argmax([load.max(initial=0.0) for load in loads])) if loads else 0
-    at = ""
-    if every.size:
-        ball, side = np.unravel_index(int(loads[worst].argmax()), loads[worst].shape)
-        at = f"{rows[worst][0]}: {ball + 1} {SIDES[side]}"
-    return {
-        "largest_load_N": float(every.max(initial=0.0)),
-        "mean_load_N": float(every.mean()) if every.size else 0.0,
-        "loaded_contacts": int(every.size),
-        "idle_balls": sum(int(np.count_nonzero(~(load > 0.0).any(axis=1))) for load in loads),
-        "displacement_um": 1e6 * along_axis(assembly, result) if axial_load(assembly) else None,
-        "largest_approach_um": max((1e6 * float((b.hertz_C * np.cbrt(b.load) ** 2).max()) for _, b in rows), default=0.0),
-        "at": at,
-    }
+    return {"status": CONVERGED, **axis_outputs(assembly, result, kernels)}
 
 
 def solve_batch(

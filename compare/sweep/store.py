@@ -2,27 +2,28 @@
 
 Every process writes lines to a file of its own, each whole in one call and with a checksum, so that whatever moment a
 process is killed at, every finished sample is there and a torn line is told from a whole one. A process that outlives the
-run it belonged to stops before its next sample: the run's token is no longer the folder's. A new run waits, by a lock on
-the folder, until such processes have stopped; only then it reads what there is, so that no sample is solved twice.
+run it belonged to stops before its next sample: the run's token is no longer the folder's. A new run waits, by a lock that
+each process holds while it solves, until such processes have stopped; only then it reads what there is, so that no sample
+is solved twice.
 """
 
 from __future__ import annotations
 
-import fcntl
 import json
 import os
+import platform
 import zlib
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from time import monotonic, sleep
+from time import monotonic
 from typing import Any
 from uuid import uuid4
 
-from compare.errors import InputError
-from compare.writing import replace_file
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.writing import replace_file
 
-HEADER, TOKEN, LOCK, RECORDS = "sweep.json", "token", "lock", "records"
+HEADER, TOKEN, LOCKS, RECORDS = "sweep.json", "token", "locks", "records"
 #: Longest wait for processes of an earlier run [s].
 PATIENCE = 600.0
 
@@ -44,7 +45,7 @@ def open_folder(folder: Path, header: Mapping[str, Any]) -> None:
             raise InputError(str(folder), "--out", "a folder with other files", "a new one, or that of this sweep", advice)
         replace_file(path, text)
     (folder / RECORDS).mkdir(exist_ok=True)
-    (folder / LOCK).touch()
+    (folder / LOCKS).mkdir(exist_ok=True)
 
 
 @contextmanager
@@ -53,39 +54,46 @@ def taken_over(folder: Path) -> Iterator[str]:
 
     Raises InputError where another run is at work in it.
     """
-    with (folder / LOCK).open("rb") as lock, (folder / "run").open("ab") as alone:
+    from filelock import FileLock, Timeout
+
+    with ExitStack() as held:
         try:
-            fcntl.flock(alone, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
+            held.enter_context(FileLock(folder / "run", timeout=0))
+        except Timeout:
             advice = "wait for it, or end it"
             raise InputError(str(folder), "--out", "a sweep under way", "one run at a time", advice) from None
         token = uuid4().hex
         replace_file(folder / TOKEN, token)
-        _wait_for(lock, folder)
-        fcntl.flock(lock, fcntl.LOCK_UN)
+        _wait_for_others(folder)
         yield token
 
 
-def _wait_for(lock: Any, folder: Path) -> None:
+def _wait_for_others(folder: Path) -> None:
+    """Wait for the processes of earlier runs, and remove their locks."""
+    from filelock import FileLock, Timeout
+
     until = monotonic() + PATIENCE
-    while True:
+    for path in (folder / LOCKS).iterdir():
         try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            if monotonic() > until:
-                advice = "end the processes of the earlier run"
-                raise InputError(str(folder), "--out", "processes of an earlier run", "none", advice) from None
-            sleep(0.02)
-        else:
-            return
+            with FileLock(path, timeout=max(until - monotonic(), 0.0), poll_interval=0.02):
+                path.unlink(missing_ok=True)
+        except Timeout:
+            advice = "end the processes of the earlier run"
+            raise InputError(str(folder), "--out", "processes of an earlier run", "none", advice) from None
 
 
 @contextmanager
 def working(folder: Path) -> Iterator[None]:
     """Keep a new run waiting while this process solves samples."""
-    with (folder / LOCK).open("rb") as lock:
-        fcntl.flock(lock, fcntl.LOCK_SH)
+    from filelock import FileLock
+
+    with FileLock(folder / LOCKS / _process()):
         yield
+
+
+def _process() -> str:
+    """This process on this machine, as part of a file's name."""
+    return f"{platform.node()}-{os.getpid()}"
 
 
 def current(folder: Path, token: str) -> bool:
@@ -101,12 +109,12 @@ class Writer:
 
     def __init__(self, folder: Path, token: str) -> None:
         """Open the file when the first record comes."""
-        self._path = folder / RECORDS / f"{token[:8]}-{os.uname().nodename}-{os.getpid()}.lines"
+        self._path = folder / RECORDS / f"{token[:8]}-{_process()}.lines"
 
     def append(self, record: Record) -> None:
         """Append one record, whole in one call. Raises OSError where the disk does not take it."""
         line = packed(record)
-        handle = os.open(self._path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
+        handle = os.open(self._path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0), 0o644)
         try:
             if os.write(handle, line) != len(line):
                 raise OSError(28, "a record was not written whole", str(self._path))

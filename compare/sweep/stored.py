@@ -15,7 +15,7 @@ TOLERANCES = "tolerances-case3"
 @cache
 def stored(name: str) -> dict[str, Any]:
     """The shipped summary of that name."""
-    text = resources.files("compare").joinpath("sweep", f"{name}.json").read_text(encoding="utf-8")
+    text = resources.files("rollbench.comparison").joinpath("sweep", f"{name}.json").read_text(encoding="utf-8")
     found: dict[str, Any] = json.loads(text)
     return found
 

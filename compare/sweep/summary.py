@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import sobol_indices
 
-from compare.scenes.scene_file import scene_hash
-from compare.sweep.design import base_points
-from compare.sweep.keys import Vary
-from compare.sweep.run import Sweep
-from compare.sweep.sample import CONVERGED, OUTPUTS
-from compare.sweep.store import Record
-from meshes.arrays import Array
+from rollbench.comparison.scenes.scene_file import scene_hash
+from rollbench.comparison.sweep.design import base_points
+from rollbench.comparison.sweep.keys import Vary
+from rollbench.comparison.sweep.outputs import OUTPUTS
+from rollbench.comparison.sweep.run import Sweep
+from rollbench.comparison.sweep.sample import CONVERGED
+from rollbench.comparison.sweep.store import Record
+from rollbench.meshes.arrays import Array
 
 #: Worst samples listed, bins of a range in main effects, levels of the statistics.
 WORST, BINS, LEVELS = 10, 8, (0.01, 0.05, 0.5, 0.95, 0.99)
@@ -29,16 +30,21 @@ CONSTANT = 1e-9
 
 
 def summary(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
-    """JSON-ready summary of the records, by number, of a sweep."""
+    """JSON-ready summary of the records, by number, of a sweep; a refusal, which names its sample's value, stands for all
+    of its reason."""
     rows = [records[n] for n in sorted(records)]
     good = converged(records)
-    reasons = Counter(row["status"] for row in rows if row["status"] != CONVERGED)
+    failed = [row for row in rows if row["status"] != CONVERGED]
+    reasons = Counter(row.get("reason", row["status"]) for row in failed)
+    first = {
+        row.get("reason", row["status"]): row["status"] for row in reversed(failed)
+    }  # a refusal says its sample's value
     return {
         **{k: v for k, v in sweep.header().items() if k != "text"},
         "scene_hash": scene_hash(sweep.text),
         "solved": len(rows),
         "converged": len(good),
-        "failures": [{"reason": reason, "samples": n} for reason, n in reasons.most_common()],
+        "failures": [{"reason": first[reason], "samples": n} for reason, n in reasons.most_common()],
         "outputs": {name: statistics(column(good, name)) for name in OUTPUTS},
         "main_effects": main_effects(sweep.keys, good),
         "worst": sorted(good, key=lambda row: -row[MAIN])[:WORST],

@@ -12,17 +12,17 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import scipy.sparse as sp
 
-from hifi import assembly
-from hifi.block import boussinesq
-from hifi.bodies import isostatic, rigid_loads
-from hifi.forms import elasticity
-from hifi.pressures import contact_weights, mean_weights
-from hifi.rigid import rigid_modes
-from hifi.rolling.halves import compliance_by_halves
-from hifi.rolling.regular import monomials
-from meshes.arrays import Array
-from meshes.contact_bodies import ContactBody, Zone, half_space
-from meshes.fem import freedoms_on, moved, nodes_on, points_of
+from rollbench.hifi import assembly
+from rollbench.hifi.block import boussinesq
+from rollbench.hifi.bodies import isostatic, rigid_loads
+from rollbench.hifi.forms import elasticity
+from rollbench.hifi.pressures import contact_weights, mean_weights
+from rollbench.hifi.rigid import rigid_modes
+from rollbench.hifi.rolling.halves import compliance_by_halves
+from rollbench.hifi.rolling.regular import monomials
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.contact_bodies import ContactBody, Zone, half_space
+from rollbench.meshes.fem import freedoms_on, moved, nodes_on, points_of
 
 
 def cerruti(points: Array, sources: Array, shear: float, poisson: float) -> Array:

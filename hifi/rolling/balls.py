@@ -16,14 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from hifi.hertz import hertz
-from hifi.rolling.bodies import Place, Sizes, contact_kernel, make_kernels
-from hifi.rolling.friction import PATH, Contact, Friction, solve_friction
-from hifi.rolling.kinematics import MOTIONS, Touch, Track, axes_of, ball_contact, surface
-from hifi.rolling.neighbours import Meeting, Together
-from hifi.rolling.patch import Patch, hertz_patch
-from hifi.rolling.regular import Regular
-from meshes.arrays import Array
+from rollbench.hifi.hertz import hertz
+from rollbench.hifi.rolling.bodies import Place, Sizes, contact_kernel, make_kernels
+from rollbench.hifi.rolling.friction import PATH, Contact, Friction, solve_friction
+from rollbench.hifi.rolling.kinematics import MOTIONS, Touch, Track, axes_of, ball_contact, surface
+from rollbench.hifi.rolling.neighbours import Meeting, Together
+from rollbench.hifi.rolling.patch import Patch, hertz_patch
+from rollbench.hifi.rolling.regular import Regular
+from rollbench.meshes.arrays import Array
 
 #: Compliance along tangents that stands for rigid bodies where grids are compared, over the true one.
 NEARLY_RIGID = 0.01

@@ -16,15 +16,15 @@ from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 
-from hifi.hertz import hertz
-from hifi.rolling.answers import Frame, beside, free_answer, held_answer, tractions
-from hifi.rolling.regular import Regular
-from hifi.rolling.static_patches import Curve, cuts_of
-from hifi.side_by_side import Part, make
-from hifi.submodel import piece_compliance
-from meshes.arrays import Array
-from meshes.cache import Cache
-from meshes.contact_bodies import ContactBody, Groove, Zone, grooved_bar, whole_ball
+from rollbench.hifi.hertz import hertz
+from rollbench.hifi.rolling.answers import Frame, beside, free_answer, held_answer, tractions
+from rollbench.hifi.rolling.regular import Regular
+from rollbench.hifi.rolling.static_patches import Curve, cuts_of
+from rollbench.hifi.side_by_side import Part, make
+from rollbench.hifi.submodel import piece_compliance
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.cache import Cache
+from rollbench.meshes.contact_bodies import ContactBody, Groove, Zone, grooved_bar, whole_ball
 
 
 @dataclass(frozen=True)
@@ -203,7 +203,7 @@ def make_kernels(
     missing = {key: part for part in parts if (key := _key(part)) not in _KEPT}
     if processes == 1 or len(missing) < 2:
         return 0.0
-    jobs = [Part("kernels", "kernels", key, _anew, (part,), tuple) for key, part in missing.items()]
+    jobs = [Part("kernels", _anew, (part,), tuple) for part in missing.values()]
     made = make(jobs, Cache(None), processes)
     for key, one in zip(missing, made, strict=True):
         _keep(key, one.value[0])

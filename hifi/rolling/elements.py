@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meshes.arrays import Array
+from rollbench.meshes.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import root
 
-from hifi.rolling.balls import Choices, RollingResult, solve_rolling, touching, without_meetings
-from hifi.rolling.loads import Cell, Loads, cell_loads
-from hifi.rolling.scenes import Layout, Material, scene_of
-from meshes.arrays import Array
+from rollbench.hifi.rolling.balls import Choices, RollingResult, solve_rolling, touching, without_meetings
+from rollbench.hifi.rolling.loads import Cell, Loads, cell_loads
+from rollbench.hifi.rolling.scenes import Layout, Material, scene_of
+from rollbench.meshes.arrays import Array
 
 #: Difference of the force that friction exerts and the one that the loads are for, over the largest load, that is none.
 AGREED = 1e-7

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.arrays import Array, Index
+from rollbench.meshes.arrays import Array, Index
 
 Flags = NDArray[np.bool_]
 #: Value and derivative of f at y.

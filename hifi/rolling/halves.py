@@ -9,8 +9,8 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.spatial import KDTree
 
-from hifi.response import compliance
-from meshes.arrays import Array, Index
+from rollbench.hifi.response import compliance
+from rollbench.meshes.arrays import Array, Index
 
 #: Distance of mirror images over the body's size, and parts of loads and forces that are of the other kind, that are
 #: round-off.

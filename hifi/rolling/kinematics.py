@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hifi.rolling.friction import Contact
-from hifi.rolling.patch import Patch
-from meshes.arrays import Array
+from rollbench.hifi.rolling.friction import Contact
+from rollbench.hifi.rolling.patch import Patch
+from rollbench.meshes.arrays import Array
 
 #: Motions of a ball: along the track, and about its own three axes; all as speeds [m/s].
 MOTIONS = 4

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from meshes.arrays import Array
+from rollbench.meshes.arrays import Array
 
 #: Newton's steps that follow the search, and force out of balance over the sum of contact forces that counts as balance.
 POLISH, BALANCED = 30, 1e-9

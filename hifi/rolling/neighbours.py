@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hifi.rolling.kinematics import MOTIONS, Track, motion_rows
-from meshes.arrays import Array
+from rollbench.hifi.rolling.kinematics import MOTIONS, Track, motion_rows
+from rollbench.meshes.arrays import Array
 
 
 @dataclass(frozen=True)

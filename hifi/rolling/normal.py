@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from hifi.rolling.elements import Solids, influence
-from meshes.arrays import Array, Index
+from rollbench.hifi.rolling.elements import Solids, influence
+from rollbench.meshes.arrays import Array, Index
 
 #: Most changes of the active set.
 MOST = 100

@@ -12,11 +12,11 @@ from functools import cached_property
 
 import numpy as np
 
-from hifi.hertz import hertz
-from hifi.rolling.elements import Solids, influence
-from hifi.rolling.normal import press
-from hifi.rolling.regular import NORMAL, TANGENTS, Regular
-from meshes.arrays import Array, Index
+from rollbench.hifi.hertz import hertz
+from rollbench.hifi.rolling.elements import Solids, influence
+from rollbench.hifi.rolling.normal import press
+from rollbench.hifi.rolling.regular import NORMAL, TANGENTS, Regular
+from rollbench.meshes.arrays import Array, Index
 
 #: Width of a grid over that of Hertz's ellipse.
 MARGIN = 1.08

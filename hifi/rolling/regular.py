@@ -17,7 +17,7 @@ from functools import cached_property
 
 import numpy as np
 
-from meshes.arrays import Array
+from rollbench.meshes.arrays import Array
 
 
 def exponents(degree: int) -> Array:

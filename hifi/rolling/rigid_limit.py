@@ -15,13 +15,13 @@ from dataclasses import dataclass
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from hifi.hertz import hertz
-from hifi.rolling.balls import Rolling, balance_of, kernel_of, start_of, touching
-from hifi.rolling.bodies import Sizes
-from hifi.rolling.friction import PATH, Contact, full_slip, solve_rigid
-from hifi.rolling.kinematics import MOTIONS, axes_of, motion_rows, surface
-from hifi.rolling.patch import seen_radii
-from meshes.arrays import Array
+from rollbench.hifi.hertz import hertz
+from rollbench.hifi.rolling.balls import Rolling, balance_of, kernel_of, start_of, touching
+from rollbench.hifi.rolling.bodies import Sizes
+from rollbench.hifi.rolling.friction import PATH, Contact, full_slip, solve_rigid
+from rollbench.hifi.rolling.kinematics import MOTIONS, axes_of, motion_rows, surface
+from rollbench.hifi.rolling.patch import seen_radii
+from rollbench.meshes.arrays import Array
 
 #: Points of the quadrature along each axis of the ellipse, first and last.
 FIRST, POINTS = 40, 300

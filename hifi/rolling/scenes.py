@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
-from hifi.hertz import hertz
-from hifi.rolling.balls import Ball, Rolling
-from hifi.rolling.kinematics import Touch, Track
-from hifi.rolling.neighbours import Meeting, meeting
-from meshes.arrays import Array
+from rollbench.hifi.hertz import hertz
+from rollbench.hifi.rolling.balls import Ball, Rolling
+from rollbench.hifi.rolling.kinematics import Touch, Track
+from rollbench.hifi.rolling.neighbours import Meeting, meeting
+from rollbench.meshes.arrays import Array
 
 
 @dataclass(frozen=True)

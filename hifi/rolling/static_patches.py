@@ -12,18 +12,18 @@ from functools import partial
 
 import numpy as np
 
-from hifi.fit import ball_place
-from hifi.patch import Lines, PatchMesh, build_patch, graded, growing
-from hifi.sides import BEYOND
-from hifi.submodel import Piece
-from meshes.arrays import Array, Index
-from meshes.ball_body import build_ball
-from meshes.contact_bodies import Zone
-from meshes.groove_map import GrooveMap
-from meshes.grooved_body import BodySpec, build_body
-from meshes.helix import BallLayout
-from meshes.parts import SIDE_SIGNS
-from meshes.sockets import SocketSize, fitted_socket, local_points, reach, socket_centre
+from rollbench.hifi.fit import ball_place
+from rollbench.hifi.patch import Lines, PatchMesh, build_patch, graded, growing
+from rollbench.hifi.sides import BEYOND
+from rollbench.hifi.submodel import Piece
+from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.ball_body import build_ball
+from rollbench.meshes.contact_bodies import Zone
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.grooved_body import BodySpec, build_body
+from rollbench.meshes.helix import BallLayout
+from rollbench.meshes.parts import SIDE_SIGNS
+from rollbench.meshes.sockets import SocketSize, fitted_socket, local_points, reach, socket_centre
 
 #: Left flanks of screw or inner ring, and of nut or outer ring; right ones are these turned.
 INNER, OUTER = 0, 2

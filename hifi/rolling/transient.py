@@ -16,10 +16,10 @@ from time import process_time
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from hifi.rolling.balls import Choices, Rolling, balance_of, contacts_of, patch_of, start_of, touching
-from hifi.rolling.friction import Contact, solve_friction
-from hifi.rolling.kinematics import MOTIONS, rolling_speed
-from meshes.arrays import Array
+from rollbench.hifi.rolling.balls import Choices, Rolling, balance_of, contacts_of, patch_of, start_of, touching
+from rollbench.hifi.rolling.friction import Contact, solve_friction
+from rollbench.hifi.rolling.kinematics import MOTIONS, rolling_speed
+from rollbench.meshes.arrays import Array
 
 #: How far beyond its zone the kernel of finite bodies is good, over the zone's half length.
 REACH = 1.2

@@ -10,24 +10,24 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hifi.block import read_ellipse
-from hifi.grid_wave import approaches
-from hifi.hertz import hertz
-from hifi.pressures import mean_weights
-from hifi.rolling.answers import half_space_answer, tractions
-from hifi.rolling.balls import Rolling, RollingResult
-from hifi.rolling.bodies import Place, Sizes, ball_kernel, contact_kernel, of_groove
-from hifi.rolling.elements import Solids, influence
-from hifi.rolling.friction import Contact, Friction, full_slip, solve_friction
-from hifi.rolling.kinematics import MOTIONS, motion_rows
-from hifi.rolling.normal import press
-from hifi.rolling.patch import Patch, grid, hertz_patch, seen_radii
-from hifi.rolling.regular import Regular
-from hifi.rolling.rigid_limit import quadrature
-from hifi.rolling.static_patches import Curve, cuts_of
-from hifi.submodel import fine_compliance
-from meshes.arrays import Array
-from meshes.contact_bodies import Zone, half_space
+from rollbench.hifi.block import read_ellipse
+from rollbench.hifi.grid_wave import approaches
+from rollbench.hifi.hertz import hertz
+from rollbench.hifi.pressures import mean_weights
+from rollbench.hifi.rolling.answers import half_space_answer, tractions
+from rollbench.hifi.rolling.balls import Rolling, RollingResult
+from rollbench.hifi.rolling.bodies import Place, Sizes, ball_kernel, contact_kernel, of_groove
+from rollbench.hifi.rolling.elements import Solids, influence
+from rollbench.hifi.rolling.friction import Contact, Friction, full_slip, solve_friction
+from rollbench.hifi.rolling.kinematics import MOTIONS, motion_rows
+from rollbench.hifi.rolling.normal import press
+from rollbench.hifi.rolling.patch import Patch, grid, hertz_patch, seen_radii
+from rollbench.hifi.rolling.regular import Regular
+from rollbench.hifi.rolling.rigid_limit import quadrature
+from rollbench.hifi.rolling.static_patches import Curve, cuts_of
+from rollbench.hifi.submodel import fine_compliance
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.contact_bodies import Zone, half_space
 
 #: Length over half width of the strip that stands for a cylinder.
 LONG = 1e4

@@ -13,10 +13,10 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import root
 
-from lowfi.friction.contact.ellipse import Contacts
-from lowfi.friction.contact.laws import Law
-from lowfi.friction.contact.motion import HYBRID
-from meshes.arrays import Array, Mask
+from rollbench.lowfi.friction.contact.ellipse import Contacts
+from rollbench.lowfi.friction.contact.laws import Law
+from rollbench.lowfi.friction.contact.motion import HYBRID
+from rollbench.meshes.arrays import Array, Mask
 
 Status = Literal["exact", "overlapping", "failed"]
 #: Force out of balance over a ball's friction bound, and closing speed over the nominal, that count as none.

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from lowfi.as_source.chain import SHARPNESS, Balls, Neighbours, SourceMotion, solve_by_root
-from lowfi.friction.contact.ellipse import contacts
-from lowfi.friction.contact.laws import Coulomb, Law, Sigmoid
-from lowfi.friction.linear.bearing import MOVING, LinearBearing, directions, semi_axes
-from lowfi.friction.linear.pair import pair_state
-from meshes.arrays import Array, Mask
+from rollbench.lowfi.as_source.chain import SHARPNESS, Balls, Neighbours, SourceMotion, solve_by_root
+from rollbench.lowfi.friction.contact.ellipse import contacts
+from rollbench.lowfi.friction.contact.laws import Coulomb, Law, Sigmoid
+from rollbench.lowfi.friction.linear.bearing import MOVING, LinearBearing, directions, semi_axes
+from rollbench.lowfi.friction.linear.pair import pair_state
+from rollbench.meshes.arrays import Array, Mask
 
 
 def neighbours(bearing: LinearBearing) -> Neighbours:

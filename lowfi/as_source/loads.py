@@ -11,11 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import root
 
-from lowfi.as_source.chain import ACCEPTED
-from lowfi.friction.contact.motion import HYBRID
-from lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z
-from lowfi.friction.screw.load import Cell, ScrewLoad
-from meshes.arrays import Array
+from rollbench.lowfi.as_source.chain import ACCEPTED
+from rollbench.lowfi.friction.contact.motion import HYBRID
+from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z
+from rollbench.lowfi.friction.screw.load import Cell, ScrewLoad
+from rollbench.meshes.arrays import Array
 
 
 @dataclass(frozen=True)

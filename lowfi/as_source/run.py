@@ -11,13 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.as_source.chain import SHARPNESS, SourceMotion, solve_by_root
-from lowfi.as_source.loads import Places, loads_by_root
-from lowfi.as_source.screw import screw_balls
-from lowfi.friction.contact.laws import Law
-from lowfi.friction.screw.motion import source_law
-from lowfi.friction.screw.run import Run, run_cell
-from meshes.arrays import Array
+from rollbench.lowfi.as_source.chain import SHARPNESS, SourceMotion, solve_by_root
+from rollbench.lowfi.as_source.loads import Places, loads_by_root
+from rollbench.lowfi.as_source.screw import screw_balls
+from rollbench.lowfi.friction.contact.laws import Law
+from rollbench.lowfi.friction.screw.motion import source_law
+from rollbench.lowfi.friction.screw.run import Run, run_cell
+from rollbench.meshes.arrays import Array
 
 
 @dataclass(frozen=True)

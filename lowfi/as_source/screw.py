@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import root
 
-from lowfi.as_source.chain import (
+from rollbench.lowfi.as_source.chain import (
     ACCEPTED,
     SHARPNESS,
     Balls,
@@ -24,14 +24,14 @@ from lowfi.as_source.chain import (
     roots,
     solve_by_root,
 )
-from lowfi.as_source.loads import Places, contact_forces, loads_by_root
-from lowfi.friction.contact.laws import Law
-from lowfi.friction.contact.motion import HYBRID
-from lowfi.friction.screw.groove import ScrewGroove
-from lowfi.friction.screw.load import Cell, ScrewLoad
-from lowfi.friction.screw.motion import contact_wrench, hold_screw, screw_contacts, source_law
-from lowfi.friction.screw.pair import Pair, PairResult
-from meshes.arrays import Array, Mask
+from rollbench.lowfi.as_source.loads import Places, contact_forces, loads_by_root
+from rollbench.lowfi.friction.contact.laws import Law
+from rollbench.lowfi.friction.contact.motion import HYBRID
+from rollbench.lowfi.friction.screw.groove import ScrewGroove
+from rollbench.lowfi.friction.screw.load import Cell, ScrewLoad
+from rollbench.lowfi.friction.screw.motion import contact_wrench, hold_screw, screw_contacts, source_law
+from rollbench.lowfi.friction.screw.pair import Pair, PairResult
+from rollbench.meshes.arrays import Array, Mask
 
 
 def neighbours(groove: ScrewGroove) -> Neighbours:

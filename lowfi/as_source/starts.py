@@ -10,17 +10,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from lowfi.as_source.chain import SHARPNESS, SourceMotion, solve_by_root
-from lowfi.as_source.linear import linear_balls, linear_law
-from lowfi.as_source.screw import SourceState, neighbours, screw_balls, screw_pair_by_root, state_of
-from lowfi.friction.contact.laws import Sigmoid
-from lowfi.friction.linear.bearing import LinearBearing
-from lowfi.friction.linear.chain import prepare, solve_linear_chain
-from lowfi.friction.screw.chain import Chain, ChainMotion, solve_chain
-from lowfi.friction.screw.groove import ScrewGroove
-from lowfi.friction.screw.motion import source_law
-from lowfi.friction.screw.pair import Pair, PairResult
-from meshes.arrays import Array
+from rollbench.lowfi.as_source.chain import SHARPNESS, SourceMotion, solve_by_root
+from rollbench.lowfi.as_source.linear import linear_balls, linear_law
+from rollbench.lowfi.as_source.screw import SourceState, neighbours, screw_balls, screw_pair_by_root, state_of
+from rollbench.lowfi.friction.contact.laws import Sigmoid
+from rollbench.lowfi.friction.linear.bearing import LinearBearing
+from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain
+from rollbench.lowfi.friction.screw.chain import Chain, ChainMotion, solve_chain
+from rollbench.lowfi.friction.screw.groove import ScrewGroove
+from rollbench.lowfi.friction.screw.motion import source_law
+from rollbench.lowfi.friction.screw.pair import Pair, PairResult
+from rollbench.meshes.arrays import Array
 
 
 def shaken(q: Array, units: Array, rng: np.random.Generator, off: float) -> Array:

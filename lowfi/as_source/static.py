@@ -13,19 +13,19 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.statics.mechanism import free_motions
-from lowfi.statics.problem import SIGNS, Problem, build, error_free
-from lowfi.statics.result import SolverReport, StaticResult
-from lowfi.statics.selection import shifts_of_beam
-from lowfi.statics.shape import shape_polynomials
-from lowfi.statics.solved import SolvedState
-from lowfi.statics.summary import assemble_result, failed_result, model_assumptions
-from meshes.arrays import Array
-from meshes.errors import specimen
-from meshes.helix import ball_layout, lead_angle
-from meshes.parts import Scene
-from meshes.section import BeamSection
-from meshes.surface import groove_profile
+from rollbench.lowfi.statics.mechanism import free_motions
+from rollbench.lowfi.statics.problem import SIGNS, Problem, build, error_free
+from rollbench.lowfi.statics.result import SolverReport, StaticResult
+from rollbench.lowfi.statics.selection import shifts_of_beam
+from rollbench.lowfi.statics.shape import shape_polynomials
+from rollbench.lowfi.statics.solved import SolvedState
+from rollbench.lowfi.statics.summary import assemble_result, failed_result, model_assumptions
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout, lead_angle
+from rollbench.meshes.parts import Scene
+from rollbench.meshes.section import BeamSection
+from rollbench.meshes.surface import groove_profile
 
 Kinematics = Literal["arc", "source"]
 Start = Literal["nominal", "guess", "load steps"]

@@ -17,8 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
-from lowfi.hertz import HertzConstants, contact_modulus, hertz_constants
-from meshes.arrays import Array
+from rollbench.lowfi.hertz import HertzConstants, contact_modulus, hertz_constants
+from rollbench.meshes.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lowfi.bearings.load_zone import LoadZone, zone_of_load
-from lowfi.bearings.tapered_roller import TaperedBearing
-from meshes.arrays import Array
+from rollbench.lowfi.bearings.load_zone import LoadZone, zone_of_load
+from rollbench.lowfi.bearings.tapered_roller import TaperedBearing
+from rollbench.meshes.arrays import Array
 
 #: Exponent of the power law q ~ delta^n that spreads the load over the zone (Smith 3.15).
 EXPONENT = 1.1

@@ -17,8 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import lambertw
 
-from lowfi.hertz import contact_modulus
-from meshes.arrays import Array
+from rollbench.lowfi.hertz import contact_modulus
+from rollbench.meshes.arrays import Array
 
 
 def half_width(line_load: Array | float, curvature: Array | float, modulus: float) -> Array:

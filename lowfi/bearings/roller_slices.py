@@ -17,9 +17,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.optimize import brentq
 
-from lowfi.bearings.line_contact import LineLaw
-from lowfi.bearings.tapered_roller import TaperedBearing
-from meshes.arrays import Array
+from rollbench.lowfi.bearings.line_contact import LineLaw
+from rollbench.lowfi.bearings.tapered_roller import TaperedBearing
+from rollbench.meshes.arrays import Array
 
 
 @dataclass(frozen=True)

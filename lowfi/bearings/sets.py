@@ -18,7 +18,7 @@ from typing import Protocol
 import numpy as np
 from scipy.optimize import brentq
 
-from meshes.arrays import Array
+from rollbench.meshes.arrays import Array
 
 
 class Row(Protocol):

@@ -15,9 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lowfi.bearings.line_contact import LineLaw, between_races, half_width, pressure
-from lowfi.hertz import contact_modulus
-from meshes.arrays import Array
+from rollbench.lowfi.bearings.line_contact import LineLaw, between_races, half_width, pressure
+from rollbench.lowfi.hertz import contact_modulus
+from rollbench.meshes.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,9 @@ from typing import Literal
 
 import numpy as np
 
-from lowfi.compliance.cell import cell_section
-from lowfi.compliance.groove import (
+from rollbench.lowfi.compliance.cell import cell_section
+from rollbench.lowfi.compliance.faces import REACH, NearFace, near_face
+from rollbench.lowfi.compliance.groove import (
     NARROW,
     Flank,
     RingCompliance,
@@ -26,8 +27,8 @@ from lowfi.compliance.groove import (
     size_slope,
     smooth_radius,
 )
-from lowfi.compliance.sphere import own_compliance, own_slope, sphere_compliance
-from lowfi.compliance.tube import (
+from rollbench.lowfi.compliance.sphere import own_compliance, own_slope, sphere_compliance
+from rollbench.lowfi.compliance.tube import (
     Tube,
     TubeCompliance,
     clamped,
@@ -38,17 +39,16 @@ from lowfi.compliance.tube import (
     spring_compliance,
     tube_compliance,
 )
-from meshes.arrays import Array
-from meshes.groove_map import GrooveMap
-from meshes.helix import BallLayout, ball_layout, nominal_contact_points
-from meshes.parts import Ingredients, Scene
-from meshes.section import BeamSection, screw_section, tube_section
-from meshes.solid import dimensions
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.helix import BallLayout, ball_layout, nominal_contact_points
+from rollbench.meshes.one_arc import NEAR, is_one_arc
+from rollbench.meshes.parts import Ingredients, Scene
+from rollbench.meshes.section import BeamSection, screw_section, tube_section
+from rollbench.meshes.solid import dimensions
 
 #: Least width of the kernels' patch over the ball's radius, for steep contact angles.
 LEAST = 0.5
-#: Distance of the groove's apex from a contact, in standard deviations of its patch, where a third of that lies beyond it.
-BEYOND_APEX = 0.43
 #: Left and right flank of a groove.
 BOTH = (0, 1)
 #: Fixings of the nut by the name of the scene's key.
@@ -249,7 +249,7 @@ def own_flank(geometry: Scene, screw: bool, backend: Backend) -> float:
     surface = tube.outer if screw else tube.bore
     if not backend.flank:  # the half space at the smooth body's own patch only
         return -half_space(tube.width, tube.material)
-    return flank_correction(flank, surface, tube.width)
+    return flank_correction(flank, surface, tube.width) + kept_near_face(geometry, screw, backend).own
 
 
 def is_ring(geometry: Scene, screw: bool) -> bool:
@@ -288,6 +288,42 @@ def nut_beam(scene: Scene, layout: BallLayout, flanks: Sequence[int] = BOTH) -> 
     return clamped(motion_rows(x, axes), np.repeat(x[:, 2], 2), (position - half, position + half), held, section)
 
 
+@lru_cache(maxsize=32)
+def kept_near_face(geometry: Scene, screw: bool, backend: Backend) -> NearFace:
+    """What grooves and faces of screw or nut add between contacts of a turn, kept for all scenes of one geometry."""
+    radii = (0.0, np.inf) if screw else dimensions(geometry).held_radii
+    section, tube = grooved_section(geometry, screw), smooth_body(geometry, screw, backend)
+    low, high = (abs(end - geometry.nut.position) - 0.5 * geometry.nut.length for end in tube.ends)
+    near = min(low, high) < REACH * geometry.balls.radius
+    return near_face(flank_of(geometry, screw), tube, section, radii, near=near)
+
+
+def grooved_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH) -> Array:
+    """What grooves and faces of screw or nut add to the compliance ``(2 c, 2 c)`` [m/N] between contacts less than half a
+    lead apart, along their normals; far from a face, nothing to a contact's own (`own_flank` has that)."""
+    geometry = geometry_only(scene)
+    flank, held, found = flank_of(geometry, screw), held_at(geometry, screw), kept_near_face(geometry, screw, backend)
+    z = contact_frames(scene, layout, screw, flanks)[0][:, 2]
+    azimuth, side = np.tile(layout.azimuth, len(flanks)), np.repeat(flanks, layout.z.size)
+    middle = z - found.beside * np.where(side == 0, -1.0, 1.0)
+    i, j = np.nonzero(np.abs(middle[:, None] - middle) < flank.half)
+    angle, between = azimuth[i] - azimuth[j], 0.5 * (middle[i] + middle[j])
+    gain = np.where(i == j, 0.0, found.between(angle)[np.arange(i.size), (side[i] != side[j]).astype(int), 0])
+    for high, face in enumerate(smooth_body(geometry, screw, backend).ends):
+        near = np.flatnonzero(np.abs(face - between) < REACH * scene.balls.radius)
+        if not near.size:
+            continue
+        away = (side != high).astype(int)
+        fixed = held in ("both", "high" if high else "low")
+        added = found.by_face(fixed, angle[near], np.abs(face - between[near]))
+        gain[near] += added[np.arange(near.size), away[i[near]], away[j[near]]]
+    signs = flank.map.signs[[s if screw else s + 2 for s in BOTH]][side]
+    normal = signs * np.array([np.cos(flank.map.beta), np.sin(flank.map.beta)])
+    G = np.zeros((side.size, 2, side.size, 2))
+    G[i, :, j] = gain[:, None, None] * normal[i][:, :, None] * normal[j][:, None, :]
+    return G.reshape(2 * side.size, -1)
+
+
 def body_compliance(
     scene: Scene,
     layout: BallLayout,
@@ -323,11 +359,12 @@ def body_compliance(
 
 def refuse_flat(scene: Scene, screw: bool, backend: Backend) -> None:
     """Raise ValueError where a contact of the nominal angle lies so near the groove's apex that its patch crosses it: the
-    flank's correction then grows as one over the angle."""
+    flank's correction then grows as one over the angle. A ring whose groove is one arc has one patch there instead."""
     angle = scene.track.contact_angle
     radius = (scene.screw if screw else scene.nut).groove_radius
-    if backend.flank and radius * np.sin(angle) < BEYOND_APEX * NARROW * scene.balls.radius:
-        least = np.degrees(np.arcsin(BEYOND_APEX * NARROW * scene.balls.radius / radius))
+    one_arc = is_one_arc(scene) and is_ring(scene, screw)
+    if not one_arc and backend.flank and radius * np.sin(angle) < NEAR * scene.balls.radius:
+        least = np.degrees(np.arcsin(NEAR * scene.balls.radius / radius))
         raise ValueError(
             f"contact angle {np.degrees(angle):.3g} deg, but the elastic flanks of this groove need {least:.2g} deg: "
             "nearer to the apex, the contacts of both flanks are one; the models lin, lin-cell and lin-nut solve it, and "
@@ -336,7 +373,8 @@ def refuse_flat(scene: Scene, screw: bool, backend: Backend) -> None:
 
 
 def whole_body(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH) -> Array:
-    """Compliance ``(2 c, 2 c)`` [m/N] of the nut, or of the screw beyond its beam, without each contact's own flank.
+    """Compliance ``(2 c, 2 c)`` [m/N] of the nut, or of the screw beyond its beam, without each contact's own flank, but
+    with what faces add to it.
 
     Kept for all load cases of the same parts and balls: not to be written to.
     """
@@ -369,6 +407,8 @@ def _body_at(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, fl
         G = kernel_part(scene, layout, screw, backend, flanks)
         if not screw and held != "outer":
             G = G + nut_beam(scene, layout, flanks)
+        if backend.flank:
+            G = G + grooved_part(scene, layout, screw, backend, flanks)
     G = 0.5 * (G + G.T)
     G.flags.writeable = False
     return G
@@ -398,6 +438,7 @@ def forget() -> None:
         smooth_compliance,
         whole_ring,
         own_flank,
+        kept_near_face,
         _whole_body,
     ):
         kept.cache_clear()

@@ -11,11 +11,11 @@ from math import pi
 
 import numpy as np
 
-from lowfi.compliance.fourier import Body, Grid, refine_lines, solved
-from meshes.arrays import Array
-from meshes.groove_map import GrooveMap
-from meshes.parts import Material
-from meshes.section import BeamSection, shear_coefficient
+from rollbench.lowfi.compliance.fourier import Body, Grid, refine_lines, solved
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.parts import Material
+from rollbench.meshes.section import BeamSection, shear_coefficient
 
 #: Elements of the cell: along the groove's flank, along the land, and in depth.
 MESH = (8, 5, 8)

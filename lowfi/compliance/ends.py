@@ -13,13 +13,21 @@ from functools import lru_cache
 
 import numpy as np
 
-from lowfi.compliance.bodies import Backend, contact_frames, geometry_only, held_at, smooth_compliance, with_balls
-from lowfi.compliance.bodies import forget as forget_bodies
-from lowfi.compliance.tube import TubeCompliance, cantilever, end_springs, motion_rows, on_line, patch_weights, points_of
-from meshes.arrays import Array
-from meshes.helix import BallLayout, ball_layout
-from meshes.parts import Scene
-from meshes.section import tube_section
+from rollbench.lowfi.compliance.bodies import Backend, contact_frames, geometry_only, held_at, smooth_compliance, with_balls
+from rollbench.lowfi.compliance.bodies import forget as forget_bodies
+from rollbench.lowfi.compliance.tube import (
+    TubeCompliance,
+    cantilever,
+    end_springs,
+    motion_rows,
+    on_line,
+    patch_weights,
+    points_of,
+)
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.helix import BallLayout, ball_layout
+from rollbench.meshes.parts import Scene
+from rollbench.meshes.section import tube_section
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from scipy.linalg import cholesky_banded, solveh_banded
 from scipy.linalg.blas import dtrsm
 from scipy.linalg.lapack import dpotrf, dtbtrs
 
-from meshes.arrays import Array, Index
+from rollbench.meshes.arrays import Array, Index
 
 #: Gauss points of the 9-node quadrilateral: three a side.
 GAUSS = np.array([-np.sqrt(0.6), 0.0, np.sqrt(0.6)])
@@ -142,10 +142,15 @@ def on_last(bands: Array, n: int, loads: Array, last: int) -> tuple[Array, Array
     L = cholesky_banded(K, overwrite_ab=True, lower=True, check_finite=False)
     Y = dtbtrs(L, loads, uplo="L")[0]
     before = L.shape[1] - last
-    place = np.arange(last)
-    below = place[:, None] - place
-    corner = np.where((below >= 0) & (below < len(L)), L[np.clip(below, 0, len(L) - 1), before + place], 0.0)
+    corner = lower_corner(L, before, last)
     return corner @ corner.T, corner @ Y[before:], Y[:before].T @ Y[:before]
+
+
+def lower_corner(L: Array, first: int, size: int) -> Array:
+    """Block ``(size, size)`` from row ``first`` on the diagonal of a lower triangular matrix in bands."""
+    place = np.arange(size)
+    below = place[:, None] - place
+    return np.where((below >= 0) & (below < len(L)), L[np.clip(below, 0, len(L) - 1), first + place], 0.0)
 
 
 @dataclass(frozen=True)

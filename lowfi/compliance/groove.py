@@ -14,13 +14,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from lowfi.compliance.cell import cell_grid
-from lowfi.compliance.fourier import Body, Grid, on_last, quadratic, refine_lines, solved, tube_grid
-from lowfi.compliance.sphere import expansion
-from lowfi.compliance.tube import Tube, patch_weights, radial_ends
-from meshes.arrays import Array
-from meshes.groove_map import GrooveMap
-from meshes.parts import Material
+from rollbench.lowfi.compliance.cell import cell_grid
+from rollbench.lowfi.compliance.fourier import Body, Grid, on_last, quadratic, refine_lines, solved, tube_grid
+from rollbench.lowfi.compliance.sphere import expansion
+from rollbench.lowfi.compliance.tube import Tube, patch_weights, radial_ends
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.parts import Material
 
 #: Standard deviation of the narrow patch over the ball's radius, and elements of its mesh (flank, land, depth).
 NARROW = 0.18
@@ -94,11 +94,11 @@ def flank_weights(grid: Grid, line: int, zeta: float, width: float) -> tuple[Arr
     return out / out.sum(), z
 
 
-def harmonics_to(limit: float) -> Array:
-    """Harmonics at which a smooth series is sampled, up to ``limit``: the first ones, then about a quarter apart."""
+def harmonics_to(limit: float, step: float = 1.28) -> Array:
+    """Harmonics at which a smooth series is sampled, up to ``limit``: the first ones, then each ``step`` times the last."""
     found = [0, 1, 2, 3, 4]
     while found[-1] < limit:
-        found.append(int(np.ceil(1.28 * found[-1])))
+        found.append(int(np.ceil(step * found[-1])))
     return np.array(found)
 
 
@@ -120,10 +120,11 @@ def flank_normals(grid: Grid, line: int) -> Array:
     return np.column_stack([-along[:, 1], along[:, 0]])
 
 
-def normal_load(flank: Flank, grid: Grid, width: float) -> Array:
-    """Unit forces ``(k, 2)`` (r, z) of a patch of ``width`` [m] on the nodes of the grid's surface, along its normals."""
+def normal_load(flank: Flank, grid: Grid, width: float, zeta: float) -> Array:
+    """Unit forces ``(k, 2)`` (r, z) of a patch of ``width`` at ``zeta`` [m] on the nodes of the grid's surface, along its
+    normals."""
     line = grid.shape[1] - 1 if flank.screw else 0
-    share, _ = flank_weights(grid, line, flank.contact()[1], width)
+    share, _ = flank_weights(grid, line, zeta, width)
     m = flank.map
     nominal = m.signs[flank.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
     normals = flank_normals(grid, line)
@@ -163,7 +164,7 @@ def true_motion(flank: Flank, width: float) -> float:
     """Own motion [m/N] of a patch of ``width`` [m] on the true flank, loaded along the flank's normals."""
     grid = flank.grid()
     force = np.zeros((*grid.shape, 3))
-    force[:, grid.shape[1] - 1 if flank.screw else 0, ::2] = normal_load(flank, grid, width)
+    force[:, grid.shape[1] - 1 if flank.screw else 0, ::2] = normal_load(flank, grid, width, flank.contact()[1])
     return own_motion(flank, grid, (force, force), width, flank.contact()[0])
 
 
@@ -219,12 +220,17 @@ def ring_compliance(flank: Flank, held: str) -> RingCompliance:
     fixed[:, 0 if held == "bore" else -1 if held == "outer" else slice(0, 0)] = True
     radius, zeta = flank.contact()
     line, width = (grid.shape[1] - 1 if flank.screw else 0), NARROW * flank.map.ball
-    share, _ = flank_weights(half, line, zeta, width)
     rows = np.zeros((5, *grid.shape, 3))
-    count = half.shape[0]
-    rows[0, :count, line, 0] = rows[1, :count, line, 2] = share[::-1]
-    rows[2, count - 1 :, line, 0] = rows[3, count - 1 :, line, 2] = share
-    rows[4, count - 1 :, line, ::2] = normal_load(flank, half, width)
+    if flank.map.one_arc:  # both flanks are the same patch
+        share, _ = flank_weights(grid, line, 0.0, width)
+        rows[0, :, line, 0] = rows[2, :, line, 0] = rows[1, :, line, 2] = rows[3, :, line, 2] = share
+        rows[4, :, line, ::2] = normal_load(flank, grid, width, 0.0)
+    else:
+        share, _ = flank_weights(half, line, zeta, width)
+        count = half.shape[0]
+        rows[0, :count, line, 0] = rows[1, :count, line, 2] = share[::-1]
+        rows[2, count - 1 :, line, 0] = rows[3, count - 1 :, line, 2] = share
+        rows[4, count - 1 :, line, ::2] = normal_load(flank, half, width, zeta)
     n = harmonics_to(2.6 * radius / width)
     free = ~fixed.ravel()
     bands, loads = body.bands(free), rows.reshape(5, -1)[:, free].T

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lowfi.compliance.bodies import (
+from rollbench.lowfi.compliance.bodies import (
     REFINED,
     Backend,
     BallCompliance,
@@ -22,11 +22,11 @@ from lowfi.compliance.bodies import (
     held_at,
     whole_body,
 )
-from lowfi.compliance.tube import clamped, motion_rows
-from meshes.arrays import Array
-from meshes.condensed import CondensedBodies, geometry_digest, load_condensed
-from meshes.helix import BallLayout
-from meshes.parts import SIDE_SIGNS, SIDES, Scene
+from rollbench.lowfi.compliance.tube import clamped, motion_rows
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.condensed import CondensedBodies, geometry_digest, load_condensed
+from rollbench.meshes.helix import BallLayout
+from rollbench.meshes.parts import SIDE_SIGNS, SIDES, Scene
 
 #: Bodies that a file holds, beside the balls.
 PARTS = ("screw", "nut")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import eigh
 
-from meshes.arrays import Array
+from rollbench.meshes.arrays import Array
 
 #: A mode is soft from this fraction of a contact's compliance on.
 SOFT = 0.3

@@ -12,8 +12,8 @@ from functools import lru_cache
 import numpy as np
 from scipy.special import eval_legendre
 
-from meshes.arrays import Array
-from meshes.parts import Material
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import Material
 
 #: Mean logarithm of the distance of two points of a round Hertz pressure over its radius, 11/12 - H(3/2).
 MEAN_LOG = 2.0 * np.log(2.0) - 1.75

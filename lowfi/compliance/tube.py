@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.compliance.fourier import Body, line_compliance, quadratic, tube_grid
-from meshes.arrays import Array
-from meshes.parts import Material
-from meshes.section import BeamSection
+from rollbench.lowfi.compliance.fourier import Body, line_compliance, quadratic, tube_grid
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import Material
+from rollbench.meshes.section import BeamSection
 
 #: Which motion (r, t, z) by which load the parts of a harmonic hold. The first ``EVEN`` go as the cosine of its multiple of
 #: the angle between two contacts, the others as the sine.

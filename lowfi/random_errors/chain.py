@@ -36,9 +36,9 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import brentq
 
-from lowfi.hertz import contact_modulus, hertz_constants
-from lowfi.jit import RANDOM_ERRORS, kernels
-from meshes.arrays import Array
+from rollbench.lowfi.hertz import contact_modulus, hertz_constants
+from rollbench.lowfi.jit import RANDOM_ERRORS, kernels
+from rollbench.meshes.arrays import Array
 
 Law = Literal["constant", "implicit", "exact"]
 LAWS: tuple[Law, ...] = ("constant", "implicit", "exact")

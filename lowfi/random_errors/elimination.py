@@ -20,8 +20,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.random_errors.chain import Chain, checked
-from meshes.arrays import Array
+from rollbench.lowfi.random_errors.chain import Chain, checked
+from rollbench.meshes.arrays import Array
 
 #: Newton steps of a round, halvings of a step.
 MAX_STEPS, MAX_HALVINGS = 100, 30

@@ -7,9 +7,9 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from lowfi.jit import RANDOM_ERRORS, kernels
-from lowfi.random_errors.chain import LAWS, Chain, checked, free_motion
-from meshes.arrays import Array
+from rollbench.lowfi.jit import RANDOM_ERRORS, kernels
+from rollbench.lowfi.random_errors.chain import LAWS, Chain, checked, free_motion
+from rollbench.meshes.arrays import Array
 
 #: What is kept of each chain: smallest and largest contact load [N], loaded balls, motion since the first touch of ball 1
 #: and of the first loaded ball (Liu's 19) [m], stiffness dF/du_1 [N/m].

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lowfi.statics.problem import nominal_curvatures, nominal_hertz
-from lowfi.statics.validity import DENT_PRESSURE, groove_range
-from meshes.arrays import Array
-from meshes.helix import groove_radii
-from meshes.parts import SIDES, Scene
+from rollbench.lowfi.statics.problem import nominal_curvatures, nominal_hertz
+from rollbench.lowfi.statics.validity import DENT_PRESSURE, groove_range
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.helix import groove_radii
+from rollbench.meshes.parts import SIDES, Scene
 
 #: Permanent indentation over the ball's diameter that the static rating of ball contacts allows (ISO 76).
 ALLOWED = 1e-4
@@ -89,7 +89,7 @@ def worst_contact(scene: Scene, load: Array, angle: Array) -> Contact | None:
 def static_safety(scene: Scene, worst: Contact) -> StaticSafety:
     """Static safety of a contact of hardened bearing steel.
 
-    By pressure: ISO 76 and ISO 3408-5 rate a ball contact at the load of 4200 MPa. By indentation: Palmgren (1959; Harris
+    By pressure: ISO 76 rates a ball contact at the load of 4200 MPa. By indentation, as ISO 3408-5: Palmgren (1959; Harris
     and Kotzalas 2007, ball against raceway), permanent deformation of both surfaces together
     1.3e-7 Q^2/D (sum of curvatures across) (sum along) in mm and N; fitted near the elastic limit, hardness 63 to 65 HRC.
     """

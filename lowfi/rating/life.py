@@ -10,7 +10,9 @@ Capacity of a contact, lengths in mm, gamma = D cos(alpha)/D_pw, f groove radius
 
     q(f, Z) = 98.1 (2f/(2f - 1))^0.41 (1 -+ gamma)^1.39/(1 +- gamma)^(1/3) (gamma/cos(alpha))^0.3 D^1.8 Z^(-1/3).       (2)
 
-Ring (Z balls): Q_c = 1.3 * 0.95 q, the factor of today's steel and that of single-row bearings (ISO 281, ISO/TR 1281-1).
+Ring (Z balls) up to 45 deg, a radial bearing: Q_c = 1.3 * 0.95 q, the factor of today's steel and that of single-row radial
+bearings. Above 45 deg, a thrust bearing: Q_c = 1.3 * 0.90 (1 - sin(alpha)/3) q, the reduction of thrust bearings and their
+factor for the angle, and C_a = Z sin(alpha) (Q_ci^(-10/3) + Q_co^(-10/3))^(-3/10) (ISO 281, ISO/TR 1281-1).
 Screw: load ratings of one turn of z balls, screw and nut,
 
     C = 93.2 (1 - sin(alpha)/3) (2f/(2f - 1))^0.41 gamma^0.3 (1 -+ gamma)^1.39/(1 +- gamma)^(1/3)
@@ -26,18 +28,20 @@ for hardness, accuracy, material, reliability and lubricant are one. These are r
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, pi, sin, tan
+from math import cos, degrees, pi, sin, tan
 
 import numpy as np
 
-from meshes.arrays import Array
-from meshes.helix import groove_radii, lead_angle
-from meshes.parts import SIDES, Scene
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.helix import groove_radii, lead_angle
+from rollbench.meshes.parts import SIDES, Scene
 
 #: Constant of (2) for mm and N (Lundberg and Palmgren 1947).
 CONTACT = 98.1
-#: Reduction for single-row bearings and factor of today's steel, rings; the reduction in (3) (ISO 281, ISO 3408-5).
-SINGLE_ROW, STEEL = 0.95, 1.3
+#: Reduction for single-row radial bearings, and in (3); for thrust bearings; factor of today's steel (ISO 281, ISO 3408-5).
+SINGLE_ROW, THRUST, STEEL = 0.95, 0.90, 1.3
+#: Contact angle [deg] above which a bearing is rated as a thrust bearing (ISO 281, ISO 76).
+RADIAL_UP_TO = 45.0
 #: Orders of the mean force of a raceway that turns against the load, and of one that stands.
 TURNING, STANDING = 3.0, 10.0 / 3.0
 #: Shares of rotating and standing raceways in the radial rating of a ring: J_r/J_1 and J_r/J_2 of half a loaded circle.
@@ -47,8 +51,8 @@ RADIAL = (0.407, 0.389)
 @dataclass(frozen=True)
 class Life:
     """Life that 90 % reach. revolutions: in 10^6 (L10); raceways: of each loaded one in 10^6 revolutions, by side; rating:
-    basic dynamic load rating as computed [N], axial for a screw, radial for a ring; equivalent: the load [N] under which
-    the rating would give the same life; standard: whose formulas."""
+    basic dynamic load rating as computed [N], axial for screws and thrust bearings, else radial; equivalent: the load [N]
+    under which the rating would give the same life; standard: whose formulas."""
 
     revolutions: float
     raceways: dict[str, float]
@@ -59,6 +63,11 @@ class Life:
     def hours(self, speed: float) -> float:
         """Life in hours at a speed of the turning part [rad/s]."""
         return 1e6 * self.revolutions * 2.0 * pi / abs(speed) / 3600.0
+
+
+def is_thrust(scene: Scene) -> bool:
+    """Whether a scene is a thrust bearing: a ring of a contact angle above 45 deg."""
+    return scene.track.lead == 0.0 and degrees(scene.track.contact_angle) > RADIAL_UP_TO + 1e-9
 
 
 def turns_of(scene: Scene) -> tuple[float, float]:
@@ -87,7 +96,7 @@ def contact_capacity(scene: Scene) -> Array:
         raise ValueError("ratings need grooves larger than the ball")
     shape, D = _shape(scene)
     if scene.track.lead == 0.0:
-        base = CONTACT * STEEL * SINGLE_ROW
+        base = CONTACT * STEEL * (THRUST * (1.0 - sin(alpha) / 3.0) if is_thrust(scene) else SINGLE_ROW)
         return np.asarray(base * shape * cos(alpha) ** -0.3 * D**1.8 * scene.ball_count ** (-1.0 / 3.0))
     if sin(alpha) <= 0.0:
         raise ValueError("the rating of a screw needs a contact angle above zero")
@@ -111,13 +120,13 @@ def _turn_rating(scene: Scene) -> Array:
 
 
 def rating(scene: Scene) -> float:
-    """Basic dynamic load rating as computed [N]: axial of a screw (ISO 3408-5), radial of a ring (ISO 281), of one pair of
-    opposite raceways."""
+    """Basic dynamic load rating as computed [N], of one pair of opposite raceways: axial of a screw (ISO 3408-5) or of a
+    ring above 45 deg, radial of another ring (ISO 281). Raises ValueError as `contact_capacity`."""
     if scene.track.lead > 0.0:
         screw, nut = _turn_rating(scene)[[0, 3]] * _turns_share(scene)
     else:
-        capacity = contact_capacity(scene)[[0, 3]]
-        screw, nut = capacity * scene.ball_count * cos(scene.track.contact_angle) * np.array(RADIAL)
+        alpha, whole = scene.track.contact_angle, contact_capacity(scene)[[0, 3]] * scene.ball_count
+        screw, nut = whole * sin(alpha) if is_thrust(scene) else whole * cos(alpha) * np.array(RADIAL)
     return float((screw ** (-10.0 / 3.0) + nut ** (-10.0 / 3.0)) ** -0.3)
 
 
@@ -135,5 +144,11 @@ def life(scene: Scene, load: Array) -> Life | None:
             raceways[side] = float((capacity[s] / mean) ** 3)
     shares = np.array(list(raceways.values())) ** (-10.0 / 9.0)
     total, rated = float(shares.sum() ** -0.9), rating(scene)
-    standard = "ISO 281, ISO/TS 16281" if scene.track.lead == 0.0 else "ISO 3408-5"
-    return Life(total, raceways, rated, rated / float(np.cbrt(total)), standard)
+    return Life(total, raceways, rated, rated / float(np.cbrt(total)), standard_of(scene))
+
+
+def standard_of(scene: Scene) -> str:
+    """Whose formulas rate a scene's life."""
+    if scene.track.lead > 0.0:
+        return "ISO 3408-5"
+    return "ISO 281, ISO/TS 16281" + (" (thrust bearing)" if is_thrust(scene) else "")

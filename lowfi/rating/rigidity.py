@@ -16,7 +16,8 @@ tubes under even pressure over the loaded length i P_h (Lame), which ISO 3408-4 
                                                                                                                        (2)
 
 With unequal loads (R_nu,ar): the displacement of a model that solves for them, here that of the screw's section at the
-nut's centre; ISO 3408-4 takes a factor of the tolerance class for it. Range: small displacements, balls on whole turns.
+nut's centre; ISO 3408-4 takes a factor of the tolerance class for it. Its contact angles are those under load, so that it
+may be above the others, which take the nominal one. Range: small displacements, balls on whole turns.
 """
 
 from __future__ import annotations
@@ -27,12 +28,12 @@ from math import cos, pi, sin, tan
 import numpy as np
 from scipy.optimize import brentq
 
-from lowfi.rating.life import turns_of
-from lowfi.statics.problem import distances, nominal_hertz
-from lowfi.statics.result import StaticResult
-from meshes.errors import specimen
-from meshes.helix import ball_layout, lead_angle
-from meshes.parts import Scene
+from rollbench.lowfi.rating.life import turns_of
+from rollbench.lowfi.statics.problem import distances, nominal_hertz
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.errors import beyond_step, specimen
+from rollbench.meshes.helix import ball_layout, lead_angle
+from rollbench.meshes.parts import Scene
 
 #: Share of the sum of contact loads below which an axial force is round-off.
 ROUND_OFF = 1e-12
@@ -58,7 +59,7 @@ def contacts_displacement(scene: Scene, force: float) -> float:
     the nut's halves against one another, from their equilibrium without load."""
     layout = ball_layout(scene)
     of_balls = distances(scene, specimen(scene, layout))[1]
-    beyond = layout.z > scene.nut.position
+    beyond = beyond_step(scene, layout.z)
     halves = [beyond, ~beyond] if scene.errors.lead_offset else [np.ones_like(beyond)]
     closure = np.array([of_balls[half].mean(axis=0) for half in halves])
     counts = np.array([half.sum() for half in halves])

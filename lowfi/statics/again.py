@@ -8,17 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from lowfi.compliance.bodies import REFINED, Backend
-from lowfi.compliance.imported import Condensed
-from lowfi.statics import elastic, static
-from lowfi.statics.elastic_system import Elastic, Rebuild, one_thread
-from lowfi.statics.problem import Problem, distances
-from lowfi.statics.selection import choose_sides
-from lowfi.statics.static import ACCEPTED, Engine, Unheld, contact_angles, pick_engine, round_off_bound, verdict
-from meshes.arrays import Array, Mask
-from meshes.errors import Specimen
-from meshes.helix import BallLayout
-from meshes.parts import Scene
+from rollbench.lowfi.compliance.bodies import REFINED, Backend
+from rollbench.lowfi.compliance.imported import Condensed
+from rollbench.lowfi.statics import elastic, static
+from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild, one_thread
+from rollbench.lowfi.statics.problem import Problem, distances
+from rollbench.lowfi.statics.selection import all_sides, choose_sides
+from rollbench.lowfi.statics.static import ACCEPTED, Engine, Unheld, contact_angles, pick_engine, round_off_bound, verdict
+from rollbench.meshes.arrays import Array, Mask
+from rollbench.meshes.errors import Specimen
+from rollbench.meshes.helix import BallLayout
+from rollbench.meshes.parts import Scene
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ def elastic_loads(
     scene: Scene, drawn: Specimen, layout: BallLayout, engine: Engine = "auto", backend: Backend = REFINED
 ) -> ContactLoads:
     """The same with elastic bodies, ``solve_elastic``."""
-    use = np.ones(4, dtype=bool) if drawn.profile.shape[1] else choose_sides(scene, drawn)
+    use = all_sides(scene) if drawn.profile.shape[1] else choose_sides(scene, drawn)
     with one_thread():
         system, status = solved_system(scene, drawn, layout, backend, None, engine, use)
         if isinstance(system, Problem):

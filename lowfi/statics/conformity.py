@@ -32,12 +32,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from lowfi.hertz import HertzConstants
-from meshes.arrays import Array
-from meshes.errors import Specimen
-from meshes.helix import groove_radii
-from meshes.parts import Scene
-from meshes.surface import groove_profile
+from rollbench.lowfi.hertz import HertzConstants
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import Specimen
+from rollbench.meshes.helix import groove_radii
+from rollbench.meshes.parts import Scene
+from rollbench.meshes.surface import groove_profile
 
 
 def curvature_changes(scene: Scene, drawn: Specimen, ball_radius: Array) -> Array:

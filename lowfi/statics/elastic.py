@@ -12,21 +12,22 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lowfi import jit
-from lowfi.compliance.bodies import REFINED, Backend, idealised
-from lowfi.compliance.imported import Condensed
-from lowfi.statics.elastic_system import Elastic, Rebuild, one_thread
-from lowfi.statics.mechanism import Mechanism, free_motions
-from lowfi.statics.problem import actual_hertz
-from lowfi.statics.records import Outcome
-from lowfi.statics.result import SolverReport, StaticResult
-from lowfi.statics.selection import all_clear, choose_sides, describe_left_out
-from lowfi.statics.shaft import flank_loads, node_motions
-from lowfi.statics.solved import SolvedState
-from lowfi.statics.static import (
+from rollbench.lowfi import jit
+from rollbench.lowfi.compliance.bodies import REFINED, Backend, idealised
+from rollbench.lowfi.compliance.imported import Condensed
+from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild, one_thread
+from rollbench.lowfi.statics.mechanism import Mechanism, free_motions
+from rollbench.lowfi.statics.problem import actual_hertz
+from rollbench.lowfi.statics.records import Outcome
+from rollbench.lowfi.statics.result import SolverReport, StaticResult
+from rollbench.lowfi.statics.selection import all_clear, all_sides, choose_sides, describe_left_out
+from rollbench.lowfi.statics.shaft import flank_loads, node_motions
+from rollbench.lowfi.statics.solved import SolvedState
+from rollbench.lowfi.statics.static import (
     ACCEPTED,
     NO_LOADS,
     PIN_SHOWN,
+    ROUND_OFF,
     Engine,
     Unheld,
     contact_angles,
@@ -36,11 +37,12 @@ from lowfi.statics.static import (
     verdict,
     with_other_pin,
 )
-from lowfi.statics.summary import ELASTIC_ASSUMPTIONS, assemble_result, failed_result
-from meshes.arrays import Array
-from meshes.errors import Specimen, specimen
-from meshes.helix import BallLayout, ball_layout
-from meshes.parts import Scene
+from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS, assemble_result, failed_result
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import Specimen, specimen
+from rollbench.meshes.helix import BallLayout, ball_layout
+from rollbench.meshes.loads import mean_load
+from rollbench.meshes.parts import Scene
 
 #: A flank that was left out counts as touching when it comes this near [m].
 MARGIN = 0.2e-6
@@ -118,7 +120,7 @@ def round_off(elastic: Elastic, scale: float) -> float:
     stiff = float((1.5 * np.cbrt(elastic.state.contact[..., 0]) / problem.C.min()).max(initial=0.0))
     lengths = float(np.abs(flank_shifts(elastic)).max()) + float(np.abs(elastic.flanks.v0).max(initial=0.0))
     lengths += problem.scene.balls.radius if problem.drawn.profile.shape[1] else 0.0
-    return float(8.0 * np.finfo(float).eps * lengths * stiff / scale)
+    return float(ROUND_OFF * lengths * stiff / scale)
 
 
 def untouched(elastic: Elastic) -> bool:
@@ -209,10 +211,10 @@ def solve_sides(rebuild: Rebuild) -> Solution | Unheld:
         outcome = solve_with_hertz(elastic)
         if drawn.profile.shape[1] and scene.ingredients.arm != "nominal":
             elastic, outcome = follow_profile(elastic, outcome, held)
-        if np.all(rebuild.use) or (outcome.status == 0 and untouched(elastic)):
+        if np.array_equal(rebuild.use, all_sides(scene)) or (outcome.status == 0 and untouched(elastic)):
             return Solution(elastic, outcome, held, mechanism, notes, prepared_at)
         notes = ("two of the four sides may touch in the solution without them: solved again with all four",)
-        rebuild = replace(rebuild, use=np.ones(4, dtype=bool))
+        rebuild = replace(rebuild, use=all_sides(scene))
 
 
 def solve_elastic(
@@ -255,7 +257,7 @@ def _solve(
     drawn = drawn if drawn is not None else specimen(scene, layout, member)
     kernels = pick_engine(engine, layout.z.size, drawn.profile.shape[1] > 0)
     every = everything or drawn.profile.shape[1] > 0
-    use = np.ones(4, dtype=bool) if every else choose_sides(scene, drawn)
+    use = all_sides(scene) if every else choose_sides(scene, drawn)
     solved = solve_sides(Rebuild(scene, drawn, layout, use, None, backend, condensed, kernels, everything, refine))
     if isinstance(solved, Unheld):
         return failed_result(solved.problem, name, solved.status, perf_counter() - start)
@@ -332,6 +334,5 @@ def with_discretisation(scene: Scene, result: StaticResult, **options: Any) -> S
     else:
         nodal = replace(scene, ingredients=replace(scene.ingredients, partition="nodal"))
         other = solve_elastic(nodal, **options)
-    loaded = other.load[other.load > 0.0]
-    measured = float(np.abs(result.load - other.load).max()), float(loaded.mean()) if loaded.size else 0.0
+    measured = float(np.abs(result.load - other.load).max()), mean_load(other.load)
     return replace(result, solver=replace(result.solver, discretisation=measured))

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import ThreadpoolController
 
-from lowfi.compliance.bodies import (
+from rollbench.lowfi.compliance.bodies import (
     Backend,
     BallCompliance,
     ball_compliance,
@@ -20,18 +20,18 @@ from lowfi.compliance.bodies import (
     geometry_only,
     grooved_section,
 )
-from lowfi.compliance.imported import PARTS, Condensed
-from lowfi.compliance.modes import soft_modes
-from lowfi.statics.conformity import oblique_term
-from lowfi.statics.problem import Problem, build, nominal_hertz
-from lowfi.statics.records import NO_ROLLERS, BallContacts, Bodies, BodyOptions, BodyState
-from lowfi.statics.shaft import Shaft, flank_response, shaft_of
-from lowfi.statics.squeeze import Squeeze, squeezed, stretch_of
-from lowfi.statics.static import MAX_ITERATIONS, TOLERANCE, force_floor, reference_scale
-from meshes.arrays import Array
-from meshes.errors import Specimen
-from meshes.helix import BallLayout
-from meshes.parts import Scene
+from rollbench.lowfi.compliance.imported import PARTS, Condensed
+from rollbench.lowfi.compliance.modes import soft_modes
+from rollbench.lowfi.statics.conformity import oblique_term
+from rollbench.lowfi.statics.problem import Problem, build, nominal_hertz
+from rollbench.lowfi.statics.records import NO_ROLLERS, BallContacts, Bodies, BodyOptions, BodyState
+from rollbench.lowfi.statics.shaft import Shaft, flank_response, shaft_of
+from rollbench.lowfi.statics.squeeze import Squeeze, squeezed, stretch_of
+from rollbench.lowfi.statics.static import MAX_ITERATIONS, TOLERANCE, force_floor, least_force, reference_scale
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import Specimen
+from rollbench.meshes.helix import BallLayout
+from rollbench.meshes.parts import Scene
 
 #: Largest number of balls: compliance between all contacts is formed whole, so memory and set-up grow as its square.
 LARGEST = 250
@@ -244,7 +244,7 @@ def ready(
     if pair is not None:  # one diagonal alone: nothing to couple with
         local[..., 0] += 2.0 * ball.g**2
         rows = pair_data(problem, pair, local[..., 0], flanks.h)
-    force, stiffness = reference_scale(problem)
+    stiffness = reference_scale(problem)[1]
     modes = [np.zeros((0, 0))] * 2
     if N >= MODES_FROM:
         modes = [soft_modes(G, contact_compliance(problem, typical_force(problem))) for G in (flanks.first, flanks.second)]
@@ -259,7 +259,7 @@ def ready(
         tolerance=TOLERANCE,
         most=MAX_ITERATIONS,
         stiffness=float(stiffness),
-        tiny=1e-14 * force,
+        tiny=least_force(problem),
         bound=1e3,
         floor=force_floor(problem),
         furthest=furthest,

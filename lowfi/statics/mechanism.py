@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import qr
 
-from lowfi.statics.problem import Problem, wrench_rows
-from lowfi.statics.shape import rigid_transport
-from meshes.arrays import Array
-from meshes.parts import FREEDOMS
+from rollbench.lowfi.statics.problem import Problem, wrench_rows
+from rollbench.lowfi.statics.shape import principal, rigid_transport
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import FREEDOMS
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ def _free_rigid(problem: Problem) -> tuple[Array, Array, Array]:
         rows = transport[problem.fixed] * scale
         z_free = np.eye(6)
         if rows.size:
-            _, sv, vt = np.linalg.svd(rows)
+            sv, vt = principal(rows)
             rank = int(np.sum(sv > 1e-9 * sv[0]))
             z_free = vt[rank:].T
         motions = scale[:, None] * z_free
@@ -64,7 +64,7 @@ def free_motions(problem: Problem) -> Mechanism:
     motions, flanks, work = _free_rigid(problem)
     if motions.shape[1] == 0:
         return Mechanism(False, "", (), no_torsion)
-    _, sv, vt = np.linalg.svd(flanks) if flanks.size else (None, np.zeros(0), np.eye(motions.shape[1]))
+    sv, vt = principal(flanks) if flanks.size else (np.zeros(0), np.eye(motions.shape[1]))
     rank = int(np.sum(sv > 1e-9 * max(1.0, sv.max(initial=0.0))))
     null = vt[rank:]
     if null.shape[0] == 0:

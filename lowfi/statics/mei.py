@@ -14,14 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
 
-from lowfi.statics.problem import SIGNS, distances, error_free, hertz_C
-from lowfi.statics.result import Equilibrium, SolverReport, StaticResult
-from meshes.arrays import Array
-from meshes.errors import specimen
-from meshes.helix import BallLayout, ball_layout, lead_angle
-from meshes.partition import merge
-from meshes.parts import Scene
-from meshes.section import screw_section, tube_section
+from rollbench.lowfi.statics.problem import SIGNS, distances, error_free, hertz_C
+from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import BallLayout, ball_layout, lead_angle
+from rollbench.meshes.partition import merge
+from rollbench.meshes.parts import Scene
+from rollbench.meshes.section import screw_section, tube_section
 
 #: Statements that hold for every run of this model.
 #: Newton steps after which the axial model is given up.

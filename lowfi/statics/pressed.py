@@ -10,11 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.statics.problem import lever_arms
-from lowfi.statics.records import FlankCommon, FlankMembers, PairCommon, PairMembers, PairStates
-from lowfi.statics.static import Prepared
-from meshes.arrays import Array
-from meshes.errors import Specimens
+from rollbench.lowfi.statics.problem import lever_arms
+from rollbench.lowfi.statics.records import FlankCommon, FlankMembers, PairCommon, PairMembers, PairStates
+from rollbench.lowfi.statics.static import Prepared
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import Specimens
 
 #: Most balls: above, the product with a matrix of that size costs more than the beam's own equations.
 LARGEST = 128

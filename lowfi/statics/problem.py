@@ -9,18 +9,18 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebinterpolate, chebval
 from numpy.typing import NDArray
 
-from lowfi.compliance.bodies import geometry_only
-from lowfi.hertz import HertzConstants, PrintedHertz, contact_modulus, hertz_constants, printed_hertz
-from lowfi.statics.conformity import curvature_changes
-from lowfi.statics.shape import motion_matrices, rigid_transport
-from lowfi.statics.supports import contradiction, rigid_rows
-from meshes.arrays import Array
-from meshes.errors import Specimen, Specimens, specimen
-from meshes.helix import BallLayout, ball_layout, groove_radii, nominal_contact_points, nominal_groove_centres
-from meshes.partition import MERGE, beam_nodes, contact_stations
-from meshes.parts import FREEDOMS, SIDE_SIGNS, SIDES, Errors, Material, Scene
-from meshes.section import BeamSection, screw_section
-from meshes.surface import ALL, principal_curvatures, printed_radii
+from rollbench.lowfi.compliance.bodies import geometry_only
+from rollbench.lowfi.hertz import HertzConstants, PrintedHertz, contact_modulus, hertz_constants, printed_hertz
+from rollbench.lowfi.statics.conformity import curvature_changes
+from rollbench.lowfi.statics.shape import motion_matrices, principal, rigid_transport
+from rollbench.lowfi.statics.supports import contradiction, rigid_rows
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import Specimen, Specimens, specimen
+from rollbench.meshes.helix import BallLayout, ball_layout, groove_radii, nominal_contact_points, nominal_groove_centres
+from rollbench.meshes.partition import MERGE, beam_nodes, contact_stations
+from rollbench.meshes.parts import FREEDOMS, SIDE_SIGNS, SIDES, Errors, Material, Scene
+from rollbench.meshes.section import BeamSection, screw_section
+from rollbench.meshes.surface import ALL, principal_curvatures, printed_radii
 
 #: Number of radii at which `hertz_C` takes exact values for many specimens, and share of a coefficient that is round-off.
 NODES, ROUND_OFF = 12, 1e-15
@@ -258,6 +258,12 @@ def distances(scene: Scene, drawn: Specimen | Specimens) -> tuple[Array, Array]:
     return offset, closure
 
 
+def tightest(problem: Problem) -> float:
+    """Interference [m] of the tightest ball of a problem; none where it is round-off of the lengths that make it."""
+    closed = float(problem.closure.max(initial=0.0))
+    return closed if closed > 16.0 * np.finfo(float).eps * problem.scene.balls.radius else 0.0
+
+
 def _length(x: Array, z: Array) -> Array:
     """By operations that round in one way everywhere; numpy's hypot rounds by where an array lies in memory."""
     return np.asarray(np.sqrt(x * x + z * z))
@@ -406,7 +412,7 @@ def _rigid(
     basis = np.eye(6)
     lift = np.zeros(6)
     if values.size:
-        _, sv, vt = np.linalg.svd(a)
+        sv, vt = principal(a)
         held = int(np.sum(sv > 1e-9 * sv[0]))
         basis = np.concatenate([vt[held:], vt[:held]]).T
         lift[:] = np.linalg.lstsq(a, values, rcond=None)[0]

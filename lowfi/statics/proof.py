@@ -10,11 +10,11 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import linprog
 
-from lowfi.statics.problem import SIGNS, Problem
-from lowfi.statics.shape import rigid_transport
-from meshes.arrays import Array
-from meshes.helix import nominal_contact_points
-from meshes.parts import FREEDOMS
+from rollbench.lowfi.statics.problem import SIGNS, Problem
+from rollbench.lowfi.statics.shape import rigid_transport
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.helix import nominal_contact_points
+from rollbench.meshes.parts import FREEDOMS
 
 #: Work of the load along the opening motion, of size one, over that of the whole load, from which on it is a proof.
 PROVEN = 1e-7

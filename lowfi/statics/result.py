@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
-from meshes.arrays import Array
+from rollbench.lowfi.warned import Warned
+from rollbench.meshes.arrays import Array
 
 
 @dataclass(frozen=True)
@@ -88,10 +90,25 @@ class StaticResult:
     solver: SolverReport
     assumed: tuple[str, ...]
     left_out: tuple[str, ...]
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[Warned, ...] = ()
     member: int = 0
 
     @property
     def converged(self) -> bool:
         """Whether the loads may be used."""
         return self.status == "converged"
+
+    def answers(self) -> StaticResult:
+        """Itself where it converged, else `without_answers`."""
+        return self if self.converged else self.without_answers()
+
+    def without_answers(self) -> StaticResult:
+        """The result without loads, motions and balance, which are no answers where it did not converge: nan, or None."""
+        names = ("load", "contact_angle", "contact_point", "force_direction", "centre_shift", "centreline")
+        each: dict[str, Any] = {name: unknown(getattr(self, name)) for name in names}
+        return replace(self, **each, equilibrium=None)
+
+
+def unknown(values: Array) -> Array:
+    """Values in the shape of others that say nothing."""
+    return np.full(values.shape, np.nan)

@@ -8,14 +8,20 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.statics.mechanism import Mechanism
-from lowfi.statics.problem import Problem, distances
-from lowfi.statics.shape import motions_at
-from meshes.arrays import Array, Mask
-from meshes.errors import Specimen
-from meshes.helix import BallLayout
-from meshes.partition import MERGE, contact_stations
-from meshes.parts import FREEDOMS, SIDES, Scene
+from rollbench.lowfi.statics.mechanism import Mechanism
+from rollbench.lowfi.statics.problem import Problem, distances
+from rollbench.lowfi.statics.shape import motions_at
+from rollbench.meshes.arrays import Array, Mask
+from rollbench.meshes.errors import Specimen
+from rollbench.meshes.helix import BallLayout
+from rollbench.meshes.one_arc import is_one_arc
+from rollbench.meshes.partition import MERGE, contact_stations
+from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
+
+
+def all_sides(scene: Scene) -> Mask:
+    """Sides (4,) that a scene has: all, or the one arc of both grooves, which SL and NR stand for."""
+    return np.array([True, False, False, True]) if is_one_arc(scene) else np.ones(4, dtype=bool)
 
 
 def choose_sides(scene: Scene, drawn: Specimen, known: tuple[Array, Array] | None = None) -> Mask:
@@ -25,12 +31,13 @@ def choose_sides(scene: Scene, drawn: Specimen, known: tuple[Array, Array] | Non
     The energy is convex, so a pair that carries nothing at the solution of the smaller problem changes nothing. known: the
     specimen's ``distances``, where they have been computed.
     """
-    use = np.ones(4, dtype=bool)
+    use = all_sides(scene)
     force = sum(load.force[2] for load in scene.loads)
     lateral = sum(hypot(*load.force[:2]) for load in scene.loads)
     moment = sum(hypot(*load.moment[:2]) for load in scene.loads)
     bent = any(value != 0.0 for s in scene.supports for name, value in s.fixed if name != "uz")
-    if force == 0.0 or bent or lateral > 0.5 * abs(force) or moment > 0.5 * abs(force) * scene.track.pitch_radius:
+    across = lateral > 0.5 * abs(force) or moment > 0.5 * abs(force) * scene.track.pitch_radius
+    if not np.all(use) or force == 0.0 or bent or across:
         return use
     idle = (1, 2) if force > 0.0 else (0, 3)
     _, closure = known or distances(scene, drawn)
@@ -121,7 +128,7 @@ def touched_sides(engine: ModuleType, problem: Problem, motion: Array, centres: 
 
     engine: kernels; motion ``(n, 6)`` of the nodes, centres ``(N, 2)`` of the balls [m], force ``(N, 4)`` [N].
     """
-    if np.all(problem.use):
+    if np.array_equal(problem.use, all_sides(problem.scene)):
         return np.asarray((force > 0.0).any(axis=0))
     moved = flank_motions(problem, motion)
     if not problem.drawn.profile.shape[1]:
@@ -153,7 +160,9 @@ def describe_left_out(problem: Problem, mechanism: Mechanism, *, everything: boo
     """Sentences: what was left out of the system and why."""
     notes: list[str] = []
     idle = [name for name, used in zip(SIDES, problem.use, strict=True) if not used]
-    if idle:
+    if idle and is_one_arc(problem.scene):
+        notes.append(f"sides {' and '.join(idle)}: the grooves are one arc each, which the other two stand for")
+    elif idle:
         notes.append(
             f"sides {' and '.join(idle)}: no ball is tight between them and the axial load opens them; "
             "every ball was tested against all four flanks at the solution and none touches"

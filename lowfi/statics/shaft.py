@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_solve_banded, cholesky_banded, qr
 
-from lowfi.statics.kernel.beam import add_element
-from lowfi.statics.problem import Problem
-from lowfi.statics.shape import rigid_transport
-from meshes.arrays import Array
+from rollbench.lowfi.statics.kernel.beam import add_element
+from rollbench.lowfi.statics.problem import Problem
+from rollbench.lowfi.statics.shape import principal, rigid_transport
+from rollbench.meshes.arrays import Array
 
 #: Right-hand sides solved at a time.
 CHUNK = 512
@@ -60,7 +60,7 @@ def unheld(problem: Problem) -> Array:
     rows = rigid_transport(z - origin)[problem.fixed] * scale
     if rows.size == 0:
         return np.diag(scale)
-    _, sv, vt = np.linalg.svd(rows)
+    sv, vt = principal(rows)
     rank = int((sv > 1e-9 * sv[0]).sum())
     return np.asarray(scale[:, None] * vt[rank:].T)
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.arrays import Array
-from meshes.section import BeamSection
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.section import BeamSection
 
 
 def shear_ratio(length: float | Array, section: BeamSection) -> float | Array:
@@ -86,3 +86,10 @@ def shape_polynomials(xi: Array, length: Array, section: BeamSection, order: int
         n[:, axis, axis] = at(1.0, -1.0)
         n[:, axis, axis + 6] = at(0.0, 1.0)
     return n
+
+
+def principal(rows: Array) -> tuple[Array, Array]:
+    """Singular values and all right singular vectors ``(k, k)`` of ``(m, k)`` rows, of which there may be many: a QR leaves
+    no more of them than there are columns, and nothing grows as their square."""
+    _, size, vt = np.linalg.svd(np.linalg.qr(rows, mode="r"))
+    return np.asarray(size), np.asarray(vt)

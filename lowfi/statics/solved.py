@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from lowfi.statics.problem import Problem
-from meshes.arrays import Array
+from rollbench.lowfi.statics.problem import Problem
+from rollbench.meshes.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -27,16 +27,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.compliance.bodies import Backend
-from lowfi.compliance.ends import end_response
-from lowfi.statics.kernel.beam import element_constants, force_of
-from lowfi.statics.problem import Problem
-from lowfi.statics.shaft import Shaft, free_state, rows_of
-from lowfi.statics.shape import rigid_transport
-from meshes.arrays import Array
-from meshes.helix import BallLayout
-from meshes.partition import MERGE, contact_stations
-from meshes.parts import Scene
+from rollbench.lowfi.compliance.bodies import Backend
+from rollbench.lowfi.compliance.ends import end_response
+from rollbench.lowfi.statics.kernel.beam import element_constants, force_of
+from rollbench.lowfi.statics.problem import Problem
+from rollbench.lowfi.statics.shaft import Shaft, free_state, rows_of
+from rollbench.lowfi.statics.shape import rigid_transport
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.helix import BallLayout
+from rollbench.meshes.partition import MERGE, contact_stations
+from rollbench.meshes.parts import Scene
 
 Ints = NDArray[np.int64]
 

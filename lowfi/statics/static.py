@@ -10,25 +10,35 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi import jit
-from lowfi.statics.mechanism import Mechanism, free_motions
-from lowfi.statics.problem import SIGNS, Problem, actual_hertz, build, distances
-from lowfi.statics.proof import opening_motion, words_of
-from lowfi.statics.records import BeamArrays, BeamContacts, BeamOptions, BeamSlopes, BeamState, Outcome
-from lowfi.statics.result import SolverReport, StaticResult
-from lowfi.statics.selection import choose_sides, describe_left_out, flank_motions, shifts_of_beam, touched_sides
-from lowfi.statics.solved import SolvedState
-from lowfi.statics.summary import assemble_result, failed_result, model_assumptions
-from meshes.arrays import Array, Mask
-from meshes.errors import Specimen, specimen
-from meshes.helix import BallLayout, ball_layout
-from meshes.parts import FREEDOMS, Scene
+from rollbench.lowfi import jit
+from rollbench.lowfi.statics.mechanism import Mechanism, free_motions
+from rollbench.lowfi.statics.problem import SIGNS, Problem, actual_hertz, build, distances, tightest
+from rollbench.lowfi.statics.proof import opening_motion, words_of
+from rollbench.lowfi.statics.records import BeamArrays, BeamContacts, BeamOptions, BeamSlopes, BeamState, Outcome
+from rollbench.lowfi.statics.result import SolverReport, StaticResult
+from rollbench.lowfi.statics.selection import (
+    all_sides,
+    choose_sides,
+    describe_left_out,
+    flank_motions,
+    shifts_of_beam,
+    touched_sides,
+)
+from rollbench.lowfi.statics.solved import SolvedState
+from rollbench.lowfi.statics.summary import assemble_result, failed_result, model_assumptions
+from rollbench.meshes.arrays import Array, Mask
+from rollbench.meshes.errors import Specimen, specimen
+from rollbench.meshes.helix import BallLayout, ball_layout
+from rollbench.meshes.loads import mean_load
+from rollbench.meshes.parts import FREEDOMS, Scene
 
 Engine = Literal["auto", "interpreted", "compiled"]
 
 #: Relative residual that the solver drives for, and the one at which it counts as converged.
 TOLERANCE, ACCEPTED = 1e-14, 1e-10
 MAX_ITERATIONS = 3000
+#: Relative round-off of a force by that of the motions in its contacts: some operations of each.
+ROUND_OFF = 8.0 * float(np.finfo(float).eps)
 #: Kernel statuses whose state is none that the screw takes: it moved without limit, or no step could be found.
 NO_LOADS = (2, 3)
 #: Above this many balls the compiled engine pays even for a single solve.
@@ -85,10 +95,16 @@ def reference_scale(problem: Problem) -> tuple[float, float]:
     return force, float(np.cbrt(force) / pair)
 
 
+def least_force(problem: Problem) -> float:
+    """Force [N] of a contact that counts as none: round-off of a typical one. Where only motions are given, which may meet
+    no resistance in the end, the typical one says little, and forces on their way to nothing must get there."""
+    return (1e-14 if force_floor(problem) > 0.0 else 1e-10) * reference_scale(problem)[0]
+
+
 def _squeeze(problem: Problem) -> tuple[float, float]:
     """Mean C_a + C_b [m/N^(2/3)] of the balls' pairs, and force [N] by which the tightest one is pressed without load."""
     pair = float((problem.C[:, 0] + problem.C[:, 3]).sum()) / problem.C.shape[0] if problem.C.size else float("nan")
-    return pair, (max(0.0, float(problem.closure.max(initial=0.0))) / pair) ** 1.5
+    return pair, (tightest(problem) / pair) ** 1.5
 
 
 def force_floor(problem: Problem) -> float:
@@ -104,7 +120,7 @@ def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANC
     s = problem.section
     sections = np.empty((lengths.size, 4))
     sections[:] = s.EA, s.EI, s.GJ, s.kGA
-    force, stiffness = reference_scale(problem)
+    stiffness = reference_scale(problem)[1]
     count, half_band = problem.C.shape[0], problem.half_bandwidth
     q, d = np.zeros((nodes.size, 6)), np.zeros((lengths.size, 6))
     if problem.prescribed.any():
@@ -120,7 +136,7 @@ def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANC
         problem.closure,
         problem.drawn.ball_radius,
         problem.drawn.profile,
-        1e-14 * force,
+        least_force(problem),
     )
     state = BeamState(q, d, np.zeros((count, 2)), np.zeros((count, 4, 5)))
     options = BeamOptions(
@@ -159,7 +175,7 @@ def iterate(prepared: Prepared, *, start: bool = True) -> Outcome:
 def round_off_bound(prepared: Prepared, scale: float) -> float:
     """Relative residual that double precision cannot get below, from the rounding of motions in stiff contacts.
 
-    eps x (largest motion of a flank) x (largest contact stiffness of a node's flanks, summed) / (largest force), times 4;
+    eps x (largest motion of a flank) x (largest contact stiffness of a node's flanks, summed) / (largest force), times 8;
     uneven flanks are met in lengths of the ball's radius.
     """
     q, force = prepared.state.q, prepared.force
@@ -170,7 +186,7 @@ def round_off_bound(prepared: Prepared, scale: float) -> float:
     if scale == 0.0:
         return 0.0
     lengths = motion + (problem.scene.balls.radius if problem.drawn.profile.shape[1] else 0.0)
-    return 4.0 * float(np.finfo(float).eps) * lengths * most / scale
+    return ROUND_OFF * lengths * most / scale
 
 
 class Solution(NamedTuple):
@@ -222,10 +238,10 @@ def solve_sides(
         if drawn.profile.shape[1] and scene.ingredients.arm != "nominal":
             outcome = follow_profile(prepared, outcome, layout, everything=everything, refine=refine)
         touched = touched_sides(kernels, prepared.problem, prepared.state.q, prepared.state.p, prepared.force)
-        if (outcome.status == 0 and not np.any(touched & ~use)) or np.all(use):
+        if (outcome.status == 0 and not np.any(touched & ~use)) or np.array_equal(use, all_sides(scene)):
             return Solution(prepared, outcome, mechanism, use, notes, prepared_at)
         notes = (f"sides {', '.join(_names(~use))} touch in the solution without them: solved again with all four",)
-        use = np.ones(4, dtype=bool)
+        use = all_sides(scene)
 
 
 def solve_static(
@@ -250,7 +266,7 @@ def solve_static(
     drawn = drawn if drawn is not None else specimen(scene, layout, member)
     kernels = pick_engine(engine, layout.z.size, drawn.profile.shape[1] > 0)
     known = distances(scene, drawn)
-    use = np.ones(4, dtype=bool) if everything else choose_sides(scene, drawn, known)
+    use = all_sides(scene) if everything else choose_sides(scene, drawn, known)
     solved = solve_sides(scene, drawn, layout, kernels, use, everything=everything, refine=refine, known=known)
     if isinstance(solved, Unheld):
         return failed_result(solved.problem, "lin", solved.status, perf_counter() - start)
@@ -315,7 +331,7 @@ def with_other_pin(result: StaticResult, mechanism: Mechanism, load: Array | Non
     else:
         loaded = result.load[result.load > 0.0]
         change = float(np.abs(load - result.load).max())
-        mean = f", {100.0 * change / float(loaded.mean()):.2g} % of the mean" if loaded.size else ""
+        mean = f", {100.0 * change / mean_load(loaded):.2g} % of the mean" if loaded.size else ""
         words += f"loads change by up to {change:.2g} N{mean}"
     return replace(result, solver=replace(result.solver, notes=(*result.solver.notes, words)))
 
@@ -441,8 +457,7 @@ def with_discretisation(
     else:
         finer = replace(scene, ingredients=replace(scene.ingredients, partition="nodal"))
         other = solve_static(finer, engine=engine, member=member, drawn=drawn)
-    loaded = other.load[other.load > 0.0]
-    mean = float(loaded.mean()) if loaded.size else 0.0
+    mean = mean_load(other.load)
     change = float(np.abs(result.load - other.load).max())
     return replace(result, solver=replace(result.solver, discretisation=(change, mean)))
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from lowfi.statics.problem import SIGNS, Problem
-from lowfi.statics.result import Equilibrium, SolverReport, StaticResult
-from lowfi.statics.shape import motions_at, rigid_transport
-from lowfi.statics.solved import SolvedState
-from lowfi.statics.validity import profile_warning, warnings_of
-from meshes.arrays import Array
-from meshes.parts import Scene
+from rollbench.lowfi.statics.problem import SIGNS, Problem
+from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult
+from rollbench.lowfi.statics.shape import motions_at, rigid_transport
+from rollbench.lowfi.statics.solved import SolvedState
+from rollbench.lowfi.statics.validity import profile_warning, warnings_of
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import Scene
 
 #: Statements that hold for every run of the source's low-order model.
 MODEL_ASSUMPTIONS = (

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lowfi.statics.shape import rigid_transport
-from meshes.arrays import Array
-from meshes.parts import FREEDOMS, Scene
+from rollbench.lowfi.statics.shape import rigid_transport
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import FREEDOMS, Scene
 
 #: Part of a constraint that must be new, relative to its size, for it to count as independent of those before it.
 INDEPENDENT = 1e-9

@@ -17,18 +17,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from lowfi.compliance.bodies import REFINED, Backend
-from lowfi.compliance.imported import Condensed
-from lowfi.statics.again import solved_system
-from lowfi.statics.elastic_system import Elastic, Rebuild, one_thread
-from lowfi.statics.kernel.elastic_balls import ball_rows
-from lowfi.statics.problem import Problem
-from lowfi.statics.shaft import rows_of
-from lowfi.statics.shape import rigid_transport
-from meshes.arrays import Array
-from meshes.errors import specimen
-from meshes.helix import ball_layout
-from meshes.parts import FREEDOMS, Scene, Support
+from rollbench.lowfi.compliance.bodies import REFINED, Backend
+from rollbench.lowfi.compliance.imported import Condensed
+from rollbench.lowfi.statics.again import solved_system
+from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild, one_thread
+from rollbench.lowfi.statics.kernel.elastic_balls import ball_rows
+from rollbench.lowfi.statics.problem import Problem
+from rollbench.lowfi.statics.selection import all_sides
+from rollbench.lowfi.statics.shaft import rows_of
+from rollbench.lowfi.statics.shape import rigid_transport
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import FREEDOMS, Scene, Support
 
 
 @dataclass(frozen=True)
@@ -73,7 +74,7 @@ def tangent_stiffness(
     layout = ball_layout(scene)
     drawn = specimen(scene, layout, member)
     with one_thread():
-        system, status = solved_system(scene, drawn, layout, backend, condensed, "auto", np.ones(4, dtype=bool))
+        system, status = solved_system(scene, drawn, layout, backend, condensed, "auto", all_sides(scene))
         if isinstance(system, Problem) or status != "converged":
             return Tangent(station, np.full((6, 6), np.nan), status)
         clamp = Support(station, tuple((name, 0.0) for name in FREEDOMS))
@@ -91,7 +92,7 @@ def _condensed(solved: Elastic, clamped: Elastic, station: float) -> Array:
     ball = np.repeat(np.arange(N), counts)
     S = np.zeros((ball.size, N, 8))
     S[np.arange(ball.size), ball] = rows[which]
-    screw, nut = S[:, :, :4].reshape(ball.size, -1), S[:, :, 4:].reshape(ball.size, -1)
+    screw, nut = S[:, :, :4].reshape(ball.size, 4 * N), S[:, :, 4:].reshape(ball.size, 4 * N)
     bodies = clamped.bodies
     A = np.eye(ball.size) + screw @ bodies.first @ screw.T + nut @ bodies.second @ nut.T
     moved = screw @ flanks_by_clamp(clamped.problem, station)

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from lowfi.statics.problem import Problem, nominal_hertz
-from lowfi.statics.solved import SolvedState
-from meshes.arrays import Array
-from meshes.parts import Scene
-from meshes.section import groove_section, nut_groove_range
+from rollbench.lowfi.statics.problem import Problem, nominal_hertz
+from rollbench.lowfi.statics.solved import SolvedState
+from rollbench.lowfi.warned import Warned
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.one_arc import is_one_arc
+from rollbench.meshes.parts import Scene
+from rollbench.meshes.section import groove_section, nut_groove_range
 
 #: Tilt [rad] from which on a result warns of small rotations (directions off by as much), or from which share of the
 #: largest contact approach that they neglect.
@@ -27,7 +29,7 @@ PROFILE_SHARE = 0.5
 OVERLAP = 1e-9
 
 
-def warnings_of(solved: SolvedState, gamma: Array, z: Array, motion: Array) -> tuple[str, ...]:
+def warnings_of(solved: SolvedState, gamma: Array, z: Array, motion: Array) -> tuple[Warned, ...]:
     """All warnings of a solved state. gamma ``(N, 4)`` [rad]: contact angles; z ``(k,)`` [m] and motion ``(k, 6)`` [m, rad]
     of the centreline."""
     problem, force = solved.problem, solved.force
@@ -46,15 +48,19 @@ def warnings_of(solved: SolvedState, gamma: Array, z: Array, motion: Array) -> t
 
 
 def groove_range(scene: Scene) -> tuple[Array, Array]:
-    """Smallest and largest contact angle of each side's arc, ``(4,)`` [rad]: apex and land's edge."""
+    """Smallest and largest contact angle of each side's arc, ``(4,)`` [rad]: apex (of one arc: the other edge) and land's
+    edge."""
     screw, nut = groove_section(scene), nut_groove_range(scene)
+    if is_one_arc(scene):
+        return np.repeat([-screw.gamma_2, -nut[1]], 2), np.repeat([screw.gamma_2, nut[1]], 2)
     low, high = (screw.gamma_1, nut[0]), (screw.gamma_2, nut[1])
     return np.repeat(low, 2), np.repeat(high, 2)
 
 
-def _places(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[str]:
+def _places(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[Warned]:
     """Contacts beyond the arc or whose ellipse is, balls that move far."""
-    notes, loaded = [], force > 0.0
+    notes: list[str] = []
+    loaded = force > 0.0
     low, high = groove_range(problem.scene)
     radius = problem.scene.balls.radius
     off = loaded & ((gamma < low) | (gamma > high))
@@ -71,10 +77,10 @@ def _places(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[
         )
     if float(np.abs(shift).max(initial=0.0)) > 0.1 * radius:
         notes.append("a ball moves by more than a tenth of its radius: small-displacement theory is left")
-    return notes
+    return [Warned("place", note) for note in notes]
 
 
-def _counted_twice(problem: Problem, force: Array, gamma: Array) -> list[str]:
+def _counted_twice(problem: Problem, force: Array, gamma: Array) -> list[Warned]:
     """Balls whose contacts with both flanks of a groove lie within one ellipse, angles ``(N, 4)`` [rad] apart by their sum:
     the flanks' arcs are one circle there, and two springs stand for one contact."""
     half = nominal_hertz(problem.scene).C_a * np.cbrt(force) / problem.drawn.radius
@@ -88,40 +94,40 @@ def _counted_twice(problem: Problem, force: Array, gamma: Array) -> list[str]:
     ball, body = np.unravel_index(int(total.argmax()), total.shape)
     left, right = pairs[ball, body]
     where = f"ball {int(ball) + 1} of the {('screw', 'nut')[body]}"
-    return [
+    text = (
         f"{int(both.any(axis=1).sum())} ball(s) touch both flanks of a groove within one contact ellipse: there the arcs "
         f"are one groove, and the forces are those of one contact counted twice ({where}: {left:.4g} N and {right:.4g} N "
         f"for one of up to {left + right:.4g} N); its pressure is higher by up to "
         f"{100.0 * (worst - 1.0):.2g} %, its approach by up to {100.0 * (worst**2 - 1.0):.2g} %"
-    ]
+    )
+    return [Warned("two flanks", text)]
 
 
-#: How the warnings of `contact_warnings` begin.
-SIZE, PRESSURE = "contact ellipse too large", "contact pressure too high"
-
-
-def size_warnings(semi_axis: Array, radius: float) -> list[str]:
+def size_warnings(semi_axis: Array, radius: float) -> list[Warned]:
     """Contacts that are large against their ball; semi_axis: of the ellipses, any shape [m], radius: of the ball [m]."""
     most = float(semi_axis.max(initial=0.0)) / radius
     if most <= LARGE:
         return []
-    return [f"{SIZE}: a semi-axis is {most:.2g} of the ball's radius; Hertz's half space does not hold beyond {LARGE:g}"]
+    words = f"a semi-axis is {most:.2g} of the ball's radius; Hertz's half space does not hold beyond {LARGE:g}"
+    return [Warned("size", f"contact ellipse too large: {words}", f"contact ellipse of {most:.2g} of the ball's radius")]
 
 
-def contact_warnings(pressure: Array, semi_axis: Array, radius: float) -> list[str]:
+def contact_warnings(pressure: Array, semi_axis: Array, radius: float) -> list[Warned]:
     """Contacts that are too large for Hertz's half space or leave a dent; pressure [Pa], semi_axis [m]: ``(N, 4)``."""
     notes, beyond = size_warnings(semi_axis, radius), pressure > DENT_PRESSURE
     if beyond.any():
         ball = int(pressure.argmax()) // pressure.shape[1] + 1
-        notes.append(
-            f"{PRESSURE}: {int(beyond.sum())} contact(s) above {1e-9 * DENT_PRESSURE:g} GPa, up to "
-            f"{1e-9 * float(pressure.max()):.3g} GPa on ball {ball}; hardened steel keeps a dent of more than 1e-4 of the "
-            "ball's diameter there (ISO 76), and the loads are those of elastic bodies"
+        allowed, most = f"{1e-9 * DENT_PRESSURE:g} GPa", f"{1e-9 * float(pressure.max()):.3g} GPa"
+        text = (
+            f"contact pressure too high: {int(beyond.sum())} contact(s) above {allowed}, up to {most} on ball {ball}; "
+            "hardened steel keeps a dent of more than 1e-4 of the ball's diameter there (ISO 76), and the loads are those "
+            "of elastic bodies"
         )
+        notes.append(Warned("pressure", text, f"contact pressure {most}, above {allowed}"))
     return notes
 
 
-def _wedged(problem: Problem, shift: Array) -> list[str]:
+def _wedged(problem: Problem, shift: Array) -> list[Warned]:
     """Neighbouring balls that overlap at the solution, by their shifts in their sections."""
     layout, radius = problem.layout, problem.drawn.ball_radius
     if len(radius) < 2:
@@ -140,10 +146,11 @@ def _wedged(problem: Problem, shift: Array) -> list[str]:
     if overlap[worst] <= OVERLAP:
         return []
     i, j = sorted((int(a[worst]) + 1, int(b[worst]) + 1))
-    return [
+    text = (
         f"balls {i} and {j} overlap by {1e6 * overlap[worst]:.3g} um ({int((overlap > OVERLAP).sum())} pair(s) in all): "
         "they are wedged against one another, and contact between balls is left out"
-    ]
+    )
+    return [Warned("wedged", text)]
 
 
 def bent_profile(solved: SolvedState, gamma: Array) -> tuple[int, int, float] | None:
@@ -165,19 +172,20 @@ def bent_profile(solved: SolvedState, gamma: Array) -> tuple[int, int, float] | 
     return int(i), int(s), float(share[i, s])
 
 
-def profile_warning(solved: SolvedState, gamma: Array) -> list[str]:
+def profile_warning(solved: SolvedState, gamma: Array) -> list[Warned]:
     """Whether an uneven profile lets a ball touch a flank in more places than one."""
     found = bent_profile(solved, gamma)
     if found is None or found[2] <= PROFILE_SHARE:
         return []
-    return [
+    text = (
         f"the contact pattern is not unique: at ball {found[0] + 1} the groove's profile error shifts the flank's centre "
         f"of curvature by {100.0 * found[2]:.3g} % of its distance from the ball's, so that it may touch that flank in "
         "more than one place, of which the model has one"
-    ]
+    )
+    return [Warned("profile", text)]
 
 
-def tilt_warning(problem: Problem, force: Array, z: Array, motion: Array) -> list[str]:
+def tilt_warning(problem: Problem, force: Array, z: Array, motion: Array) -> list[Warned]:
     """Whether the screw tilts so far at the balls that what small rotations neglect shows in the contacts.
 
     A tilt t moves a groove by R t^2/2 beyond its linear motion, R the pitch radius; rotations about the axis are exact on
@@ -192,18 +200,21 @@ def tilt_warning(problem: Problem, force: Array, z: Array, motion: Array) -> lis
     beyond = 0.5 * problem.scene.track.pitch_radius * tilt**2
     if approach == 0.0 or (tilt <= SMALL_TILT and beyond <= SECOND_ORDER * approach):
         return []
-    return [
+    text = (
         f"the screw tilts by {1e3 * tilt:.2g} mrad at the balls: small rotations neglect {1e6 * beyond:.2g} um "
         f"of a groove's motion, {100.0 * beyond / approach:.2g} % of the largest contact approach"
-    ]
+    )
+    return [Warned("tilt", text)]
 
 
-def _rotation(z: Array, motion: Array) -> list[str]:
+def _rotation(z: Array, motion: Array) -> list[Warned]:
     size = np.abs(motion[:, 3:]).max(axis=1)
     if not size.size or not float(size.max()) > SMALL_ROTATION:
         return []
     at = int(size.argmax())
-    return [
-        f"a section of the screw turns by {1e3 * size[at]:.3g} mrad (at {1e3 * z[at]:.4g} mm): rotations beyond "
-        f"{1e3 * SMALL_ROTATION:g} mrad are not small, and the beam is linear"
-    ]
+    most, small = f"{1e3 * size[at]:.3g} mrad", f"{1e3 * SMALL_ROTATION:g} mrad"
+    text = (
+        f"a section of the screw turns by {most} (at {1e3 * z[at]:.4g} mm): rotations beyond {small} are not small, and "
+        "the beam is linear"
+    )
+    return [Warned("rotation", text, f"rotations of {most}, above {small}")]

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
-
-from compare.extremes.campaign import check, files, record, scenes
-from compare.extremes.campaign.draw import scene_text
-from compare.extremes.campaign.part import Part
-from compare.scenes import scene_file
-from lowfi.statics.static import solve_static
-from meshes.parts import Load, Support
 from tests.helpers import small_screw
+
+from rollbench.comparison.commands.arguments import app
+from rollbench.comparison.commands.stability import captured
+from rollbench.comparison.extremes.campaign import check, files, record, scenes
+from rollbench.comparison.extremes.campaign.draw import scene_text
+from rollbench.comparison.extremes.campaign.part import Part
+from rollbench.comparison.scenes import scene_file
+from rollbench.lowfi.statics.static import solve_static
+from rollbench.meshes.parts import Load, Support
 
 
 def test_random_extreme_scenes_are_right_or_refused_with_proof():
@@ -141,3 +144,26 @@ def test_scenes_do_not_depend_on_what_was_drawn_before():
     first = scene_text(3, 5)
     np.random.default_rng(0).random(10)
     assert scene_text(3, 5) == first != scene_text(3, 6) != scene_text(4, 6)
+
+
+def test_scenes_go_through_the_command_line_too():
+    """As text and as JSON, and what these say otherwise is a fault."""
+    command = partial(captured, partial(app, exit_on_error=False, print_error=False, result_action="return_value"))
+    found = scenes.judge_scenes(7, 12, "lin", command=command)
+    assert not [o for o in found if o.verdict in scenes.BAD]
+    assert {scenes.RIGHT, scenes.REFUSED} <= {o.verdict for o in found}
+    # its text said "residual nan" of what was refused before anything was solved for
+    assert scenes.judge(5, 209, "lin", command).verdict == scenes.PROVEN
+    right = next(o.number for o in found if o.verdict == scenes.RIGHT)
+
+    def changed(words):
+        def say(tokens):
+            code, text = command(tokens)
+            return code, text.replace(*words)
+
+        return scenes.judge(7, right, "lin", say)
+
+    other = (": converged", ": done"), (" N;", " nan;"), ('"converged"', '"held"'), ('"max_N": ', '"max_N": NaN, "x": ')
+    for words in other:
+        assert changed(words).verdict == scenes.MISSTATED, words
+    assert "exit codes 1" in scenes.judge(7, right, "lin", lambda tokens: (1, command(tokens)[1])).words

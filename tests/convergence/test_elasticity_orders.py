@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from skfem import Functional, condense
 from skfem.helpers import ddot, sym_grad
-
-from hifi.assembly import assemble
-from hifi.forms import elasticity, hooke
-from hifi.solvers import factor
-from meshes.fem import freedoms_on, mesh_of, points_of
 from tests.fe_meshes import boundary_faces, cube, force, space
+
+from rollbench.hifi.assembly import assemble
+from rollbench.hifi.forms import elasticity, hooke
+from rollbench.hifi.solvers import factor
+from rollbench.meshes.fem import freedoms_on, mesh_of, points_of
 
 E, NU = 2.5, 0.25  # lambda = mu = 1
 LEVELS = {"P1": (5, 8, 11), "P2": (3, 4, 6), "Q1": (5, 7, 10), "Q2": (3, 4, 6)}

@@ -4,11 +4,11 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-
-from lowfi.friction.screw.steps import change, step_error
-from lowfi.friction.whole.run import resolved, simulate
-from meshes.parts import Time
 from tests.friction_runs import crowded, setting, sparse
+
+from rollbench.lowfi.friction.screw.steps import change, step_error
+from rollbench.lowfi.friction.whole.run import resolved, simulate
+from rollbench.meshes.parts import Time
 
 
 def test_smooth_motion_is_of_second_order():

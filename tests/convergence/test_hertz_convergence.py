@@ -6,11 +6,11 @@ from functools import partial
 
 import numpy as np
 import pytest
-
-from hifi.block import JOBS, SIZE, carried_areas, surface_compliance
-from meshes.block import Influence, graded, hexahedra, tetrahedra
-from meshes.fem import nodes_on
 from tests.hertz_studies import GROUP, study
+
+from rollbench.hifi.block import JOBS, SIZE, carried_areas, surface_compliance
+from rollbench.meshes.block import Influence, graded, hexahedra, tetrahedra
+from rollbench.meshes.fem import nodes_on
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

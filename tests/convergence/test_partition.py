@@ -4,9 +4,9 @@ from functools import cache
 
 import numpy as np
 import pytest
-
-from compare.scenes import catalogue
 from tests.helpers import relative, solved, with_ingredients
+
+from rollbench.comparison.scenes import catalogue
 
 pytestmark = pytest.mark.xdist_group("partition")
 

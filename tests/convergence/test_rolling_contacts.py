@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from hifi.hertz import hertz
-from hifi.rolling.bodies import ball_kernel
-from hifi.rolling.elements import Solids
-from hifi.rolling.patch import Patch, grid, hertz_patch
-from hifi.rolling.verification import (
+from rollbench.hifi.hertz import hertz
+from rollbench.hifi.rolling.bodies import ball_kernel
+from rollbench.hifi.rolling.elements import Solids
+from rollbench.hifi.rolling.patch import Patch, grid, hertz_patch
+from rollbench.hifi.rolling.verification import (
     Creep,
     carter,
     deviations,
@@ -19,8 +19,8 @@ from hifi.rolling.verification import (
     slip_within_cells,
     steady,
 )
-from lowfi.friction.contact.ellipse import contacts, friction
-from meshes.contact_bodies import Zone
+from rollbench.lowfi.friction.contact.ellipse import contacts, friction
+from rollbench.meshes.contact_bodies import Zone
 
 #: A contact like those of the linear bearing: load [N], relative radii [m] along and across, modulus [Pa], ratio.
 GROOVE = (100.0, (5e-3, 46.667e-3), 210e9, 0.28)

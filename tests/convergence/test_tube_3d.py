@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 from skfem import ElementVector
-
-from hifi.assembly import assemble, faces
-from hifi.forms import elasticity
-from hifi.response import compliance
-from lowfi.compliance.tube import Points, Tube, contact_compliance, tube_compliance
-from meshes.fem import cells_of, freedoms_on, mesh_of, tensor_grid
-from meshes.parts import Material
 from tests.fe_meshes import force
 from tests.helpers import relative
+
+from rollbench.hifi.assembly import assemble, faces
+from rollbench.hifi.forms import elasticity
+from rollbench.hifi.response import compliance
+from rollbench.lowfi.compliance.tube import Points, Tube, contact_compliance, tube_compliance
+from rollbench.meshes.fem import cells_of, freedoms_on, mesh_of, tensor_grid
+from rollbench.meshes.parts import Material
 
 pytestmark = [pytest.mark.xdist_group("tube in 3D"), pytest.mark.slow]
 

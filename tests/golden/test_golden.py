@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from compare.scenes import catalogue
 from tests.helpers import solved
+
+from rollbench.comparison.scenes import catalogue
 
 FOLDER = Path(__file__).parent
 SCENES = ("lin-case1", "lin-case2", "lin-case3-offset", "lin-combined", "bearing-9-preload")

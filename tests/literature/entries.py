@@ -1,10 +1,11 @@
 """Shared by the literature tests: every printed entry of a table is a test of the evidence that the project computes."""
 
-from compare.evidence.audit import data_digest, judge, stored
-from compare.evidence.record import Evidence
-from compare.evidence.registry import evidence
-from compare.printed.printed_data import load_table
 from tests.evidence_study import STUDY
+
+from rollbench.comparison.evidence.audit import data_digest, judge, stored
+from rollbench.comparison.evidence.record import Evidence
+from rollbench.comparison.evidence.registry import evidence
+from rollbench.comparison.printed.printed_data import load_table
 
 
 def keys(*tables: str) -> list[str]:

@@ -5,18 +5,22 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from compare.evidence.external import bearings, case, screws
-from compare.evidence.left_out import left_out
-from compare.evidence.record import WITHIN
-from compare.evidence.registry import evidence
-from compare.gate.gate import band_row, external_rows
-from compare.printed.printed_data import tables
-from compare.scenes import catalogue
-from lowfi.bearings.angular_contact import BallBearing, BallRow, displacement, of_angle
-from lowfi.bearings.sets import equilibrium, lift_off_force, preloaded
 from tests.evidence_study import GROUP, STUDY
 from tests.literature.entries import check, keys
+
+from rollbench.comparison.commands.friction_whole import coefficients
+from rollbench.comparison.evidence.audit import audit
+from rollbench.comparison.evidence.external import bearings, case, screws
+from rollbench.comparison.evidence.left_out import left_out
+from rollbench.comparison.evidence.record import WITHIN
+from rollbench.comparison.evidence.registry import evidence
+from rollbench.comparison.gate.gate import band_row, external_rows
+from rollbench.comparison.printed.printed_data import tables
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.scenes.schema import FrictionKeys
+from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, displacement, of_angle
+from rollbench.lowfi.bearings.sets import equilibrium, lift_off_force, preloaded
+from rollbench.meshes.parts import Friction
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
@@ -109,3 +113,13 @@ def test_double_nut_of_contacts_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """2^(3/2)/3^(1/3): where the load that unloads one nut is 2^(3/2) times the preload."""
     monkeypatch.setattr(screws, "body_compliance", lambda scene: 0.0)  # noqa: ARG005 - rigid bodies
     assert screws.double_over_single(STUDY) == pytest.approx(2.0**1.5 / 3.0 ** (1 / 3), rel=1e-5)
+
+
+def test_friction_moves_balls_wherever_nothing_else_is_said():
+    """One default: of the record, of scene files, of the command, and so of the maker's worked example of drag torque."""
+    assert Friction(0.1, 0.1).coupling == Friction.coupling == FrictionKeys.model_fields["coupling"].default == "ball"
+    nut = catalogue.scene("external-thk-bnf-3205-5")
+    assert [f.coupling for f in coefficients(replace(nut, friction=None), (0.1,))] == ["ball"]
+    found = next(e for e in audit(STUDY, "external-thk") if e.name == "external-thk:drag")
+    assert found.found.value == pytest.approx(941.0, rel=2e-3)
+    assert "1.09 times the printed torque" in found.reason

@@ -11,13 +11,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.special import ellipe, ellipk
-
-from compare.sections import verification
-from hifi.block import JOBS, boussinesq
-from hifi.hertz import hertz
-from reports.figures import draw
-from reports.records import Figure, Table
 from tests.hertz_studies import GROUP, study
+
+from rollbench.comparison.sections import verification
+from rollbench.hifi.block import JOBS, boussinesq
+from rollbench.hifi.hertz import hertz
+from rollbench.reports.figures import draw
+from rollbench.reports.records import Figure, Table
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

@@ -1,7 +1,6 @@
 """Kalker (1990), Table E3: the linear creep coefficients to two per cent."""
 
 import pytest
-
 from tests.evidence_study import GROUP
 from tests.literature.entries import check, keys
 

@@ -1,11 +1,11 @@
 """Printed numbers and claims of Lin (2019), chapter 2, Table B.1 and 4.3.2: each entry is data, each is a test."""
 
 import pytest
-
-from compare.evidence.loads_2_4_1 import CASES, ratio
-from compare.sections import case3, cases
 from tests.evidence_study import GROUP, STUDY
 from tests.literature.entries import check, found, keys
+
+from rollbench.comparison.evidence.loads_2_4_1 import CASES, ratio
+from rollbench.comparison.sections import case3, cases
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

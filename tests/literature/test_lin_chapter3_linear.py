@@ -4,11 +4,11 @@ from math import radians
 
 import numpy as np
 import pytest
-
-from compare.evidence.rotary_linear import claim_maps, pair
-from compare.printed.printed_data import load_table
 from tests.evidence_study import GROUP
 from tests.literature.entries import check, keys
+
+from rollbench.comparison.evidence.rotary_linear import claim_maps, pair
+from rollbench.comparison.printed.printed_data import load_table
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from tests.evidence_study import GROUP
+from tests.literature.entries import check, found, keys
 
-from compare.evidence import source_cases
-from compare.evidence.rotary_linear import (
+from rollbench.comparison.evidence import source_cases
+from rollbench.comparison.evidence.rotary_linear import (
     AXIAL,
     CASES,
     PRINTED_LAW,
@@ -14,11 +16,9 @@ from compare.evidence.rotary_linear import (
     rotary_value,
     straight_groove,
 )
-from compare.printed.printed_data import Printed, load_table
-from lowfi.friction.bearing.rotary import SIDES, inner_torque, solve_ball_as_printed, source_law
-from lowfi.friction.contact.ellipse import cubic_factor, linear_error, linear_factor
-from tests.evidence_study import GROUP
-from tests.literature.entries import check, found, keys
+from rollbench.comparison.printed.printed_data import Printed, load_table
+from rollbench.lowfi.friction.bearing.rotary import SIDES, inner_torque, solve_ball_as_printed, source_law
+from rollbench.lowfi.friction.contact.ellipse import cubic_factor, linear_error, linear_factor
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

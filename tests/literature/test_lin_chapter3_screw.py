@@ -6,14 +6,22 @@ from functools import cache
 
 import numpy as np
 import pytest
-
-from compare.evidence.screw import AMPLITUDES, as_stepped, pair
-from compare.evidence.source_cases import PAIR_SCENES, deviation, inferred, inferred_oversize, lin_3_4_4, plain, table_3_6
-from compare.printed.printed_data import Printed, load_table
-from lowfi.friction.screw.pair import BOTH, SHIFTED, Pair, PairResult, implied_load, sliding_speed, solve_pair
-from lowfi.friction.screw.run import RunSummary, simulate, summarise
 from tests.evidence_study import GROUP
 from tests.literature.entries import check, keys
+
+from rollbench.comparison.evidence.screw import AMPLITUDES, as_stepped, pair
+from rollbench.comparison.evidence.source_cases import (
+    PAIR_SCENES,
+    deviation,
+    inferred,
+    inferred_oversize,
+    lin_3_4_4,
+    plain,
+    table_3_6,
+)
+from rollbench.comparison.printed.printed_data import Printed, load_table
+from rollbench.lowfi.friction.screw.pair import BOTH, SHIFTED, Pair, PairResult, implied_load, sliding_speed, solve_pair
+from rollbench.lowfi.friction.screw.run import RunSummary, simulate, summarise
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

@@ -4,14 +4,23 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from compare.evidence.lash_4_2_1 import PATTERNS, places
-from compare.evidence.smith.case import APPLIED
-from compare.evidence.smith.layouts import LAYOUTS, SUPPORTED, TAPERED, TRIPLEX, Layout, by_formulas, by_scene, in_series
-from compare.evidence.steering_4_2 import rack, ratios
-from compare.scenes import catalogue
 from tests.evidence_study import GROUP, STUDY
 from tests.literature.entries import check, keys
+
+from rollbench.comparison.evidence.lash_4_2_1 import PATTERNS, places
+from rollbench.comparison.evidence.smith.case import APPLIED
+from rollbench.comparison.evidence.smith.layouts import (
+    LAYOUTS,
+    SUPPORTED,
+    TAPERED,
+    TRIPLEX,
+    Layout,
+    by_formulas,
+    by_scene,
+    in_series,
+)
+from rollbench.comparison.evidence.steering_4_2 import rack, ratios
+from rollbench.comparison.scenes import catalogue
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

@@ -5,15 +5,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from compare.evidence.liu import case, drawn, single_error
-from compare.evidence.record import TAKEN, WITHIN, Evidence
-from compare.evidence.registry import evidence
-from compare.printed.printed_data import load_table, tables
-from lowfi.random_errors.chain import calibrated, end_ratio, solve_chain
-from lowfi.random_errors.ensemble import percentile, solve_ensemble
 from tests.evidence_study import GROUP, STUDY
 from tests.literature.entries import check, keys
+
+from rollbench.comparison.evidence.liu import case, drawn, single_error
+from rollbench.comparison.evidence.record import TAKEN, WITHIN, Evidence
+from rollbench.comparison.evidence.registry import evidence
+from rollbench.comparison.printed.printed_data import load_table, tables
+from rollbench.lowfi.random_errors.chain import calibrated, end_ratio, solve_chain
+from rollbench.lowfi.random_errors.ensemble import percentile, solve_ensemble
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

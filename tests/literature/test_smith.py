@@ -4,16 +4,16 @@ from collections import Counter
 
 import numpy as np
 import pytest
-
-from compare.evidence.entries import Entries
-from compare.evidence.record import TAKEN, WITHIN, Evidence
-from compare.evidence.registry import evidence
-from compare.evidence.smith import ball, case, screw, taper, trials
-from compare.printed.printed_data import load_table, tables
-from lowfi.bearings import as_printed
-from lowfi.bearings.angular_contact import contact_parameters
 from tests.evidence_study import GROUP, STUDY
 from tests.literature.entries import check, found, keys
+
+from rollbench.comparison.evidence.entries import Entries
+from rollbench.comparison.evidence.record import TAKEN, WITHIN, Evidence
+from rollbench.comparison.evidence.registry import evidence
+from rollbench.comparison.evidence.smith import ball, case, screw, taper, trials
+from rollbench.comparison.printed.printed_data import load_table, tables
+from rollbench.lowfi.bearings import as_printed
+from rollbench.lowfi.bearings.angular_contact import contact_parameters
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
@@ -168,7 +168,7 @@ def test_unseating_takes_three_times_the_printed_load() -> None:
     limit = trials.unseating_load(trials.REDUCED)
     assert limit / case.POUND == pytest.approx(645.5, abs=0.5)
     rows = case.bearing_set("taper", "left", trials.REDUCED)
-    from lowfi.bearings.sets import equilibrium
+    from rollbench.lowfi.bearings.sets import equilibrium
 
     assert equilibrium(rows, screw.pull() + 0.5 * limit * 0.999).loads[0] > 0.0
     assert equilibrium(rows, screw.pull() + 0.5 * limit * 1.001).loads[0] == 0.0

@@ -17,7 +17,18 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parents[2]
-PARTS = ("lowfi", "hifi", "meshes", "compare", "reports", "tests", "pyproject.toml", "README.md", "CONTRIBUTING.md")
+PARTS = (
+    ".import",
+    "lowfi",
+    "hifi",
+    "meshes",
+    "compare",
+    "reports",
+    "tests",
+    "pyproject.toml",
+    "README.md",
+    "CONTRIBUTING.md",
+)
 
 
 def copied(folder: Path) -> Path:
@@ -26,7 +37,7 @@ def copied(folder: Path) -> Path:
         source = ROOT / name
         if source.is_dir():
             leave = shutil.ignore_patterns("__pycache__", "validation")
-            shutil.copytree(source, folder / name, ignore=leave, dirs_exist_ok=True)
+            shutil.copytree(source, folder / name, ignore=leave, dirs_exist_ok=True, symlinks=True)
         elif source.exists():
             shutil.copy(source, folder / name)
     return folder
@@ -37,7 +48,7 @@ def passes(tests: Sequence[str], folder: Path) -> bool:
     done = subprocess.run(
         [sys.executable, "-P", "-m", "pytest", "-n", "0", "-x", "-q", *tests],
         cwd=folder,
-        env={**os.environ, "PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1"},
+        env={**os.environ, "PYTHONPATH": str(folder / ".import"), "PYTHONDONTWRITEBYTECODE": "1"},
         stdin=subprocess.DEVNULL,
         capture_output=True,
         text=True,

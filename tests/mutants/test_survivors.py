@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
+import ast
 import tomllib
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-
-from compare.gate import closed_forms
-from compare.models.model_form import SCALES, distance
-from compare.scenes.catalogue import scene as shipped
-from lowfi.statics.static import solve_static
-from meshes.groove_map import GrooveMap
-from meshes.helix import ball_layout, layout_at
-from meshes.partition import beam_nodes, contact_stations
-from meshes.parts import Load, Support
-from meshes.sockets import groove_lines, track_gaps
 from tests.helpers import small_screw
+from tests.mutants import draw
+
+from rollbench.comparison.gate import closed_forms
+from rollbench.comparison.models.model_form import SCALES, distance
+from rollbench.comparison.scenes.catalogue import scene as shipped
+from rollbench.lowfi.statics.static import solve_static
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.helix import ball_layout, layout_at
+from rollbench.meshes.partition import beam_nodes, contact_stations
+from rollbench.meshes.parts import Load, Support
+from rollbench.meshes.sockets import groove_lines, track_gaps
 
 ROOT = Path(__file__).parents[2]
 MUTANTS = tomllib.loads((Path(__file__).parent / "mutants.toml").read_text(encoding="utf-8"))["mutant"]
@@ -107,3 +109,15 @@ def test_mutants_are_of_the_present_sources(mutant):
     assert (ROOT / mutant["file"]).read_text(encoding="utf-8").count(mutant["old"]) == 1
     assert mutant["old"] != mutant["new"]
     assert mutant.get("equivalent") or all((ROOT / test.split("::")[0]).exists() for test in mutant["tests"])
+
+
+def test_drawn_mutants_are_sources_that_differ_in_one_place():
+    drawn = list(draw.draw(1, 6))
+    assert drawn == list(draw.draw(1, 6))
+    assert len({path for path, *_ in drawn}) == len(drawn) > 3
+    assert any("kernel" in path.parts for path in draw.modules())
+    for path, low, high, new in drawn:
+        text = path.read_text(encoding="utf-8")
+        changed = text[:low] + new + text[high:]
+        assert ast.dump(ast.parse(changed)) != ast.dump(ast.parse(text))
+        assert all((ROOT / test).exists() for test in draw.nearest(path))

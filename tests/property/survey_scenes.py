@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from compare.models.study import with_groove
-from compare.scenes import catalogue
-from hifi.expected import hertz_units
-from meshes.parts import Load, Scene, Support
+from rollbench.comparison.models.study import with_groove
+from rollbench.comparison.scenes import catalogue
+from rollbench.hifi.expected import hertz_units
+from rollbench.meshes.parts import Load, Scene, Support
 
 CASE = catalogue.scene("lin-case1")
 

@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from lowfi.statics.axis.system import build
-from lowfi.statics.kernel.beam import add_element
-from lowfi.statics.static import solve_static
-from meshes.axis import Housing, Segment, diagonal
-from meshes.parts import Load, Support
 from tests.axes import assembly, bearing, double_nut, fixed_axis, mirrored, nut, one_set, solved
 from tests.helpers import ALL_BUT_AXIAL, FLANK_ERRORS, NO_PROFILES, relative, small_screw
+
+from rollbench.lowfi.statics.axis.system import build
+from rollbench.lowfi.statics.kernel.beam import add_element
+from rollbench.lowfi.statics.static import solve_static
+from rollbench.meshes.axis import Housing, Segment, diagonal
+from rollbench.meshes.parts import Load, Support
 
 CASES = {
     "axial": {"count": 12, "turns": 2.0, "lead": 12e-3, "force": (0.0, 0.0, 900.0)},

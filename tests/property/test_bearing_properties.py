@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lowfi.bearings.angular_contact import BallBearing, BallRow, of_angle
-from lowfi.bearings.combined_load import combined
-from lowfi.bearings.sets import BearingSet, equilibrium
-from lowfi.bearings.tapered_roller import RollerRow, TaperedBearing
+from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, of_angle
+from rollbench.lowfi.bearings.combined_load import combined
+from rollbench.lowfi.bearings.sets import BearingSet, equilibrium
+from rollbench.lowfi.bearings.tapered_roller import RollerRow, TaperedBearing
 
 SEEDS = range(12)
 

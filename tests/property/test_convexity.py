@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from compare.scenes import catalogue
-from lowfi.statics.records import BeamSlopes
-from lowfi.statics.static import iterate, solve_static
-from meshes.parts import BallErrors
 from tests.helpers import FLANK_ERRORS, prepared, relative, small_screw, with_ingredients
+
+from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi.statics.records import BeamSlopes
+from rollbench.lowfi.statics.static import iterate, solve_static
+from rollbench.meshes.parts import BallErrors
 
 pytestmark = pytest.mark.xdist_group("convexity")
 

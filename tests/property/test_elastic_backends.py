@@ -5,21 +5,21 @@ from functools import cache
 
 import numpy as np
 import pytest
-
-from compare.scenes import catalogue
-from lowfi import jit
-from lowfi.compliance.bodies import LADDER, REFINED, held_at
-from lowfi.statics.elastic import iterate, solve_elastic
-from lowfi.statics.elastic_system import Rebuild, ready
-from lowfi.statics.kernel import elastic as kernel
-from lowfi.statics.mechanism import free_motions
-from lowfi.statics.records import BodyState
-from lowfi.statics.static import pin
-from meshes.errors import specimen
-from meshes.helix import ball_layout
-from meshes.parts import BallErrors, Errors, Load, Support
 from tests.helpers import relative, small_screw
 from tests.property.test_invariance import end_for_end, mirrored
+
+from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi import jit
+from rollbench.lowfi.compliance.bodies import LADDER, REFINED, held_at
+from rollbench.lowfi.statics.elastic import iterate, solve_elastic
+from rollbench.lowfi.statics.elastic_system import Rebuild, ready
+from rollbench.lowfi.statics.kernel import elastic as kernel
+from rollbench.lowfi.statics.mechanism import free_motions
+from rollbench.lowfi.statics.records import BodyState
+from rollbench.lowfi.statics.static import pin
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import BallErrors, Errors, Load, Support
 
 pytestmark = pytest.mark.xdist_group("random scenes")
 

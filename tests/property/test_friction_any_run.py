@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from lowfi.friction.whole.run import simulate
-from meshes.parts import BallErrors, Circulation, Friction, Motion
 from tests.friction_runs import WAVES, crowded, setting, sparse
+
+from rollbench.lowfi.friction.whole.run import simulate
+from rollbench.meshes.parts import BallErrors, Circulation, Friction, Motion
 
 
 def random_scene(rng):
@@ -22,7 +22,9 @@ def random_scene(rng):
         turns = scene.circulation.turns
         circulation = Circulation(turns=turns, returning=int(rng.integers(4)), filling=float(rng.uniform(0.5, 0.9)))
         scene = replace(scene, circulation=circulation, errors=replace(WAVES, balls=sizes, seed=int(rng.integers(1000))))
-    friction = Friction(*(float(v) for v in rng.choice([0.01, 0.1, 0.3], 2)), balls=float(rng.choice([0.0, 0.1, 0.2])))
+    friction = Friction(
+        *(float(v) for v in rng.choice([0.01, 0.1, 0.3], 2)), balls=float(rng.choice([0.0, 0.1, 0.2])), coupling="none"
+    )
     motion = Motion(float(rng.choice([-20.0, 1.0, 300.0])), ("screw", "nut")[rng.integers(2)])
     return scene, friction, motion
 

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-
-from lowfi import jit
-from lowfi.friction.whole.state import friction_state
-from lowfi.statics.static import solve_static
-from meshes.parts import FourierTerm, Friction, Load, Motion
 from tests.helpers import small_screw
+
+from rollbench.lowfi import jit
+from rollbench.lowfi.friction.whole.state import friction_state
+from rollbench.lowfi.statics.static import solve_static
+from rollbench.meshes.parts import FourierTerm, Friction, Load, Motion
 
 
 @st.composite
@@ -61,7 +61,7 @@ def mirrored(scene):
 def test_energy_and_reversal(scene, screw, nut, motion):
     result = solve_static(scene)
     assume(result.converged)
-    friction = Friction(screw, nut)
+    friction = Friction(screw, nut, coupling="none")
     found = friction_state(scene, result, friction, motion)
     t = found.torque
     assert found.balls.converged, found.balls.status
@@ -92,7 +92,7 @@ def test_feedback_settles_and_keeps_the_axial_load(scene, screw, nut, motion):
 def test_mirror(scene, mu, motion):
     result, other = solve_static(scene), mirrored(scene)
     assume(result.converged)
-    friction = Friction(mu, mu)
+    friction = Friction(mu, mu, coupling="none")
     one = friction_state(scene, result, friction, motion)
     two = friction_state(other, solve_static(other), friction, replace(motion, speed=-motion.speed))
     assert two.torque.friction == pytest.approx(one.torque.friction, rel=1e-6)

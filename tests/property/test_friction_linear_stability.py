@@ -6,10 +6,10 @@ from itertools import product
 import numpy as np
 import pytest
 
-from compare.evidence import source_cases
-from lowfi.friction.linear.bearing import LinearBearing, deviations
-from lowfi.friction.linear.chain import ChainResult, prepare, solve_linear_chain
-from lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads
+from rollbench.comparison.evidence import source_cases
+from rollbench.lowfi.friction.linear.bearing import LinearBearing, deviations
+from rollbench.lowfi.friction.linear.chain import ChainResult, prepare, solve_linear_chain
+from rollbench.lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads
 
 BEARING = source_cases.linear().bearing
 MU = (0.001, 0.1, 0.5)

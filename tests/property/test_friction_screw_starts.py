@@ -9,9 +9,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.evidence.source_cases import plain, table_3_6
-from lowfi.friction.screw.coupled import Guess
-from lowfi.friction.screw.pair import Pair, PairResult, solve_pair
+from rollbench.comparison.evidence.source_cases import plain, table_3_6
+from rollbench.lowfi.friction.screw.coupled import Guess
+from rollbench.lowfi.friction.screw.pair import Pair, PairResult, solve_pair
 
 #: Load [N] and oversize of the ball radii [m], negative for clearance.
 STATES = (

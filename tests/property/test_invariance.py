@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from compare.scenes import catalogue
-from lowfi.statics.records import MemberArrays, MemberStates
-from meshes.parts import BallErrors, Errors, Load, Material, SideErrors, Support
 from tests.helpers import FLANK_ERRORS, NO_PROFILES, prepared, relative, small_screw, solved, with_ingredients
+
+from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi.statics.records import MemberArrays, MemberStates
+from rollbench.meshes.parts import BallErrors, Errors, Load, Material, SideErrors, Support
 
 COMBINED = replace(
     small_screw(count=12, turns=2.0, force=(150.0, -80.0, 2500.0), moment=(2.0, 3.0, 0.0)),

@@ -6,9 +6,9 @@ from dataclasses import replace
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compare.extremes.static import ENERGY, Case, attempt, conforming, shaft_scaled, with_balls
-from compare.scenes.catalogue import scene as shipped
-from meshes.parts import BallErrors, Errors, Load, Support
+from rollbench.comparison.extremes.static import ENERGY, Case, attempt, conforming, shaft_scaled, with_balls
+from rollbench.comparison.scenes.catalogue import scene as shipped
+from rollbench.meshes.parts import BallErrors, Errors, Load, Support
 
 BASE = shipped("lin-case1")
 

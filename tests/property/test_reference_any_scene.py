@@ -5,28 +5,29 @@ from functools import partial
 
 import numpy as np
 import pytest
-
-from compare.errors import Refusal
-from compare.measure import load_error
-from compare.models.registry import Options, run_model
-from compare.models.study import with_groove
-from compare.reference.computing import compute
-from compare.reference.levels import BALL
-from compare.reference.tasks import Task, needed_sides, settings_of
-from compare.scenes import catalogue
-from hifi import submodel
-from hifi.fit import Settings, ball_place, expected_reach, expected_semi_axes, patch_lines, socket_size
-from hifi.part_meshes import mesh_parts, patch_mesh, patch_normals
-from hifi.reference import solve_reference
-from hifi.setup import prepare
-from meshes.cache import Cache
-from meshes.groove_map import GrooveMap
-from meshes.helix import ball_layout
-from meshes.parts import Balls, Load, Nut, Scene, Screw, Solid, Support, Track
-from meshes.quality import measure
-from meshes.sockets import local_points
-from meshes.solid import dimensions
 from tests.property.survey_scenes import CASE, pressed, shortened, survey, tipped
+
+from rollbench.comparison.errors import Refusal
+from rollbench.comparison.measure import load_error
+from rollbench.comparison.models.registry import Options, run_model
+from rollbench.comparison.models.study import with_groove
+from rollbench.comparison.reference.computing import compute
+from rollbench.comparison.reference.levels import BALL
+from rollbench.comparison.reference.tasks import Task, needed_sides, settings_of
+from rollbench.comparison.scenes import catalogue
+from rollbench.hifi import submodel
+from rollbench.hifi.fit import ball_place, patch_lines, socket_size
+from rollbench.hifi.part_meshes import mesh_parts, patch_mesh, patch_normals
+from rollbench.hifi.reference import solve_reference
+from rollbench.hifi.settings import Settings, expected_reach, expected_semi_axes
+from rollbench.hifi.setup import prepare
+from rollbench.meshes.cache import Cache
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import Balls, Load, Nut, Scene, Screw, Solid, Support, Track
+from rollbench.meshes.quality import measure
+from rollbench.meshes.sockets import local_points
+from rollbench.meshes.solid import dimensions
 
 HELD = (Support(0.0, (("ux", 0.0), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0), ("rz", 0.0))),)
 
@@ -181,8 +182,8 @@ def test_what_does_not_fit_is_refused_before_anything_is_meshed(monkeypatch):
     def never(*_):
         raise AssertionError("meshed")
 
-    monkeypatch.setattr("hifi.part_meshes.build_body", never)
-    monkeypatch.setattr("hifi.part_meshes.build_ball", never)
+    monkeypatch.setattr("rollbench.hifi.part_meshes.build_body", never)
+    monkeypatch.setattr("rollbench.hifi.part_meshes.build_ball", never)
     with pytest.raises(Refusal) as refused:
         compute(Task((pressed(with_groove(CASE, 0.515), 4e9),), 1))
     words = str(refused.value)

@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from hifi.rolling.balls import Choices, solve_rolling, without_meetings
-from hifi.rolling.kinematics import Track
-from hifi.rolling.neighbours import meeting
-from hifi.rolling.rigid_limit import solve_rigid_rolling
-from lowfi.friction.linear.bearing import LinearBearing
-from lowfi.friction.linear.pair import solve_pair
 from tests.rolling_scenes import linear_pair, screw_pair
+
+from rollbench.hifi.rolling.balls import Choices, solve_rolling, without_meetings
+from rollbench.hifi.rolling.kinematics import Track
+from rollbench.hifi.rolling.neighbours import meeting
+from rollbench.hifi.rolling.rigid_limit import solve_rigid_rolling
+from rollbench.lowfi.friction.linear.bearing import LinearBearing
+from rollbench.lowfi.friction.linear.pair import solve_pair
 
 COARSE = Choices(shape=(10, 12))
 SCENES = {"linear": linear_pair(), "screw": screw_pair()}

@@ -1,8 +1,8 @@
 """Names, options and help of every command; each calls its function in ``compare.commands``."""
 
-from compare.commands.arguments import machine, many, reference, scenes, validation
-from compare.commands.arguments.order import arrange
-from compare.commands.arguments.terminal import app
+from rollbench.comparison.commands.arguments import machine, many, reference, scenes, validation
+from rollbench.comparison.commands.arguments.order import arrange
+from rollbench.comparison.commands.arguments.terminal import app
 
 arrange(app)
 

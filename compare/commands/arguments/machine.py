@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 from typing import Literal
 
-from compare.commands.arguments.terminal import Flag, Json, app, print_json, show, writing
+from rollbench.comparison.commands.arguments.terminal import Flag, Json, app, print_json, show, writing
 
 
 @app.command
@@ -20,7 +20,7 @@ def doctor(*, store: Path = Path("rollbench-reference"), as_json: Json = False) 
     store
         Folder of the reference's runs.
     """
-    from compare.commands.doctor import run_doctor
+    from rollbench.comparison.commands.doctor import run_doctor
 
     return run_doctor(store, show, print_json if as_json else None)
 

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from compare.commands.arguments.terminal import Json, Tls, Word, app, engine, print_json, show
+from rollbench.comparison.commands.arguments.terminal import Json, Tls, Word, app, engine, print_json, show
 
 
 @app.command
@@ -53,7 +53,7 @@ def sweep(
     workers
         Processes at the same time; 1 here, or what the cluster has, unless given.
     """
-    from compare.commands.sweep import run_sweep, sweep_of
+    from rollbench.comparison.commands.sweep import run_sweep, sweep_of
 
     what = sweep_of(scene, vary, samples, method, seed, model)
     return run_sweep(
@@ -77,6 +77,6 @@ def audit(
     write
         File to write the list of verdicts to, as compare/printed/audit/verdicts.json holds it.
     """
-    from compare.commands.audit import run_audit
+    from rollbench.comparison.commands.audit import run_audit
 
     return run_audit(only or (), write=write, json_out=as_json, show=show, print_json=print_json)

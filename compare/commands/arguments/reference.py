@@ -7,8 +7,18 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from compare.commands.arguments.terminal import Flag, Json, Tls, Word, app, cache_folder, engine, print_json, show
-from compare.errors import InputError
+from rollbench.comparison.commands.arguments.terminal import (
+    Flag,
+    Json,
+    Tls,
+    Word,
+    app,
+    cache_folder,
+    engine,
+    print_json,
+    show,
+)
+from rollbench.comparison.errors import InputError
 
 
 @app.command(name="mesh-study")
@@ -50,14 +60,18 @@ def mesh_study(
     scheduler
         Address of the Dask scheduler.
     workers
-        Runs at the same time, each of up to 4 GB; 1 here, or what the cluster has, unless given.
+        Runs at the same time, each of 1 to 3 GB; 1 here, or what the cluster has, unless given.
     """
-    from compare.commands.rolling import all_rolling, known_bodies, refuse_options, run_rolling_study
-    from compare.commands.study import run_mesh_study
+    from rollbench.comparison.commands.rolling_choices import all_rolling, known_bodies, refuse_options
+    from rollbench.comparison.commands.study import run_mesh_study
+    from rollbench.comparison.system import need_packages
 
     rolling = all_rolling(scenes)
     bodies = known_bodies(bodies, rolling=rolling)
     if rolling:
+        need_packages("scikit-fem")
+        from rollbench.comparison.commands.rolling import run_rolling_study
+
         refuse_options({"--spread": spread})
         return run_rolling_study(
             scenes,
@@ -116,7 +130,8 @@ def compare(
         refined, the default of every command, whose error is the verdict, and beside it the others that the report
         compares.
     levels
-        Mesh levels of the reference: 3 for levels 1 to 3, or a list such as source,1,2; the best stored one unless given.
+        Mesh levels of the reference: 3 for levels 1 to 3, or a list such as source,1,2; the best stored one unless given,
+        levels 1, 2 and 4 where there is none.
     store
         Folder of the reference's results, besides those shipped.
     fresh
@@ -130,15 +145,19 @@ def compare(
     scheduler
         Address of the Dask scheduler.
     workers
-        Runs at the same time, each of up to 4 GB; 1 here, or what the cluster has, unless given.
+        Runs at the same time, each of 1 to 3 GB; 1 here, or what the cluster has, unless given.
     """
-    from compare.commands.rolling import all_rolling, known_bodies, refuse_options, run_rolling_compare
-    from compare.commands.study import parse_levels, run_compare
+    from rollbench.comparison.commands.rolling_choices import all_rolling, known_bodies, refuse_options
+    from rollbench.comparison.commands.study import parse_levels, run_compare
+    from rollbench.comparison.system import need_packages
 
     wanted = None if levels is None else parse_levels(levels)
     rolling = all_rolling(scenes)
     bodies = known_bodies(bodies, rolling=rolling)
     if rolling:
+        need_packages("scikit-fem")
+        from rollbench.comparison.commands.rolling import run_rolling_compare
+
         refuse_options({"--model": model is not None, "--balls": balls})
         return run_rolling_compare(
             scenes,
@@ -189,7 +208,8 @@ def export(
     scene
         Name of a shipped scene, or a scene file.
     part
-        screw, nut, ball, patch-SL (the groove's fine patch; SR, NL, NR), ball-patch-SL, or block-source; none with --deck.
+        screw, nut or ball, whole; screw-with-sockets (nut, ball): as the reference condenses it, a hole at every contact,
+        which patch-SL (the groove's fine patch; SR, NL, NR) and ball-patch-SL fill; or block-source; none with --deck.
     out
         File to write, replaced if it exists; <scene>-<part>.vtu unless given, <scene>.inp with --deck.
     format
@@ -197,7 +217,7 @@ def export(
     level
         Mesh level, 1 (coarse) to 3; 0 is the source's mesh.
     ball
-        Solve the scene and add displacement and stress: of this ball and its patches, or of the whole screw or nut.
+        Solve the scene and add displacement and stress: of this ball and its patches, or of screw or nut, with sockets.
     deck
         Program to write the whole contact problem for: ccx (CalculiX; Abaqus reads the same file).
     unit
@@ -211,11 +231,11 @@ def export(
     stiffness
         Contact pressure per overclosure of the deck, in N/mm3.
     """
-    from compare.commands.export import run_export
-    from compare.scenes import catalogue
+    from rollbench.comparison.commands.export import run_export
+    from rollbench.comparison.scenes import catalogue
 
     if deck:
-        from compare.commands.deck import DeckChoices, run_deck
+        from rollbench.comparison.commands.deck import DeckChoices, run_deck
 
         if part or format or level != 1 or ball is not None:
             raise InputError(
@@ -258,8 +278,8 @@ def crosscheck(
     store
         Folder of the reference's runs, besides those shipped; computed where none is stored.
     """
-    from compare.commands.crosscheck import run_crosscheck
-    from compare.reference.jobs import Engine
+    from rollbench.comparison.commands.crosscheck import run_crosscheck
+    from rollbench.comparison.reference.jobs import Engine
 
     return run_crosscheck(
         scene,

@@ -7,8 +7,17 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from compare.commands.arguments.terminal import Flag, Json, Word, app, cache_folder, print_json, show, text_width
-from compare.errors import InputError
+from rollbench.comparison.commands.arguments.terminal import (
+    Flag,
+    Json,
+    Word,
+    app,
+    cache_folder,
+    print_json,
+    show,
+    text_width,
+)
+from rollbench.comparison.errors import InputError
 
 
 @app.command(name="list")
@@ -23,7 +32,7 @@ def list_(*, trace: Flag = False, table: Word = "", as_json: Json = False) -> No
     table
         The same for the numbers of one printed table.
     """
-    from compare.commands import listing
+    from rollbench.comparison.commands import listing
 
     if trace or table:
         print_json(listing.trace_json(table)) if as_json else show(listing.trace_table(table))
@@ -36,7 +45,7 @@ def list_(*, trace: Flag = False, table: Word = "", as_json: Json = False) -> No
 @app.command
 def schema() -> None:
     """Print the JSON Schema of a scene file, of all kinds."""
-    from compare.scenes.kinds.table import json_schema
+    from rollbench.comparison.scenes.kinds.table import json_schema
 
     print_json(json_schema())
 
@@ -53,18 +62,21 @@ def new(file: Path, *, kind: Word = "", like: Word = "") -> None:
         ball-screw unless given, bearing, several sets on one shaft: axis, double-nut; or what only friction solves:
         bearing-ball, bearing-pair, linear-pair, linear-chain, screw-pair, screw-run.
     like
-        Nominal diameter and lead of a ball screw in mm, such as 40x10: the rest as is usual for such a size.
+        Nominal diameter and lead of a ball screw or double nut in mm, such as 40x10: the rest as is usual for such a
+        size.
     """
-    from compare.scenes.keys import WHOLE
-    from compare.scenes.like import scene_like
-    from compare.scenes.template import AXES, template
-    from compare.writing import write_new
+    from rollbench.comparison.scenes.keys import WHOLE
+    from rollbench.comparison.scenes.like import double_nut_like, scene_like
+    from rollbench.comparison.scenes.template import AXES, template
+    from rollbench.comparison.writing import write_new
 
-    if like and kind not in ("", "ball-screw"):
-        raise InputError("command line", "--like", like, "without --kind", "a nominal size is that of a ball screw")
-    kind = kind or "ball-screw"
-    write_new(file, scene_like(like) if like else template(kind))
-    command = "solve" if kind.replace("-", " ") in (*WHOLE, *AXES) else "friction"
+    kind = (kind or "ball-screw").replace("-", " ")
+    sized = {"ball screw": scene_like, "double nut": double_nut_like}
+    if like and kind not in sized:
+        allowed = "without --kind, or with --kind double-nut"
+        raise InputError("command line", "--like", like, allowed, "a nominal size is that of a ball screw")
+    write_new(file, sized[kind](like) if like else template(kind))
+    command = "solve" if kind in (*WHOLE, *AXES) else "friction"
     show(f"wrote {file}; solve it with: rollbench {command} {file}")
 
 
@@ -81,11 +93,13 @@ def solve(
     stiffness_at: Word = "",
     matrix: Path | None = None,
     curve: Path | None = None,
+    loads_csv: Path | None = None,
     members: int | None = None,
     csv: Path | None = None,
     seed: int | None = None,
     workers: int | None = None,
     time_limit: float | None = None,
+    strict: Flag = False,
 ) -> int:
     """Solve one scene with one model, or many members of a scene with random errors.
 
@@ -111,6 +125,8 @@ def solve(
         File for that matrix: .mtx (Matrix Market) or .dmig (Nastran).
     curve
         File (.csv) for displacement, stiffness, largest load and torque at 0 to 1.5 times the loads; a figure beside it.
+    loads_csv
+        File for all contact loads, as check --loads reads it: ball, flank, newton, azimuth_deg, z_mm.
     members
         Solve so many members: distributions of the largest load, stiffness, lost contacts, life; with --balls bands of
         every ball.
@@ -122,23 +138,28 @@ def solve(
         With --members: processes at the same time.
     time_limit
         Seconds after which to give up, with exit code 1; none unless given.
+    strict
+        Exit code 1 where a line WARNING stands above the answers: pressure, preload, static safety or rotations beyond
+        what the models mean.
     """
-    from compare.commands.solve import run_solve
-    from compare.commands.solve_choices import Choices
+    from rollbench.comparison.commands.solve import run_solve
+    from rollbench.comparison.commands.solve_choices import Choices
 
     if members is not None:
-        from compare.commands import members as ensembles
-        from compare.reference.jobs import Engine
+        from rollbench.comparison.commands import members as ensembles
+        from rollbench.comparison.reference.jobs import Engine
 
-        if stiffness_at or matrix is not None or curve is not None:
-            named = "--stiffness-at, --matrix, --curve"
+        if stiffness_at or strict or any(file is not None for file in (matrix, curve, loads_csv)):
+            named = "--stiffness-at, --matrix, --curve, --loads-csv, --strict"
             raise InputError("command line", named, "given", "without --members", "they are of one member: --member K")
         how = Engine(workers=workers)
         out = {"csv_out": csv, "json_out": as_json, "show": show, "print_json": print_json, "balls": balls}
         return ensembles.run(scene, model, members, seed=seed, engine=how, **out)  # type: ignore[arg-type]
     if csv is not None or seed is not None or workers is not None:
         raise InputError("command line", "--csv, --seed, --workers", "given", "with --members", "add --members N")
-    choices = Choices(model, everything, member, condensed, balls, stiffness_at, matrix, curve, time_limit)
+    choices = Choices(
+        model, everything, member, condensed, balls, stiffness_at, matrix, curve, loads_csv, time_limit, strict
+    )
     return run_solve(scene, choices, text_width(), show, print_json if as_json else None)
 
 
@@ -176,8 +197,8 @@ def friction(
     time_limit
         Seconds after which to give up, with exit code 1; none unless given.
     """
-    from compare.commands.friction import run_friction
-    from compare.commands.friction_whole import Choices
+    from rollbench.comparison.commands.friction import run_friction
+    from rollbench.comparison.commands.friction_whole import Choices
 
     choices = Choices(model, tuple(mu or ()), member, condensed)
     out = (as_json, show, print_json)
@@ -197,7 +218,7 @@ def condense(scene: str, *, out: Path | None = None, level: int = 1) -> int:
     level
         Mesh level, 1 (coarse) to 3.
     """
-    from compare.commands.condense import run_condense
-    from compare.scenes import catalogue
+    from rollbench.comparison.commands.condense import run_condense
+    from rollbench.comparison.scenes import catalogue
 
     return run_condense(catalogue.scene(scene), scene, out, level, cache=cache_folder(), show=show)

@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import App, Parameter
 
-from compare import __version__
+from rollbench.comparison import __version__
+from rollbench.comparison.errors import escaped
 
 if TYPE_CHECKING:
-    from compare.reference.jobs import Engine
+    from rollbench.comparison.reference.jobs import Engine
 
 app = App(
     name="rollbench",
@@ -46,8 +47,8 @@ class Tls:
 
 def engine(backend: str, scheduler: str | None, workers: int | None, tls: Tls | None) -> Engine:
     """Where jobs run. Raises InputError for certificates that cannot be used."""
-    from compare.reference.jobs import Engine
-    from compare.reference.parallel import use_tls
+    from rollbench.comparison.reference.jobs import Engine
+    from rollbench.comparison.reference.parallel import use_tls
 
     if tls is not None:
         use_tls(*(None if file is None else str(file) for file in (tls.tls_ca, tls.tls_cert, tls.tls_key)))
@@ -82,12 +83,13 @@ def show(*parts: Any) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    from compare.commands.wrapping import fitted, unbroken, wrapped
+    from rollbench.comparison.commands.wrapping import fitted, unbroken, wrapped
 
     terminal = sys.stdout.isatty()
     console = Console(width=None if terminal else 160, soft_wrap=True, highlight=False, markup=False)
     with writing():
-        for part in parts:
+        for given in parts:
+            part = "\n".join(map(escaped, given.split("\n"))) if isinstance(given, str) else given  # names of files
             if isinstance(part, Table) and not terminal:
                 part.box, part.pad_edge = None, False
                 console.width = max(160, unbroken(part))
@@ -104,6 +106,6 @@ def text_width() -> int:
 
 def cache_folder() -> Path | None:
     """Folder of meshes and condensed parts, None for none."""
-    from meshes.cache import default_root
+    from rollbench.meshes.cache import default_root
 
     return default_root()

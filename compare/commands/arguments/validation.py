@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
-from compare.commands.arguments.terminal import Flag, Json, Tls, Word, app, cache_folder, engine, print_json, show
-from compare.errors import InputError
+from rollbench.comparison.commands.arguments.terminal import (
+    Flag,
+    Json,
+    Tls,
+    Word,
+    app,
+    cache_folder,
+    engine,
+    print_json,
+    show,
+)
+from rollbench.comparison.errors import InputError
 
 
 @app.command
@@ -61,19 +72,22 @@ def report(
     scheduler
         Address of the Dask scheduler.
     workers
-        Runs of the 3D reference at the same time, each of up to 4 GB; 2 here, or what the cluster has, unless given.
+        Runs of the 3D reference at the same time, each of 1 to 3 GB; 2 here, or what the cluster has, unless given.
     against
         An earlier report, or with a scene an earlier page on it, to list what moved.
     """
     if scene is not None:
-        from compare.commands.verify import run_page
+        from rollbench.comparison.system import need_packages
+
+        need_packages("matplotlib")  # which the next line imports
+        from rollbench.comparison.commands.verify import run_page
 
         given = {"--only": only, "--quick": quick, "--stored": stored, "--fresh": fresh, "--scheduler": scheduler}
         for name, value in given.items():
             if value:
                 raise InputError("command line", name, str(value), "without a scene", "leave it out")
         return run_page(scene, out, store, against)
-    from compare.commands.report import make_report
+    from rollbench.comparison.commands.report import make_report
 
     where = engine(backend, scheduler, workers or (2 if scheduler is None else None), tls)
     kinds = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything}
@@ -92,7 +106,10 @@ def verify(report: Path, /, *, store: Path = Path("rollbench-reference")) -> int
     store
         Folder of the reference's runs, besides those shipped.
     """
-    from compare.commands.verify import run_verify
+    from rollbench.comparison.system import need_packages
+
+    need_packages("matplotlib")  # which the next line imports
+    from rollbench.comparison.commands.verify import run_verify
 
     return run_verify(report, store)
 
@@ -131,7 +148,8 @@ def check(
     model
         Low-order model that is judged: refined unless given.
     loads
-        Judge the loads of another program instead: CSV file with the columns ball, flank (SL, SR, NL, NR), newton.
+        Judge the loads of another program instead: CSV file with the columns ball, flank (SL, SR, NL, NR), newton; with
+        azimuth_deg and z_mm too, balls are matched by these.
     max_error
         Limit of the error in per cent, in place of the scenes' own; 7 where neither is given.
     levels
@@ -150,9 +168,9 @@ def check(
     csv
         Also write them as CSV.
     """
-    from compare.commands.check import Output, run_check, run_shipped
-    from compare.gate.user import asked
-    from compare.reference.jobs import Engine
+    from rollbench.comparison.commands.check import Output, run_check, run_shipped
+    from rollbench.comparison.gate.user import asked
+    from rollbench.comparison.reference.jobs import Engine
 
     out = Output(as_json, show, print_json, junit, markdown, csv)
     what = asked(
@@ -175,12 +193,17 @@ def stability(
     model: Word = "",
     files: int = 0,
     kills: int = 0,
+    survey: int | None = None,
+    out: Path = Path("rollbench-survey"),
+    workers: int = 1,
     keep: Path | None = None,
     as_json: Json = False,
 ) -> int:
     """Run the table of stiff and extreme scenes; exit 1 where this project's solver fails on any.
 
-    With --random instead: a campaign of random extreme screws and bearings, each outcome judged by a check of its own.
+    With --random instead: a campaign of random extreme screws and bearings, each outcome judged by a check of its own, and
+    what rollbench solve prints of it, as text and as JSON. With --survey instead: ordinary catalogue screws on the 3D
+    reference, half a minute to some minutes each; exit 1 where one has no answer or did not settle.
 
     Parameters
     ----------
@@ -194,23 +217,37 @@ def stability(
         Besides, so many mutated scene files and half as many mutated stored files.
     kills
         Besides, so often a process that writes is killed.
+    survey
+        Number of drawn catalogue screws; the report's are 200.
+    out
+        Folder of the survey: a line a scene, and the runs of the 3D reference; an interrupted survey goes on there.
+    workers
+        Scenes of the survey at the same time; each needs up to 4 GB.
     keep
-        File to write the campaign's counts to, for the report's table; an interrupted one goes on from what it left there.
+        File to write the campaign's counts or the survey's record to, for the report's table; an interrupted campaign goes
+        on from what it left there.
     """
-    from compare.commands.stability import run_campaign, run_stability
+    from rollbench.comparison.commands.stability import run_campaign, run_drawn, run_stability
 
+    if survey is not None:
+        if random is not None or seed != 1 or model or files or kills:
+            given = "--random, --seed, --model, --files, --kills"
+            raise InputError("command line", given, "given", "without --survey", "its scenes are always the same")
+        return run_drawn(survey, out, workers, keep, as_json=as_json, show=show, print_json=print_json)
     if random is None:
         if seed != 1 or model or files or kills or keep is not None:
             raise InputError(
                 "command line", "--seed, --model, --files, --kills, --keep", "given", "with --random", "add it"
             )
         return run_stability(as_json=as_json, show=show, print_json=print_json)
-    return run_campaign(random, seed, model or "lin", files, kills, keep, as_json=as_json, show=show, print_json=print_json)
+    run = partial(app, exit_on_error=False, print_error=False, result_action="return_value")
+    asked = random, seed, model or "lin", files, kills, keep
+    return run_campaign(*asked, run, as_json=as_json, show=show, print_json=print_json)
 
 
 @app.command
 def bench(*, as_json: Json = False) -> int:
     """Measure run times as ratios to the source's formulation in the same process."""
-    from compare.commands.bench import run_bench_command
+    from rollbench.comparison.commands.bench import run_bench_command
 
     return run_bench_command(as_json=as_json, show=show, print_json=print_json)

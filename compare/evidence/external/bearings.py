@@ -7,17 +7,17 @@ from functools import cache
 
 import numpy as np
 
-from compare.evidence.external.case import assembly, given, inputs, solved
-from compare.evidence.record import Evidence, Sheet
-from compare.measure import error_percent
-from compare.models.study import Study
-from compare.printed.printed_data import entry, load_table
-from compare.scenes.units import parse
-from lowfi.bearings.angular_contact import BallBearing, BallRow, of_angle, thrust_state
-from lowfi.bearings.load_zone import load_zone
-from lowfi.bearings.sets import BearingSet, equilibrium, lift_off_force, preloaded
-from lowfi.statics.axis.result import AxisResult
-from meshes.parts import FREEDOMS
+from rollbench.comparison.evidence.external.case import assembly, given, inputs, solved
+from rollbench.comparison.evidence.record import Evidence, Sheet
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import entry, load_table
+from rollbench.comparison.scenes.units import parse
+from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, of_angle, thrust_state
+from rollbench.lowfi.bearings.load_zone import load_zone
+from rollbench.lowfi.bearings.sets import BearingSet, equilibrium, lift_off_force, preloaded
+from rollbench.lowfi.statics.axis.result import AxisResult
+from rollbench.meshes.parts import FREEDOMS
 
 CLASSES = ("light", "medium", "strong")
 #: Conformities between which the growth of rigidity is looked at without an inferred number.

@@ -7,12 +7,12 @@ from functools import cache
 from importlib import resources
 from typing import Any
 
-from compare.models.axis import run_axis
-from compare.models.study import Study
-from compare.scenes import catalogue
-from compare.scenes.units import parse
-from lowfi.statics.axis.result import AxisResult, SetResult
-from meshes.axis import Assembly
+from rollbench.comparison.models.axis import run_axis
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.scenes.units import parse
+from rollbench.lowfi.statics.axis.result import AxisResult, SetResult
+from rollbench.meshes.axis import Assembly
 
 #: Beginning of the names of tables and scenes of this kind.
 PREFIX = "external-"
@@ -21,7 +21,9 @@ PREFIX = "external-"
 @cache
 def inputs() -> dict[str, Any]:
     """The tables of ``cases.toml`` as they stand, quantities as texts."""
-    text = resources.files("compare").joinpath("evidence", "external", "cases.toml").read_text(encoding="utf-8")
+    text = (
+        resources.files("rollbench.comparison").joinpath("evidence", "external", "cases.toml").read_text(encoding="utf-8")
+    )
     return tomllib.loads(text)
 
 

@@ -7,14 +7,14 @@ from functools import lru_cache
 
 import numpy as np
 
-from compare.evidence.external.case import assembly, given, inputs
-from compare.evidence.record import Evidence, Sheet
-from compare.models.study import Study
-from hifi.rolling.patch import hertz_patch
-from hifi.rolling.verification import Creep, steady, steady_by_cells
-from lowfi.bearings.angular_contact import curvatures, of_angle
-from lowfi.hertz import contact_modulus, hertz_constants
-from meshes.parts import Scene
+from rollbench.comparison.evidence.external.case import assembly, given, inputs
+from rollbench.comparison.evidence.record import Evidence, Sheet
+from rollbench.comparison.models.study import Study
+from rollbench.hifi.rolling.patch import hertz_patch
+from rollbench.hifi.rolling.verification import Creep, steady, steady_by_cells
+from rollbench.lowfi.bearings.angular_contact import curvatures, of_angle
+from rollbench.lowfi.hertz import contact_modulus, hertz_constants
+from rollbench.meshes.parts import Scene
 
 #: Cells of CONTACT's grid along each axis, and its width over the contact's.
 EXAMPLE_CELLS, EXAMPLE_MARGIN = 44, 1.1

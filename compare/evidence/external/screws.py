@@ -7,14 +7,14 @@ from math import pi
 
 from scipy.optimize import brentq
 
-from compare.evidence.external.case import PREFIX, given, inputs
-from compare.evidence.record import Evidence, Sheet
-from compare.models.registry import Options, run_model
-from compare.models.study import Study
-from compare.printed.printed_data import entry
-from lowfi.friction.whole.state import friction_state
-from lowfi.rating.rigidity import axial_displacement, axial_force, body_compliance, contacts_displacement
-from meshes.parts import Friction, Motion, Scene
+from rollbench.comparison.evidence.external.case import PREFIX, given, inputs
+from rollbench.comparison.evidence.record import Evidence, Sheet
+from rollbench.comparison.models.registry import Options, run_model
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import entry
+from rollbench.lowfi.friction.whole.state import friction_state
+from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, body_compliance, contacts_displacement
+from rollbench.meshes.parts import Friction, Motion, Scene
 
 #: Sizes of THK and one of HIWIN: names of scenes after the prefix and the maker.
 THK = ("bnf-4010-5", "bnf-4010-3p5", "bnf-3205-2p5", "bnf-3205-5", "bnf-3205-7p5")
@@ -95,8 +95,8 @@ def _drag(study: Study, sheet: Sheet) -> None:
     torque = study.once(drag_torque, preload, mu)
     printed = entry(sheet.table, "drag").value or 0.0
     words = (
-        f"both nuts at a coefficient of {mu:g}, each ball turning freely in its grooves; the printed torque would take "
-        f"{mu * 1e-3 * printed / torque:.2f}: the grooves alone are not what drags"
+        f"both nuts at a coefficient of {mu:g}, friction moving each ball across its grooves as in every scene that says "
+        f"nothing else: {1e3 * torque / printed:.2f} times the printed torque"
     )
     sheet.number("drag", 1e3 * torque, words)
 

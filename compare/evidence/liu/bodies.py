@@ -11,17 +11,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from compare.evidence.liu import case
-from compare.measure import error_percent, load_error
-from compare.models.study import Study
-from compare.reference.grid_summary import uncertainty_percent
-from lowfi.random_errors.chain import Chain, solve_chain
-from lowfi.random_errors.ensemble import draw_errors
-from meshes.arrays import Array
-from meshes.errors import specimen
-from meshes.helix import ball_layout
-from meshes.parts import Scene
-from meshes.section import screw_section
+from rollbench.comparison.evidence.liu import case
+from rollbench.comparison.measure import error_percent, load_error
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.reference.grid_summary import uncertainty_percent
+from rollbench.lowfi.random_errors.chain import Chain, solve_chain
+from rollbench.lowfi.random_errors.ensemble import draw_errors
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import Scene
+from rollbench.meshes.section import screw_section
 
 SCENE = "liu-screw"
 #: Scenes of that screw with references in 3D, and the mesh levels of these: 156 contacts, minutes a level.

@@ -6,13 +6,13 @@ from functools import cache
 
 import numpy as np
 
-from compare.evidence.entries import Entries
-from compare.scenes import catalogue
-from lowfi.random_errors.chain import Chain, ChainState, Law, ball_stiffness, calibrated, solve_chain
-from lowfi.random_errors.ensemble import Ensemble, Percentile, Quantity, percentile, solve_ensemble
-from meshes.arrays import Array
-from meshes.helix import lead_angle
-from meshes.parts import Scene
+from rollbench.comparison.evidence.entries import Entries
+from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi.random_errors.chain import Chain, ChainState, Law, ball_stiffness, calibrated, solve_chain
+from rollbench.lowfi.random_errors.ensemble import Ensemble, Percentile, Quantity, percentile, solve_ensemble
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.helix import lead_angle
+from rollbench.meshes.parts import Scene
 
 #: What the source leaves open.
 ASSUMED = (

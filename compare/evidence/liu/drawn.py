@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from compare.evidence.entries import Entries
-from compare.evidence.liu import case
-from compare.evidence.record import Evidence
-from compare.models.study import Study
-from lowfi.random_errors.chain import solve_chain
-from lowfi.random_errors.ensemble import Quantity
-from meshes.arrays import Array
+from rollbench.comparison.evidence.entries import Entries
+from rollbench.comparison.evidence.liu import case
+from rollbench.comparison.evidence.record import Evidence
+from rollbench.comparison.models.study import Study
+from rollbench.lowfi.random_errors.chain import solve_chain
+from rollbench.lowfi.random_errors.ensemble import Quantity
+from rollbench.meshes.arrays import Array
 
 RANGES = (1, 2, 3)
 NAMES: dict[str, Quantity] = {

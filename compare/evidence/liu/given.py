@@ -7,14 +7,14 @@ from math import cos, degrees, sin
 
 import numpy as np
 
-from compare.evidence.entries import Entries
-from compare.evidence.liu import case
-from compare.evidence.record import Evidence
-from compare.models.study import Study
-from lowfi.random_errors.chain import Chain, end_ratio, solve_chain
-from lowfi.random_errors.elimination import solve_by_elimination
-from lowfi.random_errors.ensemble import draw_errors
-from meshes.helix import lead_angle
+from rollbench.comparison.evidence.entries import Entries
+from rollbench.comparison.evidence.liu import case
+from rollbench.comparison.evidence.record import Evidence
+from rollbench.comparison.models.study import Study
+from rollbench.lowfi.random_errors.chain import Chain, end_ratio, solve_chain
+from rollbench.lowfi.random_errors.elimination import solve_by_elimination
+from rollbench.lowfi.random_errors.ensemble import draw_errors
+from rollbench.meshes.helix import lead_angle
 
 #: Drawn screws on which the two algorithms are compared, or that are solved one by one.
 FEW = 20

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import brentq
 
-from compare.evidence.entries import Entries
-from compare.evidence.liu import case
-from compare.evidence.record import Evidence
-from compare.models.study import Study
-from lowfi.random_errors.chain import first_carrying_load
+from rollbench.comparison.evidence.entries import Entries
+from rollbench.comparison.evidence.liu import case
+from rollbench.comparison.evidence.record import Evidence
+from rollbench.comparison.models.study import Study
+from rollbench.lowfi.random_errors.chain import first_carrying_load
 
 LIGHT, HEAVY = 1000.0, 5000.0
 

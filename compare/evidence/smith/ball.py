@@ -7,9 +7,9 @@ from math import degrees
 
 import numpy as np
 
-from compare.evidence.entries import Entries
-from compare.evidence.record import Evidence
-from compare.evidence.smith.case import (
+from rollbench.comparison.evidence.entries import Entries
+from rollbench.comparison.evidence.record import Evidence
+from rollbench.comparison.evidence.smith.case import (
     BALL_TORQUE_LOAD,
     INCH,
     INCH_POUND,
@@ -23,13 +23,13 @@ from compare.evidence.smith.case import (
     ball_bearing,
     bearing_set,
 )
-from compare.measure import error_percent
-from compare.models.study import Study
-from compare.printed.printed_data import load_table
-from lowfi.bearings import as_printed
-from lowfi.bearings.angular_contact import ThrustState, contact_parameters, curvatures, displacement, thrust_state
-from lowfi.bearings.sets import equilibrium
-from lowfi.bearings.torque import load_torque, static_rating, viscous_torque
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import load_table
+from rollbench.lowfi.bearings import as_printed
+from rollbench.lowfi.bearings.angular_contact import ThrustState, contact_parameters, curvatures, displacement, thrust_state
+from rollbench.lowfi.bearings.sets import equilibrium
+from rollbench.lowfi.bearings.torque import load_torque, static_rating, viscous_torque
 
 #: F(p)_o of figure 2-10: an input of the as-printed mode, because it follows from nothing.
 SHEET_DIFFERENCE = 0.9013479

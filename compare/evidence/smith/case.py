@@ -6,11 +6,11 @@ from functools import cache
 
 import numpy as np
 
-from compare.scenes.units import parse
-from lowfi.bearings.angular_contact import BallBearing, BallRow
-from lowfi.bearings.axis import Axis
-from lowfi.bearings.sets import BearingSet, arrangement, preloaded
-from lowfi.bearings.tapered_roller import RollerRow, TaperedBearing
+from rollbench.comparison.scenes.units import parse
+from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow
+from rollbench.lowfi.bearings.axis import Axis
+from rollbench.lowfi.bearings.sets import BearingSet, arrangement, preloaded
+from rollbench.lowfi.bearings.tapered_roller import RollerRow, TaperedBearing
 
 #: The source's units in SI.
 INCH = parse("1 in", "length")

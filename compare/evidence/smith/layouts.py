@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 from scipy.optimize import brentq
 
-from compare.evidence.smith.case import (
+from rollbench.comparison.evidence.smith.case import (
     APPLIED,
     DIRECTIONS,
     INCH,
@@ -20,14 +20,14 @@ from compare.evidence.smith.case import (
     ball_bearing,
     bearing_set,
 )
-from compare.models.axis import run_axis
-from compare.models.study import Study
-from compare.scenes import catalogue
-from lowfi.bearings import as_printed
-from lowfi.bearings.angular_contact import BallRow
-from lowfi.bearings.axis import shaft_stiffness
-from lowfi.bearings.sets import BearingSet, arrangement, equilibrium
-from meshes.axis import Assembly
+from rollbench.comparison.models.axis import run_axis
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi.bearings import as_printed
+from rollbench.lowfi.bearings.angular_contact import BallRow
+from rollbench.lowfi.bearings.axis import shaft_stiffness
+from rollbench.lowfi.bearings.sets import BearingSet, arrangement, equilibrium
+from rollbench.meshes.axis import Assembly
 
 #: Station of the left end's middle [m], and positions of the nut over the length between the ends.
 FIRST, PLACES = 2.0 * INCH, (0.1, 0.5, 0.9)

@@ -6,10 +6,10 @@ from functools import cache
 
 import numpy as np
 
-from compare.evidence.entries import Entries
-from compare.evidence.record import Evidence
-from compare.evidence.smith import layouts
-from compare.evidence.smith.case import (
+from rollbench.comparison.evidence.entries import Entries
+from rollbench.comparison.evidence.record import Evidence
+from rollbench.comparison.evidence.smith import layouts
+from rollbench.comparison.evidence.smith.case import (
     APPLIED,
     DEG_F,
     DIRECTIONS,
@@ -25,11 +25,11 @@ from compare.evidence.smith.case import (
     axis,
     bearing_set,
 )
-from compare.measure import error_percent
-from compare.models.study import Study
-from compare.scenes.units import parse
-from lowfi.bearings import as_printed
-from lowfi.bearings.axis import (
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.scenes.units import parse
+from rollbench.lowfi.bearings import as_printed
+from rollbench.lowfi.bearings.axis import (
     TorqueBudget,
     acceleration_torque,
     angular_speed,
@@ -40,7 +40,7 @@ from lowfi.bearings.axis import (
     tension,
     unloading_warming,
 )
-from lowfi.bearings.sets import SetState, equilibrium
+from rollbench.lowfi.bearings.sets import SetState, equilibrium
 
 #: Lead [m] and rapid traverse [m/s] of 5.1, counts a turn, torque of the motor [in-lbf], reduced preload of 5.3 [N].
 LEAD, TRAVERSE = parse("14 mm", "length"), 800.0 * INCH / 60.0

@@ -8,10 +8,10 @@ from itertools import product
 
 import numpy as np
 
-from compare.evidence.entries import Entries
-from compare.evidence.record import Evidence
-from compare.evidence.smith.ball import state
-from compare.evidence.smith.case import (
+from rollbench.comparison.evidence.entries import Entries
+from rollbench.comparison.evidence.record import Evidence
+from rollbench.comparison.evidence.smith.ball import state
+from rollbench.comparison.evidence.smith.case import (
     DENSITY,
     INCH,
     INCH_POUND,
@@ -26,14 +26,14 @@ from compare.evidence.smith.case import (
     ball_bearing,
     taper_bearing,
 )
-from compare.measure import error_percent
-from compare.models.study import Study
-from lowfi.bearings import as_printed
-from lowfi.bearings.combined_load import CombinedState, combined
-from lowfi.bearings.load_zone import load_zone, zone_of_load
-from lowfi.bearings.roller_slices import SlicedRow, circular_crown
-from lowfi.bearings.tapered_roller import RollerContacts, RollerRow, roller_contacts
-from lowfi.bearings.torque import taper_geometry, taper_torque
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.models.study import Study
+from rollbench.lowfi.bearings import as_printed
+from rollbench.lowfi.bearings.combined_load import CombinedState, combined
+from rollbench.lowfi.bearings.load_zone import load_zone, zone_of_load
+from rollbench.lowfi.bearings.roller_slices import SlicedRow, circular_crown
+from rollbench.lowfi.bearings.tapered_roller import RollerContacts, RollerRow, roller_contacts
+from rollbench.lowfi.bearings.torque import taper_geometry, taper_torque
 
 #: Radial load of the sheet [N], and exponent of its load zone.
 RADIAL, EXPONENT = POUND, 1.1

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from compare.evidence.entries import Entries
-from compare.evidence.record import Evidence
-from compare.evidence.smith.case import (
+from rollbench.comparison.evidence.entries import Entries
+from rollbench.comparison.evidence.record import Evidence
+from rollbench.comparison.evidence.smith.case import (
     APPLIED,
     DEG_F,
     EXPANSION,
@@ -16,7 +16,7 @@ from compare.evidence.smith.case import (
     axis,
     bearing_set,
 )
-from compare.evidence.smith.screw import (
+from rollbench.comparison.evidence.smith.screw import (
     COUNTS,
     KINDS,
     LEAD,
@@ -28,10 +28,10 @@ from compare.evidence.smith.screw import (
     pull,
     topology,
 )
-from compare.measure import error_percent
-from compare.models.study import Study
-from lowfi.bearings.axis import angular_speed, support_loads, unloading_warming
-from lowfi.bearings.sets import lift_off_force
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.models.study import Study
+from rollbench.lowfi.bearings.axis import angular_speed, support_loads, unloading_warming
+from rollbench.lowfi.bearings.sets import lift_off_force
 
 
 def _drive(e: Entries) -> None:

@@ -16,12 +16,12 @@ from time import sleep
 
 import numpy as np
 
-from compare.errors import SceneError
-from compare.extremes.campaign.draw import scene_text
-from compare.reference.sealing import sealed, unsealed
-from compare.scenes import catalogue, scene_file
-from meshes.condensed import CondensedBodies, load_condensed
-from meshes.leftovers import temporary
+from rollbench.comparison.errors import SceneError
+from rollbench.comparison.extremes.campaign.draw import scene_text
+from rollbench.comparison.reference.sealing import sealed, unsealed
+from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.meshes.condensed import CondensedBodies, load_condensed
+from rollbench.meshes.leftovers import temporary
 
 #: What a mutated file may become.
 READ, REFUSED, CRASHED, CHANGED = "read as before", "refused", "traceback", "other numbers read"
@@ -45,7 +45,7 @@ VALUES = (
 WRITER = """
 import sys
 from pathlib import Path
-from compare.writing import replace_file
+from rollbench.comparison.writing import replace_file
 k = 0
 print("ready", flush=True)
 while True:
@@ -145,7 +145,7 @@ def _last(error: Exception) -> str:
 def kills(seed: int, count: int) -> Iterator[FileOutcome]:
     """A process that writes a file again and again is killed: the file is whole, and the next writer clears up."""
     rng = np.random.default_rng([seed, 3])
-    root = str(Path(__file__).parents[3])
+    root = os.pathsep.join(sys.path[1:])
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "written.txt"
         for _ in range(count):

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import asdict
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from compare import __version__
-from compare.extremes.campaign.scenes import Outcome
-from compare.sweep.store import packed, unpacked
+from rollbench.comparison import __version__
+from rollbench.comparison.extremes.campaign.scenes import Outcome
+from rollbench.comparison.provenance import sources_hash
+from rollbench.comparison.sweep.store import packed, unpacked
 
 #: Packages whose sources an outcome depends on.
 PACKAGES = ("meshes", "lowfi", "compare")
@@ -18,12 +17,7 @@ PACKAGES = ("meshes", "lowfi", "compare")
 
 def sources() -> str:
     """Digest of the Python sources that outcomes depend on."""
-    digest = hashlib.sha256()
-    for package in PACKAGES:
-        root = Path(str(resources.files(package)))
-        for path in sorted(p for p in root.rglob("*.py") if "__pycache__" not in p.parts):
-            digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes())
-    return digest.hexdigest()[:16]
+    return sources_hash(PACKAGES)[:16]
 
 
 class Part:

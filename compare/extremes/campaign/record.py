@@ -9,10 +9,11 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from compare import __version__
-from compare.errors import one_line
-from compare.extremes.campaign import files, scenes
-from compare.extremes.campaign.part import Part
+from rollbench.comparison import __version__
+from rollbench.comparison.errors import one_line
+from rollbench.comparison.extremes.campaign import files, scenes
+from rollbench.comparison.extremes.campaign.commanded import Command
+from rollbench.comparison.extremes.campaign.part import Part
 
 Record = dict[str, Any]
 
@@ -25,14 +26,16 @@ def run_campaign(
     kills: int,
     progress: Callable[[int, int, str], None] | None = None,
     part: Part | None = None,
+    command: Command | None = None,
 ) -> Record:
     """A campaign of ``count`` scenes, ``mutated`` scene files and half as many stored ones, and ``kills``.
 
     JSON-ready: command, day, counts by verdict, all bad outcomes, seconds of the scenes (median and largest). part: what an
-    interrupted one has left, and where this one leaves its outcomes.
+    interrupted one has left, and where this one leaves its outcomes; command: the command line, through which every scene
+    goes too, as text and as JSON.
     """
     known, keep = (None, None) if part is None else (part.outcomes, part.add)
-    outcomes = scenes.judge_scenes(seed, count, model, progress, known, keep)
+    outcomes = scenes.judge_scenes(seed, count, model, progress, known, keep, command)
     broken = [*files.scenes(seed, mutated), *files.stored(seed, mutated // 2), *files.kills(seed, kills)]
     seconds = sorted(o.seconds for o in outcomes)
     extra = f" --files {mutated}" * bool(mutated) + f" --kills {kills}" * bool(kills)
@@ -83,7 +86,7 @@ def read(path: Path) -> list[Record]:
 
 def shipped() -> list[Record]:
     """Records that come with the package."""
-    return read(Path(str(resources.files("compare").joinpath("extremes", "campaign", "campaign.json"))))
+    return read(Path(str(resources.files("rollbench.comparison").joinpath("extremes", "campaign", "campaign.json"))))
 
 
 def rows(records: Sequence[Record]) -> list[dict[str, Any]]:

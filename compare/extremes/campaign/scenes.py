@@ -7,22 +7,24 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 
-from compare.errors import InputError, SceneError
-from compare.extremes.campaign import check
-from compare.extremes.campaign.draw import scene_text
-from compare.models.registry import Options, run_model
-from compare.scenes import scene_file
-from lowfi.statics.result import StaticResult
-from meshes.parts import Scene
+from rollbench.comparison.errors import InputError, SceneError
+from rollbench.comparison.extremes.campaign import check
+from rollbench.comparison.extremes.campaign.commanded import SAME, Command, misstated
+from rollbench.comparison.extremes.campaign.draw import scene_text
+from rollbench.comparison.models.registry import Options, run_model
+from rollbench.comparison.scenes import scene_file
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.parts import Scene
 
 #: Outcomes, the good ones first.
 RIGHT, REFUSED, PROVEN, NOT_UNIQUE = "right", "refused as input", "refused, proven", "refused, contacts not unique"
 WRONG, UNPROVEN, SILENT, CRASHED = "wrong", "refused, unproven", "refused without a mechanism", "traceback"
-GOOD, BAD = (RIGHT, REFUSED, PROVEN, NOT_UNIQUE), (WRONG, UNPROVEN, SILENT, CRASHED)
+MISSTATED = "misstated by the command line"
+GOOD, BAD = (RIGHT, REFUSED, PROVEN, NOT_UNIQUE), (WRONG, UNPROVEN, SILENT, CRASHED, MISSTATED)
 #: Less energy that plain minimisation may find, over the energy stored in the contacts.
 LOWER = 1e-6
-#: Every so many scenes small ones are solved by the other engine too, whose loads may differ by this share of the largest.
-OTHER_ENGINE, FEW, SAME = 10, 40, 1e-5
+#: Every so many scenes small ones are solved by the other engine too, whose loads may differ by ``SAME``.
+OTHER_ENGINE, FEW = 10, 40
 
 
 @dataclass(frozen=True)
@@ -36,26 +38,35 @@ class Outcome:
     brute: bool = False
 
 
-def judge(seed: int, number: int, model: str) -> Outcome:
-    """Draw a scene, solve it and judge the outcome; whatever happens is an outcome, never an exception."""
+def judge(seed: int, number: int, model: str, command: Command | None = None) -> Outcome:
+    """Draw a scene, solve it and judge the outcome, what ``command`` (if given) prints of it too; whatever happens is an
+    outcome, never an exception."""
     begin = perf_counter()
     try:
-        verdict, words, brute = _judged(scene_text(seed, number), number, model)
+        verdict, words, brute = _judged(scene_text(seed, number), number, model, command)
     except Exception as error:  # a traceback is what the campaign looks for
         place = traceback.extract_tb(error.__traceback__)[-1]
         verdict, words, brute = CRASHED, f"{type(error).__name__}: {error} ({place.name}, line {place.lineno})", False
     return Outcome(number, verdict, words, perf_counter() - begin, brute)
 
 
-def _judged(text: str, number: int, model: str) -> tuple[str, str, bool]:
+def _judged(text: str, number: int, model: str, command: Command | None) -> tuple[str, str, bool]:
+    found: StaticResult | InputError
     try:
         scene = scene_file.loads(text, "campaign.toml")
-        result = run_model(scene, model, Options(engine="compiled", discretisation=False))
-    except SceneError as error:
-        return REFUSED, str(error), False
+        found = run_model(scene, model, Options(engine="compiled", discretisation=False))
     except InputError as error:
-        named = bool(error.key and error.value)
-        return (REFUSED if named else SILENT), str(error), False
+        named = isinstance(error, SceneError) or bool(error.key and error.value)
+        found, verdict, words, brute = error, REFUSED if named else SILENT, str(error), False
+    else:
+        verdict, words, brute = _verdict(scene, found, number, model)
+    if command is not None and verdict in GOOD:
+        fault = misstated(text, model, found, command)
+        return (MISSTATED, fault, brute) if fault else (verdict, words, brute)
+    return verdict, words, brute
+
+
+def _verdict(scene: Scene, result: StaticResult, number: int, model: str) -> tuple[str, str, bool]:
     if not result.converged:
         return (*_refusal(scene, result), False)
     fault = check.unbalanced(scene, result)
@@ -90,14 +101,15 @@ def judge_scenes(
     progress: Callable[[int, int, str], None] | None = None,
     known: Mapping[int, Outcome] | None = None,
     keep: Callable[[Outcome], None] | None = None,
+    command: Command | None = None,
 ) -> list[Outcome]:
     """``count`` scenes one after another; progress: as for ``compare.extremes.static.table``; known: outcomes by number
-    that are taken as they are; keep: called with every new one."""
+    that are taken as they are; keep: called with every new one; command: the command line, which must say the same."""
     found = []
     for number in range(count):
         outcome = None if known is None else known.get(number)
         if outcome is None:
-            outcome = judge(seed, number, model)
+            outcome = judge(seed, number, model, command)
             if keep is not None:
                 keep(outcome)
         found.append(outcome)

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, Literal
 
-from compare.scenes.fault import Fault
-from compare.scenes.keys import BallSizeKeys, CoulombKeys, PathKeys, SpeedKeys, Table
-from compare.scenes.kinds.common import (
+from rollbench.comparison.scenes.fault import Fault
+from rollbench.comparison.scenes.keys import BallSizeKeys, CoulombKeys, PathKeys, SpeedKeys, Table
+from rollbench.comparison.scenes.kinds.common import (
     Body,
     KindKeys,
     KindScene,
@@ -19,8 +19,8 @@ from compare.scenes.kinds.common import (
     material_faults,
     play_faults,
 )
-from compare.scenes.quantity import Quantity, Rate, key
-from lowfi.friction.bearing.rotary import Bearing, Mode
+from rollbench.comparison.scenes.quantity import Quantity, Rate, key
+from rollbench.lowfi.friction.bearing.rotary import Bearing, Mode
 
 Law = Literal["coulomb", "regularised", "sigmoid"]
 Creep = Annotated[float, Rate("speed", "0 m/s", "1 m/s", "0.1 mm/s", above=True)]

@@ -10,9 +10,9 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from compare.scenes.fault import Fault
-from compare.scenes.keys import BallSizeKeys, CoulombKeys, GrooveKeys, PathKeys, Size, SpeedKeys, Table
-from compare.scenes.kinds.common import (
+from rollbench.comparison.scenes.fault import Fault
+from rollbench.comparison.scenes.keys import BallSizeKeys, CoulombKeys, GrooveKeys, PathKeys, Size, SpeedKeys, Table
+from rollbench.comparison.scenes.kinds.common import (
     Body,
     HertzKeys,
     KindKeys,
@@ -24,11 +24,11 @@ from compare.scenes.kinds.common import (
     head_of,
     material_faults,
 )
-from compare.scenes.kinds.screw_balls import hertz_faults
-from compare.scenes.quantity import Quantity, key
-from lowfi.friction.bearing.pairs import ALL, DIAGONAL, OTHER, BallRow, BearingCase
-from lowfi.friction.screw.groove import ScrewGroove
-from meshes.arrays import Array
+from rollbench.comparison.scenes.kinds.screw_balls import hertz_faults
+from rollbench.comparison.scenes.quantity import Quantity, key
+from rollbench.lowfi.friction.bearing.pairs import ALL, DIAGONAL, OTHER, BallRow, BearingCase
+from rollbench.lowfi.friction.screw.groove import ScrewGroove
+from rollbench.meshes.arrays import Array
 
 LoadAngle = Annotated[float, Quantity("angle", "0 deg", "90 deg", "18 deg")]
 

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, Literal
 
-from compare.errors import escaped
-from compare.scenes.fault import Fault, mm
-from compare.scenes.key_checks import groove_choice_faults
-from compare.scenes.keys import (
+from rollbench.comparison.errors import escaped
+from rollbench.comparison.scenes.fault import Fault, mm
+from rollbench.comparison.scenes.key_checks import groove_choice_faults
+from rollbench.comparison.scenes.keys import (
     MATERIAL,
     BallSizeKeys,
     Coefficient,
@@ -21,8 +21,8 @@ from compare.scenes.keys import (
     PathKeys,
     Table,
 )
-from compare.scenes.quantity import Quantity, key
-from lowfi.friction.bearing.rotary import Mode
+from rollbench.comparison.scenes.quantity import Quantity, key
+from rollbench.lowfi.friction.bearing.rotary import Mode
 
 Pressing = Annotated[float, Quantity("force", "0 N", "1 MN", "100 N", above=True)]
 AxialLoad = Annotated[float, Quantity("force", "-1 MN", "1 MN", "50 N")]

@@ -10,9 +10,9 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from compare.scenes.fault import Fault
-from compare.scenes.keys import BallSizeKeys, ContactAngle, GrooveKeys, Table
-from compare.scenes.kinds.common import (
+from rollbench.comparison.scenes.fault import Fault
+from rollbench.comparison.scenes.keys import BallSizeKeys, ContactAngle, GrooveKeys, Table
+from rollbench.comparison.scenes.kinds.common import (
     Gap,
     KindKeys,
     KindScene,
@@ -25,10 +25,10 @@ from compare.scenes.kinds.common import (
     head_of,
     material_faults,
 )
-from compare.scenes.quantity import Quantity, Rate, key
-from lowfi.friction.linear.bearing import LinearBearing, deviations
-from lowfi.friction.linear.loads import Loads
-from meshes.arrays import Array
+from rollbench.comparison.scenes.quantity import Quantity, Rate, key
+from rollbench.lowfi.friction.linear.bearing import LinearBearing, deviations
+from rollbench.lowfi.friction.linear.loads import Loads
+from rollbench.meshes.arrays import Array
 
 Speed = Annotated[float, Rate("speed", "-1000 m/s", "1000 m/s", "10 mm/s")]
 SideRatio = Annotated[float, Quantity("number", -10, 10, -0.6)]

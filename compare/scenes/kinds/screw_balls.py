@@ -10,9 +10,9 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from compare.scenes.fault import Fault, mm
-from compare.scenes.keys import Azimuth, BallSizeKeys, Duration, HelixKeys, MotionKeys, Table, Turns
-from compare.scenes.kinds.common import (
+from rollbench.comparison.scenes.fault import Fault, mm
+from rollbench.comparison.scenes.keys import Azimuth, BallSizeKeys, Duration, HelixKeys, MotionKeys, Table, Turns
+from rollbench.comparison.scenes.kinds.common import (
     AxialLoad,
     Body,
     Gap,
@@ -26,11 +26,11 @@ from compare.scenes.kinds.common import (
     head_of,
     material_faults,
 )
-from compare.scenes.quantity import Quantity, key
-from lowfi.friction.screw.groove import ScrewGroove
-from lowfi.friction.screw.motion import Coupling
-from lowfi.friction.screw.pair import Pair
-from lowfi.friction.screw.run import Run
+from rollbench.comparison.scenes.quantity import Quantity, key
+from rollbench.lowfi.friction.screw.groove import ScrewGroove
+from rollbench.lowfi.friction.screw.motion import Coupling
+from rollbench.lowfi.friction.screw.pair import Pair
+from rollbench.lowfi.friction.screw.run import Run
 
 Share = Annotated[float, Quantity("number", -1, 1, 1)]
 Pattern = Annotated[list[Share], Field(min_length=4, max_length=4)]

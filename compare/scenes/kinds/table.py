@@ -8,16 +8,16 @@ from typing import Annotated, Any
 
 from pydantic import Discriminator, Tag, TypeAdapter
 
-from compare.scenes.axis_schema import AxisKeys
-from compare.scenes.fault import Fault
-from compare.scenes.keys import AXIS, FRICTION_ONLY, without_null
-from compare.scenes.kinds import bearing_ball, bearing_pair, linear, screw_balls
-from compare.scenes.kinds.bearing_ball import BearingBallKeys
-from compare.scenes.kinds.bearing_pair import BearingPairKeys
-from compare.scenes.kinds.common import KindKeys, KindScene
-from compare.scenes.kinds.linear import LinearChainKeys, LinearPairKeys
-from compare.scenes.kinds.screw_balls import ScrewPairKeys, ScrewRunKeys
-from compare.scenes.schema import SceneKeys
+from rollbench.comparison.scenes.axis_schema import AxisKeys
+from rollbench.comparison.scenes.fault import Fault
+from rollbench.comparison.scenes.keys import AXIS, FRICTION_ONLY, without_null
+from rollbench.comparison.scenes.kinds import bearing_ball, bearing_pair, linear, screw_balls
+from rollbench.comparison.scenes.kinds.bearing_ball import BearingBallKeys
+from rollbench.comparison.scenes.kinds.bearing_pair import BearingPairKeys
+from rollbench.comparison.scenes.kinds.common import KindKeys, KindScene
+from rollbench.comparison.scenes.kinds.linear import LinearChainKeys, LinearPairKeys
+from rollbench.comparison.scenes.kinds.screw_balls import ScrewPairKeys, ScrewRunKeys
+from rollbench.comparison.scenes.schema import SceneKeys
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lowfi.friction.contact.records import CellArrays
-from lowfi.friction.contact.rings import settle_cell
-from meshes.arrays import Array
+from rollbench.lowfi.friction.contact.records import CellArrays
+from rollbench.lowfi.friction.contact.rings import settle_cell
+from rollbench.meshes.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, ScrewGroove, frame
-from lowfi.friction.screw.load import Cell, ScrewLoad, settle_load
-from lowfi.friction.screw.motion import ball_motion
-from meshes.arrays import Array
+from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, ScrewGroove, frame
+from rollbench.lowfi.friction.screw.load import Cell, ScrewLoad, settle_load
+from rollbench.lowfi.friction.screw.motion import ball_motion
+from rollbench.meshes.arrays import Array
 
 #: Freedoms of the inner ring in the order of the unknowns, and the smallest part that is not round-off.
 UNKNOWNS, RANK = ("ux", "uy", "uz", "rx", "ry"), 1e-9

@@ -12,12 +12,18 @@ from typing import Literal
 
 import numpy as np
 
-from lowfi.friction.bearing.module_load import ModuleLoad, settle_module
-from lowfi.friction.contact.ellipse import Contacts, contacts
-from lowfi.friction.contact.laws import Sigmoid
-from lowfi.friction.contact.motion import Motion, Problem, balance_by_root, balance_by_sharpening, least_dissipation
-from lowfi.hertz import contact_modulus, hertz_constants, printed_hertz
-from meshes.arrays import Array
+from rollbench.lowfi.friction.bearing.module_load import ModuleLoad, settle_module
+from rollbench.lowfi.friction.contact.ellipse import Contacts, contacts
+from rollbench.lowfi.friction.contact.laws import Sigmoid
+from rollbench.lowfi.friction.contact.motion import (
+    Motion,
+    Problem,
+    balance_by_root,
+    balance_by_sharpening,
+    least_dissipation,
+)
+from rollbench.lowfi.hertz import contact_modulus, hertz_constants, printed_hertz
+from rollbench.meshes.arrays import Array
 
 SIDES = ("IL", "IR", "OR", "OL")
 #: Which way the contacts lie from the ball's centre along x and y, and which belong to the inner ring.

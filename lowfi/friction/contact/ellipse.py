@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import elliprd
 
-from lowfi.jit import CONTACT, kernels
-from meshes.arrays import Array
+from rollbench.lowfi.jit import CONTACT, kernels
+from rollbench.meshes.arrays import Array
 
 
 @dataclass(frozen=True)

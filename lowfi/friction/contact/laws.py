@@ -7,8 +7,8 @@ from typing import Protocol
 
 import numpy as np
 
-from lowfi.friction.contact.ellipse import Contacts, Friction, friction
-from meshes.arrays import Array
+from rollbench.lowfi.friction.contact.ellipse import Contacts, Friction, friction
+from rollbench.meshes.arrays import Array
 
 
 class Law(Protocol):

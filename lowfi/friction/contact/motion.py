@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import root
 
-from lowfi.friction.contact.ellipse import Contacts, Friction
-from lowfi.friction.contact.laws import Law, Sigmoid
-from lowfi.jit import CONTACT, kernels
-from meshes.arrays import Array
+from rollbench.lowfi.friction.contact.ellipse import Contacts, Friction
+from rollbench.lowfi.friction.contact.laws import Law, Sigmoid
+from rollbench.lowfi.jit import CONTACT, kernels
+from rollbench.meshes.arrays import Array
 
 #: Meaning of ``Motion.status`` by the number the kernel returns.
 STATUS = ("exact", "regularised", "at rest")

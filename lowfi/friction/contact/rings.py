@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lowfi.friction.contact.records import Array, CellArrays, CellState
-from lowfi.jit import CONTACT, kernels
+from rollbench.lowfi.friction.contact.records import Array, CellArrays, CellState
+from rollbench.lowfi.jit import CONTACT, kernels
 
 #: Round-off limit of the search and what counts as converged, as parts of the sum of forces.
 GOAL, ACCEPTED = 1e-13, 1e-8

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from lowfi.friction.linear.bearing import LinearBearing
-from meshes.arrays import Array
+from rollbench.lowfi.friction.linear.bearing import LinearBearing
+from rollbench.meshes.arrays import Array
 
 
 def _second_kind(axis_ratio: float) -> float:

@@ -11,8 +11,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from lowfi.hertz import HertzConstants, contact_modulus, hertz_constants
-from meshes.arrays import Array
+from rollbench.lowfi.hertz import HertzConstants, contact_modulus, hertz_constants
+from rollbench.meshes.arrays import Array
 
 CONTACTS = ("BL", "BR", "TR", "TL")
 #: Sense of the contacts' directions from the ball's centre: x, y.

@@ -22,12 +22,12 @@ from typing import Literal
 
 import numpy as np
 
-from lowfi.friction.linear.bearing import MOVING, LinearBearing, directions, semi_axes
-from lowfi.friction.linear.kernel.band import FILLED, WIDTH
-from lowfi.friction.linear.quadrature import contact_shape, node_count, nodes
-from lowfi.friction.linear.records import ChainArrays, ChainState, Work
-from lowfi.jit import LINEAR, kernels
-from meshes.arrays import Array, Mask
+from rollbench.lowfi.friction.linear.bearing import MOVING, LinearBearing, directions, semi_axes
+from rollbench.lowfi.friction.linear.kernel.band import FILLED, WIDTH
+from rollbench.lowfi.friction.linear.quadrature import contact_shape, node_count, nodes
+from rollbench.lowfi.friction.linear.records import ChainArrays, ChainState, Work
+from rollbench.lowfi.jit import LINEAR, kernels
+from rollbench.meshes.arrays import Array, Mask
 
 Status = Literal["converged", "not converged"]
 #: Creeping speed of sticking contacts in units of the carriage's speed, and force out of balance per largest bound.

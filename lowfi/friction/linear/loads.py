@@ -9,10 +9,10 @@ from typing import Literal
 
 import numpy as np
 
-from lowfi.friction.contact.records import CellArrays
-from lowfi.friction.contact.rings import settle_cell
-from lowfi.friction.linear.bearing import SENSE, LinearBearing, directions
-from meshes.arrays import Array
+from rollbench.lowfi.friction.contact.records import CellArrays
+from rollbench.lowfi.friction.contact.rings import settle_cell
+from rollbench.lowfi.friction.linear.bearing import SENSE, LinearBearing, directions
+from rollbench.meshes.arrays import Array
 
 Loads = Literal["diagonal", "balanced", "elastic"]
 #: Contacts with those of the carriage first, and back again.

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lowfi.friction.linear import analytic
-from lowfi.friction.linear.bearing import LinearBearing, deviations
-from lowfi.friction.linear.chain import ChainResult, prepare, solve_linear_chain
-from lowfi.friction.linear.loads import Loads, balanced_loads, diagonal_loads, elastic_loads
-from meshes.arrays import Array
+from rollbench.lowfi.friction.linear import analytic
+from rollbench.lowfi.friction.linear.bearing import LinearBearing, deviations
+from rollbench.lowfi.friction.linear.chain import ChainResult, prepare, solve_linear_chain
+from rollbench.lowfi.friction.linear.loads import Loads, balanced_loads, diagonal_loads, elastic_loads
+from rollbench.meshes.arrays import Array
 
 
 @dataclass(frozen=True)

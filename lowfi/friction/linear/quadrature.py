@@ -11,7 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from meshes.arrays import Array
+from rollbench.meshes.arrays import Array
 
 #: Narrowest ellipse b/a with which the quadrature is used.
 NARROWEST = 1e-3

@@ -6,10 +6,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from lowfi.friction.screw.groove import ON_SCREW, Grooved
-from lowfi.friction.screw.path import HelicalMotion
-from lowfi.friction.screw.records import GrooveArrays
-from meshes.arrays import Array
+from rollbench.lowfi.friction.screw.groove import ON_SCREW, Grooved
+from rollbench.lowfi.friction.screw.path import HelicalMotion
+from rollbench.lowfi.friction.screw.records import GrooveArrays
+from rollbench.meshes.arrays import Array
 
 
 @lru_cache(maxsize=64)

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lowfi.friction.screw.arrays import groove_arrays, nominal_speed, plain_array, units
-from lowfi.friction.screw.groove import Grooved, ScrewGroove
-from lowfi.friction.screw.motion import contact_wrench, helical_power, screw_contacts
-from lowfi.friction.screw.records import BalanceParts, BallArrays
-from lowfi.jit import SCREW, kernels
-from meshes.arrays import Array
+from rollbench.lowfi.friction.screw.arrays import groove_arrays, nominal_speed, plain_array, units
+from rollbench.lowfi.friction.screw.groove import Grooved, ScrewGroove
+from rollbench.lowfi.friction.screw.motion import contact_wrench, helical_power, screw_contacts
+from rollbench.lowfi.friction.screw.records import BalanceParts, BallArrays
+from rollbench.lowfi.jit import SCREW, kernels
+from rollbench.meshes.arrays import Array
 
 #: Regularising speeds as parts of the balls' speed, from the first (cold start) to the last.
 SPEEDS = tuple(10.0 ** (-0.5 * k) for k in range(2, 15))

@@ -10,11 +10,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lowfi.friction.screw.chain import Chain, ChainMotion, solve_chain
-from lowfi.friction.screw.joint import solve_joint
-from lowfi.friction.screw.load import Cell, ScrewLoad, settle_load
-from lowfi.friction.screw.motion import AGREED, ROUNDS, Coupling, Mixer, feedback, hold_screw
-from meshes.arrays import Array
+from rollbench.lowfi.friction.screw.chain import Chain, ChainMotion, solve_chain
+from rollbench.lowfi.friction.screw.joint import solve_joint
+from rollbench.lowfi.friction.screw.load import Cell, ScrewLoad, settle_load
+from rollbench.lowfi.friction.screw.motion import AGREED, ROUNDS, Coupling, Mixer, feedback, hold_screw
+from rollbench.meshes.arrays import Array
 
 #: Rounds after which loads and friction are solved as one system.
 PATIENCE = 26

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lowfi.friction.screw.groove import ScrewGroove
-from lowfi.friction.screw.motion import ball_motion
-from lowfi.statics.result import StaticResult
-from meshes.arrays import Array
-from meshes.parts import Scene
+from rollbench.lowfi.friction.screw.groove import ScrewGroove
+from rollbench.lowfi.friction.screw.motion import ball_motion
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import Scene
 
 
 @dataclass(frozen=True)

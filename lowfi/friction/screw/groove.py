@@ -14,14 +14,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
-from lowfi.friction.screw.path import ON_SCREW, SIGN_X, SIGN_Z, HelicalMotion, contact_axes
-from lowfi.hertz import contact_modulus, printed_hertz
-from lowfi.statics.problem import nominal_hertz
-from meshes.arrays import Array
-from meshes.errors import specimen
-from meshes.helix import ball_layout
-from meshes.parts import Balls, Material, Nut, Scene, Screw, Track
-from meshes.surface import printed_radii
+from rollbench.lowfi.friction.screw.path import ON_SCREW, SIGN_X, SIGN_Z, HelicalMotion, contact_axes
+from rollbench.lowfi.hertz import contact_modulus, printed_hertz
+from rollbench.lowfi.statics.problem import nominal_hertz
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import Balls, Material, Nut, Scene, Screw, Track
+from rollbench.meshes.surface import printed_radii
 
 Mode = Literal["right", "as printed"]
 

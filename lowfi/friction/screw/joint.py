@@ -11,13 +11,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lowfi.friction.contact.rings import cell_state
-from lowfi.friction.screw.arrays import plain_array
-from lowfi.friction.screw.chain import SPEEDS, Chain, Search, solve_chain
-from lowfi.friction.screw.load import Cell, load_arrays
-from lowfi.friction.screw.records import JointSystem, Place
-from lowfi.jit import CONTACT, kernels
-from meshes.arrays import Array
+from rollbench.lowfi.friction.contact.rings import cell_state
+from rollbench.lowfi.friction.screw.arrays import plain_array
+from rollbench.lowfi.friction.screw.chain import SPEEDS, Chain, Search, solve_chain
+from rollbench.lowfi.friction.screw.load import Cell, load_arrays
+from rollbench.lowfi.friction.screw.records import JointSystem, Place
+from rollbench.lowfi.jit import CONTACT, kernels
+from rollbench.meshes.arrays import Array
 
 #: Residual aimed at, in units of the largest friction bound of a ball, and what lets a stage pass.
 GOAL, PASSED = 1e-13, 1e-9

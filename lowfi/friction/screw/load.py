@@ -10,12 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lowfi.friction.contact.records import CellArrays
-from lowfi.friction.contact.rings import settle_cell
-from lowfi.friction.screw.arrays import plain_array
-from lowfi.friction.screw.groove import SIGN_X, SIGN_Z, ScrewGroove, frame
-from lowfi.statics.static import contact_angles
-from meshes.arrays import Array
+from rollbench.lowfi.friction.contact.records import CellArrays
+from rollbench.lowfi.friction.contact.rings import settle_cell
+from rollbench.lowfi.friction.screw.arrays import plain_array
+from rollbench.lowfi.friction.screw.groove import SIGN_X, SIGN_Z, ScrewGroove, frame
+from rollbench.lowfi.statics.static import contact_angles
+from rollbench.meshes.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -11,14 +11,14 @@ from typing import Literal
 
 import numpy as np
 
-from lowfi.friction.contact.ellipse import Contacts, contacts
-from lowfi.friction.contact.laws import Law, Sigmoid
-from lowfi.friction.contact.motion import Motion, Problem, balance_by_root, least_dissipation
-from lowfi.friction.screw.arrays import plain_array
-from lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, contact_axes
-from lowfi.friction.screw.load import Cell, ScrewLoad
-from lowfi.jit import SCREW, kernels
-from meshes.arrays import Array
+from rollbench.lowfi.friction.contact.ellipse import Contacts, contacts
+from rollbench.lowfi.friction.contact.laws import Law, Sigmoid
+from rollbench.lowfi.friction.contact.motion import Motion, Problem, balance_by_root, least_dissipation
+from rollbench.lowfi.friction.screw.arrays import plain_array
+from rollbench.lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, contact_axes
+from rollbench.lowfi.friction.screw.load import Cell, ScrewLoad
+from rollbench.lowfi.jit import SCREW, kernels
+from rollbench.meshes.arrays import Array
 
 #: What friction may change: nothing; the balls' places (as the source, 3.4.1); those and the screw's.
 Coupling = Literal["none", "ball", "ball and screw"]

@@ -11,8 +11,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from meshes.arrays import Array
-from meshes.parts import SIDE_SIGNS
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import SIDE_SIGNS
 
 SIGN_X, SIGN_Z = np.array(SIDE_SIGNS).T
 ON_SCREW = np.array([True, True, False, False])

@@ -11,13 +11,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.friction.screw.coupled import CoupledChain, coupled_chain
-from lowfi.friction.screw.groove import ScrewGroove
-from lowfi.friction.screw.load import Cell, screw_rows
-from lowfi.friction.screw.motion import Coupling
-from lowfi.friction.screw.pair import BOTH
-from lowfi.friction.screw.steps import StepError, step_error
-from meshes.arrays import Array
+from rollbench.lowfi.friction.screw.coupled import CoupledChain, coupled_chain
+from rollbench.lowfi.friction.screw.groove import ScrewGroove
+from rollbench.lowfi.friction.screw.load import Cell, screw_rows
+from rollbench.lowfi.friction.screw.motion import Coupling
+from rollbench.lowfi.friction.screw.pair import BOTH
+from rollbench.lowfi.friction.screw.steps import StepError, step_error
+from rollbench.meshes.arrays import Array
 
 
 @dataclass(frozen=True)

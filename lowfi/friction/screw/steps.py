@@ -13,7 +13,7 @@ from typing import Protocol, TypeVar
 
 import numpy as np
 
-from meshes.arrays import Array
+from rollbench.meshes.arrays import Array
 
 #: Least order that is believed; the ones of jumps and of smooth motion.
 LOWEST, OF_JUMPS, SMOOTH = 0.5, 1.0, 2.0

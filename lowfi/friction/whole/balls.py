@@ -8,12 +8,12 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.friction.whole.chain import SceneGrooves, grooves_of
-from lowfi.friction.whole.circuit import Circuit, circuits
-from meshes.arrays import Array
-from meshes.errors import Drawn, draw_ball_radii
-from meshes.parts import Friction, Scene
-from meshes.parts import Motion as Drive
+from rollbench.lowfi.friction.whole.chain import SceneGrooves, grooves_of
+from rollbench.lowfi.friction.whole.circuit import Circuit, circuits
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import Drawn, draw_ball_radii
+from rollbench.meshes.parts import Friction, Scene
+from rollbench.meshes.parts import Motion as Drive
 
 #: Sum of gaps [rad] below which a closed track is full: forces between its balls are not determined.
 FULL = 1e-9

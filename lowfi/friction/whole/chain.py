@@ -6,16 +6,16 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from lowfi.friction.screw.chain import AnyChain, ChainMotion, Rubs, solve_chain
-from lowfi.friction.screw.groove import Constants, Grooved
-from lowfi.friction.screw.path import ON_SCREW
-from lowfi.friction.whole.contacts import StaticContacts
-from lowfi.friction.whole.losses import ball_path, rubs_of, shares, turn_back
-from lowfi.friction.whole.torque import about_axis
-from lowfi.statics.problem import nominal_hertz
-from meshes.arrays import Array
-from meshes.parts import Friction, Scene
-from meshes.parts import Motion as Drive
+from rollbench.lowfi.friction.screw.chain import AnyChain, ChainMotion, Rubs, solve_chain
+from rollbench.lowfi.friction.screw.groove import Constants, Grooved
+from rollbench.lowfi.friction.screw.path import ON_SCREW
+from rollbench.lowfi.friction.whole.contacts import StaticContacts
+from rollbench.lowfi.friction.whole.losses import ball_path, rubs_of, shares, turn_back
+from rollbench.lowfi.friction.whole.torque import about_axis
+from rollbench.lowfi.statics.problem import nominal_hertz
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import Friction, Scene
+from rollbench.meshes.parts import Motion as Drive
 
 
 @dataclass(frozen=True, eq=False)

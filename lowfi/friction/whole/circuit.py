@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.friction.screw.groove import contact_spacing
-from lowfi.friction.whole.losses import ball_path
-from meshes.arrays import Array
-from meshes.helix import reduced_lead
-from meshes.parts import Circulation, Motion, Scene
+from rollbench.lowfi.friction.screw.groove import contact_spacing
+from rollbench.lowfi.friction.whole.losses import ball_path
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.helix import reduced_lead
+from rollbench.meshes.parts import Circulation, Motion, Scene
 
 #: Speed where the scene gives none [rad/s].
 ONE_TURN = Motion(2.0 * np.pi)

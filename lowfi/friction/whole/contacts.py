@@ -8,16 +8,22 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.friction.screw.path import SIGN_X, SIGN_Z
-from lowfi.hertz import contact_modulus, printed_hertz
-from lowfi.statics.again import ContactLoads
-from lowfi.statics.problem import actual_hertz, distinct_hertz, nominal_curvatures, nominal_hertz, relative_curvatures
-from lowfi.statics.result import StaticResult
-from meshes.arrays import Array
-from meshes.errors import Specimen, specimen
-from meshes.helix import BallLayout, ball_layout, groove_radii
-from meshes.parts import Errors, Scene
-from meshes.surface import printed_radii
+from rollbench.lowfi.friction.screw.path import SIGN_X, SIGN_Z
+from rollbench.lowfi.hertz import contact_modulus, printed_hertz
+from rollbench.lowfi.statics.again import ContactLoads
+from rollbench.lowfi.statics.problem import (
+    actual_hertz,
+    distinct_hertz,
+    nominal_curvatures,
+    nominal_hertz,
+    relative_curvatures,
+)
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import Specimen, specimen
+from rollbench.meshes.helix import BallLayout, ball_layout, groove_radii
+from rollbench.meshes.parts import Errors, Scene
+from rollbench.meshes.surface import printed_radii
 
 #: Part of a ball's largest contact force below which a contact keeps the ellipse of that part.
 FAINT = 1e-9

@@ -12,16 +12,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.friction.screw.motion import Mixer
-from lowfi.friction.screw.path import ON_SCREW
-from lowfi.friction.whole.contacts import StaticContacts, with_loads
-from lowfi.friction.whole.losses import BallFriction, ball_friction
-from lowfi.statics.result import StaticResult
-from lowfi.statics.static import contact_angles
-from meshes.arrays import Array
-from meshes.errors import Specimen, specimen
-from meshes.parts import Friction, Scene
-from meshes.parts import Motion as Drive
+from rollbench.lowfi.friction.screw.motion import Mixer
+from rollbench.lowfi.friction.screw.path import ON_SCREW
+from rollbench.lowfi.friction.whole.contacts import StaticContacts, with_loads
+from rollbench.lowfi.friction.whole.losses import BallFriction, ball_friction
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.statics.static import contact_angles
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import Specimen, specimen
+from rollbench.meshes.parts import Friction, Scene
+from rollbench.meshes.parts import Motion as Drive
 
 #: Difference of friction and what of it is fed back, as a fraction of a ball's contact forces: aimed at, and accepted
 #: after most rounds.

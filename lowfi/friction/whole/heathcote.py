@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from lowfi.friction.screw.path import ON_SCREW, contact_axes
-from lowfi.friction.whole.contacts import StaticContacts
-from lowfi.friction.whole.losses import BallFriction, ball_path, shares
-from meshes.arrays import Array
-from meshes.helix import groove_radii
-from meshes.parts import Friction, Scene
-from meshes.parts import Motion as Drive
+from rollbench.lowfi.friction.screw.path import ON_SCREW, contact_axes
+from rollbench.lowfi.friction.whole.contacts import StaticContacts
+from rollbench.lowfi.friction.whole.losses import BallFriction, ball_path, shares
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.helix import groove_radii
+from rollbench.meshes.parts import Friction, Scene
+from rollbench.meshes.parts import Motion as Drive
 
 #: Points of the quadrature from the middle of a contact outwards and around it.
 OUTWARDS, ROUND = 10, 20

@@ -12,16 +12,16 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.friction.contact.motion import STATUS
-from lowfi.friction.screw.chain import Rubs
-from lowfi.friction.screw.motion import contact_wrench
-from lowfi.friction.screw.path import HelicalMotion
-from lowfi.friction.whole.contacts import StaticContacts
-from lowfi.jit import CONTACT, kernels
-from meshes.arrays import Array
-from meshes.helix import reduced_lead
-from meshes.parts import Friction, Scene
-from meshes.parts import Motion as Drive
+from rollbench.lowfi.friction.contact.motion import STATUS
+from rollbench.lowfi.friction.screw.chain import Rubs
+from rollbench.lowfi.friction.screw.motion import contact_wrench
+from rollbench.lowfi.friction.screw.path import HelicalMotion
+from rollbench.lowfi.friction.whole.contacts import StaticContacts
+from rollbench.lowfi.jit import CONTACT, kernels
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.helix import reduced_lead
+from rollbench.meshes.parts import Friction, Scene
+from rollbench.meshes.parts import Motion as Drive
 
 #: What a contact loses power by: sliding of its centre across the groove, along the path, spin about the normal.
 CAUSES = ("sliding_across", "sliding_along", "spin")

@@ -6,15 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lowfi.friction.whole.balls import balls_of
-from lowfi.friction.whole.chain import chain_motion
-from lowfi.friction.whole.contacts import StaticContacts, spread
-from lowfi.friction.whole.losses import BallFriction
-from meshes.arrays import Array
-from meshes.errors import draw
-from meshes.helix import layout_at, reduced_lead
-from meshes.parts import Friction, Scene
-from meshes.parts import Motion as Drive
+from rollbench.lowfi.friction.whole.balls import balls_of
+from rollbench.lowfi.friction.whole.chain import chain_motion
+from rollbench.lowfi.friction.whole.contacts import StaticContacts, spread
+from rollbench.lowfi.friction.whole.losses import BallFriction
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import draw
+from rollbench.meshes.helix import layout_at, reduced_lead
+from rollbench.meshes.parts import Friction, Scene
+from rollbench.meshes.parts import Motion as Drive
 
 #: Gap [m] up to which neighbours count as touching.
 TOUCHING = 1e-6

@@ -14,21 +14,21 @@ from dataclasses import dataclass, field, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.friction.screw.chain import ChainMotion
-from lowfi.friction.screw.path import ON_SCREW
-from lowfi.friction.screw.steps import StepError, solve_steps
-from lowfi.friction.whole.balls import Balls
-from lowfi.friction.whole.chain import chain_motion
-from lowfi.friction.whole.contacts import StaticContacts, contacts_at, spread
-from lowfi.friction.whole.feedback import feed_back, feeds_back, seats_at
-from lowfi.friction.whole.torque import about_axis
-from lowfi.statics.again import ContactLoads
-from lowfi.statics.result import StaticResult
-from meshes.arrays import Array
-from meshes.errors import Drawn, Specimen
-from meshes.helix import BallLayout, layout_at, reduced_lead
-from meshes.parts import Friction, Scene, Time
-from meshes.parts import Motion as Drive
+from rollbench.lowfi.friction.screw.chain import ChainMotion
+from rollbench.lowfi.friction.screw.path import ON_SCREW
+from rollbench.lowfi.friction.screw.steps import StepError, solve_steps
+from rollbench.lowfi.friction.whole.balls import Balls
+from rollbench.lowfi.friction.whole.chain import chain_motion
+from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_at, spread
+from rollbench.lowfi.friction.whole.feedback import feed_back, feeds_back, seats_at
+from rollbench.lowfi.friction.whole.torque import about_axis
+from rollbench.lowfi.statics.again import ContactLoads
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.errors import Drawn, Specimen
+from rollbench.meshes.helix import BallLayout, layout_at, reduced_lead
+from rollbench.meshes.parts import Friction, Scene, Time
+from rollbench.meshes.parts import Motion as Drive
 
 #: A static model: contact loads of balls with these errors at these places.
 Solve = Callable[[Specimen, BallLayout], StaticResult | ContactLoads]

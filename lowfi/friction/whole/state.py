@@ -6,16 +6,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lowfi.friction.whole.contacts import StaticContacts, contacts_of
-from lowfi.friction.whole.feedback import JAMMED, feed_back, feeds_back, seats_of, second_states
-from lowfi.friction.whole.losses import BallFriction, ball_friction, closing_speeds
-from lowfi.friction.whole.neighbours import Neighbours, neighbours
-from lowfi.friction.whole.torque import ScrewTorque, sum_up
-from lowfi.jit import CONTACT, cached, loaded
-from lowfi.statics.result import StaticResult
-from meshes.arrays import Array
-from meshes.parts import Friction, Scene
-from meshes.parts import Motion as Drive
+from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of
+from rollbench.lowfi.friction.whole.feedback import JAMMED, feed_back, feeds_back, seats_of, second_states
+from rollbench.lowfi.friction.whole.losses import BallFriction, ball_friction, closing_speeds
+from rollbench.lowfi.friction.whole.neighbours import Neighbours, neighbours
+from rollbench.lowfi.friction.whole.torque import ScrewTorque, sum_up
+from rollbench.lowfi.jit import CONTACT, cached, loaded
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import Friction, Scene
+from rollbench.meshes.parts import Motion as Drive
 
 #: Balls from which compiling the kernels (20 s, once) pays for a single solve, without feedback and with it.
 COMPILE_ABOVE, COUPLED_ABOVE = 1000, 8

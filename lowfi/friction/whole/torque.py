@@ -14,13 +14,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lowfi.friction.screw.path import ON_SCREW
-from lowfi.friction.whole.contacts import StaticContacts
-from lowfi.friction.whole.losses import BallFriction
-from meshes.arrays import Array
-from meshes.helix import reduced_lead
-from meshes.parts import Motion as Drive
-from meshes.parts import Scene
+from rollbench.lowfi.friction.screw.path import ON_SCREW
+from rollbench.lowfi.friction.whole.contacts import StaticContacts
+from rollbench.lowfi.friction.whole.losses import BallFriction
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.helix import reduced_lead
+from rollbench.meshes.parts import Motion as Drive
+from rollbench.meshes.parts import Scene
 
 #: Axial load over the sum of contact forces below which it is round-off: no efficiency is made of it.
 ROUND_OFF = 1e-6

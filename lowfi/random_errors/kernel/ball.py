@@ -7,7 +7,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from lowfi.jit import kernel
+from rollbench.lowfi.jit import kernel
 
 #: Array of floats.
 Array = NDArray[Any]

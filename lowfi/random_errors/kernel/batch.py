@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lowfi.jit import kernel
+from rollbench.lowfi.jit import kernel
 
 from .ball import Array
 from .newton import newton

@@ -6,7 +6,7 @@ from math import sqrt
 
 import numpy as np
 
-from lowfi.jit import kernel
+from rollbench.lowfi.jit import kernel
 
 from .ball import Array, ball
 

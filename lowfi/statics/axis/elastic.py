@@ -14,14 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag, cho_factor, cho_solve, qr
 
-from lowfi.compliance.bodies import Backend, ball_compliance, body_compliance, geometry_only, grooved_section
-from lowfi.compliance.modes import soft_modes
-from lowfi.statics.axis.rollers import RollerElements, roller_elements, roller_springs
-from lowfi.statics.axis.structure import Structure, threaded
-from lowfi.statics.axis.system import BallSet, System
-from lowfi.statics.axis.typical import typical, typical_force
-from lowfi.statics.conformity import oblique_term
-from lowfi.statics.elastic_system import (
+from rollbench.lowfi.compliance.bodies import Backend, ball_compliance, body_compliance, geometry_only, grooved_section
+from rollbench.lowfi.compliance.modes import soft_modes
+from rollbench.lowfi.statics.axis.rollers import RollerElements, roller_elements, roller_springs
+from rollbench.lowfi.statics.axis.structure import Structure, threaded
+from rollbench.lowfi.statics.axis.system import BallSet, System
+from rollbench.lowfi.statics.axis.typical import typical, typical_force
+from rollbench.lowfi.statics.conformity import oblique_term
+from rollbench.lowfi.statics.elastic_system import (
     LARGEST,
     MODES_FROM,
     by_ball,
@@ -30,13 +30,13 @@ from lowfi.statics.elastic_system import (
     spring_rows,
     typical_axes,
 )
-from lowfi.statics.problem import Problem, nominal_hertz
-from lowfi.statics.records import BallContacts, Bodies, BodyOptions, BodyState
-from lowfi.statics.shaft import Shaft, flank_response, shaft_of
-from lowfi.statics.squeeze import Squeeze, squeezed, stretch_of
-from lowfi.statics.static import MAX_ITERATIONS, TOLERANCE
-from meshes.arrays import Array
-from meshes.section import screw_section
+from rollbench.lowfi.statics.problem import Problem, nominal_hertz
+from rollbench.lowfi.statics.records import BallContacts, Bodies, BodyOptions, BodyState
+from rollbench.lowfi.statics.shaft import Shaft, flank_response, shaft_of
+from rollbench.lowfi.statics.squeeze import Squeeze, squeezed, stretch_of
+from rollbench.lowfi.statics.static import MAX_ITERATIONS, TOLERANCE
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.section import screw_section
 
 
 @dataclass(frozen=True)

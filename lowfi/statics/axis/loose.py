@@ -7,11 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import qr
 
-from lowfi.statics.axis.structure import held_rows, rigid_motions
-from lowfi.statics.axis.system import System
-from lowfi.statics.problem import wrench_rows
-from meshes.arrays import Array
-from meshes.parts import FREEDOMS
+from rollbench.lowfi.statics.axis.structure import held_rows, rigid_motions
+from rollbench.lowfi.statics.axis.system import System
+from rollbench.lowfi.statics.problem import wrench_rows
+from rollbench.lowfi.statics.shape import principal
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import FREEDOMS
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ def loose_motions(system: System) -> Loose:
             if a.row[0, end] >= 0:
                 moved += a.B[:, end] @ by_row[a.row[0, end]]
         rows.append(moved)
-    _, size, vt = np.linalg.svd(np.linalg.qr(np.concatenate(rows), mode="r"))  # as small as the motions are few
+    size, vt = principal(np.concatenate(rows))
     rank = int((size > 1e-9 * max(1.0, size.max(initial=0.0))).sum())
     null = vt[rank:]
     if not null.shape[0]:

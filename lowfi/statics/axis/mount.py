@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from lowfi.statics.axis.result import AxisResult
-from lowfi.statics.axis.system import tapered
-from lowfi.statics.problem import nominal_hertz
-from meshes.arrays import Array
-from meshes.axis import Assembly, RollerRow, RollingSet
+from rollbench.lowfi.statics.axis.result import AxisResult
+from rollbench.lowfi.statics.axis.system import tapered
+from rollbench.lowfi.statics.problem import nominal_hertz
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
 
 #: Part of the largest preload that its error may have, and steps that are tried.
 ERROR, STEPS = 1e-12, 60

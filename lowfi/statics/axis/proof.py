@@ -11,12 +11,12 @@ import numpy as np
 from scipy.optimize import linprog
 from scipy.sparse import csr_array, hstack, vstack
 
-from lowfi.statics.axis.loose import words_for
-from lowfi.statics.axis.structure import held_rows, rigid_motions
-from lowfi.statics.axis.system import BallSet, System
-from lowfi.statics.problem import SIGNS
-from lowfi.statics.proof import PROVEN
-from meshes.arrays import Array
+from rollbench.lowfi.statics.axis.loose import words_for
+from rollbench.lowfi.statics.axis.structure import held_rows, rigid_motions
+from rollbench.lowfi.statics.axis.system import BallSet, System
+from rollbench.lowfi.statics.problem import SIGNS
+from rollbench.lowfi.statics.proof import PROVEN
+from rollbench.meshes.arrays import Array
 
 
 def opening_motion(system: System) -> Array | None:

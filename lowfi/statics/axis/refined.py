@@ -8,23 +8,23 @@ from time import perf_counter
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from lowfi import jit
-from lowfi.compliance.bodies import REFINED, Backend
-from lowfi.statics.axis.elastic import ElasticAxis, ready
-from lowfi.statics.axis.loose import loose_motions, pinned
-from lowfi.statics.axis.mount import mount
-from lowfi.statics.axis.result import AxisResult
-from lowfi.statics.axis.solve import axis_verdict, engine_for, solve_assembly
-from lowfi.statics.axis.stiffness import asked_station, inverse, rigid_rows
-from lowfi.statics.axis.summary import Ending, assemble_axis, failed_axis
-from lowfi.statics.axis.system import BallSet, build
-from lowfi.statics.records import AxisState, Outcome
-from lowfi.statics.result import SolverReport
-from lowfi.statics.shaft import flank_loads, node_motions
-from lowfi.statics.static import MAX_ITERATIONS, NO_LOADS, Engine
-from lowfi.statics.summary import ELASTIC_ASSUMPTIONS
-from meshes.arrays import Array
-from meshes.axis import Assembly, RollerRow
+from rollbench.lowfi import jit
+from rollbench.lowfi.compliance.bodies import REFINED, Backend
+from rollbench.lowfi.statics.axis.elastic import ElasticAxis, ready
+from rollbench.lowfi.statics.axis.loose import loose_motions, pinned
+from rollbench.lowfi.statics.axis.mount import mount
+from rollbench.lowfi.statics.axis.result import AxisResult
+from rollbench.lowfi.statics.axis.solve import axis_verdict, engine_for, solve_assembly
+from rollbench.lowfi.statics.axis.stiffness import asked_station, inverse, rigid_rows
+from rollbench.lowfi.statics.axis.summary import Ending, assemble_axis, failed_axis
+from rollbench.lowfi.statics.axis.system import BallSet, build
+from rollbench.lowfi.statics.records import AxisState, Outcome
+from rollbench.lowfi.statics.result import SolverReport
+from rollbench.lowfi.statics.shaft import flank_loads, node_motions
+from rollbench.lowfi.statics.static import MAX_ITERATIONS, NO_LOADS, ROUND_OFF, Engine
+from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly, RollerRow
 
 #: Statements that hold for every run of the refined model on several sets.
 ASSUMPTIONS = (
@@ -111,7 +111,7 @@ def round_off(elastic: ElasticAxis, scale: float) -> float:
     stiff = float(contact[..., 3].max(initial=0.0))
     moved = float(np.abs(elastic.state.inner[:, :2]).max(initial=0.0))
     lengths = 2.0 * float(np.abs(elastic.bodies.v0).max(initial=0.0)) + moved
-    return 8.0 * float(np.finfo(float).eps) * lengths * stiff / scale
+    return ROUND_OFF * lengths * stiff / scale
 
 
 def flank_forces(elastic: ElasticAxis) -> Array:

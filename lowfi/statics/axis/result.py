@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
-from lowfi.statics.result import Equilibrium, SolverReport, StaticResult
-from meshes.arrays import Array
-from meshes.axis import RollingSet
+import numpy as np
+
+from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult, unknown
+from rollbench.lowfi.warned import Warned
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import RollingSet
 
 
 @dataclass(frozen=True)
@@ -29,6 +33,15 @@ class SetResult:
     rollers: Array | None = None
     line_loads: Array | None = None
 
+    def without_answers(self) -> SetResult:
+        """The set of a result that did not converge: places and numbers of its elements, and nan."""
+        rollers = None if self.rollers is None else np.column_stack([self.rollers[:, 0], unknown(self.rollers[:, 1])])
+        lines = None if self.line_loads is None else unknown(self.line_loads)
+        balls = None if self.balls is None else self.balls.without_answers()
+        names = ("force", "moment", "reaction", "stiffness", "outer")
+        each: dict[str, Any] = {name: unknown(getattr(self, name)) for name in names}
+        return replace(self, **each, balls=balls, rollers=rollers, line_loads=lines)
+
 
 @dataclass(frozen=True)
 class HousingResult:
@@ -39,6 +52,10 @@ class HousingResult:
     motion: Array
     wrench: Array
     residual: float
+
+    def without_answers(self) -> HousingResult:
+        """The housing in a result that did not converge."""
+        return HousingResult(self.name, unknown(self.motion), unknown(self.wrench), float("nan"))
 
 
 @dataclass(frozen=True)
@@ -58,9 +75,22 @@ class AxisResult:
     solver: SolverReport
     assumed: tuple[str, ...]
     left_out: tuple[str, ...]
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[Warned, ...] = ()
 
     @property
     def converged(self) -> bool:
         """Whether the loads may be used."""
         return self.status == "converged"
+
+    def answers(self) -> AxisResult:
+        """Itself where it converged; else without loads, motions, stiffness and balance."""
+        if self.converged:
+            return self
+        return replace(
+            self,
+            sets=tuple(s.without_answers() for s in self.sets),
+            housings=tuple(h.without_answers() for h in self.housings),
+            centreline=unknown(self.centreline),
+            equilibrium=None,
+            stiffness=None,
+        )

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.bearings.roller_slices import middles
-from lowfi.statics.axis.system import RollerSet
-from lowfi.statics.records import RollerContacts
-from meshes.arrays import Array
+from rollbench.lowfi.bearings.roller_slices import middles
+from rollbench.lowfi.statics.axis.system import RollerSet
+from rollbench.lowfi.statics.records import RollerContacts
+from rollbench.meshes.arrays import Array
 
 
 @dataclass(frozen=True)

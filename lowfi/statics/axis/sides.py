@@ -12,17 +12,17 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.optimize import brentq
 
-from lowfi.statics.axis.system import USE, BallSet, Placed, System
-from lowfi.statics.problem import distances, nominal_hertz
-from lowfi.statics.records import AxisState
-from lowfi.statics.selection import all_clear, motions_in_section
-from lowfi.statics.shape import motion_matrices
-from meshes.arrays import Array, Mask
-from meshes.axis import Assembly, RollingSet
-from meshes.errors import Specimen
-from meshes.partition import contact_stations
-from meshes.parts import SIDES, Scene
-from meshes.section import BeamSection
+from rollbench.lowfi.statics.axis.system import USE, BallSet, Placed, System
+from rollbench.lowfi.statics.problem import distances, nominal_hertz
+from rollbench.lowfi.statics.records import AxisState
+from rollbench.lowfi.statics.selection import all_clear, motions_in_section
+from rollbench.lowfi.statics.shape import motion_matrices
+from rollbench.meshes.arrays import Array, Mask
+from rollbench.meshes.axis import Assembly, RollingSet
+from rollbench.meshes.errors import Specimen
+from rollbench.meshes.partition import contact_stations
+from rollbench.meshes.parts import SIDES, Scene
+from rollbench.meshes.section import BeamSection
 
 
 def likely_sides(assembly: Assembly, places: Sequence[Placed]) -> list[Mask]:

@@ -8,22 +8,31 @@ from types import ModuleType
 
 import numpy as np
 
-from lowfi import jit
-from lowfi.statics.axis.loose import loose_motions, pinned
-from lowfi.statics.axis.mount import mount
-from lowfi.statics.axis.proof import unheld
-from lowfi.statics.axis.result import AxisResult
-from lowfi.statics.axis.sides import all_sides, clear, complete, likely_sides
-from lowfi.statics.axis.stiffness import set_stiffness, whole_stiffness
-from lowfi.statics.axis.summary import AXIS_ASSUMPTIONS, Ending, assemble_axis, failed_axis
-from lowfi.statics.axis.system import System, build, placed
-from lowfi.statics.axis.typical import typical
-from lowfi.statics.problem import actual_hertz
-from lowfi.statics.records import AxisSlopes, AxisState, BeamOptions, Outcome
-from lowfi.statics.result import SolverReport
-from lowfi.statics.static import ACCEPTED, MAX_ITERATIONS, NO_LOADS, TOLERANCE, Engine, contact_angles, pick_engine
-from meshes.arrays import Array
-from meshes.axis import Assembly, RollerRow
+from rollbench.lowfi import jit
+from rollbench.lowfi.statics.axis.loose import loose_motions, pinned
+from rollbench.lowfi.statics.axis.mount import mount
+from rollbench.lowfi.statics.axis.proof import unheld
+from rollbench.lowfi.statics.axis.result import AxisResult
+from rollbench.lowfi.statics.axis.sides import all_sides, clear, complete, likely_sides
+from rollbench.lowfi.statics.axis.stiffness import set_stiffness, whole_stiffness
+from rollbench.lowfi.statics.axis.summary import AXIS_ASSUMPTIONS, Ending, assemble_axis, failed_axis
+from rollbench.lowfi.statics.axis.system import System, build, placed
+from rollbench.lowfi.statics.axis.typical import typical
+from rollbench.lowfi.statics.problem import actual_hertz
+from rollbench.lowfi.statics.records import AxisSlopes, AxisState, BeamOptions, Outcome
+from rollbench.lowfi.statics.result import SolverReport
+from rollbench.lowfi.statics.static import (
+    ACCEPTED,
+    MAX_ITERATIONS,
+    NO_LOADS,
+    ROUND_OFF,
+    TOLERANCE,
+    Engine,
+    contact_angles,
+    pick_engine,
+)
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly, RollerRow
 
 
 @dataclass
@@ -175,4 +184,4 @@ def round_off(prepared: Prepared, scale: float) -> float:
     state = prepared.state
     motion = float(np.abs(state.q[:, :3]).max(initial=0.0)) + float(np.abs(prepared.system.contacts.v0).max(initial=0.0))
     stiff = float(state.contact[..., 3].max(initial=0.0)) + float(state.slices[:, 1].max(initial=0.0))
-    return 4.0 * float(np.finfo(float).eps) * motion * stiff / scale
+    return ROUND_OFF * motion * stiff / scale

@@ -7,10 +7,10 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.statics.axis.system import BallSet, System
-from lowfi.statics.records import AxisState
-from lowfi.statics.shape import rigid_transport
-from meshes.arrays import Array
+from rollbench.lowfi.statics.axis.system import BallSet, System
+from rollbench.lowfi.statics.records import AxisState
+from rollbench.lowfi.statics.shape import rigid_transport
+from rollbench.meshes.arrays import Array
 
 
 def asked_station(system: System) -> tuple[int, str]:

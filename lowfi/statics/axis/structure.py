@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.statics.shape import rigid_transport
-from meshes.arrays import Array
-from meshes.axis import Assembly, Housing
-from meshes.partition import MERGE, merge
-from meshes.parts import FREEDOMS, Scene
-from meshes.section import BeamSection, screw_section, tube_section
+from rollbench.lowfi.statics.shape import rigid_transport
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly, Housing
+from rollbench.meshes.partition import MERGE, merge
+from rollbench.meshes.parts import FREEDOMS, Scene
+from rollbench.meshes.section import BeamSection, screw_section, tube_section
 
 Ints = NDArray[np.int64]
 

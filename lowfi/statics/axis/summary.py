@@ -7,20 +7,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lowfi.statics.axis.proof import crossed
-from lowfi.statics.axis.result import AxisResult, HousingResult, SetResult
-from lowfi.statics.axis.sides import left_out
-from lowfi.statics.axis.stiffness import asked_station
-from lowfi.statics.axis.system import BallSet, RollerSet, System
-from lowfi.statics.problem import SIGNS
-from lowfi.statics.records import AxisState
-from lowfi.statics.result import Equilibrium, SolverReport, StaticResult
-from lowfi.statics.shape import rigid_transport
-from lowfi.statics.solved import SolvedState
-from lowfi.statics.summary import MODEL_ASSUMPTIONS, contact_geometry
-from lowfi.statics.validity import warnings_of
-from meshes.arrays import Array
-from meshes.axis import Assembly
+from rollbench.lowfi.statics.axis.proof import crossed
+from rollbench.lowfi.statics.axis.result import AxisResult, HousingResult, SetResult
+from rollbench.lowfi.statics.axis.sides import left_out
+from rollbench.lowfi.statics.axis.stiffness import asked_station
+from rollbench.lowfi.statics.axis.system import BallSet, RollerSet, System
+from rollbench.lowfi.statics.problem import SIGNS
+from rollbench.lowfi.statics.records import AxisState
+from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult
+from rollbench.lowfi.statics.shape import rigid_transport
+from rollbench.lowfi.statics.solved import SolvedState
+from rollbench.lowfi.statics.summary import MODEL_ASSUMPTIONS, contact_geometry
+from rollbench.lowfi.statics.validity import warnings_of
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly
 
 #: Statements that hold for every run of the source's low-order model on several sets.
 AXIS_ASSUMPTIONS = (
@@ -75,7 +75,7 @@ def assemble_axis(system: System, state: AxisState, end: Ending) -> AxisResult:
         end.report,
         (*assembly.assumed, *end.assumed, *((ROLLERS,) if system.rollers else ())),
         (*held, *end.left_out, *left_out(system)),
-        tuple(f"{s.of.name}: {w}" for s in sets if s.balls is not None for w in s.balls.warnings),
+        tuple(w.of(s.of.name) for s in sets if s.balls is not None for w in s.balls.warnings),
     )
 
 

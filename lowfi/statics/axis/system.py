@@ -8,17 +8,17 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.bearings.roller_slices import middles
-from lowfi.bearings.tapered_roller import TaperedBearing
-from lowfi.statics.axis.structure import Structure, structure_of
-from lowfi.statics.problem import Problem, flank_rows, hertz_C, pack_geometry
-from lowfi.statics.records import AxisArrays, AxisBalls, AxisRollers
-from meshes.arrays import Array
-from meshes.axis import Assembly, RollerRow, RollingSet
-from meshes.errors import Specimen, specimen
-from meshes.helix import BallLayout, ball_layout
-from meshes.partition import contact_stations
-from meshes.parts import Scene
+from rollbench.lowfi.bearings.roller_slices import middles
+from rollbench.lowfi.bearings.tapered_roller import TaperedBearing
+from rollbench.lowfi.statics.axis.structure import Structure, structure_of
+from rollbench.lowfi.statics.problem import Problem, flank_rows, hertz_C, pack_geometry
+from rollbench.lowfi.statics.records import AxisArrays, AxisBalls, AxisRollers
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
+from rollbench.meshes.errors import Specimen, specimen
+from rollbench.meshes.helix import BallLayout, ball_layout
+from rollbench.meshes.partition import contact_stations
+from rollbench.meshes.parts import Scene
 
 Ints = NDArray[np.int64]
 #: Balls of a set: where they are, and their specimen of random errors.

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from lowfi.statics.axis.system import BallSet, System
-from meshes.axis import Housing
-from meshes.parts import Load
+from rollbench.lowfi.statics.axis.system import BallSet, System
+from rollbench.lowfi.statics.problem import tightest
+from rollbench.meshes.axis import Housing
+from rollbench.meshes.parts import Load
 
 
 def applied(system: System) -> float:
@@ -23,7 +24,7 @@ def pair_compliance(b: BallSet) -> float:
 def squeeze(b: BallSet) -> float:
     """Approach [m] of a set's contacts by oversized balls or the shift of its outer part, all else held."""
     shift = {"+z": -b.of.offset, "-z": b.of.offset}.get(b.of.thrust, abs(b.of.offset))
-    return max(0.0, float(b.problem.closure.max(initial=0.0)), shift * float(np.sin(b.problem.scene.track.contact_angle)))
+    return max(tightest(b.problem), shift * float(np.sin(b.problem.scene.track.contact_angle)))
 
 
 def typical_force(system: System, b: BallSet) -> float:

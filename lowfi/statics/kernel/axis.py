@@ -9,8 +9,17 @@ from math import sqrt
 
 import numpy as np
 
-from lowfi.jit import kernel
-from lowfi.statics.records import Array, AxisArrays, AxisBalls, AxisRollers, AxisSlopes, AxisState, BeamOptions, Outcome
+from rollbench.lowfi.jit import kernel
+from rollbench.lowfi.statics.records import (
+    Array,
+    AxisArrays,
+    AxisBalls,
+    AxisRollers,
+    AxisSlopes,
+    AxisState,
+    BeamOptions,
+    Outcome,
+)
 
 from .axis_matrix import add_axis, add_balls, add_rollers, hold
 from .ball import FORCE, MX, MZ, block, settle_ball

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from lowfi.jit import is_compiled, kernel
-from lowfi.statics.records import Array, AxisArrays, AxisBalls, AxisRollers
+from rollbench.lowfi.jit import is_compiled, kernel
+from rollbench.lowfi.statics.records import Array, AxisArrays, AxisBalls, AxisRollers
 
 from .beam import add_element
 

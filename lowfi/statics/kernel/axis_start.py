@@ -4,8 +4,8 @@ from math import sqrt
 
 import numpy as np
 
-from lowfi.jit import kernel
-from lowfi.statics.records import Array, AxisArrays, AxisBalls, AxisRollers, AxisSlopes, AxisState, BeamOptions
+from rollbench.lowfi.jit import kernel
+from rollbench.lowfi.statics.records import Array, AxisArrays, AxisBalls, AxisRollers, AxisSlopes, AxisState, BeamOptions
 
 from .axis import advance_axis, ball_shift, evaluate_axis, solve_lines, tangent
 from .axis_matrix import add_axis

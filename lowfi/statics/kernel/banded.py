@@ -7,8 +7,8 @@ third of the divisions and of the passes over the rows. Interpreted: LAPACK thro
 
 import numpy as np
 
-from lowfi.jit import is_compiled, kernel, summing
-from lowfi.statics.records import Array
+from rollbench.lowfi.jit import is_compiled, kernel, summing
+from rollbench.lowfi.statics.records import Array
 
 #: Width of the band of a chain of nodes.
 CHAIN = 12

@@ -4,8 +4,8 @@ Node positions of a long slender shaft cancel to a part in 1e12 when subtracted;
 An element from node 1 to node 2 strains by d = q_2 - T q_1, T the rigid transport over its length.
 """
 
-from lowfi.jit import kernel
-from lowfi.statics.records import Array
+from rollbench.lowfi.jit import kernel
+from rollbench.lowfi.statics.records import Array
 
 
 @kernel

@@ -2,8 +2,8 @@
 
 from math import atan2, cos, sin, sqrt
 
-from lowfi.jit import kernel
-from lowfi.statics.records import Array
+from rollbench.lowfi.jit import kernel
+from rollbench.lowfi.statics.records import Array
 
 
 @kernel

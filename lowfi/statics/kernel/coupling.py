@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from lowfi.jit import kernel
-from lowfi.statics.records import Array, Bodies
+from rollbench.lowfi.jit import kernel
+from rollbench.lowfi.statics.records import Array, Bodies
 
 
 @kernel

@@ -9,8 +9,8 @@ the modes of the bodies that are softer than a contact exactly and iterate on th
 
 import numpy as np
 
-from lowfi.jit import kernel
-from lowfi.statics.records import (
+from rollbench.lowfi.jit import kernel
+from rollbench.lowfi.statics.records import (
     Array,
     BallContacts,
     BallRows,
@@ -26,7 +26,7 @@ from lowfi.statics.records import (
 from .coupling import apply_rows, body_motion, border, cholesky_lower, couple, forces_of_rows, triangular
 from .elastic_balls import ball_rows, evaluate_balls
 from .modes import gradients, soft_factor
-from .newton import BALANCED, CONVERGED, GROWN, ITERATIONS, NOT_HELD, PATIENCE, SINGULAR, WHOLE_STEPS, ball_mismatch
+from .newton import BALANCED, CONVERGED, FALLS, GROWN, ITERATIONS, NOT_HELD, PATIENCE, SINGULAR, WHOLE_STEPS, ball_mismatch
 from .search import TRIALS, first_trial, next_trial
 
 #: Residual asked of the linear equations, as a fraction of that of the contact forces: a tenth keeps Newton's own order.
@@ -261,7 +261,7 @@ def solve_forces(
     residual = mismatch(bodies, phi, f, arms, scale)
     history[0] = residual
     evaluations, stalled, flat, factor, best = 1, 0, 0, 1e-3, residual
-    status, it, stuck, fresh = ITERATIONS, 0, 0, bool(np.bool_(True))
+    status, it, stuck, fresh, lowest = ITERATIONS, 0, 0, bool(np.bool_(True)), energy
     if residual <= tolerance and unbalanced(state, scale) <= BALANCED:
         status = CONVERGED
         return Outcome(status, it, evaluations, residual, energy, scale)
@@ -309,8 +309,10 @@ def solve_forces(
         if moved > bound:
             status = NOT_HELD
             break
-        stalled = stalled + 1 if residual >= 0.5 * best else 0
-        flat = flat + 1 if residual >= 0.9 * best else 0
+        falls = lowest - energy > FALLS * abs(energy)
+        stalled = 0 if residual < 0.5 * best or falls else stalled + 1
+        lowest = energy if falls else lowest
+        flat = 0 if residual < 0.9 * best or falls else flat + 1
         best = min(best, residual)
         if (flat >= 2 and residual <= 1e-9) or stalled >= PATIENCE or stuck >= 2:
             break

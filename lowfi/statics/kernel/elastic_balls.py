@@ -9,8 +9,8 @@ from math import sqrt
 
 import numpy as np
 
-from lowfi.jit import kernel
-from lowfi.statics.records import Array, BallContacts, BodyState
+from rollbench.lowfi.jit import kernel
+from rollbench.lowfi.statics.records import Array, BallContacts, BodyState
 
 from .ball import FORCE, HALVINGS, HERTZ, KN, KT, MX, MZ, SETTLED, SETTLING, USE, meet, start_centre
 from .rollers import roller_elements, roller_rows

@@ -18,8 +18,8 @@ from math import sqrt
 
 import numpy as np
 
-from lowfi.jit import kernel
-from lowfi.statics.records import Array, BeamOptions, FlankCommon, FlankMembers, PairStates
+from rollbench.lowfi.jit import kernel
+from rollbench.lowfi.statics.records import Array, BeamOptions, FlankCommon, FlankMembers, PairStates
 
 from .contact import arc
 from .newton import CONVERGED, ITERATIONS

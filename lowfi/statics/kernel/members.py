@@ -9,8 +9,8 @@ of stiffness, some per cent, at every step). What it does not solve soon, Newton
 
 import numpy as np
 
-from lowfi.jit import kernel
-from lowfi.statics.records import (
+from rollbench.lowfi.jit import kernel
+from rollbench.lowfi.statics.records import (
     Array,
     BeamArrays,
     BeamContacts,

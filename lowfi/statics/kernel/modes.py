@@ -6,8 +6,8 @@ that P = I + (S U)(S U)^T is nearly the matrix itself and each step gains more t
 
 import numpy as np
 
-from lowfi.jit import kernel
-from lowfi.statics.records import Array, Bodies
+from rollbench.lowfi.jit import kernel
+from rollbench.lowfi.statics.records import Array, Bodies
 
 from .coupling import apply_rows, body_motion, cholesky_lower, forces_of_rows, triangular
 

@@ -8,8 +8,8 @@ from math import sqrt
 
 import numpy as np
 
-from lowfi.jit import kernel
-from lowfi.statics.records import Array, BeamArrays, BeamContacts, BeamOptions, BeamSlopes, BeamState, Outcome
+from rollbench.lowfi.jit import kernel
+from rollbench.lowfi.statics.records import Array, BeamArrays, BeamContacts, BeamOptions, BeamSlopes, BeamState, Outcome
 
 from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, net_force, reduced_hessian, settle_ball
 from .banded import factor_band, substitute_band

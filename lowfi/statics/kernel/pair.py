@@ -9,8 +9,8 @@ from math import sqrt
 
 import numpy as np
 
-from lowfi.jit import kernel
-from lowfi.statics.records import Array, BeamContacts, BeamSlopes, BeamState
+from rollbench.lowfi.jit import kernel
+from rollbench.lowfi.statics.records import Array, BeamContacts, BeamSlopes, BeamState
 
 from .ball import APPROACH, FORCE, HERTZ, KN, KT, MX, MZ, SIZE, USE, WX, WZ
 

@@ -11,8 +11,8 @@ from math import sqrt
 
 import numpy as np
 
-from lowfi.jit import kernel
-from lowfi.statics.records import Array, BeamOptions, PairCommon, PairMembers, PairStates
+from rollbench.lowfi.jit import kernel
+from rollbench.lowfi.statics.records import Array, BeamOptions, PairCommon, PairMembers, PairStates
 
 from .ball import APPROACH, SIZE, WX, WZ
 from .members import CHORDS, LEFT

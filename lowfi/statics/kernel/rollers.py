@@ -6,8 +6,8 @@ that of the ring along the normal of the roller's middle, and its slope along th
 
 from math import exp, log, sqrt
 
-from lowfi.jit import kernel
-from lowfi.statics.records import Array, AxisRollers, RollerContacts
+from rollbench.lowfi.jit import kernel
+from rollbench.lowfi.statics.records import Array, AxisRollers, RollerContacts
 
 from .ball import FORCE, KN, KT, MX, MZ, SETTLED
 

@@ -1,7 +1,7 @@
 """The line search that all of Newton's iterations here share: where to try next along a step on a convex energy."""
 
-from lowfi.jit import kernel
-from lowfi.statics.records import Trial
+from rollbench.lowfi.jit import kernel
+from rollbench.lowfi.statics.records import Trial
 
 #: Relative round-off of an energy, summed over springs of both signs of work.
 ROUNDING = 1e-14

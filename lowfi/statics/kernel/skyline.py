@@ -9,8 +9,8 @@ from math import sqrt
 
 import numpy as np
 
-from lowfi.jit import is_compiled, kernel
-from lowfi.statics.records import Array
+from rollbench.lowfi.jit import is_compiled, kernel
+from rollbench.lowfi.statics.records import Array
 
 
 @kernel

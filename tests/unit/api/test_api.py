@@ -1,21 +1,15 @@
 """``import rollbench``: the commands' answers as records with units, and the module's own packages."""
 
 import json
-import subprocess
-import sys
-import zipfile
 from pathlib import Path
 
 import numpy as np
 import pytest
-import rollbench
-from hatchling.builders.wheel import WheelBuilder
-
-from compare.cli import main
 from tests.axes import one_set
 from tests.helpers import small_screw
 
-ROOT = Path(__file__).parents[3]
+import rollbench
+from rollbench.comparison.cli import main
 
 
 @pytest.fixture(scope="module")
@@ -80,26 +74,23 @@ def test_several_sets_on_a_shaft() -> None:
     assert any(name.endswith("force on shaft") for name, *_ in found.rows())
 
 
-@pytest.mark.parametrize("statement", ["import rollbench", "import runpy; runpy.run_module('rollbench', run_name='other')"])
-def test_a_file_of_the_users_named_compare_does_not_get_in(tmp_path: Path, statement: str) -> None:
-    (tmp_path / "compare.py").write_text("raise SystemExit('the wrong file')\n")
-    path = f"import sys; sys.path[1:1] = [{str(ROOT / 'compare' / 'toplevel')!r}]"
-    code = f"{path}; {statement}; import rollbench as r; r.read('lin-case1')"
-    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
+def test_a_study_of_meshes_takes_stored_runs(tmp_path: Path) -> None:
+    study = rollbench.mesh_study("two-balls", store=tmp_path)
+    assert [row["level"] for row in study["levels"]] == [1, 2, 3]
+    assert study["quantities"]
+    with pytest.raises(rollbench.InputError, match="three levels give an order"):
+        rollbench.mesh_study("two-balls", levels=9, store=tmp_path)
 
 
-def test_a_module_of_that_name_that_is_loaded_already_is_named(tmp_path: Path) -> None:
-    (tmp_path / "meshes.py").write_text("x = 1\n")
-    code = f"import sys; sys.path[1:1] = [{str(ROOT / 'compare' / 'toplevel')!r}]; import meshes, rollbench"
-    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert done.returncode == 1
-    assert "rollbench needs its own package 'meshes'" in done.stderr
+def test_a_sweep_gives_its_summary(tmp_path: Path) -> None:
+    swept = rollbench.sweep("two-balls", ["errors.balls.oversize=4 um:6 um"], samples=8, model="lin", out=tmp_path / "out")
+    assert swept["converged"] == swept["solved"] > 4
+    assert (tmp_path / "out" / "samples.csv").exists()
 
 
-def test_the_wheel_holds_the_module_once(tmp_path: Path) -> None:
-    (made,) = WheelBuilder(str(ROOT)).build(directory=str(tmp_path), versions=["standard"])
-    names = zipfile.ZipFile(made).namelist()
-    assert {"rollbench/__init__.py", "rollbench/__main__.py", "compare/api/calls.py"} <= set(names)
-    assert not [name for name in names if name.startswith(("compare/toplevel", "tests", "reports/validation"))]
-    assert len(names) == len(set(names))
+def test_the_page_of_a_scene_is_written(tmp_path: Path) -> None:
+    page = rollbench.report("two-balls", out=tmp_path / "page", store=tmp_path)
+    assert page["passed"]
+    assert page["verdict"] in Path(page["page"]).read_text(encoding="utf-8")
+    with pytest.raises(rollbench.InputError, match="quick: got given; allowed: without a scene"):
+        rollbench.report("two-balls", quick=True, out=tmp_path / "page")

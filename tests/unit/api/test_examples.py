@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from compare.examples import catalogue_page, judge_a_spreadsheet
+from rollbench.comparison.examples import catalogue_page, judge_a_spreadsheet
 
 
 def test_a_catalogue_page_gives_stiffness_and_pressure(capsys: pytest.CaptureFixture[str]) -> None:
@@ -25,7 +25,7 @@ def test_a_spreadsheet_that_is_8_percent_off_fails(factor: float, word: str, cap
 
 def test_the_notebook_runs_from_top_to_bottom(monkeypatch: pytest.MonkeyPatch, tmp_path: Any) -> None:
     monkeypatch.chdir(tmp_path)
-    text = resources.files("compare").joinpath("examples", "notebook.ipynb").read_text(encoding="utf-8")
+    text = resources.files("rollbench.comparison").joinpath("examples", "notebook.ipynb").read_text(encoding="utf-8")
     names: dict[str, Any] = {}
     for cell in json.loads(text)["cells"]:
         assert not cell.get("outputs")

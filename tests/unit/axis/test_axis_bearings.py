@@ -4,18 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from lowfi.bearings.angular_contact import BallBearing, BallRow
-from lowfi.bearings.combined_load import combined
-from lowfi.bearings.sets import BearingSet, equilibrium
-from lowfi.bearings.tapered_roller import RollerRow as ThrustRow
-from lowfi.statics.axis.proof import opening_motion
-from lowfi.statics.axis.solve import solve_assembly
-from lowfi.statics.axis.system import build, tapered
-from meshes.axis import Housing, RollingSet, Segment
-from meshes.parts import Load, Support
 from tests.axes import ANGLE, BALL, GROOVE, PITCH, ROLLERS, TURNING, assembly, bearing, fixed_axis, solved
 from tests.helpers import ALL_BUT_AXIAL, relative
+
+from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow
+from rollbench.lowfi.bearings.combined_load import combined
+from rollbench.lowfi.bearings.sets import BearingSet, equilibrium
+from rollbench.lowfi.bearings.tapered_roller import RollerRow as ThrustRow
+from rollbench.lowfi.statics.axis.proof import opening_motion
+from rollbench.lowfi.statics.axis.solve import solve_assembly
+from rollbench.lowfi.statics.axis.system import build, tapered
+from rollbench.meshes.axis import Housing, RollingSet, Segment
+from rollbench.meshes.parts import Load, Support
 
 #: A shaft so thick that only its bearings give way.
 THICK = (Segment(0.0, 0.3, 30.0),)

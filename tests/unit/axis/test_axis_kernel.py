@@ -4,17 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from lowfi import jit
-from lowfi.bearings.line_contact import LineLaw
-from lowfi.statics.axis.solve import iterate, prepare
-from lowfi.statics.axis.system import build, tapered
-from lowfi.statics.kernel import axis, axis_matrix, ball, rollers, skyline
-from lowfi.statics.records import AxisSlopes
-from meshes.axis import Housing, Joint, RollingSet, diagonal
-from meshes.parts import Load
 from tests.axes import ROLLERS, assembly, bearing, double_nut, nut
 from tests.helpers import relative
+
+from rollbench.lowfi import jit
+from rollbench.lowfi.bearings.line_contact import LineLaw
+from rollbench.lowfi.statics.axis.solve import iterate, prepare
+from rollbench.lowfi.statics.axis.system import build, tapered
+from rollbench.lowfi.statics.kernel import axis, axis_matrix, ball, rollers, skyline
+from rollbench.lowfi.statics.records import AxisSlopes
+from rollbench.meshes.axis import Housing, Joint, RollingSet, diagonal
+from rollbench.meshes.parts import Load
 
 SPRINGS = diagonal((4e8, 5e8, 6e8, 2e5, 3e5, 4e5))
 

@@ -4,19 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from lowfi.compliance.bodies import LADDER, geometry_only, smooth_body
-from lowfi.statics import kernel
-from lowfi.statics.axis import elastic
-from lowfi.statics.axis.refined import solve_refined
-from lowfi.statics.axis.system import build
-from lowfi.statics.axis.typical import typical_force
-from lowfi.statics.elastic import solve_elastic
-from meshes.axis import Housing, RollingSet
-from meshes.parts import FREEDOMS, Load, SideErrors, Support
-from meshes.section import tube_section
 from tests.axes import ROLLERS, assembly, bearing, double_nut, fixed_axis, mirrored, nut, one_set, solved, with_nominal_arms
 from tests.helpers import ALL_BUT_AXIAL, relative, small_screw
+
+from rollbench.lowfi.compliance.bodies import LADDER, geometry_only, smooth_body
+from rollbench.lowfi.statics import kernel
+from rollbench.lowfi.statics.axis import elastic
+from rollbench.lowfi.statics.axis.refined import solve_refined
+from rollbench.lowfi.statics.axis.system import build
+from rollbench.lowfi.statics.axis.typical import typical_force
+from rollbench.lowfi.statics.elastic import solve_elastic
+from rollbench.meshes.axis import Housing, RollingSet
+from rollbench.meshes.parts import FREEDOMS, Load, SideErrors, Support
+from rollbench.meshes.section import tube_section
 
 #: Bodies of few harmonics on a coarse mesh, for what holds whatever they are.
 COARSE = replace(LADDER["refined"], harmonics=0.4, mesh=0.6)
@@ -114,7 +114,7 @@ def test_elastic_nuts_carry_what_the_load_and_the_spacer_ask():
     found = refined(double_nut(count=6))
     assert sum(s.force[2] for s in found.sets) == pytest.approx(-800.0, rel=1e-9)
     rigid = refined(double_nut(count=6), backend=LADDER["lin"])
-    assert abs(found.sets[0].force[2] / rigid.sets[0].force[2] - 1.0) > 1e-3
+    assert relative(found.sets[0].balls.load, rigid.sets[0].balls.load) > 1e-3
     push = replace(double_nut(count=6), loads=(replace(double_nut().loads[0], force=(0.0, 0.0, 800.4)),))
     slope = 0.4 / (refined(push).centreline[0, 2] - found.centreline[0, 2])
     held_shaft = replace(double_nut(count=6), stiffness_at=0.0)
@@ -154,10 +154,10 @@ def half_axis():
     return replace(axis, sets=(*axis.sets[:2], axis.sets[4]))
 
 
-@pytest.mark.parametrize(("parts", "error"), [(double_nut(count=6), 1e-8), (half_axis(), 1e-4)], ids=["double nut", "axis"])
+@pytest.mark.parametrize(("parts", "error"), [(double_nut(count=6), 1e-8), (half_axis(), 1e-3)], ids=["double nut", "axis"])
 def test_mirror_image_carries_the_mirrored_loads(parts, error):
     """Whichever end of a set's stretch of shaft is held. On the axis the patches of contacts near the ends of the bearings'
-    stretches are cut off there, by less on one side than on the other."""
+    stretches are cut off there, by less on one side than on the other, and the shaft's face adds to them."""
     parts = with_nominal_arms(parts)
     here, there = (refined(p, backend=COARSE) for p in (parts, mirrored(parts)))
     for a, b in zip(here.sets, there.sets, strict=True):

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import ellipe, ellipk
 
-from lowfi.bearings.angular_contact import (
+from rollbench.lowfi.bearings.angular_contact import (
     BallBearing,
     BallRow,
     contact_parameters,

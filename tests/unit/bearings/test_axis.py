@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from lowfi.bearings.as_printed import series_stiffness
-from lowfi.bearings.axis import (
+from rollbench.lowfi.bearings.as_printed import series_stiffness
+from rollbench.lowfi.bearings.axis import (
     Axis,
     TorqueBudget,
     acceleration_torque,

@@ -5,9 +5,9 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 
-from lowfi.bearings.angular_contact import BallRow, of_angle
-from lowfi.bearings.as_printed import shared_loads
-from lowfi.bearings.sets import BearingSet, arrangement, equilibrium, lift_off_force, preloaded, state_at
+from rollbench.lowfi.bearings.angular_contact import BallRow, of_angle
+from rollbench.lowfi.bearings.as_printed import shared_loads
+from rollbench.lowfi.bearings.sets import BearingSet, arrangement, equilibrium, lift_off_force, preloaded, state_at
 
 ROW = BallRow(of_angle(18, 8.73e-3, 55e-3, (0.52, 0.53), np.radians(57.0), 207e9, 0.3))
 OTHER = BallRow(of_angle(14, 7e-3, 45e-3, (0.53, 0.53), np.radians(40.0), 207e9, 0.3))

@@ -3,7 +3,14 @@
 import numpy as np
 import pytest
 
-from lowfi.bearings.torque import KILOGRAM_FORCE, load_torque, static_rating, taper_geometry, taper_torque, viscous_torque
+from rollbench.lowfi.bearings.torque import (
+    KILOGRAM_FORCE,
+    load_torque,
+    static_rating,
+    taper_geometry,
+    taper_torque,
+    viscous_torque,
+)
 
 RPM = np.pi / 30.0
 INCH_POUND = 0.0254 * 4.4482216152605

@@ -6,17 +6,17 @@ import subprocess
 from contextlib import nullcontext, redirect_stdout
 from dataclasses import asdict
 from time import perf_counter
+from types import SimpleNamespace
 
 import pytest
 
-import compare.costs.bench as bench
-from compare.costs import chain_bench, startup, timing
-from compare.costs.bench import run_bench
-from compare.costs.prepared import Energy, Source
-from compare.costs.startup import command_line_job
-from compare.costs.timing import Job, timed
-from compare.scenes.catalogue import scene as shipped
-from lowfi.jit import code_folder
+from rollbench.comparison.costs import bench, chain_bench, startup, timing
+from rollbench.comparison.costs.bench import run_bench
+from rollbench.comparison.costs.prepared import Energy, Source
+from rollbench.comparison.costs.startup import command_line_job
+from rollbench.comparison.costs.timing import Job, timed
+from rollbench.comparison.scenes.catalogue import scene as shipped
+from rollbench.lowfi.jit import code_folder
 
 
 def test_timing_is_a_median_after_an_uncounted_run():
@@ -65,11 +65,11 @@ def test_exponent_of_a_power_law():
 
 
 def test_command_line_that_fails_is_not_measured(monkeypatch):
-    done = type("Done", (), {"stdout": "", "stderr": "No module named compare.__main__\n", "returncode": 1})
+    done = type("Done", (), {"stdout": "", "stderr": "No module named rollbench.comparison.__main__\n", "returncode": 1})
     monkeypatch.setattr(startup, "launch", lambda _: (0.1, done))
     job = command_line_job()
     assert job.seconds is None
-    assert job.note == "not measured: No module named compare.__main__"
+    assert job.note == "not measured: No module named rollbench.comparison.__main__"
 
 
 def once_alike():
@@ -117,7 +117,7 @@ def test_a_process_is_launched_with_one_thread_and_its_failure_is_told(monkeypat
 def test_all_jobs(monkeypatch):
     # machine code of these very sources is there already: that it can be made from nothing, whoever changes them sees
     kept = code_folder().parents[1]
-    monkeypatch.setattr(startup.tempfile, "TemporaryDirectory", lambda: nullcontext(str(kept)))
+    monkeypatch.setattr(startup, "tempfile", SimpleNamespace(TemporaryDirectory=lambda: nullcontext(str(kept))))
     monkeypatch.setattr(bench, "launch", in_this_process)
     monkeypatch.setattr(bench, "timed", once_if_long)
     monkeypatch.setattr(startup, "launch", once_alike())  # so that to compile and to load are one and the same process

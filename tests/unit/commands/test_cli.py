@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from compare.cli import main
-from compare.scenes.keys import FRICTION_ONLY
+from rollbench.comparison.cli import main
+from rollbench.comparison.scenes.keys import FRICTION_ONLY
 
 HEAVY = ("gmsh", "pyvista", "vtk", "vtkmodules", "skfem", "meshio", "matplotlib", "numba")
 
@@ -71,7 +71,7 @@ def test_the_table_shows_loads_and_assumptions(capsys: pytest.CaptureFixture[str
 
 
 def test_a_scene_without_equilibrium_is_said_and_exits_1(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    from compare.scenes.catalogue import scene_text
+    from rollbench.comparison.scenes.catalogue import scene_text
 
     text = scene_text("lin-case1").replace('fix = ["ux", "uy", "rx", "ry", "rz"]', 'fix = ["ux"]')
     (tmp_path / "free.toml").write_text(text)
@@ -159,7 +159,7 @@ def test_list_and_schema(capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.parametrize("tokens", [["--help"], ["solve", "two-balls", "--json"], ["list"]])
 def test_start_up_imports_nothing_heavy(tokens: list[str]) -> None:
     code = (
-        "import sys\nfrom compare.cli import main\n"
+        "import sys\nfrom rollbench.comparison.cli import main\n"
         f"try:\n    main({tokens!r})\nexcept SystemExit:\n    pass\n"
         f"print([m for m in {HEAVY!r} if m in sys.modules], file=sys.stderr)\n"
     )
@@ -182,13 +182,13 @@ def test_report_of_one_section(capsys: pytest.CaptureFixture[str], tmp_path: Pat
     assert code == 0
     assert "[1/2] hertz" in out
     assert 'href="hertz.html"' in (tmp_path / "r" / "index.html").read_text()
-    assert "reproduced as printed" in (tmp_path / "r" / "hertz.html").read_text()
+    assert "only as printed" in (tmp_path / "r" / "hertz.html").read_text()
     assert (tmp_path / "r" / "tables" / "hertz-B1.csv").exists()
 
 
 def test_help_begins_with_what_one_starts_with(capsys: pytest.CaptureFixture[str]) -> None:
-    from compare.commands.arguments import app
-    from compare.commands.arguments.order import ORDER
+    from rollbench.comparison.commands.arguments import app
+    from rollbench.comparison.commands.arguments.order import ORDER
 
     _, out, _ = run(capsys, "--help")
     places = [out.index(heading) for heading in ORDER]
@@ -210,7 +210,7 @@ def test_completion_knows_commands_and_options(shell: str, capsys: pytest.Captur
 
 
 def test_an_interrupt_is_said(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    from compare.commands import listing
+    from rollbench.comparison.commands import listing
 
     def stopped() -> None:
         raise KeyboardInterrupt
@@ -258,5 +258,7 @@ def test_a_mesh_study_uses_shipped_runs_and_closes_with_a_sentence(
     assert (code, err) == (0, "")
     assert "seconds" in out.splitlines()[2]
     assert "load of ball" not in out
-    assert re.search(r"\nLevel 1 is enough for [0-9.]+ % of the mean contact load \([0-9]+ s\), level 2 for", out)
+    assert re.search(
+        r"\nEnough: level 1 for [0-9.]+ % of the mean contact load, by experience with other scenes \([0-9]+ s\)", out
+    )
     assert "load of ball 12, NR" in (tmp_path / "unseen-four-point-mesh-study.csv").read_text(encoding="utf-8")

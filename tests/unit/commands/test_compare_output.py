@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from compare.commands.compare_output import (
+from rollbench.comparison.commands.compare_output import (
     ANSWERS,
     Comparison,
     answers_json,
@@ -23,15 +23,19 @@ from compare.commands.compare_output import (
     verdict,
     write_files,
 )
-from compare.errors import InputError
-from compare.models.comparison import Loads, compared_models, options_for
-from compare.models.model_form import estimate, shipped_points
-from compare.models.registry import MODELS, run_model
-from compare.reference.estimate import Reference, reference
-from compare.reference.store import shipped_store
-from compare.scenes import catalogue
-from lowfi.rating.rigidity import axial_force
-from meshes.parts import Scene
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.models.comparison import Loads, compared_models, options_for
+from rollbench.comparison.models.model_form import estimate, shipped_points
+from rollbench.comparison.models.registry import MODELS, run_model
+from rollbench.comparison.models.total_uncertainty import Choices, Total
+from rollbench.comparison.reference.estimate import Reference, reference
+from rollbench.comparison.reference.grid_parts import GridParts
+from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi.rating.rigidity import axial_force
+from rollbench.meshes.parts import Scene
+
+TOTAL = Total(0.2, True, Choices("lin-case3", 3.0, "where the nut is held", 2.9), 2.0, "angle", 0.1, False)
 
 
 def loads(scene: Scene, model: str, factor: float) -> Loads:
@@ -47,17 +51,18 @@ def loads(scene: Scene, model: str, factor: float) -> Loads:
 def case() -> tuple[Scene, list[Any], Reference, Any]:
     scene = catalogue.scene("lin-case1")
     own = loads(scene, "3D reference", 1.0)
-    runs = cast("Any", (SimpleNamespace(level=1),))
-    found = Reference(scene.name, runs, own.load, None, None, None, None)
+    runs = cast("Any", (SimpleNamespace(level=1, moving=0.0),))
+    found = Reference(scene.name, runs, own.load, np.where(own.load > 0.0, 0.5, 0.0), GridParts(0.2))
     models = [beside(scene, loads(scene, name, f), found) for name, f in (("refined", 1.01), ("lin-source-partition", 0.9))]
     return scene, models, found, beside(scene, own, None)
 
 
 def test_the_verdict_speaks_of_the_default_model_and_of_one_level(case: Any) -> None:
     _, models, found, itself = case
-    text = verdict(Comparison(tuple(models), itself, None), found)
+    text = verdict(Comparison(tuple(models), itself, None, TOTAL), found)
     assert text.startswith("refined is off by 1.07 % of the mean load on the worst contact (ball 32")
-    assert "one level gives no uncertainty" in text
+    assert "3D reference on level 1, uncertain by 3.61 % in all: discretisation 0.20 % by experience with other" in text
+    assert "modelling choices 3.00 %, most where the nut is held; inputs 2.00 %, most angle; large" in text
 
 
 def test_the_table_fits_80_columns_with_the_reference_first(case: Any) -> None:
@@ -82,14 +87,14 @@ def test_every_contact_is_written_beside_its_reference(case: Any, tmp_path: Path
     rows = list(csv.DictReader((tmp_path / "lin-case1-compare.csv").read_text().splitlines()))
     assert len(rows) == 2 * scene.ball_count
     assert float(rows[0]["refined_N"]) == pytest.approx(1.01 * float(rows[0]["reference_N"]))
-    assert rows[0]["uncertainty_N"] == ""
+    assert rows[0]["uncertainty_N"] == "0.5"
     assert (tmp_path / "lin-case1-compare.svg").stat().st_size > 1000
     assert "lin-case1-compare.csv" in said
 
 
 def test_answers_of_model_and_reference_stand_side_by_side(case: Any) -> None:
     _, models, found, itself = case
-    whole = Comparison(tuple(models), itself, None)
+    whole = Comparison(tuple(models), itself, None, TOTAL)
     stream = io.StringIO()
     Console(file=stream, width=80).print(answers_table(whole))
     lines = stream.getvalue().splitlines()
@@ -99,7 +104,10 @@ def test_answers_of_model_and_reference_stand_side_by_side(case: Any) -> None:
     assert [float(cell) for cell in lines[1].split()[-3:]] == [233.3, 231.0, 1.0]
     assert lines[5].split()[-1] == f"{100.0 * (1.01 ** (1.0 / 3.0) - 1.0):+.2f}"
     data = answers_json(whole, found)
-    assert (data["levels"], data["uncertainty_percent"]) == ([1], None)
+    assert (data["levels"], data["uncertainty_percent"]) == ([1], pytest.approx(50.0 / found.load[found.load > 0.0].mean()))
+    assert data["uncertainty"] == TOTAL.as_json()
+    assert data["uncertainty"]["total_percent"] == pytest.approx(np.sqrt(0.2**2 + 3.0**2 + 2.0**2 + 0.1**2))
+    assert data["uncertainty"]["shared_by_all_percent"] is None
     assert set(data["answers"]) == {"3D reference", "refined", "lin-source-partition"}
     assert all(answers_of(b)[group][key] is not None for b in (itself, *models) for _, (group, key), _ in ANSWERS)
 
@@ -117,6 +125,8 @@ def test_compare_measures_what_solve_expects_by_every_kind_of_model(tmp_path: Pa
     assert whole.expected.distance == pytest.approx(wanted.distance, rel=1e-9)
     assert whole.expected.distance > estimate(scene, result).distance, "not expected of itself"
     assert f"expected: {whole.expected.percent:.2f} %" in verdict(whole, found)
+    assert whole.total.text in verdict(whole, found)
+    assert whole.total.choices.scene == "lin-case3", "not varied on these parts: the choices with the largest effect"
     assert condensed.error is not None
     assert refined.error is not None
     assert condensed.error.max_percent < 0.5 * refined.error.max_percent

@@ -6,14 +6,17 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[3]
-PACKAGES = ("lowfi", "hifi", "meshes", "compare", "reports")
-MODULES = sorted(
-    ".".join(path.relative_to(ROOT).with_suffix("").parts)
-    for package in PACKAGES
-    for path in (ROOT / package).rglob("*.py")
-    if ">>> " in path.read_text(encoding="utf-8")
-)
+ROOT = Path(__file__).resolve().parents[3] / ".import"
+PACKAGES = ("lowfi", "hifi", "meshes", "comparison", "reports")
+MODULES = [
+    "rollbench",
+    *sorted(
+        ".".join(path.relative_to(ROOT).with_suffix("").parts)
+        for package in PACKAGES
+        for path in (ROOT / "rollbench" / package).rglob("*.py")
+        if ">>> " in path.read_text(encoding="utf-8")
+    ),
+]
 
 
 def test_there_are_examples():

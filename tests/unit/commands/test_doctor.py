@@ -2,16 +2,18 @@
 
 import json
 import re
+import sys
 from importlib import metadata
 from pathlib import Path
 
 import pytest
 
-from compare import system
-from compare.cli import main
-from compare.commands import doctor
-from meshes.libraries import MESHING, PICTURES, install, missing
-from reports import offscreen
+from rollbench.comparison import system
+from rollbench.comparison.cli import main
+from rollbench.comparison.commands import doctor
+from rollbench.meshes import libraries
+from rollbench.meshes.libraries import MESHING, PICTURES, install, missing
+from rollbench.reports import offscreen
 
 
 @pytest.fixture(autouse=True)
@@ -35,7 +37,7 @@ def test_a_machine_with_everything(capsys: pytest.CaptureFixture[str], tmp_path:
         "gmsh: ",
         "off-screen rendering: a picture was drawn",
         "memory: 16.0 GB",
-        "GPL-3.0-or-later",
+        "GPL-2.0-or-later",
         "MIT licence",
     ):
         assert words in out
@@ -64,12 +66,33 @@ def test_packages_that_are_absent_or_old(monkeypatch: pytest.MonkeyPatch) -> Non
         return "1.30" if name == "rich" else "9999"
 
     monkeypatch.setattr(doctor, "requirements", lambda: {"gmsh": "4.13", "rich": "13.7", "scipy": "1.13"})
-    monkeypatch.setattr(doctor.metadata, "version", version)
+    monkeypatch.setattr(libraries.metadata, "version", version)
     found = {check.name: check for check in doctor._packages()}
     assert [check.state for check in found.values()] == ["missing", "missing", "ok"]
     assert found["gmsh"].advice == "pip install 'gmsh>=4.13'"
-    assert "shipped ones are used" in found["gmsh"].cost
+    assert "stored ones are read" in found["gmsh"].cost
     assert found["rich"].found == "1.30, older than 13.7"
+
+
+def test_a_package_that_cannot_be_imported_is_missing(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    (tmp_path / "matplotlib.py").write_text("raise RuntimeError('half installed')")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.delitem(sys.modules, "matplotlib", raising=False)
+    monkeypatch.setattr(doctor, "requirements", lambda: {"matplotlib": "3.9"})
+    libraries.fault.cache_clear()
+    (check,) = doctor._packages()
+    libraries.fault.cache_clear()
+    assert check.state == "missing"
+    assert "RuntimeError: half installed" in check.found
+    assert "compare, mesh-study, sweep and solve --curve write tables without figures" in check.cost
+
+
+def test_the_python_package_is_advised_where_it_is_what_lacks(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(offscreen, "fault", lambda: "3D picture: pyvista cannot be loaded")
+    monkeypatch.setattr(doctor, "gmsh_fault", lambda: "gmsh is not installed")
+    monkeypatch.setattr(doctor, "version", lambda _: None)
+    monkeypatch.setattr(system, "version", lambda _: None)
+    assert [check.advice for check in doctor._graphics()] == ["pip install gmsh", "pip install pyvista"]
 
 
 def test_every_requirement_of_the_package_is_looked_at() -> None:

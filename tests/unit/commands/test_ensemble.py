@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.models.ensemble import BATCH_PATH, GENERAL_PATH, one_pass, run_ensemble, work_of
-from compare.scenes.catalogue import scene as shipped
-from lowfi.statics.static import solve_static
-from meshes.errors import _generators, specimen, specimens
-from meshes.helix import ball_layout
-from meshes.parts import BallErrors, FourierTerm, Load, SideErrors
+from rollbench.comparison.models.ensemble import BATCH_PATH, GENERAL_PATH, one_pass, run_ensemble, work_of
+from rollbench.comparison.scenes.catalogue import scene as shipped
+from rollbench.lowfi.statics.static import solve_static
+from rollbench.meshes.errors import _generators, specimen, specimens
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import BallErrors, FourierTerm, Load, SideErrors
 
 BASE = shipped("lin-random")
 PITCH = SideErrors(pitch=(FourierTerm(1.0, sigma=2e-6), FourierTerm(3.0, cos=1e-6)), pitch_along="axis")

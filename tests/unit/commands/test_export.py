@@ -10,19 +10,22 @@ from pathlib import Path
 import meshio
 import numpy as np
 import pytest
+import skfem
 from scipy.sparse.linalg import spsolve
-
-from compare.commands import export as export_command
-from compare.commands.export import parts_of, run_export
-from compare.errors import InputError
-from compare.reference.levels import LEVELS
-from compare.scenes import catalogue
-from hifi import submodel
-from hifi.assembly import assemble
-from hifi.forms import elasticity
-from meshes import bridge
-from meshes.fem import mesh_of
 from tests.fe_meshes import boundary_faces, jacobians, nodal_areas
+
+from rollbench.comparison.commands import export as export_command
+from rollbench.comparison.commands.export import parts_of, run_export
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.reference.levels import LEVELS
+from rollbench.comparison.scenes import catalogue
+from rollbench.hifi import submodel
+from rollbench.hifi.assembly import assemble
+from rollbench.hifi.assembly import cells as space
+from rollbench.hifi.forms import elasticity, share
+from rollbench.meshes import bridge
+from rollbench.meshes.fem import mesh_of
+from rollbench.meshes.solid import dimensions
 
 pytestmark = pytest.mark.xdist_group("exported meshes")
 
@@ -92,7 +95,7 @@ def area(mesh: meshio.Mesh, group: str) -> float:
 
 @pytest.mark.parametrize("part", ["screw", "nut", "ball"])
 def test_bodies_with_their_ends_and_sockets(part, tmp_path: Path, parts_cache: Path):
-    mesh, said = exported(part, tmp_path, parts_cache)
+    mesh, said = exported(f"{part}-with-sockets", tmp_path, parts_cache)
     name, cells = our_cells(mesh)
     assert name == "P2"
     assert f"{len(mesh.points)} nodes, {len(cells)} 10-node tetrahedra" in said
@@ -113,8 +116,88 @@ def test_bodies_with_their_ends_and_sockets(part, tmp_path: Path, parts_cache: P
     np.testing.assert_array_equal(high, np.abs(z - z.max()) < 1e-9)
     if part == "nut":
         assert z.max() - z.min() == pytest.approx(SCENE.nut.length, rel=1e-9)
-    assert len(list(parts_cache.rglob("output.pkl"))) == 3  # screw, nut and ball, shared with the reference and each other
+    assert len(list(parts_cache.rglob("*.npz"))) == 3  # screw, nut and ball, shared with the reference and each other
     assert 0.0 < area(mesh, "sockets") / SCENE.ball_count < 8.0 * SCENE.balls.radius**2
+
+
+def groups(file: Path) -> dict[str, dict[str, np.ndarray]]:
+    """Middles of the faces of every named group of a mesh, as scikit-fem, meshio and gmsh find them in a file."""
+    import gmsh
+
+    mesh = skfem.Mesh.load(file)
+    found = {"scikit-fem": {k: mesh.p[:, mesh.facets[:, own]].mean(axis=1).T for k, own in mesh.boundaries.items()}}
+    if file.suffix == ".msh":
+        read = meshio.read(file)
+        by_name = {k: own["triangle6"] for k, own in read.cell_sets_dict.items() if "triangle6" in own and ":" not in k}
+        faces = read.cells_dict["triangle6"][:, :3]
+        found["meshio"] = {k: read.points[faces[own]].mean(axis=1) for k, own in by_name.items()}
+        gmsh.initialize(interruptible=False)
+        try:
+            gmsh.option.setNumber("General.Terminal", 0)
+            gmsh.merge(str(file))
+            tags, xyz, _ = gmsh.model.mesh.getNodes()
+            place = np.empty((int(tags.max()) + 1, 3))
+            place[tags.astype(int)] = xyz.reshape(-1, 3)
+            found["gmsh"] = {}
+            for group in gmsh.model.getPhysicalGroups(2):
+                entities = gmsh.model.getEntitiesForPhysicalGroup(*group)
+                nodes = np.concatenate([gmsh.model.mesh.getElements(2, e)[2][0].reshape(-1, 6) for e in entities])
+                found["gmsh"][gmsh.model.getPhysicalName(*group)] = place[nodes[:, :3].astype(int)].mean(axis=1)
+        finally:
+            gmsh.finalize()
+    return found
+
+
+@pytest.fixture(scope="module")
+def solids():
+    """Whole screw, nut and ball of ``TWO`` on coarse cells."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(LEVELS, 1, LEVELS[1] | COARSE)
+        return {part: export_command.part_mesh(TWO, part, 1) for part in ("screw", "nut", "ball")}
+
+
+@pytest.mark.parametrize("part", ["screw", "nut", "ball"])
+@pytest.mark.parametrize("form", ["vtu", "msh"])
+def test_other_programs_read_the_groups_of_a_whole_body(part, form, solids, tmp_path, monkeypatch):
+    data, file = solids[part], tmp_path / f"a.{form}"
+    monkeypatch.setattr(export_command, "part_mesh", lambda *_: data)
+    run_export(TWO, part, "", file, 1, show=lambda _: None)
+    smooth = {"screw": "bore", "nut": "outside", "ball": "sphere"}[part]
+    for program, found in groups(file).items():
+        assert set(found) == set(data.boundaries), program
+        assert smooth in found
+        for name, faces in data.boundaries.items():
+            middles = data.points[faces[:, :3]].mean(axis=1)
+            np.testing.assert_allclose(np.sort(found[name], axis=0), np.sort(middles, axis=0), atol=1e-12, err_msg=program)
+    np.testing.assert_array_equal(skfem.Mesh.load(file).subdomains[part], np.arange(data.count))
+
+
+def test_whole_bodies_have_no_holes(solids):
+    """Their faces are closed and named, and their volumes those of a ball, and of a tube less its groove."""
+    for part, data in solids.items():
+        (cells,) = data.cells.values()
+        faces = np.concatenate(list(data.boundaries.values()))
+        assert len(np.unique(np.sort(faces[:, :3], axis=1), axis=0)) == len(faces) == len(boundary_faces(cells, "P2"))
+        mesh = mesh_of(data.points, cells, "P2")[0]
+        volume = float(share().assemble(space(mesh)).sum())
+        if part == "ball":
+            assert volume == pytest.approx(4.0 / 3.0 * np.pi * TWO.balls.radius**3, rel=1e-2)
+        if part == "nut":
+            land = dimensions(TWO).land
+            tube = np.pi * (TWO.nut.outer_diameter**2 / 4.0 - land**2) * TWO.nut.length
+            groove = 0.5 * np.pi * (TWO.nut.groove_radius) ** 2 * TWO.nut.length / TWO.track.lead
+            groove *= np.hypot(2.0 * np.pi * TWO.track.pitch_radius, TWO.track.lead)
+            assert tube - groove < volume < tube - 0.3 * groove
+
+
+def test_the_groove_of_a_whole_nut_ends_where_the_scene_says(solids, monkeypatch):
+    monkeypatch.setitem(LEVELS, 1, LEVELS[1] | COARSE)
+    filled = export_command.part_mesh(replace(TWO, solid=replace(TWO.solid, nut_groove="loaded")), "nut", 1)
+    through, ended = (
+        float(share().assemble(space(mesh_of(data.points, data.cells["P2"], "P2")[0])).sum())
+        for data in (solids["nut"], filled)
+    )
+    assert ended > 1.02 * through
 
 
 @pytest.mark.parametrize("part", ["patch-SL", "ball-patch-SL", "patch-NR"])
@@ -143,7 +226,7 @@ def test_patches_of_groove_and_ball_share_their_nodes(tmp_path: Path, cache: Pat
 
 
 def test_the_source_s_mesh_is_of_first_order(tmp_path: Path, cache: Path):
-    mesh, _ = exported("ball", tmp_path, cache, level=0)
+    mesh, _ = exported("ball-with-sockets", tmp_path, cache, level=0)
     name, cells = our_cells(mesh)
     assert name == "P1"
     assert jacobians(mesh.points, cells, name).min() > 0.0
@@ -184,6 +267,9 @@ def test_what_cannot_be_exported_is_refused_before_meshing(tmp_path: Path, monke
         "screw",
         "nut",
         "ball",
+        "screw-with-sockets",
+        "nut-with-sockets",
+        "ball-with-sockets",
         "patch-SL",
         "patch-NR",
         "ball-patch-SL",
@@ -191,7 +277,7 @@ def test_what_cannot_be_exported_is_refused_before_meshing(tmp_path: Path, monke
         "block-source",
     )
     out = tmp_path / "a.vtu"
-    with pytest.raises(InputError, match=r"part: got patch-SR; allowed: screw, nut, ball, patch-SL, patch-NR"):
+    with pytest.raises(InputError, match=r"part: got patch-SR; allowed: screw, nut, ball, .*, patch-SL, patch-NR"):
         run_export(SCENE, "patch-SR", "", out, 1)
     with pytest.raises(InputError, match=r"--format: got step; allowed: vtu, msh, med, inp"):
         run_export(SCENE, "screw", "step", tmp_path / "a", 1)
@@ -223,7 +309,7 @@ def test_meshes_and_files_that_fail_are_reported(tmp_path: Path, cache: Path, mo
 def test_calculix_finds_the_compliance_of_an_exported_nut(tmp_path: Path):
     """Unit forces on two sockets of the nut, held outside: every node of the sockets moves as in our own elements."""
     scene = catalogue.scene("two-balls")
-    run_export(scene, "nut", "inp", tmp_path / "nut.inp", 1, show=lambda _: None)
+    run_export(scene, "nut-with-sockets", "inp", tmp_path / "nut.inp", 1, show=lambda _: None)
     mesh = meshio.read(tmp_path / "nut.inp")
     (block,) = [b for b in mesh.cells if b.type == "tetra10"]
     points, cells = mesh.points, block.data[:, np.argsort(bridge._VTK["P2"][1])]

@@ -3,23 +3,24 @@
 import json
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-
-from compare import cli
-from compare.commands import friction as friction_answer
-from compare.commands.answer import as_table
-from compare.commands.friction import run_friction, solve_friction
-from compare.commands.friction_whole import Choices, solve_scene
-from compare.errors import InputError, SceneError
-from compare.reference.store import key_of
-from compare.scenes import catalogue, scene_file
-from lowfi.friction.whole import feedback as ball_feedback
-from lowfi.statics.static import solve_static
-from lowfi.statics.validity import PRESSURE, SIZE
-from meshes.parts import Friction, Motion, Time
 from tests.helpers import ALL_BUT_AXIAL, small_screw
+
+from rollbench.comparison import cli
+from rollbench.comparison.commands import friction as friction_answer
+from rollbench.comparison.commands.answer import as_table, increase
+from rollbench.comparison.commands.friction import run_friction, solve_friction
+from rollbench.comparison.commands.friction_band import feedback_warnings
+from rollbench.comparison.commands.friction_whole import Choices, solve_scene
+from rollbench.comparison.errors import InputError, SceneError
+from rollbench.comparison.reference.store import key_of
+from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.lowfi.friction.whole import feedback as ball_feedback
+from rollbench.lowfi.statics.static import solve_static
+from rollbench.meshes.parts import BallErrors, Errors, Friction, Motion, Time
 
 MINE = """
 title = "Feed drive 40 x 20 of two starts, left hand, preloaded"
@@ -228,7 +229,7 @@ def test_a_scene_that_is_not_held_ends_with_its_mechanism():
 
 def test_two_point_contact_on_a_helix_is_warned_of():
     def warned(**options):
-        scene = replace(small_screw(force=(0.0, 0.0, 300.0), **options), friction=Friction(0.1, 0.1))
+        scene = replace(small_screw(force=(0.0, 0.0, 300.0), **options), friction=Friction(0.1, 0.1, coupling="none"))
         notes = answer(scene).data["warnings"]
         return any("two flanks only" in line for line in notes)
 
@@ -257,7 +258,7 @@ def test_compiling_is_said_where_it_happens(monkeypatch, tmp_path, capsys):
 
 
 def test_flanks_without_contact_have_no_angle():
-    scene = replace(small_screw(force=(0.0, 0.0, 300.0)), friction=Friction(0.1, 0.1))
+    scene = replace(small_screw(force=(0.0, 0.0, 300.0)), friction=Friction(0.1, 0.1, coupling="none"))
     ball = answer(scene).data["balls"][0]
     open_ = [side for side, load in ball["load_N"].items() if load == 0.0]
     assert len(open_) == 2
@@ -372,10 +373,9 @@ def test_member_draws_the_specimen_of_loads_and_friction():
 
 def test_friction_and_motion_leave_static_keys_alone():
     plain = catalogue.scene("bearing-9")
-    rubbing = replace(plain, friction=Friction(0.1, 0.2), motion=Motion(3.0, "nut"), time=Time(angle=1.0))
+    rubbing = replace(plain, friction=Friction(0.1, 0.2, coupling="none"), motion=Motion(3.0, "nut"), time=Time(angle=1.0))
     assert rubbing != plain
-    assert repr(rubbing) == repr(plain)
-    assert "friction=" not in repr(rubbing)
+    assert "friction=Friction(" in repr(rubbing)
     assert key_of(rubbing, "", {}, (0, 3)) == key_of(plain, "", {}, (0, 3))
 
 
@@ -390,12 +390,57 @@ def test_tables_are_read_in_si_units():
 
 def test_what_is_wrong_with_a_contact_is_told_once_and_as_solve_tells_it():
     """Warnings of size and pressure are those of the state with friction; the contact loads' own are not repeated."""
-    hard = replace(small_screw(8, force=(0.0, 0.0, 60e3)), friction=Friction(0.1, 0.1))
+    hard = replace(small_screw(8, force=(0.0, 0.0, 60e3)), friction=Friction(0.1, 0.1, coupling="none"))
     static = solve_static(hard).warnings
     for coupling in ("none", "ball"):
         scene = replace(hard, friction=replace(hard.friction, coupling=coupling))
         found = solve_scene(scene, Choices(model="lin")).data["warnings"]
-        for head in (SIZE, PRESSURE):
+        for head in ("contact ellipse too large", "contact pressure too high"):
             (once,) = (line for line in found if line.startswith(head))
             (other,) = (line for line in static if line.startswith(head))
             assert coupling == "ball" or once == other
+
+
+def test_a_scene_that_states_no_play_says_what_play_does():
+    """One line with both torques; none where the file says how the balls fit, or the screw is preloaded."""
+    scene = replace(small_screw(force=(0.0, 0.0, 300.0)), friction=Friction(0.1, 0.1))
+    found = answer(scene)
+    played = found.data["play"]
+    smaller = replace(scene, errors=Errors(balls=BallErrors(oversize=-5e-6)))
+    assert played["friction_torque_as_given_Nmm"] == found.data["torque"]["friction_torque_Nmm"]
+    stated = answer(smaller)
+    assert played["friction_torque_Nmm"] == pytest.approx(stated.data["torque"]["friction_torque_Nmm"], rel=1e-9)
+    assert found.lines[0].startswith("WARNING: no preload and no play are stated")
+    assert all(f"{played[key]:.4g} N mm" in found.lines[0] for key in played if key.startswith("friction"))
+    assert stated.data["play"] is None
+    assert not [line for line in stated.lines if "WARNING" in line]
+    assert answer(replace(scene, errors=Errors(balls=BallErrors(oversize=3e-6)))).data["play"] is None
+
+
+def test_torques_over_the_measured_coefficients_stand_beside_the_maker_s_formula():
+    scene = replace(small_screw(force=(0.0, 0.0, 300.0), oversize=3e-6), friction=Friction(0.05, 0.05))
+    found = answer(scene)
+    data = found.data["band"]
+    for mu, torque in zip((0.003, 0.1), data["friction_torque_Nmm"], strict=True):
+        own = answer(replace(scene, friction=Friction(mu, mu))).data["torque"]
+        assert torque == pytest.approx(own["friction_torque_Nmm"], rel=1e-9)
+    assert data["drag_torque_Nmm"][1] == pytest.approx(own["drag_torque_Nmm"], rel=1e-9)
+    tangent = scene.track.lead / (2 * np.pi * scene.track.pitch_radius)
+    formula = 0.05 / np.sqrt(tangent) * data["preload_N"] * 1e3 * scene.track.lead / (2 * np.pi)
+    assert data["makers_formula_Nmm"] == pytest.approx(formula, rel=1e-9)
+    assert 0.5 < data["drag_torque_Nmm"][1] / data["makers_formula_Nmm"] < 2.0
+    assert f"{data['makers_formula_Nmm']:.4g} N mm" in " ".join(found.lines)
+    bare = answer(replace(scene, errors=Errors())).data["band"]
+    assert (bare["makers_formula_Nmm"], bare["drag_torque_Nmm"]) == (None, None)
+
+
+def test_friction_that_raises_the_torque_much_is_said():
+    state = SimpleNamespace(coupled=True, bare=SimpleNamespace(friction=0.1), torque=SimpleNamespace(friction=0.16))
+    assert "raises the torque 1.6 times, from 100 to 160 N mm" in feedback_warnings(state)[0]
+    state.torque.friction = 0.149
+    assert feedback_warnings(state) == []
+
+
+def test_changes_of_round_off_are_none():
+    assert increase(1.0 + 2.8e-15, 1.0, 1.0) == 0.0
+    assert increase(1.01, 1.0, 1.0) == pytest.approx(1.0)

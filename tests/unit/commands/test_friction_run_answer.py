@@ -5,15 +5,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from compare.commands.friction_run import Run, judged, run_data, run_lines
-from compare.commands.friction_whole import Choices, solve_scene
-from compare.errors import InputError
-from lowfi.friction.screw.steps import StepError
-from lowfi.friction.whole.run import simulate
-from meshes.parts import Time
 from tests.friction_runs import MU, TURN, crowded, setting, sparse
 from tests.helpers import small_screw
+
+from rollbench.comparison.commands.friction_run import Run, judged, run_data, run_lines
+from rollbench.comparison.commands.friction_whole import Choices, solve_scene
+from rollbench.comparison.errors import InputError
+from rollbench.lowfi.friction.screw.steps import StepError
+from rollbench.lowfi.friction.whole.run import simulate
+from rollbench.meshes.parts import Time
 
 pytestmark = pytest.mark.xdist_group("run in time")
 

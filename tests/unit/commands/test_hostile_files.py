@@ -12,10 +12,10 @@ from functools import cache
 import numpy as np
 import pytest
 
-from compare.cli import main
-from compare.reference.sealing import DEEPEST, sealed, unsealed
-from compare.scenes import catalogue
-from meshes.condensed import CondensedBodies, geometry_digest, load_condensed
+from rollbench.comparison.cli import main
+from rollbench.comparison.reference.sealing import DEEPEST, sealed, unsealed
+from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.meshes.condensed import CondensedBodies, geometry_digest, load_condensed
 
 SCENE = "lin-case1"
 
@@ -61,6 +61,12 @@ BODIES = {
     "side twice": lambda: changed("sides", np.array([0.0, 0.0, 1.0, 3.0])),
     "no such side": lambda: changed("sides", np.array([0.0, 1.0, 2.0, 7.0])),
     "Hertz of zero": lambda: changed("hertz", np.zeros(4)),
+    "negative contact": lambda: changed("local", -1e3 * bodies().local - 1e-6),
+    "contact that yields": lambda: changed("local", np.tile([1e-6, 1e-8, -3e-8], (4, 1))),
+    "screw of 1e200": lambda: changed("screw", 1e200 * np.eye(len(bodies().screw))),
+    "contact of 1e200": lambda: changed("local", np.full((4, 3), 1e200)),
+    "Hertz of 1e200": lambda: changed("hertz", np.full(4, 1e200)),
+    "base at 1e200": lambda: changed("base", 1e200),
     "base at infinity": lambda: changed("base", np.inf),
 }
 
@@ -183,3 +189,52 @@ def test_a_stored_run_fits_its_checksum(tmp_path):
         unsealed(path)
     with pytest.raises(ValueError, match="regular"):
         unsealed(tmp_path)
+
+
+@pytest.mark.parametrize("key", ["a" + ".a" * 100_000, "\"a\" . 'b' " + ".\t'c'" * 40, "x = { y" + ".y" * 40])
+def test_a_key_of_very_many_parts_is_refused_at_once(key, tmp_path, capsys):
+    path = tmp_path / "x.toml"
+    path.write_text(f"title = 'a'\n{key} = 1\n")
+    said = refused(capsys, "solve", str(path))
+    assert "line 2" in said
+    assert "a key of up to 32 parts" in said
+
+
+def test_long_words_and_numbers_are_no_keys():
+    text = f"title = '{'a' * 1_000_000}'\nassumed = ['{'-' * 1_000_000}', '{'1.2 ' * 100_000}']\n[a.b.c.d]\ne.f = 1\n"
+    assert set(scene_file.read_toml(text, "x")) == {"title", "assumed", "a"}
+
+
+def page(manifest="{}", results="{}"):
+    blocks = {"manifest": manifest, "scene": '"x"', "results": results}
+    return "".join(f'<script type="application/json" id="{name}">{text}</script>' for name, text in blocks.items())
+
+
+PAGES = {
+    "brackets": page(results="[" * 100_000),
+    "files are a text": page('{"files": "abc"}'),
+    "files of numbers": page('{"files": {"a": 1}}'),
+    "provenance is a list": page('{"provenance": [1]}'),
+    "results are a list": page(results="[1]"),
+}
+
+
+@pytest.mark.parametrize("how", PAGES)
+def test_pages_that_no_report_wrote_are_refused(how, tmp_path, capsys):
+    (tmp_path / "x.html").write_text(PAGES[how])
+    assert "a page with a manifest" in refused(capsys, "verify", str(tmp_path / "x.html"))
+
+
+@pytest.mark.parametrize("text", ["[" * 100_000, '{"inputs": "a", "files": {}}', '{"inputs": {}, "files": {"a": 1}}'])
+def test_manifests_that_no_report_wrote_are_refused(text, tmp_path, capsys):
+    (tmp_path / "manifest.json").write_text(text)
+    refused(capsys, "verify", str(tmp_path))
+
+
+def test_pages_are_regular_files(tmp_path, capsys):
+    os.mkfifo(tmp_path / "pipe")
+    for path in (tmp_path / "pipe", "/dev/zero"):
+        assert "a pipe, a device or a folder" in refused(capsys, "verify", str(path))
+    with open(tmp_path / "large.html", "wb") as file:
+        file.truncate(10**12)
+    assert "pages have at most" in refused(capsys, "verify", str(tmp_path / "large.html"))

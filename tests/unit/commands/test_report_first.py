@@ -6,17 +6,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compare.cli import main
-from compare.commands import report, report_first
-from compare.commands.report_first import CHECKED, COSTLY, LEVEL, LiveCheck, kept_parts, live_check
-from compare.commands.report_parts import PARTS
-from compare.models.study import Study
-from compare.reference.store import Run, load, shipped_store
-from compare.reference.tasks import Task
-from compare.scenes import catalogue
-from compare.sections import rolling
-from compare.sections.loaded_screw import loaded_screw
-from reports.records import Section
+from rollbench.comparison.cli import main
+from rollbench.comparison.commands import report, report_first
+from rollbench.comparison.commands.report_first import CHECKED, COSTLY, LEVEL, LiveCheck, kept_parts, live_check
+from rollbench.comparison.commands.report_parts import PARTS
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.reference.store import Run, load, shipped_store
+from rollbench.comparison.reference.tasks import Task
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.sections import rolling
+from rollbench.comparison.sections.loaded_screw import loaded_screw
+from rollbench.reports.records import Section
 
 
 def test_costly_sections_come_by_name_or_all_together(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,10 +6,10 @@ from contextlib import contextmanager
 
 import pytest
 
-from compare.commands import report_halves
-from compare.commands.report_halves import Made, build, make, split
-from compare.commands.report_parts import PARTS, Part
-from compare.models.study import Study
+from rollbench.comparison.commands import report_halves
+from rollbench.comparison.commands.report_halves import Made, build, make, split
+from rollbench.comparison.commands.report_parts import PARTS, Part
+from rollbench.comparison.models.study import Study
 
 ASIDE, OWN = Part("crosscheck", "crosscheck", beside=True), Part("tolerances", "tolerances")
 

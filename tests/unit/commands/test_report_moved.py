@@ -7,15 +7,15 @@ from dataclasses import replace
 
 import pytest
 
-from compare.commands import report_moved
-from compare.commands.report_moved import checked, moved, tables
-from compare.commands.verify import run_verify
-from compare.errors import InputError
-from compare.provenance import SCENE, inputs
-from compare.scenes import catalogue
-from reports import manifest
-from reports.html import check_target, write
-from reports.records import Column, Report, Section, Table
+from rollbench.comparison.commands import report_moved
+from rollbench.comparison.commands.report_moved import checked, moved, tables
+from rollbench.comparison.commands.verify import run_verify
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.provenance import SCENE, inputs
+from rollbench.comparison.scenes import catalogue
+from rollbench.reports import manifest
+from rollbench.reports.html import check_target, write
+from rollbench.reports.records import Column, Report, Section, Table
 
 COLUMNS = (Column("m", "model", "", "s"), Column("x", "error", "%", ".2f"), Column("t", "cold", "s", ".2f"))
 ROWS = ({"m": "lin", "x": 6.0, "t": 1.0}, {"m": "refined", "x": 0.8, "t": 2.0}, {"m": "refined", "x": 0.7, "t": 2.0})

@@ -4,14 +4,14 @@ import json
 
 import pytest
 
-from compare.cli import app
-from compare.commands import rolling
-from compare.errors import InputError, Refusal
-from compare.reference.jobs import Engine
-from compare.rolling import runs
-from compare.rolling.rows import RollingRow, uncertainty, within
-from compare.scenes import catalogue
-from hifi.rolling.bodies import Sizes
+from rollbench.comparison.cli import app
+from rollbench.comparison.commands import rolling, rolling_choices
+from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.reference.jobs import Engine
+from rollbench.comparison.rolling import runs
+from rollbench.comparison.rolling.rows import RollingRow, uncertainty, within
+from rollbench.comparison.scenes import catalogue
+from rollbench.hifi.rolling.bodies import Sizes
 
 
 @pytest.fixture(autouse=True)
@@ -105,7 +105,7 @@ def test_scenes_beyond_the_model_are_refused_with_the_reason(name, word, tmp_pat
 
 def test_whole_screws_and_rolling_balls_are_not_mixed():
     with pytest.raises(InputError, match="name them apart"):
-        rolling.all_rolling(["lin-case1", "lin-pair-a"])
+        rolling_choices.all_rolling(["lin-case1", "lin-pair-a"])
 
 
 def row(low, reference, bar):

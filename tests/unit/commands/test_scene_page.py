@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import pytest
 
-from compare.commands import scene_page, verify
-from compare.commands.arguments import app
-from compare.errors import InputError
-from reports.scene_page import read_page, render, sha256, without_manifest
+from rollbench.comparison.commands import scene_page, verify
+from rollbench.comparison.commands.arguments import app
+from rollbench.comparison.errors import InputError
+from rollbench.reports.scene_page import read_page, render, sha256, without_manifest
 
 pytestmark = pytest.mark.xdist_group("scene page")
 
@@ -114,15 +114,15 @@ def test_the_same_page_made_again_has_not_moved(html: str, tmp_path, capsys, mon
         folder.mkdir()
     (old / "index.html").write_text(html, encoding="utf-8")
 
-    def made(scene: str, out, _) -> int:
+    def made(scene: str, out, _):
         again = scene_page.page_of(scene, (scene_page.shipped_store(),))
         later = replace(again, picture=None, provenance={**again.provenance, "date": "later"})
         (out / "index.html").write_text(render(later), encoding="utf-8")
-        return 0
+        return later
 
     monkeypatch.setattr(verify, "make_page", made)
     assert verify.run_page(SCENE, new, tmp_path, old) == 0
-    assert capsys.readouterr().out == "nothing moved\n"
+    assert capsys.readouterr().out.endswith("index.html\nnothing moved\n")
 
 
 @pytest.mark.parametrize("options", [["--quick"], ["--stored"], ["--only", "hertz"]])

@@ -1,33 +1,44 @@
-"""Answers of a solved scene: the block of ten entries, its JSON, preload and lift-off, matrix files, the load curve."""
+"""Answers of a solved scene: the block of eleven entries, its JSON, preload and lift-off, matrix files, the load curve."""
 
 import csv
 import io
 import json
 import os
+import re
 import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.io import mmread
 
-from compare.cli import main
-from compare.commands.matrix_files import dmig, market
-from compare.commands.summary import answers_json, block, entries
-from compare.errors import InputError
-from compare.models.answers import Answers, gather, tangent_of
-from compare.models.loading import lift_off, preload, solve_scaled
-from compare.models.model_form import estimate
-from compare.models.registry import Options, run_model
-from compare.scenes import catalogue
-from lowfi.rating.rigidity import slope_of
-from lowfi.statics.result import StaticResult
-from meshes.parts import BallErrors, Errors, Scene
+from rollbench.comparison.cli import main
+from rollbench.comparison.commands.compare_output import compared
+from rollbench.comparison.commands.matrix_files import dmig, market
+from rollbench.comparison.commands.summary import answers_json, block, entries
+from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.models.answers import Answers, gather, tangent_of
+from rollbench.comparison.models.loading import lift_off, preload, solve_scaled
+from rollbench.comparison.models.model_form import estimate
+from rollbench.comparison.models.registry import MODELS, Options, run_model
+from rollbench.comparison.reference.estimate import reference
+from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.scenes.catalogue import scene_text
+from rollbench.comparison.scenes.like import scene_like
+from rollbench.lowfi.rating.rigidity import slope_of
+from rollbench.lowfi.statics import elastic_system, static
+from rollbench.lowfi.statics.axis import elastic as axis_elastic
+from rollbench.lowfi.statics.axis import solve as axis_solve
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.parts import BallErrors, Errors, Scene
 
 QUIET = Options(discretisation=False)
-LABELS = ("loads", "axial", "contact", "ellipse", "static", "preload", "friction", "life", "error", "assumed")
+LABELS = ("loads", "axial", "contact", "ellipse", "static", "preload", "friction", "life", "ratings", "error", "assumed")
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +49,7 @@ def solved() -> tuple[Scene, StaticResult, Answers]:
 
 
 @pytest.mark.parametrize("width", [60, 80, 100])
-def test_the_block_has_ten_entries_and_is_never_wider(solved: tuple[Scene, StaticResult, Answers], width: int) -> None:
+def test_the_block_has_eleven_entries_and_is_never_wider(solved: tuple[Scene, StaticResult, Answers], width: int) -> None:
     lines = block(*solved, None, width).split("\n")
     assert max(map(len, lines)) <= width
     assert tuple(line.split()[0] for line in lines if not line.startswith(" ")) == LABELS
@@ -177,7 +188,7 @@ def test_options_that_do_not_go_together_are_one_line(
 def test_a_pipe_gets_plain_text_without_rules(words: tuple[str, ...]) -> None:
     """No box-drawing, no colours, no line wider than 100."""
     out = subprocess.run(
-        [sys.executable, "-P", "-m", "compare", *words],
+        [sys.executable, "-P", "-m", "rollbench", *words],
         capture_output=True,
         text=True,
         check=True,
@@ -185,3 +196,177 @@ def test_a_pipe_gets_plain_text_without_rules(words: tuple[str, ...]) -> None:
     ).stdout
     assert not any(c in out for c in "┃│━─\x1b")
     assert max(map(len, out.splitlines())) <= 100
+
+
+def solved_by_command(capsys: pytest.CaptureFixture[str], *tokens: str) -> tuple[int, str]:
+    with pytest.raises(SystemExit) as stop:
+        main(["solve", *tokens])
+    return int(stop.value.code or 0), capsys.readouterr().out
+
+
+def strict(text: str) -> dict[str, Any]:
+    def refuse(word: str) -> None:
+        raise AssertionError(word)
+
+    return dict(json.loads(text, parse_constant=refuse))
+
+
+@pytest.mark.parametrize("model", ["lin", "source"])
+def test_loads_are_answered_where_no_elastic_body_gives_a_tangent(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], model: str
+) -> None:
+    """A screw of more balls than elastic bodies take has loads and no tangent, and says why."""
+    monkeypatch.setattr(elastic_system, "LARGEST", 20)
+    code, text = solved_by_command(capsys, "lin-case1", "--model", model, "--json")
+    axial = strict(text)["summary"]["axial"]
+    assert (code, axial["tangent_N_per_um"]) == (0, None)
+    assert "limited to 20" in axial["tangent_words"]
+    code, text = solved_by_command(capsys, "lin-case1", "--model", model)
+    assert code == 0
+    assert "no tangent: balls.count of 32 balls" in " ".join(text.split())
+    with pytest.raises(Refusal, match="limited to 20"):
+        tangent_of(catalogue.scene("lin-case1"), 0.4, model, QUIET)
+
+
+#: A result's keys under which numbers stand that are answers.
+ANSWERS = ("balls", "rollers", "sets", "housings", "centreline", "equilibrium", "stiffness", "summary")
+#: Keys of rows that say which and where, and are known without a solution.
+PLACES = ("set", "index", "name", "kind", "azimuth_deg", "z_mm", "position_mm", "housing", "offset_um")
+
+
+def numbers(value: Any) -> list[float]:
+    """All numbers under a value but those of places."""
+    if isinstance(value, dict):
+        return [x for key, v in value.items() if key not in PLACES for x in numbers(v)]
+    if isinstance(value, list):
+        return [x for v in value for x in numbers(v)]
+    return [value] if isinstance(value, int | float) else []
+
+
+@pytest.mark.parametrize(
+    ("scene", "model", "module"),
+    [
+        ("lin-case3", "lin", static),
+        ("bearing-9", "refined", elastic_system),
+        ("double-nut", "lin", axis_solve),
+        ("double-nut", "refined", axis_elastic),
+    ],
+)
+def test_what_did_not_converge_prints_no_numbers_as_answers(
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    scene: str,
+    model: str,
+    module: ModuleType,
+) -> None:
+    if scene == "double-nut":
+        scene = str(tmp_path / "two.toml")
+        text = scene_text("double-nut").replace("count = 68\nturns = 4.3", "count = 8\nturns = 1.5")
+        Path(scene).write_text(text, encoding="utf-8")
+    whole = solved_by_command(capsys, scene, "--model", model, "--json")[1]
+    monkeypatch.setattr(module, "MAX_ITERATIONS", 1)
+    code, text = solved_by_command(capsys, scene, "--model", model, "--json")
+    data = strict(text)
+    assert (code, data["status"][:13]) == (1, "not converged")
+    assert data.keys() == strict(whole).keys()
+    assert numbers(strict(whole)["balls"])
+    assert not [key for key in ANSWERS if numbers(data.get(key))]
+    code, text = solved_by_command(capsys, scene, "--model", model, "--balls")
+    assert code == 1
+    assert not [line for line in text.splitlines() if re.search(r"\d\.\d+ (N|um)", line)]
+
+
+def solve_lines(capsys: pytest.CaptureFixture[str], *options: str) -> tuple[int, list[str], str]:
+    with pytest.raises(SystemExit) as stop:
+        main(["solve", *options])
+    said = capsys.readouterr()
+    return int(stop.value.code or 0), said.out.splitlines(), said.err
+
+
+def changed_40x10(folder: Path, *changes: tuple[str, str]) -> str:
+    text = scene_like("40x10")
+    for old, new in changes:
+        assert old in text, old
+        text = text.replace(old, new, 1)
+    (folder / "my.toml").write_text(text, encoding="utf-8")
+    return str(folder / "my.toml")
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ((), ()),
+        ((('force = "5 % of C"', 'oversize = "60 um"'),), ("contact pressure", "static safety", "above C =")),
+        (((', "5.7 kN"]', ', "900 kN"]'),), ("contact pressure", "below 1")),
+        (
+            (('at = "800 mm"\nfix = ["ux", "uy"]', 'at = "800 mm"\nfix = ["ux"]\ndisplace = { uy = "40 mm" }'),),
+            ("rotations of",),
+        ),
+    ],
+    ids=["as written", "oversize", "load", "bent"],
+)
+def test_a_line_above_the_answers_says_what_leaves_the_models(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], changes: tuple[tuple[str, str], ...], said: tuple[str, ...]
+) -> None:
+    file = changed_40x10(tmp_path, *changes)
+    code, lines, _ = solve_lines(capsys, file, "--model", "lin")
+    assert code == 0
+    head = " ".join(lines[: next(k for k, line in enumerate(lines) if line.startswith("loads "))])
+    assert ("WARNING" in head) is bool(said)
+    assert all(word in head for word in said), head
+    assert sum("WARNING" in line for line in lines) == bool(said)
+    code, out, _ = solve_lines(capsys, file, "--model", "lin", "--strict", "--json")
+    assert code == bool(said)
+    data = json.loads("\n".join(out))
+    assert (data["warning"] is not None) is bool(said)
+    assert len(data["warnings"]) >= len(said)
+
+
+def test_several_sets_are_warned_of_by_name(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = catalogue.scene_text("double-nut").replace('offset = "-4 um"', 'offset = "-120 um"')
+    (tmp_path / "a.toml").write_text(text, encoding="utf-8")
+    code, lines, _ = solve_lines(capsys, str(tmp_path / "a.toml"), "--model", "lin", "--strict")
+    assert code == 1
+    head = " ".join(lines[: next(k for k, line in enumerate(lines) if line.startswith("axial "))])
+    assert "WARNING outside what the models mean: nut 1: " in head
+    assert "nut 2: preload" in head
+
+
+@pytest.mark.parametrize(
+    ("modulus", "code"), [("210 MPa", 2), ("0.99 GPa", 2), ("1 GPa", 0), ("1001 GPa", 2), ("70 GPa", 0)]
+)
+def test_a_modulus_of_no_solid_is_refused_unless_it_is_meant(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], modulus: str, code: int
+) -> None:
+    own = f'youngs_modulus = "{modulus}"\npoissons_ratio = 0.3'
+    rest = (('force = "5 % of C"', 'oversize = "0.1 um"'), (', "5.7 kN"]', ', "100 N"]'))
+    file = changed_40x10(tmp_path, ('name = "bearing steel"', own), *rest)
+    found, _, error = solve_lines(capsys, file, "--model", "lin")
+    assert found == code
+    if code:
+        assert "material.youngs_modulus" in error
+        assert "1 GPa to 1000 GPa" in error
+        file = changed_40x10(tmp_path, ('name = "bearing steel"', f"unusual = true\n{own}"), *rest)
+        assert solve_lines(capsys, file, "--model", "lin")[0] == 0
+
+
+def test_compare_counts_displacements_from_where_solve_does() -> None:
+    scene = catalogue.scene("lin-case3")
+    stores = (shipped_store(),)
+    found = reference(scene, stores)
+    assert found is not None
+    whole = compared(scene, [MODELS["lin"]], found, stores)
+    own = gather(scene, run_model(scene, "lin", QUIET), "lin", QUIET)
+    (row,) = (b for b in whole.models if b.label == "lin")
+    assert row.displacement == pytest.approx(own.displacement, rel=1e-9)
+    assert whole.start != 0.0
+    bare = float(np.interp(scene.nut.position, whole.itself.answer.stations, whole.itself.answer.line[:, 2]))
+    assert whole.itself.displacement == pytest.approx(bare - whole.start, rel=1e-12)
+
+
+def test_rigidities_of_formulas_are_not_presented_as_bounds(solved: tuple[Scene, StaticResult, Answers]) -> None:
+    text = dict(entries(*solved, None))["axial"]
+    assert re.search(
+        r"secant \S+, tangent \S+ by this model; contacts alone \S+, contacts and bodies \S+ by formulas", text
+    )

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.extremes.static import (
+from rollbench.comparison.extremes.static import (
     BACKENDS,
     BALANCE,
     CONVERGED,
@@ -22,11 +22,11 @@ from compare.extremes.static import (
     shaft_scaled,
     table,
 )
-from compare.scenes.body_checks import geometry_faults
-from compare.scenes.catalogue import scene as shipped
-from lowfi.statics.problem import nominal_hertz
-from lowfi.statics.static import solve_static
-from meshes.section import screw_section
+from rollbench.comparison.scenes.body_checks import geometry_faults
+from rollbench.comparison.scenes.catalogue import scene as shipped
+from rollbench.lowfi.statics.problem import nominal_hertz
+from rollbench.lowfi.statics.static import solve_static
+from rollbench.meshes.section import screw_section
 
 CASES = {c.name: c for c in cases()}
 QUICK = (

@@ -9,16 +9,17 @@ from pathlib import Path
 
 import pytest
 
-from compare.cli import main
-from compare.errors import InputError
-from compare.scenes import scene_file
-from compare.scenes.catalogue import scene_text
-from compare.writing import need_writable, replace_file
-from lowfi import jit
-from meshes.leftovers import temporary
-from reports.html import harmless
+from rollbench.comparison.cli import main
+from rollbench.comparison.commands.checked import Checked
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.comparison.scenes.catalogue import scene_text
+from rollbench.comparison.writing import need_writable, replace_file
+from rollbench.lowfi import jit
+from rollbench.meshes.leftovers import temporary
+from rollbench.reports.html import harmless
 
-COMMAND = [sys.executable, "-P", "-m", "compare"]
+COMMAND = [sys.executable, "-P", "-m", "rollbench"]
 
 
 def dead_process():
@@ -54,6 +55,22 @@ def test_a_closed_output_ends_quietly():
         ["/bin/sh", "-c", '"$@" >&-', "sh", *COMMAND, "list"], stderr=subprocess.PIPE, text=True, check=False
     )
     assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("words", [("list",), ("solve", "--help"), ("list", "--json")])
+def test_a_reader_who_goes_away_is_told_by_the_code(words):
+    code = "import sys; from rollbench.comparison.cli import main; sys.argv[0] = 'rollbench'; main(sys.argv[1:])"
+    with subprocess.Popen([sys.executable, "-c", code, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        process.stdout.close()
+        said = process.stderr.read()
+        assert (process.wait(), said) == (141, b"")
+
+
+@pytest.mark.parametrize("end", ["2>&-", pytest.param("2>/dev/full", marks=FULL)])
+@pytest.mark.parametrize("words", [("solve", "no-such-scene"), ("solve", "--no-such-option")])
+def test_bad_input_ends_with_2_whoever_reads_of_it(end, words):
+    done = subprocess.run(["/bin/sh", "-c", f'"$@" {end}', "sh", *COMMAND, *words], stdout=subprocess.PIPE, check=False)
+    assert (done.returncode, done.stdout) == (2, b"")
 
 
 def test_kernels_are_kept_elsewhere_where_the_cache_cannot_be_written(tmp_path, monkeypatch, capsys):
@@ -97,13 +114,13 @@ def test_no_code_comes_from_the_working_folder(tmp_path):
     """A numpy.py beside a scene was executed by children of pictures and bench."""
     (tmp_path / "numpy.py").write_text("raise SystemExit('code of the working folder ran')")
     code = (
-        "import sys, runpy; from reports import offscreen\n"
-        "try: offscreen.draw_in_child('reports.nowhere', None, 'x.png')\n"
+        "import sys, runpy; from rollbench.reports import offscreen\n"
+        "try: offscreen.draw_in_child('rollbench.reports.nowhere', None, 'x.png')\n"
         "except RuntimeError as error: print(error)\n"
-        "from compare.costs.timing import launch\n"
+        "from rollbench.comparison.costs.timing import launch\n"
         "print(launch(['-c', 'import numpy; print(numpy.__file__)'])[1].stdout)\n"
     )
-    root = str(Path(__file__).parents[3])
+    root = str(Path(__file__).parents[3] / ".import")
     done = subprocess.run(
         [sys.executable, "-P", "-c", code],
         cwd=tmp_path,
@@ -113,7 +130,7 @@ def test_no_code_comes_from_the_working_folder(tmp_path):
         check=False,
     )
     assert "working folder ran" not in done.stdout + done.stderr
-    assert "reports.nowhere" in done.stdout
+    assert "rollbench.reports.nowhere" in done.stdout
     assert str(tmp_path) not in done.stdout
 
 
@@ -132,3 +149,57 @@ def test_formulas_in_tables_are_neutralised(text):
 @pytest.mark.parametrize("text", ["-3.5", "+1e-9", "plain", "", "–", "-5 um"])
 def test_numbers_and_words_in_tables_stay(text):
     assert harmless(text) == text
+
+
+def test_nothing_needs_what_only_unix_has(tmp_path):
+    words = ["sweep", "two-balls", "--vary", "errors.balls.oversize=4 um:7 um", "--samples", "2", "--model", "lin"]
+    program = f"""
+import sys
+sys.modules["fcntl"] = sys.modules["resource"] = None
+import rollbench.comparison.crosscheck.calculix
+from rollbench.comparison.cli import main
+main({[*words, "--out", str(tmp_path / "sweep")]!r})
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert (done.returncode, "samples.csv" in done.stdout) == (0, True), done.stderr
+
+
+def test_a_page_whose_folder_cannot_be_made_is_refused_before_any_work(tmp_path, monkeypatch, capsys):
+    from rollbench.comparison.commands import scene_page
+
+    (tmp_path / "file").write_text("")
+    monkeypatch.setattr(scene_page, "page_of", lambda *_: pytest.fail("work was done"))
+    for words in (["two-balls"], ["--only", "overview"]):
+        with pytest.raises(SystemExit, match="2"):
+            main(["report", *words, "--out", str(tmp_path / "file" / "page")])
+        assert "Not a directory" in capsys.readouterr().err
+
+
+def test_a_matplotlibrc_of_the_working_folder_changes_no_figure(tmp_path):
+    (tmp_path / "matplotlibrc").write_text("text.usetex: True\nlines.linewidth: 9\nfigure.facecolor: red\n")
+    program = """
+from pathlib import Path
+from rollbench.reports.figures import draw
+from rollbench.reports.records import Figure, Panel, Series
+print(draw(Figure("f", "t", [Panel("p", "x", "y", [Series("a", [0.0, 1.0], [0.0, 1.0], "line")])])))
+"""
+    drawn = [
+        subprocess.run([sys.executable, "-P", "-c", program], cwd=place, capture_output=True, text=True, check=False)
+        for place in (tmp_path, tmp_path.parent)
+    ]
+    assert [one.returncode for one in drawn] == [0, 0], drawn[0].stderr
+    assert drawn[0].stdout == drawn[1].stdout
+
+
+def test_escape_characters_of_names_are_not_printed_raw(tmp_path, monkeypatch, capsys):
+    name = "a\x1b[31mred\x07.toml"
+    (tmp_path / name).write_text(catalogue.scene_text("two-balls"), encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    for words in (["compare", name], ["solve", name, "--loads-csv", "b\x1b.csv"], ["new", "c\x1b.toml", "--like", "40x10"]):
+        with pytest.raises(SystemExit):
+            main(words)
+        said = "".join(capsys.readouterr())
+        assert "\x1b" not in said, words
+        assert "\\x1b" in said, words
+    line = Checked("x\x1b]0;title", "changed", "\x1b", "").line
+    assert line.isprintable()

@@ -4,13 +4,13 @@ from pathlib import Path
 
 import pytest
 
-from compare.cli import main
+from rollbench.comparison.cli import main
 
 SCENES = Path(__file__).parents[2] / "property" / "scenes"
 
 
 def run(*words, timeout=120):
-    command = [sys.executable, "-P", "-m", "compare", *words]
+    command = [sys.executable, "-P", "-m", "rollbench", *words]
     return subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False)
 
 

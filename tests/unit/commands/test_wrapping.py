@@ -7,7 +7,7 @@ from rich.box import HEAVY_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from compare.commands.wrapping import aligned, fitted, wrapped
+from rollbench.comparison.commands.wrapping import aligned, fitted, wrapped
 
 
 def balls(*, ruled: bool) -> Table:

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.scenes import catalogue
-from lowfi.compliance.bodies import LADDER, REFINED, contact_frames, geometry_only, smooth_body
-from lowfi.compliance.ends import end_response
-from meshes.helix import ball_layout
-from meshes.section import tube_section
+from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi.compliance.bodies import LADDER, REFINED, contact_frames, geometry_only, smooth_body
+from rollbench.lowfi.compliance.ends import end_response
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.section import tube_section
 
 CASE = catalogue.scene("lin-case1")
 LAYOUT = ball_layout(CASE)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.special import ive
 
-from compare.scenes import catalogue
-from lowfi.compliance.bodies import flank_of, geometry_only
-from lowfi.compliance.groove import (
+from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi.compliance.bodies import flank_of, geometry_only
+from rollbench.lowfi.compliance.groove import (
     NARROW,
     at_size,
     curvatures,
@@ -19,7 +19,7 @@ from lowfi.compliance.groove import (
     size_slope,
     true_motion,
 )
-from lowfi.compliance.sphere import expansion, legendre_compliance, own_compliance, own_slope
+from rollbench.lowfi.compliance.sphere import expansion, legendre_compliance, own_compliance, own_slope
 
 pytestmark = pytest.mark.xdist_group("flank")
 
@@ -79,7 +79,7 @@ def test_own_slope_of_a_ball():
 def test_normals_of_the_groove_are_those_of_its_arc(flank):
     grid = flank.grid()
     line = grid.shape[1] - 1
-    normals, share = flank_normals(grid, line), normal_load(flank, grid, 0.05e-3)
+    normals, share = flank_normals(grid, line), normal_load(flank, grid, 0.05e-3, flank.contact()[1])
     assert np.linalg.norm(normals, axis=1) == pytest.approx(1.0, rel=1e-12)
     _, zeta = flank.contact()
     nearest = np.abs(grid.z[:, line] - zeta).argmin()
@@ -87,7 +87,7 @@ def test_normals_of_the_groove_are_those_of_its_arc(flank):
     nominal = m.signs[flank.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
     assert abs(normals[nearest] @ nominal) > 0.98
     assert share.sum(axis=0) == pytest.approx(nominal, abs=0.02)
-    wide = normal_load(flank, grid, NARROW * m.ball)
+    wide = normal_load(flank, grid, NARROW * m.ball, flank.contact()[1])
     assert np.linalg.norm(wide.sum(axis=0)) < np.linalg.norm(share.sum(axis=0))  # pressure at an angle carries less
 
 
@@ -96,7 +96,7 @@ def test_loads_along_the_normals_move_a_concave_flank_less(flank):
     width = 0.12 * flank.map.ball
     grid = flank.grid()
     line = grid.shape[1] - 1
-    load = normal_load(flank, grid, width)
+    load = normal_load(flank, grid, width, flank.contact()[1])
     m = flank.map
     nominal = m.signs[flank.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
     fixed = np.zeros((*grid.shape, 3))

@@ -8,13 +8,14 @@ import pytest
 import scipy.sparse as sp
 from scipy.interpolate import BarycentricInterpolator
 from scipy.sparse.linalg import spsolve
+from tests.helpers import relative
 
-from compare.scenes import catalogue
-from lowfi.compliance.bodies import REFINED, contact_frames, geometry_only, smooth_body, smooth_compliance
-from lowfi.compliance.fourier import Body, end_motions, factor_c, line_compliance, on_last, solved, tube_grid
-from lowfi.compliance.groove import half_space
-from lowfi.compliance.sphere import expansion
-from lowfi.compliance.tube import (
+from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi.compliance.bodies import REFINED, contact_frames, geometry_only, smooth_body, smooth_compliance
+from rollbench.lowfi.compliance.fourier import Body, end_motions, factor_c, line_compliance, on_last, solved, tube_grid
+from rollbench.lowfi.compliance.groove import half_space
+from rollbench.lowfi.compliance.sphere import expansion
+from rollbench.lowfi.compliance.tube import (
     Points,
     Tube,
     clamped,
@@ -25,10 +26,9 @@ from lowfi.compliance.tube import (
     spring_compliance,
     tube_compliance,
 )
-from meshes.helix import ball_layout
-from meshes.parts import Material
-from meshes.section import tube_section
-from tests.helpers import relative
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import Material
+from rollbench.meshes.section import tube_section
 
 E, NU = 210e9, 0.28
 G = E / (2.0 * (1.0 + NU))

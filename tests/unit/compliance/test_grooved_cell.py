@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.scenes import catalogue
-from hifi.helical_section import helical_stiffness
-from lowfi.compliance import cell
-from lowfi.compliance.bodies import flank_of, geometry_only, grooved_section
-from lowfi.compliance.cell import cell_grid, cell_section, groove_line, stiffness_of
-from lowfi.compliance.fourier import Body, tube_grid
-from lowfi.compliance.groove import smooth_radius
-from meshes.groove_map import GrooveMap
-from meshes.section import screw_section, tube_section
+from rollbench.comparison.scenes import catalogue
+from rollbench.hifi.helical_section import helical_stiffness
+from rollbench.lowfi.compliance import cell
+from rollbench.lowfi.compliance.bodies import flank_of, geometry_only, grooved_section
+from rollbench.lowfi.compliance.cell import cell_grid, cell_section, groove_line, stiffness_of
+from rollbench.lowfi.compliance.fourier import Body, tube_grid
+from rollbench.lowfi.compliance.groove import smooth_radius
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.section import screw_section, tube_section
 
 SCENE = catalogue.scene("lin-case1")
 MAP, STEEL = GrooveMap.of(SCENE), SCENE.screw.material

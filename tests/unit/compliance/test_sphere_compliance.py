@@ -8,9 +8,9 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 from scipy.special import eval_legendre
 
-from lowfi.compliance.fourier import Body, Grid, quadratic, refine_lines
-from lowfi.compliance.sphere import MEAN_LOG, expansion, legendre_compliance, own_compliance, sphere_compliance
-from meshes.parts import Material
+from rollbench.lowfi.compliance.fourier import Body, Grid, quadratic, refine_lines
+from rollbench.lowfi.compliance.sphere import MEAN_LOG, expansion, legendre_compliance, own_compliance, sphere_compliance
+from rollbench.meshes.parts import Material
 
 STEEL, RADIUS = Material(210e9, 0.28), 2.778e-3
 UNIT = 8.0 * np.pi * STEEL.shear_modulus * RADIUS

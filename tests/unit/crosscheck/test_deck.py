@@ -9,19 +9,19 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from compare import cli
-from compare.commands.deck import DeckChoices, run_deck
-from compare.crosscheck.calculix import find_ccx, run_calculix
-from compare.crosscheck.deck import DeckOptions, build_deck, without_turning
-from compare.crosscheck.deck_cut import cut_scene, parse_balls
-from compare.crosscheck.nut import check_nut, load_nut, save_nut
-from compare.errors import InputError
-from compare.scenes import catalogue
-from meshes.deck import Contact, Deck, DeckBody, RigidSection, element_faces, number, outer_faces, write
-from meshes.helix import ball_layout
-from meshes.parts import FourierTerm, Material
 from tests.fe_meshes import cube
+
+from rollbench.comparison import cli
+from rollbench.comparison.commands.deck import DeckChoices, run_deck
+from rollbench.comparison.crosscheck.calculix import find_ccx, run_calculix
+from rollbench.comparison.crosscheck.deck import DeckOptions, build_deck, without_turning
+from rollbench.comparison.crosscheck.deck_cut import cut_scene, parse_balls
+from rollbench.comparison.crosscheck.nut import check_nut, load_nut, save_nut
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.scenes import catalogue
+from rollbench.meshes.deck import Contact, Deck, DeckBody, RigidSection, element_faces, number, outer_faces, write
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import FourierTerm, Material
 
 pytestmark = pytest.mark.xdist_group("deck")
 

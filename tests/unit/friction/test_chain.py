@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from compare.evidence import source_cases
-from lowfi.friction.contact.ellipse import contacts, friction
-from lowfi.friction.linear.bearing import deviations, directions, semi_axes
-from lowfi.friction.linear.chain import prepare, solve_linear_chain
-from lowfi.friction.linear.loads import balanced_loads, diagonal_loads
-from lowfi.friction.linear.pair import maps, pair_state, solve_pair
+from rollbench.comparison.evidence import source_cases
+from rollbench.lowfi.friction.contact.ellipse import contacts, friction
+from rollbench.lowfi.friction.linear.bearing import deviations, directions, semi_axes
+from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain
+from rollbench.lowfi.friction.linear.loads import balanced_loads, diagonal_loads
+from rollbench.lowfi.friction.linear.pair import maps, pair_state, solve_pair
 
 BEARING = source_cases.linear().bearing
 ANGLES, LOADS = pair_state(BEARING, np.radians(2.0), -0.6, 100.0)

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.evidence import source_cases
-from lowfi.friction.linear.chain import CREEP, prepare, solve_linear_chain
-from lowfi.friction.linear.kernel import band, coupled, energy, newton, path
-from lowfi.friction.linear.loads import balanced_loads
-from lowfi.friction.linear.records import ChainPoint, ChainState, Smoothing, Work
+from rollbench.comparison.evidence import source_cases
+from rollbench.lowfi.friction.linear.chain import CREEP, prepare, solve_linear_chain
+from rollbench.lowfi.friction.linear.kernel import band, coupled, energy, newton, path
+from rollbench.lowfi.friction.linear.loads import balanced_loads
+from rollbench.lowfi.friction.linear.records import ChainPoint, ChainState, Smoothing, Work
 
 BEARING = replace(source_cases.linear().bearing, mu_balls=0.3)
 

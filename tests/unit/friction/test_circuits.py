@@ -5,10 +5,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-
-from lowfi.friction.whole.circuit import CircuitError, circuits, travel
-from meshes.parts import Balls, Circulation, Motion, Time
 from tests.helpers import small_screw
+
+from rollbench.lowfi.friction.whole.circuit import CircuitError, circuits, travel
+from rollbench.meshes.parts import Balls, Circulation, Motion, Time
 
 
 def screw(**circulation):

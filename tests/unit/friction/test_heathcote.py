@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.optimize import minimize
-
-from lowfi.friction.screw.path import ON_SCREW, contact_axes
-from lowfi.friction.whole.heathcote import heathcote, least_power, quadrature
-from lowfi.friction.whole.losses import ball_path
-from lowfi.friction.whole.state import friction_state
-from meshes.helix import groove_radii
-from meshes.parts import Friction, Motion
 from tests.helpers import small_screw, solved
 
-MU, TURN = Friction(0.1, 0.1), Motion(10.0)
+from rollbench.lowfi.friction.screw.path import ON_SCREW, contact_axes
+from rollbench.lowfi.friction.whole.heathcote import heathcote, least_power, quadrature
+from rollbench.lowfi.friction.whole.losses import ball_path
+from rollbench.lowfi.friction.whole.state import friction_state
+from rollbench.meshes.helix import groove_radii
+from rollbench.meshes.parts import Friction, Motion
+
+MU, TURN = Friction(0.1, 0.1, coupling="none"), Motion(10.0)
 
 
 def test_pressure_sums_up_to_one_with_its_second_moment():

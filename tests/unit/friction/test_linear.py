@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 from scipy.optimize import fsolve
 from scipy.special import ellipe
-
-from compare.evidence import source_cases
-from lowfi.friction.contact import rings
-from lowfi.friction.contact.ellipse import contacts, dissipation
-from lowfi.friction.linear import analytic
-from lowfi.friction.linear.bearing import deviations, directions, mated_top, semi_axes
-from lowfi.friction.linear.kernel import law as kernel
-from lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads
-from lowfi.friction.linear.pair import pair_formulas
-from lowfi.friction.linear.quadrature import contact_shape, node_count, nodes
 from tests.friction_oracles import ball_velocity, deviation_from_shifts, mismatch, shifts
+
+from rollbench.comparison.evidence import source_cases
+from rollbench.lowfi.friction.contact import rings
+from rollbench.lowfi.friction.contact.ellipse import contacts, dissipation
+from rollbench.lowfi.friction.linear import analytic
+from rollbench.lowfi.friction.linear.bearing import deviations, directions, mated_top, semi_axes
+from rollbench.lowfi.friction.linear.kernel import law as kernel
+from rollbench.lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads
+from rollbench.lowfi.friction.linear.pair import pair_formulas
+from rollbench.lowfi.friction.linear.quadrature import contact_shape, node_count, nodes
 
 BEARING = source_cases.linear().bearing
 
@@ -214,7 +214,7 @@ def test_rubbing_speed_and_loss():
 
 
 def test_spin_loss_is_that_of_the_numerical_model_without_deviations():
-    from lowfi.friction.linear.chain import prepare, solve_linear_chain
+    from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain
 
     loads = diagonal_loads(100.0, np.array([0.2]))
     numerical = solve_linear_chain(prepare(BEARING, np.full((1, 4), BEARING.contact_angle), loads), fast=False)

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from lowfi.friction.whole.neighbours import TOUCHING, neighbours
-from lowfi.friction.whole.state import friction_state
-from meshes.parts import BallErrors, Friction, Motion
 from tests.friction_runs import WAVES, crowded
 from tests.helpers import solved
+
+from rollbench.lowfi.friction.whole.neighbours import TOUCHING, neighbours
+from rollbench.lowfi.friction.whole.state import friction_state
+from rollbench.meshes.parts import BallErrors, Friction, Motion
 
 #: Against this motion the balls of ``touching`` close up; with it they part.
 TURN = Motion(-10.0)

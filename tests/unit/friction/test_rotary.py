@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from compare.evidence import source_cases
-from lowfi.friction.bearing.rotary import (
+from rollbench.comparison.evidence import source_cases
+from rollbench.lowfi.friction.bearing.rotary import (
     INNER,
     SIGN_X,
     SIGN_Y,
@@ -22,9 +22,9 @@ from lowfi.friction.bearing.rotary import (
     source_law,
     sweep,
 )
-from lowfi.friction.contact.ellipse import contacts, dissipation
-from lowfi.friction.contact.kernel.motion import lock
-from lowfi.friction.contact.motion import Problem, balance_by_root, balance_by_sharpening, least_dissipation
+from rollbench.lowfi.friction.contact.ellipse import contacts, dissipation
+from rollbench.lowfi.friction.contact.kernel.motion import lock
+from rollbench.lowfi.friction.contact.motion import Problem, balance_by_root, balance_by_sharpening, least_dissipation
 
 BEARING = source_cases.rotary("I").bearing
 ANGLES = np.radians([43.0, 46.0, 47.5, 44.2])

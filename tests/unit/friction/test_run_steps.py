@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from lowfi.friction.screw.steps import MOST, REFUSED, StepError, solve_steps, step_error
+from rollbench.lowfi.friction.screw.steps import MOST, REFUSED, StepError, solve_steps, step_error
 
 
 def middles(steps):

@@ -5,22 +5,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.optimize import minimize
-
-from compare.evidence import source_cases
-from compare.evidence.source_cases import inferred, plain, table_3_6
-from lowfi import jit
-from lowfi.friction.bearing.rotary import solve_ball
-from lowfi.friction.contact.ellipse import dissipation
-from lowfi.friction.contact.rings import cell_state
-from lowfi.friction.linear.bearing import LinearBearing
-from lowfi.friction.linear.pair import pair_state
-from lowfi.friction.linear.pair import solve_pair as solve_linear_pair
-from lowfi.friction.screw.chain import Chain, solve_chain
-from lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, frame
-from lowfi.friction.screw.load import load_arrays, screw_rows, settle_load
-from lowfi.friction.screw.motion import ball_motion, ball_motion_by_root, source_law
 from tests.friction_oracles import ball_cell, coupled_ball
 from tests.helpers import SCREW_STATES as STATES
+
+from rollbench.comparison.evidence import source_cases
+from rollbench.comparison.evidence.source_cases import inferred, plain, table_3_6
+from rollbench.lowfi import jit
+from rollbench.lowfi.friction.bearing.rotary import solve_ball
+from rollbench.lowfi.friction.contact.ellipse import dissipation
+from rollbench.lowfi.friction.contact.rings import cell_state
+from rollbench.lowfi.friction.linear.bearing import LinearBearing
+from rollbench.lowfi.friction.linear.pair import pair_state
+from rollbench.lowfi.friction.linear.pair import solve_pair as solve_linear_pair
+from rollbench.lowfi.friction.screw.chain import Chain, solve_chain
+from rollbench.lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, frame
+from rollbench.lowfi.friction.screw.load import load_arrays, screw_rows, settle_load
+from rollbench.lowfi.friction.screw.motion import ball_motion, ball_motion_by_root, source_law
 
 SCREW = table_3_6()
 TWO = np.radians(2.0)

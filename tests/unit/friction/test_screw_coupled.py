@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from compare.evidence.source_cases import inferred, plain, table_3_6
-from lowfi.friction.screw.coupled import PATIENCE, CoupledChain, Guess, coupled_chain
-from lowfi.friction.screw.joint import solve_joint
-from lowfi.friction.screw.load import settle_load
-from lowfi.friction.screw.motion import Mixer, feedback, hold_screw
-from lowfi.friction.screw.pair import BOTH, Pair, solve_pair
 from tests.friction_oracles import ball_cell, coupled_ball
+
+from rollbench.comparison.evidence.source_cases import inferred, plain, table_3_6
+from rollbench.lowfi.friction.screw.coupled import PATIENCE, CoupledChain, Guess, coupled_chain
+from rollbench.lowfi.friction.screw.joint import solve_joint
+from rollbench.lowfi.friction.screw.load import settle_load
+from rollbench.lowfi.friction.screw.motion import Mixer, feedback, hold_screw
+from rollbench.lowfi.friction.screw.pair import BOTH, Pair, solve_pair
 
 #: One of the cases below: the way with the first regularising speed ends in a fold.
 FOLD = (0.0011870711354544847, 1.1600932507239492e-07, (2.7421699016943855, 0.6621765470335923), 0.06644672659308906)

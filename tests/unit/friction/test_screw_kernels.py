@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.evidence.source_cases import inferred, plain, table_3_6
-from lowfi.friction.screw.arrays import groove_arrays
-from lowfi.friction.screw.chain import Chain, Search, solve_chain
-from lowfi.friction.screw.groove import ScrewGroove
-from lowfi.friction.screw.joint import solve_joint, system_of
-from lowfi.friction.screw.kernel import band, contacts, joint
-from lowfi.friction.screw.load import settle_load
-from lowfi.friction.screw.motion import hold_screw
-from lowfi.friction.screw.records import JointMatrix, Place
-from lowfi.jit import SCREW, kernels
+from rollbench.comparison.evidence.source_cases import inferred, plain, table_3_6
+from rollbench.lowfi.friction.screw.arrays import groove_arrays
+from rollbench.lowfi.friction.screw.chain import Chain, Search, solve_chain
+from rollbench.lowfi.friction.screw.groove import ScrewGroove
+from rollbench.lowfi.friction.screw.joint import solve_joint, system_of
+from rollbench.lowfi.friction.screw.kernel import band, contacts, joint
+from rollbench.lowfi.friction.screw.load import settle_load
+from rollbench.lowfi.friction.screw.motion import hold_screw
+from rollbench.lowfi.friction.screw.records import JointMatrix, Place
+from rollbench.lowfi.jit import SCREW, kernels
 
 RNG = np.random.default_rng(8)
 TWO = np.radians(2.0)

@@ -5,17 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.optimize import minimize
-
-from compare.evidence.source_cases import inferred, plain, table_3_6
-from lowfi import jit
-from lowfi.friction.contact.ellipse import dissipation
-from lowfi.friction.screw.chain import Chain, Search, solve_chain
-from lowfi.friction.screw.groove import SIGN_X, SIGN_Z
-from lowfi.friction.screw.kernel.balance import HALF
-from lowfi.friction.screw.load import Cell, settle_load
-from lowfi.friction.screw.motion import screw_contacts
-from lowfi.friction.screw.pair import BOTH, Pair, oversize_map, solve_pair
 from tests.helpers import SCREW_STATES as STATES
+
+from rollbench.comparison.evidence.source_cases import inferred, plain, table_3_6
+from rollbench.lowfi import jit
+from rollbench.lowfi.friction.contact.ellipse import dissipation
+from rollbench.lowfi.friction.screw.chain import Chain, Search, solve_chain
+from rollbench.lowfi.friction.screw.groove import SIGN_X, SIGN_Z
+from rollbench.lowfi.friction.screw.kernel.balance import HALF
+from rollbench.lowfi.friction.screw.load import Cell, settle_load
+from rollbench.lowfi.friction.screw.motion import screw_contacts
+from rollbench.lowfi.friction.screw.pair import BOTH, Pair, oversize_map, solve_pair
 
 SCREW = table_3_6()
 TWO = np.radians(2.0)

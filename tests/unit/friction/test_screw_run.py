@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from compare.evidence.source_cases import lin_3_4_4
-from lowfi.friction.screw.motion import ball_motion
-from lowfi.friction.screw.run import RunResult, deviation, groups, run_cell, simulate, summarise
+from rollbench.comparison.evidence.source_cases import lin_3_4_4
+from rollbench.lowfi.friction.screw.motion import ball_motion
+from rollbench.lowfi.friction.screw.run import RunResult, deviation, groups, run_cell, simulate, summarise
 
 pytestmark = pytest.mark.xdist_group("whole run of the source")
 

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.evidence import source_cases
-from lowfi.as_source.chain import balance, blocks, closing_in, solve_by_root
-from lowfi.as_source.linear import linear_balls, linear_law, linear_pair_by_root, solve_linear_by_root
-from lowfi.friction.contact.laws import Coulomb, Sigmoid
-from lowfi.friction.linear.bearing import deviations
-from lowfi.friction.linear.chain import prepare, solve_linear_chain
-from lowfi.friction.linear.loads import balanced_loads
-from lowfi.friction.linear.pair import pair_state, solve_pair
+from rollbench.comparison.evidence import source_cases
+from rollbench.lowfi.as_source.chain import balance, blocks, closing_in, solve_by_root
+from rollbench.lowfi.as_source.linear import linear_balls, linear_law, linear_pair_by_root, solve_linear_by_root
+from rollbench.lowfi.friction.contact.laws import Coulomb, Sigmoid
+from rollbench.lowfi.friction.linear.bearing import deviations
+from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain
+from rollbench.lowfi.friction.linear.loads import balanced_loads
+from rollbench.lowfi.friction.linear.pair import pair_state, solve_pair
 
 BEARING = replace(source_cases.linear().bearing, mu_balls=0.08)
 CASE = (np.radians(2.0), -0.6, 100.0)

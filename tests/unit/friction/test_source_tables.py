@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.costs import friction_bench
-from compare.costs.friction_bench import FrictionJob, against_source
-from compare.evidence.source_cases import inferred, plain
-from compare.extremes.friction_balls import screw_ball
-from compare.extremes.friction_chains import chain_group, linear_chain, linear_pair, patchy_chain, screw_pairs
-from compare.extremes.tally import BALLS, MU, SOURCE_BALLS, UNLOADED, Tally
-from lowfi.as_source.chain import SourceMotion
-from lowfi.as_source.starts import from_linear_starts, from_pair_starts, shaken
-from lowfi.friction.contact.motion import balance_by_root, least_dissipation
-from lowfi.friction.screw.pair import solve_pair
+from rollbench.comparison.costs import friction_bench
+from rollbench.comparison.costs.friction_bench import FrictionJob, against_source
+from rollbench.comparison.evidence.source_cases import inferred, plain
+from rollbench.comparison.extremes.friction_balls import screw_ball
+from rollbench.comparison.extremes.friction_chains import chain_group, linear_chain, linear_pair, patchy_chain, screw_pairs
+from rollbench.comparison.extremes.tally import BALLS, MU, SOURCE_BALLS, UNLOADED, Tally
+from rollbench.lowfi.as_source.chain import SourceMotion
+from rollbench.lowfi.as_source.starts import from_linear_starts, from_pair_starts, shaken
+from rollbench.lowfi.friction.contact.motion import balance_by_root, least_dissipation
+from rollbench.lowfi.friction.screw.pair import solve_pair
 
 pytestmark = pytest.mark.xdist_group("ways of the source")
 

@@ -5,19 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.special import ellipe
-
-from compare.evidence.source_cases import four_point, table_3_6
-from lowfi.friction.bearing.pairs import solve_bearing
-from lowfi.friction.screw.groove import ScrewGroove
-from lowfi.friction.screw.motion import ball_motion
-from lowfi.friction.whole.contacts import contacts_of
-from lowfi.friction.whole.losses import CAUSES, ball_friction
-from lowfi.statics.problem import drawn_hertz
-from meshes.errors import specimen
-from meshes.helix import ball_layout
-from meshes.parts import Balls, Load, Material, Motion, Nut, Scene, Screw, Support, Track
 from tests.helpers import ALL_BUT_AXIAL, small_screw, solved, with_ingredients
 from tests.whole_screws import AXIAL, MU, scene_of, single, state
+
+from rollbench.comparison.evidence.source_cases import four_point, table_3_6
+from rollbench.lowfi.friction.bearing.pairs import solve_bearing
+from rollbench.lowfi.friction.screw.groove import ScrewGroove
+from rollbench.lowfi.friction.screw.motion import ball_motion
+from rollbench.lowfi.friction.whole.contacts import contacts_of
+from rollbench.lowfi.friction.whole.losses import CAUSES, ball_friction
+from rollbench.lowfi.statics.problem import drawn_hertz
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import Balls, Load, Material, Motion, Nut, Scene, Screw, Support, Track
 
 
 def ring_at(angle, force, groove, clearance=0.0, count=9):

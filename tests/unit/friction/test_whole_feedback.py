@@ -4,21 +4,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from compare.evidence.source_cases import table_3_6
-from compare.scenes import catalogue
-from lowfi.friction.whole import feedback
-from lowfi.friction.whole.contacts import contacts_of
-from lowfi.friction.whole.feedback import feed_back, seats
-from lowfi.friction.whole.losses import ball_friction
-from lowfi.friction.whole.run import simulate
-from lowfi.friction.whole.torque import about_axis, sum_up
-from lowfi.statics.static import contact_angles
-from meshes.parts import Friction, Motion
 from tests.friction_oracles import ball_cell, coupled_ball
 from tests.friction_runs import setting
 from tests.helpers import small_screw, solved
 from tests.whole_screws import SCENES, TURN, mirrored, scene_of, single, state
+
+from rollbench.comparison.evidence.source_cases import table_3_6
+from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi.friction.whole import feedback
+from rollbench.lowfi.friction.whole.contacts import contacts_of
+from rollbench.lowfi.friction.whole.feedback import feed_back, seats
+from rollbench.lowfi.friction.whole.losses import ball_friction
+from rollbench.lowfi.friction.whole.run import simulate
+from rollbench.lowfi.friction.whole.torque import about_axis, sum_up
+from rollbench.lowfi.statics.static import contact_angles
+from rollbench.meshes.parts import Friction, Motion
 
 
 def coupled(mu, load):

@@ -6,25 +6,27 @@ from functools import cache
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
+from tests.friction_runs import MU, TURN, WAVES, crowded, setting, sparse
+from tests.helpers import FLANK_ERRORS, small_screw, solved
 
-from compare.evidence.source_cases import lin_3_4_4
-from lowfi.compliance.bodies import REFINED
-from lowfi.friction.screw.chain import Chain, solve_chain
-from lowfi.friction.screw.load import settle_load
-from lowfi.friction.screw.run import run_cell
-from lowfi.friction.whole.balls import balls_of
-from lowfi.friction.whole.chain import chain_motion, grooves_of
-from lowfi.friction.whole.contacts import StaticContacts
-from lowfi.friction.whole.run import simulate
-from lowfi.friction.whole.state import friction_state
-from lowfi.statics import again
-from lowfi.statics.again import beam_loads, elastic_loads
-from lowfi.statics.elastic import solve_elastic
-from lowfi.statics.selection import choose_sides
-from lowfi.statics.static import solve_static
-from meshes.errors import draw, specimen
-from meshes.helix import ball_layout, layout_at, reduced_lead
-from meshes.parts import (
+from rollbench.comparison.evidence.source_cases import lin_3_4_4
+from rollbench.lowfi.compliance.bodies import REFINED
+from rollbench.lowfi.friction.screw.chain import Chain, solve_chain
+from rollbench.lowfi.friction.screw.load import settle_load
+from rollbench.lowfi.friction.screw.run import run_cell
+from rollbench.lowfi.friction.whole.balls import balls_of
+from rollbench.lowfi.friction.whole.chain import chain_motion, grooves_of
+from rollbench.lowfi.friction.whole.contacts import StaticContacts
+from rollbench.lowfi.friction.whole.run import simulate
+from rollbench.lowfi.friction.whole.state import friction_state
+from rollbench.lowfi.statics import again
+from rollbench.lowfi.statics.again import beam_loads, elastic_loads
+from rollbench.lowfi.statics.elastic import solve_elastic
+from rollbench.lowfi.statics.selection import choose_sides
+from rollbench.lowfi.statics.static import solve_static
+from rollbench.meshes.errors import draw, specimen
+from rollbench.meshes.helix import ball_layout, layout_at, reduced_lead
+from rollbench.meshes.parts import (
     BallErrors,
     Balls,
     Circulation,
@@ -40,8 +42,6 @@ from meshes.parts import (
     SideErrors,
     Track,
 )
-from tests.friction_runs import MU, TURN, WAVES, crowded, setting, sparse
-from tests.helpers import FLANK_ERRORS, small_screw, solved
 
 pytestmark = pytest.mark.xdist_group("run in time")
 
@@ -129,11 +129,10 @@ def test_a_tiny_run_is_the_state_at_the_instant():
 
 def test_friction_that_moves_balls_is_that_of_the_instant():
     scene, friction = replace(small_screw(6, 0.6, force=(0.0, 0.0, 500.0), screw="rigid"), motion=TURN), Friction(0.1, 0.1)
-    friction = replace(friction, coupling="ball")
     found = friction_state(scene, solved(scene), friction, TURN)
     h = simulate(setting(scene, friction), 1e-7, 2)
     assert h.torque[0] == pytest.approx(found.torque.friction, rel=1e-5)
-    assert h.torque[0] > 1.2 * simulate(setting(scene), 1e-7, 2).torque[0], "two-point contact"
+    assert h.torque[0] > 1.2 * simulate(setting(scene, MU), 1e-7, 2).torque[0], "two-point contact"
 
 
 def mirrored(scene):
@@ -170,8 +169,8 @@ def test_turning_nut_is_a_turning_screw_seen_from_it():
 
 
 def test_without_friction_nothing_is_lost_and_balls_move_as_with_little():
-    free = run("balls that meet", Friction(0.0, 0.0))
-    little = run("balls that meet", Friction(1e-7, 1e-7))
+    free = run("balls that meet", Friction(0.0, 0.0, coupling="none"))
+    little = run("balls that meet", Friction(1e-7, 1e-7, coupling="none"))
     assert free.good
     assert np.all(free.torque == 0.0)
     assert np.all(free.ball_force == 0.0)
@@ -235,7 +234,7 @@ def test_given_loads_move_balls_as_in_the_source_s_module(clearance):
     slack[-1] = np.inf
     expected = solve_chain(Chain(g, loads.force, g.normals(loads.angle), slack))
     scene, at = contacts_of_groove(g, loads.force, loads.angle, azimuth)
-    friction, drive = Friction(g.mu, g.mu), Motion(g.nut_speed, "nut")
+    friction, drive = Friction(g.mu, g.mu, coupling="none"), Motion(g.nut_speed, "nut")
     found = chain_motion(scene, at, slack, friction, drive, grooves_of(scene, friction, drive))
     assert expected.ball_force.max() > 0.1
     assert found.ball_force == pytest.approx(expected.ball_force, rel=1e-8, abs=1e-10 * expected.ball_force.max())

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from compare.gate.pytest_plugin import Rollbench
-from compare.scenes.catalogue import scene_text
+from rollbench.comparison.gate.pytest_plugin import Rollbench
+from rollbench.comparison.scenes.catalogue import scene_text
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -40,8 +40,8 @@ def test_in_a_pytest_of_its_own(tmp_path: Path) -> None:
         "def test_my_screw(rollbench):\n    rollbench.check('none.toml', max_error=7)\n",
         encoding="utf-8",
     )
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "rollbench_pytest", "-p", "no:cacheprovider", "."]
-    path = str(ROOT / "compare" / "toplevel")
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "rollbench.fixture", "-p", "no:cacheprovider", "."]
+    path = str(ROOT / ".import")
     alone = os.environ | {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTHONPATH": path, "PYTEST_ADDOPTS": ""}
     done = subprocess.run(command, cwd=tmp_path, env=alone, capture_output=True, text=True, timeout=250, check=False)
     assert done.returncode == 1, done.stdout + done.stderr

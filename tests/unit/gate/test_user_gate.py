@@ -9,17 +9,20 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from compare.cli import main
-from compare.errors import InputError, Refusal
-from compare.gate import user
-from compare.gate.loads_file import read_loads
-from compare.gate.publish import HEADS, Outcome, junit, markdown, publish, table
-from compare.gate.user import Asked, asked, check_scenes, limits_of
-from compare.reference.estimate import reference
-from compare.reference.jobs import Engine
-from compare.scenes import catalogue, scene_file
-from compare.scenes.catalogue import scene_text
-from meshes.parts import SIDES
+from rollbench.comparison.cli import main
+from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.gate import user
+from rollbench.comparison.gate.loads_file import read_loads
+from rollbench.comparison.gate.publish import HEADS, Outcome, junit, markdown, publish, table
+from rollbench.comparison.gate.user import Asked, asked, check_scenes, limits_of
+from rollbench.comparison.gate.verdict import Verdict
+from rollbench.comparison.models.registry import Options, run_model
+from rollbench.comparison.reference.estimate import reference
+from rollbench.comparison.reference.jobs import Engine
+from rollbench.comparison.reference.store import key_of
+from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.comparison.scenes.catalogue import scene_text
+from rollbench.meshes.parts import SIDES
 
 
 def run(capsys: pytest.CaptureFixture[str], *tokens: str) -> tuple[int, str, str]:
@@ -47,7 +50,9 @@ def test_loads_of_another_program(
     file = loads_csv(tmp_path / "mesys.csv", factor)
     found, out, err = run(capsys, "two-balls", "--loads", str(file), "--no-compute", "--max-error", "7")
     assert (found, err) == (code, "")
-    assert out.startswith(f"{word}: two-balls, mesys.csv: largest error of a contact load ")
+    assert out.startswith(f"{word}: two-balls, mesys.csv: ")
+    assert " % of the mean load on the worst contact (ball" in out.split("; largest error of a contact load ")[0]
+    assert "in per cent of a contact's own load, of the mean load for contacts below a tenth of it" in out
 
 
 def test_json_of_a_model_and_of_a_scene_without_reference(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
@@ -72,7 +77,7 @@ def test_a_scene_may_set_its_own_limits() -> None:
     text = scene_text("two-balls") + "\n[gate]\nmax_error = 0.4\nrms_error = 1\n"
     scene = scene_file.loads(text, "two-balls.toml")
     assert scene == catalogue.scene("two-balls"), "limits are no part of what is solved and stored"
-    assert repr(scene) == repr(catalogue.scene("two-balls"))
+    assert key_of(scene, "", {}, (0, 3)) == key_of(catalogue.scene("two-balls"), "", {}, (0, 3))
     own, given = limits_of(scene, None), limits_of(scene, 9.0)
     assert (own.largest, own.rms, given.largest) == (0.4, 1.0, 9.0)
     assert limits_of(catalogue.scene("two-balls"), None).largest == 7.0
@@ -213,3 +218,83 @@ def test_markdown_and_csv(tmp_path: Path) -> None:
     assert publish(ROWS, csv_file=tmp_path / "b.csv", environment={"GITHUB_STEP_SUMMARY": str(summary)}) == [
         tmp_path / "b.csv"
     ]
+
+
+def solved_loads(folder: Path) -> list[dict[str, str]]:
+    with pytest.raises(SystemExit) as stop:
+        main(["solve", "lin-case1", "--model", "lin", "--loads-csv", str(folder / "loads.csv")])
+    assert not stop.value.code
+    with (folder / "loads.csv").open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def judged(folder: Path, rows: list[dict[str, str]], *drop: str) -> Verdict:
+    heads = [head for head in rows[0] if head not in drop]
+    lines = [",".join(heads), *(",".join(row[head] for head in heads) for row in rows)]
+    (folder / "given.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    what = asked(loads=folder / "given.csv", max_error=8.0, store=folder / "none", compute=False)
+    (found,) = check_scenes([catalogue.scene("lin-case1")], what, Engine(), lambda _: None)
+    return found
+
+
+def test_loads_that_solve_writes_are_those_that_check_reads(tmp_path: Path) -> None:
+    rows = solved_loads(tmp_path)
+    text = (tmp_path / "loads.csv").read_text(encoding="utf-8")
+    assert text.splitlines()[0] == "ball,flank,newton,azimuth_deg,z_mm"
+    assert "#" not in text
+    assert len(rows) == 32 * 4
+    result = run_model(catalogue.scene("lin-case1"), "lin", Options())
+    given = read_loads(tmp_path / "loads.csv", 32, catalogue.scene("lin-case1"))
+    np.testing.assert_array_equal(given.load, result.load)
+    assert given.renumbered == 0
+    found = judged(tmp_path, rows)
+    assert (found.word, found.detail) == ("pass", "")
+
+
+def test_balls_are_matched_by_azimuth_and_station(tmp_path: Path) -> None:
+    rows = solved_loads(tmp_path)
+    turned = [row | {"ball": str(33 - int(row["ball"]))} for row in rows]
+    found, right = judged(tmp_path, turned), judged(tmp_path, rows)
+    assert found.error_percent == right.error_percent
+    assert "32 balls are numbered otherwise in the file, and were matched by azimuth and z" in found.detail
+    named = [row | {"ball": "b" + row["ball"]} for row in rows]
+    assert judged(tmp_path, named).error_percent == right.error_percent, "with places, a number may be any name"
+    away = [row | {"z_mm": str(float(row["z_mm"]) + 5.0)} for row in rows]
+    with pytest.raises(InputError, match="the place of a ball; the nearest"):
+        judged(tmp_path, away)
+    with pytest.raises(InputError, match="line 2: z_mm: got x"):
+        judged(tmp_path, [rows[0] | {"z_mm": "x"}, *rows[1:]])
+
+
+def test_what_loads_look_like_is_said(tmp_path: Path) -> None:
+    rows, places = solved_loads(tmp_path), ("azimuth_deg", "z_mm")
+    kilo = [row | {"newton": str(1e-3 * float(row["newton"]))} for row in rows]
+    found = judged(tmp_path, kilo)
+    assert found.word == "fail"
+    assert "look like kilonewtons" in found.line()
+    turned = judged(tmp_path, [row | {"ball": str(33 - int(row["ball"]))} for row in rows], *places)
+    assert "numbered the other way round: add the columns azimuth_deg and z_mm" in turned.detail
+    shifted = judged(tmp_path, [row | {"ball": str(int(row["ball"]) % 32 + 1)} for row in rows], *places)
+    assert shifted.word == "pass" or "look numbered otherwise" in shifted.detail
+    other = {"SL": "SR", "SR": "SL", "NL": "NR", "NR": "NL"}
+    swapped = judged(tmp_path, [row | {"flank": other[row["flank"]]} for row in rows])
+    assert "other flanks" in swapped.detail
+    wrong = judged(tmp_path, [row | {"newton": str(1.5 * float(row["newton"]))} for row in rows])
+    assert (wrong.word, wrong.detail) == ("fail", "")
+
+
+def test_a_file_of_several_cases_is_refused(tmp_path: Path) -> None:
+    rows = solved_loads(tmp_path)
+    judged(tmp_path, [{"case": "1"} | row for row in rows])
+    with pytest.raises(InputError, match="one case"):
+        judged(tmp_path, [{"case": row["ball"]} | row for row in rows])
+
+
+def test_several_sets_write_their_loads_with_their_number(tmp_path: Path) -> None:
+    with pytest.raises(SystemExit):
+        main(["solve", "double-nut", "--model", "lin", "--loads-csv", str(tmp_path / "a.csv")])
+    lines = (tmp_path / "a.csv").read_text(encoding="utf-8").splitlines()
+    assert lines[0] == "set,ball,flank,newton,azimuth_deg,z_mm"
+    assert len(lines) == 1 + 2 * 68 * 4
+    assert lines[1].startswith("1,1,SL,")
+    assert lines[-1].startswith("2,68,NR,")

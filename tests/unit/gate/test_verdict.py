@@ -5,19 +5,22 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from compare.gate.gate import GateRow
-from compare.gate.verdict import CODES, LARGEST, ONE_LEVEL, RMS, Limits, judge, word, worst_of
-from compare.reference.estimate import Reference
+from rollbench.comparison.gate.gate import GateRow
+from rollbench.comparison.gate.verdict import CODES, LARGEST, ONE_LEVEL, RMS, RULE, Limits, judge, word, worst_of
+from rollbench.comparison.reference.estimate import Reference
+from rollbench.comparison.reference.grid_parts import GridParts
 
 LOAD = np.array([[100.0, 0.0, 0.0, 100.0], [100.0, 0.0, 0.0, 100.0]])
 
 
 def reference(uncertainty: float | None, load: np.ndarray = LOAD) -> Reference:
-    """A reference of two levels with the same uncertainty [N] of every loaded contact (None: of one level)."""
+    """A reference of two levels with the same uncertainty [N] of every loaded contact (None: of one level, 0.3 N by
+    experience)."""
     levels = (1,) if uncertainty is None else (1, 2)
-    runs = tuple(SimpleNamespace(level=k, load=load) for k in levels)
-    bars = None if uncertainty is None else np.where(load > 0.0, uncertainty, 0.0)
-    return Reference("mine", runs, load, bars, None, None, None)  # type: ignore[arg-type]
+    runs = tuple(SimpleNamespace(level=k, load=load, moving=0.0) for k in levels)
+    own = 0.3 if uncertainty is None else uncertainty
+    parts = GridParts(own) if uncertainty is None else GridParts(own, own / 2.0, 0.0, 0.0, 0.0)
+    return Reference("mine", runs, load, np.where(load > 0.0, own, 0.0), parts)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -44,15 +47,17 @@ def test_the_contact_that_decides_is_named() -> None:
     (found,) = judge("x", load, reference(1.0), Limits(7.0))
     assert (found.word, found.ball, found.flank, found.contacts, found.levels) == ("fail", 2, "NR", 4, (1, 2))
     assert found.error_percent == pytest.approx(8.5)
-    assert found.line() == f"FAIL: mine, x: {LARGEST} 8.50 % - 1.00 % > 7 % (ball 2 NR)"
+    first = "8.50 % of the mean load on the worst contact (ball 2 NR), 4.25 % RMS"
+    assert found.line() == f"FAIL: mine, x: {first}; {LARGEST} 8.50 % - 1.00 % > 7 % (ball 2 NR), {RULE}"
     load[1, 3] = 105.0
     (found,) = judge("x", load, reference(1.0), Limits(7.0))
-    assert (found.word, found.line()) == ("pass", f"PASS: mine, x: {LARGEST} 5.00 % + 1.00 % <= 7 % (ball 2 NR)")
+    assert found.word == "pass"
+    assert f"{LARGEST} 5.00 % + 1.00 % <= 7 % (ball 2 NR), {RULE}" in found.line()
+    assert found.as_json()["max_percent_of_mean"] == pytest.approx(5.0)
 
 
 def test_one_clear_failure_outweighs_a_larger_doubtful_error() -> None:
     found = reference(1.0)
-    assert found.uncertainty is not None
     found.uncertainty[0, 0], found.uncertainty[0, 3] = 20.0, 4.5
     load = LOAD.copy()
     load[0, 0], load[0, 3], load[1, 0] = 125.0, 112.0, 109.0
@@ -69,10 +74,10 @@ def test_a_load_that_the_reference_does_not_have_counts() -> None:
     assert verdict.word == "pass"
 
 
-def test_one_level_decides_nothing() -> None:
+def test_one_level_decides_by_experience_and_says_so() -> None:
     (verdict,) = judge("x", 2.0 * LOAD, reference(None), Limits(7.0))
-    assert (verdict.word, verdict.uncertainty_percent, verdict.detail) == ("undecided", None, ONE_LEVEL)
-    assert "uncertainty not known" in verdict.line()
+    assert (verdict.word, verdict.uncertainty_percent, verdict.detail) == ("fail", pytest.approx(0.3), ONE_LEVEL)
+    assert verdict.line().endswith(ONE_LEVEL)
 
 
 def test_rms_is_judged_where_it_has_a_limit() -> None:

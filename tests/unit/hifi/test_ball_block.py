@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.linalg import block_diag
-
-from hifi.compliance import BallBlock, coupled, plain, uncoupled
 from tests.helpers import relative
+
+from rollbench.hifi.compliance import BallBlock, coupled, plain, uncoupled
 
 pytestmark = pytest.mark.xdist_group("ball of blocks")
 

@@ -9,8 +9,8 @@ import pytest
 from scipy import sparse
 from scipy.optimize import nnls
 
-from hifi.balls import State, press, solve_balls
-from hifi.compliance import coupled, plain, uncoupled
+from rollbench.hifi.balls import State, press, solve_balls
+from rollbench.hifi.compliance import coupled, plain, uncoupled
 
 #: Compliance [m/N] and gaps [m] of a real contact's size.
 SOFT, GAP = 1e-8, 1e-6

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.scenes import catalogue
-from hifi import cell
-from hifi.cut import HALF_TURN, at_high, at_low, cut_flexibility, groove_azimuth, turned, uniform_cantilever
-from hifi.mounting import Stretch, mount, without_cuts
-from hifi.response import transport
-from hifi.shaft import ShaftSection
-from meshes.groove_map import GrooveMap
-from meshes.parts import FREEDOMS, Load, Support
+from rollbench.comparison.scenes import catalogue
+from rollbench.hifi import cell
+from rollbench.hifi.cut import HALF_TURN, at_high, at_low, cut_flexibility, groove_azimuth, turned, uniform_cantilever
+from rollbench.hifi.mounting import Stretch, mount, without_cuts
+from rollbench.hifi.response import transport
+from rollbench.hifi.shaft import ShaftSection
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.parts import FREEDOMS, Load, Support
 
 pytestmark = pytest.mark.xdist_group("cut shafts")
 

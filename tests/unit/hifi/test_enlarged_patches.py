@@ -6,16 +6,17 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from compare.reference.computing import BEYOND, ENLARGE, compute_with_bodies, enlarged
-from compare.reference.store import Run
-from compare.reference.tasks import Task, settings_of
-from compare.scenes import catalogue
-from hifi.expected import expected_contacts
-from hifi.fit import patch_lines, socket_size
-from hifi.reference import AT_RIM
-from meshes.groove_map import GrooveMap
-from meshes.helix import ball_layout
-from meshes.solid import dimensions
+from rollbench.comparison.reference import computing
+from rollbench.comparison.reference.computing import BEYOND, ENLARGE, compute_with_bodies, enlarged
+from rollbench.comparison.reference.store import Run
+from rollbench.comparison.reference.tasks import Task, settings_of
+from rollbench.comparison.scenes import catalogue
+from rollbench.hifi.expected import expected_contacts
+from rollbench.hifi.fit import patch_lines, socket_size
+from rollbench.hifi.reference import AT_RIM
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.solid import dimensions
 
 CASE = catalogue.scene("lin-case1")
 
@@ -105,9 +106,9 @@ def test_set_ups_are_built_again_only_where_a_contact_is_at_the_rim(monkeypatch,
             "",
         )
 
-    monkeypatch.setattr("hifi.setup.prepare", prepare)
-    monkeypatch.setattr("compare.reference.computing._one", one)
-    monkeypatch.setattr("hifi.condensed.condensed_bodies", lambda *_: "bodies")
+    monkeypatch.setattr("rollbench.hifi.setup.prepare", prepare)
+    monkeypatch.setattr(computing, "_one", one)
+    monkeypatch.setattr("rollbench.hifi.condensed.condensed_bodies", lambda *_: "bodies")
     said = []
     (run,), bodies = compute_with_bodies(Task((CASE,), 1), said.append)
     assert len(made) == built

@@ -4,17 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from compare.models.study import with_groove
-from compare.scenes import catalogue
-from hifi.expected import ExpectedContacts, expected_contacts, hertz_units
-from hifi.fit import Settings, expected_reach, expected_semi_axes, socket_size
-from hifi.hertz import hertz
-from meshes.groove_map import GrooveMap
-from meshes.helix import ball_layout, lead_angle
-from meshes.parts import BallErrors, Errors, FourierTerm, Load, SideErrors, Support
-from meshes.solid import dimensions
 from tests.helpers import small_screw
+
+from rollbench.comparison.models.study import with_groove
+from rollbench.comparison.scenes import catalogue
+from rollbench.hifi.expected import ExpectedContacts, expected_contacts, hertz_units
+from rollbench.hifi.fit import socket_size
+from rollbench.hifi.hertz import hertz
+from rollbench.hifi.settings import Settings, expected_reach, expected_semi_axes
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.helix import ball_layout, lead_angle
+from rollbench.meshes.parts import BallErrors, Errors, FourierTerm, Load, SideErrors, Support
+from rollbench.meshes.solid import dimensions
 
 CASE = catalogue.scene("lin-case1")
 RING = catalogue.scene("bearing-9")

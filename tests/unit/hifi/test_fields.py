@@ -5,9 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.linalg import block_diag
+from tests.fe_meshes import cube
+from tests.helpers import relative, small_screw
 
-from hifi import submodel
-from hifi.fields import (
+from rollbench.hifi import submodel
+from rollbench.hifi.fields import (
     ball_fields,
     ball_patch,
     coarse_field,
@@ -23,18 +25,16 @@ from hifi.fields import (
     screw_displacement,
     von_mises,
 )
-from hifi.fit import Settings, expected_reach, expected_semi_axes
-from hifi.hertz import hertz
-from hifi.part_meshes import mesh_parts
-from hifi.patch import condense_patch
-from hifi.pressures import mean_weights
-from hifi.reference import solve_reference
-from hifi.setup import prepare
-from meshes.cache import Cache
-from meshes.fem import cells_of, mesh_of, points_of
-from meshes.parts import Material, Solid
-from tests.fe_meshes import cube
-from tests.helpers import relative, small_screw
+from rollbench.hifi.hertz import hertz
+from rollbench.hifi.part_meshes import mesh_parts
+from rollbench.hifi.patch import condense_patch
+from rollbench.hifi.pressures import mean_weights
+from rollbench.hifi.reference import solve_reference
+from rollbench.hifi.settings import Settings, expected_reach, expected_semi_axes
+from rollbench.hifi.setup import prepare
+from rollbench.meshes.cache import Cache
+from rollbench.meshes.fem import cells_of, mesh_of, points_of
+from rollbench.meshes.parts import Material, Solid
 
 pytestmark = [pytest.mark.xdist_group("recovered fields"), pytest.mark.slow]
 

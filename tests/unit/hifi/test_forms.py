@@ -6,15 +6,15 @@ from numpy.polynomial.legendre import leggauss
 from scipy.sparse.linalg import spsolve
 from skfem import BilinearForm, Functional, MeshTet1
 from skfem.helpers import ddot, dot, eye, grad, sym_grad, trace
-
-from hifi import assembly
-from hifi.assembly import CurvedMap, assemble, faces, nodal_areas, products, rule, tensor
-from hifi.bodies import rigid_loads
-from hifi.forms import elasticity, hooke, share
-from hifi.pressures import ElementHexHats, contact_weights
-from hifi.rigid import rigid_modes
-from meshes.fem import faces_of, freedoms_on, kind_of, mesh_of, moved, nodes_on, points_of, tensor_grid
 from tests.fe_meshes import KINDS, boundary_faces, cube, distorted, force, space
+
+from rollbench.hifi import assembly
+from rollbench.hifi.assembly import CurvedMap, assemble, faces, nodal_areas, products, rule, tensor
+from rollbench.hifi.bodies import rigid_loads
+from rollbench.hifi.forms import elasticity, hooke, share
+from rollbench.hifi.pressures import ElementHexHats, contact_weights
+from rollbench.hifi.rigid import rigid_modes
+from rollbench.meshes.fem import faces_of, freedoms_on, kind_of, mesh_of, moved, nodes_on, points_of, tensor_grid
 
 E, NU = 210e9, 0.28
 LAM, MU = E * NU / (1.0 + NU) / (1.0 - 2.0 * NU), E / 2.0 / (1.0 + NU)

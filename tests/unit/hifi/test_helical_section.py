@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.scenes import catalogue
-from hifi.cell import _flexibility
-from hifi.helical_section import helical_stiffness
-from hifi.shaft import round_section
-from meshes.groove_map import GrooveMap
+from rollbench.comparison.scenes import catalogue
+from rollbench.hifi.cell import _flexibility
+from rollbench.hifi.helical_section import helical_stiffness
+from rollbench.hifi.shaft import round_section
+from rollbench.meshes.groove_map import GrooveMap
 
 SCENE = catalogue.scene("lin-case1")
 STEEL = SCENE.screw.material

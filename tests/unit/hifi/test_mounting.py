@@ -6,13 +6,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from compare.scenes import catalogue
-from hifi.cut import at_high, at_low
-from hifi.mounting import Stretch, as_stiff_as, beam_stretch, mount, unheld
-from hifi.response import transport
-from hifi.shaft import beam_stiffness, round_section
-from meshes.groove_map import GrooveMap
-from meshes.parts import FREEDOMS, Load, Support
+from rollbench.comparison.scenes import catalogue
+from rollbench.hifi.cut import at_high, at_low
+from rollbench.hifi.mounting import Stretch, as_stiff_as, beam_stretch, mount, unheld
+from rollbench.hifi.response import transport
+from rollbench.hifi.shaft import beam_stiffness, round_section
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.parts import FREEDOMS, Load, Support
 
 SECTION = round_section(15e-3, 210e9, 0.28)
 STATIONS = np.array([0.36, 0.39, 0.42, 0.43])

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from hifi.grid_wave import GridWave, approaches
-from meshes.condensed import CondensedBodies
+from rollbench.hifi.grid_wave import GridWave, approaches
+from rollbench.meshes.condensed import CondensedBodies
 
 FORCES = np.geomspace(40.0, 600.0, 16)
 C = 1.4e-7

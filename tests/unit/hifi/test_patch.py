@@ -7,18 +7,18 @@ from functools import cache
 import numpy as np
 import pytest
 import scipy.sparse as sp
-
-from hifi import assembly
-from hifi.bodies import Socket, assemble, freedoms, of_order
-from hifi.forms import elasticity
-from hifi.patch import PatchMesh, build_tet_patch, condense_patch, field, tie_matrix
-from hifi.pressures import mean_weights
-from hifi.rigid import rigid_modes
-from meshes.fem import mesh_of, points_of
-from meshes.tet_patch import SUB_TRIANGLES, build_tets, source_box
 from tests.fe_meshes import boundary, boundary_faces, cube, stiffness, strain_stress
 from tests.helpers import relative
 from tests.patch_meshes import NU, E, condensed, flat, holed_cube, patch, places, socket, tets
+
+from rollbench.hifi import assembly
+from rollbench.hifi.bodies import Socket, assemble, freedoms, of_order
+from rollbench.hifi.forms import elasticity
+from rollbench.hifi.patch import PatchMesh, build_tet_patch, condense_patch, field, tie_matrix
+from rollbench.hifi.pressures import mean_weights
+from rollbench.hifi.rigid import rigid_modes
+from rollbench.meshes.fem import mesh_of, points_of
+from rollbench.meshes.tet_patch import SUB_TRIANGLES, build_tets, source_box
 
 pytestmark = pytest.mark.xdist_group("condensed patches")
 KINDS = [("Q2", False), ("P1", True), ("P1", False)]

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from hifi import assembly
-from hifi.patch import build_patch, build_tet_patch, field
-from hifi.pressures import mean_weights
-from meshes.fem import nodes_on
 from tests.fe_meshes import jacobians, volume
 from tests.patch_meshes import MAP, NU, SEMI, WIDTH, ZONE, E, condensed, lines, patch, places, socket, tets
+
+from rollbench.hifi import assembly
+from rollbench.hifi.patch import build_patch, build_tet_patch, field
+from rollbench.hifi.pressures import mean_weights
+from rollbench.meshes.fem import nodes_on
 
 pytestmark = pytest.mark.xdist_group("condensed patches")
 

@@ -8,22 +8,33 @@ import pytest
 import scipy.sparse as sp
 from scipy.linalg import block_diag
 
-from compare.scenes import catalogue
-from hifi import condensed, contact_kinematics, coupling, grid_wave, part_meshes, reference, responses, setup, submodel
-from hifi.assembly import assemble
-from hifi.balls import State, solve_balls
-from hifi.bodies import freedoms, isostatic
-from hifi.compliance import uncoupled
-from hifi.fit import Settings, ball_place
-from hifi.forms import elasticity
-from hifi.part_meshes import placed
-from hifi.patch import hat_rows
-from hifi.pressures import mean_weights
-from hifi.response import compliance
-from hifi.side_by_side import Part, make
-from meshes.cache import Cache
-from meshes.parts import FourierTerm, Load, SideErrors, Support
-from meshes.sockets import local_points
+from rollbench.comparison.scenes import catalogue
+from rollbench.hifi import (
+    condensed,
+    contact_kinematics,
+    coupling,
+    grid_wave,
+    part_meshes,
+    reference,
+    responses,
+    setup,
+    submodel,
+)
+from rollbench.hifi.assembly import assemble
+from rollbench.hifi.balls import State, solve_balls
+from rollbench.hifi.bodies import freedoms, isostatic
+from rollbench.hifi.compliance import uncoupled
+from rollbench.hifi.fit import ball_place
+from rollbench.hifi.forms import elasticity
+from rollbench.hifi.part_meshes import placed
+from rollbench.hifi.patch import hat_rows
+from rollbench.hifi.pressures import mean_weights
+from rollbench.hifi.response import compliance
+from rollbench.hifi.settings import Settings
+from rollbench.hifi.side_by_side import Part, make
+from rollbench.meshes.cache import Cache
+from rollbench.meshes.parts import FourierTerm, Load, SideErrors, Support
+from rollbench.meshes.sockets import local_points
 
 pytestmark = pytest.mark.xdist_group("helped by processes")
 
@@ -225,13 +236,34 @@ def test_a_helical_motion_of_the_screw_changes_no_load(small):
     first = small.scene.supports[0]
     held = tuple((name, 2e-3 if name == "rz" else value) for name, value in first.fixed)
     turned = replace(small.scene, supports=(replace(first, fixed=held), *small.scene.supports[1:]))
-    result = reference.solve_reference(small, turned, updates=12)  # so few cells find a contact's middle slowly
+    result = reference.solve_reference(small, turned)
     assert result.status == "converged"
+    assert result.updates <= 5  # by the middle of the pressures, which sticks to so few nodes, it were 12
     np.testing.assert_allclose(result.load, at_rest.load, rtol=0, atol=1e-4 * at_rest.load.max())
     across = np.nan_to_num(result.contact_angle - at_rest.contact_angle)
     assert np.abs(across).max() < 1e-4  # a straight step along a curved track: 16 um leave 8 nm of its section
     axial = result.load[:, 0] @ np.sin(result.contact_angle[:, 0]) * np.cos(small.map.alpha)
     assert axial == pytest.approx(400.0, rel=2e-4)
+
+
+def test_loads_that_did_not_settle_say_what_they_may_still_move_by(small):
+    turned = replace(
+        small.scene, supports=(Support(0.0, small.scene.supports[0].fixed), Support(60e-3, (("ux", 5e-6), ("uy", 0.0))))
+    )
+    whole = reference.solve_reference(small, turned)
+    assert (whole.status, whole.moving) == ("converged", 0.0)
+    few = reference.solve_reference(small, turned, updates=1)
+    assert few.status.startswith("not settled: loads may still move by")
+    assert 0.0 < np.abs(few.load - whole.load).max() <= few.moving < np.inf
+
+
+def test_what_is_left_is_the_rest_of_a_geometric_series():
+    loads = [np.array([[10.0 - 4.0 * 0.25**k, 5.0]]) for k in range(4)]
+    assert reference.left_over(loads[:3]) == pytest.approx(10.0 - loads[2][0, 0])
+    assert reference.left_over(loads) == pytest.approx(10.0 - loads[3][0, 0])
+    assert reference.left_over(loads[:2]) == pytest.approx(99.0 * 3.0)
+    assert reference.left_over(loads[:1]) == np.inf
+    assert reference.left_over([loads[0]] * 2) == 0.0
 
 
 def test_two_opposite_balls_without_lead_carry_the_same(monkeypatch):
@@ -304,6 +336,10 @@ def test_a_prepared_geometry_comes_whole_from_the_cache(small, cache):
     found = setup.prepare(two_balls(), (0, 3), SMALL, cache=again)
     assert cache.hits == again.misses == 0
     assert cache.misses == again.hits > 5
+    assert found.seconds == pytest.approx(small.seconds, rel=0.1), (
+        "the seconds that its stages took when they were made, not those of reading"
+    )
+    assert min(found.seconds.values()) > 0.0
     np.testing.assert_array_equal(found.ball.G, small.ball.G)
     np.testing.assert_array_equal(found.patches[0].own, small.patches[0].own)
     np.testing.assert_array_equal(found.screw.stretch.F, small.screw.stretch.F)
@@ -337,6 +373,15 @@ def test_own_approaches_of_condensed_bodies(small, monkeypatch):
             assert condensed.patch_approaches(small, s, loads) == pytest.approx(approach, rel=8e-3)
 
 
+def test_a_long_solution_tells_its_rounds(small, monkeypatch):
+    monkeypatch.setattr(reference, "SLOW", -1.0)
+    heard = []
+    found = reference.solve_reference(small, small.scene, step=heard.append)
+    assert [line.split(", ")[0] for line in heard] == [
+        f"contacts of {small.scene.name}: round {k + 1}" for k in range(found.updates + 1)
+    ]
+
+
 def test_a_set_up_in_two_processes_is_the_same(small, cache, tmp_path):
     source_s_mesh = replace(SMALL, element="P1", tet=0.35e-3, modes=16, ball_modes=16)
     here = setup.prepare(small.scene, small.sides, source_s_mesh, cache=Cache(cache.root))
@@ -354,6 +399,17 @@ def test_a_set_up_in_two_processes_is_the_same(small, cache, tmp_path):
 
 
 def test_a_process_that_is_ended_from_outside_is_a_lack_of_memory():
-    part = Part("any", "any", 0, os._exit, (1,), float)
+    ended = f"__import__('os')._exit(1) if __import__('os').getpid() != {os.getpid()} else __import__('time').sleep(1)"
+    part = Part("any", eval, (ended,), type(None))
     with pytest.raises(MemoryError, match="ended from outside"):
         make([part, part], Cache(None), 2)
+
+
+def test_parts_are_made_here_and_by_others_in_their_order():
+    parts = [Part("any", eval, (f"({k}, __import__('time').sleep(0.5))[0]",), int) for k in range(4)]
+    found = make(parts, Cache(None), 2)
+    assert [one.value for one in found] == [0, 1, 2, 3]
+    assert len({one.process for one in found}) == 2
+    assert os.getpid() in {one.process for one in found}
+    with pytest.raises(ZeroDivisionError):
+        make([*parts, Part("any", eval, ("1 / 0",), int)], Cache(None), 2)

@@ -7,26 +7,34 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import scipy.sparse as sp
-
-from hifi.assembly import assemble
-from hifi.forms import elasticity
-from hifi.hertz import hertz
-from hifi.response import compliance
-from hifi.rolling import bodies, halves, static_patches, verification
-from hifi.rolling.answers import beside, free_answer, half_space_answer, tractions
-from hifi.rolling.balls import NEARLY_RIGID, Choices, kernel_of, prepare_bodies, solve_rolling, touching
-from hifi.rolling.bodies import Place, Sizes, ball_kernel, bar_kernel, contact_kernel, forget_kernels, patch_kernels
-from hifi.rolling.elements import Solids, influence
-from hifi.rolling.halves import compliance_by_halves, mirror_halves
-from hifi.rolling.patch import grid, hertz_patch, seen_radii
-from hifi.rolling.regular import NORMAL, TANGENTS, Regular, monomials
-from hifi.rolling.scenes import along_radius
-from hifi.rolling.static_patches import Curve
-from hifi.rolling.transient import run_from_rest
-from hifi.rolling.verification import at_rest, mindlin, rubbing, static_reference, two_balls
-from meshes.contact_bodies import Groove, Zone, grooved_bar, half_space, whole_ball
-from meshes.fem import points_of
 from tests.rolling_scenes import linear_pair
+
+from rollbench.hifi.assembly import assemble
+from rollbench.hifi.forms import elasticity
+from rollbench.hifi.hertz import hertz
+from rollbench.hifi.response import compliance
+from rollbench.hifi.rolling import bodies, halves, static_patches, verification
+from rollbench.hifi.rolling.answers import beside, free_answer, half_space_answer, tractions
+from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, kernel_of, prepare_bodies, solve_rolling, touching
+from rollbench.hifi.rolling.bodies import (
+    Place,
+    Sizes,
+    ball_kernel,
+    bar_kernel,
+    contact_kernel,
+    forget_kernels,
+    patch_kernels,
+)
+from rollbench.hifi.rolling.elements import Solids, influence
+from rollbench.hifi.rolling.halves import compliance_by_halves, mirror_halves
+from rollbench.hifi.rolling.patch import grid, hertz_patch, seen_radii
+from rollbench.hifi.rolling.regular import NORMAL, TANGENTS, Regular, monomials
+from rollbench.hifi.rolling.scenes import along_radius
+from rollbench.hifi.rolling.static_patches import Curve
+from rollbench.hifi.rolling.transient import run_from_rest
+from rollbench.hifi.rolling.verification import at_rest, mindlin, rubbing, static_reference, two_balls
+from rollbench.meshes.contact_bodies import Groove, Zone, grooved_bar, half_space, whole_ball
+from rollbench.meshes.fem import points_of
 
 pytestmark = pytest.mark.xdist_group("helped by processes")
 

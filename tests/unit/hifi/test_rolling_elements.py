@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.integrate import dblquad
 
-from hifi.rolling.elements import Solids, influence
-from hifi.rolling.normal import press
-from hifi.rolling.patch import grid, hertz_patch
+from rollbench.hifi.rolling.elements import Solids, influence
+from rollbench.hifi.rolling.normal import press
+from rollbench.hifi.rolling.patch import grid, hertz_patch
 
 UNLIKE = Solids((80e9, 120e9), (0.28, 0.22))
 #: Johnson (1985): displacements (row) by unit point forces (column) at (x, y), shear modulus g, ratio n.

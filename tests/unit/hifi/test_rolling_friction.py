@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from hifi.rolling import friction
-from hifi.rolling.patch import hertz_patch
-from hifi.rolling.verification import Creep, given_motion, steady
+from rollbench.hifi.rolling import friction
+from rollbench.hifi.rolling.patch import hertz_patch
+from rollbench.hifi.rolling.verification import Creep, given_motion, steady
 
 PATCH = hertz_patch(100.0, (5e-3, 46.667e-3), 210e9, 0.28, (16, 16))
 MU = 0.1

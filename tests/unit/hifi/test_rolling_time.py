@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-
-from hifi.rolling.balls import Choices, solve_rolling
-from hifi.rolling.loads import Cell, cell_loads
-from hifi.rolling.transient import run_from_rest
 from tests.rolling_scenes import linear_pair
+
+from rollbench.hifi.rolling.balls import Choices, solve_rolling
+from rollbench.hifi.rolling.loads import Cell, cell_loads
+from rollbench.hifi.rolling.transient import run_from_rest
 
 GRID = Choices((8, 8))
 

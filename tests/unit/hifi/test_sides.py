@@ -6,20 +6,20 @@ from functools import partial
 import numpy as np
 import pytest
 import scipy.sparse as sp
-
-from hifi import sides, submodel
-from hifi.bodies import patch_modes
-from hifi.grid_wave import PeriodicApproach, approaches_at, grid_wave, resolved_forces
-from hifi.part_meshes import mesh_parts, patch_mesh, patch_normals
-from hifi.patch import condense_patch
-from hifi.pressures import mean_weights
-from hifi.sides import condense_side, congruent, turned
-from meshes.groove_map import GrooveMap
-from meshes.helix import ball_layout
-from meshes.sockets import AZIMUTH_TURNED, local_points
-from meshes.solid import dimensions
 from tests.helpers import relative
 from tests.unit.hifi.test_reference_small import SMALL, two_balls
+
+from rollbench.hifi import sides, submodel
+from rollbench.hifi.bodies import patch_modes
+from rollbench.hifi.grid_wave import PeriodicApproach, approaches_at, grid_wave, resolved_forces
+from rollbench.hifi.part_meshes import mesh_parts, patch_mesh, patch_normals
+from rollbench.hifi.patch import condense_patch
+from rollbench.hifi.pressures import mean_weights
+from rollbench.hifi.sides import condense_side, congruent, side_of, turned
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.sockets import AZIMUTH_TURNED, local_points
+from rollbench.meshes.solid import dimensions
 
 pytestmark = pytest.mark.xdist_group("both flanks")
 
@@ -34,7 +34,7 @@ def flanks():
     meshes = mesh_parts(scene, m, layout, dims, (0, 1, 2, 3), SETTINGS)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(submodel, "REALISATIONS", 1)
-        return m, meshes, {s: condense_side(scene, m, dims, meshes, s, SETTINGS) for s in range(4)}
+        return m, meshes, {s: condense_side(*side_of(scene, m, dims, meshes, s, SETTINGS)) for s in range(4)}
 
 
 @pytest.mark.parametrize("right", [1, 3])
@@ -135,5 +135,5 @@ def test_source_s_mesh_keeps_its_patches(monkeypatch):
     settings = replace(SETTINGS, element="P1", tet=0.16e-3)
     m, layout, dims = GrooveMap.of(scene), ball_layout(scene), dimensions(scene)
     meshes = mesh_parts(scene, m, layout, dims, (0, 3), settings)
-    pair = condense_side(scene, m, dims, meshes, 0, settings)
+    pair = condense_side(*side_of(scene, m, dims, meshes, 0, settings))
     np.testing.assert_array_equal(pair.own, pair.groove.A + pair.ball.A)

@@ -5,17 +5,17 @@ from functools import cache
 
 import numpy as np
 import pytest
-
-from hifi import submodel
-from hifi.bodies import Socket, assemble, contact_pressures, freedoms, patch_modes
-from hifi.patch import Lines, build_patch, condense_patch, hat_rows
-from hifi.pressures import mean_weights
-from hifi.rigid import rigid_modes
-from hifi.submodel import Piece, coarse_compliance, fine_compliance, own_compliance
-from meshes.fem import mesh_of, moved, points_of
-from meshes.sockets import SocketMesh
 from tests.fe_meshes import boundary_faces, cube
 from tests.helpers import relative
+
+from rollbench.hifi import submodel
+from rollbench.hifi.bodies import Socket, assemble, contact_pressures, freedoms, patch_modes
+from rollbench.hifi.patch import Lines, build_patch, condense_patch, hat_rows
+from rollbench.hifi.pressures import mean_weights
+from rollbench.hifi.rigid import rigid_modes
+from rollbench.hifi.submodel import Piece, coarse_compliance, fine_compliance, own_compliance
+from rollbench.meshes.fem import mesh_of, moved, points_of
+from rollbench.meshes.sockets import SocketMesh
 
 pytestmark = pytest.mark.xdist_group("submodel")
 

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from meshes.ball_body import BallSocket, ball_depth, ball_points, build_ball, directions, rays
-from meshes.groove_map import GrooveMap
-from meshes.quality import scaled_jacobians
-from meshes.sockets import SocketSize, local_points
 from tests.fe_meshes import outer_faces, volume_of
 from tests.helpers import small_screw
+
+from rollbench.meshes.ball_body import BallSocket, ball_depth, ball_points, build_ball, directions, rays
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.quality import scaled_jacobians
+from rollbench.meshes.sockets import SocketSize, local_points
 
 FOUR = (0, 1, 2, 3)
 

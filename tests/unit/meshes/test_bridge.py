@@ -6,12 +6,12 @@ import meshio
 import numpy as np
 import pytest
 from skfem import MeshHex1, MeshHex2, MeshTet1, MeshTet2
-
-from hifi.assembly import faces, nodal_areas
-from meshes import bridge
-from meshes.bridge import MeshData, from_gmsh, from_skfem, to_skfem, write_mesh
-from meshes.fem import mesh_of, second_order
 from tests.fe_meshes import KINDS, boundary_faces, cube, jacobians, one, order_of, space
+
+from rollbench.hifi.assembly import faces, nodal_areas
+from rollbench.meshes import bridge
+from rollbench.meshes.bridge import MeshData, from_gmsh, from_skfem, to_skfem, write_mesh
+from rollbench.meshes.fem import mesh_of, second_order
 
 VOLUMES = KINDS
 GMSH_TYPES = {"P1": 4, "P2": 11, "Q1": 5, "Q2": 12}

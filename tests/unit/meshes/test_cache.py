@@ -1,9 +1,14 @@
 """Cached records: the same again, never another recipe's, never damaged, whatever happens to the files."""
 
+import hashlib
+import io
+import json
 import multiprocessing
 import os
+import pickle
 import resource
 from dataclasses import dataclass, replace
+from functools import wraps
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +16,10 @@ import pytest
 import scipy.sparse as sp
 from skfem import MeshTet, MeshTet2
 
-from meshes import cache as module
-from meshes.cache import Cache, default_root, key_of
+from rollbench.hifi.side_by_side import Part, make
+from rollbench.meshes import cache as module
+from rollbench.meshes.cache import Cache, default_root, key_of
+from rollbench.meshes.private import private_folder
 
 
 @dataclass(frozen=True)
@@ -41,12 +48,22 @@ RECIPE = Recipe(np.linspace(0.0, 1.0, 3000), Inner("a", np.eye(3)), {"b": 1, "a"
 SPARSE = sp.random(30, 20, 0.2, random_state=1, format="csr")
 
 
-def fail():
-    raise AssertionError("built again")
+def never(build):
+    """The same builder by name, which must not be called."""
+
+    @wraps(build, updated=())
+    def fail(*_):
+        raise AssertionError("built again")
+
+    return fail
 
 
-def record() -> Record:
+def record(_: int = 1) -> Record:
     return Record((np.arange(5.0), {"a": SPARSE}, "x"))
+
+
+def numbers(count: int) -> Record:
+    return Record(np.arange(count))
 
 
 def same(a: Record, b: Record) -> None:
@@ -56,22 +73,22 @@ def same(a: Record, b: Record) -> None:
 
 
 def stored(folder: Path) -> list[Path]:
-    return sorted(folder.rglob("output.pkl"))
+    return sorted(folder.rglob("*.npz"))
 
 
 def test_a_record_comes_back(tmp_path: Path):
     first = Cache(tmp_path)
-    same(first.get("thing", 1, record, Record), record())
+    same(first.get(record, (1,), Record), record())
     again = Cache(tmp_path)
-    same(again.get("thing", 1, fail, Record), record())
+    same(again.get(never(record), (1,), Record), record())
     assert (first.hits, first.misses, again.hits, again.misses) == (0, 1, 1, 0)
     assert len(stored(tmp_path)) == 1
 
 
 def test_a_mesh_comes_back_with_its_names(tmp_path: Path):
     mesh = MeshTet2.from_mesh(MeshTet()).with_boundaries({"end": np.array([0, 1])}).with_subdomains({"all": np.arange(5)})
-    Cache(tmp_path).get("mesh", 1, lambda: Record(mesh), Record)
-    found = Cache(tmp_path).get("mesh", 1, fail, Record).value
+    Cache(tmp_path).get(Record, (mesh,), Record)
+    found = Cache(tmp_path).get(never(Record), (mesh,), Record).value
     np.testing.assert_array_equal(found.doflocs, mesh.doflocs)
     np.testing.assert_array_equal(found.boundaries["end"], [0, 1])
     np.testing.assert_array_equal(found.subdomains["all"], np.arange(5))
@@ -79,7 +96,7 @@ def test_a_mesh_comes_back_with_its_names(tmp_path: Path):
 
 def test_a_result_of_another_class_is_refused(tmp_path: Path):
     with pytest.raises(TypeError, match="built a float, not a Record"):
-        Cache(tmp_path).get("thing", 1, lambda: 1.0, Record)
+        Cache(tmp_path).get(float, (1,), Record)
 
 
 def moved(array: np.ndarray, place: int) -> np.ndarray:
@@ -97,7 +114,6 @@ CHANGES = {
     "nested string": replace(RECIPE, inner=Inner("b", np.eye(3))),
     "float": replace(RECIPE, edge=float(np.nextafter(0.1, 1.0))),
     "int": replace(RECIPE, count=4),
-    "float for int": replace(RECIPE, count=3.0),
     "none": replace(RECIPE, note=""),
     "tuple": replace(RECIPE, pair=(1, 0.0, None)),
     "list": replace(RECIPE, pair=[1, 0.0]),
@@ -110,34 +126,42 @@ CHANGES = {
 @pytest.mark.parametrize("name", CHANGES)
 def test_any_change_changes_the_key(name, monkeypatch):
     monkeypatch.setattr(module, "sources", lambda name: f"code of {name}")
-    key = key_of("thing", RECIPE, Record)
-    assert key == key_of("thing", replace(RECIPE, sizes=RECIPE.sizes.copy()), Record)
-    assert key_of("thing", CHANGES[name], Record) != key
+    key = key_of(record, (RECIPE,), Record)
+    assert key == key_of(record, (replace(RECIPE, sizes=RECIPE.sizes.copy()),), Record)
+    assert key_of(record, (CHANGES[name],), Record) != key
 
 
 def test_equal_parts_count_the_same_whether_or_not_they_are_one(monkeypatch):
     monkeypatch.setattr(module, "sources", lambda name: f"code of {name}")
     steel = Inner("steel", np.eye(3))
-    one = key_of("thing", (steel, steel), Record)
-    assert one == key_of("thing", (steel, Inner("steel", np.eye(3))), Record)
+    one = key_of(record, (steel, steel), Record)
+    assert one == key_of(record, (steel, Inner("steel", np.eye(3))), Record)
 
 
-def test_key_covers_kind_class_versions_and_sources(monkeypatch):
+def test_key_covers_builder_class_versions_and_sources(monkeypatch):
     monkeypatch.setattr(module, "sources", lambda name: f"code of {name}")
-    key = key_of("thing", RECIPE, Record)
-    assert key_of("thing", RECIPE, Record) == key
-    assert key_of("other", RECIPE, Record) != key
-    assert key_of("thing", RECIPE, Inner) != key
-    assert key_of("thing", {"a": 1, "b": 3}, Record) == key_of("thing", {"b": 3, "a": 1}, Record)
+    key = key_of(record, (RECIPE,), Record)
+    assert key_of(record, (RECIPE,), Record) == key
+    assert key_of(numbers, (RECIPE,), Record) != key, "two builders with the same arguments"
+    assert key_of(record, (RECIPE, None), Record) != key
+    assert key_of(record, (RECIPE,), Inner) != key
+    assert key_of(record, ({"a": 1, "b": 3.0},), Record) == key_of(record, ({"b": 3, "a": 1},), Record)
     real = module.metadata.version
     for package in ("gmsh", "scikit-fem", "rollbench"):
         with monkeypatch.context() as patch:
             patch.setattr(module.metadata, "version", lambda name, p=package: "0.0" if name == p else real(name))
-            assert key_of("thing", RECIPE, Record) != key
-    for package in ("meshes", "tests"):
+            assert key_of(record, (RECIPE,), Record) != key
+    for package in ("rollbench.meshes", "tests"):
         with monkeypatch.context() as patch:
             patch.setattr(module, "sources", lambda name, p=package: f"{'new ' * (name == p)}code of {name}")
-            assert key_of("thing", RECIPE, Record) != key
+            assert key_of(record, (RECIPE,), Record) != key
+
+
+def test_a_builder_without_a_name_of_its_own_is_refused(tmp_path: Path):
+    with pytest.raises(TypeError, match="a function of a module"):
+        Cache(tmp_path).get(lambda: record(), (), Record)
+    with pytest.raises(TypeError, match="no canonical form"):
+        Cache(tmp_path).get(record, (print,), Record)
 
 
 def test_sources_of_a_package_are_digested(monkeypatch, tmp_path: Path):
@@ -160,15 +184,15 @@ def test_sources_of_a_package_are_digested(monkeypatch, tmp_path: Path):
 
 
 def test_damaged_files_are_rebuilt(tmp_path: Path, capsys):
-    Cache(tmp_path).get("thing", 1, record, Record)
+    Cache(tmp_path).get(record, (1,), Record)
     (file,) = stored(tmp_path)
     whole = file.read_bytes()
     flipped = [whole[:k] + bytes([whole[k] ^ 0x41]) + whole[k + 1 :] for k in range(0, len(whole), 37)]
     for damaged in (*(whole[:length] for length in (0, 1, 30, len(whole) // 2, len(whole) - 1)), b"other", *flipped):
         file.write_bytes(damaged)
         again = Cache(tmp_path)
-        same(again.get("thing", 1, record, Record), record())
-        same(Cache(tmp_path).get("thing", 1, fail, Record), record())
+        same(again.get(record, (1,), Record), record())
+        same(Cache(tmp_path).get(never(record), (1,), Record), record())
     assert capsys.readouterr().err == ""
 
 
@@ -177,23 +201,23 @@ def test_a_killed_writer_leaves_nothing_that_is_read(tmp_path: Path, monkeypatch
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr("joblib._store_backends.FileSystemStoreBackend._move_item", interrupt)
+        patch.setattr(Path, "replace", interrupt)
         with pytest.raises(KeyboardInterrupt):
-            Cache(tmp_path).get("thing", 1, record, Record)
+            Cache(tmp_path).get(record, (1,), Record)
     assert stored(tmp_path) == []
-    same(Cache(tmp_path).get("thing", 1, record, Record), record())
-    same(Cache(tmp_path).get("thing", 1, fail, Record), record())
+    same(Cache(tmp_path).get(record, (1,), Record), record())
+    same(Cache(tmp_path).get(never(record), (1,), Record), record())
 
 
 def compete(folder: str, number: int, queue) -> None:
     """Write and read the same records as other processes do, again and again."""
     for turn in range(20):
         size = 1000 + turn
-        found = Cache(Path(folder)).get("thing", turn, lambda size=size: Record(np.arange(size)), Record)
+        found = Cache(Path(folder)).get(numbers, (size,), Record)
         if not np.array_equal(found.value, np.arange(size)):
             queue.put(f"{number}: wrong at {turn}")
         if number == 0:
-            for file in Path(folder).rglob("output.pkl"):
+            for file in Path(folder).rglob("*.npz"):
                 file.unlink(missing_ok=True)
     queue.put("done")
 
@@ -214,23 +238,23 @@ def test_a_folder_that_cannot_be_written_is_reported_once(tmp_path: Path, capsys
     (tmp_path / "file").write_text("")
     store = Cache(tmp_path / "file" / "cache")
     for k in range(3):
-        same(store.get("thing", k, record, Record), record())
+        same(store.get(record, (k,), Record), record())
     error = capsys.readouterr().err
     assert error.count("going on without it") == error.count("\n") == 1
     assert store.misses == 3
 
 
 def test_a_read_only_folder_still_answers(tmp_path: Path, capsys, monkeypatch):
-    Cache(tmp_path).get("thing", 1, record, Record)
+    Cache(tmp_path).get(record, (1,), Record)
 
     def refuse(*_, **__):
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr("joblib._store_backends.concurrency_safe_write", refuse)
+    monkeypatch.setattr(Path, "write_bytes", refuse)
     store = Cache(tmp_path)
-    same(store.get("thing", 1, fail, Record), record())
-    store.get("thing", 2, record, Record)
-    store.get("thing", 3, record, Record)
+    same(store.get(never(record), (1,), Record), record())
+    store.get(record, (2,), Record)
+    store.get(record, (3,), Record)
     assert capsys.readouterr().err.count("Permission denied") == 1
 
 
@@ -240,33 +264,97 @@ def test_a_full_disc_is_reported_and_harmless(tmp_path: Path, capsys):
     try:
         store = Cache(tmp_path)
         for k in range(2):
-            assert store.get("thing", k, lambda: Record(np.arange(100_000)), Record).value.size == 100_000
+            assert store.get(numbers, (100_000 + k,), Record).value.size == 100_000 + k
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
     assert capsys.readouterr().err.count("too large") == 1
-    assert stored(tmp_path) == []
+    assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
+
+
+def test_processes_side_by_side_report_a_folder_once(tmp_path: Path, capfd):
+    (tmp_path / "file").write_text("")
+    parts = [Part(str(k), record, (k,), Record) for k in range(4)]
+    made = make(parts, Cache(tmp_path / "file" / "cache"), 2)
+    assert len({one.process for one in made} - {os.getpid()}) >= 1
+    error = capfd.readouterr().err
+    assert error.count("going on without it") == error.count("\n") == 1
+
+
+@pytest.mark.parametrize("place", [".", "records"])
+@pytest.mark.parametrize("mode", [0o777, 0o770])
+def test_a_folder_that_others_may_write_to_is_not_used(place: str, mode: int, tmp_path: Path, capsys):
+    root = tmp_path / "cache"
+    Cache(root).get(record, (1,), Record)
+    (root / place).chmod(mode)
+    again = Cache(root)
+    same(again.get(record, (1,), Record), record())
+    assert (again.hits, again.misses) == (0, 1)
+    error = capsys.readouterr().err
+    assert error.count("not this user's alone, others may write there (chmod go-w); going on without it") == 1
+
+
+def test_a_folder_of_another_user_is_not_used(tmp_path: Path, monkeypatch, capsys):
+    Cache(tmp_path).get(record, (1,), Record)
+    monkeypatch.setattr(os, "getuid", lambda: 4711)
+    assert Cache(tmp_path).get(record, (1,), Record)
+    assert "not this user's alone" in capsys.readouterr().err
+
+
+def test_a_folder_that_all_share_may_be_the_root(tmp_path: Path):
+    tmp_path.chmod(0o1777)
+    assert private_folder(tmp_path, "mine").stat().st_mode & 0o777 == 0o700
+    (tmp_path / "link").symlink_to(tmp_path)
+    with pytest.raises(PermissionError):
+        private_folder(tmp_path, "link")
+
+
+class Evil:
+    def __reduce__(self):
+        return os.mkdir, ("executed",)
+
+
+def test_nothing_in_a_file_is_run(tmp_path: Path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Cache(tmp_path / "cache").get(record, (1,), Record)
+    (file,) = stored(tmp_path)
+    stream = io.BytesIO()
+    np.savez(stream, np.array([Evil()], dtype=object))
+    tree = json.dumps(["record", "os:mkdir", {"path": "executed"}])
+    named = io.BytesIO()
+    np.savez(named, np.frombuffer(tree.encode(), np.uint8))
+    for content in (pickle.dumps(Evil()), stream.getvalue(), named.getvalue()):
+        for put in (content, hashlib.sha256(content).digest() + content):
+            file.write_bytes(put)
+            same(Cache(tmp_path / "cache").get(record, (1,), Record), record())
+    assert not (tmp_path / "executed").exists()
+
+
+def test_files_of_earlier_versions_go(tmp_path: Path):
+    (tmp_path / "joblib" / "rollbench" / "meshes").mkdir(parents=True)
+    Cache(tmp_path).get(record, (1,), Record)
+    assert list((tmp_path / "joblib").iterdir()) == []
 
 
 def test_those_used_longest_ago_go_first(tmp_path: Path):
     store = Cache(tmp_path, limit=40_000)
     for k in range(3):
-        store.get("thing", k, lambda: Record(np.zeros(1200)), Record)
+        store.get(numbers, (1200 + k,), Record)
     for k, file in enumerate(sorted(stored(tmp_path), key=lambda f: f.stat().st_mtime)):
         os.utime(file, (3.0 - k, 3.0 - k))  # the last one was used longest ago
     store.limit = 30_000
-    store.get("thing", 3, lambda: Record(np.zeros(1200)), Record)
+    store.get(numbers, (1203,), Record)
     again = Cache(tmp_path)
     for k in (0, 3):
-        again.get("thing", k, fail, Record)
+        again.get(never(numbers), (1200 + k,), Record)
     with pytest.raises(AssertionError):
-        again.get("thing", 2, fail, Record)
-    store.get("thing", 4, lambda: Record(np.zeros(5000)), Record)  # more than the cache holds: not kept
-    again.get("thing", 0, fail, Record)
+        again.get(never(numbers), (1202,), Record)
+    store.get(numbers, (5000,), Record)  # more than the cache holds: not kept
+    again.get(never(numbers), (1200,), Record)
 
 
 def test_switched_off_and_default_folder(tmp_path: Path, monkeypatch):
     store = Cache(None)
-    assert [store.get("thing", 1, lambda k=k: Record(k), Record).value for k in (1, 2)] == [1, 2]
+    assert [store.get(Record, (k,), Record).value for k in (1, 1)] == [1, 1]
     assert (store.hits, store.misses) == (0, 2)
     monkeypatch.setenv("ROLLBENCH_CACHE", str(tmp_path / "here"))
     assert default_root() == tmp_path / "here"

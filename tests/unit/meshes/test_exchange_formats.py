@@ -7,10 +7,12 @@ from pathlib import Path
 import meshio
 import numpy as np
 import pytest
-
-from meshes.bridge import FORMATS, MeshData, form_of, from_skfem, reduced, write_mesh
-from meshes.fem import mesh_of
+import skfem
 from tests.fe_meshes import boundary_faces, cube
+
+from rollbench.meshes import bridge
+from rollbench.meshes.bridge import FORMATS, MeshData, form_of, from_skfem, reduced, write_mesh
+from rollbench.meshes.fem import mesh_of
 
 VOLUMES = ["P1", "P2", "Q1", "Q2"]
 GMSH_TYPES = {"P1": 4, "P2": 11, "Q1": 5, "Q2": 12}
@@ -54,8 +56,9 @@ def ordered(points: np.ndarray, cells: np.ndarray, turned: bool = False) -> None
 
 
 def volume_cells(mesh: meshio.Mesh) -> meshio.CellBlock:
-    (block,) = [b for b in mesh.cells if b.dim == 3]
-    return block
+    blocks = [b for b in mesh.cells if b.dim == 3]  # one for each region in .msh
+    assert len({b.type for b in blocks}) == 1
+    return meshio.CellBlock(blocks[0].type, np.concatenate([b.data for b in blocks]))
 
 
 @pytest.mark.parametrize("name", VOLUMES)
@@ -141,7 +144,7 @@ def test_a_mesh_without_names_is_one_entity_of_msh(tmp_path: Path):
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.merge(str(tmp_path / "c.msh"))
         assert gmsh.model.getEntities(3) == [(3, 1)]
-        assert gmsh.model.getPhysicalGroups() == []
+        assert [gmsh.model.getPhysicalName(*group) for group in gmsh.model.getPhysicalGroups()] == ["other"]
     finally:
         gmsh.finalize()
     with pytest.raises(ValueError, match="field 's' has 6 components"):
@@ -165,6 +168,50 @@ def test_abaqus_keeps_to_its_lines_and_sets(name, tmp_path: Path):
     with pytest.raises(ValueError, match="takes no fields"):
         write_mesh(tmp_path / "d.inp", data, {"u": data.points})
     assert os.listdir(tmp_path) == ["c.inp"]
+
+
+@pytest.mark.parametrize("name", VOLUMES)
+def test_abaqus_has_the_boundaries_as_surfaces(name, tmp_path: Path):
+    """Faces S1 to S4 or S6 of its manual, in the numbers of the file's own elements and nodes."""
+    data = example(name)
+    write_mesh(tmp_path / "c.inp", data)
+    again = meshio.read(tmp_path / "c.inp")
+    cells = volume_cells(again).data
+    sides = {
+        "tet": [(1, 2, 3), (1, 4, 2), (2, 4, 3), (3, 4, 1)],
+        "hex": [(1, 2, 3, 4), (5, 8, 7, 6), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 8, 4), (4, 8, 5, 1)],
+    }["tet" if name[0] == "P" else "hex"]
+    blocks = (tmp_path / "c.inp").read_text().split("*SURFACE, NAME=")[1:]
+    assert [block.split("\n")[0] for block in blocks] == ["low_end, TYPE=ELEMENT", "side, TYPE=ELEMENT"]
+    for block, faces in zip(blocks, data.boundaries.values(), strict=True):
+        rows = [line.split(", S") for line in block.split("\n")[1:-1]]
+        corners = np.array([[cells[int(e) - 1, k - 1] for k in sides[int(s) - 1]] for e, s in rows])
+        theirs = again.points[corners].mean(axis=1)
+        ours = data.points[faces[:, : len(sides[0])]].mean(axis=1)
+        np.testing.assert_allclose(theirs, ours, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", VOLUMES)
+@pytest.mark.parametrize("form", ["vtu", "msh"])
+def test_scikit_fem_loads_names(name, form, tmp_path: Path):
+    data = example(name)
+    data = MeshData(data.points, data.cells, {"body": np.arange(data.count)}, data.boundaries)
+    write_mesh(tmp_path / f"c.{form}", data, {"u": data.points}, {"n": np.arange(data.count)})
+    mesh = skfem.Mesh.load(tmp_path / f"c.{form}")
+    corners = {"P": 3, "Q": 4}[name[0]]
+    assert set(mesh.boundaries) == set(data.boundaries)
+    for side, faces in data.boundaries.items():
+        theirs = mesh.p[:, mesh.facets[:, mesh.boundaries[side]]].mean(axis=1).T
+        ours = data.points[faces[:, :corners]].mean(axis=1)
+        np.testing.assert_allclose(*(x[np.lexsort(x.round(9).T)] for x in (theirs, ours)), atol=1e-12)
+    np.testing.assert_array_equal(mesh.subdomains["body"], np.arange(data.count))
+
+
+def test_every_group_of_msh_has_a_node_of_its_own():
+    nodes = [np.arange(6), np.array([0, 1]), np.array([0, 1]), np.array([1, 2])]
+    owner = bridge._owners(nodes, 6)
+    assert set(owner) == {0, 1, 2, 3}
+    assert all(k in np.flatnonzero([node in own for own in nodes]) for node, k in enumerate(owner))
 
 
 @pytest.mark.parametrize("name", VOLUMES)

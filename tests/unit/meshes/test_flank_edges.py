@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from meshes.groove_map import GrooveMap
-from meshes.grooved_body import FLANK, Surface
-from meshes.shell import BEND
 from tests.helpers import body_specs, small_screw
+
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.grooved_body import FLANK, Surface
+from rollbench.meshes.shell import BEND
 
 
 @pytest.mark.parametrize(("coarse", "share"), [(20e-3, 1.0), (6e-3, 1.0), (6e-3, 0.5)])

@@ -4,17 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from meshes.fem import nodes_on
-from meshes.groove_end import GrooveEnds
-from meshes.groove_map import GrooveMap
-from meshes.grooved_body import BodySpec, Groove, build_body
-from meshes.helix import ball_layout
-from meshes.parts import SIDES
-from meshes.sockets import SocketSize, groove_lines, socket_points
-from meshes.solid import RUN_OUT, WHOLE, dimensions
 from tests.fe_meshes import one, space
 from tests.helpers import small_screw
+
+from rollbench.meshes.fem import nodes_on
+from rollbench.meshes.groove_end import GrooveEnds
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.grooved_body import BodySpec, Groove, build_body
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import SIDES
+from rollbench.meshes.sockets import SocketSize, groove_lines, socket_points
+from rollbench.meshes.solid import RUN_OUT, WHOLE, dimensions
 
 SIZE = SocketSize(0.30, 1.2e-3, 0.075)
 

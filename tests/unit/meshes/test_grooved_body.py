@@ -7,19 +7,19 @@ from functools import partial
 
 import numpy as np
 import pytest
-
-from compare.scenes.catalogue import scene
-from meshes import shell as shells
-from meshes.fem import nodes_on
-from meshes.groove_map import GrooveMap
-from meshes.grooved_body import BodySpec, build_body
-from meshes.helix import ball_layout
-from meshes.parts import Balls, Nut, Screw, Track
-from meshes.quality import scaled_jacobians
-from meshes.shell import Face, Shell, freed
-from meshes.sockets import SocketSize, local_points, socket_mesh, socket_points
 from tests.fe_meshes import outer_faces, volume_of
 from tests.helpers import STEEL, body_specs, small_screw
+
+from rollbench.comparison.scenes.catalogue import scene
+from rollbench.meshes import shell as shells
+from rollbench.meshes.fem import nodes_on
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.grooved_body import BodySpec, build_body
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import Balls, Nut, Screw, Track
+from rollbench.meshes.quality import scaled_jacobians
+from rollbench.meshes.shell import Face, Shell, freed
+from rollbench.meshes.sockets import SocketSize, local_points, socket_mesh, socket_points
 
 pytestmark = pytest.mark.xdist_group("grooved bodies")
 

@@ -5,15 +5,23 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.scenes import catalogue
-from meshes.fem import mesh_of
-from meshes.groove_map import GrooveMap
-from meshes.grooved_body import BodySpec
-from meshes.half_bodies import HalfRing
-from meshes.quality import arc_deviation
-from meshes.shell import Shell
-from meshes.sockets import SocketSize
-from meshes.whole_bodies import Refinement, groove_points, half_ball, half_body, sphere_points, whole_ball, whole_body
+from rollbench.comparison.scenes import catalogue
+from rollbench.meshes.fem import mesh_of
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.grooved_body import BodySpec
+from rollbench.meshes.half_bodies import HalfRing
+from rollbench.meshes.quality import arc_deviation
+from rollbench.meshes.shell import Shell
+from rollbench.meshes.sockets import SocketSize
+from rollbench.meshes.whole_bodies import (
+    Refinement,
+    groove_points,
+    half_ball,
+    half_body,
+    sphere_points,
+    whole_ball,
+    whole_body,
+)
 
 SCENE = catalogue.scene("two-balls")
 MAP = GrooveMap.of(SCENE)
@@ -23,7 +31,7 @@ FLAT = np.array([[0.0, 0.0]])
 def volume(made) -> float:
     """Volume [m3] of the curved cells."""
     mesh = mesh_of(made.points, made.cells, "P2")[0]
-    from hifi.assembly import cells
+    from rollbench.hifi.assembly import cells
 
     return float(cells(mesh).dx.sum())
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from meshes import memory
-from meshes.memory import peak_MB, reset_peak
+from rollbench.meshes import memory
+from rollbench.meshes.memory import peak_MB, reset_peak
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the record can be started anew on Linux only")

@@ -4,11 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from meshes import quality
-from meshes.fem import mesh_of, points_of
-from meshes.quality import Quality, arc_deviation, measure, node_slopes, refuse_bad, scaled_jacobians, straighten, untangle
 from tests.fe_meshes import KINDS, LOCAL, jacobians
+
+from rollbench.meshes import quality
+from rollbench.meshes.fem import mesh_of, points_of
+from rollbench.meshes.quality import (
+    Quality,
+    arc_deviation,
+    measure,
+    node_slopes,
+    refuse_bad,
+    scaled_jacobians,
+    straighten,
+    untangle,
+)
 
 pytestmark = pytest.mark.xdist_group("shaken meshes")
 

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from compare.scenes import catalogue
-from meshes.section import groove_section, nut_groove_range, screw_section, tube_section, volume_ratio
 from tests.helpers import STEEL, small_screw, with_ingredients
+
+from rollbench.comparison.scenes import catalogue
+from rollbench.meshes.section import groove_section, nut_groove_range, screw_section, tube_section, volume_ratio
 
 
 @pytest.fixture(scope="module")

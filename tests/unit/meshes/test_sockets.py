@@ -7,11 +7,12 @@ from functools import partial
 
 import numpy as np
 import pytest
+from tests.helpers import body_specs, small_screw, solid_sizes
 
-from compare.scenes.catalogue import scene
-from meshes.groove_map import GrooveMap
-from meshes.helix import ball_layout
-from meshes.sockets import (
+from rollbench.comparison.scenes.catalogue import scene
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.sockets import (
     ALONG,
     AWAY,
     BESIDE,
@@ -38,7 +39,6 @@ from meshes.sockets import (
     turn_left,
     wall_left,
 )
-from tests.helpers import body_specs, small_screw, solid_sizes
 
 SIZE = SocketSize(0.30, 1.2e-3, 0.075)
 ALL = (0, 1, 2, 3)

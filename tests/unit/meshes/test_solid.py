@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from compare.scenes import catalogue
-from hifi import response
-from meshes.parts import Solid
-from meshes.solid import dimensions
+from rollbench.comparison.scenes import catalogue
+from rollbench.hifi import response
+from rollbench.meshes.parts import Solid
+from rollbench.meshes.solid import dimensions
 
 
 def test_what_a_scene_does_not_give_is_assumed_and_said():

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from lowfi.statics.kernel.contact import flank
-from meshes.errors import specimen
-from meshes.helix import ball_layout, lead_angle, reduced_lead
-from meshes.parts import SIDES, Errors
-from meshes.surface import fundamental_forms, groove_profile, principal_curvatures, surface_derivatives
 from tests.helpers import FLANK_ERRORS, small_screw
+
+from rollbench.lowfi.statics.kernel.contact import flank
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout, lead_angle, reduced_lead
+from rollbench.meshes.parts import SIDES, Errors
+from rollbench.meshes.surface import fundamental_forms, groove_profile, principal_curvatures, surface_derivatives
 
 #: Signs (s_x, s_z) of the contact direction, written out once more.
 DIRECTION = {"SL": (-1, -1), "SR": (-1, 1), "NL": (1, -1), "NR": (1, 1)}

@@ -8,10 +8,10 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-
-from meshes.sockets import SocketMesh
-from meshes.tet_patch import SUB_TRIANGLES, TetBox, build_tets, signed_volumes, source_box, split_second_order
 from tests.fe_meshes import LOCAL, boundary_faces, cube, distorted, face_nodes, volume
+
+from rollbench.meshes.sockets import SocketMesh
+from rollbench.meshes.tet_patch import SUB_TRIANGLES, TetBox, build_tets, signed_volumes, source_box, split_second_order
 
 pytestmark = pytest.mark.xdist_group("patches of tetrahedra")
 

@@ -6,16 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from compare.cli import main
-from compare.errors import InputError
-from compare.models.axis import run_axis
-from compare.models.axis_members import columns, contact_loads, run_axis_members, with_seed
-from compare.models.members import life_sum
-from compare.scenes import catalogue
-from lowfi.statics.axis.system import placed
-from meshes.parts import BallErrors
 from tests.axes import double_nut, fixed_axis
+
+from rollbench.comparison.cli import main
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.models.axis import run_axis
+from rollbench.comparison.models.axis_members import columns, contact_loads, run_axis_members, with_seed
+from rollbench.comparison.models.members import life_sum
+from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi.statics.axis.system import placed
+from rollbench.meshes.parts import BallErrors
 
 SIGMA = BallErrors(sigma=0.5e-6)
 
@@ -78,7 +78,7 @@ def test_the_command_gives_statistics_of_each_set(tmp_path, capsys):
     assert [s["name"] for s in data["sets"]] == ["nut 1", "nut 2"]
     assert {row["set"] for row in data["balls"]} == {1, 2}
     assert {row["index"] for row in data["balls"] if row["set"] == 2} == set(range(1, 9))
-    table = list(csv.DictReader(rows.open()))
+    table = list(csv.DictReader(rows.read_text(encoding="utf-8").splitlines()))
     values = [float(r["set 2 mean_load_N"]) for r in table]
     assert data["sets"][1]["statistics"]["mean_load_N"]["mean"] == pytest.approx(np.mean(values), rel=1e-12)
     with pytest.raises(SystemExit, match="0"):

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from compare.evidence.liu import bodies, case
-from compare.models.study import Study
-from compare.scenes import catalogue
-from lowfi.random_errors.chain import solve_chain
-from meshes.parts import Scene
+from rollbench.comparison.evidence.liu import bodies, case
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi.random_errors.chain import solve_chain
+from rollbench.meshes.parts import Scene
 
 SCENE = catalogue.case(bodies.SCENE, Scene)
 

@@ -10,15 +10,15 @@ import pytest
 from scipy import integrate
 from scipy.stats import binom, norm
 
-from compare.cli import main
-from compare.errors import InputError
-from compare.models import members
-from compare.models.members import KEPT, STEP, life_sum, run_members, statistics
-from compare.models.registry import Options, run_model
-from compare.reference.jobs import Engine
-from compare.scenes.catalogue import scene as shipped
-from meshes.errors import without_draws
-from meshes.parts import BallErrors, FourierTerm, SideErrors
+from rollbench.comparison.cli import main
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.models import members
+from rollbench.comparison.models.members import KEPT, STEP, life_sum, run_members, statistics
+from rollbench.comparison.models.registry import Options, run_model
+from rollbench.comparison.reference.jobs import Engine
+from rollbench.comparison.scenes.catalogue import scene as shipped
+from rollbench.meshes.errors import without_draws
+from rollbench.meshes.parts import BallErrors, FourierTerm, SideErrors
 
 RANDOM = shipped("lin-random")
 

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.errors import InputError
-from compare.extremes.static import BACKENDS
-from compare.models.comparison import compared_models, from_result, suited
-from compare.models.ladder import RUNGS
-from compare.models.model_form import estimate
-from compare.models.registry import DEFAULT, MODELS, Options, run_model
-from compare.models.study import Study
-from compare.scenes import catalogue
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.extremes.static import BACKENDS
+from rollbench.comparison.models.comparison import compared_models, from_result, suited
+from rollbench.comparison.models.ladder import RUNGS
+from rollbench.comparison.models.model_form import estimate
+from rollbench.comparison.models.registry import DEFAULT, MODELS, Options, run_model
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.scenes import catalogue
 
 QUIET = Options(discretisation=False, engine="interpreted")
 

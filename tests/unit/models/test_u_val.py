@@ -5,24 +5,25 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.models.applicability import compared, outside, places
-from compare.models.comparison import from_run
-from compare.models.model_form import estimate
-from compare.models.registry import Options, run_model
-from compare.models.study import Study
-from compare.models.u_val import (
+from rollbench.comparison.models.applicability import compared, outside, places
+from rollbench.comparison.models.comparison import from_run
+from rollbench.comparison.models.model_form import estimate
+from rollbench.comparison.models.registry import Options, run_model
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.models.u_val import (
     CONTACTS,
     INPUTS,
     QUANTITIES,
     Uncertainty,
     Validated,
     bound_shares,
-    grid_bounds,
+    grid_uncertainty,
     scatter,
     uncertainty,
     validated,
 )
-from compare.sections.applicability import range_figure, range_table
+from rollbench.comparison.sections.applicability import range_figure, range_table
+from rollbench.meshes.parts import Nut, Scene, Screw
 
 pytestmark = pytest.mark.xdist_group("u_val")
 
@@ -71,6 +72,14 @@ def test_the_reference_itself_has_no_error_and_a_known_shift_is_found() -> None:
     assert found[CONTACTS].ratio == pytest.approx([1.02] * 64)
 
 
+def test_the_largest_load_is_as_uncertain_as_its_contact() -> None:
+    ref, scene = STUDY.reference("lin-case3"), STUDY.scene("lin-case3")
+    assert ref is not None
+    largest = next(q for q in QUANTITIES if q.name == "largest load")
+    own = ref.uncertainty.ravel()[ref.load.argmax()]
+    assert grid_uncertainty(scene, ref, largest) == pytest.approx(100.0 * own / ref.load.max())
+
+
 def row(ratio: tuple[float, ...], grid: float, within: float) -> Validated:
     return Validated("s", "m", "q", 0.0, grid, 0.0, 0.0, grid, within, within, ratio, "")
 
@@ -90,18 +99,20 @@ def test_bias_and_scatter_of_known_ratios() -> None:
 def test_shares_of_stated_bounds() -> None:
     rows = [{"model": "a", "measured": 1.0, "expected": 2.0}, {"model": "a", "measured": 3.0, "expected": 2.0}]
     assert bound_shares(rows) == {"a": (1, 2)}
-    ref = STUDY.reference(SCENE)
-    assert ref is not None
-    assert grid_bounds(replace(ref, runs=ref.runs[:2])) is None
-    held, total = grid_bounds(ref) or (0, 0)
-    assert total == 64
-    assert held >= 0.9 * total
 
 
 def test_tolerances_change_what_they_name() -> None:
     scene = STUDY.scene("lin-case3")
     assert all(x.change(scene) not in (None, scene) for x in INPUTS)
     assert INPUTS[-1].change(STUDY.scene(SCENE)) is None
+    wider = next(x for x in INPUTS if "conformity" in x.name).change(scene)
+    of_diameter = [(a.groove_radius - b.groove_radius) / (2.0 * scene.balls.radius) for a, b in pairs(wider, scene)]
+    assert of_diameter == pytest.approx([0.005, 0.005], rel=1e-9)
+
+
+def pairs(a: Scene, b: Scene) -> tuple[tuple[Screw, Screw], tuple[Nut, Nut]]:
+    """Screws and nuts of two scenes."""
+    return (a.screw, b.screw), (a.nut, b.nut)
 
 
 def test_compared_scenes_are_inside() -> None:

@@ -2,11 +2,11 @@
 
 import pytest
 
-from compare.evidence.record import Evidence, Sheet
-from compare.evidence.registry import BY_TABLE, evidence
-from compare.models.study import Study
-from compare.printed.printed_data import entry, load_table
-from compare.sections.finding_table import FAULTS, printed_table
+from rollbench.comparison.evidence.record import Evidence, Sheet
+from rollbench.comparison.evidence.registry import BY_TABLE, evidence
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import entry, load_table
+from rollbench.comparison.sections.finding_table import FAULTS, printed_table
 
 
 def test_sheet_keeps_the_order_of_the_table_and_leaves_the_rest_open():

@@ -8,22 +8,22 @@ from time import perf_counter
 
 import numpy as np
 import pytest
-
-from compare.costs import friction_bench
-from compare.evidence import assumptions_3_4, screw
-from compare.evidence.registry import evidence
-from compare.evidence.source_cases import lin_3_4_4
-from compare.extremes import friction as friction_stability
-from compare.extremes import friction_balls, friction_chains
-from compare.extremes.tally import BALLS, Record, Tally
-from compare.printed.printed_data import load_table
-from compare.sections import friction_screw
-from lowfi.as_source.run import simulate_by_root
-from lowfi.friction.linear.chain import solve_linear_chain
-from lowfi.friction.screw.chain import solve_chain
-from reports.figures import draw
-from reports.records import Figure, Section, Table, Text
 from tests.evidence_study import GROUP, STUDY
+
+from rollbench.comparison.costs import friction_bench
+from rollbench.comparison.evidence import assumptions_3_4, screw
+from rollbench.comparison.evidence.registry import evidence
+from rollbench.comparison.evidence.source_cases import lin_3_4_4
+from rollbench.comparison.extremes import friction as friction_stability
+from rollbench.comparison.extremes import friction_balls, friction_chains
+from rollbench.comparison.extremes.tally import BALLS, Record, Tally
+from rollbench.comparison.printed.printed_data import load_table
+from rollbench.comparison.sections import friction_screw
+from rollbench.lowfi.as_source.run import simulate_by_root
+from rollbench.lowfi.friction.linear.chain import solve_linear_chain
+from rollbench.lowfi.friction.screw.chain import solve_chain
+from rollbench.reports.figures import draw
+from rollbench.reports.records import Figure, Section, Table, Text
 
 pytestmark = [pytest.mark.xdist_group(GROUP), pytest.mark.slow]
 

@@ -4,18 +4,18 @@ from collections import Counter
 
 import numpy as np
 import pytest
-
-from compare.evidence import rotary_linear, source_cases
-from compare.evidence.registry import evidence
-from compare.models.study import Study
-from compare.printed.printed_data import load_table
-from compare.scenes import catalogue
-from compare.scenes.scene_file import scene_hash
-from compare.sections import friction
-from compare.sections.notes import assumptions
-from reports.figures import draw
-from reports.records import Figure, Section, Table
 from tests.evidence_study import GROUP, STUDY
+
+from rollbench.comparison.evidence import rotary_linear, source_cases
+from rollbench.comparison.evidence.registry import evidence
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import load_table
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.scenes.scene_file import scene_hash
+from rollbench.comparison.sections import friction
+from rollbench.comparison.sections.notes import assumptions
+from rollbench.reports.figures import draw
+from rollbench.reports.records import Figure, Section, Table
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

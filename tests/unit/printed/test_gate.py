@@ -3,10 +3,10 @@
 from dataclasses import replace
 
 import pytest
-
-from compare.gate import gate
-from compare.models.study import Study
 from tests.evidence_study import GROUP, STUDY
+
+from rollbench.comparison.gate import gate
+from rollbench.comparison.models.study import Study
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
@@ -40,16 +40,16 @@ def test_every_kind_of_check_is_there(rows: list[gate.GateRow]) -> None:
 
 
 def test_a_stiffness_off_by_20_per_cent_fails(monkeypatch: pytest.MonkeyPatch) -> None:
-    import lowfi.statics.problem
+    from rollbench.lowfi.statics import problem
 
-    right = lowfi.statics.problem.hertz_C
-    monkeypatch.setattr(lowfi.statics.problem, "hertz_C", lambda *parts: 1.2 * right(*parts))
+    right = problem.hertz_C
+    monkeypatch.setattr(problem, "hertz_C", lambda *parts: 1.2 * right(*parts))
     failed = [row.name for row in gate.closed_form_rows(Study(), 7.0) if not row.passed]
     assert any("oversize" in name for name in failed)
 
 
 def test_a_wrong_printed_digit_fails() -> None:
-    from compare.evidence.hertz_b1 import table_b_1
+    from rollbench.comparison.evidence.hertz_b1 import table_b_1
 
     found = table_b_1(Study())[3]
     assert gate.evidence_row(found, 7.0).passed

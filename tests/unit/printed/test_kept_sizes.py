@@ -2,10 +2,10 @@
 
 import pytest
 
-from compare.reference.store import shipped_store
-from compare.rolling import kept_sizes
-from compare.rolling.body_sizes import NAMES, Variant, variants
-from compare.rolling.kept_sizes import LIVE, sizes
+from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison.rolling import kept_sizes
+from rollbench.comparison.rolling.body_sizes import NAMES, Variant, variants
+from rollbench.comparison.rolling.kept_sizes import LIVE, sizes
 
 
 @pytest.fixture

@@ -2,15 +2,15 @@
 
 import numpy as np
 import pytest
-
-from compare.evidence.liu import bodies
-from compare.evidence.registry import evidence
-from compare.gate.gate import evidence_row
-from compare.printed.printed_data import load_table
-from compare.sections import liu, notes
-from reports.figures import draw
-from reports.records import Figure, Table
 from tests.evidence_study import GROUP, STUDY
+
+from rollbench.comparison.evidence.liu import bodies
+from rollbench.comparison.evidence.registry import evidence
+from rollbench.comparison.gate.gate import evidence_row
+from rollbench.comparison.printed.printed_data import load_table
+from rollbench.comparison.sections import liu, notes
+from rollbench.reports.figures import draw
+from rollbench.reports.records import Figure, Table
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

@@ -6,12 +6,14 @@ from pathlib import Path
 
 import pytest
 
-from compare.errors import InputError
-from compare.evidence.record import Evidence, sentences
-from compare.printed import printed_data
-from compare.scenes import catalogue
-from compare.sections import verdicts
-from lowfi.friction.screw.run import Run
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.evidence.audit import VERDICTS, Audited, judge
+from rollbench.comparison.evidence.audit import counts as audit_counts
+from rollbench.comparison.evidence.record import Evidence, sentences
+from rollbench.comparison.printed import printed_data
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.sections import verdicts
+from rollbench.lowfi.friction.screw.run import Run
 
 TABLES = printed_data.tables()
 MAKERS = ("MASTA, ", "NSK, ", "Jones and Harris, ", "CONTACT, ", "Ansys VM63, ", "SNFA, ", "GMN, ", "THK, ")
@@ -231,14 +233,17 @@ def test_counts_of_the_report_keep_kinds_apart():
         Evidence(rows["worst_increase"], holds=True),
         Evidence(rows["speed"], value=11.0),
     ]
-    counts = dict(verdicts.counts(found))
-    assert counts["entries reproduced"] == "3"
+    audited = [Audited(one, *judge(one)) for one in found]
+    counts = dict(verdicts.counts(audited))
+    of_audit = audit_counts(audited)[-1]
+    assert {key: counts[f"entries {key}"] for key in VERDICTS} == {key: str(of_audit[key]) for key in VERDICTS}
+    assert counts["entries, all"] == str(of_audit["all"]) == "5"
+    assert (counts["entries reproduced"], counts["entries identity"], counts["entries contradicted"]) == ("2", "1", "1")
     assert counts["computed numbers reproduced"] == "1"
-    assert counts["inputs taken over, not counted"] == "1"
-    table = {row["kind"]: row for row in verdicts.kinds_table(found).rows}
-    assert table["input, taken over"]["taken over"] == 1
-    assert table["input, taken over"]["not taken over"] == 1
-    assert table["arithmetic on printed numbers"]["reproduced"] == 1
+    table = {row["kind"]: row for row in verdicts.kinds_table(audited).rows}
+    assert table["input, taken over"]["input"] == 1
+    assert table["input, taken over"]["contradicted"] == 1
+    assert table["arithmetic on printed numbers"]["identity"] == 1
     assert sum(row["all"] for row in table.values()) == len(found)
 
 

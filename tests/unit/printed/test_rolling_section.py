@@ -6,23 +6,23 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.evidence.rolling_proof import AS_RUNS, BY_GRID, RESOLVED, Proof
-from compare.gate import gate
-from compare.models.study import Study
-from compare.reference.store import shipped_store
-from compare.rolling import changes as rolling_changes
-from compare.rolling import from_rest as rolling_from_rest
-from compare.rolling import rows as rolling_rows
-from compare.rolling.body_sizes import NAMES, SCENES, Variant, variants
-from compare.rolling.changes import Change, changes
-from compare.rolling.from_rest import Series, from_rest
-from compare.rolling.kept_sizes import FILE, Sizes
-from compare.rolling.patches import PatchField
-from compare.rolling.rows import KNOWN
-from compare.rolling.runs import FINITE, LEVELS
-from compare.sections import rolling
-from reports.figures import draw_map
-from reports.records import PressureMap, Text
+from rollbench.comparison.evidence.rolling_proof import AS_RUNS, BY_GRID, RESOLVED, Proof
+from rollbench.comparison.gate import gate
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison.rolling import changes as rolling_changes
+from rollbench.comparison.rolling import from_rest as rolling_from_rest
+from rollbench.comparison.rolling import rows as rolling_rows
+from rollbench.comparison.rolling.body_sizes import NAMES, SCENES, Variant, variants
+from rollbench.comparison.rolling.changes import Change, changes
+from rollbench.comparison.rolling.from_rest import Series, from_rest
+from rollbench.comparison.rolling.kept_sizes import FILE, Sizes
+from rollbench.comparison.rolling.patches import PatchField
+from rollbench.comparison.rolling.rows import KNOWN
+from rollbench.comparison.rolling.runs import FINITE, LEVELS
+from rollbench.comparison.sections import rolling
+from rollbench.reports.figures import draw_map
+from rollbench.reports.records import PressureMap, Text
 
 #: Ball-to-ball forces and torques of the low-order models.
 LOW = {

@@ -4,17 +4,17 @@ from collections import Counter
 
 import numpy as np
 import pytest
-
-from compare.evidence.entries import Entries
-from compare.evidence.registry import evidence
-from compare.evidence.smith import case
-from compare.gate.gate import evidence_row
-from compare.printed.printed_data import load_table
-from compare.scenes import units
-from compare.sections import notes, smith
-from reports.figures import draw
-from reports.records import Figure, Table
 from tests.evidence_study import GROUP, STUDY
+
+from rollbench.comparison.evidence.entries import Entries
+from rollbench.comparison.evidence.registry import evidence
+from rollbench.comparison.evidence.smith import case
+from rollbench.comparison.gate.gate import evidence_row
+from rollbench.comparison.printed.printed_data import load_table
+from rollbench.comparison.scenes import units
+from rollbench.comparison.sections import notes, smith
+from rollbench.reports.figures import draw
+from rollbench.reports.records import Figure, Table
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from compare.evidence import lash_4_2_1 as lash
-from compare.evidence import steering_maps as maps
-from compare.evidence.steering_4_2 import REACH, at_angle, rack, ratios
-from compare.scenes import catalogue
-from compare.sections import steering
-from reports.figures import draw
+from rollbench.comparison.evidence import lash_4_2_1 as lash
+from rollbench.comparison.evidence import steering_maps as maps
+from rollbench.comparison.evidence.steering_4_2 import REACH, at_angle, rack, ratios
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.sections import steering
+from rollbench.reports.figures import draw
 
 SCENE = catalogue.scene("lin-nominal-4p1")
 

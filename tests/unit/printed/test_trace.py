@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from compare.cli import app
-from compare.errors import InputError
-from compare.evidence.registry import BY_TABLE, COMPUTATIONS, NOT_COMPUTED, evidence, traces
-from compare.models.study import Study
-from compare.printed.printed_data import load_table, tables
-from compare.scenes import catalogue
+from rollbench.comparison.cli import app
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.evidence.registry import BY_TABLE, COMPUTATIONS, NOT_COMPUTED, evidence, traces
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import load_table, tables
+from rollbench.comparison.scenes import catalogue
 
 ROOT = Path(__file__).parents[3]
 TRACES = list(traces())
@@ -84,7 +84,7 @@ def test_command(capsys):
     rows = json.loads(capsys.readouterr().out)
     assert len(rows) == len(TRACES)
     (row,) = (r for r in rows if (r["table"], r["key"]) == ("lin-3.2", "F_IR_II"))
-    assert row["computation"] == "compare.evidence.rotary_linear:table_3_2"
+    assert row["computation"] == "rollbench.comparison.evidence.rotary_linear:table_3_2"
     assert row["scenes"] == ["lin-rotary-2-printed", "lin-rotary-2"]
     assert row["test"] == "tests/literature/test_lin_chapter3_rotary.py::test_entry[lin-3.2:F_IR_II]"
     app(["list", "--trace"], result_action="return_value")

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, minimize
 
-from compare.scenes.catalogue import scene
-from lowfi.hertz import contact_modulus, hertz_constants
-from lowfi.jit import RANDOM_ERRORS, kernels
-from lowfi.random_errors.chain import (
+from rollbench.comparison.scenes.catalogue import scene
+from rollbench.lowfi.hertz import contact_modulus, hertz_constants
+from rollbench.lowfi.jit import RANDOM_ERRORS, kernels
+from rollbench.lowfi.random_errors.chain import (
     LAWS,
     Chain,
     ball_stiffness,
@@ -19,10 +19,10 @@ from lowfi.random_errors.chain import (
     free_motion,
     solve_chain,
 )
-from lowfi.statics.mei import solve_mei
-from lowfi.statics.problem import nominal_hertz
-from meshes.helix import ball_layout, lead_angle
-from meshes.section import screw_section
+from rollbench.lowfi.statics.mei import solve_mei
+from rollbench.lowfi.statics.problem import nominal_hertz
+from rollbench.meshes.helix import ball_layout, lead_angle
+from rollbench.meshes.section import screw_section
 
 ANGLE, LEAD, A = np.radians(45.0), np.radians(3.64), 0.191e-3
 SHORT = Chain(5, 7e9, 2e-10, A, ANGLE, LEAD)

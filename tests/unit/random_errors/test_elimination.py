@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lowfi.random_errors.chain import LAWS, Chain, solve_chain
-from lowfi.random_errors.elimination import solve_by_elimination
+from rollbench.lowfi.random_errors.chain import LAWS, Chain, solve_chain
+from rollbench.lowfi.random_errors.elimination import solve_by_elimination
 
 CHAIN = Chain(78, 7.1e9, 3.9e-12, 0.191e-3, np.radians(45.0), np.radians(3.64))
 

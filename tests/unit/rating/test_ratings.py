@@ -5,15 +5,16 @@ from math import cos, pi, sin
 
 import numpy as np
 import pytest
-
-from compare.scenes import catalogue
-from lowfi.rating.contacts import static_safety, truncation, worst_contact
-from lowfi.rating.life import contact_capacity, life, rating, turns_of
-from lowfi.rating.rigidity import body_compliance, contacts_displacement, rigidities, slope_of
-from lowfi.statics.problem import nominal_hertz
-from lowfi.statics.validity import DENT_PRESSURE
-from meshes.parts import BallErrors, Balls, Errors, Material, Nut, Scene, Screw, Track
 from tests.helpers import small_screw
+
+from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi.rating.contacts import static_safety, truncation, worst_contact
+from rollbench.lowfi.rating.life import contact_capacity, life, rating, turns_of
+from rollbench.lowfi.rating.rigidity import body_compliance, contacts_displacement, rigidities, slope_of
+from rollbench.lowfi.rating.static import ratings, static_rating
+from rollbench.lowfi.statics.problem import nominal_curvatures, nominal_hertz
+from rollbench.lowfi.statics.validity import DENT_PRESSURE
+from rollbench.meshes.parts import BallErrors, Balls, Errors, Material, Nut, Scene, Screw, Track
 
 STEEL = Material(206e9, 0.3)
 
@@ -109,6 +110,8 @@ def test_static_safety_at_the_rated_pressure_is_one_and_the_dent_about_a_ten_tho
     safety = static_safety(scene, worst)
     assert safety.factor == pytest.approx(1.0)
     assert safety.permanent == pytest.approx(1e-4, rel=0.5)
+    across, along = 1e-3 * nominal_curvatures(scene)[0]
+    assert 10.0 * safety.permanent == pytest.approx(1.3e-7 * force**2 / 10.0 * across * along, rel=1e-9)  # in mm
 
 
 def test_an_ellipse_over_the_edge_of_the_land_is_cut_and_says_where() -> None:
@@ -152,3 +155,52 @@ def test_bodies_add_the_displacement_of_thick_tubes_in_the_form_of_ISO_3408_4() 
     assert found.contacts > found.bodies
     assert found.unequal == pytest.approx(250e6)
     assert rigidities(scene, 0.0, None) is None
+
+
+@pytest.mark.parametrize(("angle", "printed"), [(45.1, 42.1), (60.0, 39.2), (75.0, 37.3)])
+def test_axial_rating_of_a_thrust_bearing_is_that_of_the_table_of_ISO_281(angle: float, printed: float) -> None:
+    """C_a = 1.3 f_c cos(alpha)^0.7 tan(alpha) Z^(2/3) D^1.8, D cos(alpha)/D_pw = 0.01, grooves of 0.535."""
+    a = np.radians(angle)
+    found = rating(ring(0.01, 0.535, angle=a)) / (1.3 * cos(a) ** 0.7 * np.tan(a) * 9 ** (2 / 3) * 10.0**1.8)
+    assert found == pytest.approx(printed, rel=0.012)
+
+
+def test_a_bearing_of_62_deg_is_rated_as_a_thrust_bearing_and_one_of_45_deg_is_not() -> None:
+    a = np.radians(62.0)
+    steep = contact_capacity(ring(0.1, angle=a)) / contact_capacity(ring(0.1))
+    assert steep == pytest.approx(np.full(4, 0.9 / 0.95 * (1 - sin(a) / 3) * cos(a) ** -0.3), rel=1e-12)
+    assert (0.95 / (0.9 * (1 - sin(a) / 3))) ** 3 == pytest.approx(3.35, abs=0.005)
+    found = life(ring(0.1, angle=a), loads(ring(0.1, angle=a), 500.0))
+    assert found is not None
+    assert found.revolutions == pytest.approx((rating(ring(0.1, angle=a)) / (9 * 500.0 * sin(a))) ** 3, rel=1e-12)
+    assert found.equivalent == pytest.approx(9 * 500.0 * sin(a), rel=1e-12)
+    assert [ratings(ring(0.1, angle=np.radians(x))).axial for x in (40.0, 45.0, 46.0)] == [False, False, True]
+
+
+@pytest.mark.parametrize(("ratio", "printed"), [(0.05, 15.7), (0.10, 16.4), (0.16, 14.9), (0.20, 14.0)])
+def test_static_rating_of_a_ring_is_that_of_the_table_of_ISO_76(ratio: float, printed: float) -> None:
+    """C_0r = f_0 Z D^2 cos(alpha), grooves of 0.52 and 0.53."""
+    scene = ring(ratio)
+    scene = replace(scene, nut=replace(scene.nut, groove_radius=0.53 * 10e-3))
+    assert static_rating(scene) / (9 * 10.0**2) == pytest.approx(printed, rel=0.013)
+
+
+def test_static_ratings_where_all_balls_share_an_axial_load() -> None:
+    """A ring by pressure, a screw by ISO 3408-5: k_0 = 27.74/(D sqrt(...)), C_0a = k_0 i z sin(alpha) cos(phi) D^2."""
+    a = np.radians(60.0)
+    assert static_rating(ring(0.01, 0.54, angle=a)) / (9 * 100.0 * sin(a)) == pytest.approx(60.8, rel=0.013)
+    screw = catalogue.scene("unseen-40x10")
+    alpha, D, f, pitch = screw.track.contact_angle, 6.35, 0.525, 41.4
+    across, along = 2 / D - 1 / (f * D), 2 / D + cos(alpha) / (pitch / 2 - D / 2 * cos(alpha))
+    phi = np.arctan2(10.0, pi * pitch)
+    k_0 = 27.74 / (D * np.sqrt(across * along))
+    assert static_rating(screw) == pytest.approx(k_0 * 57 * sin(alpha) * cos(phi) * D**2, rel=3e-3)
+    found = ratings(screw)
+    assert (found.dynamic, found.static_standard) == (rating(screw), "ISO 3408-5")
+
+
+def test_the_dynamic_rating_is_that_of_a_maker_who_prints_balls_and_diameters() -> None:
+    """SNFA SEA 10: 12 balls of 2.38 mm between 10 and 19 mm, 15 deg: 190 daN."""
+    a = np.radians(15.0)
+    scene = ring(2.38 * cos(a) / 14.5, balls=12, angle=a)
+    assert rating(scene) * 0.238**1.8 == pytest.approx(1900.0, rel=0.02)

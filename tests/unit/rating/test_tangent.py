@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from lowfi.compliance.bodies import LADDER
-from lowfi.statics.elastic import solve_elastic
-from lowfi.statics.tangent import tangent_stiffness
-from meshes.parts import FREEDOMS, Support
 from tests.helpers import small_screw
+
+from rollbench.lowfi.compliance.bodies import LADDER
+from rollbench.lowfi.statics.elastic import solve_elastic
+from rollbench.lowfi.statics.tangent import tangent_stiffness
+from rollbench.meshes.parts import FREEDOMS, Support
 
 MOTION = np.array([2e-6, -1e-6, 3e-6, 2e-5, -1e-5, 0.0])
 STEP = np.array([1e-8, 1e-8, 1e-8, 1e-6, 1e-6, 1e-6])

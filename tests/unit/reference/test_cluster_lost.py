@@ -11,11 +11,11 @@ import time
 from contextlib import contextmanager
 
 import pytest
-
-from compare.errors import InputError
-from compare.reference import parallel
-from compare.reference.parallel import use_tls
 from tests.jobs_in_order import run
+
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.reference import parallel
+from rollbench.comparison.reference.parallel import use_tls
 
 distributed = pytest.importorskip("distributed")
 dask = pytest.importorskip("dask")

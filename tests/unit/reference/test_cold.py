@@ -1,9 +1,13 @@
 """Cold times are those of a new process with empty caches."""
 
+from pathlib import Path
+
 import pytest
 
-from compare.costs import cold
-from compare.costs.cold import measure
+from rollbench.comparison.costs import cold
+from rollbench.comparison.costs.cold import ColdLevel, measure, measure_level
+from rollbench.comparison.costs.run_times import Kept, load, save
+from rollbench.comparison.sections.reference_time import level_table
 
 
 def test_a_new_process_pays_for_imports_and_first_solve() -> None:
@@ -22,6 +26,27 @@ def test_caches_of_the_child_are_empty_and_its_own(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(cold, "CHILD", code.replace("{", "{{").replace("}", "}}"))
     with pytest.raises(RuntimeError, match=r"\[\(True, \[\]\), \(True, \[\]\)\]"):
         measure("lin-case1", "lin")
+
+
+def test_a_level_is_timed_in_a_process_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With a set-up that takes no time, the interpreter, the imports and the cores are left."""
+    known = (
+        "run = type('R', (), dict(peak_MB=float(Task((catalogue.scene(ask['scene']),), ask['level']).level), status='x'))"
+    )
+    lines = [known if "(run,) =" in line else line for line in cold.LEVEL_CHILD.splitlines()]
+    monkeypatch.setattr(cold, "LEVEL_CHILD", "\n".join(lines))
+    found = measure_level("lin-case1", 2)
+    assert (found.level, found.memory, found.status) == (2, 2.0, "x")
+    assert found.process > 0.1
+    assert found.cpu > 0.1
+
+
+def test_cold_levels_are_kept(tmp_path: Path) -> None:
+    kept = Kept("a machine", "today", {}, {}, (ColdLevel(1, 12.0, 20.0, 1400.0, "converged"),))
+    save(tmp_path, kept)
+    assert load([tmp_path]) == kept
+    (table,) = level_table(kept.levels).rows
+    assert table == {"level": 1, "cold": 12.0, "cpu": 20.0, "memory": 1400.0, "status": "converged"}
 
 
 def test_a_process_that_fails_is_no_time() -> None:

@@ -8,17 +8,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compare.errors import InputError
-from compare.reference import expected as module
-from compare.reference import jobs
-from compare.reference.computing import compute
-from compare.reference.expected import Progress, duration, expected, need_memory
-from compare.reference.store import load, shipped_store
-from compare.reference.tasks import Task
-from compare.scenes import catalogue
-from compare.watch import reader_gone
-from compare.writing import replace_file
-from meshes.leftovers import for_group
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.reference import expected as module
+from rollbench.comparison.reference import jobs
+from rollbench.comparison.reference.computing import compute
+from rollbench.comparison.reference.expected import Progress, duration, expected, need_memory
+from rollbench.comparison.reference.store import load, shipped_store
+from rollbench.comparison.reference.tasks import Task
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.watch import reader_gone
+from rollbench.comparison.writing import replace_file
+from rollbench.hifi.setup import TOGETHER
+from rollbench.meshes.leftovers import for_group
 
 SCENES = ("unseen-hollow", "unseen-short-nut", "unseen-16x5", "unseen-40x10", "unseen-25x5")
 
@@ -41,6 +42,13 @@ def test_a_second_process_takes_less_time_and_more_memory() -> None:
     assert alone.memory_GB < two.memory_GB < 2.0 * alone.memory_GB
 
 
+def test_with_many_contacts_the_second_process_adds_what_patches_take() -> None:
+    scene = catalogue.scene("unseen-25x5")
+    few, many = (expected(Task((scene,), 1, processes=n)).memory_GB for n in (1, 2))
+    assert many - few == pytest.approx(module.BASE_GB[1])
+    assert module.TOGETHER == TOGETHER
+
+
 def test_a_machine_that_is_too_small_is_refused_before_anything_runs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -60,13 +68,38 @@ def test_a_machine_that_is_too_small_is_refused_before_anything_runs(
 def test_progress_says_stage_share_and_time_left() -> None:
     task = Task((catalogue.scene("lin-case1"),), 1)
     progress, stages = Progress(task), expected(task).stages
-    first = progress.line(f"meshes: {stages['meshes']:.1f} s, from the cache", stages["meshes"])
+    assert progress.under_way == "lin-case1: level 1: meshes"
+    first = progress.line(f"meshes: {stages['meshes']:.1f} s", stages["meshes"])
     assert first.startswith("lin-case1: level 1: meshes: ")
     assert f"about {duration(expected(task).seconds - stages['meshes'])} left" in first
+    assert progress.under_way == "lin-case1: level 1: patches"
     second = progress.line("patches: 1 s", 2.0 * (stages["meshes"] + stages["patches"]))
     left = 2.0 * (expected(task).seconds - stages["meshes"] - stages["patches"])
     assert f"about {duration(left)} left" in second
     assert progress.line("contact of side SL", 1.0) == "lin-case1: level 1: contact of side SL"
+
+
+def test_stages_from_the_cache_say_nothing_of_the_pace() -> None:
+    task = Task((catalogue.scene("lin-case1"),), 1)
+    progress, stages = Progress(task), expected(task).stages
+    progress.line("meshes: 0.0 s, from the cache", 0.0)
+    left = expected(task).seconds - stages["meshes"] - stages["patches"]
+    assert f"about {duration(left)} left" in progress.line("patches: 0.0 s, from the cache", 0.1)
+    left -= stages["ball"]
+    assert f"about {duration(3.0 * left)} left" in progress.line("ball: 3 s", 3.0 * stages["ball"])
+
+
+def test_time_left_counts_further_tasks_and_every_load_case() -> None:
+    scenes = tuple(catalogue.scene(name) for name in ("lin-case1", "lin-case2"))
+    progress, whole = Progress(Task(scenes, 1), after=1000.0), expected(Task(scenes, 1))
+    lines = [progress.line(f"{name}: 1 s", 0.0) for name in whole.stages if name != "contact loads"]
+    assert lines[-1].endswith("left in all")
+    loads = whole.stages["contact loads"]
+    for scene, left in zip(scenes, (0.5 * loads, 0.0), strict=True):
+        line = progress.line(f"contact loads: 1 s, {scene.name} converged", whole.seconds - left)
+        assert f"about {duration(left + 1000.0)} left in all" in line
+    assert "100%" in line
+    assert progress.under_way == progress.label
 
 
 def test_an_interrupt_says_what_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -116,6 +149,6 @@ def test_memory_that_runs_out_is_said_in_one_line(monkeypatch: pytest.MonkeyPatc
     def ended(*_: object, **__: object) -> None:
         raise MemoryError("a process of the set-up was ended from outside")
 
-    monkeypatch.setattr("hifi.setup.prepare", ended)
+    monkeypatch.setattr("rollbench.hifi.setup.prepare", ended)
     with pytest.raises(InputError, match=r"memory.*ended from outside.*fewer workers"):
         compute(Task((catalogue.scene("lin-case1"),), 1))

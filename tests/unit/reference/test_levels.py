@@ -5,9 +5,18 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from compare.reference.levels import BALL, BEYOND, LEVELS, PRODUCTION, SOURCE_LEVEL, SOURCE_MESH, STUDIED, scaled
-from compare.reference.variants import VARIANTS
-from hifi.fit import Settings
+from rollbench.comparison.reference.levels import (
+    BALL,
+    BEYOND,
+    LEVELS,
+    PRODUCTION,
+    SOURCE_LEVEL,
+    SOURCE_MESH,
+    STUDIED,
+    scaled,
+)
+from rollbench.comparison.reference.variants import VARIANTS
+from rollbench.hifi.settings import Settings
 
 #: Lengths; all other settings are counts and ratios.
 LENGTHS = {"own_sizes", "own_ball_sizes", "fine", "coarse", "ball_fine", "ball_coarse", "cell", "tet"}

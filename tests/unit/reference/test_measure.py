@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from compare.measure import error_percent, load_error
+from rollbench.comparison.measure import error_percent, load_error
 
 
 def test_definition() -> None:

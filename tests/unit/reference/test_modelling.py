@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from skfem import MeshHex
 
-from compare.models.modelling import VARIED, combined, effect, modelling_percent, varied
-from compare.models.registry import DEFAULT, Options, run_model
-from compare.reference.store import Run, save
-from compare.reference.tasks import settings_of
-from compare.reference.variants import COUPLING, HOLE, LANDS, LENGTH, NOT_VARIED, VARIANTS, held_ring, twisted
-from compare.scenes import catalogue
-from hifi.responses import nut_transform
-from meshes.parts import Solid, Support
-from meshes.solid import dimensions
+from rollbench.comparison.models.modelling import VARIED, combined, effect, modelling_percent, varied
+from rollbench.comparison.models.registry import DEFAULT, Options, run_model
+from rollbench.comparison.reference.store import Run, save
+from rollbench.comparison.reference.tasks import settings_of
+from rollbench.comparison.reference.variants import COUPLING, HOLE, LANDS, LENGTH, NOT_VARIED, VARIANTS, held_ring, twisted
+from rollbench.comparison.scenes import catalogue
+from rollbench.hifi.responses import nut_transform
+from rollbench.meshes.parts import Solid, Support
+from rollbench.meshes.solid import dimensions
 
 CASE1 = catalogue.scene("lin-case1")
 

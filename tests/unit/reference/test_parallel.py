@@ -10,11 +10,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from compare.errors import InputError
-from compare.reference import parallel
-from compare.reference.parallel import as_done
 from tests.jobs_in_order import run
+
+from rollbench.comparison import __version__
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.reference import parallel
+from rollbench.comparison.reference.parallel import as_done
 
 pytestmark = pytest.mark.xdist_group("scheduler")
 
@@ -128,9 +129,9 @@ def test_a_cluster_is_used_by_all_its_workers_or_as_many_as_asked(scheduler, tmp
 
 
 def test_a_sweep_on_a_cluster_gives_the_same_numbers(scheduler, tmp_path):
-    from compare.commands.sweep import sweep_of  # not above, as dask
-    from compare.reference.jobs import Engine
-    from compare.sweep.run import run_samples
+    from rollbench.comparison.commands.sweep import sweep_of  # not above, as dask
+    from rollbench.comparison.reference.jobs import Engine
+    from rollbench.comparison.sweep.run import run_samples
 
     sweep = sweep_of("two-balls", ["errors.balls.oversize=4 um:7 um"], 12, "lhs", 1, "lin")
     here, there = (
@@ -198,7 +199,7 @@ def test_one_job_at_a_time_in_a_process():
         time.sleep(0.05)
         running -= 1
 
-    threads = [threading.Thread(target=parallel._call, args=(k, watched, ())) for k in range(3)]
+    threads = [threading.Thread(target=parallel._call, args=(k, __version__, watched, ())) for k in range(3)]
     for thread in threads:
         thread.start()
     for thread in threads:
@@ -283,3 +284,12 @@ def test_workers_of_another_version_are_refused(scheduler, monkeypatch, tmp_path
     monkeypatch.setattr(parallel, "_version", only_here.version)
     with pytest.raises(InputError, match=r"workers without rollbench .*only_here"):
         run(JOBS, "dask", scheduler)
+
+
+@pytest.mark.parametrize("backend", ["joblib", "dask"])
+def test_a_worker_of_another_version_that_joins_later_refuses_its_job(backend, scheduler, monkeypatch, tmp_path):
+    monkeypatch.setattr(parallel, "__version__", "99.0")
+    monkeypatch.setattr(parallel, "_version", lambda: "99.0")  # what the workers of the beginning say
+    with pytest.raises(InputError, match=rf"a worker of rollbench {__version__}, .*install version 99\.0 where"):
+        run([(wait, (0.0, tmp_path))] * 2, *where(backend, scheduler))
+    assert list(tmp_path.iterdir()) == []

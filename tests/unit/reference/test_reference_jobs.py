@@ -5,20 +5,25 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from compare.commands.study import parse_levels, unconverged
-from compare.errors import InputError
-from compare.models import comparison
-from compare.models.ladder import DEEP, UNSEEN
-from compare.models.study import Study
-from compare.reference import jobs
-from compare.reference.levels import LEVELS, STUDIED
-from compare.reference.store import Run, bodies_path, load, path_in, save
-from compare.reference.tasks import Task
-from compare.reference.variants import VARIANTS
-from compare.scenes import catalogue
-from meshes.condensed import CondensedBodies
 from tests.reference_records import bodies_of, run_of
+
+from rollbench.comparison.commands import study
+from rollbench.comparison.commands.compare_output import levels_text
+from rollbench.comparison.commands.study import code_of, parse_levels, unconverged
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.gate.verdict import Limits, judge
+from rollbench.comparison.models import comparison
+from rollbench.comparison.models.ladder import DEEP, UNSEEN
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.models.total_uncertainty import total
+from rollbench.comparison.reference import jobs
+from rollbench.comparison.reference.estimate import reference_of
+from rollbench.comparison.reference.levels import LEVELS, STUDIED
+from rollbench.comparison.reference.store import Run, bodies_path, load, path_in, save, shipped_store
+from rollbench.comparison.reference.tasks import Task
+from rollbench.comparison.reference.variants import VARIANTS
+from rollbench.comparison.scenes import catalogue
+from rollbench.meshes.condensed import CondensedBodies
 
 
 def test_a_task_without_its_bodies_is_missing(tmp_path: Path) -> None:
@@ -49,6 +54,41 @@ def test_plan_and_what_is_missing(tmp_path: Path) -> None:
     save(tmp_path, scenes[1], replace(run_of("lin-case2", 1, loads), without={}))
     left = {(t.level, t.variant): [s.name for s in t.scenes] for t in jobs.missing(tasks, (tmp_path,))}
     assert left == {(1, ""): ["lin-case1", "lin-case2"], (2, ""): ["lin-case2"], (1, "land"): ["lin-case1"]}
+
+
+def test_the_coarsest_level_comes_first_and_is_told() -> None:
+    scene = catalogue.scene("lin-case1")
+    assert [t.level for t in jobs.plan([scene], (1, 2, 3), source=True)] == [1, 3, 2, 0]
+
+
+def test_what_is_kept_is_told_while_more_is_to_come(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = catalogue.scene("lin-case1")
+    heard: list[tuple[int, bool]] = []
+    loads = np.ones((32, 4))
+    monkeypatch.setattr(jobs, "compute_with_bodies", lambda task, _: ([run_of("lin-case1", task.level, loads)], None))
+    tasks = jobs.plan([scene], (1, 2))
+
+    def told(task: Task) -> None:
+        heard.append((task.level, load(scene, task.level, stores=(tmp_path,)) is not None))
+
+    jobs.ensure(tasks, tmp_path, jobs.Engine(), lambda _: None, stored=told)
+    assert heard == [(1, True)]
+
+
+@pytest.mark.parametrize("command", ["compare", "mesh-study"])
+def test_commands_print_the_coarsest_level_first(
+    command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    known = {k: load(catalogue.scene("lin-case1"), k, stores=(shipped_store(),)) for k in (1, 2)}
+    monkeypatch.setattr(jobs, "compute_with_bodies", lambda task, _: ([known[task.level]], None))
+    engine, out = jobs.Engine(), {"json_out": True, "show": print, "print_json": lambda _: None}
+    if command == "compare":
+        study.run_compare(("lin-case1",), (), (1, 2), tmp_path, engine, fresh=True, **out)
+    else:
+        study.run_mesh_study(("lin-case1",), 2, tmp_path, engine, fresh=True, spread=False, source=False, **out)
+    said = capsys.readouterr().err
+    assert said.index("[1/2] lin-case1: level 1") < said.index("lin-case1, by level 1 alone:") < said.index("[2/2]")
+    assert {"compare": "refined is off by", "mesh-study": "largest load, SL"}[command] in said
 
 
 def test_each_job_is_stored_when_it_is_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -88,6 +128,35 @@ def test_a_run_that_did_not_converge_is_told_and_computed_again(tmp_path: Path, 
     assert "\n" not in words
 
 
+def test_a_run_that_did_not_settle_is_kept_with_what_it_may_move_by(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene, said = catalogue.scene("lin-case1"), list[str]()
+    status = "not settled: loads may still move by 0.5 N after 30 updates of directions and gaps"
+    own, good = run_of("lin-case1", 1, np.full((32, 4), 99.0)), run_of("lin-case1", 2, np.full((32, 4), 100.0))
+    monkeypatch.setattr(jobs, "compute_with_bodies", lambda *_: ([replace(own, status=status, moving=0.5)], None))
+    assert jobs.ensure([Task((scene,), 1)], tmp_path, jobs.Engine(), said.append) == []
+    assert any(status in line and "not stored" not in line for line in said)
+    kept = load(scene, 1, stores=(tmp_path,))
+    assert kept is not None
+    assert (kept.status, kept.moving) == (status, 0.5)
+    alone = reference_of("lin-case1", (kept,))
+    assert alone.unsettled == f"level 1 {status}"
+    assert (alone.uncertainty >= 0.5).all()
+    settled = reference_of("lin-case1", (own, good))
+    found = reference_of("lin-case1", (own, replace(good, status=status, moving=0.5)))
+    assert settled.unsettled == ""
+    assert settled.uncertainty is not None
+    assert found.uncertainty is not None
+    np.testing.assert_allclose(found.uncertainty, settled.uncertainty + 0.5)
+    assert (code_of([settled]), code_of([settled, found])) == (0, 5)
+    assert status in levels_text(found, total(scene, found))
+    limit = 1.0 + 100.0 * float(settled.uncertainty.max()) / 100.0 + 0.2
+    before, after = (judge("mine", np.full((32, 4), 101.0), r, Limits(limit))[0] for r in (settled, found))
+    assert (before.word, after.word) == ("pass", "undecided")
+    assert status in after.detail
+
+
 def test_fresh_computes_what_is_stored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     scene = catalogue.scene("lin-case1")
     task, old = Task((scene,), 1), run_of("lin-case1", 1, np.ones((32, 4)))
@@ -112,7 +181,7 @@ def test_wrong_levels_are_refused(text: str) -> None:
 
 
 def test_what_a_report_computes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from compare.commands.report import Source, compute_references
+    from rollbench.comparison.commands.report import Source, compute_references
 
     asked: list[list[Task]] = []
     monkeypatch.setattr(jobs, "ensure", lambda tasks, *_, **_named: asked.append(list(tasks)))

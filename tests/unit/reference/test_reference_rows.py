@@ -1,23 +1,25 @@
-"""Shipped runs of the 3D reference: balance, the gate against them, rows, mesh study, extrapolation over levels."""
+"""Shipped runs of the 3D reference: balance, the gate against them, rows, mesh study."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-
-from compare.gate import gate
-from compare.models import comparison
-from compare.models.comparison import from_result, gate_points, reference_answers, rows, solved
-from compare.models.mesh_study import closing, studied, study_table
-from compare.models.registry import MODELS
-from compare.models.study import Study
-from compare.reference.estimate import Reference, reference
-from compare.reference.grid_summary import summarise
-from compare.reference.levels import LEVELS, STUDIED
-from compare.reference.store import save
-from compare.scenes import catalogue
-from compare.sections.study_figure import study_figure
 from tests.reference_records import run_of
+
+from rollbench.comparison.gate import gate
+from rollbench.comparison.models import comparison
+from rollbench.comparison.models.comparison import from_result, gate_points, reference_answers, rows, solved
+from rollbench.comparison.models.mesh_study import CLEARLY, SCATTERS, closing, level_rows, studied, study_table
+from rollbench.comparison.models.registry import MODELS
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.reference.estimate import Reference, reference
+from rollbench.comparison.reference.grid_parts import read
+from rollbench.comparison.reference.levels import LEVELS, STUDIED
+from rollbench.comparison.reference.store import save, shipped_store
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.sections.study_figure import study_figure
+from rollbench.meshes.parts import SIDES
 
 
 @pytest.mark.parametrize("name", comparison.REFERENCED)
@@ -40,22 +42,21 @@ def test_gate_passes_and_a_stiffness_off_by_20_per_cent_does_not(monkeypatch: py
     already. (All other scenes pass in the gate's own test.)"""
     monkeypatch.setattr(gate, "UNSEEN", ())
     assert [row.name for row in gate.reference_rows(Study(), 7.0) if not row.passed] == []
-    import lowfi.statics.elastic_system
-    import lowfi.statics.problem
-    from meshes.section import BeamSection
+    from rollbench.lowfi.statics import elastic_system, problem
+    from rollbench.meshes.section import BeamSection
 
-    right = lowfi.statics.elastic_system.grooved_section
+    right = elastic_system.grooved_section
 
     def soft(geometry, screw):  # type: ignore[no-untyped-def]
         s = right(geometry, screw)
         return BeamSection(0.8 * s.EA, 0.8 * s.EI, 0.8 * s.GJ, 0.8 * s.kGA)
 
     with monkeypatch.context() as patch:
-        patch.setattr(lowfi.statics.elastic_system, "grooved_section", soft)
+        patch.setattr(elastic_system, "grooved_section", soft)
         assert any(not row.passed for row in gate.reference_rows(Study(), 7.0))
-    stiff = lowfi.statics.problem.hertz_C
+    stiff = problem.hertz_C
     with monkeypatch.context() as patch:
-        patch.setattr(lowfi.statics.problem, "hertz_C", lambda *parts: 0.8 * stiff(*parts))
+        patch.setattr(problem, "hertz_C", lambda *parts: 0.8 * stiff(*parts))
         assert any(not row.passed for row in gate.reference_rows(Study(), 7.0))
 
 
@@ -106,7 +107,6 @@ def test_rows_name_every_loaded_contact_and_carry_the_error_bar() -> None:
         "error_percent",
         "seconds",
     }
-    assert found.uncertainty is not None
     ends = [int(pick(found.load[:, 0])) for pick in (np.argmax, np.argmin)]
     share = sum(found.uncertainty[k, 0] / found.load[k, 0] for k in ends)
     ratio = next(r for r in own if r.quantity.startswith("largest over smallest"))
@@ -118,80 +118,101 @@ def test_rows_name_every_loaded_contact_and_carry_the_error_bar() -> None:
 def test_mesh_study_says_why_there_is_an_order_or_none() -> None:
     scene = catalogue.scene("lin-case1")
     table = study_table(scene, None)
-    largest = next(row for row in table if row["quantity"] == "largest load, SL")
     levels = {f"level {k}" for k in STUDIED}
-    assert levels | {"uncertainty", "kind"} <= set(largest)
     found = _found("lin-case1")
     for row in table:
+        assert levels | {"uncertainty", "kind"} <= set(row)
         assert (row["order"] is None) != row["kind"].startswith("monotone, order")
-        assert row["kind"].startswith(("monotone, order ", "not monotone", "order out of range (p ", "held (zero"))
         values = [row[k] for k in sorted(levels)]
+        if "load" in row["quantity"]:
+            assert (row["kind"], row["order"], row["extrapolated"]) == (SCATTERS, None, None)
+            continue
+        assert row["kind"].startswith(("monotone, order ", "not monotone", "order out of range (p ", "held (zero"))
         steps = np.diff(values)
         if row["kind"] == "not monotone":
             assert (steps > 0.0).any()
             assert (steps < 0.0).any()
-    assert found.convergence is not None
     ball = next(row for row in table if row["quantity"] == "load of ball 5, NR")
-    assert ball["uncertainty"] == found.convergence[4][3].uncertainty
-    balls = {int(run.load[:, 0].argmax()) for run in found.runs}
-    assert len(balls) == 1, "the largest load stays at one ball, whose uncertainty it has"
-    assert largest["uncertainty"] == found.convergence[balls.pop()][0].uncertainty
+    assert ball["uncertainty"] == found.uncertainty[4, 3]
 
 
-def test_two_levels_give_a_band_and_one_none(tmp_path: Path) -> None:
+def test_the_largest_load_has_the_uncertainty_of_its_contact() -> None:
+    """Also where levels find it at unlike balls: the contact of the finest level is what is told."""
+    for name in ("lin-case1", "lin-case3"):
+        table = {row["quantity"]: row for row in study_table(catalogue.scene(name), None)}
+        for side in SIDES:
+            row = table.get(f"largest load, {side}")
+            if row is None:
+                continue
+            own = [r for q, r in table.items() if q.startswith("load of ball") and q.endswith(side)]
+            ball = max(own, key=lambda r: r[f"level {max(STUDIED)}"])
+            assert row["uncertainty"] == ball["uncertainty"]
+
+
+def test_levels_that_are_hardly_better_are_named_and_not_advised() -> None:
+    found = studied(catalogue.scene("lin-case1"), None)
+    assert found is not None
+    enough = [row["enough_for_percent"] for row in level_rows(found)]
+    assert enough == sorted(enough, reverse=True)
+    text = closing(found)
+    assert text.startswith("Enough: level 1 for 0.12 % of the mean contact load, by experience with other scenes (")
+    assert ", level 2 with those before it for 0.088 % (" in text
+    assert enough[1] <= CLEARLY * enough[0]
+    assert enough[3] <= CLEARLY * enough[1] < enough[2]
+    assert ", level 4 with those before it for 0.07 % (" in text
+    assert text.endswith("Hardly better than the one before: level 3.")
+
+
+def test_two_levels_give_parts_and_one_experience(tmp_path: Path) -> None:
     scene = catalogue.scene("lin-case1")
     coarse = np.full((32, 4), 100.0)
     coarse[:, 1:3] = 0.0
     finer = coarse.copy()
-    finer[0, 0] += 2.0
+    finer[0, 0] += 8.0
     save(tmp_path, scene, run_of("lin-case1", 1, coarse))
-    one = reference(scene, (tmp_path,))
+    one, known = reference(scene, (tmp_path,)), read(shipped_store())
     assert one is not None
-    assert one.uncertainty is None
-    assert summarise(one).largest is None
-    assert closing(one).startswith("One level does not say")
+    assert one.parts.by_experience
+    assert one.uncertainty[0, 0] == pytest.approx(known.single[0])  # of 100 N
+    assert one.uncertainty[0, 1] == 0.0
+    assert closing(one).startswith("Enough: level 1 for ")
     save(tmp_path, scene, run_of("lin-case1", 2, finer))
     two = reference(scene, (tmp_path,))
     assert two is not None
-    assert two.uncertainty is not None
-    assert two.uncertainty[0, 0] == pytest.approx(6.0)
-    assert np.array_equal(two.estimate, finer)
-    assert summarise(two).largest == pytest.approx(6.0 / finer[finer > 0.0].mean() * 100.0)
-    assert (summarise(two).ball, summarise(two).side) == (1, 0)
-    assert closing(two).startswith("Level 1 is enough for 8 % of the mean contact load ("), (
-        "2 N off, 6 N uncertain, of 100 N"
-    )
-    assert ", level 2 for 6 % (" in closing(two)
+    shown = 64.0 / 64.0  # mean square of the changes, per cent of a mean load of 100 N within 0.2 %
+    cells = [LEVELS[k]["fine"] ** 4 for k in (1, 2, 3)]
+    fixed = 2.0 * known.sockets**2
+    bar = 2.0 * np.sqrt((shown - fixed) * (cells[1] + cells[2]) / (cells[0] + cells[1]) + fixed)
+    assert two.parts.bar == pytest.approx(bar, rel=0.003)
+    assert two.uncertainty[5, 3] == pytest.approx(0.01 * two.parts.bar * finer[finer > 0.0].mean(), rel=1e-3)
+    assert two.uncertainty[0, 0] / two.uncertainty[5, 3] == pytest.approx(1.08 ** (1.0 / 3.0), rel=1e-3)
     assert not any(" SR" in row["quantity"] or " NL" in row["quantity"] for row in study_table(scene, (tmp_path,)))
 
 
-def test_levels_of_one_order_are_extrapolated(tmp_path: Path) -> None:
-    """Any number of levels: contacts of a common order, their limits, and the summary of the scene."""
+def test_displacements_of_one_order_are_extrapolated_and_drawn(tmp_path: Path) -> None:
+    """The figure of a mesh study: values over the cell size, a bar at the finest, the power law to cells of no size."""
     scene = catalogue.scene("lin-case1")
-    limit = np.linspace(100.0, 200.0, 128).reshape(32, 4)
-    slope = np.linspace(-3.0, 4.0, 128).reshape(32, 4)
+    load = np.full((32, 4), 100.0)
     for level in STUDIED:
         h = LEVELS[1]["b_over_h"] / LEVELS[level]["b_over_h"]
-        save(tmp_path, scene, run_of("lin-case1", level, limit + slope * h**1.5))
-    found = reference(scene, (tmp_path,))
-    assert found is not None
-    assert found.extrapolated == pytest.approx(limit, rel=1e-5)
-    s = summarise(found)
-    assert s.pooled is not None
-    assert s.pooled.order == pytest.approx(1.5, abs=1e-3)
-    last = (LEVELS[1]["b_over_h"] / LEVELS[max(STUDIED)]["b_over_h"]) ** 1.5
-    assert s.largest == pytest.approx(1.25 * 4.0 * last / s.mean * 100.0, rel=1e-2)
-    assert s.levels == len(STUDIED)
-    whole = studied(scene, (tmp_path,))
+        line = np.zeros((3, 4))
+        line[:, 0] = [0.0, 0.01, 0.02]
+        line[:, 3] = 1e-6 * (5.0 + 0.3 * h**1.5)
+        save(tmp_path, scene, replace(run_of("lin-case1", level, load), centreline=line))
+    whole, table = studied(scene, (tmp_path,)), study_table(scene, (tmp_path,))
     assert whole is not None
-    figure = study_figure("x", study_table(scene, (tmp_path,)), whole)
+    row = next(r for r in table if r["quantity"].startswith("centreline uz"))
+    assert row["order"] == pytest.approx(1.5, abs=1e-3)
+    assert row["extrapolated"] == pytest.approx(5.0, rel=1e-5)
+    figure = study_figure("x", table, whole)
     assert figure is not None
-    loads = {tuple(s.x): s for s in figure.panels[0].series if s.label == "largest load, SL"}
-    measured, beyond = sorted(loads.values(), key=lambda s: min(s.x), reverse=True)
+    (panel,) = (p for p in figure.panels if p.title == "centreline")
+    own = [s for s in panel.series if s.label == row["quantity"]]
+    measured, beyond = sorted(own, key=lambda s: min(s.x), reverse=True)
     assert measured.x[-1] == 1.0, "over the cell size, coarsest first"
     assert list(measured.x) == sorted(measured.x, reverse=True)
     assert measured.bars is not None
     assert measured.bars[0][-1] < measured.y[-1] < measured.bars[1][-1]
     assert (beyond.x[0], beyond.x[-1], beyond.y[-1]) == (0.0, 1.0, pytest.approx(0.0, abs=1e-12))
-    off = limit[:, 0].max() - found.load[:, 0].max()
-    assert beyond.y[0] == pytest.approx(100.0 * off / np.abs(found.load).max(), rel=1e-3)
+    finest = row[f"level {max(STUDIED)}"]
+    assert beyond.y[0] == pytest.approx(100.0 * (5.0 - finest) / finest, rel=1e-3)

@@ -5,15 +5,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from compare.reference import jobs, store
-from compare.reference.levels import LEVELS
-from compare.reference.store import bodies_path, key_of, load, path_in, save
-from compare.reference.tasks import Task, geometry_of, groups, needed_sides, serves, settings_of
-from compare.scenes import catalogue
-from meshes.condensed import load_condensed
-from meshes.solid import dimensions
 from tests.reference_records import bodies_of, run_of
+
+from rollbench.comparison.reference import jobs, store
+from rollbench.comparison.reference.levels import LEVELS
+from rollbench.comparison.reference.store import bodies_path, key_of, load, path_in, save
+from rollbench.comparison.reference.tasks import Task, geometry_of, groups, needed_sides, serves, settings_of
+from rollbench.comparison.scenes import catalogue
+from rollbench.meshes.condensed import load_condensed
+from rollbench.meshes.solid import dimensions
 
 
 def test_round_trip_and_damage(tmp_path: Path) -> None:

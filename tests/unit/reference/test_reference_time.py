@@ -6,17 +6,17 @@ from functools import cache
 import numpy as np
 import pytest
 
-from compare.models.comparison import REFERENCED
-from compare.models.ladder import UNSEEN
-from compare.models.study import Study
-from compare.reference.convergence import LABELS
-from compare.reference.estimate import Reference, reference_of
-from compare.reference.levels import LEVELS
-from compare.sections import reference_mesh, reference_time
-from compare.sections.reference import LABELS as NAMES
-from compare.sections.reference_time import FLOOR, TimePoint, error_range, time_figures, time_panel, time_table
-from reports.figures import draw
-from reports.records import Figure, Panel, Series
+from rollbench.comparison.costs.assembly_bench import OURS, VECTOR, WAYS, assembly_costs, meshes
+from rollbench.comparison.models.comparison import REFERENCED
+from rollbench.comparison.models.ladder import UNSEEN
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.reference.estimate import Reference
+from rollbench.comparison.reference.levels import LEVELS
+from rollbench.comparison.sections import reference_mesh, reference_time
+from rollbench.comparison.sections.reference import LABELS as NAMES
+from rollbench.comparison.sections.reference_time import FLOOR, TimePoint, error_range, time_figures, time_panel, time_table
+from rollbench.reports.figures import draw
+from rollbench.reports.records import Figure, Panel, Series
 
 STUDY = Study()
 
@@ -28,33 +28,33 @@ def stored() -> dict[str, Reference]:
 
 def test_every_point_has_the_same_reference_and_its_bar() -> None:
     found = stored()["lin-case1"]
-    assert found.uncertainty is not None
-    assert error_range(found.estimate, found)[0] == 0.0
+    assert error_range(found.load, found)[0] == 0.0
     error, rms, low, high = error_range(found.best.load, found)
-    mean = found.estimate[found.estimate > 0.0].mean()
-    off = 100.0 * np.abs(found.best.load - found.estimate) / mean
+    mean = found.load[found.load > 0.0].mean()
+    off = 100.0 * np.abs(found.best.load - found.load) / mean
     bar = 100.0 * found.uncertainty / mean
     assert (error, low) == (pytest.approx(off.max()), pytest.approx(max(0.0, (off - bar).max())))
     assert high == pytest.approx((off + bar).max())
-    shifted = found.estimate * 1.05
+    shifted = found.load * 1.05
     error, rms, low, high = error_range(shifted, found)
     assert low is not None
     assert high is not None
     assert 0.0 < low < error < high
     assert rms < error
-    one = reference_of("lin-case1", found.runs[:1])
-    assert error_range(shifted, one)[2:] == (None, None)
-
-
-def test_an_extrapolated_reference_gives_the_finest_level_an_error_too() -> None:
-    found = stored()["lin-case1"]
-    moved = replace(found, extrapolated=found.load * 1.01)
-    assert error_range(found.best.load, moved)[0] > 0.9
 
 
 def point(label: str, kind: str, error: float, cold: float, **changes: object) -> TimePoint:
     made = TimePoint(label, kind, error, error / 2, max(0.0, error - 1.0), error + 1.0, cold, 0.1, 65, 100.0)  # type: ignore[arg-type]
     return replace(made, **changes)  # type: ignore[arg-type]
+
+
+def test_every_way_to_assemble_gives_the_same_matrix_and_ours_is_the_fastest() -> None:
+    costs = assembly_costs(share=0.3, repeats=1)
+    assert {(cost.mesh, cost.way) for cost in costs} == {(mesh, way) for mesh in meshes(0.3) for way in WAYS}
+    assert max(cost.difference for cost in costs) < 1e-12
+    rows = reference_time.assembly_table(costs).rows
+    assert all(row["ratio"] > 2.0 for row in rows if row["way"] == VECTOR)
+    assert [row["ratio"] for row in rows if row["way"] == OURS] == [1.0, 1.0]
 
 
 def test_figure_draws_levels_as_one_curve_with_bars_and_leaves_failures_out() -> None:
@@ -98,15 +98,13 @@ def test_unseen_scenes_have_a_figure() -> None:
     }
 
 
-def test_levels_and_orders_of_every_scene() -> None:
+def test_levels_and_parts_of_every_scene() -> None:
     table = reference_mesh.convergence_table(stored())
     assert [r["scene"] for r in table.rows] == list(stored())
-    several = [row for row in table.rows if len(stored()[str(row["scene"])].runs) > 1]
-    assert len(several) >= 9
-    for row in several:
-        counts = [row[label] for label in LABELS]
-        assert sum(int(c or 0) for c in counts) == stored()[str(row["scene"])].load.size
-        assert float(row["rms"] or 0.0) < float(row["max"] or 0.0) < 10.0
+    assert sum(int(row["levels"] or 0) > 1 for row in table.rows) >= 9
+    for row in table.rows:
+        parts = [float(row[key] or 0.0) for key in ("contact", "bodies", "sockets", "common")]
+        assert row["bar"] == pytest.approx(2.0 * np.linalg.norm(parts))
     levels = reference_mesh.level_table(STUDY, stored())
     for name, found in stored().items():
         own = [r for r in levels.rows if r["scene"] == name and r["level"] != "source"]

@@ -2,8 +2,8 @@
 
 from types import SimpleNamespace
 
-from compare.sections import verification
-from compare.sections.verification import Level
+from rollbench.comparison.sections import verification
+from rollbench.comparison.sections.verification import Level
 
 
 def test_the_column_mesh_names_the_mesh():

@@ -11,8 +11,8 @@ from html import unescape
 
 import pytest
 
-from reports.html import write
-from reports.records import Column, Figure, Panel, Report, Section, Series, Summary, Table, Text
+from rollbench.reports.html import write
+from rollbench.reports.records import Column, Figure, Panel, Report, Section, Series, Summary, Table, Text
 
 CHROMIUM = shutil.which("chromium")
 pytestmark = [pytest.mark.skipif(CHROMIUM is None, reason="needs Debian's chromium"), pytest.mark.xdist_group("browser")]

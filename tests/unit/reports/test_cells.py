@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from reports import html
-from reports.records import Column, Table
 from tests.report_samples import table
+
+from rollbench.reports import html
+from rollbench.reports.records import Column, Table
 
 
 class TestCells:
@@ -55,7 +55,7 @@ class TestCells:
 
 def test_records_import_neither_matplotlib_nor_pyvista():
     heavy = "{'matplotlib', 'pyvista', 'vtk', 'jinja2'}"
-    code = f"import sys, reports.records; print(sorted({heavy} & set(sys.modules)))"
+    code = f"import sys, rollbench.reports.records; print(sorted({heavy} & set(sys.modules)))"
     root = Path(html.__file__).parents[1]
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=root)
     assert done.stdout.strip() == "[]"

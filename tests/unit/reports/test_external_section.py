@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from compare.evidence.record import Evidence
-from compare.models.study import Study
-from compare.models.u_val import Scatter, Validated
-from compare.printed.printed_data import load_table, tables
-from compare.sections.external import SOURCES, TITLES, assumed_table, summary
-from compare.sections.rigidity_stages import stages_table
-from compare.sections.u_val import scatter_figure, scatter_table, u_val_table
-from reports.figures import draw
+from rollbench.comparison.evidence.record import Evidence
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.models.u_val import Scatter, Validated
+from rollbench.comparison.printed.printed_data import load_table, tables
+from rollbench.comparison.sections.external import SOURCES, TITLES, assumed_table, summary
+from rollbench.comparison.sections.rigidity_stages import stages_table
+from rollbench.comparison.sections.u_val import scatter_figure, scatter_table, u_val_table
+from rollbench.reports.figures import draw
 
 
 def test_every_external_table_has_a_title():

@@ -6,11 +6,11 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-
-from reports import figures
-from reports.panels import draw_parts
-from reports.records import Panel, Series
 from tests.report_samples import figure
+
+from rollbench.reports import figures
+from rollbench.reports.panels import draw_parts
+from rollbench.reports.records import Panel, Series
 
 pytestmark = pytest.mark.xdist_group("a figure")
 

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import pytest
 
-from reports import first_pages
-from reports.html import check_target, write
-from reports.records import Column, Figure, Panel, Report, Section, Series, Summary, Table
+from rollbench.reports import first_pages
+from rollbench.reports.html import check_target, write
+from rollbench.reports.records import Column, Figure, Panel, Report, Section, Series, Summary, Table
 
 FIGURE = Figure("error-time", "Error against run time", (Panel("", "s", "%", (Series("lin", [1.0], [2.0]),)),), "In um.")
 COLUMNS = (Column("name", "name", "", "s"), Column("x", "largest error", "% of mean", ".2f"), Column("gone", "empty"))

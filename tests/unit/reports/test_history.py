@@ -1,12 +1,12 @@
 """Rows of the releases: kept once, read off this report, drawn."""
 
-from compare import __version__
-from compare.costs.history import NAMES, QUANTITIES, Release, added, load, save
-from compare.models.registry import MODELS
-from compare.models.study import Study
-from compare.reference.store import shipped_store
-from compare.sections import history
-from compare.sections.reference_time import TimePoint, all_points
+from rollbench.comparison import __version__
+from rollbench.comparison.costs.history import NAMES, QUANTITIES, Release, added, load, save
+from rollbench.comparison.models.registry import MODELS
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison.sections import history
+from rollbench.comparison.sections.reference_time import TimePoint, all_points
 
 ONE = Release("0.1", "a day", "abc", {"error": {"lin": 6.0}, "cold": {"lin": None}}, "a remark")
 

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import pytest
 
-from compare.models.registry import MODELS
-from compare.sections.overview import KINDS, answer, front, named, off, standing_table, standings, time_figure
-from compare.sections.reference_time import TimePoint
-from reports.panels import draw_parts
+from rollbench.comparison.models.registry import MODELS
+from rollbench.comparison.sections.overview import KINDS, answer, front, named, off, standing_table, standings, time_figure
+from rollbench.comparison.sections.reference_time import TimePoint
+from rollbench.reports.panels import draw_parts
 
 
 def point(label: str, error: float, cold: float, kind: str = "model", **changes: object) -> TimePoint:

@@ -6,11 +6,11 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
-
-from reports import cells, figures, html, scene3d
-from reports.pages import SEARCH
-from reports.records import Column, Summary, Table
 from tests.report_samples import contents, figure, report, screw, table
+
+from rollbench.reports import cells, figures, html, scene3d
+from rollbench.reports.pages import SEARCH
+from rollbench.reports.records import Column, Summary, Table
 
 PNG_START = b"\x89PNG\r\n\x1a\n"
 

@@ -5,13 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from compare.sections import pressures
-from hifi.fields import ContactPressure
-from hifi.hertz import hertz
-from reports import field3d, figures, html, offscreen
-from reports.records import FieldPicture, MeshPart, PressureMap, PressurePanel, Report, Section
 from tests.fe_meshes import LOCAL, cube, face_nodes
+
+from rollbench.comparison.sections import pressures
+from rollbench.hifi.fields import ContactPressure
+from rollbench.hifi.hertz import hertz
+from rollbench.reports import field3d, figures, html, offscreen
+from rollbench.reports.records import FieldPicture, MeshPart, PressureMap, PressurePanel, Report, Section
 
 PNG_START = b"\x89PNG\r\n\x1a\n"
 KINDS = ("P1", "P2", "Q2")

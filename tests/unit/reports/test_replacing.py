@@ -3,9 +3,9 @@
 from pathlib import Path
 
 import pytest
-
-from reports import html, pages
 from tests.report_samples import contents, figure, report, table
+
+from rollbench.reports import html, pages
 
 
 class TestReplacing:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from compare.costs import run_times
-from compare.costs.cold import Cold
-from compare.costs.run_times import Kept, RunTime
-from compare.models.study import Study
-from compare.reference.store import shipped_store
-from compare.sections import reference_time
+from rollbench.comparison.costs import run_times
+from rollbench.comparison.costs.cold import Cold
+from rollbench.comparison.costs.run_times import Kept, RunTime
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison.sections import reference_time
 
 KEPT = Kept(
     "a machine",

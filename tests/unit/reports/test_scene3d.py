@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from reports import scene3d
-from reports.records import LoadedScrew
 from tests.report_samples import screw
+
+from rollbench.reports import scene3d
+from rollbench.reports.records import LoadedScrew
 
 PNG_START = b"\x89PNG\r\n\x1a\n"
 

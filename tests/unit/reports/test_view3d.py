@@ -8,9 +8,9 @@ import subprocess
 import numpy as np
 import pytest
 
-from reports import pages, view3d
-from reports.html import write
-from reports.records import LoadedScrew, Report, Section
+from rollbench.reports import pages, view3d
+from rollbench.reports.html import write
+from rollbench.reports.records import LoadedScrew, Report, Section
 
 CHROMIUM = shutil.which("chromium")
 TURN = np.linspace(0.0, 2.0 * np.pi, 7)

@@ -2,11 +2,11 @@
 
 import pytest
 
-from compare.cli import main
-from compare.errors import SceneError
-from compare.scenes import scene_file
-from compare.scenes.template import template
-from compare.scenes.words import WORDS, hint
+from rollbench.comparison.cli import main
+from rollbench.comparison.errors import SceneError
+from rollbench.comparison.scenes import scene_file
+from rollbench.comparison.scenes.template import template
+from rollbench.comparison.scenes.words import WORDS, hint
 
 GOOD = template()
 

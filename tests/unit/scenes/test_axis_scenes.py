@@ -6,19 +6,19 @@ import tomllib
 
 import numpy as np
 import pytest
-
-from compare.cli import main
-from compare.errors import InputError, SceneError
-from compare.models.axis import AXIS_MODELS, ONE_SET, run_axis
-from compare.models.registry import MODELS
-from compare.scenes import catalogue, scene_file
-from compare.scenes.catalogue import scene_text
-from compare.scenes.kinds.table import json_schema
-from compare.scenes.template import AXES, template
-from compare.scenes.units import show
-from meshes.axis import Assembly, RollerRow
-from meshes.parts import Scene
 from tests.shipped_texts import axis_names
+
+from rollbench.comparison.cli import main
+from rollbench.comparison.errors import InputError, SceneError
+from rollbench.comparison.models.axis import AXIS_MODELS, ONE_SET, run_axis
+from rollbench.comparison.models.registry import MODELS
+from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.comparison.scenes.catalogue import scene_text
+from rollbench.comparison.scenes.kinds.table import json_schema
+from rollbench.comparison.scenes.template import AXES, template
+from rollbench.comparison.scenes.units import show
+from rollbench.meshes.axis import Assembly, RollerRow
+from rollbench.meshes.parts import Scene
 
 ROLLERS = """
 title = "rollers"

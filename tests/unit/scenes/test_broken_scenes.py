@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compare.errors import SceneError
-from compare.scenes import scene_file
-from compare.scenes.template import template
+from rollbench.comparison.errors import SceneError
+from rollbench.comparison.scenes import scene_file
+from rollbench.comparison.scenes.template import template
 
 GOOD = template()
 BEARING = {'lead = "20 mm"': 'lead = "0 mm"', "turns = 2": "turns = 1", "count = 32": "count = 16"}
@@ -326,8 +326,8 @@ CASES = {  # name: (changes to the template, key, value as found, a part of rang
     "unknown choice": ({"[screw]": 'hand = "rigth"\n[screw]'}, "track.hand", '"rigth"', 'did you mean "right"'),
     "table for a value": ({'length = "800 mm"': "length = { mm = 800 }"}, "screw.length", "{ mm = 800 }", "not text"),
     "value for a table": ({"[[supports]]\n": "[errors]\nSL = 3\n[[supports]]\n"}, "errors.SL", "3", "a table of profile"),
-    "TOML syntax": ({'length = "800 mm"': 'length = "800 mm'}, "line 29, column 17", 'length = "800 mm', "TOML"),
-    "TOML key twice": ({"turns = 2": "turns = 2\nturns = 3"}, "line 51, column 10", "turns = 3", "overwrite"),
+    "TOML syntax": ({'length = "800 mm"': 'length = "800 mm'}, "line 30, column 17", 'length = "800 mm', "TOML"),
+    "TOML key twice": ({"turns = 2": "turns = 2\nturns = 3"}, "line 52, column 10", "turns = 3", "overwrite"),
     "TOML nested too deeply": ({"turns = 2": "turns = " + "[" * 5000}, "file", "text that is not TOML", "nested"),
     "TOML huge integer": ({"count = 32": "count = " + "9" * 5000}, "file", "text that is not TOML", "digits"),
     "empty file": (None, "title", "nothing", "add title"),

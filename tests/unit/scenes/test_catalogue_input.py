@@ -1,6 +1,7 @@
 """What catalogues give: diameters, materials by name, circuits with gaps, filling, preload, nominal sizes."""
 
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import get_args
@@ -8,18 +9,22 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from compare.cli import main
-from compare.errors import InputError, SceneError
-from compare.scenes import catalogue, scene_file
-from compare.scenes.catalogue import scene_text
-from compare.scenes.catalogue_input import MATERIALS
-from compare.scenes.keys import MaterialName
-from compare.scenes.like import scene_like
-from compare.scenes.preload import oversize_for
-from compare.scenes.template import template
-from lowfi.statics.static import solve_static
-from meshes.helix import ball_layout
-from meshes.parts import Errors, Scene
+from rollbench.comparison.cli import main
+from rollbench.comparison.errors import InputError, SceneError
+from rollbench.comparison.models.loading import preload
+from rollbench.comparison.models.registry import run_model
+from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.comparison.scenes.catalogue import scene_text
+from rollbench.comparison.scenes.catalogue_input import MATERIALS
+from rollbench.comparison.scenes.keys import MaterialName
+from rollbench.comparison.scenes.like import double_nut_like, scene_like
+from rollbench.comparison.scenes.preload import oversize_for
+from rollbench.comparison.scenes.template import template
+from rollbench.lowfi.rating.life import rating
+from rollbench.lowfi.statics.static import solve_static
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import Errors, Scene, Solid
 
 GOOD = template()
 
@@ -105,7 +110,7 @@ def test_filling_gives_the_count() -> None:
     ("changes", "key", "part"),
     [
         ((("count = 32", "count = 32\nfilling = 0.9"),), "balls.filling", "leave one out"),
-        ((("turns = 2", "turns = 1\ncircuits = 2"),), "balls.circuits", "measure from ball to ball"),
+        ((("turns = 2", "turns = 1\ncircuits = 2"),), "balls.circuits", "got 2 without circuit_gap"),
         ((("turns = 2", "turns = 1\ncircuit_gap = 0.5"),), "balls.circuit_gap", "2 or more"),
         ((("turns = 2", "turns = 1\ncircuits = 3\ncircuit_gap = 0"),), "balls.count", "count = 33"),
         (
@@ -117,11 +122,6 @@ def test_filling_gives_the_count() -> None:
         ((("turns = 2", f"{ARCS}\ncircuits = 2"),), "balls.circuits", "1 beside arcs"),
         ((("turns = 2", f"{ARCS}\ncircuit_gap = 0.5"),), "balls.circuit_gap", "nothing beside arcs"),
         ((("count = 32", "filling = 0.9"), ("turns = 2", ARCS)), "balls.filling", "write count instead"),
-        (
-            (("count = 32", "count = 31"), ("[[supports]]", '[preload]\nlead_offset = "5 um"\n[[supports]]')),
-            "preload.lead_offset",
-            "the groove steps",
-        ),
         (
             (("[[supports]]", '[preload]\nlead_offset = "5 mm"\n[[supports]]'), *HALVES),
             "preload.lead_offset",
@@ -208,3 +208,81 @@ def test_new_like_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFi
         main(["new", str(file), "--like", "40x10"])
     assert not stop.value.code
     assert file.read_text(encoding="utf-8") == scene_like("40x10")
+    with pytest.raises(SystemExit) as stop:
+        main(["new", str(tmp_path / "b.toml"), "--like", "40x10", "--kind", "double-nut"])
+    assert not stop.value.code
+    assert (tmp_path / "b.toml").read_text(encoding="utf-8") == double_nut_like("40x10")
+
+
+@pytest.mark.parametrize("size", ["6x1", "40x10", "63x20", "20x20"])
+def test_a_double_nut_of_a_nominal_size_is_preloaded_by_a_part_of_its_rating(size: str) -> None:
+    found = scene_file.read(double_nut_like(size), "d.toml")
+    assert isinstance(found, Assembly)
+    assert [s.thrust for s in found.sets] == ["-z", "+z"]
+    for one in found.sets:
+        assert isinstance(one.parts, Scene)
+        assert one.preload == pytest.approx(0.05 * rating(one.parts), rel=1e-12)
+        assert sum(line.startswith(f"{one.name}: preload of") for line in found.assumed) == 1
+    left, right = (s.parts.nut for s in found.sets if isinstance(s.parts, Scene))
+    assert right.position - left.position > left.length, "a spacer stands between them"
+
+
+@pytest.mark.parametrize("size", ["16x5", "40x10", "63x20", "20x20"])
+def test_the_preload_of_a_nominal_size_is_that_of_catalogues(size: str) -> None:
+    """3 to 8 % of C, between rigid bodies and what elastic ones leave of it (lin: elastic screw)."""
+    scene = scene_file.loads(scene_like(size), "my.toml")
+    assert oversize_for(scene, 0.05 * rating(scene)) == scene.errors.balls.oversize
+    left = preload(scene, solve_static(replace(scene, loads=()))).axial
+    assert 0.03 < left / rating(scene) < 0.08
+
+
+@pytest.mark.parametrize("text", ["5 % of C", "5% of C", " 2.5 %  of C "])
+def test_a_preload_may_be_a_part_of_the_rating(text: str) -> None:
+    scene = read(("[[supports]]", f'[preload]\nforce = "{text}"\n[[supports]]'))
+    share = 0.025 if "2.5" in text else 0.05
+    bare = read()
+    assert scene.errors.balls.oversize == oversize_for(bare, share * rating(bare))
+    assert f"({100.0 * share:.3g} % of the dynamic load rating" in scene.assumed[-1]
+
+
+@pytest.mark.parametrize("text", ["0 % of C", "80 % of C", "-5 % of C", "5 %", "5 % of C0", "nan % of C"])
+def test_other_parts_of_the_rating_are_refused(text: str) -> None:
+    error = refused(("[[supports]]", f'[preload]\nforce = "{text}"\n[[supports]]'))
+    assert error.key == "preload.force"
+    assert "% of C" in error.allowed
+
+
+def test_rollers_have_no_computed_rating_to_preload_by() -> None:
+    text = re.sub(r"(?m)^(offset|preload) = .*\n", "", scene_text("smith-axis-taper"))
+    changed = text.replace("[[sets]]", '[[sets]]\npreload = "5 % of C"\nthrust = "+z"', 1)
+    changed = re.sub(r'(thrust = "\+z"\n(?:(?!\[\[sets).)*?\n)thrust = .*?\n', r"\1", changed, count=1, flags=re.DOTALL)
+    with pytest.raises(SceneError, match=r"sets\[0\]\.preload: got .5 % of C.; allowed: a force"):
+        scene_file.read(changed, "rollers.toml")
+
+
+def test_a_lead_offset_takes_a_ball_at_the_nut_s_centre() -> None:
+    """An odd number of balls without a gap in the middle: it was refused, though the groove may step beside that ball."""
+    scene = read(("count = 32", "count = 31"), ("[[supports]]", '[preload]\nlead_offset = "5 um"\n[[supports]]'))
+    assert (scene.ball_count, scene.errors.lead_offset) == (31, 5e-6)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (
+            ('outer_diameter = "32 mm"', 'outer_diameter = "34 mm"'),
+            "screw.outer_diameter of 34 mm with a pitch diameter of 33",
+        ),
+        (
+            ('pitch_radius = "16.5 mm"', 'pitch_radius = "15.5 mm"'),
+            "screw.outer_diameter of 32 mm with a pitch diameter of 31",
+        ),
+    ],
+)
+def test_lands_that_nobody_wrote_are_not_blamed(change: tuple[str, str], words: str) -> None:
+    with pytest.raises(InputError, match=re.escape(words)) as caught:
+        run_model(read(change), "refined")
+    assert caught.value.key == "screw.outer_diameter"
+    given = replace(read(), solid=Solid(nut_inner_diameter=32e-3))
+    with pytest.raises(InputError, match=re.escape("solid.nut_inner_diameter of 32 mm leaves no groove")):
+        run_model(given, "refined")

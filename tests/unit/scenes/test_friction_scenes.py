@@ -4,20 +4,20 @@ import json
 
 import numpy as np
 import pytest
-
-from compare.commands.friction import run_friction
-from compare.commands.friction_kinds import solve_kind
-from compare.commands.friction_whole import Choices
-from compare.commands.left_out import left_out_of_kind
-from compare.scenes import catalogue, scene_file
-from compare.scenes.kinds.bearing_ball import BearingBallScene
-from compare.scenes.kinds.linear import LinearScene
-from compare.scenes.kinds.table import KINDS
-from lowfi.friction.bearing.rotary import SIDES, Bearing, solve_ball, solve_ball_as_printed, source_law
-from lowfi.friction.linear.bearing import LinearBearing
-from lowfi.friction.linear.chain import prepare, solve_linear_chain
-from lowfi.friction.linear.pair import solve_pair
 from tests.shipped_texts import axis_names, changed
+
+from rollbench.comparison.commands.friction import run_friction
+from rollbench.comparison.commands.friction_kinds import solve_kind
+from rollbench.comparison.commands.friction_whole import Choices
+from rollbench.comparison.commands.left_out import left_out_of_kind
+from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.comparison.scenes.kinds.bearing_ball import BearingBallScene
+from rollbench.comparison.scenes.kinds.linear import LinearScene
+from rollbench.comparison.scenes.kinds.table import KINDS
+from rollbench.lowfi.friction.bearing.rotary import SIDES, Bearing, solve_ball, solve_ball_as_printed, source_law
+from rollbench.lowfi.friction.linear.bearing import LinearBearing
+from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain
+from rollbench.lowfi.friction.linear.pair import solve_pair
 
 ROTARY = Bearing(6.25e-3, 6.75e-3, 35e-3, 0.25 * np.pi, 2.1e11, 0.28, 0.1, 20.0 * np.pi)
 LINEAR = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.1, 2.1e11, 0.28)

@@ -6,15 +6,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.commands.friction import run_friction
-from compare.commands.friction_kinds import solve_kind
-from compare.commands.friction_whole import Choices
-from compare.errors import SceneError
-from compare.evidence.source_cases import double_row, four_point, inferred, lin_3_4_4, plain
-from compare.scenes import catalogue, scene_file
-from compare.scenes.kinds.bearing_pair import BearingPairScene
-from compare.scenes.kinds.screw_balls import ScrewPairScene, ScrewRunScene
-from lowfi.friction.bearing.pairs import (
+from rollbench.comparison.commands.friction import run_friction
+from rollbench.comparison.commands.friction_kinds import solve_kind
+from rollbench.comparison.commands.friction_whole import Choices
+from rollbench.comparison.errors import SceneError
+from rollbench.comparison.evidence.source_cases import double_row, four_point, inferred, lin_3_4_4, plain
+from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.comparison.scenes.kinds.bearing_pair import BearingPairScene
+from rollbench.comparison.scenes.kinds.screw_balls import ScrewPairScene, ScrewRunScene
+from rollbench.lowfi.friction.bearing.pairs import (
     ALL,
     DIAGONAL,
     OTHER,
@@ -24,9 +24,9 @@ from lowfi.friction.bearing.pairs import (
     solve_bearing,
     torque_curve,
 )
-from lowfi.friction.screw.groove import ScrewGroove
-from lowfi.friction.screw.pair import SHIFTED, Pair, solve_pair
-from lowfi.friction.screw.run import Run, simulate, summarise
+from rollbench.lowfi.friction.screw.groove import ScrewGroove
+from rollbench.lowfi.friction.screw.pair import SHIFTED, Pair, solve_pair
+from rollbench.lowfi.friction.screw.run import Run, simulate, summarise
 
 THETA = {"a": 2.0, "b": 3.0}
 PAIRS = [f"lin-screw-pair-{case}{end}" for case in THETA for end in ("", "-inferred")]

@@ -8,9 +8,9 @@ from dataclasses import asdict, replace
 
 import pytest
 
-from compare.scenes import catalogue, scene_file
-from compare.scenes.template import template
-from meshes.parts import FREEDOMS, SIDES, FourierTerm, Scene
+from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.comparison.scenes.template import template
+from rollbench.meshes.parts import FREEDOMS, SIDES, FourierTerm, Scene
 
 NAMES = catalogue.whole_names()
 

@@ -7,17 +7,17 @@ import sys
 from dataclasses import replace
 
 import pytest
-
-from compare.errors import InputError, SceneError
-from compare.scenes import catalogue, scene_file
-from compare.scenes.catalogue import scene_text
-from compare.scenes.keys import FRICTION_ONLY
-from compare.scenes.kinds.screw_balls import ScrewRunScene
-from compare.scenes.kinds.table import KINDS
-from compare.scenes.schema import SceneKeys
-from compare.scenes.template import template
-from meshes.parts import SIDES
 from tests.shipped_texts import axis_names
+
+from rollbench.comparison.errors import InputError, SceneError
+from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.comparison.scenes.catalogue import scene_text
+from rollbench.comparison.scenes.keys import FRICTION_ONLY
+from rollbench.comparison.scenes.kinds.screw_balls import ScrewRunScene
+from rollbench.comparison.scenes.kinds.table import KINDS
+from rollbench.comparison.scenes.schema import SceneKeys
+from rollbench.comparison.scenes.template import template
+from rollbench.meshes.parts import SIDES
 
 NAMES = catalogue.whole_names()
 EXPECTED = {
@@ -192,7 +192,7 @@ def test_unknown_name_suggests_near_ones(tmp_path):
 
 def test_imports_stay_light():
     code = (
-        "import sys; from compare.scenes import catalogue; catalogue.scene_names(); "
+        "import sys; from rollbench.comparison.scenes import catalogue; catalogue.scene_names(); "
         "heavy = {'gmsh', 'pyvista', 'matplotlib', 'scipy.spatial', 'pint'} & set(sys.modules); "
         "sys.exit(f'imported: {heavy}' if heavy else 0)"
     )

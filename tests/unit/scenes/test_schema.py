@@ -7,12 +7,12 @@ import tomllib
 
 import pytest
 
-from compare.errors import InputError
-from compare.scenes import catalogue, scene_file
-from compare.scenes.keys import AXIS, FRICTION_ONLY, WHOLE, tidy_schema
-from compare.scenes.kinds.table import KINDS, json_schema
-from compare.scenes.schema import SceneKeys
-from compare.scenes.template import template
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.comparison.scenes.keys import AXIS, FRICTION_ONLY, WHOLE, tidy_schema
+from rollbench.comparison.scenes.kinds.table import KINDS, json_schema
+from rollbench.comparison.scenes.schema import SceneKeys
+from rollbench.comparison.scenes.template import template
 
 #: Keys that exclude another key, or that another choice needs.
 EITHER_OR = {"groove_radius", "conformity", "azimuths", "creep", "sharpness", "map_step", "starts", "pitch_diameter"}
@@ -102,7 +102,7 @@ def model_keys(model: type) -> set[str]:
     found = set()
     for name, field in model.model_fields.items():
         found.add(name)
-        for module, inner in re.findall(r"(compare\.scenes\.\w+)\.(\w+Keys)", repr(field.annotation)):
+        for module, inner in re.findall(r"(rollbench\.comparison\.scenes\.\w+)\.(\w+Keys)", repr(field.annotation)):
             found |= model_keys(getattr(sys.modules[module], inner))
     return found
 
@@ -112,7 +112,7 @@ def test_schema_names_and_describes_every_key():
     assert schema_keys(schema) == model_keys(SceneKeys)
     assert {"groove_radius", "azimuths", "listed", "harmonic", "displace", "element_length"} <= schema_keys(schema)
     assert set(schema["required"]) == {"title", "track", "screw", "nut", "balls"}
-    types = {"string", "number", "integer", "array", "object"}
+    types = {"string", "number", "integer", "boolean", "array", "object"}
     for table in (schema, *schema["$defs"].values()):
         assert table["type"] == "object"
         assert table["additionalProperties"] is False

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import pytest
 
-from compare.scenes import units
+from rollbench.comparison.scenes import units
 
 
 @pytest.mark.parametrize(
@@ -139,5 +139,8 @@ def test_nearest_unit_is_suggested():
 
 
 def test_common_units_do_not_import_pint():
-    code = "import sys, compare.scenes.units as u; u.parse('2 mm', 'length'); sys.exit('pint' in sys.modules)"
+    code = (
+        "import sys; from rollbench.comparison.scenes import units\n"
+        "units.parse('2 mm', 'length'); sys.exit('pint' in sys.modules)"
+    )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

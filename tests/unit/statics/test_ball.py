@@ -6,13 +6,13 @@ from functools import cache
 import numpy as np
 import pytest
 from scipy.optimize import minimize
-
-from lowfi import jit
-from lowfi.statics.problem import hertz_C, pack_geometry
-from meshes.errors import specimen
-from meshes.helix import ball_layout
-from meshes.parts import BallErrors, Errors, SideErrors
 from tests.helpers import FLANK_ERRORS, NO_PROFILES, small_screw
+
+from rollbench.lowfi import jit
+from rollbench.lowfi.statics.problem import hertz_C, pack_geometry
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import BallErrors, Errors, SideErrors
 
 DIRECTION = np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]])
 UNEVEN = replace(Errors(**{name: SideErrors(profile=FLANK_ERRORS.side(name).profile) for name in ("SL", "SR", "NL", "NR")}))

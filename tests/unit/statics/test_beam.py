@@ -2,16 +2,16 @@
 
 import numpy as np
 import pytest
-
-from compare.scenes import catalogue
-from lowfi import jit
-from lowfi.as_source.static import element_stiffness
-from lowfi.statics.kernel import banded, beam
-from lowfi.statics.shape import motions_at, rigid_transport, shape_polynomials
-from meshes.helix import ball_layout
-from meshes.partition import beam_nodes, contact_stations, fixed_partition
-from meshes.section import tube_section
 from tests.helpers import STEEL, dense, relative, with_ingredients
+
+from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi import jit
+from rollbench.lowfi.as_source.static import element_stiffness
+from rollbench.lowfi.statics.kernel import banded, beam
+from rollbench.lowfi.statics.shape import motions_at, rigid_transport, shape_polynomials
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.partition import beam_nodes, contact_stations, fixed_partition
+from rollbench.meshes.section import tube_section
 
 SECTION = tube_section(30e-3, 8e-3, STEEL)
 STIFFNESSES = np.array([SECTION.EA, SECTION.EI, SECTION.GJ, SECTION.kGA])

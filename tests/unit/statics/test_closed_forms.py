@@ -9,15 +9,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.optimize import brentq
-
-from compare.scenes import catalogue
-from lowfi.statics.problem import drawn_hertz
-from lowfi.statics.static import solve_static
-from meshes.errors import specimen
-from meshes.helix import ball_layout, lead_angle
-from meshes.parts import Balls, Load, Support
-from meshes.section import screw_section
 from tests.helpers import ALL_BUT_AXIAL, relative, small_screw, solved
+
+from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi.statics.problem import drawn_hertz
+from rollbench.lowfi.statics.static import solve_static
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout, lead_angle
+from rollbench.meshes.parts import Balls, Load, Support
+from rollbench.meshes.section import screw_section
 
 BETAS = [0.3, np.pi / 4, 1.1]
 

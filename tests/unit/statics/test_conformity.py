@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.signal import fftconvolve
-
-from lowfi.hertz import HertzConstants, hertz_constants
-from lowfi.statics.conformity import curvature_changes, oblique_term
-from lowfi.statics.problem import drawn_hertz, hertz_C, nominal_hertz
-from meshes.errors import specimen
-from meshes.helix import ball_layout
-from meshes.parts import BallErrors, Errors, SideErrors
 from tests.helpers import relative, small_screw, solved, with_ingredients
+
+from rollbench.lowfi.hertz import HertzConstants, hertz_constants
+from rollbench.lowfi.statics.conformity import curvature_changes, oblique_term
+from rollbench.lowfi.statics.problem import drawn_hertz, hertz_C, nominal_hertz
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import BallErrors, Errors, SideErrors
 
 RADIUS, GROOVE, ALONG, MODULUS = 4e-3, 4.4e-3, 1 / 4e-3 + 41.0, 1.139e11
 

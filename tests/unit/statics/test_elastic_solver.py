@@ -4,24 +4,24 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from compare.scenes import catalogue
-from lowfi import jit
-from lowfi.as_source.static import beam_matrix
-from lowfi.compliance.bodies import LADDER, REFINED, geometry_only, grooved_section
-from lowfi.statics import elastic_system as model
-from lowfi.statics.elastic import contacts_of, flank_shifts, iterate, solve_elastic
-from lowfi.statics.elastic_system import Rebuild, ready
-from lowfi.statics.kernel import elastic_balls
-from lowfi.statics.mechanism import free_motions
-from lowfi.statics.problem import build
-from lowfi.statics.records import BodyState
-from lowfi.statics.shaft import flank_response, node_motions, shaft_of
-from lowfi.statics.static import pin, solve_static
-from meshes.errors import specimen
-from meshes.helix import ball_layout
-from meshes.parts import BallErrors, Load, Support
 from tests.helpers import FLANK_ERRORS, relative, small_screw, with_ingredients
+
+from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi import jit
+from rollbench.lowfi.as_source.static import beam_matrix
+from rollbench.lowfi.compliance.bodies import LADDER, REFINED, geometry_only, grooved_section
+from rollbench.lowfi.statics import elastic_system as model
+from rollbench.lowfi.statics.elastic import contacts_of, flank_shifts, iterate, solve_elastic
+from rollbench.lowfi.statics.elastic_system import Rebuild, ready
+from rollbench.lowfi.statics.kernel import elastic_balls
+from rollbench.lowfi.statics.mechanism import free_motions
+from rollbench.lowfi.statics.problem import build
+from rollbench.lowfi.statics.records import BodyState
+from rollbench.lowfi.statics.shaft import flank_response, node_motions, shaft_of
+from rollbench.lowfi.statics.static import pin, solve_static
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import BallErrors, Load, Support
 
 ALL = np.ones(4, dtype=bool)
 SCENES = {

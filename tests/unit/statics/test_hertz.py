@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 from scipy.special import ellipe, ellipk
-
-from compare.scenes import catalogue
-from lowfi.hertz import axis_ratio, contact_modulus, hertz_constants
-from lowfi.statics.problem import actual_hertz, nominal_hertz
-from meshes.errors import specimen
-from meshes.helix import ball_layout
 from tests.helpers import relative, small_screw, solved, with_ingredients
+
+from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi.hertz import axis_ratio, contact_modulus, hertz_constants
+from rollbench.lowfi.statics.problem import actual_hertz, nominal_hertz
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
 
 MODULUS = contact_modulus(210e9, 0.28, 210e9, 0.28)
 RADIUS, FORCE = 2.778e-3, 225.0

@@ -2,15 +2,16 @@
 
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from lowfi import jit
+from rollbench.lowfi import jit
 
-CALL = "from lowfi import jit; k = jit.kernels(jit.CONTACT, compiled=True); print(jit.code_folder())"
+CALL = "from rollbench.lowfi import jit; k = jit.kernels(jit.CONTACT, compiled=True); print(jit.code_folder())"
 
 
 @pytest.fixture(autouse=True)
@@ -26,7 +27,7 @@ def test_machine_code_is_filed_by_the_sources(tmp_path, monkeypatch):
     monkeypatch.setattr(jit, "__file__", str(tmp_path / "lowfi" / "jit.py"))
     found, changed = [jit.digest.__wrapped__()], 0
     for package in jit.PACKAGES:
-        folder = tmp_path.joinpath(*package.split("."))
+        folder = tmp_path.joinpath(*package.split(".")[1:])
         for source in (folder / "__init__.py", *folder.parent.glob("records.py")):
             source.write_text(source.read_text() + "# changed\n")
             found.append(jit.digest.__wrapped__())
@@ -64,12 +65,27 @@ def test_old_machine_code_goes(tmp_path, monkeypatch):
     assert jit.cached()
 
 
+def test_machine_code_that_others_may_write_is_not_run(tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("ROLLBENCH_CACHE", str(tmp_path / "cache"))
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    folder = jit.code_folder()
+    for place in (folder, folder.parent, folder.parents[1]):
+        place.chmod(0o775)
+        jit.code_folder.cache_clear()
+        assert jit.code_folder().is_relative_to(tmp_path / f"rollbench-{os.getuid()}")
+        assert f"{place}: it is not this user's alone" in capsys.readouterr().err
+        place.chmod(0o755)
+    jit.code_folder.cache_clear()
+    assert jit.code_folder() == folder
+
+
 def test_without_a_folder_kernels_still_compile(tmp_path, monkeypatch, capfd):
     blocked = tmp_path / "file"
     blocked.write_text("no folder")
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(blocked))
     with monkeypatch.context() as patched:
-        patched.setattr(jit, "_private", lambda: blocked / "private")
+        patched.setattr("tempfile.tempdir", str(blocked))
         assert jit.code_folder() is None
         assert not jit.cached()
         assert "compiled kernels are not kept" in capfd.readouterr().err
@@ -96,4 +112,39 @@ def test_both_engines_hold_the_same_kernels(package):
 
 def test_an_unknown_package_is_refused():
     with pytest.raises(KeyError):
-        jit.kernels("lowfi.nothing", compiled=True)
+        jit.kernels("rollbench.lowfi.nothing", compiled=True)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_waits_for_the_compiler(number, capsys):
+    """It comes while the inner of two kernels is compiled, and ends the compilation of the outer."""
+    import numba
+    from numba.core import event
+
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    class Interrupting(event.Listener):
+        def on_start(self, event):
+            compiled.append(event.data["dispatcher"])
+            if compiled[-1] is inner:
+                signal.raise_signal(number)
+
+        def on_end(self, _):
+            pass
+
+    compiled = []
+    inner = numba.njit(lambda x: x + 1.0)
+    outer = numba.njit(lambda x: 2.0 * inner(x))
+    jit._hold_signals_back()
+    before = signal.signal(number, interrupt)
+    try:
+        with event.install_listener("numba:compile", Interrupting()), pytest.raises(KeyboardInterrupt):
+            outer(1.0)
+        assert signal.getsignal(number) is interrupt
+    finally:
+        signal.signal(number, before)
+    assert "interrupted" in capsys.readouterr().err
+    assert compiled == [outer, inner]
+    assert (len(outer.signatures), len(inner.signatures)) == (0, 1)
+    assert outer(1.0) == 4.0

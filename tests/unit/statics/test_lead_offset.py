@@ -1,20 +1,24 @@
 """A nut whose halves are shifted against one another: closed form, two nuts on one shaft, rigidity, travelling balls."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from lowfi.rating.rigidity import axial_displacement, contacts_displacement, slope_of
-from lowfi.statics.axis.solve import solve_assembly
-from lowfi.statics.elastic import solve_elastic
-from lowfi.statics.problem import nominal_hertz
-from lowfi.statics.static import solve_static
-from meshes.errors import draw, specimen, specimens
-from meshes.helix import ball_layout
-from meshes.parts import Errors, Load, Support
 from tests.axes import assembly, nut
 from tests.helpers import ALL_BUT_AXIAL, relative, small_screw
+
+from rollbench.comparison.scenes import scene_file
+from rollbench.comparison.scenes.like import scene_like
+from rollbench.lowfi.rating.rigidity import axial_displacement, contacts_displacement, slope_of
+from rollbench.lowfi.statics.axis.solve import solve_assembly
+from rollbench.lowfi.statics.elastic import solve_elastic
+from rollbench.lowfi.statics.problem import nominal_hertz
+from rollbench.lowfi.statics.static import solve_static
+from rollbench.meshes.canonical import canonical
+from rollbench.meshes.errors import beyond_step, draw, specimen, specimens
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import Errors, Load, Support
 
 OFFSET = 12e-6
 
@@ -41,6 +45,13 @@ def test_rigid_bodies_share_the_offset_between_their_halves(hand):
     np.testing.assert_allclose(second[:, idle], expected, rtol=0.02)
     assert not first[:, idle].any()
     assert not second[:, loaded].any()
+
+
+@pytest.mark.parametrize("hand", ["right", "left"])
+def test_a_nut_of_either_hand_takes_an_offset(hand):
+    text = scene_like("25x5").replace('# hand = "left"', f'hand = "{hand}"')
+    scene = scene_file.loads(re.sub(r"(?m)^force = \"5 % of C\".*$", 'lead_offset = "5 um"', text), "mine.toml")
+    assert scene.errors.lead_offset == pytest.approx(5e-6)
 
 
 def test_one_nut_is_two_nuts_of_which_one_is_shifted():
@@ -108,5 +119,25 @@ def test_elastic_bodies_are_pressed_alike_by_forces_this_small():
 
 
 def test_keys_of_stored_runs_without_an_offset_are_what_they_were():
-    assert "lead_offset" not in repr(Errors())
-    assert repr(Errors(lead_offset=OFFSET)).endswith(f"seed=0, lead_offset={OFFSET!r})")
+    assert canonical(Errors()) == "Errors()"
+    assert canonical(Errors(lead_offset=OFFSET)) == f"Errors(lead_offset={OFFSET!r})"
+    assert "lead_offset=0.0" in repr(Errors())
+
+
+@pytest.mark.parametrize("hand", ["right", "left"])
+def test_a_ball_at_the_nut_s_centre_has_the_step_beside_it(hand):
+    """It counts to the half before the step; as near the centre on either side it counts to its own half."""
+    scene = replace(small_screw(count=7, turns=2.0, hand=hand, screw="rigid"), errors=Errors(lead_offset=OFFSET))
+    layout = ball_layout(scene)
+    middle = int(np.abs(layout.z - scene.nut.position).argmin())
+    assert abs(layout.z[middle] - scene.nut.position) < 1e-9 * scene.balls.radius
+    before, after = (layout.z < layout.z[middle] - 1e-6), (layout.z > layout.z[middle] + 1e-6)
+    for moved in (0.0, 1e-14, -1e-14):
+        shifted = beyond_step(scene, layout.z + moved)
+        np.testing.assert_array_equal(shifted, after)
+    found = solve_static(scene)
+    assert found.status == "converged"
+    pressed = found.load > 0.0
+    assert pressed[before].any(axis=0).tolist() == pressed[middle].tolist()
+    assert not (pressed[after].any(axis=0) & pressed[middle]).any()
+    assert contacts_displacement(scene, 100.0) > 0.0

@@ -3,11 +3,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.scenes.catalogue import scene
-from lowfi.statics.mei import solve_mei
-from lowfi.statics.problem import nominal_hertz
-from meshes.helix import lead_angle
-from meshes.parts import Material
+from rollbench.comparison.scenes.catalogue import scene
+from rollbench.lowfi.statics.mei import solve_mei
+from rollbench.lowfi.statics.problem import nominal_hertz
+from rollbench.meshes.helix import lead_angle
+from rollbench.meshes.parts import Material
 
 
 def test_loads_fall_steadily_from_the_loaded_end() -> None:
@@ -39,7 +39,7 @@ def test_two_balls_by_hand() -> None:
     c = nominal_hertz(s).C
     pair = float(c[0] + c[3])
     slope = np.sin(s.track.contact_angle) * np.cos(lead_angle(s.track))
-    from meshes.section import screw_section
+    from rollbench.meshes.section import screw_section
 
     bar = screw_section(s).EA / 20e-3
     u = pair * load ** (2 / 3) / slope

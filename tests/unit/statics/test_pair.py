@@ -4,16 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from compare.scenes import catalogue
-from lowfi import jit
-from lowfi.statics.problem import build
-from lowfi.statics.records import BeamSlopes
-from lowfi.statics.static import iterate, prepare
-from meshes.errors import specimen
-from meshes.helix import ball_layout
-from meshes.parts import BallErrors, Errors
 from tests.helpers import FLANK_ERRORS, NO_PROFILES, small_screw
+
+from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi import jit
+from rollbench.lowfi.statics.problem import build
+from rollbench.lowfi.statics.records import BeamSlopes
+from rollbench.lowfi.statics.static import iterate, prepare
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import BallErrors, Errors
 
 PAIRS = {"SL and NR": (0, np.array([True, False, False, True])), "SR and NL": (1, np.array([False, True, True, False]))}
 

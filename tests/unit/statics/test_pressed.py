@@ -4,17 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from lowfi import jit
-from lowfi.statics import pressed as module
-from lowfi.statics.pressed import pressed
-from lowfi.statics.problem import build, distances, hertz_C
-from lowfi.statics.records import FlankCommon, MemberArrays, MemberStates, PairCommon
-from lowfi.statics.static import iterate, prepare
-from meshes.errors import specimen, specimens
-from meshes.helix import ball_layout
-from meshes.parts import BallErrors, Errors, FourierTerm, SideErrors
 from tests.helpers import small_screw
+
+from rollbench.lowfi import jit
+from rollbench.lowfi.statics import pressed as module
+from rollbench.lowfi.statics.pressed import pressed
+from rollbench.lowfi.statics.problem import build, distances, hertz_C
+from rollbench.lowfi.statics.records import FlankCommon, MemberArrays, MemberStates, PairCommon
+from rollbench.lowfi.statics.static import iterate, prepare
+from rollbench.meshes.errors import specimen, specimens
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import BallErrors, Errors, FourierTerm, SideErrors
 
 PAIR = np.array([True, False, False, True])
 ALL = np.ones(4, dtype=bool)

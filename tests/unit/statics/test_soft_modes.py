@@ -2,17 +2,17 @@
 
 import numpy as np
 import pytest
-
-from compare.scenes import catalogue
-from lowfi import jit
-from lowfi.compliance import modes as compliance_modes
-from lowfi.compliance.modes import SOFT, soft_modes
-from lowfi.statics import elastic_system as model
-from lowfi.statics.elastic import solve_elastic
-from lowfi.statics.kernel import elastic as kernels
-from lowfi.statics.kernel import modes
-from lowfi.statics.records import Bodies, Factors
 from tests.helpers import relative, small_screw
+
+from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi import jit
+from rollbench.lowfi.compliance import modes as compliance_modes
+from rollbench.lowfi.compliance.modes import SOFT, soft_modes
+from rollbench.lowfi.statics import elastic_system as model
+from rollbench.lowfi.statics.elastic import solve_elastic
+from rollbench.lowfi.statics.kernel import elastic as kernels
+from rollbench.lowfi.statics.kernel import modes
+from rollbench.lowfi.statics.records import Bodies, Factors
 
 
 def body(rng, n, soft=(3000.0, 40.0, 2.0)):

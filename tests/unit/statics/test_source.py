@@ -4,14 +4,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from compare.scenes import catalogue
-from lowfi.as_source.static import System, beam_matrix, equations, initial_state, solve_source, solve_source_result
-from lowfi.statics.problem import build, nominal_hertz
-from meshes.errors import specimen
-from meshes.helix import ball_layout
-from meshes.parts import BallErrors
 from tests.helpers import FLANK_ERRORS, NO_PROFILES, relative, small_screw, solved, with_ingredients
+
+from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi.as_source.static import (
+    System,
+    beam_matrix,
+    equations,
+    initial_state,
+    solve_source,
+    solve_source_result,
+)
+from rollbench.lowfi.statics.problem import build, nominal_hertz
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import BallErrors
 
 CASES = ("lin-case1", "lin-case2", "lin-case3", "lin-case3-offset")
 

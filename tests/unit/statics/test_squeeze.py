@@ -4,19 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from compare.scenes import catalogue
-from lowfi.compliance.bodies import REFINED, geometry_only, grooved_section, smooth_body
-from lowfi.compliance.ends import end_response
-from lowfi.statics.elastic import solve_elastic
-from lowfi.statics.problem import Problem, build
-from lowfi.statics.shaft import Shaft, shaft_of
-from lowfi.statics.squeeze import Squeeze, loaded_beyond, squeezed, stretch_of
-from meshes.errors import specimen
-from meshes.helix import ball_layout
-from meshes.parts import FREEDOMS, Load, Scene, Support
-from meshes.section import tube_section
 from tests.helpers import relative, small_screw
+
+from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi.compliance.bodies import REFINED, geometry_only, grooved_section, smooth_body
+from rollbench.lowfi.compliance.ends import end_response
+from rollbench.lowfi.statics.elastic import solve_elastic
+from rollbench.lowfi.statics.problem import Problem, build
+from rollbench.lowfi.statics.shaft import Shaft, shaft_of
+from rollbench.lowfi.statics.squeeze import Squeeze, loaded_beyond, squeezed, stretch_of
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import FREEDOMS, Load, Scene, Support
+from rollbench.meshes.section import tube_section
 
 CASE = catalogue.scene("lin-case1")
 HELD = Support(0.0, tuple((name, 0.0) for name in FREEDOMS))

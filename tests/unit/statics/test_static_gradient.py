@@ -4,15 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from compare.scenes import catalogue
-from lowfi.as_source.static import element_stiffness
-from lowfi.statics.kernel import newton
-from lowfi.statics.records import BeamSlopes
-from lowfi.statics.shape import shape_polynomials
-from meshes.partition import contact_stations
-from meshes.parts import SIDES, BallErrors
 from tests.helpers import FLANK_ERRORS, dense, prepared, small_screw, with_ingredients
+
+from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi.as_source.static import element_stiffness
+from rollbench.lowfi.statics.kernel import newton
+from rollbench.lowfi.statics.records import BeamSlopes
+from rollbench.lowfi.statics.shape import shape_polynomials
+from rollbench.meshes.partition import contact_stations
+from rollbench.meshes.parts import SIDES, BallErrors
 
 DIRECTION = np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]])
 CASES = {

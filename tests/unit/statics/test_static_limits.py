@@ -6,18 +6,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.optimize import brentq
-
-from compare.commands.solve_output import as_json, as_table
-from compare.errors import Refusal
-from compare.models.registry import Options, run_model
-from compare.scenes import catalogue
-from lowfi.compliance.bodies import LADDER
-from lowfi.statics.elastic import solve_elastic
-from lowfi.statics.problem import nominal_hertz
-from lowfi.statics.static import solve_static
-from meshes.helix import lead_angle
-from meshes.parts import Support
 from tests.helpers import small_screw, solved, with_ingredients
+
+from rollbench.comparison.commands.solve_output import as_json, as_table
+from rollbench.comparison.errors import Refusal
+from rollbench.comparison.models.registry import Options, run_model
+from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi.compliance.bodies import LADDER
+from rollbench.lowfi.statics.elastic import solve_elastic
+from rollbench.lowfi.statics.problem import nominal_hertz
+from rollbench.lowfi.statics.static import solve_static
+from rollbench.meshes.helix import lead_angle
+from rollbench.meshes.parts import Support
 
 FLAT = np.radians(0.001)
 
@@ -121,7 +121,7 @@ def test_elastic_flanks_at_the_apex_are_refused_in_full_words():
 @pytest.mark.parametrize("model", ["lin", "elastic"])
 def test_a_screw_that_is_not_held_has_no_loads(monkeypatch, status, model):
     """Whatever the kernel's last state was: a status of no equilibrium comes without numbers."""
-    from lowfi.statics import elastic, static
+    from rollbench.lowfi.statics import elastic, static
 
     module = static if model == "lin" else elastic
     real = module.iterate

@@ -1,19 +1,24 @@
 """Supports that contradict each other, that fall on one node, and that turn a shaft without lead."""
 
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from compare.errors import InputError, SceneError
-from compare.models.registry import run_model
-from compare.scenes import catalogue
-from compare.scenes.scene_file import loads
-from lowfi.statics.elastic import solve_elastic
-from lowfi.statics.static import solve_static
-from lowfi.statics.supports import contradiction
-from meshes.parts import Load, Support
 from tests.helpers import small_screw, solved, with_ingredients
+
+from rollbench.comparison.errors import InputError, SceneError
+from rollbench.comparison.models.registry import run_model
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.scenes.scene_file import loads
+from rollbench.lowfi.statics.elastic import solve_elastic
+from rollbench.lowfi.statics.mechanism import free_motions
+from rollbench.lowfi.statics.problem import build
+from rollbench.lowfi.statics.static import solve_static
+from rollbench.lowfi.statics.supports import contradiction
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import Load, Support
 
 
 def shipped(name, *changes, more=""):
@@ -108,3 +113,27 @@ def test_a_shaft_without_lead_twists_evenly_between_two_prescribed_rotations():
     moment = solved(replace(scene, supports=ends[:1], loads=(*scene.loads, Load(scene.screw.length, moment=(0, 0, 1.0)))))
     twist = moment.centreline[:, 5] - 1e-3
     assert twist / twist[-1] == pytest.approx(result.centreline_z / scene.screw.length, abs=1e-6)
+
+
+def test_a_rotation_that_is_held_twice_is_said_as_a_rotation():
+    """What the supports before it make it, in rad and not over the pitch radius."""
+    first = Support(0.02, (("ux", 0.0), ("uy", 0.0), ("uz", 0.0), ("rx", 1e-3), ("ry", -2e-3), ("rz", 3e-3)))
+    for name, implied in (("rx", 1e-3), ("ry", -2e-3), ("rz", 3e-3)):
+        found = contradiction(replace(small_screw(), supports=(first, Support(0.15, ((name, 0.0),)))))
+        assert (found.held.freedom, found.implied) == (name, pytest.approx(implied, rel=1e-9))
+    moved = contradiction(replace(small_screw(), supports=(first, Support(0.12, (("ux", 0.0),)))))
+    assert moved.implied == pytest.approx(-2e-3 * 0.1, rel=1e-9)
+
+
+def test_free_motions_of_ten_thousand_balls_take_no_square_of_them():
+    """A full singular value decomposition of their motions takes a minute and gigabytes."""
+    scene = small_screw(10_000, 1.0, screw="rigid", fixed=(("ux", 0.0), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0)))
+    layout = ball_layout(scene)
+    problem = build(scene, specimen(scene, layout), layout, np.ones(4, dtype=bool))
+    tracemalloc.start()
+    found = free_motions(problem)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert found.text == "screw motion along the helix"
+    assert len(found.pins) == 1
+    assert most < 50e6

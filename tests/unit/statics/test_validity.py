@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import pickle
 from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from lowfi.hertz import hertz_constants
-from lowfi.statics.problem import nominal_curvatures, nominal_hertz
-from lowfi.statics.static import solve_static
-from lowfi.statics.validity import DENT_PRESSURE, LARGE, SIZE, size_warnings
-from meshes.parts import BallErrors, Balls, Errors, SideErrors, Support
 from tests.helpers import small_screw
+
+from rollbench.lowfi.hertz import hertz_constants
+from rollbench.lowfi.statics.problem import nominal_curvatures, nominal_hertz
+from rollbench.lowfi.statics.static import solve_static
+from rollbench.lowfi.statics.validity import DENT_PRESSURE, LARGE, size_warnings
+from rollbench.lowfi.warned import Warned, above
+from rollbench.meshes.parts import BallErrors, Balls, Errors, SideErrors, Support
 
 
 def words(scene):
@@ -40,7 +42,7 @@ def test_pressure_that_leaves_a_dent_is_told_from_there_on():
 def test_ellipses_too_large_for_a_half_space_are_told_from_there_on():
     radius = 3e-3
     assert size_warnings(np.full((2, 4), 0.999 * LARGE * radius), radius) == []
-    assert size_warnings(np.full((2, 4), 1.001 * LARGE * radius), radius)[0].startswith(SIZE)
+    assert size_warnings(np.full((2, 4), 1.001 * LARGE * radius), radius)[0].kind == "size"
 
 
 def test_the_long_axis_of_the_ellipse_lies_across_the_groove():
@@ -85,3 +87,13 @@ def test_a_profile_that_bends_as_far_as_the_ball_is_away_is_told(slope, unique):
     scene = pressed(300.0)
     errors = Errors(SL=SideErrors(profile=(0.25 * np.pi * slope, -slope)))
     assert ("not unique" in words(replace(scene, errors=errors))) is not unique
+
+
+def test_a_warning_keeps_its_kind_in_a_copy_of_another_process() -> None:
+    one = Warned("rotation", "turned", "rotations of 60 mrad")
+    copy = pickle.loads(pickle.dumps(one))
+    assert (copy, copy.kind, copy.brief) == (one, "rotation", "rotations of 60 mrad")
+    assert above((one, one.of("nut 1"), Warned("tilt", "tilted"))) == (
+        "WARNING outside what the models mean: rotations of 60 mrad; nut 1: rotations of 60 mrad"
+    )
+    assert above((Warned("tilt", "tilted"), "words")) == ""

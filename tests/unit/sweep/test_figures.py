@@ -1,11 +1,11 @@
 """Figures of a sweep: what stands on their axes."""
 
-from compare.sections.sweep_figures import figures, of_summary
-from compare.sections.tolerances import short
-from compare.sweep.keys import read_vary
-from compare.sweep.stored import TOLERANCES, stored
-from reports.figures import draw, drawing
-from reports.records import Figure, Panel, Series
+from rollbench.comparison.sections.sweep_figures import figures, of_summary
+from rollbench.comparison.sections.tolerances import short
+from rollbench.comparison.sweep.keys import read_vary
+from rollbench.comparison.sweep.stored import TOLERANCES, stored
+from rollbench.reports.figures import draw, drawing
+from rollbench.reports.records import Figure, Panel, Series
 
 FOUND = stored(TOLERANCES)
 KEYS = read_vary(FOUND["vary"])

@@ -9,15 +9,22 @@ from contextlib import suppress
 
 import pytest
 
-from compare.commands.sweep import run_sweep, sweep_of
-from compare.errors import InputError
-from compare.models.registry import Options, run_model
-from compare.reference.jobs import Engine
-from compare.scenes import scene_file
-from compare.sweep import run as sweeping
-from compare.sweep import store
-from compare.sweep.sample import solve_sample
-from meshes.parts import SIDES
+from rollbench.comparison.commands.sweep import run_sweep, sweep_of
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.models.answers import ONE_TURN, gather
+from rollbench.comparison.models.axis import run_axis
+from rollbench.comparison.models.axis_answers import gather as axis_gather
+from rollbench.comparison.models.registry import Options, run_model
+from rollbench.comparison.reference.jobs import Engine
+from rollbench.comparison.scenes import scene_file
+from rollbench.comparison.scenes.catalogue import scene_text
+from rollbench.comparison.sweep import run as sweeping
+from rollbench.comparison.sweep import sample as sampling
+from rollbench.comparison.sweep import store
+from rollbench.comparison.sweep.sample import solve_sample
+from rollbench.comparison.sweep.summary import summary
+from rollbench.lowfi.friction.whole.state import friction_state
+from rollbench.meshes.parts import SIDES, Motion
 
 VARY = ("supports[0].displace.ux=2 um:5 um", "errors.balls.oversize=4 um:7 um")
 SCENE = "two-balls"
@@ -25,10 +32,10 @@ SCENE = "two-balls"
 KILLS = """
 import os, random, signal, sys, time
 from pathlib import Path
-from compare.reference.jobs import Engine
-from compare.scenes import catalogue
-from compare.sweep import run as sweeping, store
-from compare.sweep.keys import read_vary
+from rollbench.comparison.reference.jobs import Engine
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.sweep import run as sweeping, store
+from rollbench.comparison.sweep.keys import read_vary
 
 folder, kills, workers = Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
 sweeping.BATCHES = 1  # so long that workers are in the midst of theirs when their run is killed
@@ -106,7 +113,7 @@ def test_a_killed_sweep_loses_and_repeats_nothing(kills, workers, tmp_path, undi
 
 def test_what_is_stored_is_not_solved_again(tmp_path, monkeypatch):
     first, _ = run(tmp_path / "a")
-    monkeypatch.setattr("compare.sweep.sample.solve_sample", None)
+    monkeypatch.setattr(sampling, "solve_sample", None)
     again, said = run(tmp_path / "a")
     assert again == first
     assert "40 stored" in said[0]
@@ -163,6 +170,49 @@ def test_failures_are_rows_with_their_reason(tmp_path):
     assert (tmp_path / "a" / "sweep-effects.svg").exists()
 
 
+@pytest.mark.parametrize("samples", [4, 40])
+def test_a_sweep_whose_first_samples_are_all_refused_for_one_reason_stops(tmp_path, samples):
+    sweep = sweep_of("lin-case1", ["balls.radius=3.3 mm:3.4 mm"], samples, "lhs", 0, "lin")
+    with pytest.raises(InputError, match=r"is refused for one reason, the last one so: lin-case1\.toml: .*allowed"):
+        sweeping.run_samples(sweep, tmp_path / "a", Engine(), print)
+    assert not (tmp_path / "a").exists(), "the folder is free for the next one"
+
+
+def test_refusals_for_one_reason_are_one_failure(tmp_path):
+    sweep = sweep_of("lin-case1", ["balls.radius=2.7 mm:3.4 mm"], 6, "grid", 0, "lin")
+    records = sweeping.run_samples(sweep, tmp_path / "a", Engine(), print)
+    refused = [row for row in records.values() if row["status"].startswith("refused")]
+    failures = summary(sweep, records)["failures"]
+    assert len(refused) > len(failures) >= 1
+    assert sum(row["samples"] for row in failures) == len(refused)
+
+
+def test_rigidity_preload_torque_and_life_are_those_of_solve_and_friction():
+    text = scene_text("lin-case3")
+    found = solve_sample(text, "lin-case3.toml", (), (), "lin", "interpreted")
+    scene = scene_file.loads(text, "lin-case3.toml")
+    options = Options(discretisation=False)
+    result = run_model(scene, "lin", options)
+    answers = gather(scene, result, "lin", options)
+    assert found["rigidity_N_per_um"] == pytest.approx(1e-6 * answers.rigidities.unequal, rel=1e-9)
+    assert found["preload_N"] == pytest.approx(answers.preload.axial, rel=1e-9)
+    assert found["life_million_revolutions"] == pytest.approx(answers.loads.life.revolutions, rel=1e-9)
+    state = friction_state(scene, result, scene.friction, Motion(ONE_TURN))
+    assert found["torque_Nmm"] == pytest.approx(1e3 * state.torque.friction, rel=1e-6)
+    bare = solve_sample(scene_text("two-balls"), "two-balls.toml", (), (), "lin", "interpreted")
+    assert bare["torque_Nmm"] is None, "no coefficient in the scene"
+
+
+def test_several_sets_have_the_same_outputs():
+    found = solve_sample(scene_text("double-nut"), "double-nut.toml", (), (), "lin", "compiled")
+    assembly = scene_file.read(scene_text("double-nut"), "double-nut.toml")
+    answers = axis_gather(assembly, run_axis(assembly, "lin"))
+    assert found["rigidity_N_per_um"] == pytest.approx(1e-6 * answers.force / answers.displacement, rel=1e-6)
+    assert found["preload_N"] == pytest.approx(max(abs(s.preload[3]) for s in answers.sets), rel=1e-6)
+    assert found["life_million_revolutions"] == pytest.approx(min(s.loads.life.revolutions for s in answers.sets), rel=1e-6)
+    assert found["torque_Nmm"] > 0.0
+
+
 def test_a_key_that_the_scene_does_not_have_is_refused_before_anything_is_solved(tmp_path):
     for vary in ("track.led=1 mm:2 mm", "track.lead=1 kN:2 kN", "loads[3].force[2]=1 N:2 N"):
         sweep = sweep_of("lin-case1", [vary], 6, "lhs", 0, "lin")
@@ -187,3 +237,12 @@ def test_a_sample_is_the_solution_of_its_scene():
     assert found["displacement_um"] == pytest.approx(1e6 * result.centreline[0, 2], rel=1e-12)
     ball, side = found["at"].split()
     assert result.load[int(ball) - 1, SIDES.index(side)] == result.load.max()
+
+
+def test_a_run_waits_for_the_processes_of_an_earlier_one(tmp_path, monkeypatch):
+    run(tmp_path / "a")
+    monkeypatch.setattr(store, "PATIENCE", 0.05)
+    with store.working(tmp_path / "a"), pytest.raises(InputError, match="processes of an earlier run"):
+        run(tmp_path / "a")
+    run(tmp_path / "a")
+    assert list((tmp_path / "a" / store.LOCKS).iterdir()) == []

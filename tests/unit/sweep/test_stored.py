@@ -2,13 +2,13 @@
 
 import pytest
 
-from compare.scenes import catalogue
-from compare.scenes.scene_file import scene_hash
-from compare.sections import tolerances
-from compare.sweep.keys import read_vary
-from compare.sweep.sample import solve_sample
-from compare.sweep.stored import TOLERANCES, command, stored
-from compare.sweep.summary import MAIN
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.scenes.scene_file import scene_hash
+from rollbench.comparison.sections import tolerances
+from rollbench.comparison.sweep.keys import read_vary
+from rollbench.comparison.sweep.sample import solve_sample
+from rollbench.comparison.sweep.stored import TOLERANCES, command, stored
+from rollbench.comparison.sweep.summary import MAIN
 
 FOUND = stored(TOLERANCES)
 KEYS = read_vary(FOUND["vary"])

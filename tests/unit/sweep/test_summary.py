@@ -1,13 +1,14 @@
 import numpy as np
 import pytest
 
-from compare.sweep.keys import read_vary
-from compare.sweep.run import Sweep
-from compare.sweep.summary import MAIN, indices, main_effects, statistics, summary
+from rollbench.comparison.sweep.keys import read_vary
+from rollbench.comparison.sweep.outputs import OUTPUTS
+from rollbench.comparison.sweep.run import Sweep
+from rollbench.comparison.sweep.summary import MAIN, indices, main_effects, statistics, summary
 
 KEYS = read_vary(["a=-3.141592653589793:3.141592653589793", "b=-3.141592653589793:3.141592653589793",
                   "c=-3.141592653589793:3.141592653589793"])  # fmt: skip
-NAMES = ("largest_load_N", "mean_load_N", "loaded_contacts", "idle_balls", "displacement_um", "largest_approach_um")
+NAMES = tuple(OUTPUTS)
 
 
 def records(sweep, function):

@@ -2,7 +2,7 @@
 
 from math import sqrt
 
-from lowfi.jit import kernel
+from rollbench.lowfi.jit import kernel
 
 
 @kernel

@@ -13,7 +13,7 @@ from math import sqrt
 
 import numpy as np
 
-from lowfi.jit import kernel
+from rollbench.lowfi.jit import kernel
 
 from .carlson import rd_and_slope
 

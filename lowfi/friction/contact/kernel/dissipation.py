@@ -2,8 +2,8 @@
 
 from math import copysign, sqrt
 
-from lowfi.friction.contact.records import Array, DissipationTerms
-from lowfi.jit import kernel
+from rollbench.lowfi.friction.contact.records import Array, DissipationTerms
+from rollbench.lowfi.jit import kernel
 
 from .confocal import coordinate, far, near
 

@@ -8,8 +8,8 @@ from math import sqrt
 
 import numpy as np
 
-from lowfi.friction.contact.records import Array
-from lowfi.jit import kernel
+from rollbench.lowfi.friction.contact.records import Array
+from rollbench.lowfi.jit import kernel
 
 from .dissipation import dissipation
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from lowfi.friction.contact.records import Array
-from lowfi.jit import kernel
+from rollbench.lowfi.friction.contact.records import Array
+from rollbench.lowfi.jit import kernel
 
 from .dissipation import dissipation
 from .minimum import column_units, descend, drive_speed, evaluate, residual, rolling_start, speeds_at

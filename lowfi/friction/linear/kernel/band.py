@@ -1,7 +1,7 @@
 """Banded systems of a chain: two right-hand sides, rows exchanged, and the sign of the determinant."""
 
-from lowfi.friction.linear.records import Array
-from lowfi.jit import kernel
+from rollbench.lowfi.friction.linear.records import Array
+from rollbench.lowfi.jit import kernel
 
 #: Columns of the banded matrix: half a band, the diagonal, half a band. A ball has four rows: x and, last, the force
 #: towards the next ball.

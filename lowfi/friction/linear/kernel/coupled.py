@@ -7,8 +7,8 @@ the rate is in units of eps, what sticking contacts yield to a force, so that Ne
 
 from math import sqrt
 
-from lowfi.friction.linear.records import Array, ChainArrays, ChainPoint, ChainState, Smoothing
-from lowfi.jit import kernel
+from rollbench.lowfi.friction.linear.records import Array, ChainArrays, ChainPoint, ChainState, Smoothing
+from rollbench.lowfi.jit import kernel
 
 from .band import HALF
 from .energy import add_contacts, move

@@ -4,8 +4,8 @@ Velocities are in units of the carriage's speed, forces in units of the largest 
 ball: axial velocity and ball radius times the two spin components across the track, x = (v, R omega_x, R omega_y).
 """
 
-from lowfi.friction.linear.records import Array, ChainArrays, ChainState
-from lowfi.jit import kernel
+from rollbench.lowfi.friction.linear.records import Array, ChainArrays, ChainState
+from rollbench.lowfi.jit import kernel
 
 from .band import HALF
 from .law import regularised

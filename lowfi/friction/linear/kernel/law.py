@@ -2,8 +2,8 @@
 
 from math import sqrt
 
-from lowfi.friction.linear.records import Array
-from lowfi.jit import kernel
+from rollbench.lowfi.friction.linear.records import Array
+from rollbench.lowfi.jit import kernel
 
 
 @kernel

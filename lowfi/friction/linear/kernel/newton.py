@@ -4,8 +4,8 @@ from math import sqrt
 
 import numpy as np
 
-from lowfi.friction.linear.records import Array, ChainArrays, ChainPoint, ChainState, Smoothing, Work
-from lowfi.jit import kernel
+from rollbench.lowfi.friction.linear.records import Array, ChainArrays, ChainPoint, ChainState, Smoothing, Work
+from rollbench.lowfi.jit import kernel
 
 from . import coupled, energy
 from .band import HALF, solve_banded

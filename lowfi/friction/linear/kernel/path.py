@@ -9,8 +9,8 @@ from math import exp, log, sqrt
 
 import numpy as np
 
-from lowfi.friction.linear.records import Array, ChainArrays, ChainPoint, Smoothing, Work
-from lowfi.jit import kernel
+from rollbench.lowfi.friction.linear.records import Array, ChainArrays, ChainPoint, Smoothing, Work
+from rollbench.lowfi.jit import kernel
 
 from .band import solve_banded
 from .coupled import assemble, copied, restore, shift

@@ -4,9 +4,9 @@ from math import sqrt
 
 import numpy as np
 
-from lowfi.friction.contact.records import Array
-from lowfi.friction.screw.records import BalanceParts, BallArrays, GrooveArrays
-from lowfi.jit import kernel
+from rollbench.lowfi.friction.contact.records import Array
+from rollbench.lowfi.friction.screw.records import BalanceParts, BallArrays, GrooveArrays
+from rollbench.lowfi.jit import kernel
 
 from .band import solve_with_pivots
 from .contacts import evaluate, rubbing

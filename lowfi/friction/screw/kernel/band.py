@@ -1,7 +1,7 @@
 """Banded linear systems by elimination with row exchange."""
 
-from lowfi.friction.contact.records import Array
-from lowfi.jit import kernel
+from rollbench.lowfi.friction.contact.records import Array
+from rollbench.lowfi.jit import kernel
 
 
 @kernel

@@ -4,9 +4,9 @@ from math import sqrt
 
 import numpy as np
 
-from lowfi.friction.contact.records import Array
-from lowfi.friction.screw.records import BallArrays, GrooveArrays
-from lowfi.jit import CONTACT, is_compiled, kernel, kernels
+from rollbench.lowfi.friction.contact.records import Array
+from rollbench.lowfi.friction.screw.records import BallArrays, GrooveArrays
+from rollbench.lowfi.jit import CONTACT, is_compiled, kernel, kernels
 
 _OTHER = kernels(CONTACT, compiled=is_compiled(__name__))  # the kernels of one contact, compiled where these are
 dissipation, evaluate, least_dissipation = _OTHER.dissipation, _OTHER.evaluate, _OTHER.least_dissipation

@@ -8,8 +8,8 @@ from math import sqrt
 
 import numpy as np
 
-from lowfi.friction.screw.records import JointMatrix, JointSystem, Place
-from lowfi.jit import kernel
+from rollbench.lowfi.friction.screw.records import JointMatrix, JointSystem, Place
+from rollbench.lowfi.jit import kernel
 
 from .balance import REACH, couple, opening, room
 from .band import solve_with_pivots

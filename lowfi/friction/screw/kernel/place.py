@@ -4,9 +4,9 @@ from math import sqrt
 
 import numpy as np
 
-from lowfi.friction.contact.records import Array
-from lowfi.friction.screw.records import GrooveArrays, JointSystem
-from lowfi.jit import kernel
+from rollbench.lowfi.friction.contact.records import Array
+from rollbench.lowfi.friction.screw.records import GrooveArrays, JointSystem
+from rollbench.lowfi.jit import kernel
 
 from .contacts import contact_map, dissipation, hertz_contact, seen
 

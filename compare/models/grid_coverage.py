@@ -1,0 +1,122 @@
+"""Whether bars of discretisation hold what a finer level finds: every scene by what its own coarser levels and all other
+scenes tell.
+
+A scene's experience (`compare.reference.grid_parts`) is taken anew without it and without the scenes of its parts. Drawn
+screws, and levels beyond those that are studied, are kept as loads alone: they judge, and are nobody's reference.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.models.comparison import REFERENCED
+from rollbench.comparison.models.ladder import UNSEEN
+from rollbench.comparison.models.modelling import REFINED, SPOKEN_FOR, base_run
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.reference.grid_parts import Experience, Levelled, mean_load, measured, moving, parts
+from rollbench.comparison.reference.levels import LEVELS, PRODUCTION
+from rollbench.comparison.reference.store import load, shipped_store
+from rollbench.meshes.arrays import Array
+
+#: Loads by level of drawn screws and of further levels of shipped scenes, beside the stored runs.
+JUDGES = "judging_levels.json"
+#: The variant that cuts the coarse sockets finer.
+SOCKETS = "finer-sockets"
+#: Scenes that another program solved as well, and those that have two levels.
+CHECKED = ("two-balls", "lin-case1-cut")
+COARSE = ("liu-screw", "liu-drawn", "liu-small", "liu-drawn-1kN")
+#: Shipped scenes that are compared.
+SHIPPED = tuple(dict.fromkeys((*REFERENCED, *CHECKED, *UNSEEN, *COARSE)))
+#: Contacts from which on a scene's own coverage says something.
+MANY = 40
+
+
+@dataclass(frozen=True)
+class Held:
+    """Of one scene: level whose bars are judged (with those before it) and level that judges; contacts that carry load; the
+    bar, RMS over them [% of the mean load], and how many are within theirs; whether the scene was drawn."""
+
+    scene: str
+    level: int
+    judge: int
+    contacts: int
+    bar: float
+    held: int
+    drawn: bool
+
+    @property
+    def share(self) -> float:
+        """Share of contacts within the bar."""
+        return self.held / self.contacts
+
+
+@cache
+def judges(store: Path) -> dict[str, dict[int, Array]]:
+    """Loads ``(n, 4)`` [N] by level that a store keeps only to judge by; empty without a record."""
+    path = store / JUDGES
+    if not path.exists():
+        return {}
+    data = json.loads(path.read_text(encoding="utf-8"))
+    return {name: {int(k): np.array(rows, float) for k, rows in own.items()} for name, own in data.items()}
+
+
+def levelled(study: Study) -> dict[str, dict[int, Array]]:
+    """Loads ``(n, 4)`` [N] by level of every compared scene that a store holds on two levels or more, drawn ones last."""
+    out, extra = {}, dict(judges(shipped_store()))
+    for name in SHIPPED:
+        runs = [run for k in LEVELS if (run := load(study.scene(name), k, stores=study.stores)) is not None]
+        if len(runs) > 1:
+            out[name] = {run.level: run.load for run in runs} | extra.pop(name, {})
+    return out | extra
+
+
+def socket_scatter(study: Study) -> float | None:
+    """Standard deviation [% of the mean load] that the cut of the coarse sockets leaves: a change of it alone is the
+    difference of two of its errors. None without the run."""
+    scene = study.scene(REFINED)
+    finer, base = load(scene, PRODUCTION, SOCKETS, study.stores), base_run(scene, PRODUCTION, study.stores)
+    if finer is None or base is None:
+        return None
+    on = base.load > 0.0
+    change = error_percent(finer.load[on], base.load[on], mean_load(base.load))
+    return float(np.sqrt((change**2).mean() / 2.0))
+
+
+def experience(study: Study) -> Experience | None:
+    """What all compared scenes of a store tell; None where it does not hold them."""
+    found, sockets = levelled(study), socket_scatter(study)
+    return None if sockets is None or len(found) < len(UNSEEN) else measured(found, sockets)
+
+
+def coverage(study: Study) -> list[Held]:
+    """Every compared scene, level by level, against its finest; empty where a store does not hold what is needed."""
+    return study.once(_coverage)
+
+
+def _coverage(study: Study) -> list[Held]:
+    found, sockets = levelled(study), socket_scatter(study)
+    return [] if sockets is None or len(found) < len(UNSEEN) else [h for name in found for h in _held(name, found, sockets)]
+
+
+def _held(name: str, found: Mapping[str, Levelled], sockets: float) -> Iterator[Held]:
+    family = SPOKEN_FOR.get(name, name)
+    known = measured({other: own for other, own in found.items() if SPOKEN_FOR.get(other, other) != family}, sockets)
+    loads, judge = found[name], max(found[name])
+    on, mean = moving(loads), mean_load(loads[judge])
+    for level in sorted(loads)[:-1]:
+        coarser = {k: own for k, own in loads.items() if k <= level}
+        told, off = parts(coarser, known), np.abs(error_percent(loads[level][on], loads[judge][on], mean))
+        held = int((off <= told.bars(coarser)[on]).sum())
+        yield Held(name, level, judge, int(on.sum()), told.bar, held, name not in SHIPPED)
+
+
+def share_of(rows: Sequence[Held]) -> float:
+    """Share of all contacts within their bars."""
+    return sum(h.held for h in rows) / sum(h.contacts for h in rows)

@@ -1,0 +1,171 @@
+"""What a comparison with the 3D reference is uncertain by in all, part by part, and what no part holds.
+
+Parts of the contact loads, in per cent of the mean load, independent and so added by squares: discretisation
+(`compare.reference.grid_parts`), modelling choices that no mesh shows (`compare.models.modelling`, kept as a record of the
+scenes on which they were varied), tolerances of the inputs (`compare.models.u_val`), and the second order of displacements,
+which the reference leaves out: CalculiX finds contacts of the scene two-balls weaker by large displacements in proportion
+to their larger semi-axis a over the ball radius r, dF / F = -`SECOND_ORDER` a / r, within 15 %.
+
+Beside them stands what all contacts of a screw share whose sum of loads equilibrium does not hold: independent 3D programs
+find that sum larger by `SHARED`, with one sign, while finer meshes of the reference move it by less and the other way.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.models.answers import load_answers
+from rollbench.comparison.models.modelling import SPOKEN_FOR, Modelling
+from rollbench.comparison.models.registry import MODELS
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.models.u_val import QUANTITIES, SENSITIVE, input_parts
+from rollbench.comparison.reference.estimate import Reference
+from rollbench.comparison.reference.grid_parts import both_flanks
+from rollbench.comparison.reference.grid_summary import uncertainty_percent
+from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison.writing import replace_file
+from rollbench.meshes.parts import Scene
+
+#: Record of the modelling choices, beside the stored runs.
+FILE = "choices.json"
+#: Relative loss of load by large displacements over a / r [-] (tests/unit/models/test_total_uncertainty.py).
+SECOND_ORDER = 0.030
+#: Sums of independent 3D programs over the reference's, preloaded scenes, least and largest [%].
+SHARED = (0.12, 0.19)
+
+
+@dataclass(frozen=True)
+class Choices:
+    """Modelling choices varied on a scene: largest change of a contact load by all together [% of the mean load], the one
+    that changes most, and by how much."""
+
+    scene: str
+    percent: float
+    choice: str
+    alone: float
+
+
+@dataclass(frozen=True)
+class Total:
+    """Uncertainty of a scene's contact loads [% of the mean load] by part (None: not known): discretisation and whether it
+    is from experience alone; modelling choices, the one that dominates, the scene on which they were varied; inputs and the
+    one that dominates; second order of displacements; whether the sum of loads has the part that all contacts share."""
+
+    discretisation: float
+    by_experience: bool
+    choices: Choices | None
+    inputs: float | None
+    input: str
+    second_order: float
+    shared: bool
+
+    @property
+    def percent(self) -> float:
+        """All parts, by the root of the sum of squares."""
+        modelling = 0.0 if self.choices is None else self.choices.percent
+        return float(np.linalg.norm([self.discretisation, modelling, self.inputs or 0.0, self.second_order]))
+
+    @property
+    def text(self) -> str:
+        """All and by part, in words."""
+        grid = f"discretisation {self.discretisation:.2f} %{' by experience with other scenes' * self.by_experience}"
+        c = self.choices
+        modelling = "modelling choices not known" if c is None else f"modelling choices {c.percent:.2f} %, most {c.choice}"
+        inputs = (
+            "inputs not known"
+            if self.inputs is None
+            else f"inputs {self.inputs:.2f} %, most {self.input.partition(',')[0]}"
+        )
+        second = f"large displacements {self.second_order:.2f} %"
+        return f"uncertain by {self.percent:.2f} % in all: {grid}; {modelling}; {inputs}; {second}"
+
+    @property
+    def beside(self) -> str:
+        """What no part holds, as a sentence; empty where the sum of loads is held by equilibrium."""
+        if not self.shared:
+            return ""
+        low, high = SHARED
+        return (
+            f"Beside it, for all contacts alike: independent 3D programs find sums of preloaded screws {low:g} to {high:g} "
+            "% larger than the 3D reference; no mesh shows it, no bar holds it."
+        )
+
+    def as_json(self) -> dict[str, Any]:
+        """JSON-ready."""
+        c = self.choices
+        return {
+            "total_percent": self.percent,
+            "discretisation_percent": self.discretisation,
+            "discretisation_by_experience": self.by_experience,
+            "modelling_percent": None if c is None else c.percent,
+            "modelling_dominated_by": None if c is None else c.choice,
+            "modelling_varied_on": None if c is None else c.scene,
+            "input_percent": self.inputs,
+            "input_dominated_by": self.input or None,
+            "large_displacements_percent": self.second_order,
+            "shared_by_all_percent": list(SHARED) if self.shared else None,
+        }
+
+
+def total(scene: Scene, found: Reference) -> Total:
+    """The uncertainty of a scene's reference."""
+    inputs, name = _inputs(scene)
+    return Total(
+        uncertainty_percent(found),
+        found.parts.by_experience,
+        spoken_for(scene.name, read(shipped_store())),
+        inputs,
+        name,
+        second_order(scene, found),
+        both_flanks(found.load),
+    )
+
+
+def second_order(scene: Scene, found: Reference) -> float:
+    """What large displacements take from the most loaded contact [% of the mean load]."""
+    worst = load_answers(scene, found.load, np.radians(found.best.angle)).worst
+    if worst is None:
+        return 0.0
+    lost = SECOND_ORDER * worst.a / scene.balls.radius * worst.force
+    return float(error_percent(lost, 0.0, float(found.load[found.load > 0.0].mean())))
+
+
+def _inputs(scene: Scene) -> tuple[float | None, str]:
+    """Largest effect [%] of the tolerances of the inputs on a contact's load, and the one that has most of it."""
+    study = Study()
+    if not MODELS[SENSITIVE].suits(scene) or not study.solve(scene, SENSITIVE).converged:
+        return None, ""
+    parts = input_parts(study, scene, QUANTITIES[0])
+    largest = float(np.sqrt(sum(change**2 for change in parts.values())).max())
+    return largest, max(parts, key=lambda name: float(np.abs(parts[name]).max()))
+
+
+def choices_of(found: Modelling) -> Choices:
+    """The record of choices that were varied on a scene."""
+    first = max(found.choices, key=lambda name: found.choices[name])
+    return Choices(found.scene, found.largest, first, found.choices[first])
+
+
+def spoken_for(name: str, known: Mapping[str, Choices]) -> Choices | None:
+    """The choices that speak for a scene: of its own parts, or else the ones with the largest effect."""
+    own = known.get(SPOKEN_FOR.get(name, ""))
+    return own or max(known.values(), key=lambda c: c.percent, default=None)
+
+
+def save(store: Path, known: Mapping[str, Choices]) -> None:
+    """Write the record of a store. Raises OSError where that cannot be done."""
+    replace_file(store / FILE, json.dumps({name: asdict(c) for name, c in known.items()}, indent=1) + "\n")
+
+
+@cache
+def read(store: Path) -> dict[str, Choices]:
+    """The record of a store. Raises OSError, ValueError or TypeError without a whole one."""
+    return {name: Choices(**own) for name, own in json.loads((store / FILE).read_text(encoding="utf-8")).items()}

@@ -1,0 +1,188 @@
+"""What the mesh leaves uncertain in contact loads: the part of every choice alone, added.
+
+A level refines its choices by different ratios, cells of the contact by 4/3, those of the bodies by 1.15, the cut of the
+coarse sockets not at all, so that no order over one cell size describes its loads. Nor do they approach a limit from one
+side: consecutive changes of a contact's load correlate by -0.5, as those of independent errors do, because no cell of one
+level's mesh is a cell of the next; extrapolated by any order they lie further from the next level than they are
+(tests/unit/models/test_grid_coverage.py). So errors of a level count as scatter, whose variance falls by part,
+
+    s^2 = contact^2 h_c^4 + bodies^2 h_b^4 + sockets^2 + common^2,
+
+with sizes h_c and h_b over those of the finest level (second-order cells: errors fall as h^2). The changes of a scene's own
+levels give the first two, whose variances add between two levels. What its levels do not show is taken from experience:
+sockets, from a run in which they alone are cut finer; common, which moves all loads of a level together and so is one draw
+that the contacts of one scene do not average, from the mean changes of all scenes whose sum of loads is not held by
+equilibrium: those with load on both flanks of the screw.
+
+The bar is twice the root of the sum for the finest level and a next one together: in 95 % of contacts it holds what a
+finer mesh finds. What bodies and sockets get wrong are displacements, which a contact turns into load by its own stiffness,
+dF / dx ~ F^(1/3) (Hertz): these two parts are shared out among the contacts so. No bar holds what all meshes have in
+common (`compare.models.total_uncertainty`).
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+from scipy.optimize import nnls
+
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.reference.levels import LEVELS, PRODUCTION
+from rollbench.comparison.writing import replace_file
+from rollbench.meshes.arrays import Array
+
+FILE = "grid_parts.json"
+#: Standard deviations of a bar that holds 95 %.
+COVER = 2.0
+#: Second-order cells.
+ORDER = 2
+#: Power of the load by which a contact's stiffness grows.
+STIFFNESS = 1.0 / 3.0
+#: Cells of the contact and of the bodies over those of the level before, of a level after the last.
+NEXT = (0.75, 0.87)
+#: Share of contacts of compared scenes that the bar of a single level holds.
+SHARE = 0.95
+#: Rounds of weights in a fit of variances, and the least variance [%^2] that is told from none.
+ROUNDS, TINY = 20, 1e-12
+
+#: Loads ``(n, 4)`` [N] of a scene by level.
+Levelled = Mapping[int, Array]
+
+
+@dataclass(frozen=True)
+class Experience:
+    """What compared scenes tell of parts that the levels of a scene do not show, in per cent of the mean load: standard
+    deviations of sockets and of what all contacts have in common; what holds 95 % of the errors of the coarsest level alone
+    with one flank of the screw loaded, and with both; the scenes."""
+
+    sockets: float
+    common: float
+    single: tuple[float, float]
+    scenes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class GridParts:
+    """Discretisation of the finest level and a next one together, in per cent of the mean load, RMS over the contacts:
+    standard deviations by part, and the ``bar`` of 95 % (zero without load). Of a single level the bar is experience and
+    the parts are None."""
+
+    bar: float
+    contact: float | None = None
+    bodies: float | None = None
+    sockets: float | None = None
+    common: float | None = None
+
+    @property
+    def by_experience(self) -> bool:
+        """Whether the bar is that of a single level."""
+        return self.contact is None
+
+    def bars(self, loads: Levelled) -> Array:
+        """Bars ``(n, 4)`` of 95 % [% of the mean load] of the contacts, zero where no level has load."""
+        on = moving(loads)
+        if self.contact is None or self.bodies is None or self.sockets is None or self.common is None:
+            return np.where(on, self.bar, 0.0)
+        stiffness = loads[max(loads)] ** STIFFNESS
+        share = stiffness**2 / (stiffness[on] ** 2).mean()
+        displaced, rest = self.bodies**2 + self.sockets**2, self.contact**2 + self.common**2
+        return np.where(on, COVER * np.sqrt(rest + displaced * share), 0.0)
+
+
+def mean_load(load: Array) -> float:
+    """Mean of the loads above zero, in their unit."""
+    return float(load[load > 0.0].mean())
+
+
+def both_flanks(load: Array) -> bool:
+    """Whether both flanks of the screw carry load ``(n, 4)``, so that equilibrium does not hold the sum of loads."""
+    return bool((load[:, :2] > 0.0).any(axis=0).all())
+
+
+def moving(loads: Levelled) -> Array:
+    """Contacts ``(n, 4)`` that carry load on any level."""
+    return np.asarray(np.max([loads[k] for k in loads], axis=0) > 0.0)
+
+
+def parts(loads: Levelled, known: Experience) -> GridParts:
+    """The discretisation's parts of a scene from the loads on its levels."""
+    levels = sorted(loads)
+    finest, both = levels[-1], both_flanks(loads[levels[-1]])
+    if not (loads[finest] > 0.0).any():
+        return GridParts(0.0)
+    if len(levels) == 1:
+        return GridParts(known.single[both])
+    steps, fixed = list(pairwise(levels)), 2.0 * known.sockets**2
+    shown = np.array([float((_change(loads, a, b, finest) ** 2).mean()) for a, b in steps])
+    amounts = _variances(np.array([_added(a, b) for a, b in steps]), np.maximum(shown - fixed, 0.0), fixed)
+    left = (*(amounts * _added(finest, finest + 1)), fixed, 2.0 * known.common**2 if both else 0.0)
+    return GridParts(COVER * float(np.sqrt(sum(left))), *(float(np.sqrt(v)) for v in left))
+
+
+def _change(loads: Levelled, level: int, other: int, finest: int) -> Array:
+    """Change of the loads of moving contacts from a level to another [% of the mean load of the finest]."""
+    on = moving(loads)
+    return np.asarray(error_percent(loads[other][on], loads[level][on], mean_load(loads[finest])))
+
+
+def _sizes(level: int) -> Array:
+    """Relative cells of the contact and of the bodies; of a level after the last by the ratios ``NEXT``."""
+    last = max(LEVELS)
+    own = LEVELS[min(level, last)]
+    size = np.array([1.0 / own["b_over_h"], own["fine"] / LEVELS[PRODUCTION]["fine"]])
+    return np.asarray(size * np.power(NEXT, max(level - last, 0)))
+
+
+def _added(level: int, other: int) -> Array:
+    """Variances of the difference of two levels, by part, for parts of size one."""
+    return np.asarray(_sizes(level) ** (2 * ORDER) + _sizes(other) ** (2 * ORDER))
+
+
+def _variances(columns: Array, shown: Array, fixed: float) -> Array:
+    """Variances by part, no less than zero, from those ``shown`` between levels beside a ``fixed`` one, by relative least
+    squares; with two levels all is the bodies', which fall slower."""
+    columns = columns * [0.0, 1.0] if len(shown) == 1 else columns
+    found, scale = np.zeros(2), np.maximum(shown + fixed, TINY)
+    for _ in range(ROUNDS):
+        found = nnls(columns / scale[:, None], shown / scale)[0]
+        scale = np.maximum(columns @ found + fixed, TINY)
+    return np.asarray(found)
+
+
+def measured(found: Mapping[str, Levelled], sockets: float) -> Experience:
+    """Experience of scenes on several levels; sockets: standard deviation [% of the mean load], from a run of its own.
+
+    Raises ValueError without a scene of each kind.
+    """
+    shifts, errors = list[float](), ([list[Array](), list[Array]()])
+    for loads in found.values():
+        levels, finest = sorted(loads), max(loads)
+        both = both_flanks(loads[finest])
+        if both:
+            shifts += [float(_change(loads, a, b, finest).mean()) for a, b in pairwise(levels) if a >= PRODUCTION]
+        if levels[0] == min(LEVELS) and finest >= PRODUCTION:
+            errors[both].append(np.abs(_change(loads, levels[0], finest, finest)))
+    if not shifts or not all(errors):
+        raise ValueError("no experience without scenes that load one flank of the screw, and both, on fine levels")
+    common = float(np.sqrt(np.mean(np.square(shifts)) / 2.0))
+    one, both_ = (float(np.quantile(np.concatenate(e), SHARE)) for e in errors)
+    return Experience(sockets, common, (one, both_), tuple(found))
+
+
+def save(store: Path, known: Experience) -> None:
+    """Write the record of a store. Raises OSError where that cannot be done."""
+    replace_file(store / FILE, json.dumps(asdict(known), indent=1) + "\n")
+
+
+@cache
+def read(store: Path) -> Experience:
+    """The record of a store. Raises OSError, ValueError, KeyError or TypeError without a whole one."""
+    data = json.loads((store / FILE).read_text(encoding="utf-8"))
+    one, both = (float(x) for x in data["single"])
+    return Experience(float(data["sockets"]), float(data["common"]), (one, both), tuple(data["scenes"]))

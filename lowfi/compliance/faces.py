@@ -1,0 +1,222 @@
+"""What the contacts of one groove do to one another beyond the smooth body, far from a face of their body and near one.
+
+The smooth body of revolution ends at the face, but its wide patch does not feel the lip of the groove, nor the grooves
+beside its own. So the true flank with a narrow patch and the smooth body with the wide one are cut at some distances from
+the contact, both clamped well behind it: what their difference gains over that of the last cut is the face's; the last one,
+less the same difference of the beams, is what neighbouring grooves and the surface behind do. Grooves are rings, as in
+`lowfi.compliance.groove`; at a contact's azimuth the section of the helix is theirs. Stiffness is eliminated along the
+axis, so that one factor of the longest body holds all the shorter ones, each with its face free and held.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.linalg import cholesky_banded
+from scipy.linalg.lapack import dtbtrs
+
+from rollbench.lowfi.compliance.cell import groove_line
+from rollbench.lowfi.compliance.fourier import Body, Grid, factor_c, lower_corner, refine_lines, tube_grid
+from rollbench.lowfi.compliance.groove import NARROW, Flank, flank_normals, flank_weights, harmonics_to, patch_shares
+from rollbench.lowfi.compliance.tube import Tube, clamped, motion_rows, patch_weights, radial_ends
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.section import BeamSection, tube_section
+
+#: How far before a contact a face counts, and how far behind it its body is clamped, over the ball's radius.
+REACH = 4.5
+#: Distances of the cuts from the groove's middle over the ball's radius; the first one is at the groove's edge.
+CUTS = (0.0, 1.15, 1.4, 1.8, 2.6, REACH)
+#: Elements of a loaded flank (half as many of the others) and in depth; longest element of a land over the ball's radius.
+MESH = (4, 5)
+LAND = 0.6
+#: Highest harmonic times the ball's radius over that of the contacts: it does not feel the nearest cut; step between two.
+HIGHEST, STEP = 5.0, 1.7
+
+
+@dataclass(frozen=True)
+class NearFace:
+    """What ring grooves and a face add to the compliance between contacts of one groove, loaded along their normals.
+
+    gain ``(2, n, 2, 2, k)`` [m/N]: by a face, free or held; harmonic around the axis; motion of the flank pressed towards
+    the face or of the other one, by a load on either; distance ``(k,)`` [m] of the face from the middle of the groove.
+    Nothing is gained beyond the last one, and below the first as much as there. beside: of the contacts from that middle.
+    far ``(n, 2, 2)`` [m/N]: between contacts far from any face; own: what a contact there gains by itself, beside
+    `lowfi.compliance.groove.flank_correction`, by the neighbouring grooves and a free surface behind it [m/N].
+    """
+
+    distance: Array
+    gain: Array
+    beside: float
+    far: Array
+    own: float
+
+    def by_face(self, held: bool, angle: Array, distance: Array) -> Array:
+        """Compliance ``(m, 2, 2)`` [m/N] that a face adds between contacts at these angles [rad] and mean distances [m]."""
+        known = np.log(self.distance - self.beside)
+        place = np.log(np.clip(distance, self.distance[0], self.distance[-1]) - self.beside)
+        share = CubicSpline(known, np.eye(known.size))(place)
+        return np.asarray(np.einsum("mabk,mk->mab", self._around(self.gain[int(held)], angle), share))
+
+    def between(self, angle: Array) -> Array:
+        """Compliance ``(m, 2, 2)`` [m/N] between different contacts at these angles [rad], beside that of a smooth body."""
+        return self._around(self.far, angle)
+
+    def _around(self, waves: Array, angle: Array) -> Array:
+        return np.tensordot(np.cos(angle[:, None] * np.arange(len(waves))), waves, 1)
+
+
+def near_face(
+    flank: Flank, smooth: Tube, section: BeamSection, held_radii: tuple[float, float], *, near: bool = True
+) -> NearFace:
+    """Gain of the body that ``smooth`` stands for; section: of its beam, which holds that part of all motions already.
+
+    held_radii: between which [m] a face is held, if it is; near: whether a contact has a face within reach.
+    """
+    grid, cuts = grooved_grid(flank)
+    cuts = cuts if near else cuts[-1:]
+    z = grid.z[:, 0]
+    gain = less_smooth(flank, smooth, grid, cuts, smooth.held, held_radii)
+    half = slice(*(int(np.abs(z - end).argmin()) + k for k, end in enumerate((-flank.half, flank.half))))
+    cell = Grid(grid.r[half], grid.z[half])
+    alone = less_smooth(flank, smooth, cell, [cell.shape[0] - 1], "low" if flank.screw else "outer", (0.0, np.inf))
+    if smooth.held in ("section", "low", "high", "both"):
+        beams = [less_smooth_beam(flank, smooth, section, (float(z[0]), float(z[cut]))) for cut in cuts]
+        gain[1, :2] -= np.stack(beams, axis=-1)
+    far = gain[1, ..., -1].copy()
+    own = float((far[:, 0, 0] - alone[1, :, 0, 0, -1]).sum())
+    return NearFace(z[cuts], gain - gain[..., -1:], flank.contact()[1], far, own)
+
+
+def less_smooth_beam(flank: Flank, smooth: Tube, section: BeamSection, ends: tuple[float, float]) -> Array:
+    """Motions ``(2, 2, 2)`` [m/N] of both flanks on a beam of that section, clamped at both ends [m], less those
+    on the smooth body's: harmonics 0 and 1."""
+    plain = tube_section(2.0 * smooth.outer, 2.0 * smooth.bore, smooth.material)
+    places, along = (np.array([x[k] for x in pressed(flank)] * 2) for k in (0, 1))
+    out = np.zeros((4, 4))
+    for sign, beam in ((1.0, section), (-1.0, plain)):
+        radius = smooth.radius if sign > 0.0 else float(np.clip(smooth.radius, smooth.bore, smooth.outer))
+        turned = radius * np.array([1.0, 1.0, -1.0, -1.0])  # both flanks here, and on the other side of the axis
+        x = np.stack([turned, np.zeros(4), places], axis=1)
+        axes = np.stack([along[:, 0] * np.sign(turned), np.zeros(4), along[:, 1]], axis=1)[:, None]
+        out += sign * clamped(motion_rows(x, axes), places, ends, "both", beam)
+    return np.stack([out[:2, :2] + out[:2, 2:], out[:2, :2] - out[:2, 2:]]) / 2.0
+
+
+def less_smooth(
+    flank: Flank, smooth: Tube, grid: Grid, cuts: Sequence[int], fixing: str, held_radii: tuple[float, float]
+) -> Array:
+    """Motions of the true flanks less those of the smooth body, each by its own patch, as `cut_motions`."""
+    true = true_loads(flank, grid, cuts)
+    r_ends, line = radial_ends(smooth)
+    plain = tube_grid(r_ends, grid.z[::2, 0])
+    loads = smooth_loads(flank, plain, line, cuts, smooth.width)
+    return cut_motions(flank, grid, cuts, held_radii, fixing, true, NARROW * flank.map.ball) - cut_motions(
+        flank, plain, cuts, (0.0, np.inf), fixing, loads, smooth.width
+    )
+
+
+def grooved_grid(flank: Flank) -> tuple[Grid, list[int]]:
+    """A body with its grooves from its clamped end to the furthest face, the middle of the loaded groove at z = 0, and
+    those of its lines in z where it is cut."""
+    ball, reach = flank.map.ball, REACH * flank.map.ball
+    r, z = turn(flank, MESH[0], LAND * ball * np.array([0.25, 0.6, *np.arange(1.2, flank.half / (LAND * ball))]))
+    edge = float(z[z.size // 2 + 2 * MESH[0]])
+    more = max(0, int(np.ceil((reach / flank.half - 1.0) / 2.0)))
+    next_r, next_z = turn(flank, MESH[0] // 2, LAND * ball * np.arange(1.0, flank.half / (LAND * ball)))
+    shift = 2.0 * flank.half * np.arange(1.0, more + 1.0)[:, None]
+    r = np.concatenate([np.tile(next_r[:-1], more), r, np.tile(next_r[1:], more)])
+    z = np.concatenate([(next_z[:-1] - shift[::-1]).ravel(), z, (next_z[1:] + shift).ravel()])
+    low, high = (int(np.searchsorted(z[::2], x)) for x in (-reach, reach))
+    r, z = r[2 * low : 2 * high + 1], z[2 * low : 2 * high + 1]
+    faces = np.arange(0, z.size, 2)[z[::2] > edge - 0.01 * ball]
+    cuts = sorted({int(faces[np.abs(z[faces] - x * ball).argmin()]) for x in CUTS})
+    share = refine_lines(1.0 - np.linspace(1.0, 0.0, MESH[1] + 1) ** 1.5)
+    inner, outer = (np.full_like(r, flank.far), r) if flank.screw else (r, np.full_like(r, flank.far))
+    depth = share if flank.screw else (1.0 - share)[::-1]
+    radii = inner[:, None] + depth * (outer - inner)[:, None]
+    return Grid(radii, np.broadcast_to(z[:, None], radii.shape).copy()), cuts
+
+
+def turn(flank: Flank, count: int, ends: Array) -> tuple[Array, Array]:
+    """Nodes (r, z) [m] of a groove's surface from mid land to mid land: ``count`` elements a flank, ends of those of a land
+    at these distances [m] from the groove."""
+    r, z = groove_line(flank.map, flank.land, flank.screw, 2 * count + 1)
+    land = flank.half - float(z[-1])
+    along = refine_lines(np.concatenate([[0.0], ends[ends < land - 0.15 * flank.map.ball], [land]]))[1:]
+    r, z = np.append(r, np.full(along.size, flank.land)), np.append(z, z[-1] + along)
+    return np.append(r[:0:-1], r), np.append(-z[:0:-1], z)
+
+
+def true_loads(flank: Flank, grid: Grid, cuts: Sequence[int]) -> Array:
+    """Unit loads ``(2, cuts, nodes of the grid, 3)`` on the flank pressed towards the faces and on the other one."""
+    line = grid.shape[1] - 1 if flank.screw else 0
+    normals = flank_normals(grid, line)
+    out = np.zeros((2, len(cuts), *grid.shape, 3))
+    for away, (place, along) in enumerate(pressed(flank)):
+        share = flank_weights(grid, line, place, NARROW * flank.map.ball)[0]
+        for k, cut in enumerate(cuts):
+            own = share[: cut + 1, None] * normals[: cut + 1] * np.sign(normals[: cut + 1] @ along)[:, None]
+            out[away, k, : cut + 1, line, ::2] = own / share[: cut + 1].sum()
+    return out
+
+
+def smooth_loads(flank: Flank, grid: Grid, line: int, cuts: Sequence[int], width: float) -> Array:
+    """Unit loads ``(2, cuts, nodes of the grid, 3)`` on line r = ``line`` of the smooth body, as `true_loads`."""
+    out = np.zeros((2, len(cuts), *grid.shape, 3))
+    for away, (place, along) in enumerate(pressed(flank)):
+        for k, cut in enumerate(cuts):
+            share = patch_weights(grid.z[: cut + 1, 0], np.array([place]), width)[0]
+            out[away, k, : cut + 1, line, ::2] = share[:, None] * along
+    return out
+
+
+def pressed(flank: Flank) -> tuple[tuple[float, Array], tuple[float, Array]]:
+    """Contact's z [m] and nominal direction of its load (r, z) on the flank pressed towards high z, and on the other."""
+    m = flank.map
+    place, along = flank.contact()[1], m.signs[flank.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
+    return (place, along), (-place, along * np.array([1.0, -1.0]))
+
+
+def cut_motions(
+    flank: Flank, grid: Grid, cuts: Sequence[int], held_radii: tuple[float, float], fixing: str, loads: Array, width: float
+) -> Array:
+    """Motions ``(2, n, 2, 2, cuts)`` [m/N] of patches of ``width`` [m] in every harmonic of a body cut at lines ``cuts``:
+    its face free or held at these radii [m]; motion of the flank pressed towards it or of the other one, load on either.
+
+    fixing: see `Tube`; "bore" and "outer" hold that surface too.
+    """
+    columns, radius = grid.shape[1], flank.contact()[0]
+    body = Body(grid, flank.material.youngs_modulus, flank.material.poissons_ratio)
+    held = np.zeros((*grid.shape, 3), dtype=bool)
+    held[0] = True
+    held[:, 0 if fixing == "bore" else -1 if fixing == "outer" else slice(0, 0)] = True
+    beyond = body.rows()[:, :, 0, :, 0]
+    n = harmonics_to(HIGHEST * radius / flank.map.ball, STEP)
+    found = np.empty((n.size, 2, 2, 2, len(cuts)))
+    kept: dict[bytes, Array] = {}
+    for values, harmonic in zip(found, n.tolist(), strict=True):
+        free = ~held.ravel() & body.axis_free(harmonic)
+        if free.tobytes() not in kept:
+            kept[free.tobytes()] = body.bands(free)
+        powers = factor_c(harmonic) * np.array([1.0, harmonic, harmonic * harmonic])
+        L = cholesky_banded(
+            np.tensordot(powers, kept[free.tobytes()], 1), overwrite_ab=True, lower=True, check_finite=False
+        )
+        Y = dtbtrs(L, loads.reshape(2 * len(cuts), -1)[:, free].T, uplo="L")[0].reshape(-1, 2, len(cuts))
+        for k, cut in enumerate(cuts):
+            line = np.flatnonzero(free[3 * cut * columns : 3 * (cut + 1) * columns])
+            first = int(np.count_nonzero(free[: 3 * cut * columns]))
+            corner = lower_corner(L, first, line.size)
+            S, g = corner @ corner.T, corner @ Y[first : first + line.size, :, k]
+            if cut < grid.shape[0] - 1:  # L holds what follows the cut, too
+                S -= np.tensordot(powers, beyond[:, cut // 2][:, line[:, None], line], 1)
+            r = grid.r[cut, line // 3]
+            work = Y[:first, :, k].T @ Y[:first, :, k]
+            for face, moves in enumerate((np.full(line.size, True), (r < held_radii[0]) | (r > held_radii[1]))):
+                values[face, ..., k] = work + g[moves].T @ np.linalg.solve(S[np.ix_(moves, moves)], g[moves])
+    every = np.arange(n[-1] + 1)
+    whole = CubicSpline(n, found)(every) * patch_shares(every.astype(float), width, radius)[:, None, None, None, None]
+    return np.moveaxis(whole, 1, 0)

@@ -1,0 +1,40 @@
+"""What a result warns of: where it leaves the range in which its models hold."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Literal
+
+Kind = Literal["place", "two flanks", "size", "pressure", "wedged", "profile", "tilt", "rotation", "preload", "safety"]
+
+
+class Warned(str):
+    """A warning: its sentence is the text, ``kind`` says of what it is, and one with ``brief`` stands above the answers.
+
+    >>> found = Warned("rotation", "a section turns by 60 mrad: ...", "rotations up to 60 mrad")
+    >>> found.kind, found.of("nut 1"), found.of("nut 1").brief
+    ('rotation', 'nut 1: a section turns by 60 mrad: ...', 'nut 1: rotations up to 60 mrad')
+    """
+
+    kind: Kind
+    brief: str
+
+    def __new__(cls, kind: Kind, text: str, brief: str = "") -> Warned:
+        """A sentence with its kind, and few words for the line above the answers where it belongs there."""
+        own = super().__new__(cls, text)
+        own.kind, own.brief = kind, brief
+        return own
+
+    def __getnewargs__(self) -> tuple[Kind, str, str]:  # type: ignore[override]
+        """What a copy is made of, in another process too."""
+        return self.kind, str(self), self.brief
+
+    def of(self, name: str) -> Warned:
+        """The same of one of several parts."""
+        return Warned(self.kind, f"{name}: {self}", self.brief and f"{name}: {self.brief}")
+
+
+def above(warnings: Iterable[str]) -> str:
+    """The line above the answers, empty where none of the warnings belongs there."""
+    briefs = [w.brief for w in warnings if isinstance(w, Warned) and w.brief]
+    return f"WARNING outside what the models mean: {'; '.join(briefs)}" if briefs else ""

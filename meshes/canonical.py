@@ -1,0 +1,98 @@
+"""One exact text for what results depend on, and its digest: keys of stored runs and of cached parts.
+
+A record (dataclass or named tuple) is its name and, by name, those fields that differ from their frozen default: that of
+the day they were added (`frozen_defaults`). So a field that is added changes no key, and a default that is changed later
+changes the key of all that relied on it. Numbers that are equal have one text, whatever their type; a negative zero is not
+zero, and not-a-number is one value. Where a record's class lives does not count, its name does.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any
+
+import numpy as np
+
+from rollbench.meshes.frozen_defaults import FROZEN
+
+#: Version of the form, part of every digest: bump it when the same value gets another text.
+FORM = 1
+
+
+@dataclass(frozen=True)
+class Fields:
+    """Fields of a record as they come back from a file: name of its class and values; one that is absent is as usual."""
+
+    record: str
+    values: Mapping[str, object]
+
+
+def digest(*parts: object) -> str:
+    """SHA-256 of the canonical form of some values, 64 hexadecimal digits. Raises TypeError as `canonical`."""
+    return hashlib.sha256(f"form {FORM}: {canonical(parts)}".encode()).hexdigest()
+
+
+def canonical(value: object) -> str:
+    """The text of a value: equal for equal values, different for different ones.
+
+    Records, tuples, lists, dicts (whatever their order), None, truth values, numbers, text, classes, arrays (type, shape
+    and a digest of the values) and compressed sparse matrices. Raises TypeError for anything else.
+
+    >>> canonical((3, 3.0, 0.1, -0.0, True, "a", None))
+    '(3, 3, 0.1, -0, True, "a", None)'
+    """
+    write = _WRITERS.get(type(value))
+    if write is not None:
+        return write(value)
+    if is_dataclass(value) and not isinstance(value, type):
+        return _record(type(value).__name__, {f.name: getattr(value, f.name) for f in fields(value)})
+    if isinstance(value, tuple) and hasattr(value, "_asdict"):
+        return _record(type(value).__name__, value._asdict())
+    if isinstance(value, type):
+        return f"class {value.__module__}.{value.__qualname__}"
+    if isinstance(value, np.bool | np.integer | np.float64 | np.float32 | np.float16 | np.str_):
+        return canonical(value.item())
+    if type(value).__module__.startswith("scipy.sparse") and getattr(value, "format", "") in ("csr", "csc"):
+        return f"{type(value).__name__}{canonical([getattr(value, x) for x in ('shape', 'data', 'indices', 'indptr')])}"
+    raise TypeError(f"{type(value).__module__}.{type(value).__qualname__} has no canonical form")
+
+
+def _record(name: str, values: Mapping[str, object]) -> str:
+    usual = FROZEN.get(name, {})
+    told = {field: canonical(value) for field, value in values.items()}
+    return f"{name}({', '.join(f'{field}={told[field]}' for field in sorted(told) if told[field] != usual.get(field))})"
+
+
+def _float(value: float) -> str:
+    if value.is_integer():
+        return str(int(value)) if value or math.copysign(1.0, value) > 0.0 else "-0"
+    return repr(value)
+
+
+def _array(value: np.ndarray[Any, Any]) -> str:
+    if value.dtype.kind not in "biufc":
+        raise TypeError(f"an array of {value.dtype} has no canonical form")
+    return f"array({value.dtype.str}, {value.shape}, {hashlib.sha256(np.ascontiguousarray(value).data).hexdigest()})"
+
+
+def _dict(value: Mapping[object, object]) -> str:
+    return "{" + ", ".join(sorted(f"{canonical(k)}: {canonical(v)}" for k, v in value.items())) + "}"
+
+
+#: How values of exactly these classes are written.
+_WRITERS: Mapping[type, Callable[[Any], str]] = {
+    type(None): str,
+    bool: str,
+    int: str,
+    float: _float,
+    str: json.dumps,
+    tuple: lambda value: f"({', '.join(map(canonical, value))})",
+    list: lambda value: f"[{', '.join(map(canonical, value))}]",
+    dict: _dict,
+    np.ndarray: _array,
+    Fields: lambda value: _record(value.record, value.values),
+}

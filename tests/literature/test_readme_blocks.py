@@ -1,0 +1,125 @@
+"""Every block of commands in README and CONTRIBUTING is run as printed, in order, each on the files the ones before made.
+
+What is not run is named here with its reason; a block that is neither run nor named fails.
+"""
+
+import ast
+import re
+import shlex
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from rollbench.comparison.cli import main
+
+ROOT = Path(__file__).resolve().parents[2]
+README, CONTRIBUTING = ROOT / "README.md", ROOT / "CONTRIBUTING.md"
+SOLVES_3D = "solves 3D models, minutes on two cores: tests/unit/reference and tests/unit/hifi run small ones"
+#: Command lines that are not run, as patterns.
+HEAVY = {
+    "rollbench report": "the whole report, minutes: tests/unit/reports makes its pages, the continuous integration all",
+    "rollbench compare my.toml --levels 1": SOLVES_3D,
+    "rollbench mesh-study my.toml": SOLVES_3D,
+    "rollbench condense my.toml": SOLVES_3D,
+    "python3 -m venv .venv": "an environment from a registry: the continuous integration begins with it",
+    r"\.venv/bin/pip install .*": "an environment from a registry: the continuous integration begins with it",
+    r"\.venv/bin/(pytest|ruff check \.|mypy|lint-imports)": "the continuous integration runs it",
+    "rollbench check --max-error 7": "the shipped gate: tests/unit/gate and the continuous integration run it",
+    "dask (scheduler|worker).*": "a cluster: tests/unit/reference/test_parallel.py starts one",
+    "rollbench mesh-study my.toml --backend dask .*": "a cluster",
+}
+#: The 3D reference of a file that is new takes minutes: judged without it, so that the exit code is that of not covered.
+UNCOVERED = re.compile(r"rollbench check my\.toml .*")
+
+
+def blocks(path: Path) -> list[str]:
+    """Indented blocks of a page."""
+    found = re.findall(r"(?:\A|\n\n)((?:    .*\n|\n(?=    ))+)", path.read_text(encoding="utf-8"))
+    return ["\n".join(line[4:] for line in block.splitlines()).strip("\n") for block in found]
+
+
+def kind(block: str) -> str:
+    """What a block is written in."""
+    first = block.split()[0]
+    if first.startswith("[") or re.match(r"\w+ = ", block):
+        return "toml"
+    if first in ("import", "def", "from"):
+        return "python"
+    return "yaml" if first.endswith(":") else "shell"
+
+
+def commands(block: str) -> Iterator[str]:
+    """Command lines of a block, continued lines joined, without comments and the environment's folder."""
+    for line in block.replace("\\\n", " ").splitlines():
+        for part in shlex.join(shlex.split(line, comments=True)).split(" '&&' "):
+            yield part.removesuffix(" '&'").replace(".venv/bin/rollbench", "rollbench")
+
+
+def run(line: str, capsys: pytest.CaptureFixture[str]) -> None:
+    words = shlex.split(line)
+    assert words[0] == "rollbench", line
+    uncovered = UNCOVERED.fullmatch(line)
+    with pytest.raises(SystemExit) as stop:
+        main([*words[1:], *(["--no-compute"] if uncovered else [])])
+    said = capsys.readouterr()
+    assert (stop.value.code or 0) == (4 if uncovered else 0), (line, said.err[-500:], said.out[-500:])
+
+
+def heavy(line: str) -> bool:
+    return any(re.fullmatch(pattern, line) for pattern in HEAVY)
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
+def test_blocks_of_the_readme_run_as_printed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    ran = []
+    for block in blocks(README):
+        if kind(block) == "toml":
+            with (tmp_path / "my.toml").open("a", encoding="utf-8") as file:
+                file.write(f"\n{block}\n")
+            run("rollbench friction my.toml", capsys)
+        elif kind(block) == "python":
+            _python(block)
+        else:
+            lines = re.findall(r"- run: (rollbench .*)", block) if kind(block) == "yaml" else list(commands(block))
+            for line in lines:
+                if not heavy(line):
+                    run(line, capsys)
+                    ran.append(line)
+    assert tomllib.loads((tmp_path / "my.toml").read_text(encoding="utf-8"))["friction"]
+    for begins in ("sweep my.toml --vary errors.balls.oversize", "solve my.toml --members 1000", "check my.toml --loads"):
+        assert any(line.replace("'", "").startswith(f"rollbench {begins}") for line in ran), begins
+
+
+def _python(block: str) -> None:
+    """Run a block of Python but for its lines on the gate, which wants the 3D reference; functions are tests of pytest."""
+    import rollbench
+
+    tree = ast.parse(block)
+    for node in tree.body:
+        text = ast.unparse(node)
+        if isinstance(node, ast.FunctionDef) or text.startswith("rollbench.check("):
+            names = re.findall(r"rollbench\.(\w+)\(", text)
+            assert all(hasattr(rollbench, name) for name in names), text
+        else:
+            exec(text, {"rollbench": rollbench})
+
+
+def test_every_command_is_run_or_named_with_its_reason() -> None:
+    for path in (README, CONTRIBUTING):
+        for block in blocks(path):
+            if kind(block) == "shell":
+                for line in commands(block):
+                    assert line.startswith("rollbench ") or heavy(line), f"{path.name}: {line}"
+
+
+def test_every_name_of_what_is_not_run_is_needed() -> None:
+    shells = [block for path in (README, CONTRIBUTING) for block in blocks(path) if kind(block) == "shell"]
+    lines = [line for block in shells for line in commands(block)]
+    for pattern in HEAVY:
+        assert any(re.fullmatch(pattern, line) for line in lines), pattern

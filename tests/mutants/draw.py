@@ -1,0 +1,147 @@
+"""One-line mutants drawn by a seed: ``python tests/mutants/draw.py [SEED [COUNT]]``; prints the rate that the tests kill.
+
+As many modules of physics as mutants are drawn, kernels included, and in each one place: a number, an operator, a
+comparison or an index is another. The nearest tests are those that import the module, else those that import what imports
+it; the one that fails is run again without the mutant. Seconds to minutes each; exit code 1 below `GOAL`, 2 where a test
+fails without a mutant.
+"""
+
+from __future__ import annotations
+
+import ast
+import random
+import re
+import sys
+import tempfile
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[2]))
+from tests.mutants.run import ROOT, copied, passes
+
+#: Share of the mutants that the tests are to kill.
+GOAL = 0.95
+#: Most files of nearest tests, those that name the module most often.
+NEAREST = 6
+PHYSICS = ("lowfi", "hifi", "meshes", "compare/models", "compare/reference", "compare/gate", "compare/rolling")
+#: What is no physics there: files, processes, stores, text.
+OTHERS = re.compile(
+    r"__init__|jit|leftovers|libraries|private|packed|cache|workers|memory|canonical|frozen|bridge|records|store|sealing|jobs"
+    r"|parallel|side_by_side|publish|loads_file|names|registry"
+)
+_SWAPPED = {"+": "-", "-": "+", "*": "/", "/": "*", "<": ">=", ">": "<=", "<=": ">", ">=": "<", "==": "!=", "!=": "=="}
+_OPERATOR = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"} | {
+    ast.Lt: "<", ast.Gt: ">", ast.LtE: "<=", ast.GtE: ">=", ast.Eq: "==", ast.NotEq: "!="
+}  # fmt: skip
+
+
+def modules() -> list[Path]:
+    """All modules of physics."""
+    found = sorted(path for folder in PHYSICS for path in (ROOT / folder).rglob("*.py"))
+    return [path for path in found if not OTHERS.search(path.stem)]
+
+
+def mutants(text: str) -> Iterator[tuple[int, int, str]]:
+    """Places of a source that may be another: offsets of its beginning and end, and what stands there then."""
+    lines, starts = text.splitlines(keepends=True), [0]
+    for line in lines:
+        starts.append(starts[-1] + len(line))
+
+    def place(line: int, column: int) -> int:
+        return starts[line - 1] + len(lines[line - 1].encode()[:column].decode())
+
+    tree = ast.parse(text)
+    skipped = {id(x) for node in ast.walk(tree) for kind in ("decorator_list", "annotation", "returns")
+               for part in [getattr(node, kind, None)] for one in (part if isinstance(part, list) else [part]) if one
+               for x in ast.walk(one)}  # fmt: skip
+    for node in ast.walk(tree):
+        if id(node) in skipped:
+            continue
+        if isinstance(node, ast.Constant) and type(node.value) in (int, float):
+            value = node.value + 1 if isinstance(node.value, int) else 1.01 * node.value or 0.01
+            yield place(node.lineno, node.col_offset), place(node.end_lineno, node.end_col_offset), repr(value)
+        elif isinstance(node, ast.BinOp | ast.Compare):
+            left, right = (node.left, node.right) if isinstance(node, ast.BinOp) else (node.left, node.comparators[0])
+            sign = _OPERATOR.get(type(node.op if isinstance(node, ast.BinOp) else node.ops[0]))
+            low = place(left.end_lineno, left.end_col_offset)
+            between = text[low : place(right.lineno, right.col_offset)]
+            if sign and between.strip(" ()\n") == sign:
+                at = low + between.index(sign)
+                yield at, at + len(sign), _SWAPPED[sign]
+
+
+@cache
+def sources() -> dict[Path, str]:
+    """Texts of all tests, and of all modules."""
+    folders = ("tests", "lowfi", "hifi", "meshes", "compare", "reports")
+    return {path: path.read_text(encoding="utf-8") for folder in folders for path in (ROOT / folder).rglob("*.py")}
+
+
+def dotted(path: Path) -> str:
+    """Name that a module is imported by."""
+    name = path.relative_to(ROOT).with_suffix("").as_posix().replace("/", ".")
+    return "rollbench." + re.sub(r"^compare\b", "comparison", name)
+
+
+def importing(path: Path) -> list[Path]:
+    """Files that import a module; of a kernel, those that import the package it belongs to or is solved by."""
+    name = dotted(path)
+    package, _, own = name.rpartition(".")
+    wanted = rf"{re.escape(name)}\b|from {re.escape(package)} import [^\n]*\b{own}\b"
+    if ".kernel" in name:
+        wanted += rf"|from {re.escape(name.split('.kernel')[0])}\b"
+    found = [other for other, text in sources().items() if other != path and re.search(wanted, text)]
+    return sorted(found, key=lambda other: -len(re.findall(own, sources()[other])))
+
+
+def nearest(path: Path) -> list[str]:
+    """Test files of a module."""
+    found = [path]
+    for _ in range(3):
+        users = list(dict.fromkeys(user for one in found for user in importing(one)))
+        tests = [user for user in users if user.name.startswith("test_") and "survey" not in user.name]
+        if tests:
+            return [test.relative_to(ROOT).as_posix() for test in tests[:NEAREST]]
+        found = users
+    return []
+
+
+def draw(seed: int, count: int) -> Iterator[tuple[Path, int, int, str]]:
+    """Mutants of a seed, each of another module."""
+    dice = random.Random(seed)
+    for path in dice.sample(modules(), count):
+        places = list(mutants(path.read_text(encoding="utf-8")))
+        if places and nearest(path):
+            yield path, *dice.choice(places)
+
+
+def main(seed: int, count: int) -> int:
+    """Try them, and print each with its line, and the rate."""
+    drawn, alive = list(draw(seed, count)), 0
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = copied(Path(temporary))
+        for path, low, high, new in drawn:
+            text = path.read_text(encoding="utf-8")
+            copy = folder / path.relative_to(ROOT)
+            copy.write_text(text[:low] + new + text[high:], encoding="utf-8")
+            try:
+                lives = passes(nearest(path), folder)
+            except RuntimeError:  # not even imported
+                lives = False
+            copy.write_text(text, encoding="utf-8")
+            if not lives and not passes(["--lf", *nearest(path)], folder):
+                print(f"{path}: its tests fail without a mutant", file=sys.stderr)
+                return 2
+            alive += lives
+            line = text.count("\n", 0, low) + 1
+            what = f"{path.relative_to(ROOT)}:{line}: {text[low:high]} to {new}: {text.splitlines()[line - 1].strip()}"
+            print(f"{'SURVIVES' if lives else 'killed  '}  {what}", flush=True)
+    rate = 1.0 - alive / len(drawn)
+    print(f"seed {seed}: {len(drawn)} mutants in as many of {len(modules())} modules, {100.0 * rate:.0f} % killed")
+    return 0 if rate >= GOAL else 1
+
+
+if __name__ == "__main__":
+    given = [int(word) for word in sys.argv[1:3]]
+    sys.exit(main(*given, *(1, 30)[len(given) :]))

@@ -1,0 +1,112 @@
+"""Drawn catalogue screws on the 3D reference: the drawing, an interrupted survey, two small ones; all with -m survey."""
+
+import hashlib
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rollbench.comparison.commands.stability import run_drawn
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.extremes.survey import run
+from rollbench.comparison.extremes.survey.draw import SCENES, SEED, scene_text
+from rollbench.comparison.extremes.survey.record import described, surveyed
+from rollbench.comparison.reference.tasks import needed_sides, settings_of
+from rollbench.comparison.scenes import scene_file
+from rollbench.comparison.sweep import store
+from rollbench.hifi.fit import socket_size
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.solid import dimensions
+
+#: Two of the fewest contacts: without preload, and with clearance.
+SMALL = (69, 136)
+
+
+def test_the_drawing_is_the_same_for_ever_and_can_be_read() -> None:
+    texts = [scene_text(SEED, number) for number in range(10)]
+    assert hashlib.sha256("".join(texts).encode()).hexdigest()[:12] == "ffc9f89ec506"
+    found = [described(scene_file.loads(text, "survey.toml")) for text in texts]
+    ends = np.array([[r["low_face_radii"], r["high_face_radii"]] for r in found])
+    assert ((ends > 1.0) & (ends < 6.1)).all()
+    assert {r["starts"] for r in found} == {1, 2}
+    assert {r["hand"] for r in found} == {"left", "right"}
+
+
+@pytest.mark.parametrize("number", [2, 6, 66, 89, 130, 154, 194])
+def test_balls_at_the_face_find_room_for_their_sockets(number: int) -> None:
+    """Outermost balls 1.00 to 1.13 ball radii from a face: a lip of a tenth of a millimetre beside some contacts."""
+    scene = scene_file.loads(scene_text(SEED, number), "survey.toml")
+    assert 1.0 <= described(scene)["low_face_radii"] < 1.14
+    settings = settings_of([scene], 1)
+    m, layout = GrooveMap.of(scene), ball_layout(scene)
+    size = socket_size(scene, m, layout, needed_sides(scene), dimensions(scene), settings)
+    assert size.gamma * m.radius.min() >= settings.reach[0]
+    assert size.phi * m.R >= settings.reach[1]
+
+
+def test_an_interrupted_survey_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    done: list[int] = []
+
+    def fake(_: int, number: int, __: Path) -> dict[str, object]:
+        if number == 2 and not any("known" in line for line in said):
+            raise KeyboardInterrupt
+        done.append(number)
+        return {"number": number, "status": "converged" if number else "refused", "seconds": 1.0}
+
+    monkeypatch.setattr(run, "surveyed", fake)
+    said: list[str] = []
+    with pytest.raises(KeyboardInterrupt):
+        run.run_survey(SEED, 3, tmp_path / "out", 1, said.append)
+    with next((tmp_path / "out" / store.RECORDS).glob("*.lines")).open("ab") as file:
+        file.write(b"12345678 torn")
+    done.clear()
+    records = run.run_survey(SEED, 3, tmp_path / "out", 1, said.append)
+    assert done == [0, 2]  # what had no answer is tried again
+    assert [r["number"] for r in records] == [0, 1, 2]
+    assert [r["number"] for r in run.unanswered(records)] == [0]
+    assert "[1/3] scene 0: refused, 1 s" in said
+    assert json.loads(run.text(SEED, records))["scenes"] == records
+    with pytest.raises(InputError, match="another sweep"):
+        run.run_survey(SEED + 1, 3, tmp_path / "out", 1, said.append)
+
+
+def test_the_summary_counts_sizes_of_errors_with_an_answer() -> None:
+    def row(status: str, error: float) -> dict[str, object]:
+        return {"number": 0, "status": status, "models": {"refined": {"largest_percent": error, "rigidity_percent": None}}}
+
+    (found,) = run.summary([row("converged", -1.0), row("converged", 3.0), row("not settled", 9.0)])
+    assert found == {
+        "model": "refined",
+        "error": "largest_percent",
+        "scenes": 2,
+        "median": 2.0,
+        "p95": pytest.approx(2.9),
+        "largest": 3.0,
+    }
+
+
+def test_the_command_prints_what_has_no_answer_and_keeps_the_record(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    records = [{"number": 0, "status": "converged"}, {"number": 1, "status": "not settled: 1 N"}]
+    monkeypatch.setattr(run, "run_survey", lambda *_: records)
+    said: list[str] = []
+    keep = tmp_path / "survey.json"
+    code = run_drawn(2, tmp_path, 1, keep, as_json=False, show=lambda *x: said.extend(map(str, x)), print_json=print)
+    assert code == 1
+    assert said[-2:] == ["1 of 2 scenes have an answer", "scene 1: not settled: 1 N"]
+    assert json.loads(keep.read_text())["scenes"] == records
+    with pytest.raises(InputError, match="--survey"):
+        run_drawn(201, tmp_path, 1, None, as_json=False, show=print, print_json=print)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "number", [pytest.param(k, marks=[] if k in SMALL else [pytest.mark.survey]) for k in range(SCENES)]
+)
+def test_every_drawn_screw_has_an_answer(number: int) -> None:
+    record = surveyed(SEED, number)
+    assert (record["status"], record["raised_status"]) == ("converged", "converged")
+    assert record["models"]["refined"]["largest_percent"] < 15.0

@@ -1,0 +1,115 @@
+"""What is installed is the package rollbench alone, whatever a user's own files are called."""
+
+import os
+import subprocess
+import sys
+import sysconfig
+import tarfile
+import venv
+import zipfile
+from pathlib import Path
+
+import pytest
+from hatchling.builders.sdist import SdistBuilder
+from hatchling.builders.wheel import WheelBuilder
+
+import rollbench
+
+ROOT = Path(__file__).parents[3]
+BEFORE = "import meshes, compare, reports\nimport rollbench\n"
+AFTER = "import rollbench\nfound = rollbench.solve('lin-case1')\nimport meshes, compare, reports\n"
+SOLVE = """
+import sys
+found = rollbench.solve("lin-case1")
+assert rollbench.__file__.startswith(sys.prefix), rollbench.__file__
+assert meshes.OWN and compare.OWN and reports.OWN
+assert not {"lowfi", "hifi"} & set(sys.modules)
+judged = rollbench.check("lin-case1", max_error=7, compute=False)
+assert judged.passed, judged
+print(repr(float(found.load.max())))
+"""
+
+
+def contents(wheel: Path | str) -> list[tuple[str, int]]:
+    """Names and checksums of the files of a wheel's package."""
+    with zipfile.ZipFile(wheel) as archive:
+        return sorted((file.filename, file.CRC) for file in archive.infolist() if "dist-info" not in file.filename)
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("built")
+    (made,) = WheelBuilder(str(ROOT)).build(directory=str(folder), versions=["standard"])
+    return Path(made)
+
+
+@pytest.fixture(scope="module")
+def python(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Python of a new environment that holds the wheel, and sees the libraries of this one but not its rollbench."""
+    folder = tmp_path_factory.mktemp("environment")
+    venv.create(folder, symlinks=True)
+    packages = Path(sysconfig.get_path("purelib", "venv", {"base": str(folder), "platbase": str(folder)}))
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(packages)
+    here = sysconfig.get_paths()
+    (packages / "libraries.pth").write_text("\n".join(dict.fromkeys((here["purelib"], here["platlib"]))) + "\n")
+    return folder / "bin" / "python"
+
+
+def test_the_wheel_holds_one_package(wheel: Path) -> None:
+    names = zipfile.ZipFile(wheel).namelist()
+    assert {name.split("/")[0] for name in names} == {"rollbench", f"rollbench-{rollbench.__version__}.dist-info"}
+    assert {"rollbench/__main__.py", "rollbench/py.typed", "rollbench/fixture.py"} <= set(names)
+    assert {"rollbench/comparison/api/calls.py", "rollbench/lowfi/jit.py"} <= set(names)
+    assert not [name for name in names if name.startswith("rollbench/reports/validation")]
+    assert len(names) == len(set(names))
+
+
+def test_a_wheel_by_way_of_the_source_archive_is_the_same(wheel: Path, tmp_path: Path) -> None:
+    (archive,) = SdistBuilder(str(ROOT)).build(directory=str(tmp_path), versions=["standard"])
+    with tarfile.open(archive) as opened:
+        opened.extractall(tmp_path, filter="data")
+    (source,) = (path for path in tmp_path.iterdir() if path.is_dir())
+    (made,) = WheelBuilder(str(source)).build(directory=str(tmp_path), versions=["standard"])
+    assert contents(made) == contents(wheel)
+
+
+@pytest.mark.parametrize("order", [BEFORE, AFTER], ids=["loaded before", "loaded after"])
+def test_it_solves_beside_files_of_the_same_names(python: Path, tmp_path: Path, order: str) -> None:
+    (tmp_path / "meshes").mkdir()
+    for own in ("meshes/__init__.py", "compare.py", "reports.py"):
+        (tmp_path / own).write_text("OWN = True\n")
+    alone = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    done = subprocess.run(
+        [python, "-c", order + SOLVE], cwd=tmp_path, env=alone, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert float(done.stdout) == pytest.approx(rollbench.solve("lin-case1").load.max(), rel=1e-9)
+
+
+def test_the_names_of_the_library_are_loaded_when_used() -> None:
+    code = (
+        "import sys, rollbench; print(sorted(dir(rollbench)), [m for m in sys.modules if m.startswith('rollbench.')], "
+        "'numpy' in sys.modules); rollbench.solve; rollbench.compare; print(callable(rollbench.compare))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines() == [f"{sorted(rollbench.__all__)} [] False", "True"]
+    assert {"mesh_study", "sweep", "report"} <= set(rollbench.__all__)
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        rollbench.nothing  # noqa: B018
+
+
+def test_types_of_the_library_are_checked_in_a_users_script(python: Path, tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(
+        "import rollbench\n\n"
+        "found = rollbench.solve('lin-case1', 'lin')\n"
+        "largest: float = float(found.load.max())\n"
+        "passed: bool = rollbench.check('lin-case1', max_error=7).passed\n"
+        "rollbench.solve(17)\n"
+        "word: int = rollbench.check('lin-case1').word\n"
+    )
+    mypy = [sys.executable, "-m", "mypy", "--follow-imports=silent", "--cache-dir", str(tmp_path / "cache")]
+    command = [*mypy, "--python-executable", str(python), "mine.py"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 1, done.stdout + done.stderr
+    assert [line.split(":")[1] for line in done.stdout.splitlines() if ": error:" in line] == ["6", "7"]

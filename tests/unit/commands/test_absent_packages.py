@@ -1,0 +1,94 @@
+"""What still works where a Python package is not installed: `ONLY_FOR` of `meshes.libraries` says what does not."""
+
+import os
+import subprocess
+import sys
+import venv
+from pathlib import Path
+
+import pytest
+
+from rollbench.comparison.commands.doctor import requirements
+from rollbench.lowfi import jit
+from rollbench.meshes import libraries
+
+TOP = Path(__file__).parents[3]
+CHECK = ("check", "lin-case1", "--no-compute")
+SWEEP = (
+    "sweep",
+    "two-balls",
+    "--vary",
+    "errors.balls.oversize=4 um:7 um",
+    "--samples",
+    "2",
+    "--model",
+    "lin",
+    "--out",
+    "out",
+)
+COMPARE = ("compare", "lin-case1", "--model", "lin", "--store", "runs")
+PAGE = ("report", "lin-case1", "--out", "page")
+EXPORT = ("export", "lin-case1", "nut", "--out", "nut.vtu")
+#: Package, command, exit code, words of its output; the first few are tried in every run of the tests.
+CASES = [
+    ("gmsh", CHECK, 0, "1 pass"),
+    ("scikit-fem", COMPARE, 0, "compare.svg"),
+    ("matplotlib", SWEEP, 0, "and no figure (matplotlib is not installed: pip install matplotlib)"),
+    ("matplotlib", PAGE, 2, "this machine: matplotlib: got matplotlib is not installed"),
+    ("matplotlib", CHECK, 0, "1 pass"),
+    ("matplotlib", COMPARE, 0, "no figure (matplotlib is not installed"),
+    ("scikit-fem", CHECK, 0, "1 pass"),
+    ("scikit-fem", EXPORT, 2, "scikit-fem: got scikit-fem is not installed"),
+    ("scikit-fem", ("report", "--stored"), 2, "scikit-fem: got scikit-fem is not installed"),
+    ("scikit-fem", ("compare", "lin-pair-a"), 2, "scikit-fem: got scikit-fem is not installed"),
+    ("gmsh", COMPARE, 0, "compare.svg"),
+    ("gmsh", PAGE, 0, "index.html"),
+    ("gmsh", EXPORT, 2, "pip install gmsh"),
+    ("meshio", EXPORT, 2, "meshio"),
+    ("pymetis", ("compare", "lin-case1-cut", "--levels", "1", "--store", "runs"), 2, "pymetis is not installed"),
+    ("pyvista", PAGE, 0, "index.html"),
+    ("numba", ("friction", "two-balls", "--mu", "0.1"), 0, "kernels are interpreted"),
+    ("numba", SWEEP, 0, "figures (SVG)"),
+]
+
+
+def run(words, folder, before=(sys.executable, "-m", "tests.without"), **more):
+    done = subprocess.run(
+        [*before, *words], cwd=folder, env={**os.environ, **more}, capture_output=True, text=True, check=False
+    )
+    return done.returncode, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize(("package", "words", "code", "said"), CASES[:4])
+def test_commands_without_a_package(package, words, code, said, tmp_path):
+    found, text = run([package, *words], tmp_path, PYTHONPATH=str(TOP))
+    assert (found, said in text, "Traceback" in text) == (code, True, False), text
+
+
+@pytest.mark.survey
+@pytest.mark.parametrize("package", sorted(libraries.ONLY_FOR))
+def test_commands_where_a_package_is_truly_not_installed(package, tmp_path):
+    venv.create(tmp_path / "venv", with_pip=True)
+    python = str(tmp_path / "venv" / "bin" / "python")
+    pip = [python, "-m", "pip", "-q"]
+    subprocess.run([*pip, "install", "-c", str(TOP / ".ci" / "constraints.txt"), str(TOP)], check=True)
+    subprocess.run([*pip, "uninstall", "-y", package], check=True)
+    for _, words, code, said in (case for case in CASES if case[0] == package):
+        found, text = run(words, tmp_path, (python, "-P", "-m", "rollbench"))
+        assert (found, said in text, "Traceback" in text) == (code, True, False), text
+    found, text = run(["doctor"], tmp_path, (python, "-P", "-m", "rollbench"))
+    assert (found, f"missing   {package}: not installed; {libraries.ONLY_FOR[package]}" in text) == (1, True), text
+
+
+def test_every_package_that_may_be_absent_is_a_requirement_and_is_tried():
+    assert {case[0] for case in CASES} == set(libraries.ONLY_FOR) <= set(requirements())
+
+
+def test_kernels_are_interpreted_without_numba(monkeypatch, capsys):
+    monkeypatch.setattr(libraries, "fault", lambda name: f"{name} is not installed")
+    jit._numba_works.cache_clear()
+    try:
+        assert jit.kernels(jit.CONTACT, compiled=True) is jit.kernels(jit.CONTACT, compiled=False)
+    finally:
+        jit._numba_works.cache_clear()
+    assert capsys.readouterr().err.count("numba is not installed: kernels are interpreted") == 1

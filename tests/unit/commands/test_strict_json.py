@@ -1,0 +1,85 @@
+"""Every command that has --json, on every kind of shipped scene, prints one strict JSON value: no nan, no infinity."""
+
+import inspect
+import json
+
+import pytest
+
+from rollbench.comparison.cli import main
+from rollbench.comparison.commands.arguments import app, machine, many, reference, scenes, validation
+from rollbench.comparison.scenes import catalogue
+
+#: Shipped scenes, the smallest of each kind that `solve` and `friction` take, and of those that only `friction` does.
+WHOLE = ("two-balls", "bearing-9", "bearing-9-preload", "lin-random", "axis-fixed-fixed")
+FRICTION_ONLY = ("lin-rotary-1", "lin-bearing-pairs", "lin-pair-a", "lin-chain-10", "lin-screw-pair-a", "lin-screw-run")
+#: Commands with --json that take no scene, or one only, as short as they can be.
+OTHERS = {
+    "list_": (("list",), ("list", "--trace"), ("list", "--table", "lin-3.2")),
+    "doctor": (("doctor",),),
+    "audit": (("audit", "--only", "lin-3.2"),),  # which prints a zero where another number is computed
+    "stability": (("stability", "--random", "2"),),
+    "compare": (("compare", "lin-case1", "--model", "lin"),),
+    "check": (("check", "lin-case1", "--model", "lin", "--no-compute"),),
+    "mesh_study": (("mesh-study", "two-balls", "--levels", "2"),),
+}
+#: Why others are not run here.
+ELSEWHERE = {
+    "solve": "below",
+    "friction": "below",
+    "sweep": "tests/unit/sweep/test_run.py reads its JSON",
+    "crosscheck": "tests/unit/crosscheck reads its JSON",
+    "bench": "it times for a minute; tests/unit/commands/test_bench.py",
+}
+
+
+def strict(capsys, *tokens):
+    """Parsed output of a command that ends with 0 or 1."""
+
+    def refuse(word):
+        raise AssertionError(f"{tokens} prints {word}")
+
+    with pytest.raises(SystemExit) as stop:
+        main([*tokens, "--json"])
+    assert stop.value.code in (0, 1), tokens
+    return json.loads(capsys.readouterr().out, parse_constant=refuse)
+
+
+def test_no_command_is_forgotten():
+    commands = {
+        name
+        for module in (machine, many, reference, scenes, validation)
+        for name, function in vars(module).items()
+        if inspect.isfunction(function) and "as_json" in inspect.signature(function).parameters
+    }
+    assert commands == OTHERS.keys() | ELSEWHERE.keys()
+    assert all(app[name.replace("_", "-").strip("-")] for name in commands)
+
+
+def test_no_kind_of_shipped_scene_is_forgotten():
+    def kinds(names):
+        return {(type(s).__name__, getattr(s, "kind", "")) for s in map(catalogue.any_scene, names)}
+
+    assert kinds((*WHOLE, *FRICTION_ONLY)) == kinds(catalogue.scene_names())
+
+
+@pytest.mark.parametrize("name", WHOLE)
+def test_solve(capsys, name):
+    assert strict(capsys, "solve", name, "--model", "lin")["scene"] == name
+
+
+@pytest.mark.parametrize("name", [*WHOLE, *FRICTION_ONLY])
+def test_friction(capsys, tmp_path, name):
+    scene = name
+    if name == "lin-screw-run":  # as shipped but for its 200 steps, which take seconds
+        short = catalogue.scene_text(name).replace("steps = 200", "steps = 4")
+        assert short != catalogue.scene_text(name)
+        path = tmp_path / f"{name}.toml"
+        path.write_text(short, encoding="utf-8")
+        scene = str(path)
+    mu = ("--mu", "0.1") if name in WHOLE and catalogue.any_scene(name).friction is None else ()
+    assert strict(capsys, "friction", scene, *mu)["scene"] == name
+
+
+@pytest.mark.parametrize("tokens", [tokens for several in OTHERS.values() for tokens in several], ids=" ".join)
+def test_other_commands(capsys, tokens):
+    assert strict(capsys, *tokens)

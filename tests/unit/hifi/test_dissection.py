@@ -1,0 +1,81 @@
+"""Order, elimination tree and supernodes of sparse matrices, against the pattern of a dense elimination."""
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from tests.fe_meshes import cube, freedoms, stiffness
+
+from rollbench.hifi import dissection
+from rollbench.hifi.dissection import supernodes
+
+
+def grid(n: int) -> sp.csc_matrix:
+    """A cube of springs with ``n`` nodes on an edge, three freedoms each, all coupled."""
+    line = sp.diags([2.2 * np.ones(n), -np.ones(n - 1), -np.ones(n - 1)], [0, 1, -1])
+    one = sp.identity(n)
+    sum_ = sp.kron(sp.kron(line, one), one) + sp.kron(sp.kron(one, line), one) + sp.kron(sp.kron(one, one), line)
+    return sp.csc_matrix(sp.kron(sum_, np.eye(3) + 0.2))
+
+
+def body() -> sp.csc_matrix:
+    """Stiffness of a cube of second-order tetrahedra held on one face."""
+    points, cells = cube("P2", 3)
+    loose = freedoms(np.flatnonzero(points[:, 2] > 0.0))
+    return stiffness(points, cells, "P2", 1.0, 0.3).tocsr()[loose][:, loose].tocsc()
+
+
+def apart() -> sp.csc_matrix:
+    """Two bodies that do not touch, and three freedoms alone."""
+    return sp.csc_matrix(sp.block_diag([grid(3), grid(4), sp.identity(3)]))
+
+
+def filled(K: sp.csc_matrix, order: np.ndarray) -> np.ndarray:
+    """Which entries of the Cholesky factor of a matrix in that order are not zero, by eliminating one after the other."""
+    pattern = K[order][:, order].toarray() != 0.0
+    for k in range(len(pattern)):
+        below = k + 1 + np.flatnonzero(pattern[k + 1 :, k])
+        pattern[np.ix_(below, below)] = True
+    return np.tril(pattern)
+
+
+@pytest.mark.parametrize("leaf", [1, 6, 32])
+@pytest.mark.parametrize("matrix", [grid(5), body(), apart()], ids=["grid", "body", "apart"])
+def test_the_supernodes_hold_the_factor_and_little_more(matrix, leaf, monkeypatch):
+    monkeypatch.setattr(dissection, "LEAF", leaf)
+    nodes = supernodes(matrix)
+    n = matrix.shape[0]
+    np.testing.assert_array_equal(np.sort(nodes.order), np.arange(n))
+    assert np.all(np.ptp(nodes.order.reshape(-1, 3) // 3, axis=1) == 0)  # whole nodes
+    assert (nodes.first[0], nodes.first[-1], nodes.start[-1]) == (0, n, nodes.rows.size)
+    held = np.zeros((n, n), dtype=bool)
+    for k in range(nodes.first.size - 1):
+        low, high = nodes.first[k : k + 2]
+        rows = nodes.rows[nodes.start[k] : nodes.start[k + 1]]
+        assert np.all(np.diff(rows) > 0)
+        np.testing.assert_array_equal(rows[: high - low], np.arange(low, high))
+        held[np.ix_(rows, np.arange(low, high))] = True
+    factor = filled(matrix, nodes.order)
+    held = np.tril(held)
+    assert not np.any(factor & ~held)
+    assert held.sum() <= {1: 1.05, 6: 1.8, 32: 3.0}[leaf] * factor.sum()
+
+
+def test_the_order_saves_fill():
+    K = body()
+    order = supernodes(K).order
+    fill = [filled(K, p).sum() for p in (order, np.arange(K.shape[0]), np.argsort(order))]
+    assert fill[0] < 0.8 * min(fill[1:])
+
+
+def test_the_elimination_tree_is_that_of_a_dense_factor():
+    """The parent of a vertex is the next row of its column of the factor."""
+    rng = np.random.default_rng(4)
+    for density in (0.02, 0.05, 0.2):
+        graph = sp.random(60, 60, density, random_state=rng, format="csr")
+        graph = (graph + graph.T).tocsr()
+        graph.setdiag(0)
+        graph.eliminate_zeros()
+        factor = filled(sp.csc_matrix(graph + sp.identity(60)), np.arange(60))
+        below = [np.flatnonzero(column[k + 1 :]) for k, column in enumerate(factor.T)]
+        expected = [k + 1 + int(own[0]) if own.size else 60 for k, own in enumerate(below)]
+        assert dissection._elimination_tree(graph).tolist() == expected

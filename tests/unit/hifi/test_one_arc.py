@@ -1,0 +1,58 @@
+"""3D bearings whose grooves are one arc: one flank of the mesh, one contact of a ball with it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tests.unit.statics.test_one_arc import bearing
+
+from rollbench.comparison.reference.tasks import needed_sides
+from rollbench.hifi import submodel
+from rollbench.hifi.fit import Settings
+from rollbench.hifi.reference import solve_reference
+from rollbench.hifi.setup import prepare
+from rollbench.lowfi.statics.elastic import solve_elastic
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.parts import Support
+from rollbench.meshes.sockets import flank_limits
+
+COARSE = Settings(
+    b_over_h=1.0,
+    semi=(0.9e-3, 0.2e-3),
+    reach=(1.1e-3, 0.2e-3),
+    fine=3e-3,
+    coarse=12e-3,
+    ball_fine=1.2e-3,
+    ball_coarse=2.4e-3,
+    own_cuts=(3, 2, 3),
+    own_sizes=(2e-3, 8e-3),
+    own_ball_sizes=(0.9e-3, 1.8e-3),
+)
+
+
+@pytest.mark.slow
+def test_loads_are_those_of_elastic_rings(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(submodel, "REALISATIONS", 1)
+    scene = bearing(0.01, 0.0, 0.0)
+    scene = replace(
+        scene,
+        loads=(),
+        balls=replace(scene.balls, azimuths=(-0.4, 0.5)),
+        supports=(Support(0.008, (("ux", 10e-6), ("uy", 0.0), ("uz", 30e-6), ("rx", 0.0), ("ry", 0.0), ("rz", 0.0))),),
+    )
+    sides = needed_sides(scene)
+    assert sides == (0, 3)
+    found, low = solve_reference(prepare(scene, sides, COARSE), scene), solve_elastic(scene)
+    assert found.status == "converged"
+    np.testing.assert_allclose(found.load[:, [0, 3]], low.load[:, [0, 3]], rtol=0.03)  # a coarse mesh
+    np.testing.assert_allclose(found.contact_angle[:, 0], low.contact_angle[:, 0], atol=np.radians(0.3))
+    assert not found.load[:, 1:3].any()
+
+
+def test_one_arc_reaches_from_edge_to_edge() -> None:
+    m = GrooveMap.of(bearing(0.01, 1.0, 0.0))
+    low, high = flank_limits(m, 0, 0.033)
+    assert low == -high
+    two = GrooveMap.of(bearing(15.0, 1.0, 0.0))
+    assert not two.one_arc
+    assert 0.0 < flank_limits(two, 0, 0.033)[0] < np.radians(15.0)

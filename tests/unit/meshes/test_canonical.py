@@ -1,0 +1,164 @@
+"""The canonical form that keys are made of: it survives new fields, and nothing that numbers depend on escapes it."""
+
+import dataclasses
+import typing
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from tests.keyed_records import built, changed, default, example, keyed_records, names, other
+
+from rollbench.comparison.reference.store import UNSAID, bodies_key, key_of
+from rollbench.comparison.scenes import catalogue
+from rollbench.meshes import canonical as module
+from rollbench.meshes.canonical import Fields, canonical, digest
+from rollbench.meshes.frozen_defaults import FROZEN
+from rollbench.meshes.parts import Errors, Scene
+
+RECORDS = keyed_records()
+FIELDS = [(name, field) for name, record in RECORDS.items() for field in names(record)]
+#: Fields whose default was changed on purpose since they were frozen: scenes that rely on it have another key since.
+CHANGED = {("Friction", "coupling")}  # 0.5.0: the scenes' default is the record's
+
+
+@pytest.mark.parametrize("name", sorted(RECORDS))
+def test_frozen_defaults_name_every_field(name: str) -> None:
+    """A new field is added to meshes/frozen_defaults.py with its default; a changed default stands in CHANGED here."""
+    record, frozen = RECORDS[name], FROZEN[name]
+    assert set(names(record)) == set(frozen), f"meshes/frozen_defaults.py: {name} has other fields"
+    for field in names(record):
+        if (name, field) not in CHANGED:
+            usual = default(record, field)
+            assert frozen[field] == (None if usual is dataclasses.MISSING else canonical(usual)), field
+
+
+def test_frozen_defaults_name_no_other_record() -> None:
+    assert sorted(FROZEN) == sorted(RECORDS)
+
+
+def with_field(record: type, field: str, value: object) -> type:
+    """The record's class as it will be with a new field, or a new default."""
+    own = dataclasses.field(default_factory=lambda: value)
+    return dataclasses.make_dataclass(record.__name__, [(field, typing.Any, own)], bases=(record,), frozen=True)
+
+
+def as_class(value: object, record: type) -> object:
+    """The value with every record of that name made one of that class."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        of = record if type(value).__name__ == record.__name__ else type(value)
+        return built(of, **{name: as_class(getattr(value, name), record) for name in names(type(value))})
+    return tuple(as_class(x, record) for x in value) if isinstance(value, tuple) else value
+
+
+@pytest.mark.parametrize("name", sorted(RECORDS))
+def test_a_new_field_changes_no_key(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    before = {own: canonical(example(record)) for own, record in RECORDS.items()}
+    later = with_field(RECORDS[name], "added", 0.25)
+    monkeypatch.setitem(module.FROZEN, name, FROZEN[name] | {"added": "0.25"})
+    for own, record in RECORDS.items():
+        made = as_class(example(record), later)
+        assert canonical(made) == before[own], own
+        if own == name:
+            assert canonical(changed(made, added=0.5)) != before[own]
+
+
+@pytest.mark.parametrize("name", sorted(RECORDS))
+def test_a_new_field_keeps_keys_of_runs_and_bodies(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = catalogue.scene("lin-case3-offset")
+    keys = key_of(scene, "land", {"cell": 1.0}, (0, 3)), bodies_key(scene, {"cell": 1.0}, (0, 3))
+    monkeypatch.setitem(module.FROZEN, name, FROZEN[name] | {"added": "0.25"})
+    made = as_class(scene, with_field(RECORDS[name], "added", 0.25))
+    settings = {"cell": 1.0} | ({"added": 0.25} if name == "Settings" else {})
+    assert (key_of(made, "land", settings, (0, 3)), bodies_key(made, settings, (0, 3))) == keys
+
+
+@pytest.mark.parametrize(("name", "field"), FIELDS)
+def test_another_value_of_any_field_changes_the_form(name: str, field: str) -> None:
+    made, hints = example(RECORDS[name]), typing.get_type_hints(RECORDS[name])
+    assert canonical(changed(made, **{field: other(getattr(made, field), hints[field])})) != canonical(made)
+
+
+@pytest.mark.parametrize(("name", "field"), [x for x in FIELDS if FROZEN[x[0]].get(x[1]) is not None])
+def test_another_default_of_any_field_changes_the_form_of_what_relies_on_it(name: str, field: str) -> None:
+    record = RECORDS[name]
+    later = with_field(record, field, other(default(record, field), typing.get_type_hints(record)[field]))
+    given = {own: getattr(example(record), own) for own in names(record) if FROZEN[name][own] is None}
+    assert canonical(built(later, **given)) != canonical(built(record, **given))
+
+
+@pytest.mark.parametrize("field", [f for f in names(Scene) if f not in UNSAID])
+def test_any_field_that_static_loads_depend_on_changes_the_key_of_a_run(
+    field: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rollbench.comparison.reference.store.dimensions", lambda _: example(RECORDS["Dimensions"]))
+    scene = catalogue.scene("lin-case3-offset")
+    value = other(getattr(scene, field), typing.get_type_hints(Scene)[field])
+    assert key_of(dataclasses.replace(scene, **{field: value}), "", {}, (0, 3)) != key_of(scene, "", {}, (0, 3))
+
+
+def test_equal_numbers_have_one_text() -> None:
+    for same in ((3, 3.0, np.float64(3.0), np.int32(3), np.float32(3.0)), (10**20, 1e20), (0.1, np.float64(0.1)), (0, 0.0)):
+        assert len(set(map(canonical, same))) == 1
+    apart = [
+        0,
+        -0.0,
+        1,
+        True,
+        False,
+        0.1,
+        0.1 + 1e-17 * 2,
+        float("nan"),
+        float("inf"),
+        -float("inf"),
+        "1",
+        None,
+        (),
+        [],
+        {},
+    ]
+    apart += [
+        (1,),
+        [1],
+        (1, 1),
+        "nan",
+        "None",
+        np.array([1.0]),
+        np.array([1]),
+        np.array([[1.0]]),
+        5e-324,
+        1e308,
+        np.float32(0.1),
+    ]
+    assert len(set(map(canonical, apart))) == len(apart)
+    assert canonical(float("nan")) == canonical(-float("nan"))
+
+
+def test_containers_and_arrays_count_by_content() -> None:
+    assert canonical({"a": 1, (1, 2): 3}) == canonical({(1, 2): 3.0, "a": 1})
+    square = np.arange(6.0).reshape(2, 3)
+    assert canonical(square) == canonical(np.asfortranarray(square)) != canonical(square.T)
+    assert canonical(sp.csr_matrix(square)) not in (
+        canonical(sp.csc_matrix(square)),
+        canonical(sp.csr_matrix(square + 1.0)),
+    )
+    assert canonical(Fields("Errors", {"seed": 0})) == canonical(Errors()) == "Errors()"
+    assert canonical(Errors(lead_offset=2e-6)) == "Errors(lead_offset=2e-06)"
+
+
+@pytest.mark.parametrize(
+    "value",
+    [object(), Path("a"), {1}, len, np.array([None]), 1j, np.ma.array([1.0])],
+    ids=lambda value: type(value).__name__,
+)
+def test_what_has_no_form_is_refused(value: object) -> None:
+    for inside in (value, (value,), {"a": value}):
+        with pytest.raises(TypeError, match="no canonical form"):
+            canonical(inside)
+
+
+def test_digests_hold_the_version_of_the_form(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = digest(1, "a")
+    assert before != digest((1, "a"))
+    monkeypatch.setattr(module, "FORM", module.FORM + 1)
+    assert digest(1, "a") != before

@@ -1,0 +1,112 @@
+"""A bearing near a contact angle of zero has one arc a groove, and one contact of a ball with it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rollbench.comparison.scenes import scene_file
+from rollbench.lowfi.statics.elastic import solve_elastic
+from rollbench.lowfi.statics.problem import nominal_hertz
+from rollbench.lowfi.statics.static import solve_static
+from rollbench.meshes.one_arc import LEAST, as_one_arc, is_one_arc
+from rollbench.meshes.parts import Load, Scene
+
+BEARING = """
+title = "deep groove"
+[material]
+youngs_modulus = "210 GPa"
+poissons_ratio = 0.3
+[track]
+pitch_radius = "35 mm"
+lead = "0 mm"
+contact_angle = "ANGLE deg"
+[screw]
+length = "16 mm"
+outer_diameter = "66 mm"
+bore = "50 mm"
+groove_radius = "6.5 mm"
+[nut]
+position = "8 mm"
+length = "16 mm"
+outer_diameter = "90 mm"
+groove_radius = "6.5 mm"
+[balls]
+radius = "6.25 mm"
+count = 9
+turns = 1
+[[supports]]
+at = "8 mm"
+fix = ["rx", "ry", "rz"]
+[ingredients]
+screw = "rigid"
+"""
+SOLVERS = {"lin": solve_static, "refined": solve_elastic}
+
+
+def bearing(angle: float, *force: float) -> Scene:
+    scene = scene_file.read(BEARING.replace("ANGLE", repr(angle)), "deep-groove.toml")
+    assert isinstance(scene, Scene)
+    return replace(scene, loads=(Load(0.008, (force[0], 0.0, force[1]), (0.0, 0.0, 0.0)),))
+
+
+@pytest.mark.parametrize("model", SOLVERS)
+def test_each_ball_has_one_contact_a_groove_and_stribecks_share(model: str) -> None:
+    found = SOLVERS[model](bearing(0.01, 3000.0, 0.0))
+    assert found.converged
+    assert not any("counted twice" in x or "beyond the groove" in x for x in found.warnings)
+    assert (found.load > 0.0).any(axis=0).tolist() == [True, False, False, True]
+    azimuth = np.radians([-160.0 + 40.0 * k for k in range(9)])
+    assert (found.load[:, 0] * np.cos(azimuth)).sum() == pytest.approx(3000.0, rel=1e-9)
+    assert found.load.max() == pytest.approx(4.37 * 3000.0 / 9.0, rel=0.02)  # zero clearance
+
+
+@pytest.mark.parametrize("model", SOLVERS)
+def test_thrust_either_way_turns_the_contact_angle_alike(model: str) -> None:
+    there, back = (SOLVERS[model](bearing(0.01, 0.0, sign * 2000.0)) for sign in (1.0, -1.0))
+    assert there.converged
+    assert back.converged
+    np.testing.assert_allclose(back.load, there.load, rtol=1e-5)
+    np.testing.assert_allclose(back.contact_angle[:, 0], -there.contact_angle[:, 0], rtol=1e-5)
+    assert (np.degrees(there.contact_angle[:, 0]) > 8.0).all()
+
+
+def test_thrust_between_rigid_rings_in_closed_form() -> None:
+    """Groove centres A apart radially at rest and u along the axis: approach sqrt(A^2 + u^2) - A, angle atan(u / A)."""
+    scene = bearing(0.01, 0.0, 2000.0)
+    found = solve_static(scene)
+    centres = 2.0 * 0.25e-3
+    angle = found.contact_angle[0, 0]
+    moved = centres * np.tan(angle)
+    constants = nominal_hertz(scene).C
+    force = ((np.hypot(centres, moved) - centres) / (constants[0] + constants[3])) ** 1.5
+    np.testing.assert_allclose(found.load[:, 0], force, rtol=1e-6)
+    assert 9.0 * force * np.sin(angle) == pytest.approx(2000.0, rel=1e-6)
+
+
+def test_screws_and_clear_angles_keep_two_arcs() -> None:
+    clear = bearing(15.0, 3000.0, 0.0)
+    assert not is_one_arc(clear)
+    assert as_one_arc(clear) is clear
+    near = bearing(2.0, 3000.0, 0.0)
+    assert near.track.contact_angle == LEAST
+    assert "ridge between two arcs would stand 0.15 um away" in near.assumed[-1]
+    screw = replace(near, track=replace(near.track, lead=0.01))
+    assert not is_one_arc(screw)
+
+
+def test_a_set_on_a_shaft_takes_one_arc_unless_its_thrust_is_written() -> None:
+    head, sets = BEARING.split("[track]")
+    track, rest = sets.split("[screw]")
+    screw, rest = rest.split("[nut]")
+    nut, rest = rest.split("[[supports]]")
+    support = rest.split("[ingredients]")[0]
+    own = ("[sets.track]" + track + "[sets.nut]" + nut.replace("[balls]", "[sets.balls]")).replace("ANGLE", "0.01")
+    load = '[[loads]]\nat = "8 mm"\nforce = ["3000 N", "0 N", "0 N"]\n'
+    shaft = f'kind = "axis"\n{head}[screw]{screw}[[supports]]{support}\n{load}'
+    sets = "".join(
+        f'[[sets]]\nname = "{name}"\n{said}{own}' for name, said in (("free", ""), ("written", 'thrust = "+z"\n'))
+    )
+    free, written = scene_file.read(shaft + sets, "axis.toml").sets
+    assert (free.thrust, free.parts.track.contact_angle) == ("deep groove", LEAST)
+    assert (written.thrust, written.parts.track.contact_angle) == ("+z", np.radians(0.01))
