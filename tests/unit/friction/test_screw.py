@@ -25,7 +25,12 @@ from rollbench.lowfi.friction.screw.motion import ball_motion, ball_motion_by_ro
 SCREW = table_3_6()
 TWO = np.radians(2.0)
 FLIP = [1, 0, 3, 2]  # SL <-> SR, NL <-> NR
-RNG = np.random.default_rng(3)
+
+
+@pytest.fixture
+def rng() -> np.random.Generator:
+    """The same draws in whatever order tests run."""
+    return np.random.default_rng(3)
 
 
 def rotation(vector):
@@ -130,7 +135,7 @@ def cell_of(pair, push=None):
     return cell if push is None else replace(cell, push=push)
 
 
-def test_loads_are_the_least_energy() -> None:
+def test_loads_are_the_least_energy(rng: np.random.Generator) -> None:
     """Against a search that knows the energy only, and its gradient against differences."""
     cell = cell_of(replace(inferred(TWO), free="rz", force=(3.0, 50.0)), push=np.array([[1.0, -2.0], [0.5, 3.0]]))
     scale, arrays = 1e-6, load_arrays(cell)
@@ -148,7 +153,7 @@ def test_loads_are_the_least_energy() -> None:
     x = np.append(found.ball.ravel(), found.screw) / scale
     assert energy(x) <= best.fun + 1e-12 * abs(best.fun)
     assert x == pytest.approx(best.x, abs=1e-3)
-    p, u, h = RNG.normal(size=(2, 2)) * 1e-6, RNG.normal(size=2) * 1e-6, 1e-10
+    p, u, h = rng.normal(size=(2, 2)) * 1e-6, rng.normal(size=2) * 1e-6, 1e-10
     energy_at(p, u)
     slope = np.append(state.ball.ravel(), state.inner)
     for k in range(6):
@@ -160,12 +165,12 @@ def test_loads_are_the_least_energy() -> None:
 
 @pytest.mark.parametrize("oversize", [-1e-5, 0.0, 1.7e-6])
 @pytest.mark.parametrize("force", [1e-3, 1.0, 1e3])
-def test_loads_from_random_starts(oversize: float, force: float) -> None:
+def test_loads_from_random_starts(oversize: float, force: float, rng: np.random.Generator) -> None:
     cell = cell_of(replace(plain(TWO), oversize=oversize, force=(force,)))
     reference = settle_load(cell)
     assert reference.converged
     for _ in range(5):
-        again = settle_load(cell, (RNG.normal(size=(2, 2)) * 1e-5, RNG.normal(size=1) * 1e-5))
+        again = settle_load(cell, (rng.normal(size=(2, 2)) * 1e-5, rng.normal(size=1) * 1e-5))
         assert again.converged
         assert again.force == pytest.approx(reference.force, rel=1e-6, abs=1e-8 * force)
 
@@ -211,13 +216,13 @@ def test_reversed_and_mirrored_motion(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", STATES)
-def test_motion_is_the_least_dissipation(name: str) -> None:
+def test_motion_is_the_least_dissipation(name: str, rng: np.random.Generator) -> None:
     """Random starts end at the same loss, and no point that a direct search finds dissipates less."""
     force, angle = STATES[name]
     one = ball_motion(SCREW, force, angle)
     problem = one.problem
     for _ in range(5):
-        start = one.motion.q * (1.0 + RNG.normal(size=4)) + RNG.normal(size=4)
+        start = one.motion.q * (1.0 + rng.normal(size=4)) + rng.normal(size=4)
         again = ball_motion(SCREW, force, angle, start=start)
         assert again.motion.loss == pytest.approx(one.motion.loss, rel=1e-9)
 
@@ -231,7 +236,7 @@ def test_motion_is_the_least_dissipation(name: str) -> None:
     assert best.fun <= one.motion.loss * (1.0 + 1e-3)
 
 
-def test_root_of_the_sources_law() -> None:
+def test_root_of_the_sources_law(rng: np.random.Generator) -> None:
     """In four-point contact it spends what the least dissipation does; near two-point contact many starts fail."""
     one = ball_motion(SCREW, *STATES["four"])
     for sharpness, off in ((100.0, 1e-3), (1e4, 1e-9)):
@@ -240,7 +245,7 @@ def test_root_of_the_sources_law() -> None:
         assert root.loss == pytest.approx(one.motion.loss, rel=off)
     assert source_law(SCREW, 100.0).reference == pytest.approx(2.0 * np.pi * 0.98193 * np.sqrt(0.5), rel=1e-4)
     two = ball_motion(SCREW, *STATES["two"])
-    starts = [two.motion.q * (1.0 + 0.3 * RNG.normal(size=4)) for _ in range(20)]
+    starts = [two.motion.q * (1.0 + 0.3 * rng.normal(size=4)) for _ in range(20)]
     failed = sum(ball_motion_by_root(two, source_law(SCREW, 1e3), s).status == "failed" for s in starts)
     assert failed > 4
 

@@ -16,7 +16,13 @@ from rollbench.lowfi.friction.screw.motion import hold_screw
 from rollbench.lowfi.friction.screw.records import JointMatrix, Place
 from rollbench.lowfi.jit import SCREW, kernels
 
-RNG = np.random.default_rng(8)
+
+@pytest.fixture
+def rng() -> np.random.Generator:
+    """The same draws in whatever order tests run."""
+    return np.random.default_rng(8)
+
+
 TWO = np.radians(2.0)
 SLACK = np.array([0.0, np.inf])
 
@@ -79,12 +85,12 @@ def test_maps_of_the_kernels_are_those_of_the_groove(screw: ScrewGroove) -> None
 
 
 @pytest.mark.parametrize(("n", "half", "columns"), [(1, 1, 1), (7, 2, 1), (40, 9, 1), (42, 12, 3)])
-def test_banded_elimination(n: int, half: int, columns: int) -> None:
+def test_banded_elimination(n: int, half: int, columns: int, rng: np.random.Generator) -> None:
     """Against a dense solution; the small diagonal makes rows change places."""
-    full = RNG.normal(size=(n, n))
+    full = rng.normal(size=(n, n))
     full[np.abs(np.subtract.outer(np.arange(n), np.arange(n))) > half] = 0.0
     full[range(n), range(n)] *= 1e-9
-    K, right = np.zeros((n, 3 * half + 1)), RNG.normal(size=(n, columns))
+    K, right = np.zeros((n, 3 * half + 1)), rng.normal(size=(n, columns))
     for i, j in np.argwhere(full != 0.0):
         K[i, half + j - i] = full[i, j]
     x = right.copy()
@@ -92,7 +98,7 @@ def test_banded_elimination(n: int, half: int, columns: int) -> None:
     assert x == pytest.approx(np.linalg.solve(full, right), rel=1e-7, abs=1e-9)
 
 
-def test_jacobian_of_the_joint_system_against_differences() -> None:
+def test_jacobian_of_the_joint_system_against_differences(rng: np.random.Generator) -> None:
     """Every entry: places, motions, force between the balls, screw; and the residual of both engines."""
     pair = replace(inferred(TWO), oversize=2.5e-6, free="rz", force=(3.0, 50.0))
     cell = pair.cell()
@@ -117,8 +123,8 @@ def test_jacobian_of_the_joint_system_against_differences() -> None:
         kernels(SCREW, compiled=fast).assemble(system, at, 0.7, 1e-2, 0, m)
         return np.append(m.side, m.side_screw), m
 
-    x = s.alone() * (1.0 + 0.1 * RNG.normal(size=(2, 4)))
-    own = np.column_stack([load.ball / length + 0.1 * RNG.normal(size=(2, 2)), x, RNG.uniform(0.1, 0.3, 2)])
+    x = s.alone() * (1.0 + 0.1 * rng.normal(size=(2, 4)))
+    own = np.column_stack([load.ball / length + 0.1 * rng.normal(size=(2, 2)), x, rng.uniform(0.1, 0.3, 2)])
     z, h = np.append(own.ravel(), load.screw / length), 1e-6
     value, (_, _, K, columns, lines, corner) = residual(z)
     full = np.zeros((16, 16))

@@ -20,7 +20,12 @@ from rollbench.lowfi.friction.screw.pair import BOTH, Pair, oversize_map, solve_
 SCREW = table_3_6()
 TWO = np.radians(2.0)
 FLIP = [1, 0, 3, 2]  # SL <-> SR, NL <-> NR
-RNG = np.random.default_rng(3)
+
+
+@pytest.fixture
+def rng() -> np.random.Generator:
+    """The same draws in whatever order tests run."""
+    return np.random.default_rng(3)
 
 
 @pytest.mark.parametrize("make", [plain, inferred])
@@ -83,23 +88,23 @@ def test_reversed_motion_parts_the_pair() -> None:
     assert same.force == pytest.approx(0.0, abs=1e-6)
 
 
-def test_pair_does_not_depend_on_the_start() -> None:
+def test_pair_does_not_depend_on_the_start(rng: np.random.Generator) -> None:
     cell = inferred(TWO).cell()
     load = settle_load(cell)
     chain = Chain(SCREW, load.force, SCREW.normals(load.angle), np.array([0.0, np.inf]))
     one = solve_chain(chain)
     for _ in range(5):
-        start = one.q * (1.0 + 0.5 * RNG.normal(size=one.q.shape)), RNG.uniform(0.0, 5.0, size=2)
+        start = one.q * (1.0 + 0.5 * rng.normal(size=one.q.shape)), rng.uniform(0.0, 5.0, size=2)
         again = solve_chain(chain, start)
         assert again.converged
         assert again.ball_force == pytest.approx(one.ball_force, rel=1e-8)
 
 
-def test_chain_jacobian_against_differences() -> None:
+def test_chain_jacobian_against_differences(rng: np.random.Generator) -> None:
     """The band of the kernels, every entry."""
     force, angle = np.tile(STATES["four"][0], (4, 1)), np.tile(STATES["four"][1], (4, 1))
     s = Search(Chain(SCREW, force, SCREW.normals(angle), np.array([0.1, 0.0, 0.2, np.inf])))
-    x, f, eps = s.alone() * (1.0 + 0.1 * RNG.normal(size=(4, 4))), RNG.uniform(0.1, 0.3, size=4), 1e-2
+    x, f, eps = s.alone() * (1.0 + 0.1 * rng.normal(size=(4, 4))), rng.uniform(0.1, 0.3, size=4), 1e-2
     band = np.zeros((20, 3 * HALF + 1))
 
     def residual(z):
