@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollbench.comparison.commands.solve_output import number
+from rollbench.comparison.commands.solve_output import expected_json, number
 from rollbench.comparison.commands.summary import contacts_json, loads_json
 from rollbench.comparison.measure import LoadError, error_percent, load_error
 from rollbench.comparison.models.answers import LoadAnswers, load_answers, unloaded_place
@@ -146,6 +146,7 @@ def answers_json(whole: Comparison, found: Reference) -> dict[str, Any]:
         "uncertainty": whole.total.as_json(),
         "model": whole.spoken.label,
         "expected_error_percent": None if expected is None else expected.percent,
+        **expected_json(expected, "expected_{}_error_percent"),
         "measured_error_percent": None if error is None else error.max_percent,
         "answers": {b.label: answers_of(b) for b in (whole.itself, *whole.models)},
     }

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -304,10 +305,12 @@ def scatter(rows: Sequence[Validated]) -> list[Scatter]:
     return out
 
 
-def bound_shares(rows: Sequence[Mapping[str, float | str]]) -> dict[str, tuple[int, int]]:
-    """By model: measured errors within what was expected of them, and how many were (rows of `ladder.left_out_one`)."""
+def bound_shares(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, int]]:
+    """By model: measured errors within what was expected of them, and of how many any was (`ladder.left_out_one`)."""
     out: dict[str, tuple[int, int]] = {}
     for row in rows:
+        if row["expected"] is None:
+            continue
         held, total = out.get(str(row["model"]), (0, 0))
         good = float(row["measured"]) <= float(row["expected"])
         out[str(row["model"])] = (held + good, total + 1)

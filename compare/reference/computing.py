@@ -51,6 +51,7 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
     if task.variant:
         scenes = tuple(VARIANTS[task.variant].change(scene) for scene in scenes)
     settings = settings_of(scenes, task.level, task.variant)
+    settings = replace(settings, cell=task.cut_cells * settings.cell)
     sides = tuple(sorted({s for scene in scenes for s in needed_sides(scene)}))
     for attempt in range(ENLARGE + 1):
         try:

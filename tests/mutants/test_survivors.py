@@ -13,7 +13,6 @@ from tests.helpers import small_screw
 from tests.mutants import draw
 
 from rollbench.comparison.gate import closed_forms
-from rollbench.comparison.models.model_form import SCALES, distance
 from rollbench.comparison.scenes.catalogue import scene as shipped
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.groove_map import GrooveMap
@@ -42,12 +41,6 @@ def test_textbook_formulas_agree_to_round_off():
     for name, _, computed, closed in closed_forms.sphere_on_flat(shipped("lin-case1"), 200.0):
         assert computed == pytest.approx(closed, rel=1e-9), name
     assert np.divide(*closed_forms.preload(shipped("lin-case1"), 5e-6)) == pytest.approx(1.0, rel=1e-6)
-
-
-def test_nuts_held_elsewhere_are_a_unit_apart():
-    here = dict.fromkeys(SCALES, 0.0)
-    assert distance(here, here)[0] == 0.0
-    assert distance(here, here | {"held": 2.0}) == (1.0, "held")
 
 
 @pytest.mark.parametrize("at", [0.06, 0.06 + 6e-6])
