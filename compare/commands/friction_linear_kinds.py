@@ -131,8 +131,9 @@ def solve_linear(scene: KindScene) -> Answer:
 
 
 def second_json(near: ChainResult, second: ChainResult) -> dict[str, Any]:
-    """Another state of the chain: its force on the carriage, and the pairs that press otherwise, with their forces."""
-    other = np.flatnonzero(np.abs(second.ball_force - near.ball_force) > ANOTHER * np.abs(second.ball_force).max(initial=0.0))
+    """Another state of the chain: force on the carriage, and pairs that press otherwise, with their forces."""
+    apart = np.abs(second.ball_force - near.ball_force)
+    other = np.flatnonzero(apart > ANOTHER * apart.max())
     pairs = [{"balls": f"{k + 1}-{k + 2}", "force_N": number(second.ball_force[k])} for k in other]
     return {"drive_N": number(second.drive), "pairs": pairs}
 
@@ -141,10 +142,10 @@ def jam_warnings(near: ChainResult, second: ChainResult | None) -> list[str]:
     """What to say where balls may also stand in another, jammed state."""
     if second is None:
         return []
+    most, own = second.ball_force.max(), near.ball_force.max()
     return [
-        "friction between balls allows a second state, in which they press on each other by up to "
-        f"{second.ball_force.max():.4g} N instead of {near.ball_force.max():.4g} N and the carriage needs "
-        f"{second.drive:.6g} N instead of {near.drive:.6g} N; the answer is the one that friction between balls leads to as it rises"
+        f"friction between balls allows a second state: they press on each other by up to {most:.4g} N instead of "
+        f"{own:.4g} N, and the carriage needs {second.drive:.6g} N instead of {near.drive:.6g} N; how it got there decides"
     ]
 
 

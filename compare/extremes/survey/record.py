@@ -20,6 +20,7 @@ from rollbench.comparison.reference.jobs import keep
 from rollbench.comparison.reference.store import Run
 from rollbench.comparison.reference.tasks import Task
 from rollbench.comparison.scenes import scene_file
+from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout, lead_angle
@@ -129,7 +130,7 @@ def _model(name: str, scene: Scene, raised: Scene, run: Run, moved: Sequence[flo
     first, second = (run_model(one, name, Options(discretisation=False)) for one in (scene, raised))
     if not first.converged:
         return {"status": first.status}
-    error, own = load_error(first.load, run.load), [_moved(scene, one) for one in (first, second)]
+    error, own = load_error(first.load, run.load, nominal_contacts(scene)), [_moved(scene, one) for one in (first, second)]
     stiff, reference = _ratio([_pull(scene, one) for one in (first, second)], own), _ratio(pushed, moved)
     expected = estimate(scene, first)
     rigidity = None if stiff is None or reference is None else round(float(error_percent(stiff, reference)), 4)
