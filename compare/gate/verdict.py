@@ -115,7 +115,7 @@ def judge(
     points = [p for p in gate_points(found.scene, found, limits.largest, load) if p.side in flanks]
     one = ONE_LEVEL if found.parts.by_experience else ""
     detail = "; ".join(part for part in (detail, found.unsettled, one) if part)
-    of_mean = load_error(np.where(chosen, load, 0.0), np.where(chosen, found.load, 0.0))
+    of_mean = load_error(np.where(chosen, load, 0.0), np.where(chosen, found.load, 0.0), found.contacts)
     shared = {"levels": levels, "contacts": len(points), "detail": detail}
     if not points:
         why = f"the reference carries no load on {', '.join(flanks)}"

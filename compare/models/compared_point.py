@@ -16,6 +16,7 @@ import numpy as np
 from rollbench.comparison.measure import error_percent, load_error
 from rollbench.comparison.models.model_form import Point, features
 from rollbench.comparison.reference.store import Run
+from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import lead_angle
@@ -66,7 +67,7 @@ def _at(scene: Scene, stations: Array, along: Array) -> float:
 
 def point(name: str, scene: Scene, result: StaticResult, run: Run, raised: Raised | None = None) -> Point:
     """Errors of a model's result on a scene by ``name``; raised: scene, result and run with more load, for the rigidity."""
-    error = load_error(result.load, run.load)
+    error = load_error(result.load, run.load, nominal_contacts(scene))
     own, reference = SectionAnswer.of_result(scene, result), SectionAnswer.of_run(scene, run)
     stiff: tuple[float | None, float | None] = (None, None)
     if raised is not None:

@@ -23,7 +23,6 @@ from rollbench.comparison.reference.store import Run, bodies_path, shipped_store
 from rollbench.comparison.scenes.catalogue import with_role
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Scene
 
 #: Scenes whose reference runs come with the package.
@@ -212,7 +211,7 @@ def _line_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Compar
 
 
 def _summary_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[ComparisonRow]:
-    e = load_error(answer.load, found.load)
+    e = load_error(answer.load, found.load, found.contacts)
     keys = PRINTED.get(scene.name, ("", "", ""))
 
     def printed(key: str) -> float | None:
@@ -295,7 +294,7 @@ class GatePoint:
 
 def gate_points(name: str, found: Reference, max_error: float, load: Array) -> list[GatePoint]:
     """Every contact of a scene loaded in the reference or in ``load`` (n, 4) [N], with the gate's verdict."""
-    mean = mean_load(found.load)
+    mean = found.mean
     points = []
     for i, s in zip(*np.nonzero((found.load > 0.0) | (load > 0.0)), strict=True):
         own = float(found.load[i, s])

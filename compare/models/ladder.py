@@ -66,7 +66,7 @@ def climb(scene: Scene, found: Reference, stores: Sequence[Path] | None) -> list
                 scene.name,
                 model.name,
                 result,
-                load_error(result.load, found.load),
+                load_error(result.load, found.load, found.contacts),
                 uncertainty_percent(found),
                 bias,
                 seconds,
@@ -99,7 +99,7 @@ def shares(study: Study) -> list[Share]:
         every: tuple[tuple[str, ...], ...] = ((), ("screw",), ("nut",), PARTS)
         for parts in every:
             result = solve_elastic(scene, condensed=replace(whole, parts=parts) if parts else None)
-            errors[parts] = load_error(result.load, found.load)
+            errors[parts] = load_error(result.load, found.load, found.contacts)
             bias[parts] = float(error_percent(result.load.sum(), found.load.sum()))
         out.append(Share(name, errors, bias))
     return out

@@ -64,14 +64,14 @@ def error_table(study: Study, found: References) -> Table:
         keys = PRINTED.get(name)
         for model in suited(scene):
             result = study.solve(name, model.name)
-            e = load_error(result.load, ref.load)
+            e = load_error(result.load, ref.load, ref.contacts)
             shown = keys[:2] if keys and model.name == "lin" else ()
             printed = " / ".join(entry("lin-2.4.1", k).printed for k in shown) or "–"
             rows.append(_error_row(name, model.label, e, load_ratio(result.load), printed, uncertainty_percent(ref)))
         source = load(scene, SOURCE_LEVEL, stores=study.stores)
         for own in reference_answers(ref, source):
             if own.model != f"3D level {ref.best.level}":
-                e = load_error(own.load, ref.load)
+                e = load_error(own.load, ref.load, ref.contacts)
                 rows.append(_error_row(name, LABELS[own.model], e, load_ratio(own.load), "–", uncertainty_percent(ref)))
         finest: dict[str, Cell] = {"scene": name, "model": LABELS[f"3D level {ref.best.level}"]}
         rows.append(finest | {"load_ratio": load_ratio(ref.load), "bar": uncertainty_percent(ref)})

@@ -22,6 +22,7 @@ from rollbench.comparison.reference.jobs import keep
 from rollbench.comparison.reference.store import Run, read
 from rollbench.comparison.reference.tasks import Task
 from rollbench.comparison.scenes import scene_file
+from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import Scene
@@ -152,7 +153,7 @@ def _rounded(value: float | None, factor: float = 1.0) -> float | None:
 
 def _model(scene: Scene, result: StaticResult, run: Run, point: Point) -> Record:
     """Errors of a model in per cent, and what it was to expect by the scenes compared so far."""
-    error, expected = load_error(result.load, run.load), estimate(scene, result)
+    error, expected = load_error(result.load, run.load, nominal_contacts(scene)), estimate(scene, result)
     return {
         "status": result.status,
         "largest_percent": point.percent,

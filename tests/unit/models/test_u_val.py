@@ -164,4 +164,3 @@ def test_balls_at_the_face_of_the_nut_are_covered_as_far_as_drawn_screws_have_th
     assert [place.descriptor.name for place in places(shorter) if place.outside] == [
         "nut beyond the last balls over the ball's radius"
     ]
-
