@@ -10,10 +10,11 @@ import numpy as np
 
 from rollbench.comparison.reference import grid_parts
 from rollbench.comparison.reference.convergence import representative_size
-from rollbench.comparison.reference.grid_parts import Experience, GridParts, mean_load, parts
+from rollbench.comparison.reference.grid_parts import Experience, GridParts, parts
 from rollbench.comparison.reference.levels import LEVELS
 from rollbench.comparison.reference.store import Run, load, shipped_store
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
 
 #: Levels that a scene's uncertainty is taken from, the finest: the coarsest of more say least of the finest.
