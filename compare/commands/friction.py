@@ -38,7 +38,7 @@ def run_friction(
         print_json(answer.data | {"warning": answer.warning or None})
     else:
         show(*as_table(answer, width, balls=balls))
-    return 1 if not answer.converged or (False and answer.warning) else 0
+    return 1 if not answer.converged or (strict and answer.warning) else 0
 
 
 def solve_friction(name: str, choices: Choices) -> Answer:
