@@ -279,5 +279,5 @@ def solve_balls(
             for i, g in enumerate(system.gaps)
         ]
     )
-    result = ContactResult(forces, slack, y, it, status, float(-slack.min(initial=0.0)), residual)
+    result = ContactResult(forces, slack, y, it, status, residual)
     return result, State(w, y, system.balls, factor)

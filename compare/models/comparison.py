@@ -29,6 +29,8 @@ from rollbench.meshes.parts import SIDES, Scene
 REFERENCED = with_role("referenced")
 #: A contact below this share of the mean load is compared in per cent of the mean load, not of its own [-].
 SMALL = 0.1
+#: That rule in words.
+RULE = "in per cent of a contact's own load, of the mean load for contacts below a tenth of it"
 #: Printed errors (largest, RMS) and load ratio by scene.
 PRINTED = {
     "lin-case1": ("case1_max_error", "case1_rms_error", "case1_ratio"),
@@ -217,15 +219,17 @@ def _summary_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Com
     def printed(key: str) -> float | None:
         return entry("lin-2.4.1", key).value if key and answer.model.startswith("lin") else None
 
+    loaded = found.load > 0.0
     bar = uncertainty_percent(found)
-    for name, unit, value, key in (
-        (f"largest error, of the mean load (ball {e.ball} {e.side})", "%", e.max_percent, ""),
-        ("RMS error, of the mean load", "%", e.rms_percent, ""),
-        ("largest error, of the own load", "%", e.own_max_percent, keys[0]),
-        ("RMS error, of the own load", "%", e.own_rms_percent, keys[1]),
+    own_bar = float(error_percent(found.uncertainty[loaded], 0.0, found.load[loaded]).max())
+    for name, value, its, key in (
+        (f"largest error, of the mean load (ball {e.ball} {e.side})", e.max_percent, bar, ""),
+        ("RMS error, of the mean load", e.rms_percent, bar, ""),
+        ("largest error, of the own load", e.own_max_percent, own_bar, keys[0]),
+        ("RMS error, of the own load", e.own_rms_percent, own_bar, keys[1]),
     ):
         yield ComparisonRow(
-            scene.name, name, None, None, unit, printed(key), answer.model, value, 0.0, bar, value, answer.seconds
+            scene.name, name, None, None, "%", printed(key), answer.model, value, 0.0, its, value, answer.seconds
         )
     ratio, own = load_ratio(answer.load), load_ratio(found.load)
     yield ComparisonRow(

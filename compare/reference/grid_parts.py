@@ -36,6 +36,7 @@ from rollbench.comparison.measure import error_percent
 from rollbench.comparison.reference.levels import LEVELS, PRODUCTION
 from rollbench.comparison.writing import replace_file
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.loads import mean_load
 
 FILE = "grid_parts.json"
 #: Standard deviations of a bar that holds 95 %.
@@ -93,11 +94,6 @@ class GridParts:
         share = stiffness**2 / (stiffness[on] ** 2).mean()
         displaced, rest = self.bodies**2 + self.sockets**2, self.contact**2 + self.common**2
         return np.where(on, COVER * np.sqrt(rest + displaced * share), 0.0)
-
-
-def mean_load(load: Array) -> float:
-    """Mean of the loads above zero, in their unit."""
-    return float(load[load > 0.0].mean())
 
 
 def both_flanks(load: Array) -> bool:

@@ -40,7 +40,7 @@ def ladder_table(rungs: Sequence[Rung]) -> Table:
         Column("max", "largest error", "% of mean", ".2f"),
         Column("at", "at ball", "", "s"),
         Column("rms", "RMS error", "% of mean", ".2f"),
-        Column("own", "largest", "% of own load", ".2f"),
+        Column("own", "largest error", "% of own load", ".2f"),
         Column("bias", "sum of loads", "%", "+.2f"),
         Column("bar", "grid uncertainty", "% of mean", ".2f"),
         Column("seconds", "new geometry, interpreted", "s", "g3"),
@@ -121,15 +121,15 @@ def shares_table(study: Study) -> Table:
     columns = [Column("scene", "scene", "", "s")]
     for name in names.values():
         columns += [
-            Column(f"max {name}", f"{label[name]}: largest", "%", ".2f"),
-            Column(f"rms {name}", f"{label[name]}: RMS", "%", ".2f"),
+            Column(f"max {name}", f"{label[name]}: largest", "% of mean", ".2f"),
+            Column(f"rms {name}", f"{label[name]}: RMS", "% of mean", ".2f"),
         ]
     columns += [Column("bias", "sum, none from 3D", "%", ".2f"), Column("bias both", "sum, both", "%", ".2f")]
     note = (
         "The refined model with the compliance of a body between its contacts, and the laws of the contacts on it, taken "
         "from the finest 3D run instead of its smooth body: what an exchange takes away is that body's share of the error; "
         "what both leave is the rest of the low-order model's (contact law, kinematics, beam beyond the nut) and the "
-        "reference's own uncertainty. Errors of loads in per cent of the mean."
+        "reference's own uncertainty."
     )
     return Table("ladder-shares", "Where the refined model's error comes from", tuple(columns), rows, note)
 

@@ -11,10 +11,11 @@ from rollbench.comparison.models.grid_coverage import MANY, coverage, experience
 from rollbench.comparison.models.modelling import VARIED, combined, varied
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.convergence import observe
-from rollbench.comparison.reference.grid_parts import mean_load, moving, read
+from rollbench.comparison.reference.grid_parts import moving, read
 from rollbench.comparison.reference.levels import LEVELS
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.sections.reference_mesh import coverage_table, shared_text
+from rollbench.meshes.loads import mean_load
 
 pytestmark = pytest.mark.xdist_group("grid_coverage")
 
