@@ -67,5 +67,5 @@ def reference_of(scene: str, runs: tuple[Run, ...], known: Experience | None = N
     """Reference of runs, coarse to fine; known: experience, the shipped one unless given; contacts: see `Reference`."""
     loads = {run.level: run.load for run in runs}
     found, best = parts(loads, known or grid_parts.read(shipped_store())), runs[-1]
-    bars = 0.01 * grid_parts.mean_load(best.load) * found.bars(loads) if found.bar else np.zeros_like(best.load)
+    bars = 0.01 * mean_load(best.load) * found.bars(loads) if found.bar else np.zeros_like(best.load)
     return Reference(scene, runs, best.load, bars + best.moving, found, contacts)

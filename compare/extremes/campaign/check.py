@@ -168,10 +168,11 @@ def off_the_law(scene: Scene, result: StaticResult) -> str:
     allowed = np.maximum(EXACT * float(result.load.max()), DIGITS * (furthest + drawn.radius) * stiff)
     allowed[result.load == 0.0] = np.maximum(allowed[result.load == 0.0], nothing(result))
     off = np.abs(law - result.load) / allowed
-    i, s = np.unravel_index(int(off.argmax()), off.shape)
-    if off[i, s] <= 1.0:
+    ball, side = (int(k) for k in np.unravel_index(int(off.argmax()), off.shape))
+    if off[ball, side] <= 1.0:
         return ""
-    return f"Hertz' law gives {law[i, s]:.9g} N, not {result.load[i, s]:.9g} N, on ball {i + 1} {SIDES[int(s)]}"
+    at = f"ball {ball + 1} {SIDES[side]}"
+    return f"Hertz' law gives {law[ball, side]:.9g} N, not {result.load[ball, side]:.9g} N, on {at}"
 
 
 def wrench_of_pin(scene: Scene, result: StaticResult) -> Array:
