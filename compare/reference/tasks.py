@@ -18,11 +18,12 @@ if TYPE_CHECKING:
 
 
 def needed_sides(scene: Scene) -> tuple[int, ...]:
-    """Sides that may touch, by `hifi.expected`. Raises Refusal where that finds no equilibrium."""
+    """Sides that may touch, by `hifi.expected`, and those opposite, which press a ball against them. Raises Refusal where
+    that finds no equilibrium."""
     from rollbench.hifi.expected import expected_contacts
 
     try:
-        return expected_contacts(scene).sides()
+        return tuple(sorted({side for found in expected_contacts(scene).sides() for side in (found, 3 - found)}))
     except ValueError as error:
         raise refused(scene, error) from error
 

@@ -15,6 +15,7 @@ from rollbench.comparison.extremes.survey.record import described, surveyed
 from rollbench.comparison.reference.tasks import needed_sides, settings_of
 from rollbench.comparison.scenes import scene_file
 from rollbench.comparison.sweep import store
+from rollbench.hifi.expected import expected_contacts
 from rollbench.hifi.fit import socket_size
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
@@ -32,6 +33,15 @@ def test_the_drawing_is_the_same_for_ever_and_can_be_read() -> None:
     assert ((ends > 1.0) & (ends < 6.1)).all()
     assert {r["starts"] for r in found} == {1, 2}
     assert {r["hand"] for r in found} == {"left", "right"}
+
+
+@pytest.mark.parametrize("number", [38, 54])
+def test_a_flank_that_may_touch_has_its_opposite_prepared(number: int) -> None:
+    """Three flanks are expected to touch: bodies are condensed to pairs of opposite ones."""
+    scene = scene_file.loads(scene_text(SEED, number), "survey.toml")
+    sides = needed_sides(scene)
+    assert len(expected_contacts(scene).sides()) == 3
+    assert {3 - side for side in sides} == set(sides)
 
 
 @pytest.mark.parametrize("number", [2, 6, 66, 89, 130, 154, 194])
