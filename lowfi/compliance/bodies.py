@@ -21,6 +21,7 @@ from rollbench.lowfi.compliance.groove import (
     RingCompliance,
     at_size,
     flank_correction,
+    groove_layer,
     half_space,
     ring_compliance,
     ring_contacts,
@@ -49,6 +50,8 @@ from rollbench.meshes.solid import dimensions
 
 #: Least width of the kernels' patch over the ball's radius, for steep contact angles.
 LEAST = 0.5
+#: How far beyond the nut's faces the screw takes loads, over the patch's width: a contact beside a face keeps its patch.
+BESIDE = 2.5
 #: Left and right flank of a groove.
 BOTH = (0, 1)
 #: Fixings of the nut by the name of the scene's key.
@@ -215,22 +218,24 @@ def smooth_body(geometry: Scene, screw: bool, backend: Backend) -> Tube:
     low, high = dimensions(geometry).ends(geometry)
     half, position = geometry.nut.length / 2.0, geometry.nut.position
     if screw:
-        bore, outer, ends = flank.far, smooth_radius(flank, 2), (low, high)
+        bore, outer, ends, layer = flank.far, smooth_radius(flank, 2), (low, high), None
     else:
-        bore = flank.land if backend.bore == "land" else smooth_radius(flank, 3 if backend.bore == "ring" else 2)
+        bore = flank.land
         outer, ends = flank.far, (position - half, position + half)
+        layer = groove_layer(flank, grooved_section(geometry, screw))
     radius = flank.contact()[0]
     width = backend.width * geometry.balls.radius * max(float(np.cos(geometry.track.contact_angle)), LEAST)
     count = int(np.ceil(backend.harmonics * 2.2 * radius / width))
     size = (1.6 * width / backend.mesh, 0.75 * width / backend.mesh)
-    return Tube(bore, outer, ends, held_at(geometry, screw), radius, float(width), count, size, flank.material)
+    return Tube(bore, outer, ends, held_at(geometry, screw), radius, float(width), count, size, flank.material, layer)
 
 
 @lru_cache(maxsize=32)
 def smooth_compliance(geometry: Scene, screw: bool, backend: Backend) -> TubeCompliance:
     """Compliance of the smooth body over the stretch that the nut covers, kept for all scenes of one geometry."""
-    half, position = geometry.nut.length / 2.0, geometry.nut.position
-    return tube_compliance(smooth_body(geometry, screw, backend), (position - half, position + half))
+    tube, position = smooth_body(geometry, screw, backend), geometry.nut.position
+    half = geometry.nut.length / 2.0 + BESIDE * tube.width
+    return tube_compliance(tube, (position - half, position + half))
 
 
 @lru_cache(maxsize=32)
@@ -246,10 +251,9 @@ def own_flank(geometry: Scene, screw: bool, backend: Backend) -> float:
     if is_ring(geometry, screw):
         return whole_ring(geometry, screw).normals - half_space(NARROW * flank.map.ball, flank.material)
     tube = smooth_body(geometry, screw, backend)
-    surface = tube.outer if screw else tube.bore
     if not backend.flank:  # the half space at the smooth body's own patch only
         return -half_space(tube.width, tube.material)
-    return flank_correction(flank, surface, tube.width) + kept_near_face(geometry, screw, backend).own
+    return flank_correction(flank, tube) + kept_near_face(geometry, screw, backend).own
 
 
 def is_ring(geometry: Scene, screw: bool) -> bool:
@@ -266,7 +270,7 @@ def kernel_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend,
     found = smooth_compliance(geometry, screw, backend)
     G = contact_compliance(found, points_of(x, axes))
     tube = found.tube
-    plain = tube_section(2.0 * tube.outer, 2.0 * tube.bore, tube.material)
+    plain = tube.section
     x = on_line(tube, x)
     rows, stations = motion_rows(x, axes), np.repeat(x[:, 2], 2)
     if tube.held == "section":

@@ -19,11 +19,11 @@ from scipy.linalg import cholesky_banded
 from scipy.linalg.lapack import dtbtrs
 
 from rollbench.lowfi.compliance.cell import groove_line
-from rollbench.lowfi.compliance.fourier import Body, Grid, factor_c, lower_corner, refine_lines, tube_grid
+from rollbench.lowfi.compliance.fourier import Body, Grid, Layer, factor_c, lower_corner, refine_lines, tube_grid
 from rollbench.lowfi.compliance.groove import NARROW, Flank, flank_normals, flank_weights, harmonics_to, patch_shares
 from rollbench.lowfi.compliance.tube import Tube, clamped, motion_rows, patch_weights, radial_ends
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.section import BeamSection, tube_section
+from rollbench.meshes.section import BeamSection
 
 #: How far before a contact a face counts, and how far behind it its body is clamped, over the ball's radius.
 REACH = 4.5
@@ -93,7 +93,7 @@ def near_face(
 def less_smooth_beam(flank: Flank, smooth: Tube, section: BeamSection, ends: tuple[float, float]) -> Array:
     """Motions ``(2, 2, 2)`` [m/N] of both flanks on a beam of that section, clamped at both ends [m], less those
     on the smooth body's: harmonics 0 and 1."""
-    plain = tube_section(2.0 * smooth.outer, 2.0 * smooth.bore, smooth.material)
+    plain = smooth.section
     places, along = (np.array([x[k] for x in pressed(flank)] * 2) for k in (0, 1))
     out = np.zeros((4, 4))
     for sign, beam in ((1.0, section), (-1.0, plain)):
@@ -114,7 +114,7 @@ def less_smooth(
     plain = tube_grid(r_ends, grid.z[::2, 0])
     loads = smooth_loads(flank, plain, line, cuts, smooth.width)
     return cut_motions(flank, grid, cuts, held_radii, fixing, true, NARROW * flank.map.ball) - cut_motions(
-        flank, plain, cuts, (0.0, np.inf), fixing, loads, smooth.width
+        flank, plain, cuts, (0.0, np.inf), fixing, loads, smooth.width, smooth.layer
     )
 
 
@@ -181,7 +181,7 @@ def pressed(flank: Flank) -> tuple[tuple[float, Array], tuple[float, Array]]:
 
 
 def cut_motions(
-    flank: Flank, grid: Grid, cuts: Sequence[int], held_radii: tuple[float, float], fixing: str, loads: Array, width: float
+    flank: Flank, grid: Grid, cuts: Sequence[int], held_radii: tuple[float, float], fixing: str, loads: Array, width: float, layer: Layer | None = None
 ) -> Array:
     """Motions ``(2, n, 2, 2, cuts)`` [m/N] of patches of ``width`` [m] in every harmonic of a body cut at lines ``cuts``:
     its face free or held at these radii [m]; motion of the flank pressed towards it or of the other one, load on either.
@@ -189,7 +189,7 @@ def cut_motions(
     fixing: see `Tube`; "bore" and "outer" hold that surface too.
     """
     columns, radius = grid.shape[1], flank.contact()[0]
-    body = Body(grid, flank.material.youngs_modulus, flank.material.poissons_ratio)
+    body = Body(grid, flank.material.youngs_modulus, flank.material.poissons_ratio, layer)
     held = np.zeros((*grid.shape, 3), dtype=bool)
     held[0] = True
     held[:, 0 if fixing == "bore" else -1 if fixing == "outer" else slice(0, 0)] = True

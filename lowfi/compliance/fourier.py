@@ -77,7 +77,45 @@ def elasticity_matrix(young: float, poisson: float) -> Array:
     return D
 
 
-def element_matrices(grid: Grid, young: float, poisson: float) -> tuple[Array, Array, Array]:
+@dataclass(frozen=True)
+class Layer:
+    """A grooved layer of a body as a smooth one: share ``(k,)`` of its cylinders that is solid at radii ``(k,)`` [m],
+    and the powers of that share which its stiffness along the axis, and in shear along it, has.
+
+    The lands between grooves are rings: around the axis they are as stiff as their share, along it they hang on what is
+    under them.
+    """
+
+    radii: tuple[float, ...]
+    shares: tuple[float, ...]
+    axial: float
+    shear: float
+    tilt: float = 0.0
+
+    def elasticity(self, young: float, poisson: float, radius: Array) -> Array:
+        """D ``(..., 6, 6)`` at radii ``(...)`` [m], as `elasticity_matrix`."""
+        f = np.interp(radius, self.radii, self.shares)
+        S = np.zeros((*np.shape(f), 6, 6))
+        S[..., :3, :3] = -poisson
+        S[..., np.arange(3), np.arange(3)] = 1.0
+        S[..., np.arange(3, 6), np.arange(3, 6)] = 2.0 * (1.0 + poisson)
+        S /= young * f[..., None, None]
+        S[..., 2, 2] *= f ** (1.0 - self.axial)
+        for shear in (3, 5):
+            S[..., shear, shear] *= f ** (1.0 - self.shear)
+        c, s = np.cos(self.tilt), np.sin(self.tilt)
+        T = np.eye(6)  # strains along and across the groove
+        T[1:3, 1:3] = [[c * c, s * s], [s * s, c * c]]
+        T[1, 5], T[2, 5] = -2.0 * c * s, 2.0 * c * s
+        T[5] = [0.0, c * s, -c * s, 0.0, 0.0, c * c - s * s]
+        T[3:5, 3:5] = [[c, s], [-s, c]]
+        S = T.T @ S @ T
+        for odd in ((0, 5), (1, 5), (2, 5), (3, 4)):
+            S[..., odd[0], odd[1]] = S[..., odd[1], odd[0]] = 0.0
+        return np.linalg.inv(S)
+
+
+def element_matrices(grid: Grid, young: float, poisson: float, layer: Layer | None = None) -> tuple[Array, Array, Array]:
     """K_0, K_1, K_2 ``(elements, 27, 27)`` of all elements, without the factor c; freedoms U, V, W node by node.
 
     Raises ValueError for an element turned inside out.
@@ -97,6 +135,8 @@ def element_matrices(grid: Grid, young: float, poisson: float) -> tuple[Array, A
             by_r = (J[:, 3, None] * along_r - J[:, 1, None] * along_z) / det[:, None]
             by_z = (J[:, 0, None] * along_z - J[:, 2, None] * along_r) / det[:, None]
             radius = r @ N
+            if layer is not None:
+                D = layer.elasticity(young, poisson, radius)
             B0, B1 = strain_rows(N / radius[:, None], by_r, by_z)
             weight = (wa * wb) * det * radius
             DB0, DB1 = D @ (B0 * weight[:, None, None]), D @ (B1 * weight[:, None, None])
@@ -166,10 +206,10 @@ class Block:
 class Body:
     """A body of revolution, assembled once for all harmonics."""
 
-    def __init__(self, grid: Grid, young: float, poisson: float) -> None:
+    def __init__(self, grid: Grid, young: float, poisson: float, layer: Layer | None = None) -> None:
         """Find the parts of K of all elements. Raises ValueError for an element turned inside out."""
         self.grid = grid
-        self.elements = np.stack(element_matrices(grid, young, poisson))
+        self.elements = np.stack(element_matrices(grid, young, poisson, layer))
 
     @cached_property
     def parts(self) -> tuple[sp.csr_matrix, ...]:

@@ -9,22 +9,27 @@ by the logarithm of the contact's size and by its shape (`at_size`).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.integrate import trapezoid
 from scipy.interpolate import CubicSpline
+from scipy.optimize import brentq
 
-from rollbench.lowfi.compliance.cell import cell_grid
-from rollbench.lowfi.compliance.fourier import Body, Grid, on_last, quadratic, refine_lines, solved, tube_grid
+from rollbench.lowfi.compliance.cell import cell_grid, groove_line
+from rollbench.lowfi.compliance.fourier import Body, Grid, Layer, on_last, quadratic, refine_lines, solved, tube_grid
 from rollbench.lowfi.compliance.sphere import expansion
 from rollbench.lowfi.compliance.tube import Tube, patch_weights, radial_ends
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Material
+from rollbench.meshes.section import BeamSection
 
 #: Standard deviation of the narrow patch over the ball's radius, and elements of its mesh (flank, land, depth).
 NARROW = 0.18
 MESH = (8, 4, 10)
+#: Least share of a cylinder that counts as solid.
+LEAST_SHARE = 0.02
 #: ln of the standard deviation of a round Gaussian with the same mean logarithmic distance as a Hertz pressure of unit
 #: mean semi-axis: 2 ln 2 - 7/4 - (ln 2 - gamma/2).
 GAUSSIAN = float(np.log(2.0) - 1.75 + 0.5 * np.euler_gamma)
@@ -68,6 +73,24 @@ def smooth_radius(flank: Flank, power: int) -> float:
     f = r**2 if power == 2 else (flank.far - r) ** 3
     mean = float(((f[:-2:2] + 4.0 * f[1:-1:2] + f[2::2]) / 6.0 * (z[2::2] - z[:-2:2])).sum() / z[-1])
     return float(np.sqrt(mean)) if power == 2 else flank.far - float(np.cbrt(mean))
+
+
+def groove_layer(flank: Flank, section: BeamSection) -> Layer:
+    """The grooves as a layer, as stiff in stretch and twist as the grooved body's section."""
+    r, zeta = groove_line(flank.map, flank.land, flank.screw, 33)
+    share = np.maximum(1.0 - zeta / flank.half, LEAST_SHARE)
+    if not flank.screw:
+        r, share = r[::-1], share[::-1]
+    if flank.screw:
+        solid, r, share = np.linspace(flank.far, r[0], 2), r, share
+    young, shear = flank.material.youngs_modulus, flank.material.shear_modulus
+    root, full = (r[0], r[0] ** 2 - flank.far**2) if flank.screw else (r[-1], flank.far**2 - r[-1] ** 2)
+    full4 = r[0] ** 4 - flank.far**4 if flank.screw else flank.far**4 - r[-1] ** 4
+    EA = section.EA / (np.pi * young) - full
+    GJ = 2.0 * section.GJ / (np.pi * shear) - full4
+    axial = brentq(lambda p: float(trapezoid(2.0 * r * share**p, r)) - EA, 1.0, 60.0)
+    turned = brentq(lambda p: float(trapezoid(4.0 * r**3 * share**p, r)) - GJ, 1.0, 60.0)
+    return Layer(tuple(r), tuple(share), axial, turned, float(np.arctan(flank.map.rg / flank.contact()[0])))
 
 
 def flank_weights(grid: Grid, line: int, zeta: float, width: float) -> tuple[Array, Array]:
@@ -131,14 +154,14 @@ def normal_load(flank: Flank, grid: Grid, width: float, zeta: float) -> Array:
     return np.asarray(share[:, None] * normals * np.sign(normals @ nominal)[:, None])
 
 
-def own_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: float, radius: float) -> float:
+def own_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: float, radius: float, layer: Layer | None = None) -> float:
     """Motion [m/N] of one flank's patch along its load by that load, half a lead with the other flank unloaded.
 
     load: the patch's forces on the grid ``(rows, columns, 3)`` for equal loads on both flanks and for opposite ones.
     """
     rows, columns = grid.shape
     turned = Grid(grid.r[::-1], -grid.z[::-1])  # so that the plane between both flanks comes last
-    body = Body(turned, flank.material.youngs_modulus, flank.material.poissons_ratio)
+    body = Body(turned, flank.material.youngs_modulus, flank.material.poissons_ratio, layer)
     forces = np.stack([(force[::-1] * np.array([1.0, 1.0, -1.0])).ravel() for force in load], axis=1)
     held = np.zeros((rows, columns, 3), dtype=bool)
     held[0] = True
@@ -168,11 +191,11 @@ def true_motion(flank: Flank, width: float) -> float:
     return own_motion(flank, grid, (force, force), width, flank.contact()[0])
 
 
-def smooth_motion(flank: Flank, surface: float, width: float) -> float:
+def smooth_motion(flank: Flank, smooth: Tube) -> float:
     """Own motion [m/N] of a patch of ``width`` [m] at the contact's radius in the smooth body of that surface [m]."""
     radius, zeta = flank.contact()
-    bore, outer = (flank.far, surface) if flank.screw else (surface, flank.far)
-    tube = Tube(bore, outer, (0.0, flank.half), "low", radius, width, 0, (0.5 * width, 0.4 * width), flank.material)
+    width = smooth.width
+    tube = replace(smooth, size=(0.5 * width, 0.4 * width))
     r_ends, line = radial_ends(tube)
     count = int(np.ceil(flank.half / (0.5 * width)))
     grid = tube_grid(r_ends, np.linspace(0.0, flank.half, count + 1))
@@ -189,7 +212,7 @@ def smooth_motion(flank: Flank, surface: float, width: float) -> float:
         force[:, line, 0] = (upper + sign * lower) * along[0]
         force[:, line, 2] = (upper - sign * lower) * along[1]
         loads.append(force)
-    return own_motion(flank, grid, (loads[0], loads[1]), width, radius)
+    return own_motion(flank, grid, (loads[0], loads[1]), width, radius, smooth.layer)
 
 
 def half_space(width: float, material: Material) -> float:
@@ -258,10 +281,10 @@ def ring_contacts(ring: RingCompliance, azimuth: Array) -> Array:
     return np.asarray(G.reshape(4 * N, 4 * N))
 
 
-def flank_correction(flank: Flank, surface: float, wide: float) -> float:
+def flank_correction(flank: Flank, smooth: Tube) -> float:
     """e [m/N] of a contact beside Hertz and the smooth body with ``wide`` patches, for a narrow patch (see ``at_size``)."""
     narrow = NARROW * flank.map.ball
-    return true_motion(flank, narrow) - smooth_motion(flank, surface, wide) - half_space(narrow, flank.material)
+    return true_motion(flank, narrow) - smooth_motion(flank, smooth) - half_space(narrow, flank.material)
 
 
 def curvatures(flank: Flank) -> tuple[float, float]:
