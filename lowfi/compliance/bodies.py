@@ -310,21 +310,26 @@ def grooved_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend
     z = contact_frames(scene, layout, screw, flanks)[0][:, 2]
     azimuth, side = np.tile(layout.azimuth, len(flanks)), np.repeat(flanks, layout.z.size)
     middle = z - found.beside * np.where(side == 0, -1.0, 1.0)
-    i, j = np.nonzero(np.abs(middle[:, None] - middle) < flank.half)
+    i, j = np.nonzero(np.abs(middle[:, None] - middle) < (2 * found.turns - 1) * flank.half)
+    i, j = np.array([(a, b) for a, b in zip(i, j) if middle[a] >= middle[b]]).T
+    turn = np.rint((middle[i] - middle[j]) / (2.0 * flank.half)).astype(int)
     angle, between = azimuth[i] - azimuth[j], 0.5 * (middle[i] + middle[j])
-    gain = np.where(i == j, 0.0, found.between(angle)[np.arange(i.size), (side[i] != side[j]).astype(int), 0])
+    gain = np.where(i == j, 0.0, found.between(angle)[np.arange(i.size), 1 - side[i], 2 * turn + 1 - side[j]])
     for high, face in enumerate(smooth_body(geometry, screw, backend).ends):
-        near = np.flatnonzero(np.abs(face - between) < REACH * scene.balls.radius)
+        distance = np.abs(face - between) - turn * flank.half
+        near = np.flatnonzero(distance < REACH * scene.balls.radius)
         if not near.size:
             continue
         away = (side != high).astype(int)
         fixed = held in ("both", "high" if high else "low")
-        added = found.by_face(fixed, angle[near], np.abs(face - between[near]))
-        gain[near] += added[np.arange(near.size), away[i[near]], away[j[near]]]
+        front, back = (i[near], j[near]) if high else (j[near], i[near])
+        added = found.by_face(fixed, angle[near], distance[near])
+        gain[near] += added[np.arange(near.size), away[front], 2 * turn[near] + away[back]]
     signs = flank.map.signs[[s if screw else s + 2 for s in BOTH]][side]
     normal = signs * np.array([np.cos(flank.map.beta), np.sin(flank.map.beta)])
     G = np.zeros((side.size, 2, side.size, 2))
     G[i, :, j] = gain[:, None, None] * normal[i][:, :, None] * normal[j][:, None, :]
+    G[j, :, i] = gain[:, None, None] * normal[j][:, :, None] * normal[i][:, None, :]
     return G.reshape(2 * side.size, -1)
 
 

@@ -17,6 +17,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.linalg import cholesky_banded
 from scipy.linalg.lapack import dtbtrs
+from scipy.special import k0e
 
 from rollbench.lowfi.compliance.cell import groove_line
 from rollbench.lowfi.compliance.fourier import Body, Grid, Layer, factor_c, lower_corner, refine_lines, tube_grid
@@ -26,25 +27,27 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.section import BeamSection
 
 #: How far before a contact a face counts, and how far behind it its body is clamped, over the ball's radius.
-REACH = 4.5
+REACH = 7.0
 #: Distances of the cuts from the groove's middle over the ball's radius; the first one is at the groove's edge.
-CUTS = (0.0, 1.15, 1.4, 1.8, 2.6, REACH)
+CUTS = (0.0, 1.2, 1.6, 2.4, 4.0, REACH)
 #: Elements of a loaded flank (half as many of the others) and in depth; longest element of a land over the ball's radius.
 MESH = (4, 5)
 LAND = 0.6
 #: Highest harmonic times the ball's radius over that of the contacts: it does not feel the nearest cut; step between two.
-HIGHEST, STEP = 5.0, 1.7
+HIGHEST, STEP = 5.0, 1.28
+TAIL = 2.6
 
 
 @dataclass(frozen=True)
 class NearFace:
     """What ring grooves and a face add to the compliance between contacts of one groove, loaded along their normals.
 
-    gain ``(2, n, 2, 2, k)`` [m/N]: by a face, free or held; harmonic around the axis; motion of the flank pressed towards
-    the face or of the other one, by a load on either; distance ``(k,)`` [m] of the face from the middle of the groove.
-    Nothing is gained beyond the last one, and below the first as much as there. beside: of the contacts from that middle.
-    far ``(n, 2, 2)`` [m/N]: between contacts far from any face; own: what a contact there gains by itself, beside
-    `lowfi.compliance.groove.flank_correction`, by the neighbouring grooves and a free surface behind it [m/N].
+    gain ``(2, n, 2, f, k)`` [m/N]: by a face, free or held; harmonic around the axis; motion of the flank pressed towards
+    the face or of the other one, by a load on either (f = 2), or also on those of the groove behind it (4); distance
+    ``(k,)`` [m] of the face from the middle of the groove. Nothing is gained beyond the last one, and below the first as
+    much as there. beside: of the contacts from that middle. far ``(n, 2, f)`` [m/N]: between contacts far from any face;
+    own: what a contact there gains by itself, beside `lowfi.compliance.groove.flank_correction`, by the neighbouring
+    grooves and a free surface behind it [m/N].
     """
 
     distance: Array
@@ -53,19 +56,31 @@ class NearFace:
     far: Array
     own: float
 
+    @property
+    def turns(self) -> int:
+        """Number of grooves whose contacts are coupled: their own, and the one behind it."""
+        return self.far.shape[2] // 2
+
     def by_face(self, held: bool, angle: Array, distance: Array) -> Array:
-        """Compliance ``(m, 2, 2)`` [m/N] that a face adds between contacts at these angles [rad] and mean distances [m]."""
+        """Compliance ``(m, 2, f)`` [m/N] that a face adds between contacts at these angles [rad], the front one at these
+        distances [m]."""
         known = np.log(self.distance - self.beside)
         place = np.log(np.clip(distance, self.distance[0], self.distance[-1]) - self.beside)
         share = CubicSpline(known, np.eye(known.size))(place)
-        return np.asarray(np.einsum("mabk,mk->mab", self._around(self.gain[int(held)], angle), share))
+        return np.asarray(np.einsum("mabk,mk->mab", around(self.gain[int(held)], angle), share))
 
     def between(self, angle: Array) -> Array:
-        """Compliance ``(m, 2, 2)`` [m/N] between different contacts at these angles [rad], beside that of a smooth body."""
-        return self._around(self.far, angle)
+        """Compliance ``(m, 2, f)`` [m/N] between different contacts at these angles [rad], beside that of a smooth body."""
+        return around(self.far, angle)
 
-    def _around(self, waves: Array, angle: Array) -> Array:
-        return np.tensordot(np.cos(angle[:, None] * np.arange(len(waves))), waves, 1)
+
+def around(waves: Array, angle: Array) -> Array:
+    """Sum over harmonics ``(n, ...)`` of their waves at angles ``(m,)`` [rad], ``(m, ...)``."""
+    step = np.pi / (4 * len(waves))
+    sums = np.fft.hfft(0.5 * np.concatenate([2.0 * waves[:1], waves[1:]]), 8 * len(waves), axis=0)
+    turned = np.abs((angle + np.pi) % (2.0 * np.pi) - np.pi)
+    known = step * np.arange(-2, 4 * len(waves) + 3)
+    return CubicSpline(known, sums[np.arange(-2, 4 * len(waves) + 3)])(turned)
 
 
 def near_face(
@@ -87,22 +102,34 @@ def near_face(
         gain[1, :2] -= np.stack(beams, axis=-1)
     far = gain[1, ..., -1].copy()
     own = float((far[:, 0, 0] - alone[1, :, 0, 0, -1]).sum())
-    return NearFace(z[cuts], gain - gain[..., -1:], flank.contact()[1], far, own)
+    return NearFace(z[cuts], gain - gain[..., -1:], flank.contact()[1], with_tail(flank, far), own)
+
+
+def with_tail(flank: Flank, waves: Array) -> Array:
+    """Harmonics ``(n, ...)`` of the motions on narrow patches, with those above: there a flank is a half space.
+
+    Two Gaussian patches of deviation s on a half space answer a wave k along it by exp(x) K_0(x) exp(-2 x), x = (k s)^2/2.
+    """
+    radius, width, last = flank.contact()[0], NARROW * flank.map.ball, len(waves) - 1
+    n = np.arange(last, int(TAIL * radius / width))
+    plane = k0e(0.5 * (n * width / radius) ** 2) * patch_shares(n, width, radius)
+    return np.concatenate([waves[:-1], waves[-1] * (plane / plane[0]).reshape(-1, *[1] * (waves.ndim - 1))])
 
 
 def less_smooth_beam(flank: Flank, smooth: Tube, section: BeamSection, ends: tuple[float, float]) -> Array:
-    """Motions ``(2, 2, 2)`` [m/N] of both flanks on a beam of that section, clamped at both ends [m], less those
+    """Motions ``(2, 2, f)`` [m/N] of both flanks on a beam of that section, clamped at both ends [m], less those
     on the smooth body's: harmonics 0 and 1."""
     plain = smooth.section
-    places, along = (np.array([x[k] for x in pressed(flank)] * 2) for k in (0, 1))
-    out = np.zeros((4, 4))
+    places, along = (np.concatenate([x, x]) for x in pressed(flank, ends[0]))
+    half = len(places) // 2
+    out = np.zeros((2 * half, 2 * half))
     for sign, beam in ((1.0, section), (-1.0, plain)):
         radius = smooth.radius if sign > 0.0 else float(np.clip(smooth.radius, smooth.bore, smooth.outer))
-        turned = radius * np.array([1.0, 1.0, -1.0, -1.0])  # both flanks here, and on the other side of the axis
-        x = np.stack([turned, np.zeros(4), places], axis=1)
-        axes = np.stack([along[:, 0] * np.sign(turned), np.zeros(4), along[:, 1]], axis=1)[:, None]
+        turned = radius * np.repeat([1.0, -1.0], half)  # here, and on the other side of the axis
+        x = np.stack([turned, np.zeros(2 * half), places], axis=1)
+        axes = np.stack([along[:, 0] * np.sign(turned), np.zeros(2 * half), along[:, 1]], axis=1)[:, None]
         out += sign * clamped(motion_rows(x, axes), places, ends, "both", beam)
-    return np.stack([out[:2, :2] + out[:2, 2:], out[:2, :2] - out[:2, 2:]]) / 2.0
+    return np.stack([out[:2, :half] + out[:2, half:], out[:2, :half] - out[:2, half:]]) / 2.0
 
 
 def less_smooth(
@@ -151,11 +178,12 @@ def turn(flank: Flank, count: int, ends: Array) -> tuple[Array, Array]:
 
 
 def true_loads(flank: Flank, grid: Grid, cuts: Sequence[int]) -> Array:
-    """Unit loads ``(2, cuts, nodes of the grid, 3)`` on the flank pressed towards the faces and on the other one."""
+    """Unit loads ``(f, cuts, nodes of the grid, 3)`` on the flanks of `pressed`."""
     line = grid.shape[1] - 1 if flank.screw else 0
     normals = flank_normals(grid, line)
-    out = np.zeros((2, len(cuts), *grid.shape, 3))
-    for away, (place, along) in enumerate(pressed(flank)):
+    places, directions = pressed(flank, grid.z[0, 0])
+    out = np.zeros((len(places), len(cuts), *grid.shape, 3))
+    for away, (place, along) in enumerate(zip(places, directions, strict=True)):
         share = flank_weights(grid, line, place, NARROW * flank.map.ball)[0]
         for k, cut in enumerate(cuts):
             own = share[: cut + 1, None] * normals[: cut + 1] * np.sign(normals[: cut + 1] @ along)[:, None]
@@ -164,27 +192,33 @@ def true_loads(flank: Flank, grid: Grid, cuts: Sequence[int]) -> Array:
 
 
 def smooth_loads(flank: Flank, grid: Grid, line: int, cuts: Sequence[int], width: float) -> Array:
-    """Unit loads ``(2, cuts, nodes of the grid, 3)`` on line r = ``line`` of the smooth body, as `true_loads`."""
-    out = np.zeros((2, len(cuts), *grid.shape, 3))
-    for away, (place, along) in enumerate(pressed(flank)):
+    """Unit loads ``(f, cuts, nodes of the grid, 3)`` on line r = ``line`` of the smooth body, as `true_loads`."""
+    places, directions = pressed(flank, grid.z[0, 0])
+    out = np.zeros((len(places), len(cuts), *grid.shape, 3))
+    for away, (place, along) in enumerate(zip(places, directions, strict=True)):
         for k, cut in enumerate(cuts):
             share = patch_weights(grid.z[: cut + 1, 0], np.array([place]), width)[0]
             out[away, k, : cut + 1, line, ::2] = share[:, None] * along
     return out
 
 
-def pressed(flank: Flank) -> tuple[tuple[float, Array], tuple[float, Array]]:
-    """Contact's z [m] and nominal direction of its load (r, z) on the flank pressed towards high z, and on the other."""
+def pressed(flank: Flank, low: float) -> tuple[Array, Array]:
+    """Contact's z ``(f,)`` [m] and nominal direction of its load ``(f, 2)`` (r, z) on the flank pressed towards high z, on
+    the other one, and on both of the groove behind where a body from z = low [m] holds it."""
     m = flank.map
     place, along = flank.contact()[1], m.signs[flank.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
-    return (place, along), (-place, along * np.array([1.0, -1.0]))
+    places, turns = np.array([place, -place]), 2 if low < -2.0 * flank.half - m.ball else 1
+    return (
+        np.concatenate([places - 2.0 * flank.half * turn for turn in range(turns)]),
+        np.concatenate([[along, along * np.array([1.0, -1.0])]] * turns),
+    )
 
 
 def cut_motions(
     flank: Flank, grid: Grid, cuts: Sequence[int], held_radii: tuple[float, float], fixing: str, loads: Array, width: float, layer: Layer | None = None
 ) -> Array:
-    """Motions ``(2, n, 2, 2, cuts)`` [m/N] of patches of ``width`` [m] in every harmonic of a body cut at lines ``cuts``:
-    its face free or held at these radii [m]; motion of the flank pressed towards it or of the other one, load on either.
+    """Motions ``(2, n, 2, f, cuts)`` [m/N] of patches of ``width`` [m] in every harmonic of a body cut at lines ``cuts``:
+    its face free or held at these radii [m]; motion of the flank pressed towards it or of the other one, by loads on f.
 
     fixing: see `Tube`; "bore" and "outer" hold that surface too.
     """
@@ -195,7 +229,8 @@ def cut_motions(
     held[:, 0 if fixing == "bore" else -1 if fixing == "outer" else slice(0, 0)] = True
     beyond = body.rows()[:, :, 0, :, 0]
     n = harmonics_to(HIGHEST * radius / flank.map.ball, STEP)
-    found = np.empty((n.size, 2, 2, 2, len(cuts)))
+    count = len(loads)
+    found = np.empty((n.size, 2, 2, count, len(cuts)))
     kept: dict[bytes, Array] = {}
     for values, harmonic in zip(found, n.tolist(), strict=True):
         free = ~held.ravel() & body.axis_free(harmonic)
@@ -205,7 +240,7 @@ def cut_motions(
         L = cholesky_banded(
             np.tensordot(powers, kept[free.tobytes()], 1), overwrite_ab=True, lower=True, check_finite=False
         )
-        Y = dtbtrs(L, loads.reshape(2 * len(cuts), -1)[:, free].T, uplo="L")[0].reshape(-1, 2, len(cuts))
+        Y = dtbtrs(L, loads.reshape(count * len(cuts), -1)[:, free].T, uplo="L")[0].reshape(-1, count, len(cuts))
         for k, cut in enumerate(cuts):
             line = np.flatnonzero(free[3 * cut * columns : 3 * (cut + 1) * columns])
             first = int(np.count_nonzero(free[: 3 * cut * columns]))
@@ -214,9 +249,9 @@ def cut_motions(
             if cut < grid.shape[0] - 1:  # L holds what follows the cut, too
                 S -= np.tensordot(powers, beyond[:, cut // 2][:, line[:, None], line], 1)
             r = grid.r[cut, line // 3]
-            work = Y[:first, :, k].T @ Y[:first, :, k]
+            work = Y[:first, :2, k].T @ Y[:first, :, k]
             for face, moves in enumerate((np.full(line.size, True), (r < held_radii[0]) | (r > held_radii[1]))):
-                values[face, ..., k] = work + g[moves].T @ np.linalg.solve(S[np.ix_(moves, moves)], g[moves])
+                values[face, ..., k] = work + g[moves, :2].T @ np.linalg.solve(S[np.ix_(moves, moves)], g[moves])
     every = np.arange(n[-1] + 1)
     whole = CubicSpline(n, found)(every) * patch_shares(every.astype(float), width, radius)[:, None, None, None, None]
     return np.moveaxis(whole, 1, 0)
