@@ -310,8 +310,8 @@ def grooved_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend
     z = contact_frames(scene, layout, screw, flanks)[0][:, 2]
     azimuth, side = np.tile(layout.azimuth, len(flanks)), np.repeat(flanks, layout.z.size)
     middle = z - found.beside * np.where(side == 0, -1.0, 1.0)
-    i, j = np.nonzero(np.abs(middle[:, None] - middle) < (2 * found.turns - 1) * flank.half)
-    i, j = np.array([(a, b) for a, b in zip(i, j) if middle[a] >= middle[b]]).T
+    ahead = middle[:, None] - middle
+    i, j = np.nonzero((ahead >= 0.0) & (ahead < (2 * found.turns - 1) * flank.half))
     turn = np.rint((middle[i] - middle[j]) / (2.0 * flank.half)).astype(int)
     angle, between = azimuth[i] - azimuth[j], 0.5 * (middle[i] + middle[j])
     gain = np.where(i == j, 0.0, found.between(angle)[np.arange(i.size), 1 - side[i], 2 * turn + 1 - side[j]])

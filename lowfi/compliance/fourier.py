@@ -123,7 +123,8 @@ def element_matrices(grid: Grid, young: float, poisson: float, layer: Layer | No
     cells = grid.cells()
     r, z = grid.r.ravel()[cells], grid.z.ravel()[cells]
     D = elasticity_matrix(young, poisson)
-    total = [np.zeros((len(cells), 27, 27)) for _ in range(3)]
+    B, DB = np.empty((2, len(cells), 9, 6, 54))
+    point = 0
     for a, wa in zip(GAUSS, WEIGHT, strict=True):
         for b, wb in zip(GAUSS, WEIGHT, strict=True):
             (nz, dz), (nr, dr) = quadratic(np.array(a)), quadratic(np.array(b))
@@ -137,14 +138,13 @@ def element_matrices(grid: Grid, young: float, poisson: float, layer: Layer | No
             radius = r @ N
             if layer is not None:
                 D = layer.elasticity(young, poisson, radius)
-            B0, B1 = strain_rows(N / radius[:, None], by_r, by_z)
-            weight = (wa * wb) * det * radius
-            DB0, DB1 = D @ (B0 * weight[:, None, None]), D @ (B1 * weight[:, None, None])
-            cross = np.swapaxes(B0, 1, 2) @ DB1
-            total[0] += np.swapaxes(B0, 1, 2) @ DB0
-            total[1] += cross + np.swapaxes(cross, 1, 2)
-            total[2] += np.swapaxes(B1, 1, 2) @ DB1
-    return total[0], total[1], total[2]
+            B[:, point, :, :27], B[:, point, :, 27:] = strain_rows(N / radius[:, None], by_r, by_z)
+            DB[:, point] = D @ B[:, point] * ((wa * wb) * det * radius)[:, None, None]
+            point += 1
+    B, DB = B.reshape(-1, 54, 54), DB.reshape(-1, 54, 54)
+    K = np.swapaxes(B, 1, 2) @ DB
+    cross = K[:, :27, 27:]
+    return K[:, :27, :27], cross + np.swapaxes(cross, 1, 2), K[:, 27:, 27:]
 
 
 def strain_rows(over_r: Array, by_r: Array, by_z: Array) -> tuple[Array, Array]:
@@ -211,11 +211,15 @@ class Body:
         self.grid = grid
         self.elements = np.stack(element_matrices(grid, young, poisson, layer))
 
+    def freedoms(self) -> Index:
+        """Freedoms of every element, ``(elements, 27)``."""
+        cells = self.grid.cells()
+        return (3 * cells[:, :, None] + np.arange(3)).reshape(len(cells), 27)
+
     @cached_property
     def parts(self) -> tuple[sp.csr_matrix, ...]:
         """K_0, K_1, K_2 ``(3 nodes, 3 nodes)``, which hold the same entries."""
-        cells = self.grid.cells()
-        dof = (3 * cells[:, :, None] + np.arange(3)).reshape(len(cells), 27)
+        dof = self.freedoms()
         row = np.repeat(dof, 27, axis=1).ravel()
         column = np.tile(dof, (1, 27)).ravel()
         size = 3 * self.grid.r.size
@@ -256,13 +260,14 @@ class Body:
 
     def bands(self, free: NDArray[np.bool_]) -> Array:
         """The parts of K on the freedoms that are ``free`` ``(3 nodes,)``: lower bands ``(3, width, k)`` for `solved`."""
-        row, column = self.parts[0].tocoo().coords  # the parts hold the same entries
-        below = free[row] & free[column] & (row >= column)
-        place = np.cumsum(free) - 1
-        i, j = place[row[below]], place[column[below]]
-        bands = np.zeros((3, int((i - j).max()) + 1, int(free.sum())))
-        bands[:, i - j, j] = [part.data[below] for part in self.parts]
-        return bands
+        count, place = int(free.sum()), np.where(free, np.cumsum(free) - 1, -1)
+        i = place[self.freedoms()]
+        below = np.flatnonzero((i[:, :, None] >= i[:, None]) & (i[:, None] >= 0))
+        j = np.broadcast_to(i[:, None], (len(i), 27, 27)).ravel()[below]
+        down = np.broadcast_to(i[:, :, None], (len(i), 27, 27)).ravel()[below] - j
+        width, at = int(down.max()) + 1, down * count + j
+        parts = self.elements.reshape(3, -1)[:, below]
+        return np.stack([np.bincount(at, part, width * count) for part in parts]).reshape(3, width, count)
 
     def stiffness(self, n: int) -> sp.csr_matrix:
         """K_n ``(3 nodes, 3 nodes)``."""
