@@ -20,7 +20,6 @@ from rollbench.lowfi.compliance.groove import (
     Flank,
     RingCompliance,
     at_size,
-    flank_correction,
     groove_layer,
     half_space,
     ring_compliance,
@@ -246,14 +245,14 @@ def whole_ring(geometry: Scene, screw: bool) -> RingCompliance:
 
 @lru_cache(maxsize=64)
 def own_flank(geometry: Scene, screw: bool, backend: Backend) -> float:
-    """e [m/N] of a contact on the true flank, for a narrow patch (`flank_correction`)."""
+    """e [m/N] of a contact on the true flank, for a narrow patch (`NearFace`)."""
     flank = flank_of(geometry, screw)
     if is_ring(geometry, screw):
         return whole_ring(geometry, screw).normals - half_space(NARROW * flank.map.ball, flank.material)
     tube = smooth_body(geometry, screw, backend)
     if not backend.flank:  # the half space at the smooth body's own patch only
         return -half_space(tube.width, tube.material)
-    return flank_correction(flank, tube) + kept_near_face(geometry, screw, backend).own
+    return kept_near_face(geometry, screw, backend).own
 
 
 def is_ring(geometry: Scene, screw: bool) -> bool:

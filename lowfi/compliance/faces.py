@@ -21,7 +21,17 @@ from scipy.special import k0e
 
 from rollbench.lowfi.compliance.cell import groove_line
 from rollbench.lowfi.compliance.fourier import Body, Grid, Layer, factor_c, lower_corner, refine_lines, tube_grid
-from rollbench.lowfi.compliance.groove import NARROW, Flank, flank_normals, flank_weights, harmonics_to, patch_shares
+from rollbench.lowfi.compliance.groove import (
+    NARROW,
+    Flank,
+    every_harmonic,
+    flank_normals,
+    flank_weights,
+    half_space,
+    harmonics_to,
+    patch_shares,
+    true_motion,
+)
 from rollbench.lowfi.compliance.tube import Tube, clamped, motion_rows, patch_weights, radial_ends
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.section import BeamSection
@@ -32,9 +42,10 @@ REACH = 7.0
 CUTS = (0.0, 1.2, 1.6, 2.4, 4.0, REACH)
 #: Elements of a loaded flank (half as many of the others) and in depth; longest element of a land over the ball's radius.
 MESH = (4, 5)
-LAND = 0.6
+LAND = 0.9
+FIRST = 0.3
 #: Highest harmonic times the ball's radius over that of the contacts: it does not feel the nearest cut; step between two.
-HIGHEST, STEP = 5.0, 1.28
+HIGHEST, STEP = 4.0, 1.5
 TAIL = 2.6
 
 
@@ -46,8 +57,7 @@ class NearFace:
     the face or of the other one, by a load on either (f = 2), or also on those of the groove behind it (4); distance
     ``(k,)`` [m] of the face from the middle of the groove. Nothing is gained beyond the last one, and below the first as
     much as there. beside: of the contacts from that middle. far ``(n, 2, f)`` [m/N]: between contacts far from any face;
-    own: what a contact there gains by itself, beside `lowfi.compliance.groove.flank_correction`, by the neighbouring
-    grooves and a free surface behind it [m/N].
+    own: what a contact there moves by its own load beyond Hertz and the smooth body, for a narrow patch (`at_size`) [m/N].
     """
 
     distance: Array
@@ -94,14 +104,12 @@ def near_face(
     cuts = cuts if near else cuts[-1:]
     z = grid.z[:, 0]
     gain = less_smooth(flank, smooth, grid, cuts, smooth.held, held_radii)
-    half = slice(*(int(np.abs(z - end).argmin()) + k for k, end in enumerate((-flank.half, flank.half))))
-    cell = Grid(grid.r[half], grid.z[half])
-    alone = less_smooth(flank, smooth, cell, [cell.shape[0] - 1], "low" if flank.screw else "outer", (0.0, np.inf))
     if smooth.held in ("section", "low", "high", "both"):
         beams = [less_smooth_beam(flank, smooth, section, (float(z[0]), float(z[cut]))) for cut in cuts]
         gain[1, :2] -= np.stack(beams, axis=-1)
     far = gain[1, ..., -1].copy()
-    own = float((far[:, 0, 0] - alone[1, :, 0, 0, -1]).sum())
+    narrow = NARROW * flank.map.ball
+    own = float(far[:, 0, 0].sum()) + true_motion(flank, narrow, len(far) - 1) - half_space(narrow, flank.material)
     return NearFace(z[cuts], gain - gain[..., -1:], flank.contact()[1], with_tail(flank, far), own)
 
 
@@ -160,7 +168,8 @@ def grooved_grid(flank: Flank) -> tuple[Grid, list[int]]:
     r, z = r[2 * low : 2 * high + 1], z[2 * low : 2 * high + 1]
     faces = np.arange(0, z.size, 2)[z[::2] > edge - 0.01 * ball]
     cuts = sorted({int(faces[np.abs(z[faces] - x * ball).argmin()]) for x in CUTS})
-    share = refine_lines(1.0 - np.linspace(1.0, 0.0, MESH[1] + 1) ** 1.5)
+    power = np.log(abs(flank.land - flank.far) / (FIRST * ball)) / np.log(MESH[1])
+    share = refine_lines(1.0 - np.linspace(1.0, 0.0, MESH[1] + 1) ** max(power, 1.0))
     inner, outer = (np.full_like(r, flank.far), r) if flank.screw else (r, np.full_like(r, flank.far))
     depth = share if flank.screw else (1.0 - share)[::-1]
     radii = inner[:, None] + depth * (outer - inner)[:, None]
@@ -252,6 +261,6 @@ def cut_motions(
             work = Y[:first, :2, k].T @ Y[:first, :, k]
             for face, moves in enumerate((np.full(line.size, True), (r < held_radii[0]) | (r > held_radii[1]))):
                 values[face, ..., k] = work + g[moves, :2].T @ np.linalg.solve(S[np.ix_(moves, moves)], g[moves])
-    every = np.arange(n[-1] + 1)
-    whole = CubicSpline(n, found)(every) * patch_shares(every.astype(float), width, radius)[:, None, None, None, None]
-    return np.moveaxis(whole, 1, 0)
+    whole = every_harmonic(n, found)
+    shares = patch_shares(np.arange(float(len(whole))), width, radius)
+    return np.moveaxis(whole * shares[:, None, None, None, None], 1, 0)

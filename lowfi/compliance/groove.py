@@ -117,18 +117,18 @@ def flank_weights(grid: Grid, line: int, zeta: float, width: float) -> tuple[Arr
     return out / out.sum(), z
 
 
-def harmonics_to(limit: float, step: float = 1.28) -> Array:
-    """Harmonics at which a smooth series is sampled, up to ``limit``: the first ones, then each ``step`` times the last."""
-    found = [0, 1, 2, 3, 4]
+def harmonics_to(limit: float, step: float = 1.28, first: int = 0) -> Array:
+    """Harmonics at which a smooth series is sampled, from ``first`` to ``limit``: up to 4 all, then each ``step`` times the
+    last."""
+    found = [first]
     while found[-1] < limit:
-        found.append(int(np.ceil(step * found[-1])))
+        found.append(max(found[-1] + 1, int(np.ceil(step * found[-1])) if found[-1] > 3 else 0))
     return np.array(found)
 
 
-def series(n: Array, values: Array) -> float:
-    """Sum over all harmonics of a quantity sampled at ``n`` (that of n = 0 counted once)."""
-    every = np.arange(n[-1] + 1)
-    return float(CubicSpline(n, values)(every).sum())
+def every_harmonic(n: Array, values: Array) -> Array:
+    """Quantities sampled at harmonics ``n`` ``(k, ...)``, at all from the first to the last of them."""
+    return np.asarray(CubicSpline(np.log1p(n), values)(np.log1p(np.arange(n[0], n[-1] + 1))))
 
 
 def flank_normals(grid: Grid, line: int) -> Array:
@@ -154,21 +154,24 @@ def normal_load(flank: Flank, grid: Grid, width: float, zeta: float) -> Array:
     return np.asarray(share[:, None] * normals * np.sign(normals @ nominal)[:, None])
 
 
-def own_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: float, radius: float, layer: Layer | None = None) -> float:
+def own_motion(
+    flank: Flank, grid: Grid, load: tuple[Array, Array], width: float, radius: float, above: int = -1
+) -> float:
     """Motion [m/N] of one flank's patch along its load by that load, half a lead with the other flank unloaded.
 
-    load: the patch's forces on the grid ``(rows, columns, 3)`` for equal loads on both flanks and for opposite ones.
+    load: the patch's forces on the grid ``(rows, columns, 3)`` for equal loads on both flanks and for opposite ones; above:
+    the harmonic above which harmonics count.
     """
     rows, columns = grid.shape
     turned = Grid(grid.r[::-1], -grid.z[::-1])  # so that the plane between both flanks comes last
-    body = Body(turned, flank.material.youngs_modulus, flank.material.poissons_ratio, layer)
+    body = Body(turned, flank.material.youngs_modulus, flank.material.poissons_ratio)
     forces = np.stack([(force[::-1] * np.array([1.0, 1.0, -1.0])).ravel() for force in load], axis=1)
     held = np.zeros((rows, columns, 3), dtype=bool)
     held[0] = True
     if not flank.screw:
         held[:, -1] = True
-    n = harmonics_to(2.6 * radius / width)
-    values = np.empty((2, n.size))
+    n = harmonics_to(2.6 * radius / width, first=max(above, 0))
+    values = np.empty((n.size, 2))
     kept: dict[bytes, Array] = {}
     for k, harmonic in enumerate(n.tolist()):
         free = ~held.ravel() & body.axis_free(harmonic)
@@ -178,41 +181,18 @@ def own_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: float
         S, g, work = on_last(kept[free.tobytes()], harmonic, forces[free], along.size)
         for case, moves in enumerate((~along, along)):  # equal loads leave the plane where it is along z, opposite across
             own = g[moves, case]
-            values[case, k] = work[case, case] + own @ np.linalg.solve(S[np.ix_(moves, moves)], own)
-    values *= patch_shares(n.astype(float), width, radius)
-    return 0.5 * sum(series(n, own) for own in values)
+            values[k, case] = work[case, case] + own @ np.linalg.solve(S[np.ix_(moves, moves)], own)
+    found = every_harmonic(n, values.mean(axis=1) * patch_shares(n.astype(float), width, radius))
+    return float(found[above + 1 - n[0] :].sum())
 
 
-def true_motion(flank: Flank, width: float) -> float:
-    """Own motion [m/N] of a patch of ``width`` [m] on the true flank, loaded along the flank's normals."""
+def true_motion(flank: Flank, width: float, above: int = -1) -> float:
+    """Own motion [m/N] of a patch of ``width`` [m] on the true flank, loaded along the flank's normals; above: see
+    `own_motion`."""
     grid = flank.grid()
     force = np.zeros((*grid.shape, 3))
     force[:, grid.shape[1] - 1 if flank.screw else 0, ::2] = normal_load(flank, grid, width, flank.contact()[1])
-    return own_motion(flank, grid, (force, force), width, flank.contact()[0])
-
-
-def smooth_motion(flank: Flank, smooth: Tube) -> float:
-    """Own motion [m/N] of a patch of ``width`` [m] at the contact's radius in the smooth body of that surface [m]."""
-    radius, zeta = flank.contact()
-    width = smooth.width
-    tube = replace(smooth, size=(0.5 * width, 0.4 * width))
-    r_ends, line = radial_ends(tube)
-    count = int(np.ceil(flank.half / (0.5 * width)))
-    grid = tube_grid(r_ends, np.linspace(0.0, flank.half, count + 1))
-    z = refine_lines(np.linspace(0.0, flank.half, count + 1))
-    whole = patch_weights(np.concatenate([-z[::-1], z[1:]]), np.array([zeta]), width)[0]
-    upper, lower = whole[z.size - 1 :].copy(), whole[: z.size][::-1].copy()
-    upper[0] *= 0.5
-    lower[0] *= 0.5
-    m = flank.map
-    along = m.signs[flank.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
-    loads = []
-    for sign in (1.0, -1.0):
-        force = np.zeros((*grid.shape, 3))
-        force[:, line, 0] = (upper + sign * lower) * along[0]
-        force[:, line, 2] = (upper - sign * lower) * along[1]
-        loads.append(force)
-    return own_motion(flank, grid, (loads[0], loads[1]), width, radius, smooth.layer)
+    return own_motion(flank, grid, (force, force), width, flank.contact()[0], above)
 
 
 def half_space(width: float, material: Material) -> float:
@@ -259,7 +239,7 @@ def ring_compliance(flank: Flank, held: str) -> RingCompliance:
     bands, loads = body.bands(free), rows.reshape(5, -1)[:, free].T
     found = np.array([loads.T @ solved(bands, harmonic, loads) for harmonic in n.tolist()])
     every = np.arange(n[-1] + 1.0)
-    S = np.asarray(CubicSpline(n, found)(every))
+    S = every_harmonic(n, found)
     nominal = np.array([np.cos(flank.map.beta), np.sin(flank.map.beta)]) * flank.map.signs[flank.side]
     turned = S[:, 4, 4] - np.einsum("a,nab,b->n", nominal, S[:, 2:4, 2:4], nominal)
     return RingCompliance(S[:, :4, :4], float(patch_shares(every, width, radius) @ turned), width, radius)
@@ -279,12 +259,6 @@ def ring_contacts(ring: RingCompliance, azimuth: Array) -> Array:
     for n, (share, S) in enumerate(zip(shares, ring.S, strict=True)):
         G += share * np.einsum("ij,satb->siatjb", np.cos(n * angle), S.reshape(2, 2, 2, 2))
     return np.asarray(G.reshape(4 * N, 4 * N))
-
-
-def flank_correction(flank: Flank, smooth: Tube) -> float:
-    """e [m/N] of a contact beside Hertz and the smooth body with ``wide`` patches, for a narrow patch (see ``at_size``)."""
-    narrow = NARROW * flank.map.ball
-    return true_motion(flank, narrow) - smooth_motion(flank, smooth) - half_space(narrow, flank.material)
 
 
 def curvatures(flank: Flank) -> tuple[float, float]:
