@@ -27,10 +27,10 @@ from rollbench.lowfi.compliance.groove import (
     every_harmonic,
     flank_normals,
     flank_weights,
+    finer,
     half_space,
     harmonics_to,
     patch_shares,
-    true_motion,
 )
 from rollbench.lowfi.compliance.tube import Tube, clamped, motion_rows, patch_weights, radial_ends
 from rollbench.meshes.arrays import Array
@@ -41,12 +41,14 @@ REACH = 7.0
 #: Distances of the cuts from the groove's middle over the ball's radius; the first one is at the groove's edge.
 CUTS = (0.0, 1.2, 1.6, 2.4, 4.0, REACH)
 #: Elements of a loaded flank (half as many of the others) and in depth; longest element of a land over the ball's radius.
-MESH = (4, 5)
+MESH = (4, 4)
 LAND = 0.9
 FIRST = 0.3
 #: Highest harmonic times the ball's radius over that of the contacts: it does not feel the nearest cut; step between two.
 HIGHEST, STEP = 4.0, 1.5
 TAIL = 2.6
+#: Difference of two patches, over their largest load, that does not count.
+SAME = 1e-3
 
 
 @dataclass(frozen=True)
@@ -108,8 +110,8 @@ def near_face(
         beams = [less_smooth_beam(flank, smooth, section, (float(z[0]), float(z[cut]))) for cut in cuts]
         gain[1, :2] -= np.stack(beams, axis=-1)
     far = gain[1, ..., -1].copy()
-    narrow = NARROW * flank.map.ball
-    own = float(far[:, 0, 0].sum()) + true_motion(flank, narrow, len(far) - 1) - half_space(narrow, flank.material)
+    own = float(far[:, 0, 0].sum()) + finer(flank, half_lead(flank, grid), len(far) - 1)
+    own -= half_space(NARROW * flank.map.ball, flank.material)
     return NearFace(z[cuts], gain - gain[..., -1:], flank.contact()[1], with_tail(flank, far), own)
 
 
@@ -151,6 +153,13 @@ def less_smooth(
     return cut_motions(flank, grid, cuts, held_radii, fixing, true, NARROW * flank.map.ball) - cut_motions(
         flank, plain, cuts, (0.0, np.inf), fixing, loads, smooth.width, smooth.layer
     )
+
+
+def half_lead(flank: Flank, grid: Grid) -> Grid:
+    """The part of a grooved body from mid groove to mid land."""
+    z = grid.z[:, 0]
+    part = slice(int(np.abs(z).argmin()), int(np.abs(z - flank.half).argmin()) + 1)
+    return Grid(grid.r[part], grid.z[part])
 
 
 def grooved_grid(flank: Flank) -> tuple[Grid, list[int]]:
@@ -240,6 +249,7 @@ def cut_motions(
     n = harmonics_to(HIGHEST * radius / flank.map.ball, STEP)
     count = len(loads)
     found = np.empty((n.size, 2, 2, count, len(cuts)))
+    distinct, of = distinct_loads(loads, cuts)
     kept: dict[bytes, Array] = {}
     for values, harmonic in zip(found, n.tolist(), strict=True):
         free = ~held.ravel() & body.axis_free(harmonic)
@@ -249,18 +259,31 @@ def cut_motions(
         L = cholesky_banded(
             np.tensordot(powers, kept[free.tobytes()], 1), overwrite_ab=True, lower=True, check_finite=False
         )
-        Y = dtbtrs(L, loads.reshape(count * len(cuts), -1)[:, free].T, uplo="L")[0].reshape(-1, count, len(cuts))
+        Y = dtbtrs(L, distinct[:, free].T, uplo="L")[0]
         for k, cut in enumerate(cuts):
+            solution = Y[:, of[k]]
             line = np.flatnonzero(free[3 * cut * columns : 3 * (cut + 1) * columns])
             first = int(np.count_nonzero(free[: 3 * cut * columns]))
             corner = lower_corner(L, first, line.size)
-            S, g = corner @ corner.T, corner @ Y[first : first + line.size, :, k]
+            S, g = corner @ corner.T, corner @ solution[first : first + line.size]
             if cut < grid.shape[0] - 1:  # L holds what follows the cut, too
                 S -= np.tensordot(powers, beyond[:, cut // 2][:, line[:, None], line], 1)
             r = grid.r[cut, line // 3]
-            work = Y[:first, :2, k].T @ Y[:first, :, k]
+            work = solution[:first, :2].T @ solution[:first]
             for face, moves in enumerate((np.full(line.size, True), (r < held_radii[0]) | (r > held_radii[1]))):
                 values[face, ..., k] = work + g[moves, :2].T @ np.linalg.solve(S[np.ix_(moves, moves)], g[moves])
     whole = every_harmonic(n, found)
     shares = patch_shares(np.arange(float(len(whole))), width, radius)
     return np.moveaxis(whole * shares[:, None, None, None, None], 1, 0)
+
+
+def distinct_loads(loads: Array, cuts: Sequence[int]) -> tuple[Array, list[list[int]]]:
+    """Loads ``(f, cuts, nodes of the grid, 3)`` that differ, as rows, and which of them act on the body of each cut: a
+    patch that the cut does not reach is that of the last one."""
+    rows, of = [x.ravel() for x in loads[:, -1]], [[0] * len(loads) for _ in cuts]
+    for k, cut in enumerate(cuts):
+        for f, load in enumerate(loads):
+            same = np.abs(load[k, : cut + 1] - load[-1, : cut + 1]).max() < SAME * np.abs(load[-1]).max()
+            of[k][f] = f if same else len(rows)
+            rows += [] if same else [load[k].ravel()]
+    return np.stack(rows), of

@@ -154,14 +154,9 @@ def normal_load(flank: Flank, grid: Grid, width: float, zeta: float) -> Array:
     return np.asarray(share[:, None] * normals * np.sign(normals @ nominal)[:, None])
 
 
-def own_motion(
-    flank: Flank, grid: Grid, load: tuple[Array, Array], width: float, radius: float, above: int = -1
-) -> float:
-    """Motion [m/N] of one flank's patch along its load by that load, half a lead with the other flank unloaded.
-
-    load: the patch's forces on the grid ``(rows, columns, 3)`` for equal loads on both flanks and for opposite ones; above:
-    the harmonic above which harmonics count.
-    """
+def own_waves(flank: Flank, grid: Grid, load: tuple[Array, Array], n: Array) -> Array:
+    """Motions ``(k,)`` [m/N] of one flank's patch by its own load in harmonics ``n``, half a lead with the other flank
+    unloaded; load: the forces on the grid ``(rows, columns, 3)`` for equal loads on both flanks and for opposite ones."""
     rows, columns = grid.shape
     turned = Grid(grid.r[::-1], -grid.z[::-1])  # so that the plane between both flanks comes last
     body = Body(turned, flank.material.youngs_modulus, flank.material.poissons_ratio)
@@ -170,7 +165,6 @@ def own_motion(
     held[0] = True
     if not flank.screw:
         held[:, -1] = True
-    n = harmonics_to(2.6 * radius / width, first=max(above, 0))
     values = np.empty((n.size, 2))
     kept: dict[bytes, Array] = {}
     for k, harmonic in enumerate(n.tolist()):
@@ -182,17 +176,37 @@ def own_motion(
         for case, moves in enumerate((~along, along)):  # equal loads leave the plane where it is along z, opposite across
             own = g[moves, case]
             values[k, case] = work[case, case] + own @ np.linalg.solve(S[np.ix_(moves, moves)], own)
-    found = every_harmonic(n, values.mean(axis=1) * patch_shares(n.astype(float), width, radius))
-    return float(found[above + 1 - n[0] :].sum())
+    return np.asarray(values.mean(axis=1))
 
 
-def true_motion(flank: Flank, width: float, above: int = -1) -> float:
-    """Own motion [m/N] of a patch of ``width`` [m] on the true flank, loaded along the flank's normals; above: see
-    `own_motion`."""
-    grid = flank.grid()
+def own_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: float) -> float:
+    """Motion [m/N] of one flank's patch of ``width`` [m] by its own load in all harmonics, as `own_waves`."""
+    n = harmonics_to(2.6 * flank.contact()[0] / width)
+    whole = every_harmonic(n, own_waves(flank, grid, load, n))
+    return float(whole @ patch_shares(np.arange(float(whole.size)), width, flank.contact()[0]))
+
+
+def equal_loads(flank: Flank, grid: Grid, width: float) -> tuple[Array, Array]:
+    """Loads for `own_waves`: a patch of ``width`` [m] on the true flank, along the flank's normals."""
     force = np.zeros((*grid.shape, 3))
     force[:, grid.shape[1] - 1 if flank.screw else 0, ::2] = normal_load(flank, grid, width, flank.contact()[1])
-    return own_motion(flank, grid, (force, force), width, flank.contact()[0], above)
+    return force, force
+
+
+def finer(flank: Flank, coarse: Grid, last: int) -> float:
+    """What a narrow patch on half a lead moves by its own load [m/N] beyond what a ``coarse`` grid knows up to harmonic
+    ``last``: the finer grid's difference there, and all harmonics above."""
+    fine, radius, width = flank.grid(), flank.contact()[0], NARROW * flank.map.ball
+    low, high = np.unique([min(2, last), last // 4, last // 2, last]), harmonics_to(2.6 * radius / width, first=last)
+    found = own_waves(flank, fine, equal_loads(flank, fine, width), np.concatenate([low[:-1], high]))
+    change = found[: low.size] - own_waves(flank, coarse, equal_loads(flank, coarse, width), low)
+    every = np.arange(high[-1] + 1.0)
+    whole = np.empty(every.size)
+    whole[:last] = CubicSpline(np.log1p(low), change)(np.log1p(every[:last]))
+    whole[0] = 0.5 * whole[1]  # a wave has half the mean square of a constant
+    whole[last:] = every_harmonic(high, found[low.size - 1 :])
+    whole[last] = change[-1]
+    return float(whole @ patch_shares(every, width, radius))
 
 
 def half_space(width: float, material: Material) -> float:
