@@ -63,7 +63,8 @@ class Backend:
     nut: rigid beyond the contacts or beam, and with the Fourier kernel; ball: half spaces (Hertz) or an elastic sphere.
 
     width: standard deviation of the kernels' patch over half the distance of the two flanks' contacts across the groove;
-    bore: which mean of the nut's groove the smooth bore keeps, ``"ring"`` (wall^3) or ``"volume"``, or ``"land"``;
+    bore: the nut's grooves as a ``"layer"`` softer along the axis than around it, or a plain bore that keeps the mean
+    wall^3 (``"ring"``) or the ``"volume"``, or lies at the lands (``"land"``);
     harmonics, mesh: number of harmonics and fineness of the elements as multiples of the chosen ones; flank: each
     contact's own flank, or a half space at the smooth surface.
     """
@@ -73,7 +74,7 @@ class Backend:
     nut: Literal["rigid", "beam", "kernel"] = "kernel"
     ball: Literal["half space", "sphere"] = "sphere"
     width: float = 1.0
-    bore: Literal["ring", "volume", "land"] = "ring"
+    bore: Literal["layer", "ring", "volume", "land"] = "layer"
     harmonics: float = 1.0
     mesh: float = 1.0
     flank: bool = True
@@ -217,11 +218,13 @@ def smooth_body(geometry: Scene, screw: bool, backend: Backend) -> Tube:
     low, high = dimensions(geometry).ends(geometry)
     half, position = geometry.nut.length / 2.0, geometry.nut.position
     if screw:
-        bore, outer, ends, layer = flank.far, smooth_radius(flank, 2), (low, high), None
+        bore, outer, ends = flank.far, smooth_radius(flank, 2), (low, high)
     else:
-        bore = flank.land
+        bore = (
+            smooth_radius(flank, 3 if backend.bore == "ring" else 2) if backend.bore in ("ring", "volume") else flank.land
+        )
         outer, ends = flank.far, (position - half, position + half)
-        layer = groove_layer(flank, grooved_section(geometry, screw))
+    layer = None if screw or backend.bore != "layer" else groove_layer(flank, grooved_section(geometry, False))
     radius = flank.contact()[0]
     width = backend.width * geometry.balls.radius * max(float(np.cos(geometry.track.contact_angle)), LEAST)
     count = int(np.ceil(backend.harmonics * 2.2 * radius / width))

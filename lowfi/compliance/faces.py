@@ -25,9 +25,9 @@ from rollbench.lowfi.compliance.groove import (
     NARROW,
     Flank,
     every_harmonic,
+    finer,
     flank_normals,
     flank_weights,
-    finer,
     half_space,
     harmonics_to,
     patch_shares,
@@ -43,8 +43,10 @@ CUTS = (0.0, 1.2, 1.6, 2.4, 4.0, REACH)
 #: Elements of a loaded flank (half as many of the others) and in depth; longest element of a land over the ball's radius.
 MESH = (4, 4)
 LAND = 0.9
+#: First element in depth over the ball's radius.
 FIRST = 0.3
-#: Highest harmonic times the ball's radius over that of the contacts: it does not feel the nearest cut; step between two.
+#: Highest harmonic times the ball's radius over that of the contacts: it does not feel the nearest cut; step between two;
+#: highest of those that a half space continues, times the patch's width.
 HIGHEST, STEP = 4.0, 1.5
 TAIL = 2.6
 #: Difference of two patches, over their largest load, that does not count.
@@ -233,7 +235,14 @@ def pressed(flank: Flank, low: float) -> tuple[Array, Array]:
 
 
 def cut_motions(
-    flank: Flank, grid: Grid, cuts: Sequence[int], held_radii: tuple[float, float], fixing: str, loads: Array, width: float, layer: Layer | None = None
+    flank: Flank,
+    grid: Grid,
+    cuts: Sequence[int],
+    held_radii: tuple[float, float],
+    fixing: str,
+    loads: Array,
+    width: float,
+    layer: Layer | None = None,
 ) -> Array:
     """Motions ``(2, n, 2, f, cuts)`` [m/N] of patches of ``width`` [m] in every harmonic of a body cut at lines ``cuts``:
     its face free or held at these radii [m]; motion of the flank pressed towards it or of the other one, by loads on f.

@@ -80,7 +80,8 @@ def elasticity_matrix(young: float, poisson: float) -> Array:
 @dataclass(frozen=True)
 class Layer:
     """A grooved layer of a body as a smooth one: share ``(k,)`` of its cylinders that is solid at radii ``(k,)`` [m],
-    and the powers of that share which its stiffness along the axis, and in shear along it, has.
+    the powers of that share which its stiffness along the axis, and in shear along it, has, and
+    the groove's lead angle [rad].
 
     The lands between grooves are rings: around the axis they are as stiff as their share, along it they hang on what is
     under them.
@@ -90,7 +91,7 @@ class Layer:
     shares: tuple[float, ...]
     axial: float
     shear: float
-    tilt: float = 0.0
+    tilt: float
 
     def elasticity(self, young: float, poisson: float, radius: Array) -> Array:
         """D ``(..., 6, 6)`` at radii ``(...)`` [m], as `elasticity_matrix`."""

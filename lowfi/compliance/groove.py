@@ -9,7 +9,7 @@ by the logarithm of the contact's size and by its shape (`at_size`).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.integrate import trapezoid
@@ -17,9 +17,8 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
 from rollbench.lowfi.compliance.cell import cell_grid, groove_line
-from rollbench.lowfi.compliance.fourier import Body, Grid, Layer, on_last, quadratic, refine_lines, solved, tube_grid
+from rollbench.lowfi.compliance.fourier import Body, Grid, Layer, on_last, quadratic, solved
 from rollbench.lowfi.compliance.sphere import expansion
-from rollbench.lowfi.compliance.tube import Tube, patch_weights, radial_ends
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Material
@@ -30,6 +29,8 @@ NARROW = 0.18
 MESH = (8, 4, 10)
 #: Least share of a cylinder that counts as solid.
 LEAST_SHARE = 0.02
+#: Largest power of that share by which a layer is softer along the axis.
+LARGEST_POWER = 200.0
 #: ln of the standard deviation of a round Gaussian with the same mean logarithmic distance as a Hertz pressure of unit
 #: mean semi-axis: 2 ln 2 - 7/4 - (ln 2 - gamma/2).
 GAUSSIAN = float(np.log(2.0) - 1.75 + 0.5 * np.euler_gamma)
@@ -76,21 +77,19 @@ def smooth_radius(flank: Flank, power: int) -> float:
 
 
 def groove_layer(flank: Flank, section: BeamSection) -> Layer:
-    """The grooves as a layer, as stiff in stretch and twist as the grooved body's section."""
-    r, zeta = groove_line(flank.map, flank.land, flank.screw, 33)
+    """The nut's grooves as a layer between lands and root, as stiff in stretch and twist as the grooved body's section."""
+    r, zeta = (x[::-1] for x in groove_line(flank.map, flank.land, flank.screw, 33))
     share = np.maximum(1.0 - zeta / flank.half, LEAST_SHARE)
-    if not flank.screw:
-        r, share = r[::-1], share[::-1]
-    if flank.screw:
-        solid, r, share = np.linspace(flank.far, r[0], 2), r, share
-    young, shear = flank.material.youngs_modulus, flank.material.shear_modulus
-    root, full = (r[0], r[0] ** 2 - flank.far**2) if flank.screw else (r[-1], flank.far**2 - r[-1] ** 2)
-    full4 = r[0] ** 4 - flank.far**4 if flank.screw else flank.far**4 - r[-1] ** 4
-    EA = section.EA / (np.pi * young) - full
-    GJ = 2.0 * section.GJ / (np.pi * shear) - full4
-    axial = brentq(lambda p: float(trapezoid(2.0 * r * share**p, r)) - EA, 1.0, 60.0)
-    turned = brentq(lambda p: float(trapezoid(4.0 * r**3 * share**p, r)) - GJ, 1.0, 60.0)
-    return Layer(tuple(r), tuple(share), axial, turned, float(np.arctan(flank.map.rg / flank.contact()[0])))
+    young, shear, (root, far) = flank.material.youngs_modulus, flank.material.shear_modulus, (r[-1], flank.far)
+    area = section.EA / (np.pi * young) - (far**2 - root**2)
+    twist = 2.0 * section.GJ / (np.pi * shear) - (far**4 - root**4)
+
+    def power(weight: Array, wanted: float) -> float:
+        found = brentq(lambda p: float(trapezoid(weight * share**p, r)) - wanted, 1e-3, LARGEST_POWER)
+        return float(found)
+
+    tilt = float(np.arctan(flank.map.rg / flank.contact()[0]))
+    return Layer(tuple(r), tuple(share), power(2.0 * r, area), power(4.0 * r**3, twist), tilt)
 
 
 def flank_weights(grid: Grid, line: int, zeta: float, width: float) -> tuple[Array, Array]:

@@ -29,7 +29,8 @@ SHAPES = quadratic(NODE)[0]
 class Tube:
     """Plain body of revolution that stands for screw or nut: bore and outer radius, ends [m], where it is held ("low",
     "high", "both" faces, "bore", "outer", or "section": its low end on springs by its mean motions), radius at which
-    contacts load it, patch width (standard deviation) [m], number of harmonics, element sizes in z and r [m]."""
+    contacts load it, patch width (standard deviation) [m], number of harmonics, element sizes in z and r [m], the layer
+    that stands for grooves in its bore."""
 
     bore: float
     outer: float
@@ -55,13 +56,9 @@ class Tube:
         slice_ = self.body(tube_grid(radial_ends(self)[0], np.array([0.0, length])))
         EA, GJ, EI = (length * stiffness_of(slice_, kind) for kind in ("axial", "torsion", "bending"))
         shear, poisson = self.material.shear_modulus, self.material.poissons_ratio
-        bore, outer = self.bore, self.outer
-        if self.layer.shares[0] < self.layer.shares[-1]:
-            bore = (outer**4 - 2.0 * GJ / (shear * np.pi)) ** 0.25
-        else:
-            outer = (bore**4 + 2.0 * GJ / (shear * np.pi)) ** 0.25
-        kappa = shear_coefficient(bore / outer, poisson)
-        return BeamSection(EA, EI, GJ, kappa * shear * np.pi * (outer**2 - bore**2))
+        bore = (self.outer**4 - 2.0 * GJ / (shear * np.pi)) ** 0.25
+        kappa = shear_coefficient(bore / self.outer, poisson)
+        return BeamSection(EA, EI, GJ, kappa * shear * np.pi * (self.outer**2 - bore**2))
 
 
 @dataclass(frozen=True)
@@ -109,6 +106,8 @@ def radial_ends(tube: Tube) -> tuple[Array, int]:
     inner = at - graded(at - low)[::-1] if at > low else np.array([at])
     outer = at + graded(high - at) if high > at else np.array([at])
     inner[0] = low
+    if tube.layer is not None and outer.size > 2:  # an end where the layer ends
+        outer[1 + np.abs(outer[1:-1] - tube.layer.radii[-1]).argmin()] = tube.layer.radii[-1]
     return np.concatenate([inner, outer[1:]]), 2 * (inner.size - 1)
 
 

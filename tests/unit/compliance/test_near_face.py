@@ -33,11 +33,11 @@ def test_a_cut_is_a_body_of_its_own(case, held):
     short = Grid(grid.r[: cuts[k] + 1], grid.z[: cuts[k] + 1])
     fixed = np.zeros((*short.shape, 3), dtype=bool)
     fixed[[0, -1] if held else 0] = True
-    own = loads[:, k, : cuts[k] + 1].reshape(2, -1)[:, ~fixed.ravel()].T
+    own = loads[:2, k, : cuts[k] + 1].reshape(2, -1)[:, ~fixed.ravel()].T
     body = Body(short, flank.material.youngs_modulus, flank.material.poissons_ratio)
     alone = own.T @ solved(body.bands(~fixed.ravel()), n, own)
     share = np.exp(-((n * NARROW * flank.map.ball / flank.contact()[0]) ** 2))
-    assert found[int(held), n, :, :, k] == pytest.approx(share * alone, rel=1e-8)
+    assert found[int(held), n, :, :2, k] == pytest.approx(share * alone, rel=1e-8)
 
 
 def test_a_lip_is_soft_and_a_clamp_is_stiff(case):
