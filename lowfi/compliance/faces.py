@@ -175,8 +175,8 @@ def grooved_grid(flank: Flank) -> tuple[Grid, list[int]]:
     shift = 2.0 * flank.half * np.arange(1.0, more + 1.0)[:, None]
     r = np.concatenate([np.tile(next_r[:-1], more), r, np.tile(next_r[1:], more)])
     z = np.concatenate([(next_z[:-1] - shift[::-1]).ravel(), z, (next_z[1:] + shift).ravel()])
-    low, high = (int(np.searchsorted(z[::2], x)) for x in (-reach, reach))
-    r, z = r[2 * low : 2 * high + 1], z[2 * low : 2 * high + 1]
+    last = 2 * int(np.abs(z[::2] - reach).argmin())  # both ends as far: the body must be its own mirror image
+    r, z = r[z.size - 1 - last : last + 1], z[z.size - 1 - last : last + 1]
     faces = np.arange(0, z.size, 2)[z[::2] > edge - 0.01 * ball]
     cuts = sorted({int(faces[np.abs(z[faces] - x * ball).argmin()]) for x in CUTS})
     power = np.log(abs(flank.land - flank.far) / (FIRST * ball)) / np.log(MESH[1])
