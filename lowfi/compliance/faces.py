@@ -111,10 +111,18 @@ def near_face(
     if smooth.held in ("section", "low", "high", "both"):
         beams = [less_smooth_beam(flank, smooth, section, (float(z[0]), float(z[cut]))) for cut in cuts]
         gain[1, :2] -= np.stack(beams, axis=-1)
-    far = gain[1, ..., -1].copy()
+    far = both_ways(gain[1, ..., -1])
     own = float(far[:, 0, 0].sum()) + finer(flank, half_lead(flank, grid), len(far) - 1)
     own -= half_space(NARROW * flank.map.ball, flank.material)
     return NearFace(z[cuts], gain - gain[..., -1:], flank.contact()[1], with_tail(flank, far), own)
+
+
+def both_ways(waves: Array) -> Array:
+    """Motions ``(n, 2, f)`` far from any face as the mean with their mirror image: flank a moves by a load on flank b of the
+    groove behind as, seen from the other end, the flank opposite b does by a load on that opposite a. A body that ends as
+    far before its own groove as behind it is no mirror image about the land between two."""
+    pairs = waves.reshape(len(waves), 2, -1, 2)
+    return np.asarray(0.5 * (pairs + pairs[:, ::-1, :, ::-1].swapaxes(1, 3))).reshape(waves.shape)
 
 
 def with_tail(flank: Flank, waves: Array) -> Array:

@@ -104,11 +104,12 @@ def radial_ends(tube: Tube) -> tuple[Array, int]:
         return np.asarray(length * (np.arange(count + 1) / count) ** 1.6)
 
     inner = at - graded(at - low)[::-1] if at > low else np.array([at])
-    outer = at + graded(high - at) if high > at else np.array([at])
     inner[0] = low
-    if tube.layer is not None and outer.size > 2:  # an end where the layer ends
-        outer[1 + np.abs(outer[1:-1] - tube.layer.radii[-1]).argmin()] = tube.layer.radii[-1]
-    return np.concatenate([inner, outer[1:]]), 2 * (inner.size - 1)
+    outer = np.array([at])
+    for end in (high,) if tube.layer is None else (tube.layer.radii[-1], high):  # none of them across the layer's end
+        if end > outer[-1]:
+            outer = np.append(outer, outer[-1] + graded(end - outer[-1])[1:])
+    return np.append(inner, outer[1:]), 2 * (inner.size - 1)
 
 
 def axial_ends(tube: Tube, zone: tuple[float, float]) -> Array:
