@@ -73,7 +73,7 @@ class NearFace:
     @property
     def turns(self) -> int:
         """Number of grooves whose contacts are coupled: their own, and the one behind it."""
-        return self.far.shape[2] // 2
+        return int(self.far.shape[2]) // 2
 
     def by_face(self, held: bool, angle: Array, distance: Array) -> Array:
         """Compliance ``(m, 2, f)`` [m/N] that a face adds between contacts at these angles [rad], the front one at these
@@ -94,7 +94,7 @@ def around(waves: Array, angle: Array) -> Array:
     sums = np.fft.hfft(0.5 * np.concatenate([2.0 * waves[:1], waves[1:]]), 8 * len(waves), axis=0)
     turned = np.abs((angle + np.pi) % (2.0 * np.pi) - np.pi)
     known = step * np.arange(-2, 4 * len(waves) + 3)
-    return CubicSpline(known, sums[np.arange(-2, 4 * len(waves) + 3)])(turned)
+    return np.asarray(CubicSpline(known, sums[np.arange(-2, 4 * len(waves) + 3)])(turned))
 
 
 def near_face(
@@ -118,9 +118,9 @@ def near_face(
 
 
 def both_ways(waves: Array) -> Array:
-    """Motions ``(n, 2, f)`` far from any face as the mean with their mirror image: flank a moves by a load on flank b of the
-    groove behind as, seen from the other end, the flank opposite b does by a load on that opposite a. A body that ends as
-    far before its own groove as behind it is no mirror image about the land between two."""
+    """Motions ``(n, 2, f)`` far from any face as the mean with their mirror image: flank a moves by a load on flank b of
+    the groove behind as, seen from the other end, the flank opposite b does by a load on that opposite a. A body that ends
+    as far before its own groove as behind it is no mirror image about the land between two."""
     pairs = waves.reshape(len(waves), 2, -1, 2)
     return np.asarray(0.5 * (pairs + pairs[:, ::-1, :, ::-1].swapaxes(1, 3))).reshape(waves.shape)
 
@@ -131,7 +131,7 @@ def with_tail(flank: Flank, waves: Array) -> Array:
     Two Gaussian patches of deviation s on a half space answer a wave k along it by exp(x) K_0(x) exp(-2 x), x = (k s)^2/2.
     """
     radius, width, last = flank.contact()[0], NARROW * flank.map.ball, len(waves) - 1
-    n = np.arange(last, int(TAIL * radius / width))
+    n = np.arange(float(last), int(TAIL * radius / width))
     plane = k0e(0.5 * (n * width / radius) ** 2) * patch_shares(n, width, radius)
     return np.concatenate([waves[:-1], waves[-1] * (plane / plane[0]).reshape(-1, *[1] * (waves.ndim - 1))])
 

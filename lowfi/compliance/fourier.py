@@ -113,7 +113,7 @@ class Layer:
         S = T.T @ S @ T
         for odd in ((0, 5), (1, 5), (2, 5), (3, 4)):
             S[..., odd[0], odd[1]] = S[..., odd[1], odd[0]] = 0.0
-        return np.linalg.inv(S)
+        return np.asarray(np.linalg.inv(S), dtype=float)
 
 
 def element_matrices(grid: Grid, young: float, poisson: float, layer: Layer | None = None) -> tuple[Array, Array, Array]:
@@ -268,7 +268,8 @@ class Body:
         down = np.broadcast_to(i[:, :, None], (len(i), 27, 27)).ravel()[below] - j
         width, at = int(down.max()) + 1, down * count + j
         parts = self.elements.reshape(3, -1)[:, below]
-        return np.stack([np.bincount(at, part, width * count) for part in parts]).reshape(3, width, count)
+        found = [np.bincount(at, part, width * count) for part in parts]
+        return np.asarray(found, dtype=float).reshape(3, width, count)
 
     def stiffness(self, n: int) -> sp.csr_matrix:
         """K_n ``(3 nodes, 3 nodes)``."""
