@@ -38,7 +38,7 @@ from rollbench.meshes.fem import nodes_on, points_of
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import GroovedBody
 from rollbench.meshes.helix import BallLayout
-from rollbench.meshes.parts import Material, Nut, Screw
+from rollbench.meshes.parts import Material, Nut
 from rollbench.meshes.solid import Dimensions
 
 #: Boundaries of the nut's mesh by where it is held.
@@ -118,23 +118,25 @@ def ball_compliance(
 
 
 def shaft_section(
-    screw: Screw, m: GrooveMap, dims: Dimensions, ends: tuple[float, float], size: float, stations: Sequence[float]
+    e: Material, m: GrooveMap, outer: float, bore: float, radius: float | None, hole: float, size: float | None
 ) -> Shaft:
-    """Section of the shaft beyond the 3D stretch, between its ``ends``; where no station lies there, any will do."""
-    e, outer = screw.material, screw.outer_diameter / 2.0
-    low, high = ends
+    """Section of the shaft beyond the 3D stretch, by what it depends on alone: other nuts and loads find it in the cache.
+
+    outer, bore: radii of the shaft's lands and bore [m]; radius: of a plain shaft in its place [m], if the scene has one;
+    hole: radius of the bore of 3D meshes [m]; size: of their elements [m], or None where no station of supports or loads
+    lies beyond the stretch, so that any section will do.
+    """
     plain = round_section(outer, e.youngs_modulus, e.poissons_ratio)
-    if dims.screw_held == "bore" or all(low <= z <= high for z in stations):
+    if size is None:
         return Shaft(plain, None)
-    if dims.shaft_radius is not None:
-        return Shaft(round_section(dims.shaft_radius, e.youngs_modulus, e.poissons_ratio), None)
+    if radius is not None:
+        return Shaft(round_section(radius, e.youngs_modulus, e.poissons_ratio), None)
     if m.rg == 0.0:
-        if screw.bore == 0.0:
+        if bore == 0.0:
             return Shaft(plain, None)
-        bore = round_section(screw.bore / 2.0, e.youngs_modulus, e.poissons_ratio)
-        own = ShaftSection(plain.EA - bore.EA, plain.EI - bore.EI, plain.GJ - bore.GJ, plain.kGA - bore.kGA)
-        return Shaft(own, None)
-    found = homogenise(m, outer, screw.bore / 2.0, dims.hole, e, size)
+        own = round_section(bore, e.youngs_modulus, e.poissons_ratio)
+        return Shaft(ShaftSection(plain.EA - own.EA, plain.EI - own.EI, plain.GJ - own.GJ, plain.kGA - own.kGA), None)
+    found = homogenise(m, outer, bore, hole, e, size)
     return Shaft(found.section, found)
 
 

@@ -32,12 +32,12 @@ def needed_stations(scene: Scene) -> Array:
     return np.array([s.at for s in scene.supports] + [f.at for f in scene.loads])
 
 
-def merge(stations: Array, exact: Array | None = None) -> Array:
+def merge(stations: Array, exact: Array) -> Array:
     """Sorted stations without those closer than ``MERGE`` to the one before; of two so close an ``exact`` one stays."""
     ordered = np.sort(stations)
     if np.all(ordered[1:] - ordered[:-1] > MERGE):
         return ordered
-    named = frozenset(exact.tolist()) if exact is not None else frozenset()
+    named = frozenset(exact.tolist())
     first, *others = ordered.tolist()
     keep, firm = [first], first in named
     for z in others:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rollbench.comparison.errors import InputError, Refusal
-from rollbench.comparison.models.registry import MODELS
+from rollbench.comparison.models.registry import DEFAULT, MODELS, Options
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 
@@ -16,18 +16,7 @@ if TYPE_CHECKING:
     from rollbench.lowfi.statics.static import Engine
 
 #: Models that know several sets on one shaft: the source's and the steps of the ladder to the refined one.
-AXIS_MODELS = ("refined", "lin", "lin-cell", "lin-nut")
-#: The one that is used unless another is asked for, or inner rings are on housings on springs, which only lin has.
-AXIS_DEFAULT = "refined"
-#: Why the others do not.
-ONE_SET = {
-    "lin-source-partition": "it sets the nodes of the beam by the one nut",
-    "lin-printed-hertz": 'write hertz = "as printed" under [ingredients], and take the model lin',
-    "condensed": "a file of condensed bodies holds those of one set",
-    "source": "the source's own equations are those of one nut that stands",
-    "mei": "its bars end in one nut that stands",
-    "mei-nut": "its bars end in one nut that stands",
-}
+AXIS_MODELS = tuple(name for name, model in MODELS.items() if callable(model.axis))
 
 
 def random_errors(assembly: Assembly) -> bool:
@@ -36,10 +25,11 @@ def random_errors(assembly: Assembly) -> bool:
 
 
 def default_model(assembly: Assembly) -> str:
-    """The model of an assembly where none is asked for."""
+    """The model of an assembly where none is asked for: lin where inner rings are on housings on springs, which only it
+    has."""
     sprung = {h.name for h in assembly.housings if h.stiffness is not None}
     sprung |= {name for j in assembly.joints for name in (j.first, j.second)}
-    return "lin" if any(s.carrier in sprung for s in assembly.sets) else AXIS_DEFAULT
+    return "lin" if any(s.carrier in sprung for s in assembly.sets) else DEFAULT
 
 
 def run_axis(assembly: Assembly, model: str = "", engine: Engine = "auto", member: int = 0) -> AxisResult:
@@ -49,19 +39,14 @@ def run_axis(assembly: Assembly, model: str = "", engine: Engine = "auto", membe
     Raises InputError for a model that knows one set only, or a member of a scene without random errors.
     """
     model = model or default_model(assembly)
-    if model not in AXIS_MODELS:
-        advice = f"{model} describes one set: {ONE_SET[model]}" if model in MODELS else "see: rollbench list"
+    found = MODELS.get(model)
+    if found is None or isinstance(found.axis, str):
+        advice = "see: rollbench list" if found is None else f"{model} describes one set: {found.axis}"
         raise InputError(assembly.name, "model", f'"{model}"', ", ".join(AXIS_MODELS), advice)
     if member and not random_errors(assembly):
         raise InputError(assembly.name, "member", str(member), "0", "no set has random errors: leave it out")
-    from rollbench.lowfi.compliance.bodies import LADDER
-    from rollbench.lowfi.statics.axis.refined import solve_refined
-    from rollbench.lowfi.statics.axis.solve import solve_assembly
-
     try:
         with np.errstate(all="ignore"):
-            if model == "lin":
-                return solve_assembly(assembly, engine=engine, member=member).answers()
-            return solve_refined(assembly, engine=engine, member=member, backend=LADDER[model], name=model).answers()
+            return found.axis(assembly, Options(member=member, engine=engine)).answers()
     except ValueError as error:
         raise Refusal(assembly.name, "scene", str(error), "check the geometry") from error

@@ -13,10 +13,12 @@ import numpy as np
 
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
     from rollbench.lowfi.compliance.imported import Condensed
+    from rollbench.lowfi.statics.axis.result import AxisResult
 
 
 @dataclass(frozen=True)
@@ -111,6 +113,25 @@ def _mei_nut(scene: Scene, options: Options) -> StaticResult:
     return solve_mei(scene, member=options.member, elastic_nut=True)
 
 
+def _axis_lin(assembly: Assembly, options: Options) -> AxisResult:
+    from rollbench.lowfi.statics.axis.solve import solve_assembly
+
+    return solve_assembly(assembly, engine=options.engine, member=options.member)  # type: ignore[arg-type]
+
+
+def _axis_elastic(assembly: Assembly, options: Options, *, name: str) -> AxisResult:
+    from rollbench.lowfi.compliance.bodies import LADDER
+    from rollbench.lowfi.statics.axis.refined import solve_refined
+
+    return solve_refined(
+        assembly,
+        engine=options.engine,  # type: ignore[arg-type]
+        member=options.member,
+        backend=LADDER[name],
+        name=name,
+    )
+
+
 def any_scene(scene: Scene) -> bool:  # noqa: ARG001 - the signature of Model.suits
     """A model that can describe every scene."""
     return True
@@ -132,8 +153,8 @@ class Model:
     """A low-order model, by all that the project says of it and does with it.
 
     name: on the command line; about: one sentence for ``rollbench list``; label: in tables and figures; words: how screw,
-    nut and balls answer a contact force; run: its runner; suits: whether it can describe a scene; compared: takes part in
-    ``rollbench compare``; extremes: takes part in the stability table; ingredients: changes of the scene that make it a
+    nut and balls answer a contact force; run: its runner; axis: its runner on several sets on one shaft, or why it has
+    none; suits: whether it can describe a scene; compared: takes part in ``rollbench compare``; extremes: takes part in the stability table; ingredients: changes of the scene that make it a
     variant of another model; ladder_step: its rank on the ladder from the source's model to
     the refined one and what it adds there; errors_of: the model whose compared errors speak for it (itself unless given).
     """
@@ -143,6 +164,7 @@ class Model:
     label: str
     words: str
     run: Callable[[Scene, Options], StaticResult]
+    axis: Callable[[Assembly, Options], AxisResult] | str = "it solves one set"
     suits: Callable[[Scene], bool] = any_scene
     compared: bool = False
     extremes: bool = False
@@ -157,6 +179,7 @@ class Model:
 
 C_8, HALF_SPACES = "screw a beam by Lin C.8, nut rigid, balls half spaces", "balls half spaces"
 BARS = "axial bars and springs of fixed direction"
+MEI_AXIS = "its bars end in one nut that stands"
 _ALL = (
     Model(
         "refined",
@@ -164,6 +187,7 @@ _ALL = (
         "refined model",
         "screw, nut and balls elastic, by kernels",
         partial(_elastic, name="refined"),
+        partial(_axis_elastic, name="refined"),
         compared=True,
         extremes=True,
         ladder_step=(4, "+ kernels, flanks and balls (the default)"),
@@ -174,6 +198,7 @@ _ALL = (
         "the source's low-order model",
         C_8,
         _lin,
+        _axis_lin,
         compared=True,
         ladder_step=(1, "the source's model: beam by C.8, rigid nut"),
     ),
@@ -183,6 +208,7 @@ _ALL = (
         "the source's model on its 15 mm partition",
         C_8,
         _lin,
+        "it sets the nodes of the beam by the one nut",
         compared=True,
         ingredients=(("partition", "source"),),
     ),
@@ -192,6 +218,7 @@ _ALL = (
         "the source's model, Hertz constants as printed",
         C_8,
         _lin,
+        'write hertz = "as printed" under [ingredients], and take the model lin',
         compared=True,
         ingredients=(("hertz", "as printed"),),
     ),
@@ -201,6 +228,7 @@ _ALL = (
         "the source's model, section of the grooved cell",
         f"screw a beam of the grooved cell's section, nut rigid, {HALF_SPACES}",
         partial(_elastic, name="lin-cell"),
+        partial(_axis_elastic, name="lin-cell"),
         ladder_step=(2, "+ section of the grooved cell"),
     ),
     Model(
@@ -209,6 +237,7 @@ _ALL = (
         "the source's model, nut as a beam",
         f"screw and nut beams of the grooved cells' sections, {HALF_SPACES}",
         partial(_elastic, name="lin-nut"),
+        partial(_axis_elastic, name="lin-nut"),
         extremes=True,
         ladder_step=(3, "+ nut as a beam"),
     ),
@@ -218,6 +247,7 @@ _ALL = (
         "refined model, bodies from the condensed 3D model",
         "screw, nut and balls from a condensed 3D model",
         partial(_elastic, name="condensed"),
+        "a file of condensed bodies holds those of one set",
         ladder_step=(5, "bodies from the condensed 3D model"),
     ),
     Model(
@@ -226,6 +256,7 @@ _ALL = (
         "the source's own equations and iteration",
         C_8,
         _source,
+        "the source's own equations are those of one nut that stands",
         suits=with_beam,
         errors_of="lin",
     ),
@@ -235,6 +266,7 @@ _ALL = (
         "Mei: axial bars, rigid nut",
         f"{BARS}, nut rigid",
         _mei,
+        MEI_AXIS,
         suits=axial_only,
         compared=True,
     ),
@@ -244,6 +276,7 @@ _ALL = (
         "Mei: axial bars, nut as a bar",
         f"{BARS}, nut a bar",
         _mei_nut,
+        MEI_AXIS,
         suits=axial_only,
         compared=True,
     ),

@@ -10,11 +10,18 @@ import numpy as np
 from rollbench.lowfi.statics.axis.result import AxisResult
 from rollbench.lowfi.statics.axis.system import tapered
 from rollbench.lowfi.statics.problem import nominal_hertz
+from rollbench.lowfi.statics.static import ACCEPTED
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
 
-#: Part of the largest preload that its error may have, and steps that are tried.
+#: Relative error of a preload that is enough, and steps that are tried.
 ERROR, STEPS = 1e-12, 60
+#: Step of the differences that make the slope, in logarithms: an e-th part of a depth.
+DIFFERENCE = 1e-3
+#: Part of the slope's largest singular value below which a direction is noise: forces are known to ``ACCEPTED``, so that
+#: differences of their logarithms over ``DIFFERENCE`` are known to this. Nuts that press one another carry one force: the
+#: slope then has no other direction, and the depths stay as far apart as they began.
+NOISE = ACCEPTED / DIFFERENCE
 #: Relative errors of a preload that are told, and that are a failure.
 TOLD, FAILED = 1e-8, 1e-4
 
@@ -23,7 +30,8 @@ def mount(assembly: Assembly, solve: Callable[[Assembly], AxisResult]) -> tuple[
     """The assembly with its preloads by force as offsets: those at which each such set carries its force, without loads
     and before the shaft warms.
 
-    Secant method on the axial forces of these sets by their offsets, logarithms of both: a law of a power is a line.
+    Newton's method on the axial forces of these sets by their offsets, logarithms of both: a law of a power is a line. The
+    slope follows the secants of moves that are longer than the differences it began with: shorter ones hold more noise.
     Returns the assembly, notes, and words for preloads that are not met (else empty).
     """
     which = [i for i, s in enumerate(assembly.sets) if s.preload > 0.0]
@@ -40,17 +48,19 @@ def mount(assembly: Assembly, solve: Callable[[Assembly], AxisResult]) -> tuple[
 
     depth = np.log([2.0 * closing(assembly.sets[i]) for i in which])
     value = excess(depth)
-    slope = np.column_stack([(excess(depth + 1e-3 * e) - value) / 1e-3 for e in np.eye(len(which))])
+    slope = np.column_stack([(excess(depth + DIFFERENCE * e) - value) / DIFFERENCE for e in np.eye(len(which))])
     for _ in range(STEPS):
         if not np.isfinite(value).all() or not np.isfinite(slope).all():
             break
-        if float(np.abs(value).max()) <= ERROR:
+        worst = float(np.abs(value).max())
+        if worst <= ERROR:
             break
-        move = np.clip(np.linalg.lstsq(slope, -value, rcond=1e-12)[0], -1.0, 1.0)
+        move = np.clip(np.linalg.lstsq(slope, -value, rcond=NOISE)[0], -1.0, 1.0)
         new = excess(depth + move)
-        slope = slope + np.outer(new - value - slope @ move, move) / float(move @ move)
-        if float(np.abs(new).max()) >= float(np.abs(value).max()) and float(np.abs(value).max()) < 1e-10:
-            break  # round-off
+        if worst < ACCEPTED and not float(np.abs(new).max()) < worst:
+            break  # the forces are not known any better
+        if float(np.abs(move).max()) > DIFFERENCE:
+            slope = slope + np.outer(new - value - slope @ move, move) / float(move @ move)
         depth, value = depth + move, new
     shift = np.exp(depth)
     words = ", ".join(f"{assembly.sets[i].name} {1e6 * d:.5g} um" for i, d in zip(which, shift, strict=True))

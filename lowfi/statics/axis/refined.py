@@ -59,12 +59,12 @@ def _solve(assembly: Assembly, engine: Engine, member: int, backend: Backend, na
     start = perf_counter()
     mounted, notes, unmet = mount(assembly, lambda other: _solve(other, engine, member, backend, name))
     if unmet:
-        return failed_axis(assembly, name, f"not converged: {unmet}", perf_counter() - start)
+        return failed_axis(assembly, name, f"not converged: {unmet}", perf_counter() - start, ASSUMPTIONS)
     kernels = engine_for(assembly, engine)
     system = build(mounted, member)
     loose = loose_motions(system)
     if loose.driven:
-        return failed_axis(assembly, name, f"not held: {loose.text}", perf_counter() - start)
+        return failed_axis(assembly, name, f"not held: {loose.text}", perf_counter() - start, ASSUMPTIONS)
     elastic = ready(pinned(system, loose), backend, kernels)
     prepared_at = perf_counter()
     arrays = elastic.bodies, elastic.contacts, elastic.state
@@ -73,7 +73,7 @@ def _solve(assembly: Assembly, engine: Engine, member: int, backend: Backend, na
     bound = round_off(elastic, outcome.scale)
     status = axis_verdict(outcome, bound, system)
     if outcome.status in NO_LOADS:
-        return failed_axis(assembly, name, status, perf_counter() - start)
+        return failed_axis(assembly, name, status, perf_counter() - start, ASSUMPTIONS)
     report = SolverReport(
         iterations=outcome.iterations,
         evaluations=outcome.evaluations,

@@ -50,14 +50,14 @@ def stands(housing: Housing) -> bool:
 def shaft_nodes(assembly: Assembly, stations: Array) -> Array:
     """Nodes [m] at contact ``stations``, supports, loads, changes of section and the station that is asked about.
 
-    What lies beyond the outermost support, load or contact carries nothing and is left out.
+    What lies beyond the outermost support, load or contact carries nothing and is left out. A support is a node itself.
     """
     needed = [*stations, *(s.at for s in assembly.supports), *(x.at for x in assembly.loads)]
     if isinstance(assembly.stiffness_at, float):
         needed.append(assembly.stiffness_at)
     low, high = min(needed), max(needed)
     steps = [z for s in assembly.segments for z in (s.start, s.end) if low < z < high]
-    nodes = merge(np.array([*needed, *steps]))
+    nodes = merge(np.array([*needed, *steps]), np.array([s.at for s in assembly.supports]))
     if nodes.size == 1:  # a beam needs one element
         away = low - MERGE * 100.0 if low > 0.5 * assembly.screw.length else low + MERGE * 100.0
         nodes = np.sort(np.array([low, away]))

@@ -211,10 +211,12 @@ def _housing(system: System, i: int, sets: tuple[SetResult, ...], q: Array, held
     return HousingResult(name, q[row].copy(), wrench, left / size if size else 0.0)
 
 
-def failed_axis(assembly: Assembly, model: str, status: str, seconds: float) -> AxisResult:
-    """Result of an assembly without equilibrium: no loads, and the reason."""
+def failed_axis(
+    assembly: Assembly, model: str, status: str, seconds: float, assumed: tuple[str, ...] = AXIS_ASSUMPTIONS
+) -> AxisResult:
+    """Result of an assembly without equilibrium: no loads, and the reason; assumed: what the model assumes."""
     report = SolverReport(0, 0, float("nan"), seconds, 0, 0, "none", "none")
     none = np.zeros(0)
     return AxisResult(
-        model, status, (), (), none, np.zeros((0, 6)), None, "", None, report, (*assembly.assumed, *AXIS_ASSUMPTIONS), ()
+        model, status, (), (), none, np.zeros((0, 6)), None, "", None, report, (*assembly.assumed, *assumed), ()
     )

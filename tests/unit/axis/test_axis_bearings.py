@@ -4,17 +4,22 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.axes import ANGLE, BALL, GROOVE, PITCH, ROLLERS, TURNING, assembly, bearing, fixed_axis, solved
-from tests.helpers import ALL_BUT_AXIAL, relative
+from tests.axes import ANGLE, BALL, GROOVE, PITCH, ROLLERS, TURNING, assembly, bearing, fixed_axis, nut, one_set, solved
+from tests.helpers import ALL_BUT_AXIAL, relative, small_screw
 
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow
 from rollbench.lowfi.bearings.combined_load import combined
 from rollbench.lowfi.bearings.sets import BearingSet, equilibrium
 from rollbench.lowfi.bearings.tapered_roller import RollerRow as ThrustRow
+from rollbench.lowfi.statics.axis.mount import mount
 from rollbench.lowfi.statics.axis.proof import opening_motion
-from rollbench.lowfi.statics.axis.solve import solve_assembly
+from rollbench.lowfi.statics.axis.refined import ASSUMPTIONS, solve_refined
+from rollbench.lowfi.statics.axis.solve import iterate, solve_assembly
 from rollbench.lowfi.statics.axis.system import build, tapered
+from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.axis import Housing, RollingSet, Segment
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.partition import contact_stations
 from rollbench.meshes.parts import Load, Support
 
 #: A shaft so thick that only its bearings give way.
@@ -107,6 +112,43 @@ def test_a_preload_that_cannot_be_met_is_a_failure():
     assert not found.sets
 
 
+def pressed_nuts(preload, count=12):
+    """Two nuts that press one another, and so carry one force, both given it."""
+    nuts = (nut(name, z, count=count, thrust=t, preload=preload) for name, z, t in (("1", 0.13, "-z"), ("2", 0.17, "+z")))
+    return assembly(*nuts, supports=(Support(0.0, ALL_BUT_AXIAL),), loads=(Load(0.0, (0.0, 0.0, 1.0)),))
+
+
+@pytest.mark.parametrize("preload", [300.0, 1431.0, 1643.0])
+def test_nuts_that_press_one_another_are_preloaded_by_one_force(preload, monkeypatch):
+    runs = []
+    monkeypatch.setattr("rollbench.lowfi.statics.axis.solve.iterate", lambda *a, **k: runs.append(1) or iterate(*a, **k))
+    found = solved(pressed_nuts(preload))
+    assert len(runs) <= 12
+    assert found.sets[0].force[2] + found.sets[1].force[2] == pytest.approx(-1.0, rel=1e-9)
+    assert found.sets[0].force[2] == pytest.approx(preload - 0.5, abs=0.1)
+
+
+def test_noise_does_not_turn_a_singular_slope():
+    """Forces known to 1e-11 only: the nuts keep their shifts alike."""
+    rng = np.random.default_rng(3)
+
+    def noisy(other):
+        found = solve_assembly(other, engine="compiled")
+        sets = tuple(replace(s, force=s.force * (1.0 + 1e-11 * rng.standard_normal())) for s in found.sets)
+        return replace(found, sets=sets)
+
+    mounted, _, unmet = mount(pressed_nuts(1431.0), noisy)
+    assert unmet == ""
+    assert mounted.sets[0].offset == pytest.approx(-mounted.sets[1].offset, rel=1e-4)
+
+
+def test_refined_names_its_own_assumptions_where_a_preload_is_not_met():
+    alone = assembly(bearing("a", 0.03, "+z", preload=700.0), segments=THICK, supports=(GUIDED,))
+    found = solve_refined(alone)
+    assert "not met" in found.status
+    assert found.assumed == ASSUMPTIONS
+
+
 @pytest.mark.compiles(19)
 def test_two_preloads_by_force_are_met_together():
     axis = fixed_axis((0.0, 0.0, 0.0))
@@ -139,6 +181,15 @@ def test_warm_shaft_grows_and_between_rigid_ends_is_pushed_by_its_strain():
     pushed = [solved(replace(touching, thermal_strain=e)).sets[0].force[2] for e in (0.0, 1e-4)]
     assert pushed[0] < -100.0
     assert pushed[1] == pytest.approx(pushed[0], rel=0.05)
+
+
+@pytest.mark.parametrize("away", [9e-6, -9e-6])
+def test_a_support_near_a_contact_stays_where_it_is(away):
+    scene = small_screw(oversize=2e-6, force=(300.0, 0.0, 900.0))
+    at = float(contact_stations(scene, ball_layout(scene))[3, 0]) + away
+    scene = replace(scene, supports=(*scene.supports, Support(at, (("ux", 0.0), ("uy", 0.0)))))
+    alone = solve_static(scene, engine="compiled")
+    assert relative(solved(one_set(scene)).sets[0].balls.load, alone.load) < 1e-12
 
 
 def test_free_motions_are_named():

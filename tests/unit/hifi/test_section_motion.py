@@ -25,9 +25,16 @@ LENGTH = 48e-3
 def shaft():
     m, size = GrooveMap.of(SCENE), 4e-3
     spec = BodySpec(
-        dimensions(SCENE).hole, SCENE.screw.outer_diameter / 2.0, m.z0, m.z0 + LENGTH, True, (), SocketSize(0.3, 1e-3, 0.05),
-        size, size,
-    )  # fmt: skip
+        dimensions(SCENE).hole,
+        SCENE.screw.outer_diameter / 2.0,
+        m.z0,
+        m.z0 + LENGTH,
+        True,
+        (),
+        SocketSize(0.3, 1e-3, 0.05),
+        size,
+        size,
+    )
     return m, build_body(m, spec).mesh
 
 

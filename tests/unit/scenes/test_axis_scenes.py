@@ -10,8 +10,8 @@ from tests.shipped_texts import axis_names
 
 from rollbench.comparison.cli import main
 from rollbench.comparison.errors import InputError, SceneError
-from rollbench.comparison.models.axis import AXIS_MODELS, ONE_SET, run_axis
-from rollbench.comparison.models.registry import MODELS
+from rollbench.comparison.models.axis import AXIS_MODELS, run_axis
+from rollbench.comparison.models.registry import MODELS, Model
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.scenes.catalogue import scene_text
 from rollbench.comparison.scenes.kinds.table import json_schema
@@ -168,11 +168,18 @@ def test_commands_of_one_set_refuse_several_with_the_reason():
     with pytest.raises(InputError, match="mei describes one set: its bars"):
         run_axis(catalogue.shipped("double-nut"), "mei")
     assert AXIS_MODELS == ("refined", "lin", "lin-cell", "lin-nut")
-    assert set(AXIS_MODELS) | set(ONE_SET) == set(MODELS)
+    with pytest.raises(InputError, match="see: rollbench list"):
+        run_axis(catalogue.shipped("double-nut"), "none")
     for kind in ("compare", "mesh-study", "export", "condense"):
         with pytest.raises(SystemExit) as stopped:
             main([kind, "double-nut", *(["screw"] if kind == "export" else [])])
         assert stopped.value.code == 2
+
+
+def test_a_model_registered_for_one_set_is_refused_with_a_reason(monkeypatch):
+    monkeypatch.setitem(MODELS, "new", Model("new", "a new one", "new", "new", MODELS["mei"].run))
+    with pytest.raises(InputError, match="new describes one set: it solves one set"):
+        run_axis(catalogue.shipped("double-nut"), "new")
 
 
 def test_schema_knows_axes():
