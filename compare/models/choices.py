@@ -17,6 +17,7 @@ from rollbench.meshes.loads import mean_load
 CHOICES: dict[str, Backend] = {
     "patch of the kernels half as wide again": replace(REFINED, width=1.5),
     "patch of the kernels two thirds as wide": replace(REFINED, width=1.0 / 1.5),
+    "bore of the smooth nut by wall^3, no layer": replace(REFINED, bore="ring"),
     "bore of the smooth nut by volume": replace(REFINED, bore="volume"),
     "bore of the smooth nut at its lands": replace(REFINED, bore="land"),
     "half as many harmonics again": replace(REFINED, harmonics=1.5),

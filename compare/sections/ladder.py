@@ -100,8 +100,9 @@ def choices_table(study: Study, step: Callable[[str], None]) -> Table:
     )
     note = (
         "The model's own choices, made by argument: a patch as wide as the groove (half the distance of its two flanks' "
-        "contacts), because a smooth body cannot know what is finer; a bore that keeps the mean ring bending stiffness, "
-        "because ovalisation is the nut's main term; harmonics until a patch no longer excites them."
+        "contacts), because a smooth body cannot know what is finer; the nut's grooves as a layer softer along the axis "
+        "than around it, because its lands are rings that hang on what is under them; harmonics "
+        "until a patch no longer excites them."
     )
     return Table("ladder-choices", "Choices of the refined model, varied", columns, rows, note)
 

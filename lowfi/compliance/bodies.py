@@ -20,7 +20,7 @@ from rollbench.lowfi.compliance.groove import (
     Flank,
     RingCompliance,
     at_size,
-    flank_correction,
+    groove_layer,
     half_space,
     ring_compliance,
     ring_contacts,
@@ -49,6 +49,8 @@ from rollbench.meshes.solid import dimensions
 
 #: Least width of the kernels' patch over the ball's radius, for steep contact angles.
 LEAST = 0.5
+#: How far beyond the nut's faces the screw takes loads, over the patch's width: a contact beside a face keeps its patch.
+BESIDE = 2.5
 #: Left and right flank of a groove.
 BOTH = (0, 1)
 #: Fixings of the nut by the name of the scene's key.
@@ -61,7 +63,8 @@ class Backend:
     nut: rigid beyond the contacts or beam, and with the Fourier kernel; ball: half spaces (Hertz) or an elastic sphere.
 
     width: standard deviation of the kernels' patch over half the distance of the two flanks' contacts across the groove;
-    bore: which mean of the nut's groove the smooth bore keeps, ``"ring"`` (wall^3) or ``"volume"``, or ``"land"``;
+    bore: the nut's grooves as a ``"layer"`` softer along the axis than around it, or a plain bore that keeps the mean
+    wall^3 (``"ring"``) or the ``"volume"``, or lies at the lands (``"land"``);
     harmonics, mesh: number of harmonics and fineness of the elements as multiples of the chosen ones; flank: each
     contact's own flank, or a half space at the smooth surface.
     """
@@ -71,7 +74,7 @@ class Backend:
     nut: Literal["rigid", "beam", "kernel"] = "kernel"
     ball: Literal["half space", "sphere"] = "sphere"
     width: float = 1.0
-    bore: Literal["ring", "volume", "land"] = "ring"
+    bore: Literal["layer", "ring", "volume", "land"] = "layer"
     harmonics: float = 1.0
     mesh: float = 1.0
     flank: bool = True
@@ -217,20 +220,24 @@ def smooth_body(geometry: Scene, screw: bool, backend: Backend) -> Tube:
     if screw:
         bore, outer, ends = flank.far, smooth_radius(flank, 2), (low, high)
     else:
-        bore = flank.land if backend.bore == "land" else smooth_radius(flank, 3 if backend.bore == "ring" else 2)
+        bore = (
+            smooth_radius(flank, 3 if backend.bore == "ring" else 2) if backend.bore in ("ring", "volume") else flank.land
+        )
         outer, ends = flank.far, (position - half, position + half)
+    layer = None if screw or backend.bore != "layer" else groove_layer(flank, grooved_section(geometry, False))
     radius = flank.contact()[0]
     width = backend.width * geometry.balls.radius * max(float(np.cos(geometry.track.contact_angle)), LEAST)
     count = int(np.ceil(backend.harmonics * 2.2 * radius / width))
     size = (1.6 * width / backend.mesh, 0.75 * width / backend.mesh)
-    return Tube(bore, outer, ends, held_at(geometry, screw), radius, float(width), count, size, flank.material)
+    return Tube(bore, outer, ends, held_at(geometry, screw), radius, float(width), count, size, flank.material, layer)
 
 
 @lru_cache(maxsize=32)
 def smooth_compliance(geometry: Scene, screw: bool, backend: Backend) -> TubeCompliance:
     """Compliance of the smooth body over the stretch that the nut covers, kept for all scenes of one geometry."""
-    half, position = geometry.nut.length / 2.0, geometry.nut.position
-    return tube_compliance(smooth_body(geometry, screw, backend), (position - half, position + half))
+    tube, position = smooth_body(geometry, screw, backend), geometry.nut.position
+    half = geometry.nut.length / 2.0 + BESIDE * tube.width
+    return tube_compliance(tube, (position - half, position + half))
 
 
 @lru_cache(maxsize=32)
@@ -241,15 +248,14 @@ def whole_ring(geometry: Scene, screw: bool) -> RingCompliance:
 
 @lru_cache(maxsize=64)
 def own_flank(geometry: Scene, screw: bool, backend: Backend) -> float:
-    """e [m/N] of a contact on the true flank, for a narrow patch (`flank_correction`)."""
+    """e [m/N] of a contact on the true flank, for a narrow patch (`NearFace`)."""
     flank = flank_of(geometry, screw)
     if is_ring(geometry, screw):
         return whole_ring(geometry, screw).normals - half_space(NARROW * flank.map.ball, flank.material)
     tube = smooth_body(geometry, screw, backend)
-    surface = tube.outer if screw else tube.bore
     if not backend.flank:  # the half space at the smooth body's own patch only
         return -half_space(tube.width, tube.material)
-    return flank_correction(flank, surface, tube.width) + kept_near_face(geometry, screw, backend).own
+    return kept_near_face(geometry, screw, backend).own
 
 
 def is_ring(geometry: Scene, screw: bool) -> bool:
@@ -266,7 +272,7 @@ def kernel_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend,
     found = smooth_compliance(geometry, screw, backend)
     G = contact_compliance(found, points_of(x, axes))
     tube = found.tube
-    plain = tube_section(2.0 * tube.outer, 2.0 * tube.bore, tube.material)
+    plain = tube.section
     x = on_line(tube, x)
     rows, stations = motion_rows(x, axes), np.repeat(x[:, 2], 2)
     if tube.held == "section":
@@ -306,21 +312,26 @@ def grooved_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend
     z = contact_frames(scene, layout, screw, flanks)[0][:, 2]
     azimuth, side = np.tile(layout.azimuth, len(flanks)), np.repeat(flanks, layout.z.size)
     middle = z - found.beside * np.where(side == 0, -1.0, 1.0)
-    i, j = np.nonzero(np.abs(middle[:, None] - middle) < flank.half)
+    ahead = middle[:, None] - middle
+    i, j = np.nonzero((ahead >= 0.0) & (ahead < (2 * found.turns - 1) * flank.half))
+    turn = np.rint((middle[i] - middle[j]) / (2.0 * flank.half)).astype(int)
     angle, between = azimuth[i] - azimuth[j], 0.5 * (middle[i] + middle[j])
-    gain = np.where(i == j, 0.0, found.between(angle)[np.arange(i.size), (side[i] != side[j]).astype(int), 0])
+    gain = np.where(i == j, 0.0, found.between(angle)[np.arange(i.size), 1 - side[i], 2 * turn + 1 - side[j]])
     for high, face in enumerate(smooth_body(geometry, screw, backend).ends):
-        near = np.flatnonzero(np.abs(face - between) < REACH * scene.balls.radius)
+        distance = np.abs(face - between) - turn * flank.half
+        near = np.flatnonzero(distance < REACH * scene.balls.radius)
         if not near.size:
             continue
         away = (side != high).astype(int)
         fixed = held in ("both", "high" if high else "low")
-        added = found.by_face(fixed, angle[near], np.abs(face - between[near]))
-        gain[near] += added[np.arange(near.size), away[i[near]], away[j[near]]]
+        front, back = (i[near], j[near]) if high else (j[near], i[near])
+        added = found.by_face(fixed, angle[near], distance[near])
+        gain[near] += added[np.arange(near.size), away[front], 2 * turn[near] + away[back]]
     signs = flank.map.signs[[s if screw else s + 2 for s in BOTH]][side]
     normal = signs * np.array([np.cos(flank.map.beta), np.sin(flank.map.beta)])
     G = np.zeros((side.size, 2, side.size, 2))
     G[i, :, j] = gain[:, None, None] * normal[i][:, :, None] * normal[j][:, None, :]
+    G[j, :, i] = gain[:, None, None] * normal[j][:, :, None] * normal[i][:, None, :]
     return G.reshape(2 * side.size, -1)
 
 

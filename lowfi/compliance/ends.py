@@ -27,7 +27,6 @@ from rollbench.lowfi.compliance.tube import (
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.section import tube_section
 
 
 @dataclass(frozen=True)
@@ -65,7 +64,7 @@ def _response(scene: Scene, layout: BallLayout, backend: Backend) -> EndResponse
     x, axes = contact_frames(scene, layout, True)
     tube = found.tube
     (low, high), taken = tube.ends, on_line(tube, x)
-    plain = tube_section(2.0 * tube.outer, 2.0 * tube.bore, tube.material)
+    plain = tube.section
     rows = np.concatenate([motion_rows(taken, axes), np.eye(6)])
     stations = np.append(np.repeat(x[:, 2], 2), np.full(6, high))
     shift, tilt, axial, twist = end_springs(tube)

@@ -17,34 +17,51 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.linalg import cholesky_banded
 from scipy.linalg.lapack import dtbtrs
+from scipy.special import k0e
 
 from rollbench.lowfi.compliance.cell import groove_line
-from rollbench.lowfi.compliance.fourier import Body, Grid, factor_c, lower_corner, refine_lines, tube_grid
-from rollbench.lowfi.compliance.groove import NARROW, Flank, flank_normals, flank_weights, harmonics_to, patch_shares
+from rollbench.lowfi.compliance.fourier import Body, Grid, Layer, factor_c, lower_corner, refine_lines, tube_grid
+from rollbench.lowfi.compliance.groove import (
+    NARROW,
+    Flank,
+    every_harmonic,
+    finer,
+    flank_normals,
+    flank_weights,
+    half_space,
+    harmonics_to,
+    patch_shares,
+)
 from rollbench.lowfi.compliance.tube import Tube, clamped, motion_rows, patch_weights, radial_ends
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.section import BeamSection, tube_section
+from rollbench.meshes.section import BeamSection
 
 #: How far before a contact a face counts, and how far behind it its body is clamped, over the ball's radius.
-REACH = 4.5
+REACH = 7.0
 #: Distances of the cuts from the groove's middle over the ball's radius; the first one is at the groove's edge.
-CUTS = (0.0, 1.15, 1.4, 1.8, 2.6, REACH)
+CUTS = (0.0, 1.2, 1.6, 2.4, 4.0, REACH)
 #: Elements of a loaded flank (half as many of the others) and in depth; longest element of a land over the ball's radius.
-MESH = (4, 5)
-LAND = 0.6
-#: Highest harmonic times the ball's radius over that of the contacts: it does not feel the nearest cut; step between two.
-HIGHEST, STEP = 5.0, 1.7
+MESH = (4, 4)
+LAND = 0.9
+#: First element in depth over the ball's radius.
+FIRST = 0.3
+#: Highest harmonic times the ball's radius over that of the contacts: it does not feel the nearest cut; step between two;
+#: highest of those that a half space continues, times the patch's width.
+HIGHEST, STEP = 4.0, 1.5
+TAIL = 2.6
+#: Difference of two patches, over their largest load, that does not count.
+SAME = 1e-3
 
 
 @dataclass(frozen=True)
 class NearFace:
     """What ring grooves and a face add to the compliance between contacts of one groove, loaded along their normals.
 
-    gain ``(2, n, 2, 2, k)`` [m/N]: by a face, free or held; harmonic around the axis; motion of the flank pressed towards
-    the face or of the other one, by a load on either; distance ``(k,)`` [m] of the face from the middle of the groove.
-    Nothing is gained beyond the last one, and below the first as much as there. beside: of the contacts from that middle.
-    far ``(n, 2, 2)`` [m/N]: between contacts far from any face; own: what a contact there gains by itself, beside
-    `lowfi.compliance.groove.flank_correction`, by the neighbouring grooves and a free surface behind it [m/N].
+    gain ``(2, n, 2, f, k)`` [m/N]: by a face, free or held; harmonic around the axis; motion of the flank pressed towards
+    the face or of the other one, by a load on either (f = 2), or also on those of the groove behind it (4); distance
+    ``(k,)`` [m] of the face from the middle of the groove. Nothing is gained beyond the last one, and below the first as
+    much as there. beside: of the contacts from that middle. far ``(n, 2, f)`` [m/N]: between contacts far from any face;
+    own: what a contact there moves by its own load beyond Hertz and the smooth body, for a narrow patch (`at_size`) [m/N].
     """
 
     distance: Array
@@ -53,19 +70,31 @@ class NearFace:
     far: Array
     own: float
 
+    @property
+    def turns(self) -> int:
+        """Number of grooves whose contacts are coupled: their own, and the one behind it."""
+        return int(self.far.shape[2]) // 2
+
     def by_face(self, held: bool, angle: Array, distance: Array) -> Array:
-        """Compliance ``(m, 2, 2)`` [m/N] that a face adds between contacts at these angles [rad] and mean distances [m]."""
+        """Compliance ``(m, 2, f)`` [m/N] that a face adds between contacts at these angles [rad], the front one at these
+        distances [m]."""
         known = np.log(self.distance - self.beside)
         place = np.log(np.clip(distance, self.distance[0], self.distance[-1]) - self.beside)
         share = CubicSpline(known, np.eye(known.size))(place)
-        return np.asarray(np.einsum("mabk,mk->mab", self._around(self.gain[int(held)], angle), share))
+        return np.asarray(np.einsum("mabk,mk->mab", around(self.gain[int(held)], angle), share))
 
     def between(self, angle: Array) -> Array:
-        """Compliance ``(m, 2, 2)`` [m/N] between different contacts at these angles [rad], beside that of a smooth body."""
-        return self._around(self.far, angle)
+        """Compliance ``(m, 2, f)`` [m/N] between different contacts at these angles [rad], beside that of a smooth body."""
+        return around(self.far, angle)
 
-    def _around(self, waves: Array, angle: Array) -> Array:
-        return np.tensordot(np.cos(angle[:, None] * np.arange(len(waves))), waves, 1)
+
+def around(waves: Array, angle: Array) -> Array:
+    """Sum over harmonics ``(n, ...)`` of their waves at angles ``(m,)`` [rad], ``(m, ...)``."""
+    step = np.pi / (4 * len(waves))
+    sums = np.fft.hfft(0.5 * np.concatenate([2.0 * waves[:1], waves[1:]]), 8 * len(waves), axis=0)
+    turned = np.abs((angle + np.pi) % (2.0 * np.pi) - np.pi)
+    known = step * np.arange(-2, 4 * len(waves) + 3)
+    return np.asarray(CubicSpline(known, sums[np.arange(-2, 4 * len(waves) + 3)])(turned))
 
 
 def near_face(
@@ -79,30 +108,48 @@ def near_face(
     cuts = cuts if near else cuts[-1:]
     z = grid.z[:, 0]
     gain = less_smooth(flank, smooth, grid, cuts, smooth.held, held_radii)
-    half = slice(*(int(np.abs(z - end).argmin()) + k for k, end in enumerate((-flank.half, flank.half))))
-    cell = Grid(grid.r[half], grid.z[half])
-    alone = less_smooth(flank, smooth, cell, [cell.shape[0] - 1], "low" if flank.screw else "outer", (0.0, np.inf))
     if smooth.held in ("section", "low", "high", "both"):
         beams = [less_smooth_beam(flank, smooth, section, (float(z[0]), float(z[cut]))) for cut in cuts]
         gain[1, :2] -= np.stack(beams, axis=-1)
-    far = gain[1, ..., -1].copy()
-    own = float((far[:, 0, 0] - alone[1, :, 0, 0, -1]).sum())
-    return NearFace(z[cuts], gain - gain[..., -1:], flank.contact()[1], far, own)
+    far = both_ways(gain[1, ..., -1])
+    own = float(far[:, 0, 0].sum()) + finer(flank, half_lead(flank, grid), len(far) - 1)
+    own -= half_space(NARROW * flank.map.ball, flank.material)
+    return NearFace(z[cuts], gain - gain[..., -1:], flank.contact()[1], with_tail(flank, far), own)
+
+
+def both_ways(waves: Array) -> Array:
+    """Motions ``(n, 2, f)`` far from any face as the mean with their mirror image: flank a moves by a load on flank b of
+    the groove behind as, seen from the other end, the flank opposite b does by a load on that opposite a. A body that ends
+    as far before its own groove as behind it is no mirror image about the land between two."""
+    pairs = waves.reshape(len(waves), 2, -1, 2)
+    return np.asarray(0.5 * (pairs + pairs[:, ::-1, :, ::-1].swapaxes(1, 3))).reshape(waves.shape)
+
+
+def with_tail(flank: Flank, waves: Array) -> Array:
+    """Harmonics ``(n, ...)`` of the motions on narrow patches, with those above: there a flank is a half space.
+
+    Two Gaussian patches of deviation s on a half space answer a wave k along it by exp(x) K_0(x) exp(-2 x), x = (k s)^2/2.
+    """
+    radius, width, last = flank.contact()[0], NARROW * flank.map.ball, len(waves) - 1
+    n = np.arange(float(last), int(TAIL * radius / width))
+    plane = k0e(0.5 * (n * width / radius) ** 2) * patch_shares(n, width, radius)
+    return np.concatenate([waves[:-1], waves[-1] * (plane / plane[0]).reshape(-1, *[1] * (waves.ndim - 1))])
 
 
 def less_smooth_beam(flank: Flank, smooth: Tube, section: BeamSection, ends: tuple[float, float]) -> Array:
-    """Motions ``(2, 2, 2)`` [m/N] of both flanks on a beam of that section, clamped at both ends [m], less those
+    """Motions ``(2, 2, f)`` [m/N] of both flanks on a beam of that section, clamped at both ends [m], less those
     on the smooth body's: harmonics 0 and 1."""
-    plain = tube_section(2.0 * smooth.outer, 2.0 * smooth.bore, smooth.material)
-    places, along = (np.array([x[k] for x in pressed(flank)] * 2) for k in (0, 1))
-    out = np.zeros((4, 4))
+    plain = smooth.section
+    places, along = (np.concatenate([x, x]) for x in pressed(flank, ends[0]))
+    half = len(places) // 2
+    out = np.zeros((2 * half, 2 * half))
     for sign, beam in ((1.0, section), (-1.0, plain)):
         radius = smooth.radius if sign > 0.0 else float(np.clip(smooth.radius, smooth.bore, smooth.outer))
-        turned = radius * np.array([1.0, 1.0, -1.0, -1.0])  # both flanks here, and on the other side of the axis
-        x = np.stack([turned, np.zeros(4), places], axis=1)
-        axes = np.stack([along[:, 0] * np.sign(turned), np.zeros(4), along[:, 1]], axis=1)[:, None]
+        turned = radius * np.repeat([1.0, -1.0], half)  # here, and on the other side of the axis
+        x = np.stack([turned, np.zeros(2 * half), places], axis=1)
+        axes = np.stack([along[:, 0] * np.sign(turned), np.zeros(2 * half), along[:, 1]], axis=1)[:, None]
         out += sign * clamped(motion_rows(x, axes), places, ends, "both", beam)
-    return np.stack([out[:2, :2] + out[:2, 2:], out[:2, :2] - out[:2, 2:]]) / 2.0
+    return np.stack([out[:2, :half] + out[:2, half:], out[:2, :half] - out[:2, half:]]) / 2.0
 
 
 def less_smooth(
@@ -114,8 +161,15 @@ def less_smooth(
     plain = tube_grid(r_ends, grid.z[::2, 0])
     loads = smooth_loads(flank, plain, line, cuts, smooth.width)
     return cut_motions(flank, grid, cuts, held_radii, fixing, true, NARROW * flank.map.ball) - cut_motions(
-        flank, plain, cuts, (0.0, np.inf), fixing, loads, smooth.width
+        flank, plain, cuts, (0.0, np.inf), fixing, loads, smooth.width, smooth.layer
     )
+
+
+def half_lead(flank: Flank, grid: Grid) -> Grid:
+    """The part of a grooved body from mid groove to mid land."""
+    z = grid.z[:, 0]
+    part = slice(int(np.abs(z).argmin()), int(np.abs(z - flank.half).argmin()) + 1)
+    return Grid(grid.r[part], grid.z[part])
 
 
 def grooved_grid(flank: Flank) -> tuple[Grid, list[int]]:
@@ -129,11 +183,12 @@ def grooved_grid(flank: Flank) -> tuple[Grid, list[int]]:
     shift = 2.0 * flank.half * np.arange(1.0, more + 1.0)[:, None]
     r = np.concatenate([np.tile(next_r[:-1], more), r, np.tile(next_r[1:], more)])
     z = np.concatenate([(next_z[:-1] - shift[::-1]).ravel(), z, (next_z[1:] + shift).ravel()])
-    low, high = (int(np.searchsorted(z[::2], x)) for x in (-reach, reach))
-    r, z = r[2 * low : 2 * high + 1], z[2 * low : 2 * high + 1]
+    last = 2 * int(np.abs(z[::2] - reach).argmin())  # both ends as far: the body must be its own mirror image
+    r, z = r[z.size - 1 - last : last + 1], z[z.size - 1 - last : last + 1]
     faces = np.arange(0, z.size, 2)[z[::2] > edge - 0.01 * ball]
     cuts = sorted({int(faces[np.abs(z[faces] - x * ball).argmin()]) for x in CUTS})
-    share = refine_lines(1.0 - np.linspace(1.0, 0.0, MESH[1] + 1) ** 1.5)
+    power = np.log(abs(flank.land - flank.far) / (FIRST * ball)) / np.log(MESH[1])
+    share = refine_lines(1.0 - np.linspace(1.0, 0.0, MESH[1] + 1) ** max(power, 1.0))
     inner, outer = (np.full_like(r, flank.far), r) if flank.screw else (r, np.full_like(r, flank.far))
     depth = share if flank.screw else (1.0 - share)[::-1]
     radii = inner[:, None] + depth * (outer - inner)[:, None]
@@ -151,11 +206,12 @@ def turn(flank: Flank, count: int, ends: Array) -> tuple[Array, Array]:
 
 
 def true_loads(flank: Flank, grid: Grid, cuts: Sequence[int]) -> Array:
-    """Unit loads ``(2, cuts, nodes of the grid, 3)`` on the flank pressed towards the faces and on the other one."""
+    """Unit loads ``(f, cuts, nodes of the grid, 3)`` on the flanks of `pressed`."""
     line = grid.shape[1] - 1 if flank.screw else 0
     normals = flank_normals(grid, line)
-    out = np.zeros((2, len(cuts), *grid.shape, 3))
-    for away, (place, along) in enumerate(pressed(flank)):
+    places, directions = pressed(flank, grid.z[0, 0])
+    out = np.zeros((len(places), len(cuts), *grid.shape, 3))
+    for away, (place, along) in enumerate(zip(places, directions, strict=True)):
         share = flank_weights(grid, line, place, NARROW * flank.map.ball)[0]
         for k, cut in enumerate(cuts):
             own = share[: cut + 1, None] * normals[: cut + 1] * np.sign(normals[: cut + 1] @ along)[:, None]
@@ -164,38 +220,53 @@ def true_loads(flank: Flank, grid: Grid, cuts: Sequence[int]) -> Array:
 
 
 def smooth_loads(flank: Flank, grid: Grid, line: int, cuts: Sequence[int], width: float) -> Array:
-    """Unit loads ``(2, cuts, nodes of the grid, 3)`` on line r = ``line`` of the smooth body, as `true_loads`."""
-    out = np.zeros((2, len(cuts), *grid.shape, 3))
-    for away, (place, along) in enumerate(pressed(flank)):
+    """Unit loads ``(f, cuts, nodes of the grid, 3)`` on line r = ``line`` of the smooth body, as `true_loads`."""
+    places, directions = pressed(flank, grid.z[0, 0])
+    out = np.zeros((len(places), len(cuts), *grid.shape, 3))
+    for away, (place, along) in enumerate(zip(places, directions, strict=True)):
         for k, cut in enumerate(cuts):
             share = patch_weights(grid.z[: cut + 1, 0], np.array([place]), width)[0]
             out[away, k, : cut + 1, line, ::2] = share[:, None] * along
     return out
 
 
-def pressed(flank: Flank) -> tuple[tuple[float, Array], tuple[float, Array]]:
-    """Contact's z [m] and nominal direction of its load (r, z) on the flank pressed towards high z, and on the other."""
+def pressed(flank: Flank, low: float) -> tuple[Array, Array]:
+    """Contact's z ``(f,)`` [m] and nominal direction of its load ``(f, 2)`` (r, z) on the flank pressed towards high z, on
+    the other one, and on both of the groove behind where a body from z = low [m] holds it."""
     m = flank.map
     place, along = flank.contact()[1], m.signs[flank.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
-    return (place, along), (-place, along * np.array([1.0, -1.0]))
+    places, turns = np.array([place, -place]), 2 if low < -2.0 * flank.half - m.ball else 1
+    return (
+        np.concatenate([places - 2.0 * flank.half * turn for turn in range(turns)]),
+        np.concatenate([[along, along * np.array([1.0, -1.0])]] * turns),
+    )
 
 
 def cut_motions(
-    flank: Flank, grid: Grid, cuts: Sequence[int], held_radii: tuple[float, float], fixing: str, loads: Array, width: float
+    flank: Flank,
+    grid: Grid,
+    cuts: Sequence[int],
+    held_radii: tuple[float, float],
+    fixing: str,
+    loads: Array,
+    width: float,
+    layer: Layer | None = None,
 ) -> Array:
-    """Motions ``(2, n, 2, 2, cuts)`` [m/N] of patches of ``width`` [m] in every harmonic of a body cut at lines ``cuts``:
-    its face free or held at these radii [m]; motion of the flank pressed towards it or of the other one, load on either.
+    """Motions ``(2, n, 2, f, cuts)`` [m/N] of patches of ``width`` [m] in every harmonic of a body cut at lines ``cuts``:
+    its face free or held at these radii [m]; motion of the flank pressed towards it or of the other one, by loads on f.
 
     fixing: see `Tube`; "bore" and "outer" hold that surface too.
     """
     columns, radius = grid.shape[1], flank.contact()[0]
-    body = Body(grid, flank.material.youngs_modulus, flank.material.poissons_ratio)
+    body = Body(grid, flank.material.youngs_modulus, flank.material.poissons_ratio, layer)
     held = np.zeros((*grid.shape, 3), dtype=bool)
     held[0] = True
     held[:, 0 if fixing == "bore" else -1 if fixing == "outer" else slice(0, 0)] = True
     beyond = body.rows()[:, :, 0, :, 0]
     n = harmonics_to(HIGHEST * radius / flank.map.ball, STEP)
-    found = np.empty((n.size, 2, 2, 2, len(cuts)))
+    count = len(loads)
+    found = np.empty((n.size, 2, 2, count, len(cuts)))
+    distinct, of = distinct_loads(loads, cuts)
     kept: dict[bytes, Array] = {}
     for values, harmonic in zip(found, n.tolist(), strict=True):
         free = ~held.ravel() & body.axis_free(harmonic)
@@ -205,18 +276,31 @@ def cut_motions(
         L = cholesky_banded(
             np.tensordot(powers, kept[free.tobytes()], 1), overwrite_ab=True, lower=True, check_finite=False
         )
-        Y = dtbtrs(L, loads.reshape(2 * len(cuts), -1)[:, free].T, uplo="L")[0].reshape(-1, 2, len(cuts))
+        Y = dtbtrs(L, distinct[:, free].T, uplo="L")[0]
         for k, cut in enumerate(cuts):
+            solution = Y[:, of[k]]
             line = np.flatnonzero(free[3 * cut * columns : 3 * (cut + 1) * columns])
             first = int(np.count_nonzero(free[: 3 * cut * columns]))
             corner = lower_corner(L, first, line.size)
-            S, g = corner @ corner.T, corner @ Y[first : first + line.size, :, k]
+            S, g = corner @ corner.T, corner @ solution[first : first + line.size]
             if cut < grid.shape[0] - 1:  # L holds what follows the cut, too
                 S -= np.tensordot(powers, beyond[:, cut // 2][:, line[:, None], line], 1)
             r = grid.r[cut, line // 3]
-            work = Y[:first, :, k].T @ Y[:first, :, k]
+            work = solution[:first, :2].T @ solution[:first]
             for face, moves in enumerate((np.full(line.size, True), (r < held_radii[0]) | (r > held_radii[1]))):
-                values[face, ..., k] = work + g[moves].T @ np.linalg.solve(S[np.ix_(moves, moves)], g[moves])
-    every = np.arange(n[-1] + 1)
-    whole = CubicSpline(n, found)(every) * patch_shares(every.astype(float), width, radius)[:, None, None, None, None]
-    return np.moveaxis(whole, 1, 0)
+                values[face, ..., k] = work + g[moves, :2].T @ np.linalg.solve(S[np.ix_(moves, moves)], g[moves])
+    whole = every_harmonic(n, found)
+    shares = patch_shares(np.arange(float(len(whole))), width, radius)
+    return np.moveaxis(whole * shares[:, None, None, None, None], 1, 0)
+
+
+def distinct_loads(loads: Array, cuts: Sequence[int]) -> tuple[Array, list[list[int]]]:
+    """Loads ``(f, cuts, nodes of the grid, 3)`` that differ, as rows, and which of them act on the body of each cut: a
+    patch that the cut does not reach is that of the last one."""
+    rows, of = [x.ravel() for x in loads[:, -1]], [[0] * len(loads) for _ in cuts]
+    for k, cut in enumerate(cuts):
+        for f, load in enumerate(loads):
+            same = np.abs(load[k, : cut + 1] - load[-1, : cut + 1]).max() < SAME * np.abs(load[-1]).max()
+            of[k][f] = f if same else len(rows)
+            rows += [] if same else [load[k].ravel()]
+    return np.stack(rows), of

@@ -77,7 +77,46 @@ def elasticity_matrix(young: float, poisson: float) -> Array:
     return D
 
 
-def element_matrices(grid: Grid, young: float, poisson: float) -> tuple[Array, Array, Array]:
+@dataclass(frozen=True)
+class Layer:
+    """A grooved layer of a body as a smooth one: share ``(k,)`` of its cylinders that is solid at radii ``(k,)`` [m],
+    the powers of that share which its stiffness along the axis, and in shear along it, has, and
+    the groove's lead angle [rad].
+
+    The lands between grooves are rings: around the axis they are as stiff as their share, along it they hang on what is
+    under them.
+    """
+
+    radii: tuple[float, ...]
+    shares: tuple[float, ...]
+    axial: float
+    shear: float
+    tilt: float
+
+    def elasticity(self, young: float, poisson: float, radius: Array) -> Array:
+        """D ``(..., 6, 6)`` at radii ``(...)`` [m], as `elasticity_matrix`."""
+        f = np.interp(radius, self.radii, self.shares)
+        S = np.zeros((*np.shape(f), 6, 6))
+        S[..., :3, :3] = -poisson
+        S[..., np.arange(3), np.arange(3)] = 1.0
+        S[..., np.arange(3, 6), np.arange(3, 6)] = 2.0 * (1.0 + poisson)
+        S /= young * f[..., None, None]
+        S[..., 2, 2] *= f ** (1.0 - self.axial)
+        for shear in (3, 5):
+            S[..., shear, shear] *= f ** (1.0 - self.shear)
+        c, s = np.cos(self.tilt), np.sin(self.tilt)
+        T = np.eye(6)  # strains along and across the groove
+        T[1:3, 1:3] = [[c * c, s * s], [s * s, c * c]]
+        T[1, 5], T[2, 5] = -2.0 * c * s, 2.0 * c * s
+        T[5] = [0.0, c * s, -c * s, 0.0, 0.0, c * c - s * s]
+        T[3:5, 3:5] = [[c, s], [-s, c]]
+        S = T.T @ S @ T
+        for odd in ((0, 5), (1, 5), (2, 5), (3, 4)):
+            S[..., odd[0], odd[1]] = S[..., odd[1], odd[0]] = 0.0
+        return np.asarray(np.linalg.inv(S), dtype=float)
+
+
+def element_matrices(grid: Grid, young: float, poisson: float, layer: Layer | None = None) -> tuple[Array, Array, Array]:
     """K_0, K_1, K_2 ``(elements, 27, 27)`` of all elements, without the factor c; freedoms U, V, W node by node.
 
     Raises ValueError for an element turned inside out.
@@ -85,7 +124,8 @@ def element_matrices(grid: Grid, young: float, poisson: float) -> tuple[Array, A
     cells = grid.cells()
     r, z = grid.r.ravel()[cells], grid.z.ravel()[cells]
     D = elasticity_matrix(young, poisson)
-    total = [np.zeros((len(cells), 27, 27)) for _ in range(3)]
+    B, DB = np.empty((2, len(cells), 9, 6, 54))
+    point = 0
     for a, wa in zip(GAUSS, WEIGHT, strict=True):
         for b, wb in zip(GAUSS, WEIGHT, strict=True):
             (nz, dz), (nr, dr) = quadratic(np.array(a)), quadratic(np.array(b))
@@ -97,14 +137,15 @@ def element_matrices(grid: Grid, young: float, poisson: float) -> tuple[Array, A
             by_r = (J[:, 3, None] * along_r - J[:, 1, None] * along_z) / det[:, None]
             by_z = (J[:, 0, None] * along_z - J[:, 2, None] * along_r) / det[:, None]
             radius = r @ N
-            B0, B1 = strain_rows(N / radius[:, None], by_r, by_z)
-            weight = (wa * wb) * det * radius
-            DB0, DB1 = D @ (B0 * weight[:, None, None]), D @ (B1 * weight[:, None, None])
-            cross = np.swapaxes(B0, 1, 2) @ DB1
-            total[0] += np.swapaxes(B0, 1, 2) @ DB0
-            total[1] += cross + np.swapaxes(cross, 1, 2)
-            total[2] += np.swapaxes(B1, 1, 2) @ DB1
-    return total[0], total[1], total[2]
+            if layer is not None:
+                D = layer.elasticity(young, poisson, radius)
+            B[:, point, :, :27], B[:, point, :, 27:] = strain_rows(N / radius[:, None], by_r, by_z)
+            DB[:, point] = D @ B[:, point] * ((wa * wb) * det * radius)[:, None, None]
+            point += 1
+    B, DB = B.reshape(-1, 54, 54), DB.reshape(-1, 54, 54)
+    K = np.swapaxes(B, 1, 2) @ DB
+    cross = K[:, :27, 27:]
+    return K[:, :27, :27], cross + np.swapaxes(cross, 1, 2), K[:, 27:, 27:]
 
 
 def strain_rows(over_r: Array, by_r: Array, by_z: Array) -> tuple[Array, Array]:
@@ -166,16 +207,20 @@ class Block:
 class Body:
     """A body of revolution, assembled once for all harmonics."""
 
-    def __init__(self, grid: Grid, young: float, poisson: float) -> None:
+    def __init__(self, grid: Grid, young: float, poisson: float, layer: Layer | None = None) -> None:
         """Find the parts of K of all elements. Raises ValueError for an element turned inside out."""
         self.grid = grid
-        self.elements = np.stack(element_matrices(grid, young, poisson))
+        self.elements = np.stack(element_matrices(grid, young, poisson, layer))
+
+    def freedoms(self) -> Index:
+        """Freedoms of every element, ``(elements, 27)``."""
+        cells = self.grid.cells()
+        return (3 * cells[:, :, None] + np.arange(3)).reshape(len(cells), 27)
 
     @cached_property
     def parts(self) -> tuple[sp.csr_matrix, ...]:
         """K_0, K_1, K_2 ``(3 nodes, 3 nodes)``, which hold the same entries."""
-        cells = self.grid.cells()
-        dof = (3 * cells[:, :, None] + np.arange(3)).reshape(len(cells), 27)
+        dof = self.freedoms()
         row = np.repeat(dof, 27, axis=1).ravel()
         column = np.tile(dof, (1, 27)).ravel()
         size = 3 * self.grid.r.size
@@ -216,13 +261,15 @@ class Body:
 
     def bands(self, free: NDArray[np.bool_]) -> Array:
         """The parts of K on the freedoms that are ``free`` ``(3 nodes,)``: lower bands ``(3, width, k)`` for `solved`."""
-        row, column = self.parts[0].tocoo().coords  # the parts hold the same entries
-        below = free[row] & free[column] & (row >= column)
-        place = np.cumsum(free) - 1
-        i, j = place[row[below]], place[column[below]]
-        bands = np.zeros((3, int((i - j).max()) + 1, int(free.sum())))
-        bands[:, i - j, j] = [part.data[below] for part in self.parts]
-        return bands
+        count, place = int(free.sum()), np.where(free, np.cumsum(free) - 1, -1)
+        i = place[self.freedoms()]
+        below = np.flatnonzero((i[:, :, None] >= i[:, None]) & (i[:, None] >= 0))
+        j = np.broadcast_to(i[:, None], (len(i), 27, 27)).ravel()[below]
+        down = np.broadcast_to(i[:, :, None], (len(i), 27, 27)).ravel()[below] - j
+        width, at = int(down.max()) + 1, down * count + j
+        parts = self.elements.reshape(3, -1)[:, below]
+        found = [np.bincount(at, part, width * count) for part in parts]
+        return np.asarray(found, dtype=float).reshape(3, width, count)
 
     def stiffness(self, n: int) -> sp.csr_matrix:
         """K_n ``(3 nodes, 3 nodes)``."""

@@ -12,19 +12,25 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.integrate import trapezoid
 from scipy.interpolate import CubicSpline
+from scipy.optimize import brentq
 
-from rollbench.lowfi.compliance.cell import cell_grid
-from rollbench.lowfi.compliance.fourier import Body, Grid, on_last, quadratic, refine_lines, solved, tube_grid
+from rollbench.lowfi.compliance.cell import cell_grid, groove_line
+from rollbench.lowfi.compliance.fourier import Body, Grid, Layer, on_last, quadratic, solved
 from rollbench.lowfi.compliance.sphere import expansion
-from rollbench.lowfi.compliance.tube import Tube, patch_weights, radial_ends
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Material
+from rollbench.meshes.section import BeamSection
 
 #: Standard deviation of the narrow patch over the ball's radius, and elements of its mesh (flank, land, depth).
 NARROW = 0.18
 MESH = (8, 4, 10)
+#: Least share of a cylinder that counts as solid.
+LEAST_SHARE = 0.02
+#: Largest power of that share by which a layer is softer along the axis.
+LARGEST_POWER = 200.0
 #: ln of the standard deviation of a round Gaussian with the same mean logarithmic distance as a Hertz pressure of unit
 #: mean semi-axis: 2 ln 2 - 7/4 - (ln 2 - gamma/2).
 GAUSSIAN = float(np.log(2.0) - 1.75 + 0.5 * np.euler_gamma)
@@ -70,6 +76,22 @@ def smooth_radius(flank: Flank, power: int) -> float:
     return float(np.sqrt(mean)) if power == 2 else flank.far - float(np.cbrt(mean))
 
 
+def groove_layer(flank: Flank, section: BeamSection) -> Layer:
+    """The nut's grooves as a layer between lands and root, as stiff in stretch and twist as the grooved body's section."""
+    r, zeta = (x[::-1] for x in groove_line(flank.map, flank.land, flank.screw, 33))
+    share = np.maximum(1.0 - zeta / flank.half, LEAST_SHARE)
+    young, shear, (root, far) = flank.material.youngs_modulus, flank.material.shear_modulus, (r[-1], flank.far)
+    area = section.EA / (np.pi * young) - (far**2 - root**2)
+    twist = 2.0 * section.GJ / (np.pi * shear) - (far**4 - root**4)
+
+    def power(weight: Array, wanted: float) -> float:
+        found = brentq(lambda p: float(trapezoid(weight * share**p, r)) - wanted, 1e-3, LARGEST_POWER)
+        return float(found)
+
+    tilt = float(np.arctan(flank.map.rg / flank.contact()[0]))
+    return Layer(tuple(r), tuple(share), power(2.0 * r, area), power(4.0 * r**3, twist), tilt)
+
+
 def flank_weights(grid: Grid, line: int, zeta: float, width: float) -> tuple[Array, Array]:
     """Shares ``(k,)`` of a Gaussian patch of arc length around the point at ``zeta`` on the nodes of the grid's surface."""
     r, z = grid.r[:, line], grid.z[:, line]
@@ -94,18 +116,18 @@ def flank_weights(grid: Grid, line: int, zeta: float, width: float) -> tuple[Arr
     return out / out.sum(), z
 
 
-def harmonics_to(limit: float, step: float = 1.28) -> Array:
-    """Harmonics at which a smooth series is sampled, up to ``limit``: the first ones, then each ``step`` times the last."""
-    found = [0, 1, 2, 3, 4]
+def harmonics_to(limit: float, step: float = 1.28, first: int = 0) -> Array:
+    """Harmonics at which a smooth series is sampled, from ``first`` to ``limit``: up to 4 all, then each ``step`` times the
+    last."""
+    found = [first]
     while found[-1] < limit:
-        found.append(int(np.ceil(step * found[-1])))
+        found.append(max(found[-1] + 1, int(np.ceil(step * found[-1])) if found[-1] > 3 else 0))
     return np.array(found)
 
 
-def series(n: Array, values: Array) -> float:
-    """Sum over all harmonics of a quantity sampled at ``n`` (that of n = 0 counted once)."""
-    every = np.arange(n[-1] + 1)
-    return float(CubicSpline(n, values)(every).sum())
+def every_harmonic(n: Array, values: Array) -> Array:
+    """Quantities sampled at harmonics ``n`` ``(k, ...)``, at all from the first to the last of them."""
+    return np.asarray(CubicSpline(np.log1p(n), values)(np.log1p(np.arange(n[0], n[-1] + 1))))
 
 
 def flank_normals(grid: Grid, line: int) -> Array:
@@ -131,11 +153,9 @@ def normal_load(flank: Flank, grid: Grid, width: float, zeta: float) -> Array:
     return np.asarray(share[:, None] * normals * np.sign(normals @ nominal)[:, None])
 
 
-def own_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: float, radius: float) -> float:
-    """Motion [m/N] of one flank's patch along its load by that load, half a lead with the other flank unloaded.
-
-    load: the patch's forces on the grid ``(rows, columns, 3)`` for equal loads on both flanks and for opposite ones.
-    """
+def own_waves(flank: Flank, grid: Grid, load: tuple[Array, Array], n: Array) -> Array:
+    """Motions ``(k,)`` [m/N] of one flank's patch by its own load in harmonics ``n``, half a lead with the other flank
+    unloaded; load: the forces on the grid ``(rows, columns, 3)`` for equal loads on both flanks and for opposite ones."""
     rows, columns = grid.shape
     turned = Grid(grid.r[::-1], -grid.z[::-1])  # so that the plane between both flanks comes last
     body = Body(turned, flank.material.youngs_modulus, flank.material.poissons_ratio)
@@ -144,8 +164,7 @@ def own_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: float
     held[0] = True
     if not flank.screw:
         held[:, -1] = True
-    n = harmonics_to(2.6 * radius / width)
-    values = np.empty((2, n.size))
+    values = np.empty((n.size, 2))
     kept: dict[bytes, Array] = {}
     for k, harmonic in enumerate(n.tolist()):
         free = ~held.ravel() & body.axis_free(harmonic)
@@ -155,41 +174,38 @@ def own_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: float
         S, g, work = on_last(kept[free.tobytes()], harmonic, forces[free], along.size)
         for case, moves in enumerate((~along, along)):  # equal loads leave the plane where it is along z, opposite across
             own = g[moves, case]
-            values[case, k] = work[case, case] + own @ np.linalg.solve(S[np.ix_(moves, moves)], own)
-    values *= patch_shares(n.astype(float), width, radius)
-    return 0.5 * sum(series(n, own) for own in values)
+            values[k, case] = work[case, case] + own @ np.linalg.solve(S[np.ix_(moves, moves)], own)
+    return np.asarray(values.mean(axis=1))
 
 
-def true_motion(flank: Flank, width: float) -> float:
-    """Own motion [m/N] of a patch of ``width`` [m] on the true flank, loaded along the flank's normals."""
-    grid = flank.grid()
+def own_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: float) -> float:
+    """Motion [m/N] of one flank's patch of ``width`` [m] by its own load in all harmonics, as `own_waves`."""
+    n = harmonics_to(2.6 * flank.contact()[0] / width)
+    whole = every_harmonic(n, own_waves(flank, grid, load, n))
+    return float(whole @ patch_shares(np.arange(float(whole.size)), width, flank.contact()[0]))
+
+
+def equal_loads(flank: Flank, grid: Grid, width: float) -> tuple[Array, Array]:
+    """Loads for `own_waves`: a patch of ``width`` [m] on the true flank, along the flank's normals."""
     force = np.zeros((*grid.shape, 3))
     force[:, grid.shape[1] - 1 if flank.screw else 0, ::2] = normal_load(flank, grid, width, flank.contact()[1])
-    return own_motion(flank, grid, (force, force), width, flank.contact()[0])
+    return force, force
 
 
-def smooth_motion(flank: Flank, surface: float, width: float) -> float:
-    """Own motion [m/N] of a patch of ``width`` [m] at the contact's radius in the smooth body of that surface [m]."""
-    radius, zeta = flank.contact()
-    bore, outer = (flank.far, surface) if flank.screw else (surface, flank.far)
-    tube = Tube(bore, outer, (0.0, flank.half), "low", radius, width, 0, (0.5 * width, 0.4 * width), flank.material)
-    r_ends, line = radial_ends(tube)
-    count = int(np.ceil(flank.half / (0.5 * width)))
-    grid = tube_grid(r_ends, np.linspace(0.0, flank.half, count + 1))
-    z = refine_lines(np.linspace(0.0, flank.half, count + 1))
-    whole = patch_weights(np.concatenate([-z[::-1], z[1:]]), np.array([zeta]), width)[0]
-    upper, lower = whole[z.size - 1 :].copy(), whole[: z.size][::-1].copy()
-    upper[0] *= 0.5
-    lower[0] *= 0.5
-    m = flank.map
-    along = m.signs[flank.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
-    loads = []
-    for sign in (1.0, -1.0):
-        force = np.zeros((*grid.shape, 3))
-        force[:, line, 0] = (upper + sign * lower) * along[0]
-        force[:, line, 2] = (upper - sign * lower) * along[1]
-        loads.append(force)
-    return own_motion(flank, grid, (loads[0], loads[1]), width, radius)
+def finer(flank: Flank, coarse: Grid, last: int) -> float:
+    """What a narrow patch on half a lead moves by its own load [m/N] beyond what a ``coarse`` grid knows up to harmonic
+    ``last``: the finer grid's difference there, and all harmonics above."""
+    fine, radius, width = flank.grid(), flank.contact()[0], NARROW * flank.map.ball
+    low, high = np.unique([min(2, last), last // 4, last // 2, last]), harmonics_to(2.6 * radius / width, first=last)
+    found = own_waves(flank, fine, equal_loads(flank, fine, width), np.concatenate([low[:-1], high]))
+    change = found[: low.size] - own_waves(flank, coarse, equal_loads(flank, coarse, width), low)
+    every = np.arange(high[-1] + 1.0)
+    whole = np.empty(every.size)
+    whole[:last] = CubicSpline(np.log1p(low), change)(np.log1p(every[:last]))
+    whole[0] = 0.5 * whole[1]  # a wave has half the mean square of a constant
+    whole[last:] = every_harmonic(high, found[low.size - 1 :])
+    whole[last] = change[-1]
+    return float(whole @ patch_shares(every, width, radius))
 
 
 def half_space(width: float, material: Material) -> float:
@@ -236,7 +252,7 @@ def ring_compliance(flank: Flank, held: str) -> RingCompliance:
     bands, loads = body.bands(free), rows.reshape(5, -1)[:, free].T
     found = np.array([loads.T @ solved(bands, harmonic, loads) for harmonic in n.tolist()])
     every = np.arange(n[-1] + 1.0)
-    S = np.asarray(CubicSpline(n, found)(every))
+    S = every_harmonic(n, found)
     nominal = np.array([np.cos(flank.map.beta), np.sin(flank.map.beta)]) * flank.map.signs[flank.side]
     turned = S[:, 4, 4] - np.einsum("a,nab,b->n", nominal, S[:, 2:4, 2:4], nominal)
     return RingCompliance(S[:, :4, :4], float(patch_shares(every, width, radius) @ turned), width, radius)
@@ -256,12 +272,6 @@ def ring_contacts(ring: RingCompliance, azimuth: Array) -> Array:
     for n, (share, S) in enumerate(zip(shares, ring.S, strict=True)):
         G += share * np.einsum("ij,satb->siatjb", np.cos(n * angle), S.reshape(2, 2, 2, 2))
     return np.asarray(G.reshape(4 * N, 4 * N))
-
-
-def flank_correction(flank: Flank, surface: float, wide: float) -> float:
-    """e [m/N] of a contact beside Hertz and the smooth body with ``wide`` patches, for a narrow patch (see ``at_size``)."""
-    narrow = NARROW * flank.map.ball
-    return true_motion(flank, narrow) - smooth_motion(flank, surface, wide) - half_space(narrow, flank.material)
 
 
 def curvatures(flank: Flank) -> tuple[float, float]:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.compliance.fourier import Body, line_compliance, quadratic, tube_grid
+from rollbench.lowfi.compliance.cell import stiffness_of
+from rollbench.lowfi.compliance.fourier import Body, Grid, Layer, line_compliance, quadratic, tube_grid
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Material
-from rollbench.meshes.section import BeamSection
+from rollbench.meshes.section import BeamSection, shear_coefficient, tube_section
 
 #: Which motion (r, t, z) by which load the parts of a harmonic hold. The first ``EVEN`` go as the cosine of its multiple of
 #: the angle between two contacts, the others as the sine.
@@ -27,7 +29,8 @@ SHAPES = quadratic(NODE)[0]
 class Tube:
     """Plain body of revolution that stands for screw or nut: bore and outer radius, ends [m], where it is held ("low",
     "high", "both" faces, "bore", "outer", or "section": its low end on springs by its mean motions), radius at which
-    contacts load it, patch width (standard deviation) [m], number of harmonics, element sizes in z and r [m]."""
+    contacts load it, patch width (standard deviation) [m], number of harmonics, element sizes in z and r [m], the layer
+    that stands for grooves in its bore."""
 
     bore: float
     outer: float
@@ -38,6 +41,24 @@ class Tube:
     harmonics: int
     size: tuple[float, float]
     material: Material
+    layer: Layer | None = None
+
+    def body(self, grid: Grid) -> Body:
+        """Its stiffness on a grid."""
+        return Body(grid, self.material.youngs_modulus, self.material.poissons_ratio, self.layer)
+
+    @cached_property
+    def section(self) -> BeamSection:
+        """The beam that it is to stretch, twist and bend far from loads and ends."""
+        if self.layer is None:
+            return tube_section(2.0 * self.outer, 2.0 * self.bore, self.material)
+        length = self.size[0]
+        slice_ = self.body(tube_grid(radial_ends(self)[0], np.array([0.0, length])))
+        EA, GJ, EI = (length * stiffness_of(slice_, kind) for kind in ("axial", "torsion", "bending"))
+        shear, poisson = self.material.shear_modulus, self.material.poissons_ratio
+        bore = (self.outer**4 - 2.0 * GJ / (shear * np.pi)) ** 0.25
+        kappa = shear_coefficient(bore / self.outer, poisson)
+        return BeamSection(EA, EI, GJ, kappa * shear * np.pi * (self.outer**2 - bore**2))
 
 
 @dataclass(frozen=True)
@@ -83,9 +104,12 @@ def radial_ends(tube: Tube) -> tuple[Array, int]:
         return np.asarray(length * (np.arange(count + 1) / count) ** 1.6)
 
     inner = at - graded(at - low)[::-1] if at > low else np.array([at])
-    outer = at + graded(high - at) if high > at else np.array([at])
     inner[0] = low
-    return np.concatenate([inner, outer[1:]]), 2 * (inner.size - 1)
+    outer = np.array([at])
+    for end in (high,) if tube.layer is None else (tube.layer.radii[-1], high):  # none of them across the layer's end
+        if end > outer[-1]:
+            outer = np.append(outer, outer[-1] + graded(end - outer[-1])[1:])
+    return np.append(inner, outer[1:]), 2 * (inner.size - 1)
 
 
 def axial_ends(tube: Tube, zone: tuple[float, float]) -> Array:
@@ -126,7 +150,7 @@ def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
     inside = np.flatnonzero((z >= zone[0] - 1e-9) & (z <= zone[1] + 1e-9))
     first, last = int(inside[0]) // 2 * 2, (int(inside[-1]) + 1) // 2 * 2
     rows = (first, last + 1)
-    body = Body(grid, tube.material.youngs_modulus, tube.material.poissons_ratio)
+    body = tube.body(grid)
     held = held_nodes(tube, grid.shape)
     springs = end_springs(tube) if tube.held == "section" else ()
     found = line_compliance(body, range(tube.harmonics + 1), held, line, rows, springs)

@@ -8,9 +8,9 @@ import pytest
 from rollbench.comparison.scenes import catalogue
 from rollbench.hifi.helical_section import helical_stiffness
 from rollbench.lowfi.compliance import cell
-from rollbench.lowfi.compliance.bodies import flank_of, geometry_only, grooved_section
+from rollbench.lowfi.compliance.bodies import REFINED, flank_of, geometry_only, grooved_section, smooth_body
 from rollbench.lowfi.compliance.cell import cell_grid, cell_section, groove_line, stiffness_of
-from rollbench.lowfi.compliance.fourier import Body, tube_grid
+from rollbench.lowfi.compliance.fourier import Body, Layer, elasticity_matrix, tube_grid
 from rollbench.lowfi.compliance.groove import smooth_radius
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.section import screw_section, tube_section
@@ -122,3 +122,33 @@ def test_the_helix_changes_half_a_per_cent():
     wanted = np.array([1.0 / yielding[0, 0], EI, 1.0 / yielding[1, 1]])
     np.testing.assert_allclose([section.EA, section.EI, section.GJ], wanted, rtol=0.01)
     assert wanted[2] > section.GJ
+
+
+@pytest.mark.parametrize("name", ["lin-case1", "unseen-40x10", "liu-drawn"])
+def test_the_layer_is_as_stiff_as_the_grooved_section(name):
+    """EA and GJ are what its two powers are chosen for, beside a body whose layer may widen; EI follows."""
+    geometry = geometry_only(catalogue.scene(name))
+    layered, grooved = smooth_body(geometry, False, REFINED).section, grooved_section(geometry, False)
+    assert of_section(layered) == pytest.approx(of_section(grooved), rel=8e-3)
+    plain = smooth_body(geometry, False, replace(REFINED, bore="ring")).section
+    assert plain.EA > 1.02 * grooved.EA  # rings alone are too stiff along the axis
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.1])
+def test_an_isotropic_layer_is_its_share_of_the_ring(tilt):
+    """Powers of one leave the share of an isotropic body, whichever way the grooves run; a full share the body itself."""
+    E, nu = STEEL.youngs_modulus, STEEL.poissons_ratio
+    radii = np.array([16e-3, 17e-3, 20e-3])
+    D = Layer((16e-3, 18e-3), (0.6, 1.0), 1.0, 1.0, tilt).elasticity(E, nu, radii)
+    np.testing.assert_allclose(D, np.array([0.6, 0.8, 1.0])[:, None, None] * elasticity_matrix(E, nu), rtol=1e-9, atol=1e-3)
+    body = smooth_body(geometry_only(SCENE), False, REFINED)
+    full = replace(body, layer=Layer((body.bore, 18e-3), (1.0, 1.0), 5.0, 3.0, tilt))
+    np.testing.assert_allclose(of_section(full.section), of_section(replace(body, layer=None).section), rtol=1e-6)
+
+
+def test_a_layer_is_softer_along_the_axis_than_around_it():
+    """With grooves straight around, its rings keep their share around the axis and its powers along it and in shear."""
+    E, nu = STEEL.youngs_modulus, STEEL.poissons_ratio
+    S = np.linalg.inv(Layer((16e-3, 18e-3), (0.5, 1.0), 4.0, 2.0, 0.0).elasticity(E, nu, np.array(16e-3)))
+    G = E / (2.0 * (1.0 + nu))
+    assert np.diag(S) == pytest.approx(1.0 / np.array([E / 2, E / 2, E / 16, G / 4, G / 2, G / 4]))
