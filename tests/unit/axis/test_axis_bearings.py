@@ -128,7 +128,7 @@ def test_nuts_that_press_one_another_are_preloaded_by_one_force(preload, monkeyp
     assert found.sets[0].force[2] == pytest.approx(preload - 0.5, abs=0.1)
 
 
-def test_noise_does_not_turn_a_singular_slope(monkeypatch):
+def test_noise_does_not_turn_a_singular_slope():
     """Forces known to 1e-11 only: the nuts keep their shifts alike."""
     rng = np.random.default_rng(3)
 
