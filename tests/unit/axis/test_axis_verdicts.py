@@ -46,10 +46,11 @@ def test_contacts_that_nothing_presses_carry_nothing(model):
 
 
 def test_a_ball_out_of_balance_is_named_with_its_set(monkeypatch):
+    """By its force on the nut, which the shaft does not feel."""
     real = solve.assemble_axis
 
     def off(system, state, end):
-        state.contact[14, 0, 0] += 1.0
+        state.contact[14, 3, 0] += 1.0
         return real(system, state, end)
 
     monkeypatch.setattr(solve, "assemble_axis", off)
@@ -70,10 +71,10 @@ def test_a_housing_out_of_balance_is_named(monkeypatch):
 
 
 def test_balls_across_the_bottom_of_a_one_way_groove_are_no_equilibrium_of_it():
-    """A radial load on two rows, one drawn off: its balls are at negative angles, though forces at nominal contacts could
-    balance the loads."""
-    rows = bearing("a", 0.05, "+z"), bearing("b", 0.25, "-z", offset=0.05e-3)
-    loads = (Load(0.25, (20e3, 0.0, 20.0)),)
+    """A radial load on two rows, one drawn off by more than the depth of its groove: its balls are at -12 deg, though
+    forces at nominal contacts could balance the loads."""
+    rows = bearing("a", 0.05, "+z"), bearing("b", 0.25, "-z", offset=-0.4e-3)
+    loads = (Load(0.25, (2e3, 0.0, 500.0)),)
     found = solve_assembly(assembly(*rows, supports=(TURNING,), loads=loads), engine="compiled")
     assert found.status.startswith("not held: no equilibrium has all loaded balls of b on the side")
 
