@@ -13,6 +13,7 @@ from rollbench.comparison.scenes import scene_file
 from rollbench.lowfi.statics.axis import solve, summary
 from rollbench.lowfi.statics.axis.refined import solve_refined
 from rollbench.lowfi.statics.axis.solve import solve_assembly
+from rollbench.lowfi.statics.axis.system import build
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.parts import Load, SideErrors
@@ -56,6 +57,16 @@ def test_a_ball_out_of_balance_is_named_with_its_set(monkeypatch):
     monkeypatch.setattr(solve, "assemble_axis", off)
     found = solve_assembly(double_nut())
     assert found.status.startswith("not converged: ball 3 of nut 2 is out of balance")
+
+
+def test_a_load_beside_a_contact_stays_where_it_is():
+    """The node between them is the contact's; the way from the load to it is rigid."""
+    parts = assembly(bearing("a", 0.05, "+z", offset=-4e-6), bearing("b", 0.25, "-z", offset=4e-6), supports=(TURNING,))
+    contact = build(parts).structure.nodes[0]
+    load = Load(float(contact) + 5e-6, (2e3, 0.0, 100.0))
+    found = solve_assembly(replace(parts, loads=(load,)))
+    assert found.status == "converged"
+    assert found.equilibrium.largest < 1e-12
 
 
 def test_a_housing_out_of_balance_is_named(monkeypatch):
