@@ -43,13 +43,13 @@ class LoadError:
     side: str
 
 
-def load_error(value: Array, reference: Array) -> LoadError:
-    """Errors of the loads ``value`` (n, 4) [N] against ``reference`` (n, 4) [N]."""
+def load_error(value: Array, reference: Array, contacts: int = 0) -> LoadError:
+    """Errors of the loads ``value`` (n, 4) [N] against ``reference`` (n, 4) [N]; contacts: see `meshes.loads.mean_load`."""
     either = (value > 0.0) | (reference > 0.0)
     loaded = reference > 0.0
     if not either.any() or not loaded.any():
         return LoadError(0.0, 0.0, 0.0, 0.0, 0, "")
-    of_mean = np.where(either, error_percent(value, reference, mean_load(reference)), 0.0)
+    of_mean = np.where(either, error_percent(value, reference, mean_load(reference, contacts)), 0.0)
     own = error_percent(value[loaded], reference[loaded])
     ball, side = np.unravel_index(int(np.abs(of_mean).argmax()), of_mean.shape)
     return LoadError(

@@ -15,14 +15,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
+from scipy.linalg.blas import dtrsm
+from scipy.linalg.lapack import dpotrs, dpstrf
 from scipy.optimize import nnls
 
-from rollbench.hifi.compliance import BallBlock, BlockFactor, Compliance
+from rollbench.hifi.compliance import BallBlock, BlockFactor, Compliance, Indices, factored
 from rollbench.hifi.contact import ContactResult
 from rollbench.meshes.arrays import Array
 
@@ -33,8 +36,8 @@ MOST = 60
 HOLD = 1e4
 #: Share of the residual that a step by the factor of an earlier one may leave; where it leaves more, a new one is made.
 KEPT = 0.2
-#: LU factor of Newton's equations and the motion that it does not hold.
-Factor = tuple[Array, NDArray[np.int32]]
+#: Answer of the bodies to a pattern of forces, over the contact's own, that Newton's step leaves out.
+FEEBLE = 1e-4
 
 
 @dataclass
@@ -63,7 +66,7 @@ def press(block: BallBlock, gap: Array, start: Ball | Flags, most: int = 60) -> 
         slack = gap + block.apply(forces)
         new = np.where(active, forces > 0.0, slack < -1e-13 * scale)
         if np.array_equal(new, active):
-            return Ball(forces, active, known, _energy(block, gap, forces))
+            return Ball(forces, active, known, -0.5 * float(forces @ (gap + slack)))
         key = new.tobytes()
         if key in seen:
             break
@@ -72,12 +75,50 @@ def press(block: BallBlock, gap: Array, start: Ball | Flags, most: int = 60) -> 
     L = np.linalg.cholesky(block.dense())
     forces, _ = nnls(L.T, np.linalg.solve(L, -gap), maxiter=30 * gap.size)
     active = forces > 1e-12 * max(float(forces.max(initial=0.0)), 1e-300)
-    return Ball(forces, active, block.factor(active), _energy(block, gap, forces))
+    energy = float(-0.5 * forces @ block.apply(forces) - gap @ forces)
+    return Ball(forces, active, block.factor(active), energy)
 
 
-def _energy(block: BallBlock, gap: Array, forces: Array) -> float:
-    """psi = -(1/2 l^T D l + g^T l)."""
-    return float(-0.5 * forces @ block.apply(forces) - gap @ forces)
+class Factor(NamedTuple):
+    """Newton's equations of all balls, by the amplitudes in which contacts and bodies answer one another.
+
+    traces: for every ball that touches, its columns c of w and R ``(c, rank)`` with M = U^T D^-1 U = R R^T; starts: where
+    each begins among all; loads: T ``(ranks, motions)`` with U^T D^-1 N = R T; inner: lower Cholesky factor of
+    I + R^T G R; outer: LU factor of what is left for the motions.
+    """
+
+    traces: list[tuple[Indices, Array]]
+    starts: list[int]
+    loads: Array
+    inner: Array
+    outer: tuple[Array, Indices]
+
+    def step(self, back: Array, moved: Array, balance: Array) -> tuple[Array, Array]:
+        """Newton step (dw, dy) by ``back`` = U^T lambda - w, G back, and f - N^T lambda."""
+        answer = self._solved(np.concatenate([np.zeros(0), *(R.T @ moved[c] for c, R in self.traces)]))
+        dy = lu_solve(self.outer, balance + self.loads.T @ answer, check_finite=False)
+        amplitude = self._solved(self.loads @ dy) - answer
+        dw = back.copy()
+        for (c, R), (i, j) in zip(self.traces, pairwise(self.starts), strict=True):
+            dw[c] += R @ amplitude[i:j]
+        return dw, dy
+
+    def _solved(self, rhs: Array) -> Array:
+        """(I + R^T G R)^-1 rhs."""
+        return dpotrs(self.inner, rhs, lower=1)[0].ravel() if rhs.size else rhs
+
+
+def roots(matrix: Array, loads: Array, scale: Array) -> tuple[Array, Array]:
+    """R ``(n, rank)`` and T ``(rank, k)`` with matrix = R R^T, positive semidefinite, and loads ``(n, k)`` = R T.
+
+    By Cholesky's factor with pivots, up to what times ``scale`` ``(n,)``, from both sides, is less than ``FEEBLE``.
+    """
+    found, order, rank, _ = dpstrf(matrix * np.outer(scale, scale), tol=FEEBLE, lower=1)
+    L, order = np.tril(found)[:, :rank], order - 1
+    R = np.empty((len(matrix), rank))
+    R[order] = L / scale[order, None]
+    first = order[:rank]
+    return R, np.asarray(dtrsm(1.0, L[:rank], scale[first, None] * loads[first], lower=1)) if rank else loads[:0]
 
 
 @dataclass
@@ -105,7 +146,7 @@ class _System:
             block = self.N[p]
             columns = np.unique(block.indices)
             self.rows.append((columns, block[:, columns].toarray()))
-        self.balls = balls or [Ball(np.zeros(g.size), g < np.quantile(g, 0.2), None, 0.0) for g in self.gaps]
+        self.balls = list(balls or (Ball(np.zeros(g.size), g < np.quantile(g, 0.2), None, 0.0) for g in self.gaps))
 
     def evaluate(self, w: Array, y: Array) -> tuple[float, Array, Array]:
         """Phi, U^T lambda - w, and f - N^T lambda; the balls' states are kept."""
@@ -118,7 +159,7 @@ class _System:
             ball = press(self.C.blocks[i], total, self.balls[i])
             self.balls[i] = ball
             phi += ball.energy
-            np.add.at(back, self.C.columns[i], self.C.modes[i].T @ ball.forces)
+            back[self.C.columns[i]] += self.C.modes[i].T @ ball.forces
             balance[columns] -= n.T @ ball.forces
         return phi, back, balance
 
@@ -129,35 +170,49 @@ class _System:
             factor = self.C.blocks[i].factor(active)
             forces = factor.solve(-gap)
             self.balls[i] = Ball(forces, active, factor, 0.0)
-            np.add.at(back, self.C.columns[i], self.C.modes[i].T @ forces)
+            back[self.C.columns[i]] += self.C.modes[i].T @ forces
             columns, n = self.rows[i]
             balance[columns] -= n.T @ forces
-        return split(self.factor(HOLD), back, balance)
+        return self.factor(HOLD).step(back, self.C.coupling @ back, balance)
 
     def factor(self, shift: float) -> Factor:
-        """Newton's equations at the balls' states; shift: stiffness [N/m] that holds what contacts do not."""
+        """Newton's equations at the balls' states; shift: stiffness [N/m] that holds what contacts do not.
+
+        With M = U^T D^-1 U = R R^T, U^T D^-1 N = R T, zero between balls, and w eliminated from
+
+            (I + M G) dw - R T dy = U^T lambda - w,  -T^T R^T G dw + N^T D^-1 N dy = f - N^T lambda,
+
+        N^T D^-1 N - T^T T + T^T (I + R^T G R)^-1 T is left for dy. R and T are those of `roots`, which keeps the matrix
+        positive; the step is Newton's up to what is too feeble to count. Raises numpy.linalg.LinAlgError where G is not
+        that of an elastic body.
+        """
         G = self.C.coupling
-        r, k = len(G), self.f.size
-        MG, Mn, Nn = np.zeros((r, r)), np.zeros((r, k)), shift * np.eye(k)  # M is zero between balls
+        outer, size = shift * np.eye(self.f.size), np.sqrt(G.diagonal())
+        traces, answers, loads, starts = [], [], [], [0]
         for i, ball in enumerate(self.balls):
             if ball.factor is None or not ball.active.any():
                 continue
-            columns, n = self.rows[i]
+            d, n = self.rows[i]
             U, c = self.C.modes[i], self.C.columns[i]
-            solved = ball.factor.solve(np.hstack([U, n]))  # zero on the open pairs
-            su, sn = solved[:, : U.shape[1]], solved[:, U.shape[1] :]
-            MG[c] += (U.T @ su) @ G[c]
-            Mn[np.ix_(c, columns)] += U.T @ sn
-            Nn[np.ix_(columns, columns)] += n.T @ sn
-        MG[np.diag_indices(r)] += 1.0
-        LU, pivots = lu_factor(np.block([[MG, -Mn], [-Mn.T @ G, Nn]]), overwrite_a=True, check_finite=False)
-        return LU, pivots
-
-
-def split(factor: Factor, back: Array, balance: Array) -> tuple[Array, Array]:
-    """Newton step (dw, dy)."""
-    solution = lu_solve(factor, np.concatenate([back, balance]), check_finite=False)
-    return solution[: back.size], solution[back.size :]
+            both = np.hstack([U, n])
+            M = both.T @ ball.factor.solve(both)  # zero on the open pairs
+            R, own = roots(M[: c.size, : c.size], M[: c.size, c.size :], size[c])
+            T = np.zeros((len(own), self.f.size))
+            T[:, d] = own
+            outer[np.ix_(d, d)] += M[c.size :, c.size :]
+            traces.append((c, R))
+            answers.append(G[c].T @ R)
+            loads.append(T)
+            starts.append(starts[-1] + len(T))
+        T, inner = np.vstack([np.zeros((0, self.f.size)), *loads]), np.zeros((0, 0))
+        if len(T):
+            answer = np.hstack(answers)
+            inner = np.vstack([R.T @ answer[c] for c, R in traces])
+            inner[np.diag_indices(len(inner))] += 1.0
+            inner = factored(inner.T)
+            rest = dtrsm(1.0, inner, T, lower=1)
+            outer += rest.T @ rest - T.T @ T
+        return Factor(traces, starts, T, inner, lu_factor(outer, overwrite_a=True, check_finite=False))
 
 
 def solve_balls(
@@ -194,8 +249,9 @@ def solve_balls(
         if factor is None or not kept:
             factor = system.factor(HOLD * min(1.0, residual))
         before = error
-        dw, dy = split(factor, back, balance)
-        slope = -float(dw @ (C.coupling @ back)) - float(dy @ balance)
+        moved = C.coupling @ back
+        dw, dy = factor.step(back, moved, balance)
+        slope = -float(dw @ moved) - float(dy @ balance)
         t, done = 1.0, False
         for _ in range(30):
             trial = system.evaluate(w + t * dw, y + t * dy)
@@ -223,5 +279,5 @@ def solve_balls(
             for i, g in enumerate(system.gaps)
         ]
     )
-    result = ContactResult(forces, slack, y, it, status, float(-slack.min(initial=0.0)), residual)
+    result = ContactResult(forces, slack, y, it, status, residual)
     return result, State(w, y, system.balls, factor)

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag, lu_factor, lu_solve
+from scipy.linalg import block_diag
 from scipy.linalg.lapack import dpotrf, dpotrs
 
 from rollbench.meshes.arrays import Array
@@ -30,101 +32,101 @@ class BallBlock:
     modes: tuple[Array, ...]
     coupling: Array
 
-    @property
+    @cached_property
     def starts(self) -> Indices:
         """First pair of each side, and the number of all at the end: (sides + 1,)."""
         return np.concatenate([[0], np.cumsum([len(a) for a in self.own], dtype=np.int64)])
 
+    @cached_property
+    def _sides(self) -> tuple[tuple[int, int], ...]:
+        """First pair of each side and of the next one."""
+        return tuple(pairwise(self.starts.tolist()))
+
+    @cached_property
+    def _all_modes(self) -> Array:
+        """V of all sides (n, k)."""
+        return np.asarray(block_diag(*self.modes))
+
     def __len__(self) -> int:
         """Number of pairs."""
-        return sum(len(a) for a in self.own)
+        return self._sides[-1][1]
 
     def apply(self, forces: Array) -> Array:
         """D f (n,) [m] of forces f (n,) [N]."""
-        parts = [forces[i:j] for i, j in pairwise(self.starts)]
-        answer = self.coupling @ np.concatenate([v.T @ f for v, f in zip(self.modes, parts, strict=True)])
-        ends = np.cumsum([0] + [v.shape[1] for v in self.modes])
-        return np.concatenate(
-            [a @ f + v @ answer[i:j] for a, v, f, (i, j) in zip(self.own, self.modes, parts, pairwise(ends), strict=True)]
-        )
+        alone = np.concatenate([a @ forces[i:j] for a, (i, j) in zip(self.own, self._sides, strict=True)])
+        return np.asarray(alone + self._all_modes @ (self.coupling @ (forces @ self._all_modes)))
 
     def dense(self) -> Array:
         """D (n, n) [m/N]; for few pairs, tests and the rare problem on which the active set cycles."""
-        V = block_diag(*self.modes)
-        return np.asarray(block_diag(*self.own) + V @ self.coupling @ V.T)
+        return np.asarray(block_diag(*self.own) + self._all_modes @ self.coupling @ self._all_modes.T)
 
     def factor(self, active: Flags, known: BlockFactor | None = None) -> BlockFactor:
         """Factor of the rows and columns of the ``active`` (n,) pairs; sides that are as in ``known`` are taken over."""
-        cholesky: list[Array | None] = []
-        inner: list[Array] = []
-        middles: list[Array] = []
-        for s, (i, j) in enumerate(pairwise(self.starts)):
+        sides = []
+        for s, (i, j) in enumerate(self._sides):
             pick = active[i:j]
             if known is not None and np.array_equal(pick, known.active[i:j]):
-                cholesky.append(known.cholesky[s])
-                inner.append(known.inner[s])
-                middles.append(known.middles[s])
+                sides.append(known.sides[s])
                 continue
-            V = self.modes[s][pick]
-            if not pick.any():
-                cholesky.append(None)
-                inner.append(V)
-                middles.append(np.zeros((V.shape[1], V.shape[1])))
-                continue
-            found = picked_factor(self.own[s], np.flatnonzero(pick))
-            solved = dpotrs(found, V, lower=1)[0]
-            cholesky.append(found)
-            inner.append(solved)
-            middles.append(V.T @ solved)
-        small = lu_factor(np.eye(len(self.coupling)) + self.coupling @ block_diag(*middles)) if len(self.coupling) else None
-        return BlockFactor(self, active.copy(), tuple(cholesky), tuple(inner), tuple(middles), small)
+            own, V = np.flatnonzero(pick), self.modes[s][pick]
+            found = picked_factor(self.own[s], own) if own.size else None
+            solved = V if found is None else dpotrs(found, V, lower=1)[0]
+            sides.append(SideFactor(i + own, found, solved, V.T @ solved))
+        k, answer = len(self.coupling), self.coupling
+        if k:
+            answer = np.linalg.solve(np.eye(k) + self.coupling @ block_diag(*(side.middle for side in sides)), answer)
+        return BlockFactor(active.copy(), tuple(sides), answer)
 
 
 def picked_factor(matrix: Array, pick: Indices) -> Array:
-    """Lower Cholesky factor of the picked rows and columns of a symmetric matrix (above its diagonal: anything).
+    """Lower Cholesky factor of the picked rows and columns of a symmetric matrix. Raises as `factored`."""
+    return factored(matrix[pick[:, None], pick].T)
 
-    Raises numpy.linalg.LinAlgError where they are not positive definite. LAPACK itself: SciPy's checks of small matrices
-    take as long as their factors.
+
+def factored(matrix: Array) -> Array:
+    """Lower Cholesky factor of a matrix in Fortran's order, in its place (above its diagonal: anything).
+
+    Raises numpy.linalg.LinAlgError where it is not positive definite. LAPACK itself: SciPy's checks of small matrices take
+    as long as their factors.
     """
-    L, fault = dpotrf(matrix[pick[:, None], pick].T, lower=1, clean=0, overwrite_a=1)
+    L, fault = dpotrf(matrix, lower=1, clean=0, overwrite_a=1)
     if fault:
-        raise np.linalg.LinAlgError(f"{fault}-th leading minor of a contact's compliance is not positive definite")
+        raise np.linalg.LinAlgError(f"{fault}-th leading minor of a compliance is not positive definite")
     return np.asarray(L)
+
+
+class SideFactor(NamedTuple):
+    """Factor of one side of a `BallBlock`: its active pairs, Cholesky factor of A_aa (None: none is active), A_aa^-1 V
+    (active, k_s) and V^T A_aa^-1 V (k_s, k_s)."""
+
+    pairs: Indices
+    cholesky: Array | None
+    inner: Array
+    middle: Array
 
 
 @dataclass(frozen=True, eq=False)
 class BlockFactor:
-    """D_aa^-1 on the active pairs of a `BallBlock`, by the sides' Cholesky factors and Woodbury's formula for V G V^T.
+    """D_aa^-1 on the ``active`` (n,) pairs of a `BallBlock`, by the sides' Cholesky factors and Woodbury's formula for
+    V G V^T; answer (k, k): (I + G V^T A_aa^-1 V)^-1 G."""
 
-    inner: A_aa^-1 V (active of the side, k_s); middles: V^T A_aa^-1 V; small: LU factor of I + G V^T A_aa^-1 V.
-    """
-
-    block: BallBlock
     active: Flags
-    cholesky: tuple[Array | None, ...]
-    inner: tuple[Array, ...]
-    middles: tuple[Array, ...]
-    small: tuple[Array, Indices] | None
+    sides: tuple[SideFactor, ...]
+    answer: Array
 
     def solve(self, rhs: Array) -> Array:
         """D_aa^-1 of the active rows of ``rhs`` (n,) or (n, m), zero on the other rows."""
-        columns = rhs.reshape(len(rhs), -1)
-        out = np.zeros(columns.shape)
-        places = []
-        for (i, j), found in zip(pairwise(self.block.starts), self.cholesky, strict=True):
-            own = i + np.flatnonzero(self.active[i:j])
-            places.append(own)
-            if found is not None:
-                out[own] = dpotrs(found, columns[own], lower=1)[0]
-        if self.small is not None:
-            amplitude = np.concatenate(
-                [v.T @ columns[own] for v, own in zip(self.inner, places, strict=True)]
-            )  # V^T A^-1 b
-            answer = lu_solve(self.small, self.block.coupling @ amplitude, check_finite=False)
-            ends = np.cumsum([0] + [v.shape[1] for v in self.inner])
-            for v, own, (i, j) in zip(self.inner, places, pairwise(ends), strict=True):
-                out[own] -= v @ answer[i:j]
-        return out.reshape(rhs.shape)
+        out = np.zeros(rhs.shape)
+        for side in self.sides:
+            if side.cholesky is not None:
+                out[side.pairs] = dpotrs(side.cholesky, rhs[side.pairs], lower=1)[0].reshape(-1, *rhs.shape[1:])
+        z = self.answer @ np.concatenate([side.inner.T @ rhs[side.pairs] for side in self.sides])
+        first = 0
+        for side in self.sides:
+            count = side.inner.shape[1]
+            out[side.pairs] -= side.inner @ z[first : first + count]
+            first += count
+        return out
 
 
 def plain(matrix: Array) -> BallBlock:
@@ -146,7 +148,7 @@ class Compliance:
     columns: tuple[Indices, ...]
     coupling: Array
 
-    @property
+    @cached_property
     def starts(self) -> Indices:
         """First pair of each block, and the number of all pairs at the end: (blocks + 1,)."""
         return np.concatenate([[0], np.cumsum([len(block) for block in self.blocks], dtype=np.int64)])

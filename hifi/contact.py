@@ -22,8 +22,8 @@ class ContactResult:
     """Solution of (1), or the last state and the reason why it is none.
 
     forces: (n,) [N]; gaps: (n,) [m], round-off on closed pairs; motions: (k,) rigid motions y [m, rad]; iterations: of
-    Newton's method; status: "converged", or why not; complementarity: the largest overlap left [m]; equilibrium: the
-    largest unbalanced force over the largest force on a ball.
+    Newton's method; status: "converged", or why not; equilibrium: the largest unbalanced force over the largest force on
+    a ball.
     """
 
     forces: Array
@@ -31,7 +31,6 @@ class ContactResult:
     motions: Array
     iterations: int
     status: str
-    complementarity: float
     equilibrium: float
 
     @property

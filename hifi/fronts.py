@@ -83,32 +83,38 @@ def factor_by_fronts(K: sp.csc_matrix, nodes: Supernodes) -> Callable[[Array], A
 
 def _eliminated(K: sp.csc_matrix, B: sp.csr_matrix, nodes: Supernodes) -> Iterator[Eliminated]:
     """Fronts of K with columns of B as borders, one after another. Raises ArithmeticError as `gram_by_fronts` does."""
-    place = np.empty(K.shape[0], dtype=np.int64)
+    place, local = np.empty((2, K.shape[0]), dtype=np.int64)  # of a freedom in the order, of a row in its front
     place[nodes.order] = np.arange(K.shape[0])
     owner = np.repeat(np.arange(nodes.first.size - 1), np.diff(nodes.first))
     waiting: dict[int, list[Update]] = {}
     for k in range(nodes.first.size - 1):
         low, high = int(nodes.first[k]), int(nodes.first[k + 1])
-        own = nodes.order[low:high]
+        count, own = high - low, nodes.order[low:high]
         rows = nodes.rows[nodes.start[k] : nodes.start[k + 1]]
+        local[rows] = np.arange(rows.size)
         children = waiting.pop(k, [])
         loaded, load_of, loads = _entries(B, own)
         border = np.unique(np.concatenate([loaded, *(child.border for child in children)]))
-        front, bordering = (np.zeros((size, rows.size), order="F") for size in (rows.size, border.size))
+        left = rows.size - count
+        panel, block, bordering = (
+            np.zeros(shape, order="F") for shape in ((rows.size, count), (left, left), (border.size, rows.size))
+        )
         coupled, column, stiffness = _entries(K, own)
         at = place[coupled]
         kept = at >= low
-        front[np.searchsorted(rows, at[kept]), column[kept]] = stiffness[kept]
+        panel[local[at[kept]], column[kept]] = stiffness[kept]
         bordering[np.searchsorted(border, loaded), load_of] = loads
         for child in children:
-            down = np.searchsorted(rows, child.rows)
-            _add_lower(front, down, child.block)
+            down = local[child.rows]
+            split = int(np.searchsorted(down, count))
+            _add_lower(panel, down, child.block[:, :split])
+            _add_lower(block, down[split:] - count, child.block[split:, split:])
             if child.border.size:
                 bordering[np.ix_(np.searchsorted(border, child.border), down)] += child.loads
         children.clear()
-        done, block, left = _eliminate(front, bordering, high - low, rows, border)
-        if block.size:
-            waiting.setdefault(int(owner[rows[high - low]]), []).append(Update(rows[high - low :], border, block, left))
+        done, update = _eliminate(panel, block, bordering, rows, border)
+        if left:
+            waiting.setdefault(int(owner[rows[count]]), []).append(update)
         yield done
 
 
@@ -121,25 +127,27 @@ def _entries(A: sp.csc_matrix | sp.csr_matrix, own: Index) -> tuple[Index, Index
     return A.indices[at].astype(np.int64), of, A.data[at]
 
 
-def _add_lower(front: Array, places: Index, block: Array) -> None:
-    """Add a child's block to its rows and columns of a front, columns ``WIDTH`` by ``WIDTH`` from the diagonal down."""
-    flat, start = front.ravel(order="K"), places * front.shape[0]
-    for k in range(0, places.size, WIDTH):
-        own = slice(k, k + WIDTH)
-        np.add.at(flat, (start[own, None] + places[k:]).ravel(), block[k:, own].ravel(order="F"))
+def _add_lower(target: Array, places: Index, block: Array) -> None:
+    """Add the first columns of a child's block, from the diagonal down, to the rows ``places`` of an array in Fortran's
+    order and as many columns of these places, ``WIDTH`` at once."""
+    flat, start = target.ravel(order="K"), places * target.shape[0]
+    for k in range(0, block.shape[1], WIDTH):
+        part = block[k:, k : k + WIDTH]
+        np.add.at(flat, (start[k : k + part.shape[1], None] + places[k:]).ravel(), part.ravel(order="F"))
 
 
-def _eliminate(front: Array, bordering: Array, count: int, rows: Index, border: Index) -> tuple[Eliminated, Array, Array]:
-    """Eliminate the first ``count`` columns of a front and its border; what is left of both for the parent."""
-    L, fault = dpotrf(front[:count, :count], lower=1)
+def _eliminate(panel: Array, block: Array, bordering: Array, rows: Index, border: Index) -> tuple[Eliminated, Update]:
+    """Eliminate a front's own columns, its ``panel`` ``(rows, own)``, out of the block of its other rows and of its border
+    ``(columns of B, rows)``, both in place."""
+    count = panel.shape[1]
+    L, fault = dpotrf(panel[:count], lower=1)
     if fault:
         raise ArithmeticError(int(rows[0]) + int(fault) - 1)
-    below, share = front[count:, :count], bordering[:, :count]
-    block, left = front[count:, count:], bordering[:, count:]
+    below, share, loads = panel[count:], bordering[:, :count], bordering[:, count:]
     if below.size:
         below = dtrsm(1.0, L, below, side=1, lower=1, trans_a=1)
-        block = dsyrk(-1.0, below, 1.0, block, lower=1)
+        block = dsyrk(-1.0, below, 1.0, block, lower=1, overwrite_c=1)
     if share.size:
-        share = dtrsm(1.0, L, share, side=1, lower=1, trans_a=1)
-        left = dgemm(-1.0, share, below, 1.0, left, trans_b=1, overwrite_c=1) if below.size else left
-    return Eliminated(rows, border, L, below, share), block, left
+        share = dtrsm(1.0, L, share, side=1, lower=1, trans_a=1, overwrite_b=1)
+        loads = dgemm(-1.0, share, below, 1.0, loads, trans_b=1, overwrite_c=1) if below.size else loads
+    return Eliminated(rows, border, L, below, share), Update(rows[count:], border, block, loads)

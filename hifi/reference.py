@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from time import perf_counter
+from typing import NamedTuple
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -64,7 +65,8 @@ class ReferenceResult:
     """Loads ``(n, 4)`` [N], contact angles ``(n, 4)`` [rad], ball motions ``(n, 3)`` [m], centreline: stations ``(s,)`` [m]
     and motions ``(s, 6)``, contact record, residuals, unknowns (of the equivalent monolithic mesh), seconds by stage,
     updates of directions and gaps, status; moving: what more of them may still change of any load [N] where these did not
-    settle, else 0."""
+    settle, else 0; frozen: loads with directions and gaps frozen at the nominal state ``(n, 4)`` [N], where they were asked
+    for."""
 
     status: str
     load: Array
@@ -82,6 +84,7 @@ class ReferenceResult:
     seconds: dict[str, float]
     updates: int
     moving: float
+    frozen: Array | None = None
 
 
 def solve_reference(
@@ -91,95 +94,152 @@ def solve_reference(
     updates: int = ROUNDS,
     sides: tuple[int, ...] | None = None,
     leave_out: frozenset[str] = frozenset(),
+    frozen: bool = False,
     step: Callable[[str], None] = lambda _: None,
 ) -> ReferenceResult:
     """Loads of a load case or error pattern of a prepared geometry.
 
     updates: how often directions and gaps follow the motion at most (0: frozen at the nominal state, gaps follow the grid's
     wave alone); sides: those that may touch (all prepared ones if left out); leave_out: some of ``INGREDIENTS``;
-    step: hears of every round of a solution that takes long. Raises ValueError for other ingredients.
+    frozen: whether its loads are found too, from the round that both have in common; step: hears of every round of a
+    solution that takes long. Raises ValueError for other ingredients.
     """
     if leave_out - set(INGREDIENTS):
         raise ValueError(f"unknown ingredients {sorted(leave_out - set(INGREDIENTS))}")
     with threadpool_limits(1):  # many small factors: the threads of two BLAS libraries only wait for one another
-        return _solve(setup, scene, updates, setup.sides if sides is None else sides, leave_out, step)
+        return _solve(setup, scene, updates, setup.sides if sides is None else sides, leave_out, frozen, step)
 
 
-def _solve(
-    setup: Setup, scene: Scene, updates: int, sides: tuple[int, ...], leave_out: frozenset[str], step: Callable[[str], None]
-) -> ReferenceResult:
-    begin = perf_counter()
-    sides = tuple(s for s in setup.sides if s in sides)
-    moving = updates > 0 and "moving normals" not in leave_out
-    drawn = specimen(scene, setup.layout)
-    count, m, zones = setup.layout.z.size, setup.map, zones_of(setup, sides)
-    mounted = mounted_screw(setup, scene, leave_out)
-    C = compliance_of(setup, mounted, sides, leave_out)
-    n = zones.size
-    nominal = np.concatenate([setup.patches[s].groove.points - np.array([m.R, 0.0, 0.0]) for s in sides])
-    errors = groove_errors(setup, drawn, sides)
-    own_rows = modal_rows(setup, sides)
-    at_rest = spread(setup, C, sides, mounted.loads[own_rows])
-    load_motion = modal_motion(C, at_rest)
-    shift, level, slid = np.zeros((count, n, 3)), np.zeros((count, n)), np.zeros((count, n))
-    along = along_track(setup, sides)
-    state: State | None = None
-    found: list[Array] = []
-    done = 0
-    while True:
-        if perf_counter() - begin > SLOW:
-            step(f"contacts of {scene.name}: round {done + 1}, {perf_counter() - begin:.0f} s")
-        arms = nominal[None] + errors - shift
+class _Round(NamedTuple):
+    """Contacts for given places of balls and grooves: result, the state to go on from, normals ``(balls, n, 3)``, motion of
+    the gaps by the screw's rigid motions ``(pairs, k)``, forces ``(balls, n)``, loads and angles ``(balls, 4)``."""
+
+    result: ContactResult
+    state: State
+    directions: Array
+    by_screw: Array
+    forces: Array
+    load: Array
+    angle: Array
+
+
+class _Case:
+    """A load case of a prepared geometry, round by round."""
+
+    def __init__(self, setup: Setup, scene: Scene, sides: tuple[int, ...], leave_out: frozenset[str]) -> None:
+        m = setup.map
+        self.setup, self.sides, self.zones = setup, sides, zones_of(setup, sides)
+        self.mounted = mounted_screw(setup, scene, leave_out)
+        self.C = compliance_of(setup, self.mounted, sides, leave_out)
+        self.rows = modal_rows(setup, sides)
+        self.at_rest = spread(setup, self.C, sides, self.mounted.loads[self.rows])
+        drawn = specimen(scene, setup.layout)
+        nominal = np.concatenate([setup.patches[s].groove.points - np.array([m.R, 0.0, 0.0]) for s in sides])
+        self.arms = nominal[None] + groove_errors(setup, drawn, sides)
+        self.radii, self.along = drawn.ball_radius, along_track(setup, sides)
+        self.load_motion = modal_motion(self.C, self.at_rest)
+
+    def first(self) -> _Round:
+        """Contacts with balls and grooves in their nominal places."""
+        return self._round(np.zeros((1, 1, 3)), np.zeros((1, 1)), np.zeros((1, 1)), None)
+
+    def after(self, last: _Round, *, moving: bool) -> _Round:
+        """Contacts in the places that the last round says; moving: whether normals follow, or only the grid's wave."""
+        shift, slid = np.zeros((1, 1, 3)), np.zeros((1, 1))
+        if moving:
+            shift, slid = relative_motion(
+                self.setup, last.result, self.C, last.directions, self.zones, self.at_rest, last.by_screw
+            )
+        level = wave_gaps(self.setup, self.zones, last.forces, last.directions)
+        return self._round(shift, slid, level, last.state)
+
+    def _round(self, shift: Array, slid: Array, level: Array, start: State | None) -> _Round:
+        """Contacts for motions of the balls from their grooves (`relative_motion`) and changes of the gaps [m]."""
+        setup, zones, mounted = self.setup, self.zones, self.mounted
+        arms = self.arms - shift
         length = np.linalg.norm(arms, axis=2)
         directions = arms / length[..., None]
-        back = shift + slid[..., None] * along  # the solver's gaps lose it again
-        gap = length - drawn.ball_radius[:, None] + np.einsum("ink,ink->in", directions, back)
+        back = shift + slid[..., None] * self.along  # the solver's gaps lose it again
+        gap = length - self.radii[:, None] + np.einsum("ink,ink->in", directions, np.broadcast_to(back, arms.shape))
         by_screw = over_hats(setup, zones, screw_rows(setup, directions, zones, mounted.origin)).reshape(-1, 6)
         gap, directions = over_hats(setup, zones, gap), over_hats(setup, zones, directions)
         N = directions_matrix(directions, by_screw, mounted.motions)
-        f = np.concatenate([np.zeros(3 * count), mounted.work])
-        rest = (gap + level).ravel() + load_motion
-        touching = tuple(expected_touch(gap, zones)) if state is None else ()
-        result, state = solve_balls(C, rest, N, f, start=state, touching=touching)
-        forces = result.forces.reshape(count, n)
-        vectors = forces[..., None] * directions
-        load, angle = _loads(setup, vectors, zones)
-        found = [*found[-2:], load]
-        left = left_over(found)
-        if not result.converged or left <= SETTLED * _mean(load) or done == (updates or ROUNDS):
-            break
-        if moving:
-            shift, slid = relative_motion(setup, result, C, directions, zones, at_rest, by_screw @ mounted.motions)
-        level = wave_gaps(setup, zones, forces, directions)
-        done += 1
+        f = np.concatenate([np.zeros(3 * len(arms)), mounted.work])
+        rest = (gap + level).ravel() + self.load_motion
+        touching = tuple(expected_touch(gap, zones)) if start is None else ()
+        result, state = solve_balls(self.C, rest, N, f, start=start, touching=touching)
+        forces = result.forces.reshape(gap.shape)
+        load, angle = _loads(setup, forces[..., None] * directions, zones)
+        return _Round(result, state, directions, by_screw @ mounted.motions, forces, load, angle)
+
+    def settled(self, last: _Round, most: int, step: Callable[[int], None], *, moving: bool) -> tuple[_Round, int, float]:
+        """The round whose loads stand still, updates until then, ``most`` at most, and what more may change of a load."""
+        found = [last.load]
+        for done in range(most + 1):
+            left = left_over(found)
+            if not last.result.converged or left <= SETTLED * _mean(last.load) or done == most:
+                break
+            step(done + 2)
+            last = self.after(last, moving=moving)
+            found = [*found[-2:], last.load]
+        return last, done, left
+
+
+def _solve(
+    setup: Setup,
+    scene: Scene,
+    updates: int,
+    sides: tuple[int, ...],
+    leave_out: frozenset[str],
+    frozen: bool,
+    step: Callable[[str], None],
+) -> ReferenceResult:
+    begin = perf_counter()
+
+    def tell(number: int) -> None:
+        if perf_counter() - begin > SLOW:
+            step(f"contacts of {scene.name}: round {number}, {perf_counter() - begin:.0f} s")
+
+    moving = updates > 0 and "moving normals" not in leave_out
+    case = _Case(setup, scene, tuple(s for s in setup.sides if s in sides), leave_out)
+    count, zones, mounted, C = setup.layout.z.size, case.zones, case.mounted, case.C
+    tell(1)
+    first = case.first()
+    last, done, left = case.settled(first, updates or ROUNDS, tell, moving=moving)
+    seconds = perf_counter() - begin
+    still = case.settled(first, ROUNDS, tell, moving=False)[0] if frozen and moving else last
+    result, load, vectors = last.result, last.load, last.forces[..., None] * last.directions
     net = vectors.sum(axis=1)
     largest = max(float(load.max()), 1e-300)
     y3 = tangent(setup)
     status, may_move = result.status, 0.0
-    if status == "converged" and _at_rim(setup, forces, zones):
+    if status == "converged" and _at_rim(setup, last.forces, zones):
         status = AT_RIM
     elif status == "converged" and left > SETTLED * _mean(load):
         status = f"not settled: loads may still move by {left:.2g} N after {done} updates of directions and gaps"
         may_move = left
-    stations, line = _centreline(mounted, own_rows, screw_modal(setup, C, result, sides), result.motions[3 * count :])
-    free = np.abs(N[:, 3 * count :].T @ result.forces - mounted.work).max(initial=0.0)
+    stations, line = _centreline(
+        mounted, case.rows, screw_modal(setup, C, result, zones.sides), result.motions[3 * count :]
+    )
+    free = np.abs(last.by_screw.T @ result.forces + mounted.work).max(initial=0.0)
     return ReferenceResult(
         status,
         load,
-        angle,
+        last.angle,
         result.motions[: 3 * count].reshape(count, 3),
         stations,
         line,
-        sides,
-        directions,
+        zones.sides,
+        last.directions,
         result,
         float(np.abs(net).max()) / largest,
         float(np.abs(net @ y3).max()) / largest,
         float(free) / largest,
         setup.unknowns,
-        {**setup.seconds, "contact": perf_counter() - begin},
+        {**setup.seconds, "contact": seconds},
         done,
         may_move,
+        still.load if frozen else None,
     )
 
 

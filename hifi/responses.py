@@ -9,7 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 from skfem import Mesh, condense
+from skfem.models.poisson import mass
 
+from rollbench.hifi.assembly import cells
 from rollbench.hifi.bodies import (
     Socket,
     assemble,
@@ -30,13 +32,13 @@ from rollbench.hifi.rigid import rigid_modes
 from rollbench.hifi.settings import Settings
 from rollbench.hifi.shaft import ShaftSection, round_section
 from rollbench.hifi.sides import SidePatches
-from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.arrays import Array
 from rollbench.meshes.ball_body import BallBody
-from rollbench.meshes.fem import nodes_on
+from rollbench.meshes.fem import nodes_on, points_of
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import GroovedBody
 from rollbench.meshes.helix import BallLayout
-from rollbench.meshes.parts import Material, Nut, Screw
+from rollbench.meshes.parts import Material, Nut
 from rollbench.meshes.solid import Dimensions
 
 #: Boundaries of the nut's mesh by where it is held.
@@ -46,8 +48,8 @@ NUT_HELD = {
     "right face": ("high end",),
     "both faces": ("low end", "high end"),
 }
-#: Least number of nodes that the motion of a section is taken from.
-LEAST = 30
+#: Half the thickness of the slice whose mean motion is that of a section, over the screw's radius; least cells of one.
+SLICE, LEAST = 0.25, 30
 
 
 @dataclass(frozen=True)
@@ -116,23 +118,25 @@ def ball_compliance(
 
 
 def shaft_section(
-    screw: Screw, m: GrooveMap, dims: Dimensions, ends: tuple[float, float], size: float, stations: Sequence[float]
+    e: Material, m: GrooveMap, outer: float, bore: float, radius: float | None, hole: float, size: float | None
 ) -> Shaft:
-    """Section of the shaft beyond the 3D stretch, between its ``ends``; where no station lies there, any will do."""
-    e, outer = screw.material, screw.outer_diameter / 2.0
-    low, high = ends
+    """Section of the shaft beyond the 3D stretch, by what it depends on alone: other nuts and loads find it in the cache.
+
+    outer, bore: radii of the shaft's lands and bore [m]; radius: of a plain shaft in its place [m], if the scene has one;
+    hole: radius of the bore of 3D meshes [m]; size: of their elements [m], or None where no station of supports or loads
+    lies beyond the stretch, so that any section will do.
+    """
     plain = round_section(outer, e.youngs_modulus, e.poissons_ratio)
-    if dims.screw_held == "bore" or all(low <= z <= high for z in stations):
+    if size is None:
         return Shaft(plain, None)
-    if dims.shaft_radius is not None:
-        return Shaft(round_section(dims.shaft_radius, e.youngs_modulus, e.poissons_ratio), None)
+    if radius is not None:
+        return Shaft(round_section(radius, e.youngs_modulus, e.poissons_ratio), None)
     if m.rg == 0.0:
-        if screw.bore == 0.0:
+        if bore == 0.0:
             return Shaft(plain, None)
-        bore = round_section(screw.bore / 2.0, e.youngs_modulus, e.poissons_ratio)
-        own = ShaftSection(plain.EA - bore.EA, plain.EI - bore.EI, plain.GJ - bore.GJ, plain.kGA - bore.kGA)
-        return Shaft(own, None)
-    found = homogenise(m, outer, screw.bore / 2.0, dims.hole, e, size)
+        own = round_section(bore, e.youngs_modulus, e.poissons_ratio)
+        return Shaft(ShaftSection(plain.EA - own.EA, plain.EI - own.EI, plain.GJ - own.GJ, plain.kGA - own.kGA), None)
+    found = homogenise(m, outer, bore, hole, e, size)
     return Shaft(found.section, found)
 
 
@@ -152,7 +156,6 @@ def screw_response(
     within it."""
     places = sockets_of(layout, sides, True)
     K, modes, kept = _with_modes(material, mesh.mesh, placed(mesh, places), own, settings.modes, settings)
-    size = K.shape[0]
     low, high = ends
     bore = dims.screw_held == "bore"
     T = screw_transform(mesh, dims, high)
@@ -166,8 +169,7 @@ def screw_response(
         half = nut.length / 2.0
         observers = tuple(float(nut.position + x * half) for x in (-1.0, -0.5, 0.0, 0.5, 1.0))
         end = sp.csr_matrix((np.ones(6), (np.arange(6), T.shape[1] - 6 + np.arange(6))), (6, T.shape[1]))
-        hole = nodes_on(mesh.mesh, "bore")
-        follow = [section_motion(mesh.points, hole, z, size) @ T for z in (*inside, *observers)]
+        follow = [section_motion(mesh.mesh, z) @ T for z in (*inside, *observers)]
         rows = sp.vstack([modes @ T, end, *follow]).tocsr()
     K = (T.T @ K @ T).tocsc()  # the free body's is dropped: a gigabyte with 400 contacts
     F = compliance(K, rows)
@@ -182,13 +184,20 @@ def screw_response(
     return ScrewResponse(stretch, {s: k[0] for s, k in kept.items()}, about, T.shape[1])
 
 
-def section_motion(points: Array, hole: Index, z: float, size: int) -> sp.csr_matrix:
-    """Rows ``(6, size)`` of the mean rigid motion at z of the nearest nodes ``hole`` of the screw's hole."""
-    order = np.argsort(np.abs(points[hole, 2] - z), kind="stable")
-    reach = np.abs(points[hole, 2] - z)[order[min(LEAST, order.size) - 1]]
-    near = hole[np.abs(points[hole, 2] - z) <= 1.0001 * reach + 1e-12]
-    motion = np.linalg.pinv(rigid_modes(points[near], np.array([0.0, 0.0, z])))
-    return sp.csr_matrix((motion.ravel(), (np.repeat(np.arange(6), 3 * near.size), np.tile(freedoms(near), 6))), (6, size))
+def section_motion(mesh: Mesh, z: float) -> sp.csr_matrix:
+    """Rows ``(6, freedoms)`` of the mean rigid motion at z [m] of the material in a thin slice there, by least squares over
+    its volume; turned about, a load on the section is shared out over the slice in proportion to rigid motions."""
+    points, corners = points_of(mesh), mesh.p[2, mesh.t]
+    radius = float(np.hypot(points[:, 0], points[:, 1]).max())
+    away = np.abs(corners.mean(axis=0) - z)
+    reach = max(SLICE * radius, float(np.partition(away, LEAST)[LEAST]))
+    volume = mass.assemble(cells(mesh, elements=np.flatnonzero(away <= reach)))
+    own = np.flatnonzero(volume.diagonal())
+    rigid = rigid_modes(points[own], np.array([0.0, 0.0, z]))
+    carried = (volume[own][:, own] @ rigid.reshape(own.size, 18)).reshape(-1, 6)
+    motion = np.linalg.solve(rigid.T @ carried, carried.T)
+    place = (np.repeat(np.arange(6), 3 * own.size), np.tile(freedoms(own), 6))
+    return sp.csr_matrix((motion.ravel(), place), (6, 3 * len(points)))
 
 
 def screw_transform(mesh: GroovedBody, dims: Dimensions, high: float) -> sp.csc_matrix:

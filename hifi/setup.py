@@ -7,6 +7,7 @@ fits every socket of that side. All load cases, supports and error patterns of t
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -30,7 +31,7 @@ from rollbench.hifi.responses import (
 )
 from rollbench.hifi.settings import Settings
 from rollbench.hifi.shaft import ShaftSection
-from rollbench.hifi.side_by_side import Part, make
+from rollbench.hifi.side_by_side import Made, Part, make
 from rollbench.hifi.sides import SidePatches, condense_side, congruent, side_of, turned
 from rollbench.meshes.cache import Cache
 from rollbench.meshes.groove_map import GrooveMap
@@ -78,10 +79,9 @@ class _Stages:
         self.seconds: dict[str, float] = {}
         self.others: dict[int, float] = {}
 
-    def told(self, stage: str, spent: float, cached: Sequence[bool], cold: float) -> None:
-        """Tell the seconds that a stage took, of whose records some came from the cache; keep those that it takes cold."""
+    def told(self, stage: str, spent: float, cached: Sequence[bool]) -> None:
+        """Tell the seconds that a stage took, of whose records some came from the cache."""
         origin = "" if not any(cached) else ", from the cache" if all(cached) else ", partly from the cache"
-        self.seconds[stage] = cold
         self.step(f"{stage}: {spent:.1f} s{origin}")
 
     def meshed(self, build: Callable[[], Meshes]) -> Meshes:
@@ -89,20 +89,29 @@ class _Stages:
         start, cache = perf_counter(), self.cache
         hits, misses, cold = cache.hits, cache.misses, cache.cold_seconds
         meshes = build()
+        self.seconds["meshes"] = cache.cold_seconds - cold
         cached = [True] * (cache.hits - hits) + [False] * (cache.misses - misses)
-        spent = perf_counter() - start
-        self.told("meshes", spent, cached, cache.cold_seconds - cold)
+        self.told("meshes", perf_counter() - start, cached)
         return meshes
 
     def made(self, parts: Sequence[Part], processes: int) -> list[Any]:
-        """Records of the parts; each stage has its share of the time that all took."""
+        """Records of the parts. A stage is told with its own seconds when its last part is made; what is kept of it is its
+        share of the time that all took."""
         start = perf_counter()
-        found = make(parts, self.cache, processes)
+        by_stage: dict[str, list[Made[Any]]] = {part.stage: [] for part in parts}
+        wanted = Counter(part.stage for part in parts)
+
+        def one_more(k: int, one: Made[Any]) -> None:
+            stage = parts[k].stage
+            own = by_stage[stage]
+            own.append(one)
+            if len(own) == wanted[stage]:
+                self.told(stage, sum(x.seconds for x in own), [x.cached for x in own])
+
+        found = make(parts, self.cache, processes, one_more)
         share = (perf_counter() - start) / max(sum(one.seconds for one in found), 1e-9)
-        for stage in dict.fromkeys(part.stage for part in parts):
-            own = [one for part, one in zip(parts, found, strict=True) if part.stage == stage]
-            cold = sum((1.0 if one.cached else share) * one.cold_seconds for one in own)
-            self.told(stage, share * sum(one.seconds for one in own), [one.cached for one in own], cold)
+        for stage, own in by_stage.items():
+            self.seconds[stage] = sum((1.0 if one.cached else share) * one.cold_seconds for one in own)
         for one in found:
             if one.process != os.getpid() and one.peak_MB is not None:
                 self.others[one.process] = max(self.others.get(one.process, 0.0), one.peak_MB)
@@ -190,9 +199,12 @@ def _body_parts(
     facing = {s: p.groove for s, p in patches.items() if s >= 2}
     of_screw = (screw.material, nut, ends, inside, meshes.screw, layout, sides, own, settings, dims)
     of_nut = (nut.material, meshes.nut, layout, sides, facing, settings, dims)
+    beyond = dims.screw_held != "bore" and not all(ends[0] <= z <= ends[1] for z in stations)
+    size = settings.cell if beyond else None
+    of_shaft = (screw.material, m, screw.outer_diameter / 2.0, screw.bore / 2.0, dims.shaft_radius, dims.hole, size)
     nuts = [Part("nut", nut_response, of_nut, NutResponse)]
     return [
-        Part("shaft section", shaft_section, (screw, m, dims, ends, settings.cell, stations), Shaft),
+        Part("shaft section", shaft_section, of_shaft, Shaft),
         Part("screw", screw_response, of_screw, ScrewResponse),
         *(nuts if scene.solid.nut == "elastic" else []),
         Part("ball", ball_compliance, (ball, meshes.ball, patches, settings), BallResponse),

@@ -7,6 +7,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from threading import Lock
 from time import perf_counter
 from typing import Any, Generic, NamedTuple, TypeVar
 
@@ -43,17 +44,24 @@ class Made(Generic[T]):
     cache_fault: str = ""
 
 
-def make(parts: Sequence[Part], cache: Cache, processes: int) -> list[Made[Any]]:
+def make(
+    parts: Sequence[Part], cache: Cache, processes: int, told: Callable[[int, Made[Any]], None] = lambda *_: None
+) -> list[Made[Any]]:
     """Records of independent parts, in their order, by so many processes at once, this one among them, one thread each; by
-    this one alone for one. Raises what a part raises, and MemoryError where a process was ended from outside."""
+    this one alone for one. told: hears of each when it is made, one at a time. Raises what a part raises, and MemoryError
+    where a process was ended from outside."""
     if processes == 1 or len(parts) < 2:
-        return [_make(part, cache) for part in parts]
+        alone = []
+        for k, part in enumerate(parts):
+            alone.append(_make(part, cache))
+            told(k, alone[-1])
+        return alone
     from joblib.executor import get_memmapping_executor  # the workers of joblib.Parallel, not others beside them
     from joblib.externals.loky.process_executor import BrokenProcessPool
 
     helpers = min(processes, len(parts)) - 1
     others = get_memmapping_executor(helpers, initializer=end_with_parent, initargs=(os.getpid(),), max_nbytes=None)
-    left, made = deque(enumerate(parts)), dict[int, Made[Any]]()
+    left, made, one_at_a_time = deque(enumerate(parts)), dict[int, Made[Any]](), Lock()
 
     def take(maker: Callable[[Part], Made[Any]]) -> None:
         """Make parts until none is left."""
@@ -63,6 +71,8 @@ def make(parts: Sequence[Part], cache: Cache, processes: int) -> list[Made[Any]]
             except IndexError:  # another one was faster
                 return
             made[k] = maker(part)
+            with one_at_a_time:
+                told(k, made[k])
 
     def helped(part: Part) -> Made[Any]:
         found: Made[Any] = others.submit(_elsewhere, part, cache).result()

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Literal
 
-Kind = Literal["place", "two flanks", "size", "pressure", "wedged", "profile", "tilt", "rotation", "preload", "safety"]
+Kind = Literal[
+    "place", "two flanks", "size", "pressure", "wedged", "profile", "tilt", "rotation", "preload", "safety", "play"
+]
 
 
 class Warned(str):
@@ -36,5 +38,6 @@ class Warned(str):
 
 def above(warnings: Iterable[str]) -> str:
     """The line above the answers, empty where none of the warnings belongs there."""
-    briefs = [w.brief for w in warnings if isinstance(w, Warned) and w.brief]
-    return f"WARNING outside what the models mean: {'; '.join(briefs)}" if briefs else ""
+    found = [w for w in warnings if isinstance(w, Warned) and w.brief]
+    outside = " outside what the models mean" * any(w.kind != "play" for w in found)
+    return f"WARNING{outside}: {'; '.join(w.brief for w in found)}" if found else ""

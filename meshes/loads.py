@@ -6,8 +6,8 @@ import numpy as np
 
 from rollbench.meshes.arrays import Array, Mask
 
-#: Share of the largest contact load below which a contact carries nothing that a nominal screw's contacts would: a flank
-#: that is barely touched beside those that bear the load.
+#: Share of the largest contact load below which a contact carries nothing, where nothing but loads is known: a flank that
+#: is barely touched beside those that bear the load.
 BARELY = 0.01
 
 
@@ -16,15 +16,21 @@ def bearing(load: Array) -> Mask:
     return np.asarray(load > BARELY * load.max(initial=0.0))
 
 
-def mean_load(load: Array) -> float:
-    """Sum of contact loads [N] of any shape over the number of those contacts that bear the load; zero without load.
+def counted(load: Array, contacts: int = 0) -> int:
+    """Over how many contacts the sum of loads of any shape is shared out in their mean; see ``mean_load``."""
+    return contacts or int(np.count_nonzero(bearing(load)))
 
-    Those are the contacts of `bearing`, as all have that a screw without errors loads: one
-    more that is barely touched moves the mean by what it carries, and not by a contact's share.
+
+def mean_load(load: Array, contacts: int = 0) -> float:
+    """Sum of contact loads [N] of any shape over the number of contacts that the nominal screw loads; zero without load.
+
+    contacts: that number (`lowfi.statics.nominal.nominal_contacts`), the same for all models, meshes and specimens of a
+    scene. Zero where it is not known, as of loads without a scene, of a set on a shaft, or of a screw that only its errors
+    press: then the contacts of `bearing` count, so that one that is barely touched moves the mean by what it carries.
 
     >>> mean_load(np.array([358.0, 358.0, 0.2, 0.0]))
     358.1
+    >>> mean_load(np.array([358.0, 358.0, 10.0, 0.0]), 2)
+    363.0
     """
-    if not (load > 0.0).any():
-        return 0.0
-    return float(load[load > 0.0].sum() / np.count_nonzero(bearing(load)))
+    return float(load[load > 0.0].sum() / counted(load, contacts)) if (load > 0.0).any() else 0.0

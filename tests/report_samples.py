@@ -33,7 +33,7 @@ def table(name="printed"):
     )
     rows = (
         {"q": '<b>"a"</b>', "force": 1.0 / 3.0, "error": -0.5, "class": "hard", "verdict": "reproduced", "ok": True},
-        {"q": "b, c", "force": None, "error": math.nan, "class": "open", "verdict": "not reproduced", "ok": False},
+        {"q": "b, c", "force": None, "error": math.nan, "class": "open", "verdict": "contradicted", "ok": False},
         {"q": "two\nlines", "force": np.float64(2.1e8), "class": "as-printed", "verdict": "open", "ok": np.True_},
     )
     return Table(name, "Printed <and> computed", columns, rows, note="Error: 1 < 2.")

@@ -12,6 +12,7 @@ from rollbench.comparison.commands.left_out import left_out_of_kind
 from rollbench.comparison.commands.solve_output import number
 from rollbench.comparison.commands.wrapping import wrapped
 from rollbench.comparison.measure import error_percent
+from rollbench.lowfi.warned import above
 from rollbench.meshes.arrays import Array
 
 if TYPE_CHECKING:
@@ -37,6 +38,11 @@ class Answer:
     lines: Sequence[str]
     converged: bool
     ball_tables: Sequence[tuple[str, Sequence[Column], Sequence[dict[str, Any]]]] = ()
+
+    @property
+    def warning(self) -> str:
+        """The line above the answers, or nothing."""
+        return above(self.data.get("warnings", ()))
 
 
 def head(scene: KindScene, status: str, converged: bool, coupling: str | None = None) -> dict[str, Any]:
@@ -100,7 +106,8 @@ def as_table(answer: Answer, width: int = 100, *, balls: bool = False) -> list[R
 
     data = answer.data
     drawn = "" if data.get("member") is None else f", member {data['member']} of its random errors"
-    parts: list[Any] = [f"{data['scene']}{drawn}, {data['kind']}: {data['status']}", data["title"], *answer.lines]
+    parts: list[Any] = [f"{data['scene']}{drawn}, {data['kind']}: {data['status']}", data["title"]]
+    parts += [*filter(None, [answer.warning]), *answer.lines]
     for title, columns, rows in [*answer.tables, *(answer.ball_tables if balls else ())]:
         table = Table(title=title, title_justify="left")
         for _, heading, _ in columns:
@@ -112,7 +119,7 @@ def as_table(answer: Answer, width: int = 100, *, balls: bool = False) -> list[R
     if answer.ball_tables and not balls:
         parts.append("motion, loads and losses of every ball: --balls")
     for heading, key in (("warning", "warnings"), ("assumed", "assumed"), ("left out", "left_out")):
-        parts += [f"{heading}: {line}" for line in data.get(key, ())]
+        parts += [f"{heading}: {line}" for line in data.get(key, ()) if getattr(line, "brief", "") != line]
     return [wrapped(part, width) if isinstance(part, str) else part for part in parts]
 
 

@@ -16,6 +16,7 @@ from rollbench.comparison.commands.friction_output import (
     flat_rows,
     left_out,
     loss_rows,
+    static_only,
     sums,
     warnings_of,
 )
@@ -31,9 +32,12 @@ from rollbench.comparison.commands.friction_whole import (
 from rollbench.comparison.commands.solve_output import number
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.axis import run_axis
+from rollbench.comparison.models.axis_answers import gather
+from rollbench.comparison.models.outside import with_axis_answers
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state, will_compile
 from rollbench.lowfi.jit import cached
 from rollbench.lowfi.statics.axis.result import AxisResult, SetResult
+from rollbench.lowfi.warned import Warned
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Friction, Motion, Scene
 
@@ -67,6 +71,7 @@ def solve_axis(assembly: Assembly, choices: Choices) -> Answer:
     if not result.converged:
         said = {"assumed": list(assembly.assumed), "left_out": [], "warnings": []}
         return Answer(head | {"status": f"contact loads: {result.status}", "converged": False} | said, [], [], False)
+    result = with_axis_answers(result, gather(assembly, result))
     solved = _states(result, friction, motion)
     drag = _drag(assembly, result.model, friction, motion)
     return _answer(head, assembly, result, (friction, motion, solved, drag))
@@ -117,10 +122,11 @@ def _answer(
     failed = next((x for x in solved if not settled(x[2])), None)
     torque, power = _sum(solved, drag), _energy(solved)
     without = any(s.balls is None for s in result.sets)
-    warnings: list[str] = list(result.warnings)
+    warnings = static_only(result.warnings)
     for _, s, state in solved:
         if isinstance(s.of.parts, Scene):
-            warnings += [f"{s.of.name}: {w}" for w in warnings_of(s.of.parts, friction, state, ())]
+            own = warnings_of(s.of.parts, friction, state, ())
+            warnings += [w.of(s.of.name) if isinstance(w, Warned) else f"{s.of.name}: {w}" for w in own]
     data = head | {
         "status": "converged" if failed is None else f"{failed[1].of.name}: {status_of(failed[2])}",
         "converged": good,

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollbench.comparison.commands.solve_output import number
+from rollbench.comparison.commands.solve_output import expected_json, number
 from rollbench.comparison.commands.summary import contacts_json, loads_json
 from rollbench.comparison.measure import LoadError, error_percent, load_error
 from rollbench.comparison.models.answers import LoadAnswers, load_answers, unloaded_place
@@ -25,6 +25,7 @@ from rollbench.comparison.reference.grid_summary import uncertainty_percent
 from rollbench.comparison.reference.levels import SOURCE_LEVEL
 from rollbench.comparison.reference.store import load
 from rollbench.comparison.writing import replace_file, write_figure
+from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Scene
@@ -55,13 +56,15 @@ ANSWERS = (
 @dataclass(frozen=True)
 class Beside:
     """A model beside the reference: its answer, its errors (None for the reference itself), what its loads answer, axial
-    displacement [m] of the screw at the nut's centre from its place without loads, axial force [N] of it on the nut."""
+    displacement [m] of the screw at the nut's centre from its place without loads, axial force [N] of it on the nut, and
+    how many contacts the nominal screw loads."""
 
     answer: Loads
     error: LoadError | None
     found: LoadAnswers
     displacement: float
     force: float
+    contacts: int
 
     @property
     def label(self) -> str:
@@ -78,9 +81,10 @@ def beside(scene: Scene, answer: Loads, found: Reference | None, start: float = 
     """An answer beside a reference, or by itself; start: the axial place [m] without loads."""
     angle = np.radians(answer.angle)
     moved = float(np.interp(scene.nut.position, answer.stations, answer.line[:, 2])) if answer.stations.size else np.nan
-    error = None if found is None else load_error(answer.load, found.load)
+    error = None if found is None else load_error(answer.load, found.load, found.contacts)
     pull = np.where(answer.load > 0.0, answer.load * np.sin(angle), 0.0).sum(axis=0) * np.cos(lead_angle(scene.track))
-    return Beside(answer, error, load_answers(scene, answer.load, angle), moved - start, float(pull[0] - pull[1]))
+    contacts = nominal_contacts(scene)
+    return Beside(answer, error, load_answers(scene, answer.load, angle), moved - start, float(pull[0] - pull[1]), contacts)
 
 
 @dataclass(frozen=True)
@@ -131,7 +135,7 @@ def answers_of(b: Beside) -> dict[str, Any]:
     stiff = b.force / b.displacement if b.displacement * b.force > 0.0 else None
     axial = {"force_N": number(b.force), "displacement_um": number(1e6 * b.displacement)}
     axial["rigidity_N_per_um"] = None if stiff is None else number(1e-6 * stiff)
-    return {"loads": loads_json(b.answer.load), "axial": axial, **contacts_json(b.found)}
+    return {"loads": loads_json(b.answer.load, b.contacts), "axial": axial, **contacts_json(b.found)}
 
 
 def answers_json(whole: Comparison, found: Reference) -> dict[str, Any]:
@@ -146,6 +150,7 @@ def answers_json(whole: Comparison, found: Reference) -> dict[str, Any]:
         "uncertainty": whole.total.as_json(),
         "model": whole.spoken.label,
         "expected_error_percent": None if expected is None else expected.percent,
+        **expected_json(expected, "expected_{}_error_percent"),
         "measured_error_percent": None if error is None else error.max_percent,
         "answers": {b.label: answers_of(b) for b in (whole.itself, *whole.models)},
     }
@@ -219,7 +224,7 @@ def _cells(b: Beside) -> list[str]:
         b.label,
         *errors,
         f"{held.max(initial=0.0):.1f}",
-        f"{mean_load(held):.1f}",
+        f"{mean_load(held, b.contacts):.1f}",
         f"{1e-6 * b.pressure:.0f}",
         f"{1e6 * b.displacement:.3f}",
         "" if b.answer.seconds is None else f"{b.answer.seconds:.{0 if b.answer.seconds >= 10.0 else 2}f}",

@@ -27,16 +27,18 @@ def run_friction(
     balls: bool = False,
     width: int = 100,
     time_limit: float | None = None,
+    strict: bool = False,
 ) -> int:
     """Solve a shipped scene or a file of any kind and print it, texts wrapped at ``width``; balls: also the table of every
-    ball. 1 where it did not converge, or the limit of time [s] ended it. Raises InputError."""
+    ball. 1 where it did not converge, the limit of time [s] ended it, or, if ``strict``, a line WARNING stands above the
+    answers. Raises InputError."""
     with watched(f"{one_line(name)}, friction", checked(time_limit)):
         answer = solve_friction(name, choices)
     if as_json:
-        print_json(answer.data)
+        print_json(answer.data | {"warning": answer.warning or None})
     else:
         show(*as_table(answer, width, balls=balls))
-    return 0 if answer.converged else 1
+    return 1 if not answer.converged or (strict and answer.warning) else 0
 
 
 def solve_friction(name: str, choices: Choices) -> Answer:

@@ -13,6 +13,7 @@ from rollbench.comparison.models.loading import preload
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
 from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.warned import Warned
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import BallErrors, Friction, Motion, Scene
 
@@ -104,15 +105,16 @@ def play(solved: Solved, state: FrictionState) -> dict[str, Any] | None:
     }
 
 
-def play_line(data: dict[str, Any]) -> str:
+def play_warning(data: dict[str, Any]) -> Warned:
     """What to say of a play that nobody stated."""
     value = data["friction_torque_Nmm"]
     other = "none found" if value is None else f"{value:.4g} N mm"
-    return (
-        "WARNING: no preload and no play are stated, and the play decides: friction torque "
+    text = (
+        "no preload and no play are stated, and the play decides: friction torque "
         f"{data['friction_torque_as_given_Nmm']:.4g} N mm with balls that fit exactly, {other} with balls "
         f"{data['smaller_by_um']:g} um smaller in radius; state [errors.balls] oversize or a preload"
     )
+    return Warned("play", text, text)
 
 
 def feedback_warnings(state: FrictionState) -> list[str]:

@@ -22,7 +22,7 @@ from rollbench.comparison.errors import Refusal
 from rollbench.comparison.scenes.kinds.common import KindScene
 from rollbench.comparison.scenes.kinds.linear import LinearScene
 from rollbench.lowfi.friction.linear.bearing import CONTACTS, directions
-from rollbench.lowfi.friction.linear.chain import ChainResult, prepare, solve_linear_chain
+from rollbench.lowfi.friction.linear.chain import ANOTHER, ChainResult, prepare, second_state, solve_linear_chain
 from rollbench.lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads
 from rollbench.lowfi.statics.validity import size_warnings
 from rollbench.meshes.arrays import Array
@@ -90,8 +90,10 @@ def solve_linear(scene: KindScene) -> Answer:
     """Motion and forces of two or more balls, apart and in reach of each other."""
     assert isinstance(scene, LinearScene)
     angles, force, left = linear_loads(scene)
-    chains = (prepare(scene.bearing, angles, force, touching) for touching in (False, scene.gap <= 0.0))
-    apart, near = (solve_linear_chain(chain, fast=force.shape[0] > LONG) for chain in chains)
+    chains = [prepare(scene.bearing, angles, force, touching) for touching in (False, scene.gap <= 0.0)]
+    fast = force.shape[0] > LONG
+    apart, near = (solve_linear_chain(chain, fast=fast) for chain in chains)
+    second = second_state(chains[1], near, fast) if near.status == "converged" else None
     loads_good = scene.distribution == "diagonal" or left <= BALANCED
     converged = loads_good and all(r.status == "converged" for r in (apart, near))
     balls, pairs = ball_rows(scene, angles, force, apart, near), pair_rows(scene, near)
@@ -109,6 +111,7 @@ def solve_linear(scene: KindScene) -> Answer:
         "drive_apart_N": number(apart.drive),
         "loss_apart_W": number(apart.loss),
         "friction_increase_percent": rise,
+        "second_state": None if second is None else second_json(near, second),
         "ball_to_ball_percent": number(100.0 * ball_loss / apart.loss) if apart.loss > NOTHING * bound else None,
         "ball_to_ball_loss_W": number(ball_loss),
         "energy": spent,
@@ -118,13 +121,32 @@ def solve_linear(scene: KindScene) -> Answer:
             "lag": number(near.lag),
             "iterations": near.iterations,
         },
-        "warnings": size_warnings(semi, scene.bearing.ball_radius),
+        "warnings": [*size_warnings(semi, scene.bearing.ball_radius), *jam_warnings(near, second)],
     }
     tables = [
         ("per ball", BALL_COLUMNS, [flat_ball(CONTACTS, row) for row in balls]),
         ("between balls", PAIR_COLUMNS, pairs),
     ]
     return Answer(data, [t for t in tables if t[2]], linear_lines(data), converged)
+
+
+def second_json(near: ChainResult, second: ChainResult) -> dict[str, Any]:
+    """Another state of the chain: force on the carriage, and pairs that press otherwise, with their forces."""
+    apart = np.abs(second.ball_force - near.ball_force)
+    other = np.flatnonzero(apart > ANOTHER * apart.max())
+    pairs = [{"balls": f"{k + 1}-{k + 2}", "force_N": number(second.ball_force[k])} for k in other]
+    return {"drive_N": number(second.drive), "pairs": pairs}
+
+
+def jam_warnings(near: ChainResult, second: ChainResult | None) -> list[str]:
+    """What to say where balls may also stand in another, jammed state."""
+    if second is None:
+        return []
+    most, own = second.ball_force.max(), near.ball_force.max()
+    return [
+        f"friction between balls allows a second state: they press on each other by up to {most:.4g} N instead of "
+        f"{own:.4g} N, and the carriage needs {second.drive:.6g} N instead of {near.drive:.6g} N; how it got there decides"
+    ]
 
 
 def linear_lines(data: dict[str, Any]) -> list[str]:

@@ -206,12 +206,16 @@ def mu_columns(kind: str) -> tuple[Column, ...]:
     )
 
 
+def static_only(warnings: Sequence[str]) -> list[str]:
+    """Warnings without those of pressure and size, which are made anew: friction changes the loads."""
+    return [w for w in warnings if not (isinstance(w, Warned) and w.kind in ("pressure", "size"))]
+
+
 def warnings_of(scene: Scene, friction: Friction, state: FrictionState, static: Sequence[str]) -> list[str]:
     """Where the result leaves the range in which it holds."""
     at = state.at
     loaded = at.force > 0.0
-    anew = ("pressure", "size")  # friction changes the loads
-    notes = [w for w in static if not (isinstance(w, Warned) and w.kind in anew)]
+    notes = static_only(static)
     notes += contact_warnings(np.where(loaded, at.pressure, 0.0), np.where(loaded, at.a, 0.0), scene.balls.radius)
     if max(friction.screw, friction.nut) >= JAMMED:
         notes.append(jam_words(state))

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.comparison.commands.answer import Answer
-from rollbench.comparison.commands.friction_band import Solved, band, band_lines, feedback_warnings, play, play_line
+from rollbench.comparison.commands.friction_band import Solved, band, band_lines, feedback_warnings, play, play_warning
 from rollbench.comparison.commands.friction_output import (
     BALL_COLUMNS,
     LOSS_COLUMNS,
@@ -31,6 +31,9 @@ from rollbench.comparison.commands.friction_output import (
 from rollbench.comparison.commands.friction_run import Run, run_data, run_lines, run_table, solve_run
 from rollbench.comparison.commands.solve_output import number
 from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.models.answers import load_answers
+from rollbench.comparison.models.loading import preload
+from rollbench.comparison.models.outside import outside
 from rollbench.comparison.models.registry import DEFAULT, Options, run_model
 from rollbench.comparison.scenes.scene_file import kind_of
 from rollbench.lowfi.friction.whole.heathcote import WIDE, heathcote
@@ -210,6 +213,7 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
     over = [mu_row(f, s, d.torque) for f, s, d in zip(*solved, strict=True)]
     assumed = [*friction.assumed, *(() if scene.motion else (NO_SPEED,)), *_assumed(scene, result)]
     wide, played = band(besides, result), play(besides, state)
+    held = preload(scene, besides.bare).axial if besides.bare.converged else 0.0
     e, slip = state.torque, heathcote(scene, state.at, state.balls, friction, motion)
     data = head | {
         "status": status,
@@ -254,7 +258,16 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
         "assumed": assumed,
         "left_out": left_out(friction),
         "warnings": warnings_of(
-            scene, friction, state, (*result.warnings, *feedback_warnings(state), *slip_warnings(slip))
+            scene,
+            friction,
+            state,
+            (
+                *([] if played is None else [play_warning(played)]),
+                *result.warnings,
+                *outside(scene, load_answers(scene, result.load, result.contact_angle), held),
+                *feedback_warnings(state),
+                *slip_warnings(slip),
+            ),
         ),
     }
     tables: list[tuple[str, Sequence[tuple[str, str, str]], Sequence[dict[str, object]]]] = []
@@ -263,11 +276,7 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
     if len(over) > 1:
         tables.append(("over the coefficient of friction", mu_columns(kind_of(scene)), over))
     every = [("per ball", BALL_COLUMNS, flat_rows(rows))] if state.loaded else []
-    lines = [] if played is None else [play_line(played)]
-    lines += [
-        *lines_of(motion, state, (drag.torque, drag.reason or drag.note)),
-        *(band_lines(wide) if state.loaded else ()),
-    ]
+    lines = [*lines_of(motion, state, (drag.torque, drag.reason or drag.note)), *(band_lines(wide) if state.loaded else ())]
     if e.friction and slip <= WIDE:
         lines.append("contacts are not flat: " + slip_words(slip))
     return Answer(data, tables, lines, good, every)

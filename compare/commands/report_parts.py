@@ -28,7 +28,7 @@ PARTS = (
     Part("reference", "reference", runs=True, meshes=True, beside=True),
     Part("reference-mesh", "reference_mesh", runs=True, beside=True),
     Part("u-val", "u_val", runs=True, meshes=True, beside=True),
-    Part("crosscheck", "crosscheck", runs=True, meshes=True, beside=True),
+    Part("crosscheck", "crosscheck", long=True, runs=True, meshes=True, beside=True),
     Part("pictures", "pictures", long=True, meshes=True),
     Part("hertz", "hertz"),
     Part("cases", "cases", runs=True),

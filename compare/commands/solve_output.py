@@ -75,11 +75,20 @@ def _model_form(m: ModelForm | None) -> dict[str, Any] | None:
         "covered": m.percent is not None,
         "largest_percent_of_mean": None if m.percent is None else number(m.percent),
         "rms_percent_of_mean": None if m.rms_percent is None else number(m.rms_percent),
+        **expected_json(m, "{}_percent"),
         "distance": number(m.distance),
         "nearest": m.nearest,
         "compared": m.compared,
         "words": list(m.words),
     }
+
+
+def expected_json(m: ModelForm | None, key: str) -> dict[str, float | None]:
+    """Expected errors [%] beside those of loads, by ``key`` with the quantity's name; null where not covered."""
+    found = {
+        name: None if m is None else getattr(m, f"{name}_percent") for name in ("displacement", "rigidity", "pressure")
+    }
+    return {key.format(name): None if value is None else number(value) for name, value in found.items()}
 
 
 #: How the estimate's sentence begins.
@@ -89,13 +98,18 @@ MODEL_FORM = "model-form error"
 def model_form_text(m: ModelForm) -> str:
     """The estimate in one sentence."""
     if m.percent is None or m.rms_percent is None:
-        away = f" (nearest {m.nearest} at distance {m.distance:.2g}, 1 is the edge)" if m.nearest else ""
+        away = f" (nearest {m.nearest})" if m.nearest else ""
         return f"{MODEL_FORM}: not covered by the comparisons with the 3D reference{away}; " + "; ".join(m.words)
     kind = "scene of its kind" if m.compared == 1 else "scenes of its kind"
+    others = {
+        "displacement": m.displacement_percent,
+        "rigidity": m.rigidity_percent,
+        "largest pressure": m.pressure_percent,
+    }
+    more = "".join(f", {name} {value:.1f} %" for name, value in others.items() if value is not None)
     return (
-        f"{MODEL_FORM} to expect: {m.percent:.1f} % of the mean load on the worst contact, {m.rms_percent:.1f} % RMS "
-        f"(errors against the 3D reference on {m.compared} {kind}, nearest {m.nearest} at distance {m.distance:.2g}); "
-        + "; ".join(m.words)
+        f"{MODEL_FORM} to expect: {m.percent:.1f} % of the mean load on the worst contact, {m.rms_percent:.1f} % RMS{more} "
+        f"(nine of ten of {m.compared} {kind} were within, nearest {m.nearest}); " + "; ".join(m.words)
     )
 
 

@@ -31,6 +31,7 @@ from rollbench.comparison.reference.store import Run, load, shipped_store
 from rollbench.comparison.reference.tasks import Task
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.writing import no_figure, replace_file, write_figure
+from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.parts import Scene
 from rollbench.reports.cells import harmless
 
@@ -200,7 +201,7 @@ def run_compare(
             for scene in task.scenes if task.level == min(set(wanted) - {SOURCE_LEVEL}) else ():
                 run = load(scene, task.level, stores=(store,))
                 if run is not None:
-                    found = reference_of(scene.name, (run,), None)
+                    found = reference_of(scene.name, (run,), contacts=nominal_contacts(scene))
                     whole = compared(scene, (own or suited(scene))[:1], found, stores)
                     on_terminal(f"{scene.name}, by level {task.level} alone: {verdict(whole, found)}")
 

@@ -12,10 +12,11 @@ from rollbench.comparison.commands.solve_output import MODEL_FORM, model_form_te
 from rollbench.comparison.models.answers import Answers, LoadAnswers
 from rollbench.comparison.models.model_form import ModelForm
 from rollbench.lowfi.rating.contacts import ALLOWED
+from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.validity import DENT_PRESSURE
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.loads import bearing, mean_load
+from rollbench.meshes.loads import counted, mean_load
 from rollbench.meshes.parts import SIDES, Scene
 
 if TYPE_CHECKING:
@@ -26,8 +27,9 @@ if TYPE_CHECKING:
 LABEL = 10
 
 
-def loads_json(load: Array) -> dict[str, Any] | None:
-    """Worst ball, mean (`meshes.loads.mean_load`) and extremes of the loaded contacts ``(n, 4)`` [N]; None without load."""
+def loads_json(load: Array, contacts: int = 0) -> dict[str, Any] | None:
+    """Worst ball, mean and extremes of the loaded contacts ``(n, 4)`` [N]; None without load. contacts: see
+    `meshes.loads.mean_load`."""
     held = load > 0.0
     if not held.any():
         return None
@@ -37,10 +39,10 @@ def loads_json(load: Array) -> dict[str, Any] | None:
         "worst_ball": int(i) + 1,
         "worst_side": SIDES[int(s)],
         "max_N": number(own.max()),
-        "mean_N": number(mean_load(load)),
+        "mean_N": number(mean_load(load, contacts)),
         "min_N": number(own.min()),
         "loaded_contacts": int(own.size),
-        "contacts_in_mean": int(bearing(load).sum()),
+        "contacts_in_mean": counted(load, contacts),
         "balls_without_load": int((~held.any(axis=1)).sum()),
     }
 
@@ -111,7 +113,7 @@ def answers_json(scene: Scene, result: StaticResult, found: Answers) -> dict[str
     if life is not None and scene.motion is not None and scene.motion.speed:
         data["life"]["L10_hours"] = number(life.hours(scene.motion.speed))
     return {
-        "loads": loads_json(result.load),
+        "loads": loads_json(result.load, nominal_contacts(scene)),
         "axial": {
             "force_N": number(found.force),
             "displacement_um": number(1e6 * found.displacement),
@@ -204,8 +206,8 @@ def _loads(data: dict[str, Any]) -> str:
     if d is None:
         return "no contact carries load"
     lost = f"; {d['balls_without_load']} balls without load" if d["balls_without_load"] else ""
-    barely = d["loaded_contacts"] - d["contacts_in_mean"]
-    lost += f"; {barely} of them bear less than a hundredth of the largest, and do not count in the mean" if barely else ""
+    if d["contacts_in_mean"] != d["loaded_contacts"]:
+        lost += f"; the mean is their sum over the {d['contacts_in_mean']} contacts that the screw without errors loads"
     return (
         f"ball {d['worst_ball']} {d['worst_side']} carries most, {d['max_N']:.1f} N; mean {d['mean_N']:.1f} N, least "
         f"{d['min_N']:.1f} N of {d['loaded_contacts']} loaded contacts{lost}"

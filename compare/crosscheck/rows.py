@@ -11,7 +11,6 @@ from rollbench.comparison.crosscheck.data import CrossData, CrossRun
 from rollbench.comparison.crosscheck.fit import Extrapolation, extrapolate
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.reference.estimate import Reference
-from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES
 from rollbench.reports.records import Cell, Column
 
@@ -66,7 +65,7 @@ def contact_rows(data: CrossData, ours: Reference, limit: Extrapolation | None =
     """Rows of all contacts that either program finds loaded."""
     limit = limit or extrapolate(data.runs)
     best = ours.load
-    mean = mean_load(best)
+    mean = ours.mean
     rows = []
     for i, s in zip(*np.nonzero((best > 0.0) | (limit.load > 1e-3 * mean)), strict=True):
         own = float(error_percent(ours.uncertainty[i, s], 0.0, mean))

@@ -111,7 +111,7 @@ def _against_ansys(study: Study, sheet: Sheet) -> None:
         found = study.reference(name)
         if found is None:
             continue
-        e = load_error(study.solve(name).load, found.load)
+        e = load_error(study.solve(name).load, found.load, found.contacts)
         for key, own, mean in ((largest, e.own_max_percent, e.max_percent), (rms, e.own_rms_percent, e.rms_percent)):
             words = (
                 "computed here: the source's model against this project's 3D reference, in per cent of each load "

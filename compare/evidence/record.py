@@ -1,4 +1,4 @@
-"""Evidence: what this project finds for a printed number or claim of the source, with a verdict."""
+"""Evidence: what this project finds for a printed number or claim of the source; `audit` gives the verdict."""
 
 from __future__ import annotations
 
@@ -8,11 +8,6 @@ import numpy as np
 
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.printed.printed_data import Printed, load_table
-
-#: Verdict of a number or claim of class band that agrees: no more can be said of it.
-WITHIN = "within its band"
-#: Verdict of an input that a scene holds: nothing was computed.
-TAKEN = "taken over"
 
 
 @dataclass(frozen=True)
@@ -64,24 +59,6 @@ class Evidence:
             return p.low <= self.compared <= p.high
         # half a unit of the last digit, with the round-off of a decimal number
         return bool(abs(self.compared - p.value) <= p.tolerance * (1.0 + 1e-9))
-
-    @property
-    def verdict(self) -> str:
-        """One of: reproduced, within its band, taken over (an input), not so, or open with what is seen."""
-        agrees = self.agrees
-        if self.printed.cls == "open":
-            if agrees is None or self.printed.value is not None:
-                return "open"
-            return "open: holds here" if agrees else "open: does not hold here"
-        if agrees is None:
-            return "open"
-        if self.printed.cls == "input":
-            return TAKEN if agrees else f"not {TAKEN}"
-        if self.printed.cls == "as-printed":
-            return "reproduced as printed" if agrees else "not reproduced"
-        if self.printed.cls == "band" and agrees:
-            return WITHIN
-        return "reproduced" if agrees else "not reproduced"
 
 
 class Sheet:

@@ -198,7 +198,7 @@ def reference_rows(study: Study, max_error: float) -> list[GateRow]:
             label = f"{name}: worst contact (ball {top.ball} {top.side}) against the 3D reference"
             its = top.uncertainty_percent
             rows.append(GateRow(label, "3D reference", None, None, top.error_percent, max_error, True, "", its))
-        e = load_error(load, found.load)
+        e = load_error(load, found.load, found.contacts)
         own, cause = WIDER.get(name, (TIGHT, ""))
         tight = min(own, max_error)
         rows.append(

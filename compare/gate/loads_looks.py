@@ -8,6 +8,7 @@ import numpy as np
 
 from rollbench.comparison.measure import error_percent
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES
 
 #: Newtons of other units of force.
@@ -21,7 +22,7 @@ def looks(load: Array, reference: Array, flanks: Sequence[str], limit: float) ->
     where there is no such reason. flanks: those that are judged."""
     own = [SIDES.index(side) for side in flanks]
     given, right = load[:, own], reference[:, own]
-    mean = float(right[right > 0.0].mean()) if (right > 0.0).any() else 0.0
+    mean = mean_load(right)
     if mean == 0.0 or not given.any() or _largest(given, right, mean) <= limit:
         return ""
     for name, newton in UNITS.items():
@@ -35,7 +36,7 @@ def looks(load: Array, reference: Array, flanks: Sequence[str], limit: float) ->
         )
     swapped = {"SL": "SR", "SR": "SL", "NL": "NR", "NR": "NL"}
     other = reference[:, [SIDES.index(swapped[side]) for side in flanks]]
-    if other.any() and _largest(given, other, float(other[other > 0.0].mean())) <= limit:
+    if other.any() and _largest(given, other, mean_load(other)) <= limit:
         return "the loads look like those of the other flanks: left and right are seen along +z"
     return ""
 

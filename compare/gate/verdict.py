@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from rollbench.comparison.measure import LoadError, load_error
-from rollbench.comparison.models.comparison import gate_points
+from rollbench.comparison.models.comparison import RULE, gate_points
 from rollbench.comparison.reference.estimate import Reference
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES
@@ -22,8 +22,6 @@ LIMIT = 7.0
 CODES: dict[Word, int] = {"fail": 1, "undecided": 3, "not covered": 4, "pass": 0}
 LARGEST = "largest error of a contact load"
 RMS = "RMS error of the contact loads"
-#: Of what the largest error is a part, in words.
-RULE = "in per cent of a contact's own load, of the mean load for contacts below a tenth of it"
 #: What is said where the reference has one mesh level.
 ONE_LEVEL = "one mesh level: its uncertainty is from experience with other scenes; --levels 2 or 3 gives its own"
 
@@ -115,7 +113,7 @@ def judge(
     points = [p for p in gate_points(found.scene, found, limits.largest, load) if p.side in flanks]
     one = ONE_LEVEL if found.parts.by_experience else ""
     detail = "; ".join(part for part in (detail, found.unsettled, one) if part)
-    of_mean = load_error(np.where(chosen, load, 0.0), np.where(chosen, found.load, 0.0))
+    of_mean = load_error(np.where(chosen, load, 0.0), np.where(chosen, found.load, 0.0), found.contacts)
     shared = {"levels": levels, "contacts": len(points), "detail": detail}
     if not points:
         why = f"the reference carries no load on {', '.join(flanks)}"

@@ -7,12 +7,14 @@ lies beyond the compared range by more than the descriptor's margin; `compare.mo
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
+from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.scenes import catalogue
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
@@ -105,15 +107,31 @@ def compared(*, ring: bool) -> tuple[Scene, ...]:
     return tuple(s for s in scenes if (s.track.lead == 0.0) == ring)
 
 
+#: Record of drawn screws that were compared (`rollbench stability --survey`), in a store of runs.
+SURVEY = "survey.json"
+
+
+@cache
+def surveyed() -> tuple[dict[str, float], ...]:
+    """Descriptors by name of every drawn screw that was compared; none where the record is absent or damaged."""
+    try:
+        scenes = json.loads((shipped_store() / SURVEY).read_text(encoding="utf-8"))["scenes"]
+        return tuple({d.name: float(row["places"][d.name]) for d in DESCRIPTORS} for row in scenes if row.get("points"))
+    except (OSError, ValueError, TypeError, KeyError):
+        return ()
+
+
 def places(scene: Scene, among: Sequence[Scene] | None = None) -> tuple[Place, ...]:
     """Where a scene lies among compared ones of its kind, screws or rings; empty where there is none of its kind.
 
     Raises ValueError as `meshes.solid.dimensions`.
     """
-    others = compared(ring=scene.track.lead == 0.0) if among is None else among
+    ring = scene.track.lead == 0.0
+    others = compared(ring=ring) if among is None else among
+    drawn = surveyed() if among is None and not ring else ()
     out = []
     for d in DESCRIPTORS:
-        values = [d.of(s) for s in others]
+        values = [d.of(s) for s in others] + [own[d.name] for own in drawn]
         if values:
             out.append(Place(d, d.of(scene), min(values), max(values)))
     return tuple(out)

@@ -48,8 +48,8 @@ def choices_of(study: Study, name: str) -> Iterator[Changed]:
     if found is None:
         return
     base = solve_elastic(scene, engine="interpreted").load
-    mean = mean_load(base)
+    mean = mean_load(base, found.contacts)
     for label, backend in {"as it is": REFINED, **CHOICES}.items():
         load = solve_elastic(scene, backend=backend, engine="interpreted").load
         change = float(np.abs(np.asarray(error_percent(load, base, mean))).max())
-        yield Changed(name, label, change, load_error(load, found.load))
+        yield Changed(name, label, change, load_error(load, found.load, found.contacts))

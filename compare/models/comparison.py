@@ -23,13 +23,14 @@ from rollbench.comparison.reference.store import Run, bodies_path, shipped_store
 from rollbench.comparison.scenes.catalogue import with_role
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Scene
 
 #: Scenes whose reference runs come with the package.
 REFERENCED = with_role("referenced")
 #: A contact below this share of the mean load is compared in per cent of the mean load, not of its own [-].
 SMALL = 0.1
+#: That rule in words.
+RULE = "in per cent of a contact's own load, of the mean load for contacts below a tenth of it"
 #: Printed errors (largest, RMS) and load ratio by scene.
 PRINTED = {
     "lin-case1": ("case1_max_error", "case1_rms_error", "case1_ratio"),
@@ -212,21 +213,23 @@ def _line_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Compar
 
 
 def _summary_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[ComparisonRow]:
-    e = load_error(answer.load, found.load)
+    e = load_error(answer.load, found.load, found.contacts)
     keys = PRINTED.get(scene.name, ("", "", ""))
 
     def printed(key: str) -> float | None:
         return entry("lin-2.4.1", key).value if key and answer.model.startswith("lin") else None
 
+    loaded = found.load > 0.0
     bar = uncertainty_percent(found)
-    for name, unit, value, key in (
-        (f"largest error, of the mean load (ball {e.ball} {e.side})", "%", e.max_percent, ""),
-        ("RMS error, of the mean load", "%", e.rms_percent, ""),
-        ("largest error, of the own load", "%", e.own_max_percent, keys[0]),
-        ("RMS error, of the own load", "%", e.own_rms_percent, keys[1]),
+    own_bar = float(error_percent(found.uncertainty[loaded], 0.0, found.load[loaded]).max())
+    for name, value, its, key in (
+        (f"largest error, of the mean load (ball {e.ball} {e.side})", e.max_percent, bar, ""),
+        ("RMS error, of the mean load", e.rms_percent, bar, ""),
+        ("largest error, of the own load", e.own_max_percent, own_bar, keys[0]),
+        ("RMS error, of the own load", e.own_rms_percent, own_bar, keys[1]),
     ):
         yield ComparisonRow(
-            scene.name, name, None, None, unit, printed(key), answer.model, value, 0.0, bar, value, answer.seconds
+            scene.name, name, None, None, "%", printed(key), answer.model, value, 0.0, its, value, answer.seconds
         )
     ratio, own = load_ratio(answer.load), load_ratio(found.load)
     yield ComparisonRow(
@@ -295,7 +298,7 @@ class GatePoint:
 
 def gate_points(name: str, found: Reference, max_error: float, load: Array) -> list[GatePoint]:
     """Every contact of a scene loaded in the reference or in ``load`` (n, 4) [N], with the gate's verdict."""
-    mean = mean_load(found.load)
+    mean = found.mean
     points = []
     for i, s in zip(*np.nonzero((found.load > 0.0) | (load > 0.0)), strict=True):
         own = float(found.load[i, s])

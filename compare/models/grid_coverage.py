@@ -20,10 +20,11 @@ from rollbench.comparison.models.comparison import REFERENCED
 from rollbench.comparison.models.ladder import UNSEEN
 from rollbench.comparison.models.modelling import REFINED, SPOKEN_FOR, base_run
 from rollbench.comparison.models.study import Study
-from rollbench.comparison.reference.grid_parts import Experience, Levelled, mean_load, measured, moving, parts
+from rollbench.comparison.reference.grid_parts import Experience, Levelled, measured, moving, parts
 from rollbench.comparison.reference.levels import LEVELS, PRODUCTION
 from rollbench.comparison.reference.store import load, shipped_store
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.loads import mean_load
 
 #: Loads by level of drawn screws and of further levels of shipped scenes, beside the stored runs.
 JUDGES = "judging_levels.json"

@@ -9,8 +9,9 @@ from time import perf_counter
 from typing import Any
 
 from rollbench.comparison.measure import LoadError, error_percent, load_error
+from rollbench.comparison.models.compared_point import point
 from rollbench.comparison.models.comparison import REFERENCED, finest_bodies
-from rollbench.comparison.models.model_form import Point, estimate, features
+from rollbench.comparison.models.model_form import Point, left_out, surveyed_points
 from rollbench.comparison.models.registry import MODELS, Options, run_model
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.estimate import Reference
@@ -65,7 +66,7 @@ def climb(scene: Scene, found: Reference, stores: Sequence[Path] | None) -> list
                 scene.name,
                 model.name,
                 result,
-                load_error(result.load, found.load),
+                load_error(result.load, found.load, found.contacts),
                 uncertainty_percent(found),
                 bias,
                 seconds,
@@ -98,7 +99,7 @@ def shares(study: Study) -> list[Share]:
         every: tuple[tuple[str, ...], ...] = ((), ("screw",), ("nut",), PARTS)
         for parts in every:
             result = solve_elastic(scene, condensed=replace(whole, parts=parts) if parts else None)
-            errors[parts] = load_error(result.load, found.load)
+            errors[parts] = load_error(result.load, found.load, found.contacts)
             bias[parts] = float(error_percent(result.load.sum(), found.load.sum()))
         out.append(Share(name, errors, bias))
     return out
@@ -116,37 +117,23 @@ def ladder(study: Study) -> list[Rung]:
 
 def points(study: Study, rungs: Sequence[Rung]) -> list[Point]:
     """What the model-form estimate rests on."""
-    return [
-        Point(
-            r.scene,
-            r.model,
-            round(r.error.max_percent, 3),
-            round(r.error.rms_percent, 3),
-            round(r.uncertainty or 0.0, 3),
-            {k: round(v, 4) for k, v in features(study.scene(r.scene), r.result.load).items()},
-        )
-        for r in rungs
-    ]
+    found = study.references((*REFERENCED, *UNSEEN))
+    return [point(r.scene, study.scene(r.scene), r.result, found[r.scene].best) for r in rungs]
 
 
 def left_out_one(study: Study, rungs: Sequence[Rung]) -> list[dict[str, Any]]:
-    """The estimate of every scene made without it, and the error that was measured."""
-    everything = points(study, rungs)
-    rows = []
-    for rung in rungs:
-        own = [p for p in everything if p.scene != rung.scene]
-        made = estimate(study.scene(rung.scene), rung.result, own)
-        if made.percent is not None:
-            rows.append(
-                {
-                    "scene": rung.scene,
-                    "model": rung.model,
-                    "measured": rung.error.max_percent,
-                    "expected": made.percent,
-                    "rms": rung.error.rms_percent,
-                    "expected_rms": made.rms_percent,
-                    "distance": made.distance,
-                    "nearest": made.nearest,
-                }
-            )
-    return rows
+    """Every compared screw judged by the others, drawn ones of the survey among them: errors of its loads that were
+    measured and that were to be expected [% of the mean load]; None where the others do not cover it."""
+    everything = [*points(study, rungs), *surveyed_points()]
+    return [
+        {
+            "scene": one.point.scene,
+            "model": model.name,
+            "measured": one.point.percent,
+            "expected": None if one.expected is None else one.expected["percent"],
+            "rms": one.point.rms_percent,
+            "expected_rms": None if one.expected is None else one.expected["rms_percent"],
+        }
+        for model in RUNGS
+        for one in left_out(everything, model.name)
+    ]

@@ -9,6 +9,7 @@ import numpy as np
 
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, slope_of
+from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Load, Scene
@@ -23,8 +24,8 @@ NEAR = 0.9
 class Preload:
     """Loads that the scene's own errors and supports press the contacts with when its loads are away.
 
-    mean, largest: of the loaded contacts [N]; loaded: how many; axial [N]: internal axial force, the lesser of what the
-    flanks push the screw either way (zero where only one way is pushed).
+    mean (`meshes.loads.mean_load`), largest: of the loaded contacts [N]; loaded: how many; axial [N]: internal axial force,
+    the lesser of what the flanks push the screw either way (zero where only one way is pushed).
     """
 
     mean: float
@@ -84,7 +85,8 @@ def preload(scene: Scene, bare: StaticResult) -> Preload:
     left, right = float(bare.load[:, 0].sum()) * s, float(bare.load[:, 1].sum()) * s
     if not held.size:
         return Preload(0.0, 0.0, 0, 0.0)
-    return Preload(mean_load(held), float(held.max()), int(held.size), min(left, right))
+    mean = mean_load(held, nominal_contacts(scaled(scene, 0.0)))
+    return Preload(mean, float(held.max()), int(held.size), min(left, right))
 
 
 def lift_off(scene: Scene, result: StaticResult, bare: StaticResult, model: str, options: Options) -> LiftOff | None:

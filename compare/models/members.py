@@ -24,6 +24,7 @@ from rollbench.comparison.reference import parallel
 from rollbench.comparison.reference.jobs import Engine
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import without_draws
+from rollbench.meshes.loads import BARELY
 from rollbench.meshes.parts import Scene
 
 #: What is kept of each member: key and heading.
@@ -141,7 +142,8 @@ def solve_block(scene: Scene, model: str, engine: str, nominal: Array, first: in
     loaded = loads > 0.0
     with np.errstate(divide="ignore", invalid="ignore"):
         life = (life_sum(loads) / life_sum(nominal)) ** (-1.0 / SYSTEM)
-        mean = np.nansum(loads, axis=(1, 2)) / loaded.sum(axis=(1, 2))
+        bearing = loads > BARELY * loads.max(axis=(1, 2), keepdims=True)
+        mean = np.nansum(loads, axis=(1, 2)) / bearing.sum(axis=(1, 2))
     lost = (~loaded & (nominal > 0.0)).sum(axis=(1, 2)).astype(float)
     kept = np.column_stack([loads.max(axis=(1, 2)), mean, stiffness, lost, life, residuals])
     kept[~good] = np.nan

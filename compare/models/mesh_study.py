@@ -17,6 +17,7 @@ from rollbench.comparison.reference.estimate import FITTED, Reference, reference
 from rollbench.comparison.reference.levels import LEVELS
 from rollbench.comparison.reference.store import Run, load
 from rollbench.comparison.reference.variants import VARIANTS
+from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.parts import SIDES, Scene
 
 Take = partial[float]
@@ -60,7 +61,7 @@ def quantities(run: Run) -> list[tuple[str, str, Take]]:
 def studied(scene: Scene, stores: Sequence[Path] | None, levels: int = len(LEVELS)) -> Reference | None:
     """The reference of all stored runs on levels 1 to ``levels``; None without any."""
     runs = tuple(r for k in range(1, levels + 1) if (r := load(scene, k, stores=stores)) is not None)
-    return reference_of(scene.name, runs) if runs else None
+    return reference_of(scene.name, runs, contacts=nominal_contacts(scene)) if runs else None
 
 
 def level_rows(found: Reference) -> list[dict[str, Any]]:
@@ -73,7 +74,7 @@ def level_rows(found: Reference) -> list[dict[str, Any]]:
             "cell_size": size / found.sizes[-1],
             "unknowns": run.unknowns,
             "seconds": run.setup_seconds + run.solve_seconds,
-            "difference_percent": load_error(run.load, found.load).max_percent,
+            "difference_percent": load_error(run.load, found.load, found.contacts).max_percent,
             "enough_for_percent": enough(found, k),
         }
         for k, (run, size) in enumerate(zip(found.runs, found.sizes, strict=True))

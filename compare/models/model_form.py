@@ -1,9 +1,11 @@
-"""Model-form error to expect of a low-order result: the same model's errors against the 3D reference on scenes like it.
+"""Model-form error to expect of a low-order result: the same model's errors against the 3D reference on other scenes.
 
-A scene is a point of dimensionless features; the compared scenes are points with measured errors. The estimate is the
-largest error among the nearest points, grown by one part per unit of distance to the nearest one: no fit, and no number
-beyond one unit, where nothing like the scene was compared. `rollbench report` writes the points (model_form.json in its
-store) from the ladder.
+A scene is a point of features; the compared scenes, shipped ones and those drawn by ``rollbench stability --survey``, are
+points with measured errors. The logarithm of an error is taken as linear in the features (ridge regression, so that few
+scenes do not make steep slopes). What is expected is the fitted error times the factor that holds ``SHARE`` of the
+compared scenes, each judged by a fit without it: conformal prediction, which supposes nothing of how errors are
+distributed (Vovk, Gammerman and Shafer 2005). A scene that lies beyond the compared ones in any feature is not covered.
+`rollbench report` writes the points of shipped scenes (model_form.json in its store), the survey its own (survey.json).
 """
 
 from __future__ import annotations
@@ -16,21 +18,33 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.comparison.models.applicability import outside
+from rollbench.comparison.models.applicability import SURVEY, outside
 from rollbench.comparison.models.registry import MODELS
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.writing import replace_file
 from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.solid import dimensions
 
-#: File of the points in a store of runs.
+#: File of the points of shipped scenes in a store of runs.
 FILE = "model_form.json"
-#: Nearest points whose largest error counts.
-NEAREST = 3
-#: Features with the difference that counts as one unit of distance: "like the scene" ends there.
+#: Errors that are expected, each by itself: loads (largest and RMS, of the mean load), axial displacement and tangent
+#: rigidity of the section that the axial load acts on, largest pressure.
+QUANTITIES = ("percent", "rms_percent", "displacement_percent", "rigidity_percent", "pressure_percent")
+#: Share of compared scenes that an expected error holds, each judged without itself.
+SHARE = 0.91
+#: Errors [%] below which all count alike: those of loads are sizes, the others change their sign from scene to scene.
+LEAST = dict.fromkeys(QUANTITIES[:2], 0.05) | dict.fromkeys(QUANTITIES[2:], 0.1)
+#: Weight of a coefficient of one per unit of a feature against the misfit of one scene.
+RIDGE = 4.0
+#: Fewest compared scenes of a kind from which anything is expected.
+FEWEST = 3
+#: How far beyond the compared range of a feature a scene is still like it, in the feature's units.
+MARGIN = 0.5
+#: Features with the difference that counts as one unit.
 SCALES: dict[str, tuple[str, float]] = {
     "wall": ("wall of the nut over the pitch radius", 0.1),
     "length": ("length of the nut over the pitch diameter", 0.8),
@@ -41,20 +55,29 @@ SCALES: dict[str, tuple[str, float]] = {
     "preload": ("loads on the second pair of flanks over those on the first", 0.6),
     "spread": ("spread of the loads over their mean", 0.5),
     "lost": ("share of the contacts about to be lost", 0.4),
-    "held": ("where the nut is held", 1.0),
+    "one side": ("nut held at one face", 1.0),
+    "outside": ("nut held by its outer surface", 1.0),
+    "low face": ("nearness of a ball to the nut's low face", 0.3),
+    "high face": ("nearness of a ball to the nut's high face", 0.3),
+    "moment": ("moment over the loads at the pitch radius", 0.1),
+    "radial": ("radial force over the sum of the loads", 0.1),
+    "angle": ("contact angle [deg]", 10.0),
+    "screw": ("conformity of the screw's groove", 0.02),
+    "nut": ("conformity of the nut's groove", 0.02),
+    "turn": ("angle between neighbouring balls [rad]", 0.3),
+    "few": ("one over the number of balls", 0.2),
 }
-#: Fixings of the nut as a feature: any two differ by one unit.
-HELD = {"left face": (0.0, 0.0), "right face": (0.0, 0.0), "both faces": (1.0, 0.0), "outer surface": (0.0, 1.0)}
 
 
 @dataclass(frozen=True)
 class ModelForm:
-    """Model-form error to expect of a result: errors of the same model against a 3D reference on scenes like it.
+    """Model-form error to expect of a result: errors of the same model against a 3D reference on other scenes.
 
-    percent, rms_percent: largest and RMS error to expect, in per cent of the mean contact load; both None where nothing
-    like the scene was ever compared: not covered. distance: to the nearest compared scene, 1 at the edge of what counts as
-    like it; nearest: that scene; compared: how many scenes of its kind were; words: which ingredients are in, and what is
-    unlike.
+    Largest and RMS error of the loads in per cent of the mean contact load; of axial displacement and tangent rigidity of
+    the section that the axial load acts on, and of the largest pressure (Hertz' on the reference's loads), in per cent of
+    their own; None where that is not covered: nothing like the scene was compared. distance: to the nearest compared scene
+    in units of the features; nearest: that scene; compared: how many scenes of its kind were; words: which ingredients are
+    in, and what is unlike.
     """
 
     percent: float | None
@@ -63,49 +86,63 @@ class ModelForm:
     nearest: str
     compared: int
     words: tuple[str, ...]
+    displacement_percent: float | None = None
+    rigidity_percent: float | None = None
+    pressure_percent: float | None = None
 
 
 @dataclass(frozen=True)
 class Point:
-    """Errors of a model on one scene: largest and RMS in per cent of the mean load, the reference's own uncertainty in the
-    same, and the scene's features by name."""
+    """Errors of a model on one scene, as in `ModelForm` (None: not measured), and the scene's features by name."""
 
     scene: str
     model: str
     percent: float
     rms_percent: float
-    uncertainty: float
     features: dict[str, float]
+    displacement_percent: float | None = None
+    rigidity_percent: float | None = None
+    pressure_percent: float | None = None
 
 
 def features(scene: Scene, load: Array) -> dict[str, float]:
     """Dimensionless features of a scene with loads ``(n, 4)`` [N] of any model. Raises ValueError as `dimensions`."""
-    dims, R = dimensions(scene), scene.track.pitch_radius
+    dims, R, layout = dimensions(scene), scene.track.pitch_radius, ball_layout(scene)
     both = np.sort(np.array([load[:, [0, 3]].mean(), load[:, [1, 2]].mean()]))
     main = load[:, [0, 3]] if load[:, 0].sum() >= load[:, 1].sum() else load[:, [1, 2]]
-    mean = float(main.mean())
+    mean, total = float(main.mean()), max(float(load.sum()), 1e-300)
     touching = load > 0.0
     size = float(nominal_hertz(scene).C_a.mean()) * float(np.cbrt(mean))
-    held = HELD[dims.nut_held]
+    z, half, radius = layout.z - scene.nut.position, scene.nut.length / 2.0, scene.balls.radius
+    force, moment = (
+        np.sum([getattr(x, kind) for x in scene.loads] or [np.zeros(3)], axis=0) for kind in ("force", "moment")
+    )
     return {
         "wall": (scene.nut.outer_diameter / 2.0 - dims.land) / R,
         "length": scene.nut.length / (2.0 * R),
         "bore": scene.screw.bore / (2.0 * R),
         "lead": scene.track.lead / (2.0 * R),
-        "ball": scene.balls.radius / R,
-        "pressing": size / scene.balls.radius,
+        "ball": radius / R,
+        "pressing": size / radius,
         "preload": float(both[0] / both[1]) if both[1] > 0.0 else 0.0,
         "spread": float(main.std() / mean) if mean > 0.0 else 0.0,
         "lost": float((load[touching] < 0.15 * mean).mean()) if touching.any() else 0.0,
-        "held": held[0] + 2.0 * held[1],
+        "one side": float(dims.nut_held in ("left face", "right face")),
+        "outside": float(dims.nut_held == "outer surface"),
+        "low face": float(np.exp(1.0 - (half + z.min()) / radius)),
+        "high face": float(np.exp(1.0 - (half - z.max()) / radius)),
+        "moment": float(np.hypot(*moment[:2])) / (total * R),
+        "radial": float(np.hypot(*force[:2])) / total,
+        "angle": float(np.degrees(scene.track.contact_angle)),
+        "screw": scene.screw.groove_radius / (2.0 * radius),
+        "nut": scene.nut.groove_radius / (2.0 * radius),
+        "turn": float(np.median(np.diff(np.sort(layout.azimuth)))) if scene.ball_count > 1 else 2.0 * np.pi,
+        "few": 1.0 / scene.ball_count,
     }
 
 
-def distance(a: dict[str, float], b: dict[str, float]) -> tuple[float, str]:
-    """Distance of two scenes, and the feature in which they differ most."""
-    parts = {k: abs(a[k] - b[k]) / unit for k, (_, unit) in SCALES.items()}
-    parts["held"] = 0.0 if a["held"] == b["held"] else 1.0
-    return float(np.sqrt(sum(x * x for x in parts.values()))), max(parts, key=lambda k: parts[k])
+def _scaled(values: dict[str, float]) -> Array:
+    return np.array([values[name] / unit for name, (_, unit) in SCALES.items()])
 
 
 def save_points(store: Path, points: Sequence[Point]) -> None:
@@ -116,11 +153,23 @@ def save_points(store: Path, points: Sequence[Point]) -> None:
 
 @cache
 def shipped_points() -> tuple[Point, ...]:
-    """The points that come with the package; none where the file is absent or damaged."""
+    """The points that come with the package; none of a file that is absent or damaged."""
+    return (*_points(FILE), *surveyed_points())
+
+
+@cache
+def surveyed_points() -> tuple[Point, ...]:
+    """Those of the survey."""
+    return _points(SURVEY)
+
+
+def _points(name: str) -> tuple[Point, ...]:
     try:
-        rows = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))
-        return tuple(Point(**row) for row in rows)
-    except (OSError, ValueError, TypeError):
+        data = json.loads((shipped_store() / name).read_text(encoding="utf-8"))
+        rows = data if name == FILE else [p for scene in data["scenes"] for p in scene.get("points", ())]
+        found = tuple(Point(**row) for row in rows)
+        return tuple(p for p in found if set(p.features) == set(SCALES))
+    except (OSError, ValueError, TypeError, KeyError):
         return ()
 
 
@@ -133,11 +182,23 @@ def unlike_kind(scene: Scene) -> str:
     return ""
 
 
+def bound(known: Array, errors: Array, here: Array, least: float) -> float:
+    """Error [%] that holds ``SHARE`` of scenes like those with scaled features ``(n, k)`` and errors ``(n,)`` [%] (below
+    ``least`` all alike), at features ``(k,)``: the fit of their logarithms, plus that of its residuals on scenes left out,
+    in order, which holds the share."""
+    A = np.column_stack([np.ones(len(known)), known - known.mean(axis=0)])
+    y = np.log(np.maximum(np.abs(errors), least))
+    solve = np.linalg.solve(A.T @ A + RIDGE * np.diag([0.0, *np.ones(known.shape[1])]), A.T)
+    off = (y - A @ (solve @ y)) / (1.0 - np.einsum("ij,ji->i", A, solve))  # of a fit without the scene
+    rank = min(int(np.ceil((len(y) + 1) * SHARE)), len(y))
+    return float(np.exp(np.array([1.0, *(here - known.mean(axis=0))]) @ (solve @ y) + np.sort(off)[rank - 1]))
+
+
 def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None = None) -> ModelForm:
     """The model-form error to expect of a result, or that it is not covered by what was compared.
 
     Not covered: models that were not compared (Mei's), kinds of scenes that were not (rings are compared with rings only),
-    scenes further than one unit from every compared one, and those beyond the range of what describes the compared ones.
+    and scenes beyond the range of what describes the compared ones.
     """
     model = MODELS[result.model]
     ring = scene.track.lead == 0.0
@@ -149,23 +210,58 @@ def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None 
         return ModelForm(None, None, away, nearest, len(like), (*words, why))
 
     try:
-        here = features(scene, result.load)
+        here = _scaled(features(scene, result.load))
     except ValueError as error:
         return uncovered(f"not comparable: {error}")
     if not own:
         return uncovered("no scene was compared with the 3D reference")
-    beyond = outside(scene)
-    other = unlike_kind(scene) or ("" if like else f"no {'ring' if ring else 'screw'} was compared with the 3D reference")
+    other = unlike_kind(scene)
+    if not other and len(like) < FEWEST:
+        other = f"too few {'rings' if ring else 'screws'} were compared with the 3D reference"
     if other:
         return uncovered(other)
-    ordered = sorted(((*distance(here, p.features), p) for p in like), key=lambda x: x[0])
-    away, unlike, nearest = ordered[0]
-    if away > 1.0:
-        return uncovered(f"unlike every compared scene, most in the {SCALES[unlike][0]}", away, nearest.scene)
-    if beyond:
-        return uncovered(f"beyond what was compared: {'; '.join(beyond)}", away, nearest.scene)
-    near = [p for _, _, p in ordered[:NEAREST]]
-    grow = 1.0 + away
+    known = np.array([_scaled(p.features) for p in like])
+    away = np.linalg.norm(known - here, axis=1)
+    nearest = like[int(away.argmin())].scene
+    unlike = [*outside(scene), *_beyond(known, here)]
+    if unlike:
+        return uncovered(f"beyond what was compared: {'; '.join(unlike)}", float(away.min()), nearest)
     return ModelForm(
-        grow * max(p.percent for p in near), grow * max(p.rms_percent for p in near), away, nearest.scene, len(like), words
+        distance=float(away.min()), nearest=nearest, compared=len(like), words=words, **_expected(like, known, here)
     )
+
+
+def _beyond(known: Array, here: Array) -> list[str]:
+    """Features in which scaled ones ``(k,)`` lie beyond compared ones ``(n, k)``."""
+    far = np.maximum(known.min(axis=0) - here, here - known.max(axis=0)) > MARGIN
+    return [what for (what, _), beyond in zip(SCALES.values(), far, strict=True) if beyond]
+
+
+def _expected(like: Sequence[Point], known: Array, here: Array) -> dict[str, float | None]:
+    """Expected errors [%] by quantity."""
+    out: dict[str, float | None] = {}
+    for quantity in QUANTITIES:
+        errors = np.array([np.nan if (e := getattr(p, quantity)) is None else e for p in like], dtype=float)
+        told = np.isfinite(errors)
+        enough = told.sum() >= FEWEST
+        out[quantity] = bound(known[told], errors[told], here, LEAST[quantity]) if enough else None
+    return out
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """A compared scene and what the other ones expect of it: errors [%] by quantity, None where it is not covered."""
+
+    point: Point
+    expected: dict[str, float | None] | None
+
+
+def left_out(points: Sequence[Point], model: str) -> list[LeftOut]:
+    """Every compared screw of a model, judged by all others."""
+    own = [p for p in points if p.model == model and p.features["lead"] > 0.0]
+    known = np.array([_scaled(p.features) for p in own])
+    out = []
+    for k, point in enumerate(own):
+        others, rest = [p for p in own if p is not point], np.delete(known, k, axis=0)
+        out.append(LeftOut(point, None if _beyond(rest, known[k]) else _expected(others, rest, known[k])))
+    return out

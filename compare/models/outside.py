@@ -17,7 +17,7 @@ from rollbench.meshes.parts import Scene
 def with_answers(scene: Scene, result: StaticResult, found: Answers) -> StaticResult:
     """The result with the warnings that follow from its answers."""
     axial = 0.0 if found.preload is None else found.preload.axial
-    return replace(result, warnings=(*result.warnings, *_outside(scene, found.loads, axial)))
+    return replace(result, warnings=(*result.warnings, *outside(scene, found.loads, axial)))
 
 
 def with_axis_answers(result: AxisResult, found: AxisAnswers) -> AxisResult:
@@ -26,12 +26,12 @@ def with_axis_answers(result: AxisResult, found: AxisAnswers) -> AxisResult:
         warned.of(s.of.name)
         for s, own in zip(result.sets, found.sets, strict=True)
         if own is not None and isinstance(s.of.parts, Scene)
-        for warned in _outside(s.of.parts, own.loads, 0.0 if own.preload is None else abs(own.preload[3]))
+        for warned in outside(s.of.parts, own.loads, 0.0 if own.preload is None else abs(own.preload[3]))
     ]
     return replace(result, warnings=(*result.warnings, *more))
 
 
-def _outside(scene: Scene, loads: LoadAnswers, preload: float) -> Iterator[Warned]:
+def outside(scene: Scene, loads: LoadAnswers, preload: float) -> Iterator[Warned]:
     """Static safety below one, and a preload [N] beyond the dynamic load rating."""
     if loads.safety is not None and loads.safety.factor < 1.0:
         factor = f"{loads.safety.factor:.3g}"

@@ -32,6 +32,7 @@ from rollbench.comparison.reference.grid_parts import both_flanks
 from rollbench.comparison.reference.grid_summary import uncertainty_percent
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.writing import replace_file
+from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
 
 #: Record of the modelling choices, beside the stored runs.
@@ -135,7 +136,7 @@ def second_order(scene: Scene, found: Reference) -> float:
     if worst is None:
         return 0.0
     lost = SECOND_ORDER * worst.a / scene.balls.radius * worst.force
-    return float(error_percent(lost, 0.0, float(found.load[found.load > 0.0].mean())))
+    return float(error_percent(lost, 0.0, mean_load(found.load)))
 
 
 def _inputs(scene: Scene) -> tuple[float | None, str]:

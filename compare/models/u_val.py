@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -29,6 +30,7 @@ from rollbench.comparison.reference.convergence import observe
 from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.reference.store import Run, load
 from rollbench.comparison.reference.variants import VARIANTS
+from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Material, Scene
@@ -135,9 +137,9 @@ class Uncertainty:
         return np.asarray(np.sqrt(self.grid**2 + self.model**2 + self.inputs**2))
 
 
-def percent(quantity: Quantity, value: Array, base: Array, loads: Array) -> Array:
-    """Difference in per cent of what the quantity is given in; loads (n, 4) [N] of the reference."""
-    scale = mean_load(loads) if quantity.of_mean else None
+def percent(quantity: Quantity, value: Array, base: Array, mean: float) -> Array:
+    """Difference in per cent of what the quantity is given in; mean: contact load [N] of the reference."""
+    scale = mean if quantity.of_mean else None
     return np.asarray(error_percent(value, base, scale))
 
 
@@ -145,7 +147,7 @@ def grid_uncertainty(scene: Scene, found: Reference, quantity: Quantity) -> Arra
     """Of the finest run, in per cent; nan with one level, but for loads, of which there is experience."""
     base = quantity.take(scene, from_run(found.best, ""))
     if quantity.of_mean:
-        return percent(quantity, found.uncertainty, np.zeros_like(base), found.load)
+        return percent(quantity, found.uncertainty, np.zeros_like(base), found.mean)
     if quantity.of_largest:
         own = found.uncertainty.ravel()[int(found.load.argmax())]
         return np.asarray(error_percent(np.full(base.shape, own), np.zeros(base.shape), base))
@@ -176,9 +178,10 @@ def choice_uncertainty(study: Study, name: str, quantity: Quantity) -> Array | N
     """Root of squares over the modelling choices that were varied on a scene, the largest of the variants of one choice;
     None where none was."""
     scene, worst = study.scene(name), dict[str, Array]()
+    contacts = nominal_contacts(scene)
     for choice, changed, base in study.once(variants_of, name):
         own = [quantity.take(scene, answer) for answer in (changed, base)]
-        change = np.abs(percent(quantity, own[0], own[1], base.load))
+        change = np.abs(percent(quantity, own[0], own[1], mean_load(base.load, contacts)))
         worst[choice] = np.maximum(worst.get(choice, np.zeros_like(change)), change)
     return np.asarray(np.sqrt(sum(x**2 for x in worst.values()))) if worst else None
 
@@ -187,11 +190,12 @@ def input_parts(study: Study, scene: Scene, quantity: Quantity) -> dict[str, Arr
     """Change in per cent by every tolerance of the inputs that a scene has, by the sensitivities of a cheap model."""
     base = study.solve(scene, SENSITIVE)
     own, out = quantity.take(scene, from_result(base)), {}
+    mean = mean_load(base.load, nominal_contacts(scene))
     for one in INPUTS:
         changed = one.change(scene)
         if changed is not None:
             value = quantity.take(changed, from_result(study.solve(changed, SENSITIVE)))
-            out[one.name] = percent(quantity, value, own, base.load)
+            out[one.name] = percent(quantity, value, own, mean)
     return out
 
 
@@ -253,8 +257,8 @@ def validated(study: Study, name: str, model: str, quantity: Quantity, answer: L
     scene = study.scene(name)
     reference = quantity.take(scene, from_run(found.best, ""))
     value = quantity.take(scene, answer)
-    error = percent(quantity, value, reference, found.load)
-    floor = 0.1 * mean_load(found.load) if quantity.of_mean else 0.0
+    error = percent(quantity, value, reference, found.mean)
+    floor = 0.1 * found.mean if quantity.of_mean else 0.0
     # every loaded contact is judged; a value by itself is one
     judged = ((value > 0.0) | (reference > 0.0)) if quantity.of_mean else np.ones(value.shape, dtype=bool)
     big = judged & (reference > floor) & (value > 0.0) if quantity.of_mean else reference * value > 0.0
@@ -304,10 +308,12 @@ def scatter(rows: Sequence[Validated]) -> list[Scatter]:
     return out
 
 
-def bound_shares(rows: Sequence[Mapping[str, float | str]]) -> dict[str, tuple[int, int]]:
-    """By model: measured errors within what was expected of them, and how many were (rows of `ladder.left_out_one`)."""
+def bound_shares(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, int]]:
+    """By model: measured errors within what was expected of them, and of how many any was (`ladder.left_out_one`)."""
     out: dict[str, tuple[int, int]] = {}
     for row in rows:
+        if row["expected"] is None:
+            continue
         held, total = out.get(str(row["model"]), (0, 0))
         good = float(row["measured"]) <= float(row["expected"])
         out[str(row["model"])] = (held + good, total + 1)

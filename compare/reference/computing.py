@@ -51,6 +51,7 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
     if task.variant:
         scenes = tuple(VARIANTS[task.variant].change(scene) for scene in scenes)
     settings = settings_of(scenes, task.level, task.variant)
+    settings = replace(settings, cell=task.cut_cells * settings.cell)
     sides = tuple(sorted({s for scene in scenes for s in needed_sides(scene)}))
     for attempt in range(ENLARGE + 1):
         try:
@@ -123,15 +124,13 @@ def _one(task: Task, number: int, scene: Scene, setup: Setup, sides: tuple[int, 
     """One load case of a prepared geometry; the run carries the name of the task's own scene."""
     from rollbench.hifi.reference import INGREDIENTS, solve_reference
 
-    result = solve_reference(setup, scene, sides=sides, step=step)
+    result = solve_reference(setup, scene, sides=sides, frozen=True, step=step)
+    assert result.frozen is not None
     without, seconds = {}, {}
     if task.ablate:
         for name in INGREDIENTS:
             found = solve_reference(setup, scene, sides=sides, leave_out=frozenset([name]))
             without[name], seconds[name] = found.load, found.seconds["contact"]
-    frozen = without.get("moving normals")
-    if frozen is None:
-        frozen = solve_reference(setup, scene, sides=sides, updates=0).load
     step(f"contact loads: {result.seconds['contact']:.1f} s, {scene.name} {result.status}")
     return Run(
         scene=task.scenes[number].name,
@@ -141,7 +140,7 @@ def _one(task: Task, number: int, scene: Scene, setup: Setup, sides: tuple[int, 
         moving=result.moving,
         load=result.load,
         angle=np.degrees(result.contact_angle),
-        frozen=frozen,
+        frozen=result.frozen,
         centreline=np.column_stack([result.stations, result.centreline[:, :3]]),
         without=without,
         without_seconds=seconds,

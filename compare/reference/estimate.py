@@ -10,10 +10,12 @@ import numpy as np
 
 from rollbench.comparison.reference import grid_parts
 from rollbench.comparison.reference.convergence import representative_size
-from rollbench.comparison.reference.grid_parts import Experience, GridParts, mean_load, parts
+from rollbench.comparison.reference.grid_parts import Experience, GridParts, parts
 from rollbench.comparison.reference.levels import LEVELS
 from rollbench.comparison.reference.store import Run, load, shipped_store
+from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
 
 #: Levels that a scene's uncertainty is taken from, the finest: the coarsest of more say least of the finest.
@@ -23,13 +25,20 @@ FITTED = 4
 @dataclass(frozen=True)
 class Reference:
     """The 3D reference of a scene: runs coarse to fine, loads of the finest ``(n, 4)`` [N], their uncertainty ``(n, 4)``
-    [N] by discretisation and by what the finest did not settle by, zero where no level has load; its parts."""
+    [N] by discretisation and by what the finest did not settle by, zero where no level has load; its parts; how many
+    contacts the nominal screw loads, zero where that is not known."""
 
     scene: str
     runs: tuple[Run, ...]
     load: Array
     uncertainty: Array
     parts: GridParts
+    contacts: int = 0
+
+    @property
+    def mean(self) -> float:
+        """Mean contact load [N], see `meshes.loads.mean_load`."""
+        return mean_load(self.load, self.contacts)
 
     @property
     def best(self) -> Run:
@@ -51,12 +60,12 @@ def reference(scene: Scene, stores: Sequence[Path] | None = None) -> Reference |
     """Best stored reference of a scene, its `FITTED` finest runs, or None."""
     runs = tuple(run for level in LEVELS if (run := load(scene, level, stores=stores)) is not None)
     runs = tuple(run for run in runs if run.answers)[-FITTED:]
-    return reference_of(scene.name, runs) if runs else None
+    return reference_of(scene.name, runs, contacts=nominal_contacts(scene)) if runs else None
 
 
-def reference_of(scene: str, runs: tuple[Run, ...], known: Experience | None = None) -> Reference:
-    """Reference of runs, coarse to fine; known: experience, the shipped one unless given."""
+def reference_of(scene: str, runs: tuple[Run, ...], known: Experience | None = None, contacts: int = 0) -> Reference:
+    """Reference of runs, coarse to fine; known: experience, the shipped one unless given; contacts: see `Reference`."""
     loads = {run.level: run.load for run in runs}
     found, best = parts(loads, known or grid_parts.read(shipped_store())), runs[-1]
     bars = 0.01 * mean_load(best.load) * found.bars(loads) if found.bar else np.zeros_like(best.load)
-    return Reference(scene, runs, best.load, bars + best.moving, found)
+    return Reference(scene, runs, best.load, bars + best.moving, found, contacts)

@@ -26,7 +26,7 @@ CONTACT_GB = 0.007
 #: so many contacts that it makes patches alone (`hifi.setup.TOGETHER`), what these take.
 SHARED, FASTER, MORE, TOGETHER = ("patches", "ball", "shaft section", "screw", "nut"), 1.7, 0.7, 160
 #: Order of the stages, by the names that `hifi.setup.prepare` gives them.
-STAGES = ("meshes", "patches", "ball", "shaft section", "screw", "nut", "contact loads")
+STAGES = ("meshes", "patches", "shaft section", "screw", "nut", "ball", "contact loads")
 
 
 @dataclass(frozen=True)

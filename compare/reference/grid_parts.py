@@ -36,6 +36,7 @@ from rollbench.comparison.measure import error_percent
 from rollbench.comparison.reference.levels import LEVELS, PRODUCTION
 from rollbench.comparison.writing import replace_file
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.loads import mean_load
 
 FILE = "grid_parts.json"
 #: Standard deviations of a bar that holds 95 %.
@@ -46,7 +47,7 @@ ORDER = 2
 STIFFNESS = 1.0 / 3.0
 #: Cells of the contact and of the bodies over those of the level before, of a level after the last.
 NEXT = (0.75, 0.87)
-#: Share of contacts of compared scenes that the bar of a single level holds.
+#: Share of contacts that the bar of a single level holds in every compared scene.
 SHARE = 0.95
 #: Rounds of weights in a fit of variances, and the least variance [%^2] that is told from none.
 ROUNDS, TINY = 20, 1e-12
@@ -59,7 +60,7 @@ Levelled = Mapping[int, Array]
 class Experience:
     """What compared scenes tell of parts that the levels of a scene do not show, in per cent of the mean load: standard
     deviations of sockets and of what all contacts have in common; what holds 95 % of the errors of the coarsest level alone
-    with one flank of the screw loaded, and with both; the scenes."""
+    in every scene with one flank of the screw loaded, and with both; the scenes."""
 
     sockets: float
     common: float
@@ -93,11 +94,6 @@ class GridParts:
         share = stiffness**2 / (stiffness[on] ** 2).mean()
         displaced, rest = self.bodies**2 + self.sockets**2, self.contact**2 + self.common**2
         return np.where(on, COVER * np.sqrt(rest + displaced * share), 0.0)
-
-
-def mean_load(load: Array) -> float:
-    """Mean of the loads above zero, in their unit."""
-    return float(load[load > 0.0].mean())
 
 
 def both_flanks(load: Array) -> bool:
@@ -160,19 +156,18 @@ def measured(found: Mapping[str, Levelled], sockets: float) -> Experience:
 
     Raises ValueError without a scene of each kind.
     """
-    shifts, errors = list[float](), ([list[Array](), list[Array]()])
+    shifts, errors = list[float](), (list[float](), list[float]())
     for loads in found.values():
         levels, finest = sorted(loads), max(loads)
         both = both_flanks(loads[finest])
         if both:
             shifts += [float(_change(loads, a, b, finest).mean()) for a, b in pairwise(levels) if a >= PRODUCTION]
         if levels[0] == min(LEVELS) and finest >= PRODUCTION:
-            errors[both].append(np.abs(_change(loads, levels[0], finest, finest)))
+            errors[both].append(float(np.quantile(np.abs(_change(loads, levels[0], finest, finest)), SHARE)))
     if not shifts or not all(errors):
         raise ValueError("no experience without scenes that load one flank of the screw, and both, on fine levels")
     common = float(np.sqrt(np.mean(np.square(shifts)) / 2.0))
-    one, both_ = (float(np.quantile(np.concatenate(e), SHARE)) for e in errors)
-    return Experience(sockets, common, (one, both_), tuple(found))
+    return Experience(sockets, common, (max(errors[0]), max(errors[1])), tuple(found))
 
 
 def save(store: Path, known: Experience) -> None:

@@ -25,6 +25,8 @@ from rollbench.meshes.solid import dimensions
 SCHEMA = 8
 #: As `SCHEMA`, for the condensed bodies.
 BODIES = 4
+#: As `SCHEMA`, for runs with a load or support inside the 3D stretch of the screw: how a section takes it.
+SECTIONS = "mean of a slice"
 #: Programs whose results runs depend on.
 PROGRAMS = ("gmsh", "scikit-fem")
 #: Fields of a run that are arrays.
@@ -126,7 +128,11 @@ def _meshed(
 ) -> tuple[object, ...]:
     """What a mesh depends on beside the scene's own fields."""
     made_by = versions() if programs is None else {name: programs.get(name, "") for name in PROGRAMS}
-    return replace(dimensions(scene), assumed=()), Fields("Settings", plain(settings)), tuple(sides), made_by
+    dims = dimensions(scene)
+    low, high = dims.ends(scene)
+    inner = dims.screw_held != "bore" and any(low < z < high for z in settings.get("stations", ()))
+    sections = (SECTIONS,) if inner else ()
+    return replace(dims, assumed=()), Fields("Settings", plain(settings)), tuple(sides), made_by, *sections
 
 
 def path_in(store: Path, scene: Scene, run: Run) -> Path:

@@ -99,7 +99,8 @@ def plain(settings: Mapping[str, Any]) -> dict[str, Any]:
 @dataclass(frozen=True)
 class Task:
     """One set-up and its load cases: scenes of one geometry on one level, with a variant; ``ablate``: also leave out every
-    ingredient in turn; ``cache``: folder of the mesh cache; ``processes`` that one set-up may use."""
+    ingredient in turn; ``cache``: folder of the mesh cache; ``processes`` that one set-up may use; ``cut_cells``:
+    element size of the shafts that say what a cut does, over the level's."""
 
     scenes: tuple[Scene, ...]
     level: int
@@ -107,6 +108,7 @@ class Task:
     ablate: bool = False
     cache: Path | None = None
     processes: int = 1
+    cut_cells: float = 1.0
 
     @property
     def label(self) -> str:

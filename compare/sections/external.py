@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from rollbench.comparison.evidence.audit import judge
 from rollbench.comparison.evidence.external import bearings, screws
 from rollbench.comparison.evidence.external.case import PREFIX, assumptions
-from rollbench.comparison.evidence.record import WITHIN, Evidence
+from rollbench.comparison.evidence.record import Evidence
 from rollbench.comparison.evidence.registry import BY_TABLE, evidence
 from rollbench.comparison.models.ladder import UNSEEN
 from rollbench.comparison.models.registry import DEFAULT
@@ -50,12 +52,11 @@ def summary(found: Sequence[Evidence]) -> str:
     """How many entries come out, in one sentence."""
     told = [e for e in found if e.printed.cls != "open"]
     good = sum(e.agrees is True for e in told)
-    exact = sum(e.verdict == "reproduced" for e in told)
-    bands = sum(e.verdict == WITHIN for e in told)
-    frozen = sum(e.verdict == "reproduced as printed" for e in told)
+    of = Counter(judge(e)[0] for e in told)
     return (
-        f"{good} of {len(told)} published values and claims come out: {exact} to the digits that the same theory must "
-        f"give, {bands} within a band whose origin is stated, {frozen} only if the catalogue's simplification is repeated. "
+        f"{good} of {len(told)} published values and claims come out: {of['reproduced']} to the digits that the same "
+        f"theory must give, {of['band']} within a band whose origin is stated, {of['identity']} by arithmetic on what is "
+        f"printed, {of['only as printed']} only if the catalogue's simplification is repeated. "
         f"{len(found) - len(told)} more are shown and left open, because what they rest on is not printed."
     )
 

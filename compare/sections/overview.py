@@ -223,11 +223,16 @@ def coverage(scenes: Mapping[str, Scene], found: Mapping[str, Reference]) -> lis
     cases, unseen = sum(name in REFERENCED for name in scenes), sum(name in UNSEEN for name in scenes)
     contacts = [int((ref.load > 0.0).sum()) for ref in found.values()]
     screws = [s for s in every if s.track.lead != 0.0]
+    fixed = (
+        f", and {unseen} screws and bearings fixed before any of them was solved in 3D. The refined model's part of faces "
+        "and short lands was made while their errors were looked at; no other model was"
+    )
+    leads = f"{len(screws)} screws of lead {span([1e3 * abs(s.track.lead) for s in screws], 'mm')}" if screws else ""
+    bearings = f"bearings: {len(every) - len(screws)}" if len(every) > len(screws) else ""
     return [
-        f"{cases} case studies of the source, and {unseen} screws and bearings fixed before any of them was solved in 3D. "
-        "The refined model's part of faces and short lands was made while their errors were looked at; no other model was.",
-        f"{len(screws)} screws of lead {span([1e3 * abs(s.track.lead) for s in screws], 'mm')}, bearings: "
-        f"{len(every) - len(screws)}; pitch diameters {span([2e3 * s.track.pitch_radius for s in every], 'mm')}, "
+        f"{cases} case studies of the source{fixed if unseen else ''}.",
+        f"{', '.join(filter(None, [leads, bearings]))}; "
+        f"pitch diameters {span([2e3 * s.track.pitch_radius for s in every], 'mm')}, "
         f"{span([s.ball_count for s in every], 'balls')}, {span(contacts, 'loaded contacts')}.",
         "Friction, ball motion, support bearings, chains of balls and several rolling sets are held against printed "
         "numbers, closed forms and second solvers, each on its page.",

@@ -11,6 +11,7 @@ from rollbench.comparison.measure import LoadError, error_percent, load_error
 from rollbench.comparison.models.comparison import (
     PRINTED,
     REFERENCED,
+    RULE,
     Loads,
     from_result,
     gate_points,
@@ -64,14 +65,14 @@ def error_table(study: Study, found: References) -> Table:
         keys = PRINTED.get(name)
         for model in suited(scene):
             result = study.solve(name, model.name)
-            e = load_error(result.load, ref.load)
+            e = load_error(result.load, ref.load, ref.contacts)
             shown = keys[:2] if keys and model.name == "lin" else ()
             printed = " / ".join(entry("lin-2.4.1", k).printed for k in shown) or "–"
             rows.append(_error_row(name, model.label, e, load_ratio(result.load), printed, uncertainty_percent(ref)))
         source = load(scene, SOURCE_LEVEL, stores=study.stores)
         for own in reference_answers(ref, source):
             if own.model != f"3D level {ref.best.level}":
-                e = load_error(own.load, ref.load)
+                e = load_error(own.load, ref.load, ref.contacts)
                 rows.append(_error_row(name, LABELS[own.model], e, load_ratio(own.load), "–", uncertainty_percent(ref)))
         finest: dict[str, Cell] = {"scene": name, "model": LABELS[f"3D level {ref.best.level}"]}
         rows.append(finest | {"load_ratio": load_ratio(ref.load), "bar": uncertainty_percent(ref)})
@@ -84,8 +85,8 @@ def error_table(study: Study, found: References) -> Table:
         Column("max", "largest error", "% of mean", ".2f"),
         Column("at", "at ball", "", "s"),
         Column("rms", "RMS error", "% of mean", ".2f"),
-        Column("own_max", "largest", "% of own load", ".2f"),
-        Column("own_rms", "RMS", "% of own load", ".2f"),
+        Column("own_max", "largest error", "% of own load", ".2f"),
+        Column("own_rms", "RMS error", "% of own load", ".2f"),
         Column("printed", "printed max / RMS", "%", "s"),
         Column("bar", "grid uncertainty", "% of mean", ".2f"),
         Column("modelling", "its modelling uncertainty", "% of mean", ".2f"),
@@ -252,7 +253,7 @@ def gate_text(found: References, study: Study) -> str:
             f"{len(over)} of {len(points)} contacts beyond {LIMIT:g} %"
         )
     return (
-        "The source's model at the gate (per cent of each load, of the mean for loads below a tenth of it; the reference's "
+        f"The source's model at the gate ({RULE}; the reference's "
         f"uncertainty is deducted): {'; '.join(worst)}. Known exceedances named in its data: {len(known_exceedances())}."
     )
 
@@ -292,12 +293,13 @@ def exceedance_table(found: References, study: Study) -> Table:
         Column("ball", "ball", "", "s"),
         Column("side", "side", "", "s"),
         Column("ref", "reference", "N", ".1f"),
-        Column("error", "error of the source's model", "%", "+.1f"),
-        Column("bar", "grid uncertainty", "%", ".2f"),
-        Column("rigid", "the same, nut rigid in both", "%", "+.1f"),
+        Column("error", "error of the source's model", "% of own load", "+.1f"),
+        Column("bar", "grid uncertainty", "% of own load", ".2f"),
+        Column("rigid", "the same, nut rigid in both", "% of own load", "+.1f"),
         Column("cause", "cause", "", "s"),
     )
-    return Table("reference-exceedances", f"Contacts of the source's model beyond {LIMIT:g} %", columns, rows)
+    note = f"The gate's rule: {RULE}."
+    return Table("reference-exceedances", f"Contacts of the source's model beyond {LIMIT:g} %", columns, rows, note)
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:

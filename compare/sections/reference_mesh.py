@@ -22,7 +22,6 @@ from rollbench.comparison.reference.store import Run, load
 from rollbench.comparison.reference.variants import NOT_VARIED, VARIANTS
 from rollbench.comparison.sections.reference import case_studies, modelling
 from rollbench.comparison.sections.study_figure import study_figure
-from rollbench.meshes.loads import mean_load
 from rollbench.reports.records import Cell, Column, Figure, Section, Table, Text
 
 References = Mapping[str, Reference]
@@ -35,9 +34,9 @@ def level_table(study: Study, found: References) -> Table:
         source = load(study.scene(name), SOURCE_LEVEL, stores=study.stores)
         runs = ([source] if source else []) + list(ref.runs)
         for number, run in enumerate(runs):
-            frozen = load_error(run.frozen, run.load)
+            frozen = load_error(run.frozen, run.load, ref.contacts)
             following = runs[number + 1] if number + 1 < len(runs) and run.level != SOURCE_LEVEL else None
-            step = None if following is None else load_error(run.load, following.load)
+            step = None if following is None else load_error(run.load, following.load, ref.contacts)
             rows.append(
                 {
                     "scene": name,
@@ -51,7 +50,7 @@ def level_table(study: Study, found: References) -> Table:
                     "change": None if step is None else step.max_percent,
                     "rms": None if step is None else step.rms_percent,
                     "sum": None if following is None else float(error_percent(run.load.sum(), following.load.sum())),
-                    "best": load_error(run.load, ref.load).max_percent,
+                    "best": load_error(run.load, ref.load, ref.contacts).max_percent,
                     "frozen": frozen.max_percent,
                     "balance": max(run.balance, run.screw_balance),
                     "along": run.along_groove,
@@ -283,7 +282,7 @@ def single_choice_table(study: Study) -> Table | None:
         found = study.reference(name)
         if found is None:
             continue
-        grid = np.abs(error_percent(found.uncertainty, 0.0, mean_load(found.load)))
+        grid = np.abs(error_percent(found.uncertainty, 0.0, found.mean))
         for e in varied(scene, study.stores):
             if e.variant not in VARIANTS or not VARIANTS[e.variant].refined:
                 continue

@@ -27,7 +27,6 @@ from rollbench.comparison.reference.store import load, shipped_store
 from rollbench.comparison.system import machine
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
 from rollbench.reports.records import Cell, Column, Figure, Panel, Series, Table
 
@@ -69,8 +68,8 @@ def error_range(value: Array, found: Reference) -> tuple[float, float, float | N
     With each contact's error e and uncertainty U, the true largest error lies between max(|e| - U) and max(|e| + U). Errors
     are per cent of its mean load.
     """
-    e = load_error(value, found.load)
-    mean = mean_load(found.load)
+    e = load_error(value, found.load, found.contacts)
+    mean = found.mean
     off = np.abs(error_percent(value, found.load, mean))
     bar = np.abs(error_percent(found.uncertainty, 0.0, mean))
     return e.max_percent, e.rms_percent, max(0.0, float((off - bar).max())), float((off + bar).max())

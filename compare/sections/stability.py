@@ -49,7 +49,10 @@ def survey_items() -> tuple[Text | Table, ...]:
         Table(
             "stability-survey-scenes",
             "The survey, scene by scene",
-            (*(Column(name, name, "", "s") for name in words), *(Column(name, name, "%", ".2f") for name in errors)),
+            (
+                *(Column(name, name, "", "s") for name in words),
+                *(Column(name, name, "% of mean", ".2f") for name in errors),
+            ),
             rows,
         ),
     )

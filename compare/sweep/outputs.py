@@ -17,6 +17,7 @@ from rollbench.lowfi.statics.axis.result import AxisResult
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
+from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Friction, Motion, Scene
 
 #: What is kept of a solved sample: key and heading.
@@ -85,7 +86,7 @@ def _of_loads(sets: list[tuple[str, Array]]) -> dict[str, Any]:
         at = f"{name}{ball + 1} {SIDES[side]}"
     return {
         "largest_load_N": float(every.max(initial=0.0)),
-        "mean_load_N": float(every.mean()) if every.size else 0.0,
+        "mean_load_N": mean_load(every),
         "loaded_contacts": int(every.size),
         "idle_balls": sum(int(np.count_nonzero(~(load > 0.0).any(axis=1))) for _, load in sets),
         "at": at,

@@ -31,6 +31,7 @@ from scipy.optimize import brentq
 from rollbench.lowfi.rating.life import turns_of
 from rollbench.lowfi.statics.problem import distances, nominal_hertz
 from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import beyond_step, specimen
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import Scene
@@ -67,15 +68,16 @@ def contacts_displacement(scene: Scene, force: float) -> float:
     pair = np.array([C[0] + C[3], C[1] + C[2]])
     s, n = slope_of(scene), scene.ball_count
 
-    def excess(u: float, force: float = force) -> float:
-        pressed = np.maximum(closure + s * u * np.array([1.0, -1.0]), 0.0) / pair
+    def excess(u: float, start: Array, force: float) -> float:
+        pressed = np.maximum(start + s * u * np.array([1.0, -1.0]), 0.0) / pair
         return float(s * counts @ (pressed[:, 0] ** 1.5 - pressed[:, 1] ** 1.5)) - force
 
     reach = 2.0 * float(np.abs(closure).max()) / s
-    held = float(brentq(excess, -reach, reach, args=(0.0,), xtol=1e-15)) if len(halves) > 1 else 0.0
-    start = max(held, -float(closure[:, 0].max()) / s)
+    held = float(brentq(excess, -reach, reach, args=(closure, 0.0), xtol=1e-15))
+    begun = closure + s * max(held, -float(closure[:, 0].max()) / s) * np.array([1.0, -1.0])
     free = reach * (len(halves) - 1) + float(pair[0]) * (force / (n * s)) ** (2.0 / 3.0) / s
-    return float(brentq(excess, start, start + 2.0 * free, xtol=1e-15, rtol=1e-12)) - start
+    # counted from there: a small load's displacement would be lost beside the place where it begins
+    return float(brentq(excess, 0.0, 2.0 * free, args=(begun, force), xtol=1e-18 * free, rtol=1e-12))
 
 
 def body_compliance(scene: Scene) -> float | None:

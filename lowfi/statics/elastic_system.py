@@ -121,6 +121,13 @@ def by_ball(N: int, sides: int) -> NDArray[np.int64]:
     return np.arange(sides * N * 2).reshape(sides, N, 2).swapaxes(0, 1).ravel()
 
 
+def of_both(G: Array, used: NDArray[np.bool_], N: int) -> Array:
+    """Compliance ``(4 N, 4 N)`` of both flanks of a body by that of its ``used`` ones (2,), zero elsewhere."""
+    full, on = np.zeros((4 * N, 4 * N)), np.tile(np.repeat(used, 2), N)
+    full[np.ix_(on, on)] = G
+    return full
+
+
 def positive(G: Array) -> tuple[Array, float]:
     """G without its negative eigenvalues, which would make the energy concave, and the largest one cut away [m/N]."""
     if G.size == 0:
@@ -183,7 +190,7 @@ def flanks_of(
         s = pair[0] % 2
         start, free = v0[:, s], R[:, s]
     else:
-        (first, low), (second, high) = positive(G[0]), positive(G[1])
+        (first, low), (second, high) = (positive(of_both(G[k], problem.use[2 * k : 2 * k + 2], N)) for k in range(2))
         clipped, d = max(low, high), 8
         start, free = np.zeros((N, 4, 2)), np.zeros((N, 4, 2, R.shape[3]))
         start[:, :2], free[:, :2] = v0, R
@@ -227,8 +234,6 @@ def ready(
     N = layout.z.size
     if N > LARGEST:
         raise ValueError(f"balls.count of {N} balls: elastic bodies are limited to {LARGEST}; use the model lin")
-    if problem.drawn.profile.shape[1] and not np.all(problem.use):
-        raise AssertionError("uneven flanks are solved with all four sides")
     shaft = shaft_of(problem)
     axes = typical_axes(problem, typical_force(problem))
     ball = ball_compliance(problem.scene, axes, backend)

@@ -85,17 +85,23 @@ def tangent_stiffness(
 
 def _condensed(solved: Elastic, clamped: Elastic, station: float) -> Array:
     """K from the balls of the solved system and the bodies of the clamped one."""
-    N = solved.contacts.r_ball.size
-    rows, counts = np.zeros((N, 6, 8)), np.zeros(N, dtype=np.int64)
+    N, d = solved.state.phi.shape
+    rows, counts = np.zeros((N, 6, d)), np.zeros(N, dtype=np.int64)
     ball_rows(solved.contacts, solved.state.contact, rows, counts)
     which = np.arange(6)[None, :] < counts[:, None]
     ball = np.repeat(np.arange(N), counts)
-    S = np.zeros((ball.size, N, 8))
+    S = np.zeros((ball.size, N, d))
     S[np.arange(ball.size), ball] = rows[which]
-    screw, nut = S[:, :, :4].reshape(ball.size, 4 * N), S[:, :, 4:].reshape(ball.size, 4 * N)
-    bodies = clamped.bodies
-    A = np.eye(ball.size) + screw @ bodies.first @ screw.T + nut @ bodies.second @ nut.T
-    moved = screw @ flanks_by_clamp(clamped.problem, station)
+    bodies, by_clamp = clamped.bodies, flanks_by_clamp(clamped.problem, station)
+    A = np.eye(ball.size)
+    if solved.pair is None:
+        screw, nut = S[:, :, :4].reshape(ball.size, 4 * N), S[:, :, 4:].reshape(ball.size, 4 * N)
+        A += nut @ bodies.second @ nut.T
+    else:  # motions of the screw's flank less those of the nut's
+        screw = S.reshape(ball.size, 2 * N)
+        by_clamp = by_clamp.reshape(N, 2, 2, 6)[:, solved.pair[0]].reshape(2 * N, 6)
+    A += screw @ bodies.first @ screw.T
+    moved = screw @ by_clamp
     K = moved.T @ cho_solve(cho_factor(A), moved)
     return np.asarray(0.5 * (K + K.T))
 

@@ -97,6 +97,31 @@ def test_the_judge_accepts_a_right_answer_and_finds_a_wrong_one():
     assert check.unbalanced(scene, replace(result, load=single)) == "ball 5 is not in balance"
     assert "screw is out of balance" in check.unbalanced(scene, replace(result, load=1.01 * result.load))
     assert "finite" in check.unbalanced(scene, replace(result, load=-result.load))
+    assert "screw is out of balance" in check.unbalanced(scene, replace(result, load=(1.0 + 1e-10) * result.load))
+    single[4, 0] = (1.0 + 1e-10) * result.load[4, 0]
+    assert check.unbalanced(scene, replace(result, load=single)) == "ball 5 is not in balance"
+
+
+@pytest.mark.parametrize("screw", ["rigid", "beam"])
+def test_the_judge_holds_loads_to_hertz_law(screw):
+    """By the motions of ball and screw, which balance alone does not see."""
+    scene = small_screw(9, 1.5, oversize=2e-6, force=(30.0, 10.0, 200.0), screw=screw)
+    result = solve_static(scene)
+    assert check.off_the_law(scene, result) == ""
+    assert "Hertz' law gives" in check.off_the_law(scene, replace(result, hertz_C=(1.0 + 1e-9) * result.hertz_C))
+    moved = result.centreline.copy()
+    moved[:, 2] += 1e-13
+    assert "Hertz' law gives" in check.off_the_law(scene, replace(result, centreline=moved))
+    idle = result.load.copy()
+    idle[3] = 0.0
+    assert "on ball 4" in check.off_the_law(scene, replace(result, load=idle))
+
+
+@pytest.mark.parametrize("number", [14, 16, 75])
+def test_scenes_whose_command_ended_in_a_traceback_are_answered(number):
+    """A load far below the preload; the tangent stiffness of a bearing of one arc a groove, exact and uneven."""
+    command = partial(captured, partial(app, exit_on_error=False, print_error=False, result_action="return_value"))
+    assert scenes.judge(1, number, "lin", command).verdict == scenes.RIGHT
 
 
 def test_the_judge_refuses_a_pin_that_takes_much():

@@ -9,10 +9,9 @@ from tests.evidence_study import GROUP, STUDY
 from tests.literature.entries import check, keys
 
 from rollbench.comparison.commands.friction_whole import coefficients
-from rollbench.comparison.evidence.audit import audit
+from rollbench.comparison.evidence.audit import audit, judge
 from rollbench.comparison.evidence.external import bearings, case, screws
 from rollbench.comparison.evidence.left_out import left_out
-from rollbench.comparison.evidence.record import WITHIN
 from rollbench.comparison.evidence.registry import evidence
 from rollbench.comparison.gate.gate import band_row, external_rows
 from rollbench.comparison.printed.printed_data import tables
@@ -43,11 +42,12 @@ def test_entry(key: str) -> None:
 
 
 def test_counts_by_class_and_verdict() -> None:
-    assert Counter((e.printed.cls, e.verdict) for e in evidence(STUDY, *TABLES)) == {
-        ("hard", "reproduced"): 18,
-        ("as-printed", "reproduced as printed"): 2,
-        ("band", WITHIN): 74,
-        ("open", "open"): 13,
+    assert Counter((e.printed.cls, judge(e)[0]) for e in evidence(STUDY, *TABLES)) == {
+        ("hard", "reproduced"): 16,
+        ("hard", "identity"): 2,
+        ("as-printed", "only as printed"): 2,
+        ("band", "band"): 74,
+        ("open", "not identifiable"): 13,
     }
 
 

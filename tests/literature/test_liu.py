@@ -8,8 +8,9 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.literature.entries import check, keys
 
+from rollbench.comparison.evidence.audit import judge
 from rollbench.comparison.evidence.liu import case, drawn, single_error
-from rollbench.comparison.evidence.record import TAKEN, WITHIN, Evidence
+from rollbench.comparison.evidence.record import Evidence
 from rollbench.comparison.evidence.registry import evidence
 from rollbench.comparison.printed.printed_data import load_table, tables
 from rollbench.lowfi.random_errors.chain import calibrated, end_ratio, solve_chain
@@ -48,13 +49,14 @@ def test_entry(key: str) -> None:
 
 
 def test_counts_by_class_and_verdict() -> None:
-    assert Counter((f.printed.cls, f.verdict) for f in findings()) == {
-        ("hard", "reproduced"): 18,
-        ("as-printed", "reproduced as printed"): 1,
-        ("input", TAKEN): 18,
-        ("band", WITHIN): 41,
-        ("open", "open"): 17,
-        ("open", "open: does not hold here"): 8,
+    assert Counter((f.printed.cls, judge(f)[0]) for f in findings()) == {
+        ("hard", "reproduced"): 14,
+        ("hard", "identity"): 4,
+        ("as-printed", "only as printed"): 1,
+        ("input", "input"): 18,
+        ("band", "band"): 41,
+        ("open", "not identifiable"): 6,
+        ("open", "contradicted"): 19,
     }
 
 

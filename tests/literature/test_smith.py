@@ -7,8 +7,9 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.literature.entries import check, found, keys
 
+from rollbench.comparison.evidence.audit import judge
 from rollbench.comparison.evidence.entries import Entries
-from rollbench.comparison.evidence.record import TAKEN, WITHIN, Evidence
+from rollbench.comparison.evidence.record import Evidence
 from rollbench.comparison.evidence.registry import evidence
 from rollbench.comparison.evidence.smith import ball, case, screw, taper, trials
 from rollbench.comparison.printed.printed_data import load_table, tables
@@ -51,20 +52,21 @@ def test_entry(key: str) -> None:
 def test_as_printed_in_that_mode_only(key: str) -> None:
     """Comes out with the faults repeated; the right value stands beside it and is another one."""
     f = found(key)
-    assert f.verdict == "reproduced as printed", (f.as_printed, f.printed.printed)
+    assert judge(f)[0] == "only as printed", (f.as_printed, f.printed.printed)
     assert f.value is not None
     assert f.printed.value is not None
     assert f.value != f.as_printed
 
 
 def test_counts_by_class_and_verdict() -> None:
-    assert Counter((f.printed.cls, f.verdict) for f in findings()) == {
-        ("hard", "reproduced"): 129,
-        ("as-printed", "reproduced as printed"): 56,
-        ("input", TAKEN): 62,
-        ("band", WITHIN): 1,
-        ("open", "open"): 82,
-        ("open", "open: does not hold here"): 10,
+    assert Counter((f.printed.cls, judge(f)[0]) for f in findings()) == {
+        ("hard", "reproduced"): 97,
+        ("hard", "identity"): 32,
+        ("as-printed", "only as printed"): 56,
+        ("input", "input"): 62,
+        ("band", "band"): 1,
+        ("open", "not identifiable"): 49,
+        ("open", "contradicted"): 43,
     }
 
 

@@ -3,25 +3,32 @@
 As many modules of physics as mutants are drawn, kernels included, and in each one place: a number, an operator, a
 comparison or an index is another. The nearest tests are those that import the module, else those that import what imports
 it; the one that fails is run again without the mutant. Seconds to minutes each; exit code 1 below `GOAL`, 2 where a test
-fails without a mutant.
+fails without a mutant. `RECORD` keeps what became of each: an interrupted run goes on, and survivors are tried again; one
+that changes no answer is marked there by hand, "equivalent: why".
 """
 
 from __future__ import annotations
 
 import ast
+import json
 import random
 import re
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from subprocess import TimeoutExpired
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.mutants.run import ROOT, copied, passes
 
 #: Share of the mutants that the tests are to kill.
 GOAL = 0.95
+RECORD = Path(__file__).parent / "drawn.json"
+#: Seconds of tests after which a mutant has made them endless.
+PATIENCE = 1800.0
 #: Most files of nearest tests, those that name the module most often.
 NEAREST = 6
 PHYSICS = ("lowfi", "hifi", "meshes", "compare/models", "compare/reference", "compare/gate", "compare/rolling")
@@ -107,39 +114,87 @@ def nearest(path: Path) -> list[str]:
     return []
 
 
-def draw(seed: int, count: int) -> Iterator[tuple[Path, int, int, str]]:
+@dataclass(frozen=True)
+class Mutant:
+    """A module, the offsets between which its text is another, and what stands there then."""
+
+    path: Path
+    low: int
+    high: int
+    new: str
+
+    @property
+    def name(self) -> str:
+        """File, line, change, and the line: the same as long as the line stands where it did."""
+        text = self.path.read_text(encoding="utf-8")
+        line = text.count("\n", 0, self.low) + 1
+        file, what = self.path.relative_to(ROOT).as_posix(), text.splitlines()[line - 1].strip()
+        return f"{file}:{line}: {text[self.low : self.high]} to {self.new}: {what}"
+
+    def survives(self, folder: Path) -> bool:
+        """Whether the nearest tests pass in a copy that holds it. Raises RuntimeError where they fail without it."""
+        text = self.path.read_text(encoding="utf-8")
+        copy = folder / self.path.relative_to(ROOT)
+        copy.write_text(text[: self.low] + self.new + text[self.high :], encoding="utf-8")
+        try:
+            if passes(nearest(self.path), folder, PATIENCE):
+                return True
+        except (RuntimeError, TimeoutExpired):  # not even imported, or without an end
+            return False
+        finally:
+            copy.write_text(text, encoding="utf-8")
+        if not passes(["--lf", *nearest(self.path)], folder):
+            raise RuntimeError(f"{self.name}: its tests fail without it")
+        return False
+
+
+def draw(seed: int, count: int) -> Iterator[Mutant]:
     """Mutants of a seed, each of another module."""
     dice = random.Random(seed)
     for path in dice.sample(modules(), count):
         places = list(mutants(path.read_text(encoding="utf-8")))
         if places and nearest(path):
-            yield path, *dice.choice(places)
+            yield Mutant(path, *dice.choice(places))
+
+
+def kept(seed: int) -> dict[str, str]:
+    """What became of the mutants of a seed: name -> "killed", "killed by a later test", "survives" or "equivalent: why"."""
+    return json.loads(RECORD.read_text(encoding="utf-8")).get(str(seed), {}) if RECORD.exists() else {}
+
+
+def keep(seed: int, found: dict[str, str]) -> None:
+    """Write what became of a seed's mutants."""
+    every = json.loads(RECORD.read_text(encoding="utf-8")) if RECORD.exists() else {}
+    RECORD.write_text(json.dumps(every | {str(seed): found}, indent=1) + "\n", encoding="utf-8")
+
+
+def rate(found: Iterable[str]) -> tuple[float, float]:
+    """Shares of mutants that are not equivalent: killed by the tests that there were, and by those of today."""
+    real = [word for word in found if not word.startswith("equivalent")]
+    return real.count("killed") / len(real), sum(word.startswith("killed") for word in real) / len(real)
 
 
 def main(seed: int, count: int) -> int:
-    """Try them, and print each with its line, and the rate."""
-    drawn, alive = list(draw(seed, count)), 0
+    """Try those of which nothing is kept, and survivors again; print and keep each, and the rates."""
+    drawn, before = list(draw(seed, count)), kept(seed)
+    found = {mutant.name: before.get(mutant.name, "") for mutant in drawn}
     with tempfile.TemporaryDirectory() as temporary:
         folder = copied(Path(temporary))
-        for path, low, high, new in drawn:
-            text = path.read_text(encoding="utf-8")
-            copy = folder / path.relative_to(ROOT)
-            copy.write_text(text[:low] + new + text[high:], encoding="utf-8")
-            try:
-                lives = passes(nearest(path), folder)
-            except RuntimeError:  # not even imported
-                lives = False
-            copy.write_text(text, encoding="utf-8")
-            if not lives and not passes(["--lf", *nearest(path)], folder):
-                print(f"{path}: its tests fail without a mutant", file=sys.stderr)
-                return 2
-            alive += lives
-            line = text.count("\n", 0, low) + 1
-            what = f"{path.relative_to(ROOT)}:{line}: {text[low:high]} to {new}: {text.splitlines()[line - 1].strip()}"
-            print(f"{'SURVIVES' if lives else 'killed  '}  {what}", flush=True)
-    rate = 1.0 - alive / len(drawn)
-    print(f"seed {seed}: {len(drawn)} mutants in as many of {len(modules())} modules, {100.0 * rate:.0f} % killed")
-    return 0 if rate >= GOAL else 1
+        for mutant in drawn:
+            if found[mutant.name] in ("", "survives"):
+                try:
+                    lives = mutant.survives(folder)
+                except RuntimeError as error:
+                    print(error, file=sys.stderr)
+                    return 2
+                killed = "killed by a later test" if found[mutant.name] else "killed"
+                found[mutant.name] = "survives" if lives else killed
+                keep(seed, {name: word for name, word in found.items() if word})
+            print(f"{found[mutant.name]}: {mutant.name}", flush=True)
+    first, now = rate(found.values())
+    said = f"{100.0 * first:.0f} % killed when drawn, {100.0 * now:.0f} % today"
+    print(f"seed {seed}: {len(drawn)} mutants in as many of {len(modules())} modules: {said}")
+    return 0 if now >= GOAL else 1
 
 
 if __name__ == "__main__":

@@ -43,8 +43,8 @@ def copied(folder: Path) -> Path:
     return folder
 
 
-def passes(tests: Sequence[str], folder: Path) -> bool:
-    """Whether tests pass in the copy. Raises RuntimeError where they do not run."""
+def passes(tests: Sequence[str], folder: Path, patience: float | None = None) -> bool:
+    """Whether tests pass in the copy. Raises RuntimeError where they do not run, TimeoutExpired after ``patience`` [s]."""
     done = subprocess.run(
         [sys.executable, "-P", "-m", "pytest", "-n", "0", "-x", "-q", *tests],
         cwd=folder,
@@ -53,6 +53,7 @@ def passes(tests: Sequence[str], folder: Path) -> bool:
         capture_output=True,
         text=True,
         check=False,
+        timeout=patience,
     )
     if done.returncode not in (0, 1):
         said = done.stdout[-2000:] + done.stderr[-2000:]

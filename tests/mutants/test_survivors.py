@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import json
 import tomllib
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +14,6 @@ from tests.helpers import small_screw
 from tests.mutants import draw
 
 from rollbench.comparison.gate import closed_forms
-from rollbench.comparison.models.model_form import SCALES, distance
 from rollbench.comparison.scenes.catalogue import scene as shipped
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.groove_map import GrooveMap
@@ -42,12 +42,6 @@ def test_textbook_formulas_agree_to_round_off():
     for name, _, computed, closed in closed_forms.sphere_on_flat(shipped("lin-case1"), 200.0):
         assert computed == pytest.approx(closed, rel=1e-9), name
     assert np.divide(*closed_forms.preload(shipped("lin-case1"), 5e-6)) == pytest.approx(1.0, rel=1e-6)
-
-
-def test_nuts_held_elsewhere_are_a_unit_apart():
-    here = dict.fromkeys(SCALES, 0.0)
-    assert distance(here, here)[0] == 0.0
-    assert distance(here, here | {"held": 2.0}) == (1.0, "held")
 
 
 @pytest.mark.parametrize("at", [0.06, 0.06 + 6e-6])
@@ -114,10 +108,41 @@ def test_mutants_are_of_the_present_sources(mutant):
 def test_drawn_mutants_are_sources_that_differ_in_one_place():
     drawn = list(draw.draw(1, 6))
     assert drawn == list(draw.draw(1, 6))
-    assert len({path for path, *_ in drawn}) == len(drawn) > 3
+    assert len({mutant.path for mutant in drawn}) == len(drawn) > 3
     assert any("kernel" in path.parts for path in draw.modules())
-    for path, low, high, new in drawn:
-        text = path.read_text(encoding="utf-8")
-        changed = text[:low] + new + text[high:]
+    for mutant in drawn:
+        text = mutant.path.read_text(encoding="utf-8")
+        changed = text[: mutant.low] + mutant.new + text[mutant.high :]
         assert ast.dump(ast.parse(changed)) != ast.dump(ast.parse(text))
-        assert all((ROOT / test).exists() for test in draw.nearest(path))
+        assert all((ROOT / test).exists() for test in draw.nearest(mutant.path))
+
+
+def test_a_record_of_drawn_mutants_goes_on_and_tries_survivors_again(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(draw, "RECORD", tmp_path / "drawn.json")
+    monkeypatch.setattr(draw, "copied", lambda folder: folder)
+    names = [mutant.name for mutant in draw.draw(1, 6)]
+    tried = []
+
+    def survives(mutant, _):
+        tried.append(mutant.name)
+        return mutant.name == names[0] and len(tried) <= len(names)
+
+    monkeypatch.setattr(draw.Mutant, "survives", survives)
+    assert draw.main(1, 6) == 1
+    assert tried == names
+    draw.keep(1, draw.kept(1) | {names[1]: "equivalent: it changes no answer"})
+    assert draw.main(1, 6) == 0
+    assert tried == [*names, names[0]]
+    assert draw.kept(1)[names[0]] == "killed by a later test"
+    assert draw.rate(draw.kept(1).values()) == ((len(names) - 2) / (len(names) - 1), 1.0)
+    assert capsys.readouterr().out.endswith("80 % killed when drawn, 100 % today\n")
+
+
+def test_the_kept_record_of_drawn_mutants_reaches_the_goal():
+    every = json.loads(draw.RECORD.read_text(encoding="utf-8"))
+    found = [word for own in every.values() for word in own.values()]
+    assert len(found) >= 40
+    assert set(found) - {"killed", "killed by a later test", "survives"} == {
+        w for w in found if w.startswith("equivalent: ")
+    }
+    assert draw.rate(found)[1] >= draw.GOAL

@@ -173,12 +173,13 @@ def friction(
     condensed: Path | None = None,
     balls: Flag = False,
     time_limit: float | None = None,
+    strict: Flag = False,
     as_json: Json = False,
 ) -> int:
     """Friction of a screw or bearing at its static loads: ball motion, losses, friction torque, efficiency, drag.
 
     Also solves the kinds of scenes that only friction solves: balls of a rotary or linear bearing, two balls or a whole
-    ball screw in time, bearings in pairs; these take --time-limit and --json only.
+    ball screw in time, bearings in pairs; these take --time-limit, --strict and --json only.
 
     Parameters
     ----------
@@ -196,13 +197,16 @@ def friction(
         Also print motion, loads and losses of every ball.
     time_limit
         Seconds after which to give up, with exit code 1; none unless given.
+    strict
+        Exit code 1 where a line WARNING stands above the answers: pressure, preload, static safety or rotations beyond
+        what the models mean, or a play that nobody stated.
     """
     from rollbench.comparison.commands.friction import run_friction
     from rollbench.comparison.commands.friction_whole import Choices
 
     choices = Choices(model, tuple(mu or ()), member, condensed)
     out = (as_json, show, print_json)
-    return run_friction(scene, choices, *out, balls=balls, width=text_width(), time_limit=time_limit)
+    return run_friction(scene, choices, *out, balls=balls, width=text_width(), time_limit=time_limit, strict=strict)
 
 
 @app.command

@@ -57,7 +57,8 @@ def report(
     out
         Folder to write to.
     quick
-        Coarsest mesh of the 3D reference and cases 1 and 2 only, no pictures, stability or timing; the report says so.
+        Compute the coarsest mesh of the 3D reference of cases 1 and 2 only, no pictures, crosscheck, stability or timing;
+        the report says so. --stored takes less time and shows more.
     stored
         Compute no run of the 3D reference: use those that come with the package, and leave out what they do not hold.
     store

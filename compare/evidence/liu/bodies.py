@@ -105,7 +105,7 @@ def compare_solid(study: Study) -> tuple[Solid, ...]:
         scene, bar = study.scene(name), uncertainty_percent(found)
         for model in ("axial", "lin", "refined"):
             load = axial_loads(scene) if model == "axial" else study.solve(scene, model).load
-            e = load_error(load, found.load)
+            e = load_error(load, found.load, found.contacts)
             carried, held = (int(np.count_nonzero(x[:, 0] > 0.0)) for x in (load, found.load))
             rows.append(Solid(name, scene.title, model, e.rms_percent, e.max_percent, e.ball, bar, carried, held))
     return tuple(rows)

@@ -13,13 +13,16 @@ from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.parts import Scene
+from rollbench.meshes.one_arc import is_one_arc
+from rollbench.meshes.parts import SIDES, Scene
 
 #: Signs of the contact directions of SL, SR, NL, NR in the section: along the radius, along the binormal.
 WAYS = np.array([[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]])
 FREEDOM = {name: k for k, name in enumerate(("ux", "uy", "uz", "rx", "ry", "rz"))}
-#: Share of the largest force (or moment) that may be out of balance: printed numbers and lever arms of the nominal state.
-BALLS, SCREW = 1e-6, 1e-4
+#: Share of the largest force (or moment) that may be out of balance, or off Hertz' law, besides round-off.
+EXACT = 1e-12
+#: Round-off of a contact's force over its stiffness times the lengths that make its approach: some digits of each.
+DIGITS = 4.0 * float(np.finfo(float).eps)
 #: Approach [m] of a contact force that counts as none, whatever the others are.
 NOTHING = 1e-11
 #: Share of the forces of a strained screw that double precision leaves out of balance.
@@ -75,15 +78,31 @@ def wrench_of_loads(scene: Scene) -> Array:
     return total
 
 
-def nothing(scene: Scene, result: StaticResult) -> float:
-    """Force [N] that counts as none: of an approach of ``NOTHING``, or the round-off of a strained screw."""
-    felt, arm = float((NOTHING / result.hertz_C.mean()) ** 1.5), scene.track.pitch_radius
+def nothing(result: StaticResult) -> float:
+    """Force [N] of a contact that counts as none: of an approach of ``NOTHING``."""
+    return float((NOTHING / result.hertz_C.mean()) ** 1.5)
+
+
+def strained(scene: Scene) -> float:
+    """Force [N] that the round-off of prescribed motions makes in an elastic screw between its supports."""
+    arm = scene.track.pitch_radius
     moved = [abs(v) * (arm if name[0] == "r" else 1.0) for s in scene.supports for name, v in s.fixed]
     apart = np.diff(sorted({s.at for s in scene.supports}))
     if scene.ingredients.screw == "rigid" or not apart.size:
-        return felt
+        return 0.0
     stiff = scene.screw.material.youngs_modulus * np.pi * (scene.screw.outer_diameter / 2.0) ** 2 / float(apart.min())
-    return max(felt, STRAINED * stiff * max(moved, default=0.0))
+    return STRAINED * stiff * max(moved, default=0.0)
+
+
+def round_off(scene: Scene, result: StaticResult) -> tuple[float, float]:
+    """Force [N] that the last digits of motions and lengths make in the contacts of one ball at most, and in all of them.
+
+    An approach is the difference of the lengths of groove and ball from one centre where flanks are no arcs."""
+    stiff = 1.5 * np.cbrt(result.load) / result.hertz_C
+    lengths = float(np.abs(result.centreline[:, :3]).max()) + max(scene.screw.groove_radius, scene.nut.groove_radius)
+    if not any(scene.errors.side(name).profile for name in ("SL", "SR", "NL", "NR")):
+        lengths -= scene.balls.radius
+    return DIGITS * lengths * float(stiff.sum(axis=1).max()), DIGITS * lengths * float(stiff.sum())
 
 
 def unbalanced(scene: Scene, result: StaticResult) -> str:
@@ -96,8 +115,9 @@ def unbalanced(scene: Scene, result: StaticResult) -> str:
     size = max(float(load.max()), float(np.abs(applied).max()))
     if size == 0.0:
         return ""
-    none = nothing(scene, result)
-    if float(np.linalg.norm(own.sum(axis=1), axis=1).max()) > max(BALLS * size, none):
+    felt = nothing(result) if float(load.max()) <= nothing(result) else 0.0
+    of_ball, of_all = round_off(scene, result)
+    if float(np.linalg.norm(own.sum(axis=1), axis=1).max()) > max(EXACT * size, of_ball, felt):
         return f"ball {int(np.linalg.norm(own.sum(axis=1), axis=1).argmax()) + 1} is not in balance"
     middle = np.array([0.0, 0.0, scene.nut.position])
     total = applied.copy()
@@ -107,6 +127,7 @@ def unbalanced(scene: Scene, result: StaticResult) -> str:
     # what no support can carry must vanish; a free motion along the helix is held by a pin, which the result states
     free = free_of(scene)
     largest = max(size, float(np.abs(own[:, :2].sum(axis=(0, 1))).max()), float(load.sum()) * 1e-3)
+    none = max(of_all, strained(scene), felt)
     arm = max(1.0, float(np.abs(centre[:, 2] - scene.nut.position).max()) / scene.track.pitch_radius)
     if neutral(scene, free).size:
         taken = wrench_of_pin(scene, result)
@@ -114,9 +135,44 @@ def unbalanced(scene: Scene, result: StaticResult) -> str:
             return f"the pin of a free motion takes {float(np.abs(taken).max()):.3g} N"
         total += taken
     left = free.T @ total
-    if float(np.abs(left).max(initial=0.0)) > max(SCREW * largest, none) * arm:
+    if float(np.abs(left).max(initial=0.0)) > max(EXACT * largest, none) * arm:
         return f"the screw is out of balance by {float(np.abs(left).max()):.3g} N"
     return ""
+
+
+def off_the_law(scene: Scene, result: StaticResult) -> str:
+    """Which contact of arcs has another load than Hertz' law gives it by the motions of ball and screw, in words; empty
+    where none has. For a rigid nut and balls, and screws whose flanks move with a station of the centreline."""
+    choices = scene.ingredients
+    if choices.arm == "nominal" or (choices.screw != "rigid" and choices.partition != "nodal"):
+        return ""
+    drawn, (centre, axes) = specimen(scene, ball_layout(scene)), frames(scene)
+    if drawn.profile.shape[1] or float(result.load.max()) <= nothing(result):
+        return ""
+    z, u, w = result.centreline_z, result.centreline, result.centre_shift[:, None, :] - drawn.centre
+    slope, beta = np.arctan2(scene.track.lead, 2.0 * np.pi * scene.track.pitch_radius), scene.track.contact_angle
+    furthest = 0.0
+    for s in (0, 1):
+        rise = 0.0 if choices.arm == "ball" else scene.balls.radius * np.sin(beta) * np.cos(slope) * WAYS[s, 1]
+        station = np.abs(z[None, :] - centre[:, 2:] - rise).argmin(axis=1)
+        from_axis = centre + np.einsum("na,nak->nk", drawn.centre[:, s], axes)
+        from_axis[:, 2] -= z[station]
+        moved = u[station, :3] + np.cross(u[station, 3:], from_axis)
+        furthest = max(furthest, float(np.abs(moved).max()))
+        w[:, s] -= np.einsum("nak,nk->na", axes, moved)
+    approach = drawn.ball_radius[:, None] - drawn.radius + np.hypot(w[..., 0], w[..., 1])
+    law = (np.maximum(approach, 0.0) / result.hertz_C) ** 1.5
+    if is_one_arc(scene):
+        law[:, 1:3] = 0.0  # one arc a groove, which SL and NR stand for
+    stiff = 1.5 * np.cbrt(np.maximum(law, result.load)) / result.hertz_C
+    allowed = np.maximum(EXACT * float(result.load.max()), DIGITS * (furthest + drawn.radius) * stiff)
+    allowed[result.load == 0.0] = np.maximum(allowed[result.load == 0.0], nothing(result))
+    off = np.abs(law - result.load) / allowed
+    ball, side = (int(k) for k in np.unravel_index(int(off.argmax()), off.shape))
+    if off[ball, side] <= 1.0:
+        return ""
+    at = f"ball {ball + 1} {SIDES[side]}"
+    return f"Hertz' law gives {law[ball, side]:.9g} N, not {result.load[ball, side]:.9g} N, on {at}"
 
 
 def wrench_of_pin(scene: Scene, result: StaticResult) -> Array:
@@ -177,7 +233,7 @@ def brute_force(scene: Scene, result: StaticResult) -> float | None:
         or drawn.profile.shape[1]
         or not few
         or scene.ingredients.arm == "nominal"
-        or float(result.load.max()) <= nothing(scene, result)
+        or float(result.load.max()) <= nothing(result)
     ):
         return None
     free, applied = free_of(scene), wrench_of_loads(scene)

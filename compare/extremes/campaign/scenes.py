@@ -69,7 +69,7 @@ def _judged(text: str, number: int, model: str, command: Command | None) -> tupl
 def _verdict(scene: Scene, result: StaticResult, number: int, model: str) -> tuple[str, str, bool]:
     if not result.converged:
         return (*_refusal(scene, result), False)
-    fault = check.unbalanced(scene, result)
+    fault = check.unbalanced(scene, result) or (check.off_the_law(scene, result) if model == "lin" else "")
     if fault:
         return WRONG, fault, False
     if number % OTHER_ENGINE == 0 and scene.ball_count <= FEW:
@@ -77,7 +77,7 @@ def _verdict(scene: Scene, result: StaticResult, number: int, model: str) -> tup
         if other.status != result.status:
             return WRONG, f"the other engine says: {other.status}", False
         apart = float(abs(other.load - result.load).max())
-        if apart > max(SAME * float(result.load.max()), check.nothing(scene, result)):
+        if apart > max(SAME * float(result.load.max()), check.nothing(result)):
             return WRONG, f"loads of the two engines differ by {apart:.3g} N", False
     lower = check.brute_force(scene, result) if model == "lin" else None
     if lower is not None and lower > LOWER:

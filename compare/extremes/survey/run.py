@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -12,14 +11,14 @@ import numpy as np
 
 from rollbench.comparison import __version__
 from rollbench.comparison.extremes.survey.record import LEVEL, MODELS, Record, surveyed
+from rollbench.comparison.models.applicability import SURVEY
 from rollbench.comparison.reference import parallel
+from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.sweep import store
 
-#: File of the kept record.
-FILE = "survey.json"
 #: Status of a scene with an answer, and the errors that the table sums up, with their unit.
 ANSWERED = "converged"
-ERRORS = ("largest_percent", "rms_percent", "displacement_percent", "rigidity_percent")
+ERRORS = ("largest_percent", "rms_percent", "displacement_percent", "rigidity_percent", "pressure_percent")
 
 
 def _solved(folder: Path, token: str, seed: int, number: int) -> Record | None:
@@ -65,7 +64,7 @@ def text(seed: int, records: Sequence[Record]) -> str:
 
 def shipped() -> dict[str, Any]:
     """The record that comes with the package; without scenes where there is none."""
-    path = Path(str(resources.files("rollbench.comparison").joinpath("extremes", "survey", FILE)))
+    path = shipped_store() / SURVEY
     found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {"scenes": []}
     return found
 

@@ -12,7 +12,7 @@ force. But there may be several solutions (two balls in two-point contact may pa
 states besides): friction between balls makes the very forces that cause it.
 The answer then is the end of the path that begins without friction between balls, at the one solution of the convex
 problem with smoothed friction, and along which that friction rises and smoothing falls (``kernel.path``). Balls
-that all part without it do part.
+that all part without it do part. ``second_state`` looks for others.
 """
 
 from __future__ import annotations
@@ -37,6 +37,8 @@ TOLERANCE = 1e-12
 HOLD = 1e-11
 #: Forces out of balance up to this still count as converged (round-off where contacts stick).
 ACCEPTED = 1e-9
+#: Difference of forces between balls that makes another state, over the largest friction bound of a ball.
+ANOTHER = 1e-3
 #: Most Newton steps.
 STEPS = 50_000
 
@@ -141,16 +143,40 @@ def solve_linear_chain(chain: Chain, start: Array | None = None, fast: bool = Tr
     mu_balls 0 to 0.5, contacts without load included; ``status`` tells where forces are not in balance. Where a ball
     has motions without resistance (less than three contacts), forces are unique and these motions only roughly so.
     """
-    count, nominal = chain.count, chain.problem.nominal
-    push = np.zeros(count - 1)
-    drift = np.zeros((count, 3)) if start is None else np.asarray(start, dtype=float) - nominal
-    state = ChainState(np.zeros((count, 4, 2)), np.zeros((count - 1, 3)), drift)
+    state, push, work = _room(chain)
+    if start is not None:
+        state.drift[:] = np.asarray(start, dtype=float) - chain.problem.nominal
     if chain.scale == 0.0 or chain.sign == 0.0:
         return _result(chain, state, push, (0, 0.0), fast)
-    n = 4 * count
-    work = Work(np.empty((n, WIDTH)), np.empty((n, FILLED)), np.empty(n), np.empty(n), np.zeros(n))
     done = kernels(LINEAR, compiled=fast).chain_motion(chain.problem, state, push, work, CREEP, TOLERANCE, STEPS)
     return _result(chain, state, push, done, fast)
+
+
+def second_state(chain: Chain, found: ChainResult, fast: bool = True) -> ChainResult | None:
+    """A solution of the chain other than ``found``, from three starts: the end of the path of rising friction between
+    balls, the balls as they are without it, and all pairs pressed together. Of several, the one with the largest force.
+
+    A search: that it finds none is no proof that there is none. Without friction between balls there is only one.
+    """
+    best, engine = None, kernels(LINEAR, compiled=fast)
+    if chain.bearing.mu_balls == 0.0 or not chain.problem.closed.any() or chain.scale == 0.0 or chain.sign == 0.0:
+        return None
+    for start in range(engine.STARTS):
+        state, push, work = _room(chain)
+        done = engine.other_motion(chain.problem, state, push, work, CREEP, TOLERANCE, STEPS, start)
+        other = _result(chain, state, push, done, fast)
+        apart = float(np.abs(other.ball_force - found.ball_force).max()) > ANOTHER * chain.scale
+        if apart and other.status == "converged" and (best is None or other.ball_force.max() > best.ball_force.max()):
+            best = other
+    return best
+
+
+def _room(chain: Chain) -> tuple[ChainState, Array, Work]:
+    """Nominal motion, no forces between balls, and room for Newton's method."""
+    count, n = chain.count, 4 * chain.count
+    state = ChainState(np.zeros((count, 4, 2)), np.zeros((count - 1, 3)), np.zeros((count, 3)))
+    work = Work(np.empty((n, WIDTH)), np.empty((n, FILLED)), np.empty(n), np.empty(n), np.zeros(n))
+    return state, np.zeros(count - 1), work
 
 
 def _result(chain: Chain, state: ChainState, push: Array, done: tuple[int, float], fast: bool) -> ChainResult:

@@ -32,6 +32,9 @@ from .search import FALLS, GROWN, PATIENCE, TRIALS, WHOLE_STEPS, first_trial, ne
 #: Residual asked of the linear equations, as a fraction of that of the contact forces: a tenth keeps Newton's own order.
 FORCING = 0.1
 STRICT = 1e-8  # of it, once a search has found nothing: a step that is not exact may not go down
+#: Residual over the least one before from which on a step has got on too little: near the end rows and factors are then
+#: found anew. Under a contact that vanishes those of a step before it are too stiff, whatever the energy does.
+HALVED = 0.5
 
 
 @kernel
@@ -324,13 +327,13 @@ def solve_forces(
             status = NOT_HELD
             break
         falls = lowest - energy > FALLS * abs(energy)
-        stalled = 0 if residual < 0.5 * best or falls else stalled + 1
+        fresh = residual > WHOLE_STEPS or residual >= HALVED * best
+        stalled = 0 if residual < HALVED * best or falls else stalled + 1
         lowest = energy if falls else lowest
         flat = 0 if residual < 0.9 * best or falls else flat + 1
         best = min(best, residual)
         if (flat >= 2 and residual <= 1e-9) or stalled >= PATIENCE or stuck >= 2:
             break
-        fresh = residual > 1e-7 or stalled > 0
     place_flanks(bodies, state, g, v)
     evaluate_balls(v, contacts, state, f, tiny)
     loose = unbalanced(state, scale)

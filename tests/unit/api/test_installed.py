@@ -1,5 +1,6 @@
 """What is installed is the package rollbench alone, whatever a user's own files are called."""
 
+import json
 import os
 import subprocess
 import sys
@@ -14,6 +15,9 @@ from hatchling.builders.sdist import SdistBuilder
 from hatchling.builders.wheel import WheelBuilder
 
 import rollbench
+from rollbench.comparison.provenance import inputs
+from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison.scenes import catalogue
 
 ROOT = Path(__file__).parents[3]
 BEFORE = "import meshes, compare, reports\nimport rollbench\n"
@@ -85,6 +89,22 @@ def test_it_solves_beside_files_of_the_same_names(python: Path, tmp_path: Path, 
     )
     assert done.returncode == 0, done.stderr
     assert float(done.stdout) == pytest.approx(rollbench.solve("lin-case1").load.max(), rel=1e-9)
+
+
+def test_a_report_is_verified_alike_from_the_wheel_and_from_here(python: Path) -> None:
+    """Hashes of the sources, scenes, printed data and stored runs: every one that a report rests on."""
+    code = (
+        "import json; from rollbench.comparison.provenance import inputs; "
+        "from rollbench.comparison.scenes.catalogue import scene_names, scene_text; "
+        "from rollbench.comparison.reference.store import shipped_store; "
+        "print(json.dumps(inputs([shipped_store()], {name: scene_text(name) for name in scene_names()})))"
+    )
+    alone = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    done = subprocess.run([python, "-P", "-c", code], env=alone, capture_output=True, text=True, check=True)
+    there = json.loads(done.stdout)
+    here = inputs([shipped_store()], {name: catalogue.scene_text(name) for name in catalogue.scene_names()})
+    assert len(here) > 200
+    assert there == here
 
 
 def test_the_names_of_the_library_are_loaded_when_used() -> None:

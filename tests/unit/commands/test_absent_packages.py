@@ -65,19 +65,34 @@ def test_commands_without_a_package(package, words, code, said, tmp_path):
     assert (found, said in text, "Traceback" in text) == (code, True, False), text
 
 
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory):
+    """Python of an environment of its own, into which the package is installed from the registry."""
+    folder = tmp_path_factory.mktemp("environment")
+    venv.create(folder, with_pip=True)
+    python = str(folder / "bin" / "python")
+    pip(python, "install", str(TOP))
+    return python
+
+
+def pip(python, what, *words):
+    constraints = ["-c", str(TOP / ".ci" / "constraints.txt")] if what == "install" else []
+    subprocess.run([python, "-m", "pip", "-q", what, *constraints, *words], check=True)
+
+
 @pytest.mark.survey
+@pytest.mark.timeout(3600)
 @pytest.mark.parametrize("package", sorted(libraries.ONLY_FOR))
-def test_commands_where_a_package_is_truly_not_installed(package, tmp_path):
-    venv.create(tmp_path / "venv", with_pip=True)
-    python = str(tmp_path / "venv" / "bin" / "python")
-    pip = [python, "-m", "pip", "-q"]
-    subprocess.run([*pip, "install", "-c", str(TOP / ".ci" / "constraints.txt"), str(TOP)], check=True)
-    subprocess.run([*pip, "uninstall", "-y", package], check=True)
-    for _, words, code, said in (case for case in CASES if case[0] == package):
-        found, text = run(words, tmp_path, (python, "-P", "-m", "rollbench"))
-        assert (found, said in text, "Traceback" in text) == (code, True, False), text
-    found, text = run(["doctor"], tmp_path, (python, "-P", "-m", "rollbench"))
-    assert (found, f"missing   {package}: not installed; {libraries.ONLY_FOR[package]}" in text) == (1, True), text
+def test_commands_where_a_package_is_truly_not_installed(package, installed, tmp_path):
+    pip(installed, "uninstall", "-y", package)
+    try:
+        for _, words, code, said in (case for case in CASES if case[0] == package):
+            found, text = run(words, tmp_path, (installed, "-P", "-m", "rollbench"), PYTHONPATH="")
+            assert (found, said in text, "Traceback" in text) == (code, True, False), text
+        found, text = run(["doctor"], tmp_path, (installed, "-P", "-m", "rollbench"), PYTHONPATH="")
+        assert (found, f"missing   {package}: not installed; {libraries.ONLY_FOR[package]}" in text) == (1, True), text
+    finally:
+        pip(installed, "install", package)
 
 
 def test_every_package_that_may_be_absent_is_a_requirement_and_is_tried():

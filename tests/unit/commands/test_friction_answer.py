@@ -410,11 +410,36 @@ def test_a_scene_that_states_no_play_says_what_play_does():
     assert played["friction_torque_as_given_Nmm"] == found.data["torque"]["friction_torque_Nmm"]
     stated = answer(smaller)
     assert played["friction_torque_Nmm"] == pytest.approx(stated.data["torque"]["friction_torque_Nmm"], rel=1e-9)
-    assert found.lines[0].startswith("WARNING: no preload and no play are stated")
-    assert all(f"{played[key]:.4g} N mm" in found.lines[0] for key in played if key.startswith("friction"))
+    assert found.warning.startswith("WARNING: no preload and no play are stated")
+    assert all(f"{played[key]:.4g} N mm" in found.warning for key in played if key.startswith("friction"))
+    shown = [part for part in as_table(found, 400) if isinstance(part, str)]
+    assert (shown[2], sum("no preload and no play" in part for part in shown)) == (found.warning, 1)
     assert stated.data["play"] is None
-    assert not [line for line in stated.lines if "WARNING" in line]
+    assert stated.warning == ""
     assert answer(replace(scene, errors=Errors(balls=BallErrors(oversize=3e-6)))).data["play"] is None
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new", "said"),
+    [
+        ("lin-case1-cut", "", "", ("WARNING: no preload and no play are stated",)),
+        ("two-balls", "", "", ()),
+        ("two-balls", 'oversize = "5 um"', 'oversize = "60 um"', ("WARNING outside", "contact pressure", "static safety")),
+        ("double-nut", "", "", ()),
+        ("double-nut", 'offset = "-4 um"', 'offset = "-120 um"', ("WARNING outside", "nut 1: preload", "nut 2: preload")),
+    ],
+)
+def test_strict_ends_with_1_where_a_line_stands_above_the_answers(name, old, new, said, tmp_path, capsys, monkeypatch):
+    (tmp_path / "a.toml").write_text(catalogue.scene_text(name).replace(old, new), encoding="utf-8")
+    found = solve_friction(str(tmp_path / "a.toml"), Choices(mu=(0.1,)))
+    monkeypatch.setattr(friction_answer, "solve_friction", lambda *_: found)
+    for strict in (False, True):
+        with pytest.raises(SystemExit) as stop:
+            cli.main(["friction", name, "--mu", "0.1", "--json", *(["--strict"] if strict else [])])
+        line = json.loads(capsys.readouterr().out)["warning"] or ""
+        assert (stop.value.code or 0) == int(strict and bool(said))
+        assert [line.count(word) for word in said] == [1] * len(said)
+        assert bool(line) == bool(said)
 
 
 def test_torques_over_the_measured_coefficients_stand_beside_the_maker_s_formula():

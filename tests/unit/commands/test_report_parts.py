@@ -24,7 +24,7 @@ def test_wanted_parts():
     assert [p.name for p in wanted_parts(["timing", "hertz"], quick=True)] == ["hertz", "timing"]
     assert [p.name for p in wanted_parts([])] == list(report.SECTIONS)
     left = {p.name for p in PARTS} - {p.name for p in wanted_parts([], quick=True)}
-    assert left == {"pictures", "stability", "timing"}
+    assert left == {"crosscheck", "pictures", "stability", "timing"}
     with pytest.raises(InputError, match="no-such"):
         wanted_parts(["no-such"])
 

@@ -24,6 +24,8 @@ from rollbench.comparison.extremes.static import (
 )
 from rollbench.comparison.scenes.body_checks import geometry_faults
 from rollbench.comparison.scenes.catalogue import scene as shipped
+from rollbench.lowfi.compliance.bodies import LADDER
+from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.section import screw_section
@@ -170,3 +172,11 @@ def test_table_keeps_the_order_and_reports_progress():
 def test_table_refuses_unknown_names():
     with pytest.raises(ValueError, match="no such case or group: wobble"):
         table(only=["wobble"])
+
+
+@pytest.mark.parametrize("backend", ["lin-nut", "refined"])
+def test_a_ball_that_moves_off_takes_few_steps(backend):
+    """Under a contact that vanishes the stiffness of a step before it is too much: 994 steps, by one that was kept."""
+    found = solve_elastic(CASES["one ball, squeezed, free to move off"].scene, backend=LADDER[backend])
+    assert found.status == "converged"
+    assert found.solver.iterations < 40

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rollbench.comparison.evidence import source_cases
-from rollbench.lowfi.friction.linear.chain import CREEP, prepare, solve_linear_chain
+from rollbench.lowfi.friction.linear.chain import CREEP, prepare, second_state, solve_linear_chain
 from rollbench.lowfi.friction.linear.kernel import band, coupled, energy, newton, path
 from rollbench.lowfi.friction.linear.loads import balanced_loads
 from rollbench.lowfi.friction.linear.records import ChainPoint, ChainState, Smoothing, Work
@@ -141,6 +141,14 @@ def test_two_solutions_and_the_one_taken():
     taken = solve_linear_chain(chain)
     assert taken.status == "converged"
     assert taken.ball_force[0] == 0.0
+    second = second_state(chain, taken)
+    assert second.status == "converged"
+    assert second.ball_force[0] / chain.scale == pytest.approx(jammed[0], abs=1e-8)
+    assert second.drive > 10.0 * taken.drive, "the jammed balls drag, those apart roll"
+    assert second_state(chain, second).ball_force[0] == 0.0
+    assert second_state(apart, taken) is None
+    smooth = prepare(replace(BEARING, mu_balls=0.1), angles, loads)
+    assert second_state(smooth, solve_linear_chain(smooth)) is None
 
 
 def test_both_engines_agree_on_the_path():

@@ -14,8 +14,8 @@ from rollbench.lowfi.friction.screw.chain import Chain, Search, solve_chain
 from rollbench.lowfi.friction.screw.groove import SIGN_X, SIGN_Z
 from rollbench.lowfi.friction.screw.kernel.balance import HALF
 from rollbench.lowfi.friction.screw.load import Cell, settle_load
-from rollbench.lowfi.friction.screw.motion import screw_contacts
-from rollbench.lowfi.friction.screw.pair import BOTH, Pair, oversize_map, solve_pair
+from rollbench.lowfi.friction.screw.motion import ball_motion, screw_contacts
+from rollbench.lowfi.friction.screw.pair import BOTH, Pair, implied_load, oversize_map, sliding_speed, solve_pair
 
 SCREW = table_3_6()
 TWO = np.radians(2.0)
@@ -234,3 +234,11 @@ def test_bad_input() -> None:
         replace(SCREW, pitch_radius=3.2e-3, lead=0.0).pair  # noqa: B018
     assert np.array_equal(SIGN_X * SIGN_Z, [1.0, -1.0, -1.0, 1.0])
     assert isinstance(Pair(SCREW, (0.0, 0.0)).cell(), Cell)
+
+
+def test_the_load_that_a_force_and_its_losses_imply_is_the_one_whose_losses_they_are() -> None:
+    pair = inferred(TWO)
+    force, load = 3.0, 120.0
+    each = ball_motion(pair.groove, np.full(4, load / 4.0), np.full(4, pair.groove.contact_angle)).motion.loss
+    increase = 0.5 * pair.groove.mu * force * sliding_speed(pair) / each
+    assert implied_load(pair, force, increase) == pytest.approx(load, rel=1e-8)

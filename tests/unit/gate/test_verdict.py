@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from rollbench.comparison.gate.gate import GateRow
-from rollbench.comparison.gate.verdict import CODES, LARGEST, ONE_LEVEL, RMS, RULE, Limits, judge, word, worst_of
+from rollbench.comparison.gate.verdict import CODES, LARGEST, ONE_LEVEL, RMS, Limits, judge, word, worst_of
+from rollbench.comparison.models.comparison import RULE
 from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.reference.grid_parts import GridParts
 

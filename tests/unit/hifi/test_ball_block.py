@@ -78,10 +78,9 @@ def test_what_is_known_of_a_side_is_taken_over(block, dense):
         found = block.factor(active, known)
         for s, (i, j) in enumerate(((0, 5), (5, 12), (12, 16))):
             if np.array_equal(active[i:j], known.active[i:j]):
-                assert found.cholesky[s] is known.cholesky[s]
-                assert found.inner[s] is known.inner[s]
+                assert found.sides[s] is known.sides[s]
             else:
-                assert found.cholesky[s] is not known.cholesky[s]
+                assert found.sides[s].cholesky is not known.sides[s].cholesky
         assert relative(found.solve(rhs), dense_solve(dense, active, rhs)) < 1e-11
         known = found
 

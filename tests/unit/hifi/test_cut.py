@@ -166,3 +166,14 @@ def test_a_meshed_shaft_is_beam_and_cuts(meshed):
     assert np.linalg.norm(left) < 2.5e-3 * np.linalg.norm(F)
     assert np.hypot(*stake[3:5, 2]) > 0.045 * F[2, 2]
     assert np.hypot(*left[3:5, 2]) < 0.06 * np.hypot(*stake[3:5, 2])
+
+
+def test_what_couples_shear_with_turning_alike_in_all_directions_is_no_cut() -> None:
+    """A shear force bends and a moment shears every metre alike about both axes: the cuts stay as they were."""
+    lead, alike = 2 * np.pi * RIGHT.rg, np.zeros((6, 6))
+    for i in (0, 1):
+        alike[i, i + 3] = alike[i + 3, i] = 0.3 * RIGHT.R / SECTION.EI
+    lengths = [k * lead for k in (2, 4, 2.25)]
+    more = [(length, shaft(RIGHT, length) + uniform_cantilever(length, alike)) for length in lengths]
+    size = np.outer(UNIT, UNIT)
+    np.testing.assert_allclose(cut_flexibility(RIGHT, more, MEAN) / size, known(RIGHT) / size, rtol=0, atol=1e-11)

@@ -2,6 +2,7 @@
 
 import os
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from scipy.linalg import block_diag
 
 from rollbench.comparison.scenes import catalogue
 from rollbench.hifi import (
+    balls,
     condensed,
     contact_kinematics,
     coupling,
@@ -32,9 +34,12 @@ from rollbench.hifi.pressures import mean_weights
 from rollbench.hifi.response import compliance
 from rollbench.hifi.settings import Settings
 from rollbench.hifi.side_by_side import Part, make
-from rollbench.meshes.cache import Cache
+from rollbench.meshes.cache import Cache, key_of
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import FourierTerm, Load, SideErrors, Support
 from rollbench.meshes.sockets import local_points
+from rollbench.meshes.solid import dimensions
 
 pytestmark = pytest.mark.xdist_group("helped by processes")
 
@@ -382,6 +387,54 @@ def test_a_long_solution_tells_its_rounds(small, monkeypatch):
     ]
 
 
+def test_frozen_loads_are_found_on_the_way_at_less_than_half_of_their_work(small, monkeypatch):
+    """Both solutions have their first round in common, the one that begins from nothing."""
+    work = {"factors": 0, "from nothing": 0}
+    factor, solve = balls._System.factor, reference.solve_balls
+
+    def factored(*given):
+        work["factors"] += 1
+        return factor(*given)
+
+    def solved(*given, start, touching):
+        work["from nothing"] += start is None
+        return solve(*given, start=start, touching=touching)
+
+    monkeypatch.setattr(balls._System, "factor", factored)
+    monkeypatch.setattr(reference, "solve_balls", solved)
+    moving = reference.solve_reference(small, small.scene)
+    alone = work["factors"]
+    still = reference.solve_reference(small, small.scene, updates=0)
+    again = work["factors"] - alone
+    assert work["from nothing"] == 2
+    work.update(dict.fromkeys(work, 0))
+    found = reference.solve_reference(small, small.scene, frozen=True)
+    np.testing.assert_array_equal(found.load, moving.load)
+    np.testing.assert_array_equal(found.frozen, still.load)
+    assert np.abs(found.frozen - found.load).max() > 1e-6 * found.load.max()
+    assert moving.frozen is None
+    assert work["from nothing"] == 1
+    assert 2 * (work["factors"] - alone) < again
+
+
+def test_the_shaft_is_kept_whatever_nut_and_stations_are():
+    """Its section costs a fifth of a coarse set-up, and depends on the screw alone."""
+
+    def key(scene, stations, sizes=SMALL):
+        m, layout, dims = (of(scene) for of in (GrooveMap.of, ball_layout, dimensions))
+        none = SimpleNamespace(screw=None, nut=None, ball=None)
+        part = setup._body_parts(scene, m, layout, dims, none, (0, 3), sizes, {}, stations)[0]
+        assert part.stage == "shaft section"
+        return key_of(part.build, part.arguments, part.type_)
+
+    scene, ends = two_balls(), (0.0, 60e-3)
+    known = key(scene, ends)
+    thicker = replace(scene, nut=replace(scene.nut, outer_diameter=scene.nut.outer_diameter + 1e-3))
+    assert key(thicker, ends) == known == key(scene, (0.0, 55e-3, 60e-3))
+    other = replace(scene, screw=replace(scene.screw, bore=3e-3))
+    assert len({known, key(other, ends), key(scene, ends, replace(SMALL, cell=8e-3)), key(scene, (30e-3,))}) == 4
+
+
 def test_a_set_up_in_two_processes_is_the_same(small, cache, tmp_path):
     source_s_mesh = replace(SMALL, element="P1", tet=0.35e-3, modes=16, ball_modes=16)
     here = setup.prepare(small.scene, small.sides, source_s_mesh, cache=Cache(cache.root))
@@ -403,6 +456,15 @@ def test_a_process_that_is_ended_from_outside_is_a_lack_of_memory():
     part = Part("any", eval, (ended,), type(None))
     with pytest.raises(MemoryError, match="ended from outside"):
         make([part, part], Cache(None), 2)
+
+
+@pytest.mark.parametrize("processes", [1, 2])
+def test_parts_are_told_as_they_are_made(processes):
+    parts = [Part("any", eval, (text,), int) for text in ("1", "2", "(__import__('time').sleep(0.5), 1 // 0)[1]")]
+    heard = {}
+    with pytest.raises(ZeroDivisionError):
+        make(parts, Cache(None), processes, lambda k, one: heard.update({k: one.value}))
+    assert heard == {0: 1, 1: 2}
 
 
 def test_parts_are_made_here_and_by_others_in_their_order():

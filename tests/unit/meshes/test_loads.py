@@ -1,11 +1,17 @@
 """The mean load that percentages are of."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from rollbench.comparison.commands.summary import loads_json
 from rollbench.comparison.measure import load_error
+from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.loads import mean_load
+from rollbench.meshes.parts import BallErrors, Errors
 
 
 def loads(stray=0.0):
@@ -32,3 +38,29 @@ def test_contacts_that_bear_little_of_the_load_count_and_none_has_no_mean():
     assert mean_load(few) == 51.0
     assert mean_load(np.zeros((3, 4))) == 0.0
     assert mean_load(np.zeros(0)) == 0.0
+
+
+@pytest.mark.parametrize(("name", "contacts", "loaded"), [("lin-pitch-2p1", 64, 76), ("lin-roundness-4p1", 142, 146)])
+def test_the_mean_is_over_the_contacts_that_the_screw_without_errors_loads(name, contacts, loaded):
+    """One number for a scene and all its specimens: errors load further contacts, or leave some without load."""
+    scene = catalogue.scene(name)
+    assert nominal_contacts(scene) == contacts
+    load = solve_static(scene).load
+    assert np.count_nonzero(load) == loaded
+    assert mean_load(load, contacts) == pytest.approx(load.sum() / contacts, rel=1e-12)
+    said = loads_json(load, contacts)
+    assert (said["mean_N"], said["contacts_in_mean"], said["loaded_contacts"]) == (
+        mean_load(load, contacts),
+        contacts,
+        loaded,
+    )
+    value = load + load.max() * (load == load.max())
+    assert load_error(value, load, contacts).max_percent == pytest.approx(100.0 * load.max() * contacts / load.sum())
+
+
+def test_preload_is_no_error_and_a_screw_that_only_errors_press_is_counted_by_its_loads():
+    preloaded = catalogue.scene("lin-case3")
+    assert nominal_contacts(preloaded) == 128
+    bare = replace(preloaded, loads=(), errors=Errors(balls=BallErrors(sigma=2e-6)))
+    assert nominal_contacts(bare) == 0
+    assert mean_load(loads(0.2), 0) == mean_load(loads(0.2))

@@ -11,10 +11,11 @@ from rollbench.comparison.models.grid_coverage import MANY, coverage, experience
 from rollbench.comparison.models.modelling import VARIED, combined, varied
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.convergence import observe
-from rollbench.comparison.reference.grid_parts import mean_load, moving, read
+from rollbench.comparison.reference.grid_parts import moving, read
 from rollbench.comparison.reference.levels import LEVELS
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.sections.reference_mesh import coverage_table, shared_text
+from rollbench.meshes.loads import mean_load
 
 pytestmark = pytest.mark.xdist_group("grid_coverage")
 
@@ -32,9 +33,11 @@ def test_bars_of_two_levels_or_more_hold_95_per_cent_of_the_contacts() -> None:
 
 
 def test_a_single_level_s_bar_is_what_experience_says() -> None:
+    """Of each scene by that of all others; the worst two are those on which the largest bar itself rests."""
     rows = [h for h in coverage(STUDY) if h.level == min(LEVELS)]
-    assert share_of(rows) == pytest.approx(0.95, abs=0.03)
-    assert all(0.08 < h.bar < 0.3 for h in rows)
+    assert 0.93 <= share_of(rows) <= 0.99
+    assert min(h.share for h in rows if h.contacts >= MANY) > 0.85
+    assert all(0.08 < h.bar < 0.5 for h in rows)
 
 
 def test_the_shipped_records_are_those_of_the_shipped_runs() -> None:

@@ -124,7 +124,7 @@ def test_compared_scenes_are_inside() -> None:
 @pytest.mark.parametrize(
     ("change", "name"),
     [
-        (lambda s: replace(s, nut=replace(s.nut, groove_radius=1.3 * s.nut.groove_radius)), ""),
+        (lambda s: replace(s, nut=replace(s.nut, groove_radius=1.01 * s.nut.groove_radius)), ""),
         (lambda s: replace(s, screw=replace(s.screw, groove_radius=1.3 * s.screw.groove_radius),
                            nut=replace(s.nut, groove_radius=1.3 * s.nut.groove_radius)), "conformity"),
         (lambda s: replace(s, errors=replace(s.errors, balls=replace(s.errors.balls, oversize=30e-6))), "oversize"),
@@ -156,12 +156,11 @@ def test_a_scene_s_place_is_drawn() -> None:
     assert all(p.low <= p.value <= p.high for p in places(scene))
 
 
-def test_balls_at_the_face_of_the_nut_are_not_covered() -> None:
-    """Liu's screw: 3D finds the refined model beyond what its kind promises there (table liu-solid)."""
+def test_balls_at_the_face_of_the_nut_are_covered_as_far_as_drawn_screws_have_them() -> None:
+    """Liu's screw has its last balls 1.5 radii from the face, drawn ones from 1; closer ones were never compared."""
     scene = STUDY.scene("liu-screw")
-    assert [place.descriptor.name for place in places(scene) if place.outside] == [
+    assert not outside(scene)
+    shorter = replace(scene, nut=replace(scene.nut, length=scene.nut.length - 2.4 * scene.balls.radius))
+    assert [place.descriptor.name for place in places(shorter) if place.outside] == [
         "nut beyond the last balls over the ball's radius"
     ]
-    longer = replace(scene, nut=replace(scene.nut, length=scene.nut.length + 4.0 * scene.balls.radius))
-    assert not outside(longer)
-    assert estimate(scene, run_model(scene, "lin", Options())).percent is None

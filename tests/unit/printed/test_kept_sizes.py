@@ -1,5 +1,8 @@
 """Finite bodies of other sizes: kept where the key of sources and scene holds, one computed anew."""
 
+import math
+import re
+
 import pytest
 
 from rollbench.comparison.reference.store import shipped_store
@@ -51,3 +54,17 @@ def test_all_are_computed_where_the_key_does_not_hold(text, tmp_path, solved):
 def test_the_package_has_them_of_every_choice():
     text = (shipped_store() / kept_sizes.FILE).read_text(encoding="utf-8")
     assert all(choice in text for choice in variants())
+
+
+def test_every_choice_has_the_sizes_that_its_name_says():
+    for name, (_, sizes_) in variants().items():
+        if "cells" in name:
+            count = int(re.search(r"(\d) x \1 cells", name)[1])
+            assert sizes_.cells == (count, count)
+        if found := re.search(r"bars of (\d) ball radii|degree (\d) |open to (\d+) deg", name):
+            bar, degree, opening = found.groups()
+            assert not bar or sizes_.bar == int(bar)
+            assert not degree or sizes_.degree == int(degree)
+            assert not opening or round(math.degrees(sizes_.opening)) == int(opening)
+        assert ("half spaces" in name) == (sizes_ is None)
+        assert sizes_ is None or sizes_.patches != ("whole ball" in name)

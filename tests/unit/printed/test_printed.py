@@ -187,9 +187,9 @@ def test_remarks_have_one_full_stop_between_them():
 
 def test_a_band_is_not_called_reproduced():
     entry = next(r for r in printed_data.load_table("lin-3.4.4") if r.cls == "band" and r.value is not None)
-    assert Evidence(entry, entry.low).verdict == "within its band"
-    assert Evidence(entry, entry.high + 1.0).verdict == "not reproduced"
-    assert Evidence(entry).verdict == "open"
+    assert judge(Evidence(entry, entry.low))[0] == "band"
+    assert judge(Evidence(entry, entry.high + 1.0))[0] == "contradicted"
+    assert judge(Evidence(entry))[0] == "not identifiable"
 
 
 def all_rows():
@@ -203,8 +203,8 @@ def test_inputs_are_a_class_of_their_own_and_never_reproduced():
         assert (r.kind == "input") == (r.cls == "input")
         assert not (r.cls == "hard" and r.remark.startswith("Given")), (r.table, r.key)
         if r.cls == "input":
-            assert Evidence(r, value=r.value).verdict == "taken over"
-            assert Evidence(r, value=2.0 * r.value + 1.0).verdict == "not taken over"
+            assert judge(Evidence(r, value=r.value))[0] == "input"
+            assert judge(Evidence(r, value=2.0 * r.value + 1.0))[0] == "contradicted"
 
 
 def test_hard_entries_by_kind():

@@ -12,9 +12,11 @@ from rollbench.lowfi.rating.contacts import static_safety, truncation, worst_con
 from rollbench.lowfi.rating.life import contact_capacity, life, rating, turns_of
 from rollbench.lowfi.rating.rigidity import body_compliance, contacts_displacement, rigidities, slope_of
 from rollbench.lowfi.rating.static import ratings, static_rating
-from rollbench.lowfi.statics.problem import nominal_curvatures, nominal_hertz
+from rollbench.lowfi.statics.problem import distances, nominal_curvatures, nominal_hertz
 from rollbench.lowfi.statics.validity import DENT_PRESSURE
-from rollbench.meshes.parts import BallErrors, Balls, Errors, Material, Nut, Scene, Screw, Track
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import BallErrors, Balls, Errors, FourierTerm, Material, Nut, Scene, Screw, SideErrors, Track
 
 STEEL = Material(206e9, 0.3)
 
@@ -204,3 +206,20 @@ def test_the_dynamic_rating_is_that_of_a_maker_who_prints_balls_and_diameters() 
     a = np.radians(15.0)
     scene = ring(2.38 * cos(a) / 14.5, balls=12, angle=a)
     assert rating(scene) * 0.238**1.8 == pytest.approx(1900.0, rel=0.02)
+
+
+def test_displacement_by_a_load_far_below_the_preload_is_not_lost_beside_it() -> None:
+    """A load of 1e-12 of the preload, and the linear stiffness N s^2 3 sqrt(c) / C^(3/2) of both diagonals."""
+    scene = replace(catalogue.scene("unseen-40x10"), errors=Errors(balls=BallErrors(oversize=5e-6)))
+    C, s = nominal_hertz(scene).C, slope_of(scene)
+    closure = float(distances(scene, specimen(scene, ball_layout(scene)))[1].mean())
+    stiff = 3.0 * scene.ball_count * s**2 * np.sqrt(closure) / (C[0] + C[3]) ** 1.5
+    for force in (1.0, 1e-6):
+        assert contacts_displacement(scene, force) == pytest.approx(force / stiff, rel=1e-3)
+
+
+def test_a_screw_pressed_more_by_one_diagonal_counts_from_where_it_rests() -> None:
+    """A pitch error that shifts one flank along the track leaves the displacement by a load what it was."""
+    even = replace(catalogue.scene("unseen-40x10"), errors=Errors(balls=BallErrors(oversize=5e-6)))
+    shifted = replace(even, errors=replace(even.errors, SL=SideErrors(pitch=(FourierTerm(0.0, cos=2e-6),))))
+    assert contacts_displacement(shifted, 1.0) == pytest.approx(contacts_displacement(even, 1.0), rel=0.2)

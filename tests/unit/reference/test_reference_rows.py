@@ -216,3 +216,12 @@ def test_displacements_of_one_order_are_extrapolated_and_drawn(tmp_path: Path) -
     assert (beyond.x[0], beyond.x[-1], beyond.y[-1]) == (0.0, 1.0, pytest.approx(0.0, abs=1e-12))
     finest = row[f"level {max(STUDIED)}"]
     assert beyond.y[0] == pytest.approx(100.0 * (5.0 - finest) / finest, rel=1e-3)
+
+
+def test_the_largest_and_smallest_loads_are_those_of_each_level() -> None:
+    table = {row["quantity"]: row for row in study_table(catalogue.scene("lin-case1"), None)}
+    for level in STUDIED:
+        for side in ("SL", "NR"):
+            own = [row[f"level {level}"] for q, row in table.items() if q.startswith("load of ball") and q.endswith(side)]
+            assert table[f"largest load, {side}"][f"level {level}"] == max(own)
+            assert table[f"smallest load, {side}"][f"level {level}"] == min(own) > 0.0

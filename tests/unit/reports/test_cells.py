@@ -48,7 +48,7 @@ class TestCells:
             rows = list(csv.reader(stream))
         assert float(rows[1][1]) == 1.0 / 3.0
         assert rows[1] == ['<b>"a"</b>', repr(1.0 / 3.0), "-0.5", "hard", "reproduced", "true"]
-        assert rows[2] == ["b, c", "", "nan", "open", "not reproduced", "false"]
+        assert rows[2] == ["b, c", "", "nan", "open", "contradicted", "false"]
         assert rows[3] == ["two\nlines", "210000000.0", "", "as-printed", "open", "true"]
         assert len(rows) == 4
 

@@ -5,7 +5,18 @@ from dataclasses import replace
 import pytest
 
 from rollbench.comparison.models.registry import MODELS
-from rollbench.comparison.sections.overview import KINDS, answer, front, named, off, standing_table, standings, time_figure
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.sections.overview import (
+    KINDS,
+    answer,
+    coverage,
+    front,
+    named,
+    off,
+    standing_table,
+    standings,
+    time_figure,
+)
 from rollbench.comparison.sections.reference_time import TimePoint
 from rollbench.reports.panels import draw_parts
 
@@ -84,3 +95,18 @@ def test_every_model_has_a_family() -> None:
     families = {named(model.label)[1] for model in MODELS.values()}
     assert len(families) == 4
     assert named("3D reference, the source's mesh") == ("3D, source's mesh", "3D reference")
+
+
+@pytest.mark.parametrize(
+    ("names", "said", "not_said"),
+    [
+        (("lin-case1", "lin-case2"), "2 case studies of the source.", ("0 screws", "bearings: ", "fixed before")),
+        (("lin-case1", "unseen-four-point"), "1 screws of lead 20 mm, bearings: 1; pitch", ("0 ",)),
+        (("unseen-four-point",), "bearings: 1; pitch", ("screws of lead",)),
+    ],
+)
+def test_nothing_that_a_report_has_none_of_is_counted(names, said, not_said) -> None:
+    study = Study()
+    words = " ".join(coverage({name: study.scene(name) for name in names}, study.references(names)))
+    assert said in words
+    assert not [word for word in not_said if f" {word}" in f" {words}".replace("20 ", "").replace("40 ", "")]

@@ -1,16 +1,19 @@
 """A bearing near a contact angle of zero has one arc a groove, and one contact of a ball with it."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from rollbench.comparison.scenes import scene_file
+from rollbench.lowfi.compliance.bodies import LADDER
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.lowfi.statics.static import solve_static
+from rollbench.lowfi.statics.tangent import tangent_stiffness
 from rollbench.meshes.one_arc import LEAST, as_one_arc, is_one_arc
-from rollbench.meshes.parts import Load, Scene
+from rollbench.meshes.parts import Errors, Load, Scene, SideErrors, Support
 
 BEARING = """
 title = "deep groove"
@@ -110,3 +113,29 @@ def test_a_set_on_a_shaft_takes_one_arc_unless_its_thrust_is_written() -> None:
     free, written = scene_file.read(shaft + sets, "axis.toml").sets
     assert (free.thrust, free.parts.track.contact_angle) == ("deep groove", LEAST)
     assert (written.thrust, written.parts.track.contact_angle) == ("+z", np.radians(0.01))
+
+
+def uneven(scene: Scene) -> Scene:
+    return replace(scene, errors=Errors(SL=SideErrors(profile=(0.0, -2e-6))))
+
+
+@pytest.mark.parametrize("change", [lambda scene: scene, uneven])
+def test_its_tangent_stiffness_is_that_of_finite_differences(change: Callable[[Scene], Scene]) -> None:
+    """With one pair of flanks, of exact arcs or not: elastic bodies took all four."""
+    scene, step = change(bearing(0.01, 500.0, 1000.0)), 1e-3
+    held = replace(scene, supports=(Support(0.008, tuple((name, 0.0) for name in ("ux", "uy", "rx", "ry", "rz"))),))
+    base, more = (
+        replace(held, loads=(Load(0.008, (0.0, 0.0, f), (0.0, 0.0, 0.0)),)) for f in (1000.0, 1000.0 * (1.0 + step))
+    )
+    moved = np.diff([solve_static(s).centreline[0, 2] for s in (base, more)])[0]
+    found = tangent_stiffness(base, 0.008, backend=LADDER["lin"])
+    assert found.status == "converged"
+    assert found.matrix[2, 2] == pytest.approx(1000.0 * step / moved, rel=2e-3)
+
+
+def test_elastic_bodies_take_uneven_flanks_of_one_arc() -> None:
+    scene = uneven(bearing(0.01, 3000.0, 0.0))
+    lin, found = solve_static(scene), solve_elastic(scene, backend=LADDER["lin"])
+    assert found.status == "converged"
+    assert not found.load[:, 1:3].any()
+    np.testing.assert_allclose(found.load, lin.load, rtol=1e-6, atol=1e-6)

@@ -25,6 +25,9 @@ SUPPORTS = 3
 FIRMEST, LEAPS = 1.0, 20
 #: Residual that counts as converged between creeping speeds, and most Newton steps at one of them.
 COARSE, FEW, MANY = 1e-6, 8, 60
+#: Starts of the search for other solutions, and the force that presses pairs in one of them, over the largest friction
+#: bound of a ball.
+STARTS, PRESSED = 3, 3.0
 
 
 @kernel
@@ -118,9 +121,40 @@ def chain_motion(
         used, _ = trace(chain, point, eps, work, limit)
         total += used
         reopen(point, eps)
-    exact = Smoothing(eps, 1.0, 0.0, 0.0)
-    used, residual = semismooth_newton(chain, point, exact, work, tolerance, int(np.int64(100)), FIRMEST)
+    used, residual = _settle(chain, point, work, eps, tolerance)
+    return total + used, residual
+
+
+@kernel
+def other_motion(
+    chain: ChainArrays, state: ChainState, z: Array, work: Work, eps: float, tolerance: float, limit: int, start: int
+) -> tuple[int, float]:
+    """As ``chain_motion``, from another of ``STARTS`` starts: the end of the path, the balls as they are without friction
+    between them, all pairs pressed together."""
+    point = ChainPoint(state.slip, state.pair, state.drift, z)
+    contacts, shapes, nodes, closed, _, hold, nominal = chain
+    rebuild(chain, state)
+    total = _order(ChainArrays(contacts, shapes, nodes, closed, 0.0, hold + SPRING * FIRST, nominal), state, z, work)
+    if start == 0:
+        used, _ = trace(chain, point, eps, work, limit)
+    elif start == 1:
+        without = ChainArrays(contacts, shapes, nodes, closed, 0.0, hold, nominal)
+        used, _ = _descend_eps(without, point, work, eps, int(np.int64(MANY)))
+    else:
+        for k in range(z.shape[0]):
+            z[k] = PRESSED * closed[k]
+        used, _ = _descend_eps(chain, point, work, eps, int(np.int64(MANY)))
     total += used
+    reopen(point, eps)
+    used, residual = _settle(chain, point, work, eps, tolerance)
+    return total + used, residual
+
+
+@kernel
+def _settle(chain: ChainArrays, point: ChainPoint, work: Work, eps: float, tolerance: float) -> tuple[int, float]:
+    """Newton steps on the exact equations from the point, and the largest residual."""
+    exact = Smoothing(eps, 1.0, 0.0, 0.0)
+    total, residual = semismooth_newton(chain, point, exact, work, tolerance, int(np.int64(100)), FIRMEST)
     if residual > tolerance:
         used, residual = leap(chain, point, exact, work, tolerance, LEAPS)
         total += used

@@ -1,0 +1,94 @@
+"""What one scene tells of a low-order model: its errors against a run of the 3D reference.
+
+Displacement and rigidity are those of the section of the screw that the axial load acts on.
+
+Beyond the nut a beam and a 3D shaft agree on what a section's motion is (Saint-Venant); within it contacts move material
+on their own, and a section's motion is a matter of definition.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rollbench.comparison.measure import error_percent, load_error
+from rollbench.comparison.models.model_form import Point, features
+from rollbench.comparison.reference.store import Run
+from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.helix import lead_angle
+from rollbench.meshes.parts import Scene
+
+#: Scene, result of a model and run of the reference with the loads raised.
+Raised = tuple[Scene, StaticResult, Run]
+
+
+@dataclass(frozen=True)
+class SectionAnswer:
+    """Axial motion [m] of the section that the axial load acts on, and axial force [N] of the screw on the nut."""
+
+    moved: float
+    force: float
+
+    @classmethod
+    def of_run(cls, scene: Scene, run: Run) -> SectionAnswer:
+        """That of the 3D reference."""
+        line = run.centreline
+        return cls(_at(scene, line[:, 0], line[:, 3]), pull(scene, run.load, np.radians(run.angle)))
+
+    @classmethod
+    def of_result(cls, scene: Scene, result: StaticResult) -> SectionAnswer:
+        """That of a low-order model."""
+        line = result.centreline
+        return cls(_at(scene, result.centreline_z, line[:, 2]), pull(scene, result.load, result.contact_angle))
+
+
+def rigidity(answers: Sequence[SectionAnswer]) -> float | None:
+    """Tangent axial rigidity [N/m] between two states; None where nothing moves."""
+    first, second = answers
+    step = second.moved - first.moved
+    return (second.force - first.force) / step if step != 0.0 else None
+
+
+def pull(scene: Scene, load: Array, angle: Array) -> float:
+    """Axial force [N] of the screw on the nut by loads and contact angles ``(n, 4)`` [N, rad]."""
+    along = np.where(load > 0.0, load * np.sin(angle), 0.0).sum(axis=0) * np.cos(lead_angle(scene.track))
+    return float(along[0] - along[1])
+
+
+def _at(scene: Scene, stations: Array, along: Array) -> float:
+    """Axial motion [m] of the section that the largest axial load acts on, that at the nut's centre without loads."""
+    place = max(scene.loads, key=lambda load: abs(load.force[2])).at if scene.loads else scene.nut.position
+    return float(np.interp(place, stations, along))
+
+
+def point(name: str, scene: Scene, result: StaticResult, run: Run, raised: Raised | None = None) -> Point:
+    """Errors of a model's result on a scene by ``name``; raised: scene, result and run with more load, for the rigidity."""
+    error = load_error(result.load, run.load, nominal_contacts(scene))
+    own, reference = SectionAnswer.of_result(scene, result), SectionAnswer.of_run(scene, run)
+    stiff: tuple[float | None, float | None] = (None, None)
+    if raised is not None:
+        more, model, found = raised
+        stiff = (
+            rigidity((own, SectionAnswer.of_result(more, model))),
+            rigidity((reference, SectionAnswer.of_run(more, found))),
+        )
+    heaviest = run.load.max()
+    return Point(
+        name,
+        result.model,
+        round(error.max_percent, 4),
+        round(error.rms_percent, 4),
+        {name: round(value, 4) for name, value in features(scene, result.load).items()},
+        off(own.moved, reference.moved),
+        off(*stiff),
+        off(np.cbrt(result.load.max() / heaviest), 1.0) if heaviest > 0.0 else None,  # Hertz
+    )
+
+
+def off(value: float | None, reference: float | None) -> float | None:
+    """Error of a value [%]; None where either has none."""
+    return None if value is None or not reference else round(float(error_percent(value, reference)), 4)

@@ -1,0 +1,63 @@
+"""The error of a model's loads is one number on every page of the report and in every command."""
+
+import re
+
+import pytest
+
+from rollbench.comparison.gate.verdict import Limits, judge
+from rollbench.comparison.measure import load_error
+from rollbench.comparison.models import ladder
+from rollbench.comparison.models.comparison import from_result, rows
+from rollbench.comparison.models.registry import MODELS
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.sections.ladder import ladder_table
+from rollbench.comparison.sections.overview import standing_table, standings
+from rollbench.comparison.sections.reference import error_table, exceedance_table
+from rollbench.comparison.sections.reference_time import time_points, time_table
+
+NAME = "unseen-thin-nut"
+STUDY = Study()
+
+
+@pytest.fixture(scope="module")
+def found():
+    return STUDY.reference(NAME)
+
+
+def cells(table, label, column):
+    """What a table says of the model in the columns of a heading and unit."""
+    keys = [c.key for c in table.columns if (c.label, c.unit) == column]
+    own = [row for row in table.rows if label in (row.get("model"), row.get("name"), row.get("label"))]
+    return [row[key] for row in own for key in keys]
+
+
+def test_every_page_says_the_same_error_of_a_thin_nut(found, monkeypatch):
+    monkeypatch.setattr(ladder, "RUNGS", [MODELS["lin"]])
+    lin = STUDY.solve(NAME, "lin")
+    e = load_error(lin.load, found.load)
+    assert e.own_max_percent > 1.2 * e.max_percent  # so that another measure would show
+    label = MODELS["lin"].label
+    points = {NAME: time_points(NAME, found, STUDY, lambda _: None)}
+    errors, rungs = error_table(STUDY, {NAME: found}), ladder_table(ladder.climb(STUDY.scene(NAME), found, STUDY.stores))
+    pages = ((errors, label), (rungs, "lin"), (time_table(points), label), (standing_table(standings(points)), "lin"))
+    for table, name in pages:
+        largest = "largest of all" if table.name == "overview-models" else "largest error"
+        assert cells(table, name, (largest, "% of mean")) == [pytest.approx(e.max_percent, rel=1e-9)], table.name
+    for table, name in pages[:2]:
+        assert cells(table, name, ("largest error", "% of own load")) == [pytest.approx(e.own_max_percent, rel=1e-9)]
+    compared = {r.quantity: r for r in rows(STUDY.scene(NAME), from_result(lin), found)}
+    of_mean = compared[f"largest error, of the mean load (ball {e.ball} {e.side})"]
+    own = compared["largest error, of the own load"]
+    assert (of_mean.value, own.value) == (pytest.approx(e.max_percent), pytest.approx(e.own_max_percent))
+    shares = 100.0 * found.uncertainty[found.load > 0.0] / found.load[found.load > 0.0]
+    assert own.reference_error == pytest.approx(shares.max())
+    assert own.reference_error > of_mean.reference_error
+    (verdict,) = judge("lin", lin.load, found, Limits())
+    assert verdict.of_mean == e
+
+
+def test_errors_of_loads_name_what_they_are_per_cent_of(found):
+    for table in (error_table(STUDY, {NAME: found}), exceedance_table({NAME: found}, STUDY)):
+        units = {c.label: c.unit for c in table.columns if re.search("error|uncertainty|rigid", c.label)}
+        assert units
+        assert set(units.values()) <= {"% of mean", "% of own load"}, table.name
