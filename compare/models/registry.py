@@ -154,9 +154,10 @@ class Model:
 
     name: on the command line; about: one sentence for ``rollbench list``; label: in tables and figures; words: how screw,
     nut and balls answer a contact force; run: its runner; axis: its runner on several sets on one shaft, or why it has
-    none; suits: whether it can describe a scene; compared: takes part in ``rollbench compare``; extremes: takes part in the stability table; ingredients: changes of the scene that make it a
-    variant of another model; ladder_step: its rank on the ladder from the source's model to
-    the refined one and what it adds there; errors_of: the model whose compared errors speak for it (itself unless given).
+    none; suits: whether it can describe a scene; compared: takes part in ``rollbench compare``; extremes: takes part in
+    the stability table; ingredients: changes of the scene that make it a variant of another model; ladder_step: its rank
+    on the ladder from the source's model to the refined one and what it adds there; errors_of: the model whose compared
+    errors speak for it (itself unless given).
     """
 
     name: str

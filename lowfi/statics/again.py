@@ -14,7 +14,8 @@ from rollbench.lowfi.statics import elastic, static
 from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild, one_thread
 from rollbench.lowfi.statics.problem import Problem, distances
 from rollbench.lowfi.statics.selection import all_sides, choose_sides
-from rollbench.lowfi.statics.static import ACCEPTED, Engine, Unheld, contact_angles, pick_engine, round_off_bound, verdict
+from rollbench.lowfi.statics.settle import contact_angles
+from rollbench.lowfi.statics.static import ACCEPTED, Engine, Unheld, pick_engine, round_off_bound, verdict
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.errors import Specimen
 from rollbench.meshes.helix import BallLayout

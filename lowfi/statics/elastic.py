@@ -17,10 +17,10 @@ from rollbench.lowfi.compliance.bodies import REFINED, Backend, idealised
 from rollbench.lowfi.compliance.imported import Condensed
 from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild, one_thread
 from rollbench.lowfi.statics.mechanism import Mechanism, free_motions
-from rollbench.lowfi.statics.problem import actual_hertz
 from rollbench.lowfi.statics.records import Outcome
 from rollbench.lowfi.statics.result import SolverReport, StaticResult
 from rollbench.lowfi.statics.selection import all_clear, all_sides, choose_sides, describe_left_out
+from rollbench.lowfi.statics.settle import Contacts, Flanks, follow_hertz, follow_profile, lost, uneven
 from rollbench.lowfi.statics.shaft import flank_loads, node_motions
 from rollbench.lowfi.statics.solved import SolvedState
 from rollbench.lowfi.statics.static import (
@@ -30,8 +30,6 @@ from rollbench.lowfi.statics.static import (
     ROUND_OFF,
     Engine,
     Unheld,
-    contact_angles,
-    lost,
     pick_engine,
     pin,
     verdict,
@@ -138,51 +136,35 @@ def untouched(elastic: Elastic) -> bool:
 
 def solve_with_hertz(elastic: Elastic) -> Outcome:
     """Solve, and where the scene asks for Hertz at the actual geometry, update the constants until they settle."""
-    outcome = iterate(elastic)
-    problem = elastic.problem
-    if problem.scene.ingredients.hertz != "actual" or lost(outcome):
+    outcome, problem = iterate(elastic), elastic.problem
+    if problem.scene.ingredients.hertz != "actual":
         return outcome
-    iterations, evaluations = outcome.iterations, outcome.evaluations
-    for _ in range(12):
-        _, contact, _ = contacts_of(elastic)
-        gamma = np.where(contact[..., 0] > 0.0, contact_angles(contact[..., 1:3]), problem.scene.track.contact_angle)
-        updated = actual_hertz(problem.scene, problem.drawn, gamma).C
-        change = float(np.abs(updated / problem.C - 1.0).max())
-        problem.C[:] = updated
+
+    def again() -> Outcome:
         if elastic.pair is not None:
-            elastic.contacts.pair[:, 4] = updated[:, list(elastic.pair)].sum(axis=1)
-        outcome = iterate(elastic, start=False)
-        iterations, evaluations = iterations + outcome.iterations, evaluations + outcome.evaluations
-        if change < 1e-13 or lost(outcome):
-            break
-    return outcome._replace(iterations=iterations, evaluations=evaluations)
+            elastic.contacts.pair[:, 4] = problem.C[:, list(elastic.pair)].sum(axis=1)
+        return iterate(elastic, start=False)
+
+    return follow_hertz(outcome, lambda: [Contacts(problem, contacts_of(elastic)[1])], again)
 
 
-def follow_profile(elastic: Elastic, outcome: Outcome, rebuild: Rebuild) -> tuple[Elastic, Outcome]:
-    """Let the flanks turn about their centre of curvature at the current contact: `lowfi.statics.static.follow_profile`."""
-    more = np.zeros((elastic.state.inner.shape[0], 4, 2))
-    iterations, evaluations = outcome.iterations, outcome.evaluations
-    for _ in range(6):
-        if lost(outcome):
-            break
-        p, contact, shift = contacts_of(elastic)
-        force, problem = contact[..., 0], elastic.problem
-        w = -problem.drawn.centre + p[:, None, :] - shift
-        with np.errstate(divide="ignore", invalid="ignore"):
-            radius = np.where(force > 0.0, force / contact[..., 4], 0.0)
-        new = np.where(force[..., None] > 0.0, w - contact[..., 1:3] * radius[..., None], 0.0)
-        change = float(np.abs(new - more).max())
-        more = new
-        old = elastic
-        elastic = rebuild(more)
+def solve_on_profile(elastic: Elastic, outcome: Outcome, build: Rebuild) -> tuple[Elastic, Outcome]:
+    """The problem and outcome with lever arms that follow uneven profiles (`lowfi.statics.settle.follow_profile`)."""
+
+    def flanks() -> list[Flanks]:
+        centre, contact, shift = contacts_of(elastic)
+        return [Flanks(elastic.problem, contact, centre, shift)]
+
+    def rebuild(more: list[Array]) -> Outcome:
+        nonlocal elastic
+        old, elastic = elastic, build(more[0])
         elastic.problem.C[:] = old.problem.C
         for new_state, old_state in zip(elastic.state, old.state, strict=True):
             new_state[:] = old_state
-        outcome = iterate(elastic, start=False)
-        iterations, evaluations = iterations + outcome.iterations, evaluations + outcome.evaluations
-        if change < 1e-13 or lost(outcome):
-            break
-    return elastic, outcome._replace(iterations=iterations, evaluations=evaluations)
+        return iterate(elastic, start=False)
+
+    outcome = follow_profile(outcome, flanks, rebuild)
+    return elastic, outcome
 
 
 class Solution(NamedTuple):
@@ -200,7 +182,7 @@ class Solution(NamedTuple):
 def solve_sides(rebuild: Rebuild) -> Solution | Unheld:
     """Solve with the sides that ``rebuild`` builds, and again with all four where a ball may touch the others."""
     notes: tuple[str, ...] = ()
-    scene, drawn = rebuild.scene, rebuild.drawn
+    scene = rebuild.scene
     while True:
         problem = rebuild.problem()
         mechanism = free_motions(problem)
@@ -209,8 +191,8 @@ def solve_sides(rebuild: Rebuild) -> Solution | Unheld:
         held, elastic = rebuild.pinned(pin(problem, mechanism))
         prepared_at = perf_counter()
         outcome = solve_with_hertz(elastic)
-        if drawn.profile.shape[1] and scene.ingredients.arm != "nominal":
-            elastic, outcome = follow_profile(elastic, outcome, held)
+        if uneven(problem):
+            elastic, outcome = solve_on_profile(elastic, outcome, held)
         if np.array_equal(rebuild.use, all_sides(scene)) or (outcome.status == 0 and untouched(elastic)):
             return Solution(elastic, outcome, held, mechanism, notes, prepared_at)
         notes = ("two of the four sides may touch in the solution without them: solved again with all four",)

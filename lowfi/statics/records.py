@@ -251,6 +251,16 @@ class AxisState(NamedTuple):
     slices: Array
 
 
+class Progress(NamedTuple):
+    """How a Newton iteration gets on: least residual, lowest energy [J], iterations since either fell, searches that found
+    nothing."""
+
+    best: float
+    lowest: float
+    stalled: int
+    stuck: int
+
+
 class AxisSlopes(NamedTuple):
     """Derivatives of the energy."""
 

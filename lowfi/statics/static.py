@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from rollbench.lowfi import jit
 from rollbench.lowfi.statics.mechanism import Mechanism, free_motions
-from rollbench.lowfi.statics.problem import SIGNS, Problem, actual_hertz, build, distances, tightest
+from rollbench.lowfi.statics.problem import Problem, build, distances, tightest
 from rollbench.lowfi.statics.proof import opening_motion, words_of
 from rollbench.lowfi.statics.records import BeamArrays, BeamContacts, BeamOptions, BeamSlopes, BeamState, Outcome
 from rollbench.lowfi.statics.result import SolverReport, StaticResult
@@ -24,6 +24,7 @@ from rollbench.lowfi.statics.selection import (
     shifts_of_beam,
     touched_sides,
 )
+from rollbench.lowfi.statics.settle import Contacts, Flanks, follow_hertz, follow_profile, lost, uneven
 from rollbench.lowfi.statics.solved import SolvedState
 from rollbench.lowfi.statics.summary import assemble_result, failed_result, model_assumptions
 from rollbench.meshes.arrays import Array, Mask
@@ -47,8 +48,6 @@ COMPILE_ABOVE = 120
 COMPILE_UNEVEN = 24
 #: Share of the largest force or moment from which on what a pin takes is looked into.
 PIN_SHOWN = 1e-9
-#: Relative residual of a run above which its constants or lever arms are not followed any further.
-LOST = 1e-6
 
 
 @dataclass
@@ -235,8 +234,8 @@ def solve_sides(
         prepared = prepare(pin(problem, mechanism), kernels)
         prepared_at = perf_counter()
         outcome = solve_with_hertz(prepared)
-        if drawn.profile.shape[1] and scene.ingredients.arm != "nominal":
-            outcome = follow_profile(prepared, outcome, layout, everything=everything, refine=refine)
+        if uneven(problem):
+            outcome = solve_on_profile(prepared, outcome, layout, everything=everything, refine=refine)
         touched = touched_sides(kernels, prepared.problem, prepared.state.q, prepared.state.p, prepared.force)
         if (outcome.status == 0 and not np.any(touched & ~use)) or np.array_equal(use, all_sides(scene)):
             return Solution(prepared, outcome, mechanism, use, notes, prepared_at)
@@ -355,66 +354,36 @@ def pin(problem: Problem, mechanism: Mechanism, other: bool = False) -> Problem:
     return replace(problem, fixed=fixed, prescribed=prescribed, pins=chosen)
 
 
-def lost(outcome: Outcome) -> bool:
-    """Whether a run found no state that changed constants or lever arms could start from."""
-    return outcome.status not in (0, 1) or outcome.residual > LOST
-
-
 def solve_with_hertz(prepared: Prepared) -> Outcome:
     """Solve, and where the scene asks for Hertz at the actual geometry, update the constants until they settle."""
-    outcome = iterate(prepared)
-    problem = prepared.problem
-    if problem.scene.ingredients.hertz != "actual" or lost(outcome):
+    outcome, problem = iterate(prepared), prepared.problem
+    if problem.scene.ingredients.hertz != "actual":
         return outcome
-    iterations, evaluations = outcome.iterations, outcome.evaluations
-    nominal = np.full(problem.C.shape, problem.scene.track.contact_angle)
-    for _ in range(12):
-        gamma = np.where(prepared.force > 0.0, contact_angles(prepared.normal), nominal)
-        updated = actual_hertz(problem.scene, problem.drawn, gamma).C
-        change = float(np.abs(updated / problem.C - 1.0).max())
-        problem.C[:] = updated
-        outcome = iterate(prepared, start=False)
-        iterations, evaluations = iterations + outcome.iterations, evaluations + outcome.evaluations
-        if change < 1e-13 or lost(outcome):
-            break
-    return outcome._replace(iterations=iterations, evaluations=evaluations)
+    return follow_hertz(
+        outcome, lambda: [Contacts(problem, prepared.state.contact)], lambda: iterate(prepared, start=False)
+    )
 
 
-def follow_profile(prepared: Prepared, outcome: Outcome, layout: BallLayout, *, everything: bool, refine: int) -> Outcome:
-    """Let the flanks turn about their centre of curvature at the current contact, which an uneven profile shifts.
+def solve_on_profile(prepared: Prepared, outcome: Outcome, layout: BallLayout, *, everything: bool, refine: int) -> Outcome:
+    """The outcome with lever arms that follow uneven profiles (`lowfi.statics.settle.follow_profile`)."""
 
-    Repeats the solution with moved lever arms until they settle (the shift is of the size of the profile error).
-    """
-    more = np.zeros((layout.z.size, 4, 2))
-    iterations, evaluations = outcome.iterations, outcome.evaluations
-    for _ in range(6):
-        if lost(outcome):
-            break
-        problem = prepared.problem
-        moved = np.zeros((layout.z.size, 4, 2))
+    def flanks() -> list[Flanks]:
+        problem, moved = prepared.problem, np.zeros((layout.z.size, 4, 2))
         moved[:, :2] = flank_motions(problem, prepared.state.q)
-        force, contact = prepared.force, prepared.state.contact
-        w = -problem.drawn.centre + prepared.state.p[:, None, :] - moved
-        with np.errstate(divide="ignore", invalid="ignore"):
-            radius = np.where(force > 0.0, force / contact[..., 4], 0.0)
-        new = np.where(force[..., None] > 0.0, w - prepared.normal * radius[..., None], 0.0)
-        change = float(np.abs(new - more).max())
-        more = new
-        rebuilt = build(problem.scene, problem.drawn, layout, problem.use, everything=everything, refine=refine, more=more)
+        return [Flanks(problem, prepared.state.contact, prepared.state.p, moved)]
+
+    def rebuild(more: list[Array]) -> Outcome:
+        problem = prepared.problem
+        rebuilt = build(
+            problem.scene, problem.drawn, layout, problem.use, everything=everything, refine=refine, more=more[0]
+        )
         rebuilt = replace(rebuilt, fixed=problem.fixed, prescribed=problem.prescribed, pins=problem.pins)
         rebuilt.C[:] = problem.C
         prepared.problem = rebuilt
         prepared.contacts = prepared.contacts._replace(B=rebuilt.B, geometry=rebuilt.geometry)
-        outcome = iterate(prepared, start=False)
-        iterations, evaluations = iterations + outcome.iterations, evaluations + outcome.evaluations
-        if change < 1e-13 or lost(outcome):
-            break
-    return outcome._replace(iterations=iterations, evaluations=evaluations)
+        return iterate(prepared, start=False)
 
-
-def contact_angles(normal: Array) -> Array:
-    """Contact angle gamma of each contact [rad] from the normals (ball to groove), ``(..., 4, 2)`` -> ``(..., 4)``."""
-    return np.asarray(np.arctan2(SIGNS[:, 1] * normal[..., 1], SIGNS[:, 0] * normal[..., 0]))
+    return follow_profile(outcome, flanks, rebuild)
 
 
 def verdict(outcome: Outcome, bound: float, problem: Problem) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from rollbench.lowfi.statics.problem import SIGNS, Problem
@@ -108,49 +110,76 @@ def equilibrium(solved: SolvedState, points: Array, on_ball: Array) -> Equilibri
         float(force.max(initial=0.0)),
         solved.scale,
     )
-    moments = (applied_moment, reaction_moment, contact_moment)
-    size_m = max(max(float(np.abs(m).max()) for m in moments), size * scene.track.pitch_radius)
-    noise, noise_m = _round_off(problem, solved.motion)
-    df = np.maximum(np.abs(applied_force + reaction_force + contact_force + pin_force) - noise, 0.0)
-    dm = np.maximum(np.abs(applied_moment + reaction_moment + contact_moment + pin_moment) - noise_m, 0.0)
-    net = np.linalg.norm((force[..., None] * solved.normal).sum(axis=1), axis=1)
-    worst = int(net.argmax())
+    sums = [
+        np.concatenate(x)
+        for x in (
+            (applied_force, applied_moment),
+            (reaction_force, reaction_moment),
+            (contact_force, contact_moment),
+            (pin_force, pin_moment),
+        )
+    ]
+    s, noise = problem.section, (0.0, 0.0)
+    if problem.basis is None:
+        noise = round_off(np.diff(problem.nodes), np.array([[s.EA, s.EI, s.GJ, s.kGA]]), solved.motion)
+    return balance_of(sums, size, scene.track.pitch_radius, noise, net_forces(force, solved.normal))
+
+
+def net_forces(force: Array, normal: Array) -> Array:
+    """Net contact force (N,) [N] on each ball, of its contacts' forces (N, 4) [N] and normals (N, 4, 2)."""
+    return np.asarray(np.linalg.norm((force[..., None] * normal).sum(axis=1), axis=1))
+
+
+def balance_of(sums: Sequence[Array], size: float, arm: float, noise: tuple[float, float], net: Array) -> Equilibrium:
+    """Balance of a body by its loads, reactions, contact forces and what pins take, (6,) each about the origin [N, N m].
+
+    size [N]: the largest force met, arm [m]: makes a moment of it; noise: force and moment that double precision leaves [N,
+    N m]; net (N,): net force on every ball [N].
+    """
+    applied, reaction, contact, pin = sums
+    size_m = max(max(float(np.abs(x[3:]).max()) for x in (applied, reaction, contact)), size * arm)
+    rest = np.abs(applied + reaction + contact + pin)
+    df, dm = np.maximum(rest[:3] - noise[0], 0.0), np.maximum(rest[3:] - noise[1], 0.0)
+    worst = int(net.argmax()) if net.size else -1
     return Equilibrium(
-        applied_force,
-        applied_moment,
-        reaction_force,
-        reaction_moment,
-        contact_force,
-        contact_moment,
+        applied[:3],
+        applied[3:],
+        reaction[:3],
+        reaction[3:],
+        contact[:3],
+        contact[3:],
         float(df.max()) / size if size else 0.0,
         float(dm.max()) / size_m if size_m else 0.0,
-        pin_force,
-        pin_moment,
-        max(float(np.abs(pin_force).max()) / size, float(np.abs(pin_moment).max()) / size_m) if size else 0.0,
-        float(net[worst]) / size if size else 0.0,
+        pin[:3],
+        pin[3:],
+        max(float(np.abs(pin[:3]).max()) / size, float(np.abs(pin[3:]).max()) / size_m) if size else 0.0,
+        float(net[worst]) / size if size and net.size else 0.0,
         worst + 1,
     )
 
 
-def _round_off(problem: Problem, q: Array) -> tuple[float, float]:
-    """Force [N] and moment [N m] that the last digit of the motions (n, 6) makes in the beam's stiffest element."""
-    if problem.basis is not None or problem.nodes.size < 2:
+def round_off(lengths: Array, sections: Array, motion: Array) -> tuple[float, float]:
+    """Force [N] and moment [N m] that the last digit of the motions (n, 6) makes in the stiffest elements of a beam,
+    lengths (e,) [m]; sections (e, 4) or (1, 4): EA, EI, GJ, kGA."""
+    if not lengths.size:
         return 0.0, 0.0
-    s, shortest = problem.section, float(np.diff(problem.nodes).min())
-    last = np.finfo(float).eps * np.abs(q.reshape(-1, 6)).max(axis=0)
-    force = max(s.EA * last[2], s.kGA * last[:2].max(), s.kGA * shortest * last[3:5].max()) / shortest
-    return float(force), float(max(s.EI * last[3:5].max(), s.GJ * last[5]) / shortest)
+    EA, EI, GJ, kGA = (float((column / lengths).max()) for column in sections.T)
+    last = np.finfo(float).eps * np.abs(motion.reshape(-1, 6)).max(axis=0)
+    bent = float(last[3:5].max())
+    force = max(EA * last[2], kGA * last[:2].max(), float(sections[:, 3].max()) * bent)
+    return float(force), float(max(EI * bent, GJ * last[5]))
 
 
-def judged(status: str, balance: Equilibrium, frozen: bool) -> str:
-    """The status, or what is out of balance where the sums over the whole screw and every ball contradict it; frozen:
-    lever arms are those of the nominal contact points, so that moments about the true ones do not balance."""
+def judged(status: str, balance: Equilibrium, frozen: bool, body: str = "the screw", ball: str = "") -> str:
+    """The status, or what is out of balance where the sums over the whole body and every ball contradict it; frozen:
+    lever arms are those of the nominal contact points, so that moments about the true ones do not balance; ball: words for
+    the worst one, where its number says too little."""
     if status != "converged" or (balance.ball_residual if frozen else balance.largest) <= BALANCE:
         return status
     if balance.ball_residual == balance.largest:
         size = f"{balance.ball_residual:.1e} of the largest force"
-        return f"not converged: ball {balance.worst_ball} is out of balance by {size}"
-    return f"not converged: the screw is out of balance by {balance.largest:.1e} of the largest force or moment"
+        return f"not converged: {ball or f'ball {balance.worst_ball}'} is out of balance by {size}"
+    return f"not converged: {body} is out of balance by {balance.largest:.1e} of the largest force or moment"
 
 
 def assemble_result(

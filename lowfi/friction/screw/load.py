@@ -14,7 +14,7 @@ from rollbench.lowfi.friction.contact.records import CellArrays
 from rollbench.lowfi.friction.contact.rings import settle_cell
 from rollbench.lowfi.friction.screw.arrays import plain_array
 from rollbench.lowfi.friction.screw.groove import SIGN_X, SIGN_Z, ScrewGroove, frame
-from rollbench.lowfi.statics.static import contact_angles
+from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.meshes.arrays import Array
 
 

@@ -17,7 +17,7 @@ from rollbench.lowfi.friction.screw.path import ON_SCREW
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, with_loads
 from rollbench.lowfi.friction.whole.losses import BallFriction, ball_friction
 from rollbench.lowfi.statics.result import StaticResult
-from rollbench.lowfi.statics.static import contact_angles
+from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimen, specimen
 from rollbench.meshes.parts import Friction, Scene

@@ -100,8 +100,13 @@ def unheld(system: System) -> str:
     return f"not held: the loads open every contact that could carry them (linear program: {words_for(system, motion)})"
 
 
-def crossed(system: System, name: str, thrust: str, angle: float) -> str:
-    """Status sentence of a one-way row whose balls carry load across the bottom of the groove, at an angle [rad]."""
+def crossed(system: System, name: str, thrust: str, angle: float, load: float) -> str:
+    """Status sentence of a one-way row whose balls carry load [N] across the bottom of the groove, at an angle [rad].
+
+    Where forces at nominal contacts could balance the loads there is a proof all the same: with arcs that go on across the
+    bottom the energy is convex, so its equilibrium is the only one. One with every loaded ball on the side that carries
+    thrust would be an equilibrium of these arcs too, and so be the one that was found.
+    """
     try:
         opened = opening_motion(system) is not None
     except ArithmeticError:
@@ -109,7 +114,7 @@ def crossed(system: System, name: str, thrust: str, angle: float) -> str:
     if opened:
         return f"not held: the load opens {name}, which carries thrust along {thrust} only (linear program)"
     return (
-        f"not converged: balls of {name} carry load at a contact angle of {np.degrees(angle):.1f} deg, across the bottom "
-        f"of a groove that carries thrust along {thrust} only; forces at its nominal contacts could balance the loads "
-        "(linear program)"
+        f"not held: no equilibrium has all loaded balls of {name} on the side of the groove that carries thrust along "
+        f"{thrust}: in the only one that there is (the energy is convex) a ball carries {load:.3g} N at a contact angle of "
+        f"{np.degrees(angle):.1f} deg, across the groove's bottom"
     )

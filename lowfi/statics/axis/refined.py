@@ -17,9 +17,10 @@ from rollbench.lowfi.statics.axis.result import AxisResult
 from rollbench.lowfi.statics.axis.solve import axis_verdict, engine_for, solve_assembly
 from rollbench.lowfi.statics.axis.stiffness import asked_station, inverse, rigid_rows
 from rollbench.lowfi.statics.axis.summary import Ending, assemble_axis, failed_axis
-from rollbench.lowfi.statics.axis.system import BallSet, build
+from rollbench.lowfi.statics.axis.system import BallSet, build, set_contacts, set_flanks, with_arms
 from rollbench.lowfi.statics.records import AxisState, Outcome
 from rollbench.lowfi.statics.result import SolverReport
+from rollbench.lowfi.statics.settle import Flanks, follow_hertz, follow_profile, uneven
 from rollbench.lowfi.statics.shaft import flank_loads, node_motions
 from rollbench.lowfi.statics.static import MAX_ITERATIONS, NO_LOADS, ROUND_OFF, Engine
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS
@@ -67,9 +68,8 @@ def _solve(assembly: Assembly, engine: Engine, member: int, backend: Backend, na
         return failed_axis(assembly, name, f"not held: {loose.text}", perf_counter() - start, ASSUMPTIONS)
     elastic = ready(pinned(system, loose), backend, kernels)
     prepared_at = perf_counter()
-    arrays = elastic.bodies, elastic.contacts, elastic.state
-    kernels.start_forces(elastic.bodies, elastic.state, elastic.springs, elastic.options)
-    outcome: Outcome = kernels.solve_forces(*arrays, elastic.options, elastic.arms, np.zeros(MAX_ITERATIONS + 1))
+    elastic, outcome = solve_settled(elastic, backend)
+    system = elastic.system
     bound = round_off(elastic, outcome.scale)
     status = axis_verdict(outcome, bound, system)
     if outcome.status in NO_LOADS:
@@ -93,8 +93,38 @@ def _solve(assembly: Assembly, engine: Engine, member: int, backend: Backend, na
     whole = elastic_stiffness(elastic, S)
     rigid = rigid_rings(assembly)
     words = *ASSUMPTIONS, *elastic.assumed
-    ending = Ending(status, report, loose.text, held, sets, whole, name, words, rigid, flank_shifts(elastic))
+    ending = Ending(status, report, loose.text, held, sets, whole, name, words, rigid, flank_shifts(elastic), outcome.scale)
     return assemble_axis(elastic.system, state, ending)
+
+
+def solve_settled(elastic: ElasticAxis, backend: Backend) -> tuple[ElasticAxis, Outcome]:
+    """Solve, and follow the contacts by Hertz' constants and lever arms where the assembly asks for it."""
+    elastic.engine.start_forces(elastic.bodies, elastic.state, elastic.springs, elastic.options)
+    outcome = iterate(elastic)
+    if elastic.system.assembly.ingredients.hertz == "actual":
+        contacts = set_contacts(elastic.system, elastic.state.contact)
+        outcome = follow_hertz(outcome, lambda: contacts, lambda: iterate(elastic))
+
+    def flanks() -> list[Flanks]:
+        return set_flanks(elastic.system, state_of(elastic)[0], flank_shifts(elastic))
+
+    def rebuild(more: list[Array]) -> Outcome:
+        nonlocal elastic
+        old, elastic = elastic, ready(with_arms(elastic.system, more), backend, elastic.engine)
+        for new, known in zip(elastic.state, old.state, strict=True):
+            new[:] = known
+        return iterate(elastic)
+
+    if any(uneven(b.problem) for b in elastic.system.balls):
+        outcome = follow_profile(outcome, flanks, rebuild)
+    return elastic, outcome
+
+
+def iterate(elastic: ElasticAxis) -> Outcome:
+    """Solve from the present state."""
+    arrays = elastic.bodies, elastic.contacts, elastic.state
+    found: Outcome = elastic.engine.solve_forces(*arrays, elastic.options, elastic.arms, np.zeros(MAX_ITERATIONS + 1))
+    return found
 
 
 def rigid_rings(assembly: Assembly) -> tuple[str, ...]:

@@ -16,21 +16,12 @@ from rollbench.lowfi.statics.axis.result import AxisResult
 from rollbench.lowfi.statics.axis.sides import all_sides, clear, complete, likely_sides
 from rollbench.lowfi.statics.axis.stiffness import set_stiffness, whole_stiffness
 from rollbench.lowfi.statics.axis.summary import AXIS_ASSUMPTIONS, Ending, assemble_axis, failed_axis
-from rollbench.lowfi.statics.axis.system import System, build, placed
+from rollbench.lowfi.statics.axis.system import System, build, placed, set_contacts, set_flanks, with_arms
 from rollbench.lowfi.statics.axis.typical import typical
-from rollbench.lowfi.statics.problem import actual_hertz
 from rollbench.lowfi.statics.records import AxisSlopes, AxisState, BeamOptions, Outcome
 from rollbench.lowfi.statics.result import SolverReport
-from rollbench.lowfi.statics.static import (
-    ACCEPTED,
-    MAX_ITERATIONS,
-    NO_LOADS,
-    ROUND_OFF,
-    TOLERANCE,
-    Engine,
-    contact_angles,
-    pick_engine,
-)
+from rollbench.lowfi.statics.settle import follow_hertz, follow_profile, uneven
+from rollbench.lowfi.statics.static import ACCEPTED, MAX_ITERATIONS, NO_LOADS, ROUND_OFF, TOLERANCE, Engine, pick_engine
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
 
@@ -109,7 +100,7 @@ def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int =
             return failed_axis(assembly, "lin", f"not held: {loose.text}", perf_counter() - start)
         prepared = prepare(pinned(system, loose), kernels)
         ready = perf_counter()
-        outcome = solve_with_hertz(prepared)
+        outcome = solve_settled(prepared)
         if complete(uses, mounted) or (outcome.status == 0 and clear(prepared.system, prepared.state)):
             break
         uses = all_sides(mounted)
@@ -142,7 +133,7 @@ def _ending(prepared: Prepared, status: str, report: SolverReport, loose: str) -
     held = np.where(system.structure.fixed, out.gradient, 0.0)
     sets = [set_stiffness(b, system.structure.stations, out.hessians[b.balls, :4, :4]) for b in system.balls]
     whole = whole_stiffness(system, prepared.engine, state, out.hessians)
-    return Ending(status, report, loose, held, sets, whole, "lin", AXIS_ASSUMPTIONS)
+    return Ending(status, report, loose, held, sets, whole, "lin", AXIS_ASSUMPTIONS, scale=prepared.scale)
 
 
 def engine_for(assembly: Assembly, engine: Engine) -> ModuleType:
@@ -152,28 +143,22 @@ def engine_for(assembly: Assembly, engine: Engine) -> ModuleType:
     return pick_engine(engine, (assembly.ball_count + slices // 4) * (1 + preloads))
 
 
-def solve_with_hertz(prepared: Prepared) -> Outcome:
-    """Solve, and where the assembly asks for Hertz at the actual geometry, update the constants until they settle."""
+def solve_settled(prepared: Prepared) -> Outcome:
+    """Solve, and follow the contacts by Hertz' constants and lever arms where the assembly asks for it."""
     outcome = iterate(prepared)
-    system = prepared.system
-    if system.assembly.ingredients.hertz != "actual" or outcome.status not in (0, 1):
-        return outcome
-    for _ in range(12):
-        change = 0.0
-        for b in system.balls:
-            contact = prepared.state.contact[b.balls]
-            nominal = b.problem.scene.track.contact_angle
-            gamma = np.where(contact[..., 0] > 0.0, contact_angles(contact[..., 1:3]), nominal)
-            updated = actual_hertz(b.problem.scene, b.problem.drawn, gamma).C
-            change = max(change, float(np.abs(updated / b.problem.C - 1.0).max()))
-            b.problem.C[:] = updated
-            system.contacts.geometry[b.balls, :, 4] = updated
-        again = iterate(prepared, start=False)
-        outcome = again._replace(
-            iterations=outcome.iterations + again.iterations, evaluations=outcome.evaluations + again.evaluations
-        )
-        if change < 1e-13:
-            break
+
+    def again() -> Outcome:
+        return iterate(prepared, start=False)
+
+    if prepared.system.assembly.ingredients.hertz == "actual":
+        outcome = follow_hertz(outcome, lambda: set_contacts(prepared.system, prepared.state.contact), again)
+    if any(uneven(b.problem) for b in prepared.system.balls):
+
+        def rebuild(more: list[Array]) -> Outcome:
+            prepared.system = with_arms(prepared.system, more)
+            return again()
+
+        outcome = follow_profile(outcome, lambda: set_flanks(prepared.system, prepared.state), rebuild)
     return outcome
 
 

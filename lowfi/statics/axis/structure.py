@@ -96,7 +96,8 @@ def structure_of(assembly: Assembly, stations: Array) -> Structure:
                 raise ValueError(f"two supports hold {name} at {1e3 * at:g} mm, less than {1e6 * MERGE:g} um apart")
             fixed[j, k], prescribed[j, k] = True, value
     for x in assembly.loads:
-        load[int(np.abs(nodes - x.at).argmin())] += np.concatenate([x.force, x.moment])
+        j = int(np.abs(nodes - x.at).argmin())
+        load[j] += rigid_transport(x.at - nodes[j]).T @ np.concatenate([x.force, x.moment])
     for i, body in enumerate(moving):
         load[nodes.size + i] += np.concatenate([body.force, body.moment])
     sections = element_sections(assembly, nodes)

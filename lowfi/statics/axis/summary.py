@@ -11,13 +11,22 @@ from rollbench.lowfi.statics.axis.proof import crossed
 from rollbench.lowfi.statics.axis.result import AxisResult, HousingResult, SetResult
 from rollbench.lowfi.statics.axis.sides import left_out
 from rollbench.lowfi.statics.axis.stiffness import asked_station
-from rollbench.lowfi.statics.axis.system import BallSet, RollerSet, System
+from rollbench.lowfi.statics.axis.system import BallSet, RollerSet, System, moved_flanks
 from rollbench.lowfi.statics.problem import SIGNS
 from rollbench.lowfi.statics.records import AxisState
 from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult
 from rollbench.lowfi.statics.shape import rigid_transport
 from rollbench.lowfi.statics.solved import SolvedState
-from rollbench.lowfi.statics.summary import MODEL_ASSUMPTIONS, contact_geometry
+from rollbench.lowfi.statics.static import ACCEPTED
+from rollbench.lowfi.statics.summary import (
+    BALANCE,
+    MODEL_ASSUMPTIONS,
+    balance_of,
+    contact_geometry,
+    judged,
+    net_forces,
+    round_off,
+)
 from rollbench.lowfi.statics.validity import warnings_of
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
@@ -34,6 +43,8 @@ ROLLERS = "rollers: slices of line contacts that do not feel one another, seated
 
 #: Contact angle [rad] below which a row that carries thrust one way has crossed the bottom of its groove, or lies on it.
 APEX = 1e-6
+#: Share of the largest force met up to which a contact counts as none there: what the solver is asked for, times ten.
+NOTHING = 10.0 * ACCEPTED
 
 
 @dataclass(frozen=True)
@@ -52,6 +63,8 @@ class Ending:
     assumed: tuple[str, ...]
     left_out: tuple[str, ...] = ()
     shifts: Array | None = None
+    #: Largest force met [N].
+    scale: float = 0.0
 
 
 def assemble_axis(system: System, state: AxisState, end: Ending) -> AxisResult:
@@ -61,15 +74,20 @@ def assemble_axis(system: System, state: AxisState, end: Ending) -> AxisResult:
     found = {b.of.name: ball_result(system, b, state, end, K) for b, K in zip(system.balls, end.sets, strict=True)}
     found |= {x.of.name: roller_result(x, state, structure.stations) for x in system.rollers}
     sets = tuple(found[s.name] for s in assembly.sets)
+    balance = _balance(system, state, end, sets)
+    housings = tuple(_housing(system, i, sets, state.q, end) for i in range(r - n))
+    status = judged_axis(end.status, system, balance, housings)
+    if status == "converged":
+        status = crossed_row(system, sets, end.scale) or status
     held = (f"{end.loose}: held where it is, since nothing drives or resists it",) if end.loose else ()
     return AxisResult(
         end.model,
-        end.status if end.status != "converged" else crossed_row(system, sets) or end.status,
+        status,
         sets,
-        tuple(_housing(system, i, sets, state.q, end.held) for i in range(r - n)),
+        housings,
         structure.nodes,
         state.q[:n].copy(),
-        _balance(assembly, structure.nodes, end.held[:n], sets),
+        balance,
         asked_station(system)[1],
         end.whole,
         end.report,
@@ -79,11 +97,29 @@ def assemble_axis(system: System, state: AxisState, end: Ending) -> AxisResult:
     )
 
 
-def crossed_row(system: System, sets: Sequence[SetResult]) -> str:
-    """Words for a row that carries thrust one way and is pulled the other way, past its balls; empty where none is."""
+def judged_axis(status: str, system: System, balance: Equilibrium, housings: Sequence[HousingResult]) -> str:
+    """The status, or what is out of balance of shaft, balls and housings, as `lowfi.statics.summary.judged`."""
+    frozen, ball = system.assembly.ingredients.arm == "nominal", ""
+    for b in system.balls:
+        if b.balls.start < balance.worst_ball <= b.balls.stop:
+            ball = f"ball {balance.worst_ball - b.balls.start} of {b.of.name}"
+    status = judged(status, balance, frozen, "the shaft", ball)
+    worst = max(housings, key=lambda h: h.residual, default=None)
+    if status == "converged" and worst is not None and not frozen and not worst.residual <= BALANCE:
+        return f"not converged: {worst.name} is out of balance by {worst.residual:.1e} of the largest force"
+    return status
+
+
+def crossed_row(system: System, sets: Sequence[SetResult], scale: float) -> str:
+    """Words for a row that carries thrust one way and is pulled the other way, past its balls; empty where none is. scale:
+    largest force met [N]."""
     for s in sets:
-        if s.balls is not None and s.of.thrust in ("+z", "-z") and np.any(s.balls.contact_angle < APEX):
-            return crossed(system, s.of.name, s.of.thrust, float(np.nanmin(s.balls.contact_angle)))
+        if s.balls is not None and s.of.thrust in ("+z", "-z"):
+            past = (s.balls.contact_angle < APEX) & (s.balls.load > NOTHING * scale)
+            if past.any():
+                worst = int(np.where(past, s.balls.load, 0.0).argmax())
+                load, angle = s.balls.load.flat[worst], s.balls.contact_angle.flat[worst]
+                return crossed(system, s.of.name, s.of.thrust, float(angle), float(load))
     return ""
 
 
@@ -96,9 +132,7 @@ def ball_result(system: System, b: BallSet, state: AxisState, end: Ending, stiff
     if problem.drawn.profile.shape[1] and end.shifts is not None:
         shifts = end.shifts[b.balls]
     elif problem.drawn.profile.shape[1]:
-        rows = np.column_stack([problem.node, np.full((len(p), 2), b.outer)])
-        moved = np.where((rows >= 0)[..., None], np.einsum("nsak,nsk->nsa", b.B, state.q[rows]), 0.0)
-        shifts = b.v0 + moved
+        shifts = moved_flanks(b, state.q)
     motion = state.q[: problem.nodes.size]
     largest = float(force.max(initial=0.0))
     solved = SolvedState(problem, motion, p, force, normal, np.zeros(motion.shape), shifts, largest)
@@ -156,36 +190,28 @@ def _sum_at(points: Array, forces: Array, station: float) -> tuple[Array, Array]
     return forces.sum(axis=(0, 1)), np.cross(arm, forces).sum(axis=(0, 1))
 
 
-def _balance(assembly: Assembly, nodes: Array, held: Array, sets: tuple[SetResult, ...]) -> Equilibrium:
+def _balance(system: System, state: AxisState, end: Ending, sets: tuple[SetResult, ...]) -> Equilibrium:
     """Loads, reactions and the sets' forces on the shaft; moments about the origin."""
+    nodes = system.structure.nodes
     applied, reaction, contact = np.zeros(6), np.zeros(6), np.zeros(6)
-    largest = 0.0
-    for load in assembly.loads:
+    for load in system.assembly.loads:
         applied += rigid_transport(load.at).T @ np.concatenate([load.force, load.moment])
-    for j in np.flatnonzero(held.any(axis=1)):
-        reaction += rigid_transport(float(nodes[j])).T @ held[j]
+    for j in np.flatnonzero(end.held[: nodes.size].any(axis=1)):
+        reaction += rigid_transport(float(nodes[j])).T @ end.held[j]
+    largest = end.scale
     for s in (x for x in sets if x.of.carrier is None):
         contact += rigid_transport(s.of.position).T @ np.concatenate([s.force, s.moment])
         contacts = 0.0 if s.balls is None else float(s.balls.load.max(initial=0.0))
         largest = max(largest, float(np.abs(s.force).max()), contacts)
     size = max(largest, float(np.abs(np.concatenate([applied[:3], reaction[:3]])).max()))
-    arm = max(
-        size * float(nodes[-1] - nodes[0]), float(np.abs(np.concatenate([applied[3:], reaction[3:], contact[3:]])).max())
-    )
-    rest = applied + reaction + contact
-    return Equilibrium(
-        applied[:3],
-        applied[3:],
-        reaction[:3],
-        reaction[3:],
-        contact[:3],
-        contact[3:],
-        float(np.abs(rest[:3]).max()) / size if size else 0.0,
-        float(np.abs(rest[3:]).max()) / arm if arm else 0.0,
+    noise = round_off(np.diff(nodes), system.axis.sections, state.q[: nodes.size])
+    net = net_forces(state.contact[..., 0], state.contact[..., 1:3])
+    return balance_of(
+        (applied, reaction, contact, np.zeros(6)), size, system.arm, noise, net[: system.contacts.r_ball.size]
     )
 
 
-def _housing(system: System, i: int, sets: tuple[SetResult, ...], q: Array, held: Array) -> HousingResult:
+def _housing(system: System, i: int, sets: tuple[SetResult, ...], q: Array, end: Ending) -> HousingResult:
     """Balance of one housing: its load, what holds it, its springs, and the sets it carries."""
     structure = system.structure
     row = structure.nodes.size + i
@@ -203,10 +229,10 @@ def _housing(system: System, i: int, sets: tuple[SetResult, ...], q: Array, held
             carried += reach @ s.reaction
         if s.of.carrier == name:
             carried += reach @ np.concatenate([s.force, s.moment])
-    wrench = held[row] + springs
+    wrench = end.held[row] + springs
     rest = structure.load[row] + carried + wrench
     pushes = [s.force for s in sets if name in (s.of.housing, s.of.carrier)]
-    size = max(float(np.abs(x[:3]).max()) for x in (structure.load[row], wrench, *pushes))
+    size = max(end.scale, *(float(np.abs(x[:3]).max()) for x in (structure.load[row], wrench, *pushes)))
     left = max(float(np.abs(rest[:3]).max()), float(np.abs(rest[3:]).max()) / system.arm)
     return HousingResult(name, q[row].copy(), wrench, left / size if size else 0.0)
 

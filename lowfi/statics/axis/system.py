@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,8 @@ from rollbench.lowfi.bearings.roller_slices import middles
 from rollbench.lowfi.bearings.tapered_roller import TaperedBearing
 from rollbench.lowfi.statics.axis.structure import Structure, structure_of
 from rollbench.lowfi.statics.problem import Problem, flank_rows, hertz_C, pack_geometry
-from rollbench.lowfi.statics.records import AxisArrays, AxisBalls, AxisRollers
+from rollbench.lowfi.statics.records import AxisArrays, AxisBalls, AxisRollers, AxisState
+from rollbench.lowfi.statics.settle import Contacts, Flanks
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
 from rollbench.meshes.errors import Specimen, specimen
@@ -33,7 +34,7 @@ USE = {
 }
 
 
-@dataclass(frozen=True)
+@dataclass
 class BallSet:
     """Balls of one set: their problem with the nodes of the whole shaft, its place ``balls`` among all, the row of its
     housing (-1: it stands), B ``(N, 4, 2, 6)`` and v0 ``(N, 4, 2)`` [m] of its flanks."""
@@ -116,10 +117,16 @@ def build(
 
 
 def _ball_set(
-    one: RollingSet, scene: Scene, structure: Structure, use: NDArray[np.bool_], place: Placed, first: int
+    one: RollingSet,
+    scene: Scene,
+    structure: Structure,
+    use: NDArray[np.bool_],
+    place: Placed,
+    first: int,
+    more: Array | None = None,
 ) -> BallSet:
     layout, drawn = place
-    parts = (scene, drawn, layout, None)
+    parts = (scene, drawn, layout, more)
     geometry, closure = pack_geometry(scene, drawn, hertz_C(scene, drawn), use)
     n, nodes, N = structure.nodes.size, structure.nodes, layout.z.size
     stations = contact_stations(scene, layout)
@@ -153,8 +160,39 @@ def _ball_set(
     return BallSet(one, problem, slice(first, first + N), outer, B, v0)
 
 
+def with_arms(system: System, more: Sequence[Array]) -> System:
+    """The system at its Hertz constants with lever arms of all ball sets longer by (N, 4, 2) [m]."""
+    balls = []
+    for b, m in zip(system.balls, more, strict=True):
+        p = b.problem
+        own = _ball_set(b.of, p.scene, system.structure, p.use, (p.layout, p.drawn), b.balls.start, m)
+        own.problem.C[:] = p.C
+        balls.append(own)
+    return replace(system, balls=balls, contacts=_all_balls(balls)._replace(tiny=system.contacts.tiny))
+
+
+def set_contacts(system: System, contact: Array) -> list[Contacts]:
+    """Contacts of each set of balls, of those of all (N, 4, 5)."""
+    return [Contacts(b.problem, contact[b.balls]) for b in system.balls]
+
+
+def set_flanks(system: System, state: AxisState, shifts: Array | None = None) -> list[Flanks]:
+    """Contacts, centres and flank motions of each set of balls; shifts (N, 4, 2) [m]: of all flanks, where they are not
+    those of the rows."""
+    moved = [moved_flanks(b, state.q) if shifts is None else shifts[b.balls] for b in system.balls]
+    contact, centre = state.contact, state.p
+    return [Flanks(b.problem, contact[b.balls], centre[b.balls], m) for b, m in zip(system.balls, moved, strict=True)]
+
+
+def moved_flanks(b: BallSet, q: Array) -> Array:
+    """Motions (N, 4, 2) [m] of a set's flanks by those of the rows (r, 6)."""
+    rows = np.column_stack([b.problem.node, np.full((len(b.v0), 2), b.outer)])
+    return np.asarray(b.v0 + np.where((rows >= 0)[..., None], np.einsum("nsak,nsk->nsa", b.B, q[rows]), 0.0))
+
+
 def _all_balls(sets: list[BallSet]) -> AxisBalls:
-    """Balls of all sets one after the other; profiles are filled up with zeros."""
+    """Balls of all sets one after the other, of whose rows their problems then hold views; profiles are filled up with
+    zeros."""
     degree = max((b.problem.drawn.profile.shape[1] for b in sets), default=0)
     row, profile = [], []
     for b in sets:
@@ -167,11 +205,14 @@ def _all_balls(sets: list[BallSet]) -> AxisBalls:
     def joined(arrays: list[Array], shape: tuple[int, ...]) -> Array:
         return np.ascontiguousarray(np.concatenate([np.zeros((0, *shape)), *arrays]))
 
+    geometry = joined([b.problem.geometry for b in sets], (4, 9))
+    for b in sets:  # constants that change in one place change in the other
+        b.problem = replace(b.problem, geometry=geometry[b.balls])
     return AxisBalls(
         joined(row, (4,)).astype(np.int64),
         joined([b.B for b in sets], (4, 2, 6)),
         joined([b.v0 for b in sets], (4, 2)),
-        joined([b.problem.geometry for b in sets], (4, 9)),
+        geometry,
         joined([b.problem.closure for b in sets], (2,)),
         joined([b.problem.drawn.ball_radius for b in sets], ()),
         joined(profile, (4, degree)),

@@ -19,18 +19,16 @@ from rollbench.lowfi.statics.records import (
     AxisState,
     BeamOptions,
     Outcome,
+    Progress,
 )
 
 from .axis_matrix import add_axis, add_balls, add_rollers, hold
-from .ball import FORCE, MX, MZ, block, settle_ball
+from .ball import FORCE, MX, MZ, USE, block, settle_ball
 from .beam import element_force, positions
-from .newton import CONVERGED, ITERATIONS, NOT_HELD, SINGULAR, residual_of, slope_along
+from .newton import BALANCED, CONVERGED, ITERATIONS, NOT_HELD, SINGULAR, ball_mismatch, residual_of, slope_along
 from .rollers import roller_forces
-from .search import first_trial, next_trial
+from .search import GROWN, WHOLE_STEPS, first_trial, got_on, next_trial
 from .skyline import factor, substitute
-
-#: Longest step of a search, over Newton's.
-FAR = 1e12
 
 
 @kernel
@@ -156,6 +154,21 @@ def ball_shift(balls: AxisBalls, q: Array, i: int, shift: Array) -> None:
 
 
 @kernel
+def balls_reach(balls: AxisBalls, step: Array) -> float:
+    """Largest motion [m] by a step of the rows (r, 6) of a flank that is used, against its opposite."""
+    largest, shift = 0.0, np.zeros((4, 2))
+    for i in range(balls.row.shape[0]):
+        ball_shift(balls, step, i, shift)
+        for s in range(2):
+            if balls.geometry[i, s, USE] != 0.0:
+                o = 3 - s
+                x = shift[s, 0] - balls.v0[i, s, 0] - shift[o, 0] + balls.v0[i, o, 0]
+                z = shift[s, 1] - balls.v0[i, s, 1] - shift[o, 1] + balls.v0[i, o, 1]
+                largest = max(largest, x * x + z * z)
+    return sqrt(largest)
+
+
+@kernel
 def advance_axis(axis: AxisArrays, state: AxisState, q0: Array, d0: Array, step: Array, t: float) -> None:
     """State at (q0, d0) plus t step, the shaft in element deformations: the strain of the step is taken from the step."""
     q, d, lengths = state.q, state.d, axis.lengths
@@ -182,10 +195,11 @@ def search_axis(
     step: Array,
     energy: float,
     slope: float,
+    limit: float,
 ) -> tuple[float, float, int]:
-    """Search along ``step`` from the state (see ``search``), which is left at the accepted point."""
+    """Search along ``step`` (see ``search``) from the state, left at the accepted point; limit: its largest length."""
     q0, d0 = state.q.copy(), state.d.copy()
-    trial, go_on = first_trial(energy, slope, FAR), True
+    trial, go_on = first_trial(energy, slope, limit), True
     new, scale = energy, 0.0
     while go_on:
         advance_axis(axis, state, q0, d0, step, trial.t)
@@ -254,9 +268,9 @@ def solve_axis(
     scale = max(scale, floor)
     residual = residual_of(out.gradient, axis.fixed, scale, arm)
     history[0] = residual
-    evaluations, stalled, amount, best = 1, 0, 1e-3, residual
-    status, it = ITERATIONS, 0
-    if residual <= tolerance:
+    evaluations, amount, furthest = 1, 1e-3, balls.r_ball.max() if balls.r_ball.size else 0.0
+    status, it, progress = ITERATIONS, 0, Progress(residual, energy, 0, 0)
+    if residual <= tolerance and ball_mismatch(state.contact, scale) <= BALANCED:
         return Outcome(CONVERGED, it, evaluations, residual, energy, scale)
     for it in range(1, options.most + 1):
         solved = False
@@ -271,19 +285,28 @@ def solve_axis(
             status = SINGULAR
             break
         solve_lines(axis, values, -out.gradient, step)
-        if residual < 1e-7:
-            advance_axis(axis, state, state.q.copy(), state.d.copy(), step, 1.0)
+        reach = balls_reach(balls, step)
+        limit = furthest / reach if reach > 0.0 else 1e12
+        whole, used = residual < WHOLE_STEPS and limit >= 1.0, 0
+        if whole:
+            q0, d0, before = state.q.copy(), state.d.copy(), energy
+            advance_axis(axis, state, q0, d0, step, 1.0)
+            slope = slope_along(out.gradient, step, axis.fixed)
             energy, scale = evaluate_axis(axis, balls, rollers, state, out)
             evaluations += 1
+            if not residual_of(out.gradient, axis.fixed, max(scale, floor), arm) <= GROWN * max(residual, tolerance):
+                whole, energy = False, before
+                advance_axis(axis, state, q0, d0, step, 0.0)
         else:
             slope = slope_along(out.gradient, step, axis.fixed)
-            energy, scale, used = search_axis(axis, balls, rollers, state, out, step, energy, slope)
+        if not whole:
+            energy, scale, used = search_axis(axis, balls, rollers, state, out, step, energy, slope, limit)
             evaluations += used
         scale = max(scale, floor)
         residual = residual_of(out.gradient, axis.fixed, scale, arm)
         history[it] = residual
         amount = max(1e-3, amount * 0.1)
-        if residual <= tolerance:
+        if residual <= tolerance and ball_mismatch(state.contact, scale) <= BALANCED:
             status = CONVERGED
             break
         moved = 0.0
@@ -292,8 +315,10 @@ def solve_axis(
         if moved > options.bound:
             status = NOT_HELD
             break
-        stalled = stalled + 1 if residual >= 0.5 * best else 0
-        best = min(best, residual)
-        if stalled >= 2 and residual <= 1e-9:
+        progress, ends = got_on(progress, residual, energy, used)
+        if ends:
             break
+    loose = ball_mismatch(state.contact, scale)
+    if loose > BALANCED:
+        residual = max(residual, loose)
     return Outcome(status, it, evaluations, residual, energy, scale)

@@ -1,13 +1,11 @@
 """Where Newton's method begins on several rolling sets: balls and rollers as linear springs."""
 
-from math import sqrt
-
 import numpy as np
 
 from rollbench.lowfi.jit import kernel
 from rollbench.lowfi.statics.records import Array, AxisArrays, AxisBalls, AxisRollers, AxisSlopes, AxisState, BeamOptions
 
-from .axis import advance_axis, ball_shift, evaluate_axis, solve_lines, tangent
+from .axis import advance_axis, balls_reach, evaluate_axis, solve_lines, tangent
 from .axis_matrix import add_axis
 from .ball import SIZE, USE, WX, WZ
 
@@ -17,7 +15,7 @@ def start_axis(axis: AxisArrays, balls: AxisBalls, rollers: AxisRollers, state: 
     """Start of the iteration: equilibrium on linear springs (reference stiffness) in place of balls and rollers.
 
     Overwrites motions and deformations of ``state``; False (state untouched) where it cannot be found. No flank goes
-    further than the largest ball's radius.
+    further from its opposite than the largest ball's radius.
     """
     count, r = balls.row.shape[0], state.q.shape[0]
     hessians = np.zeros((count, 8, 8))
@@ -47,13 +45,7 @@ def start_axis(axis: AxisArrays, balls: AxisBalls, rollers: AxisRollers, state: 
     if not tangent(axis, balls, rollers, state, hessians, base, values, shift):
         return False
     solve_lines(axis, values, -out.gradient, step)
-    reach, limit = 0.0, (balls.r_ball.max() if count else 1e-3)
-    moved = np.zeros((4, 2))
-    for i in range(count):
-        ball_shift(balls, step, i, moved)
-        for s in range(4):
-            if balls.geometry[i, s, USE] != 0.0:
-                reach = max(reach, sqrt(moved[s, 0] ** 2 + moved[s, 1] ** 2))
+    reach, limit = balls_reach(balls, step), (balls.r_ball.max() if count else 0.0)
     advance_axis(axis, state, state.q.copy(), state.d.copy(), step, 1.0 if reach <= limit else limit / reach)
     return True
 

@@ -26,8 +26,8 @@ from rollbench.lowfi.statics.records import (
 from .coupling import apply_rows, body_motion, border, cholesky_lower, couple, forces_of_rows, triangular
 from .elastic_balls import ball_rows, evaluate_balls
 from .modes import gradients, soft_factor
-from .newton import BALANCED, CONVERGED, FALLS, GROWN, ITERATIONS, NOT_HELD, PATIENCE, SINGULAR, WHOLE_STEPS, ball_mismatch
-from .search import TRIALS, first_trial, next_trial
+from .newton import BALANCED, CONVERGED, ITERATIONS, NOT_HELD, SINGULAR, ball_mismatch
+from .search import FALLS, GROWN, PATIENCE, TRIALS, WHOLE_STEPS, first_trial, next_trial
 
 #: Residual asked of the linear equations, as a fraction of that of the contact forces: a tenth keeps Newton's own order.
 FORCING = 0.1
@@ -229,6 +229,20 @@ def place_flanks(bodies: Bodies, state: BodyState, g: Array, v: Array) -> None:
 
 
 @kernel
+def apart(v: Array) -> float:
+    """Largest motion [m] of a flank of the first body against that of the second; v (N, d): of the flanks, d = 2 where it
+    is of both against one another."""
+    largest, half = 0.0, v.shape[1] // 2
+    for i in range(v.shape[0]):
+        if half == 1:
+            largest = max(largest, abs(v[i, 0]), abs(v[i, 1]))
+        else:
+            for a in range(half):
+                largest = max(largest, abs(v[i, a] - v[i, half + a]))
+    return largest
+
+
+@kernel
 def room_for_factors(bodies: Bodies, rows: int) -> Factors:
     """Room for the factors of that many rows: the whole one, or those of the soft modes where they are given."""
     soft = bodies.soft_first.shape[1] + bodies.soft_second.shape[1]
@@ -281,7 +295,7 @@ def solve_forces(
         if not solved:
             status = SINGULAR
             break
-        reach = np.abs(step.dv).max()
+        reach = apart(step.dv)
         limit = furthest / reach if reach > 0.0 else 1e12
         whole = residual < WHOLE_STEPS and limit >= 1.0
         if whole:
@@ -333,7 +347,8 @@ def start_forces(bodies: Bodies, state: BodyState, springs: Array, options: Body
     """Start of the iteration: the bodies on one linear spring between opposite flanks in place of two contacts.
 
     springs (N, w, d): rows sqrt(stiffness) x direction, zero where there is none. Overwrites phi and a. No flank goes
-    further than ``options.furthest``, as in ``newton.linear_start``.
+    further from its opposite than ``options.furthest``, as in ``newton.linear_start``, unless the loads alone carry it
+    there: a shaft that only contacts hold is far away without their forces.
     """
     phi, amplitude = state.phi, state.a
     balls, width = springs.shape[0], springs.shape[1]
@@ -352,8 +367,8 @@ def start_forces(bodies: Bodies, state: BodyState, springs: Array, options: Body
     forces_of_rows(springs, counts, starts, u, phi)
     g, v = np.empty(phi.shape), np.empty(phi.shape)
     place_flanks(bodies, state, g, v)
-    reach = np.abs(v - v0).max()
-    if reach > options.furthest:
+    if apart(v) > options.furthest and apart(v0) <= options.furthest:
+        reach = max(apart(v - v0), options.furthest)
         phi *= options.furthest / reach
         amplitude *= options.furthest / reach
     return True

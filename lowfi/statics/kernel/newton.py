@@ -9,27 +9,28 @@ from math import sqrt
 import numpy as np
 
 from rollbench.lowfi.jit import kernel
-from rollbench.lowfi.statics.records import Array, BeamArrays, BeamContacts, BeamOptions, BeamSlopes, BeamState, Outcome
+from rollbench.lowfi.statics.records import (
+    Array,
+    BeamArrays,
+    BeamContacts,
+    BeamOptions,
+    BeamSlopes,
+    BeamState,
+    Outcome,
+    Progress,
+)
 
 from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, net_force, reduced_hessian, settle_ball
 from .banded import factor_band, substitute_band
 from .beam import force_of
 from .pair import add_pairs, even_pairs, pair_alone
-from .search import TRIALS, first_trial, next_trial
+from .search import GROWN, WHOLE_STEPS, first_trial, got_on, next_trial
 
 CONVERGED, ITERATIONS, NOT_HELD, SINGULAR = 0, 1, 2, 3
-#: Relative residual from which on whole steps are tried first, and growth at which one is taken back and searched along.
-WHOLE_STEPS, GROWN = 1e-7, 10.0
 #: Residual over the one before from which on, near the end, the stiffness is factored anew; below, the last factor serves.
 KEPT = 1e-3
-#: Iterations in which the residual was not halved once, after which the iteration ends: at any residual, near the
-#: solution, and at round-off. Contacts far weaker than the beam between them settle near the solution only.
-PATIENCE, PATIENCE_NEAR, PATIENCE_LAST = 100, 10, 2
-NEAR, LAST = 1e-9, 1e-12
 #: Least shift of the stiffness over the beam's: below it a motion that nothing resists has the stiffness of round-off.
 ROUND_OFF = 1e-17
-#: Share of the energy by which it has to fall for an iteration to have got on.
-FALLS = 1e-6
 #: Net force on a ball over the largest force up to which it counts as balanced.
 BALANCED = 1e-10
 
@@ -299,9 +300,9 @@ def iterate(
     residual = residual_of(out.gradient, fixed, scale, arm)
     history[0] = residual
     least = ROUND_OFF * max(0.0, beam.band[:, 0].max())
-    evaluations, stalled, factor, furthest = 1, 0, 1e-3, contacts.r_ball.max()
-    status, it, stuck, fresh = ITERATIONS, 0, 0, not known
-    best, lowest = residual, energy
+    evaluations, factor, furthest = 1, 1e-3, contacts.r_ball.max()
+    status, it, fresh = ITERATIONS, 0, not known
+    progress = Progress(residual, energy, 0, 0)
     if residual <= tolerance and ball_mismatch(state.contact, scale) <= BALANCED:
         return Outcome(CONVERGED, it, evaluations, residual, energy, scale)
     for it in range(1, options.most + 1):
@@ -324,7 +325,7 @@ def iterate(
         slope = slope_along(out.gradient, step, fixed)
         reach = flank_reach(contacts, step.ravel())
         limit = furthest / reach if reach > 0.0 else 1e12
-        whole = residual < WHOLE_STEPS and limit >= 1.0
+        whole, used = residual < WHOLE_STEPS and limit >= 1.0, 0
         if whole:
             q0, d0, before = q[0].copy(), d.copy(), energy
             advance(q, d, lengths, q0, d0, step, 1.0)
@@ -337,7 +338,6 @@ def iterate(
         if not whole:
             energy, scale, used = line_search(beam, contacts, state, out, step, energy, slope, limit)
             evaluations += used
-            stuck += 1 if used >= TRIALS else 0
         scale = max(scale, floor)
         residual = residual_of(out.gradient, fixed, scale, arm)
         history[it] = residual
@@ -351,13 +351,9 @@ def iterate(
         if moved > options.bound:
             status = NOT_HELD
             break
-        falls = lowest - energy > FALLS * abs(energy)
-        stalled = 0 if residual < 0.5 * best or falls else stalled + 1
-        lowest = energy if falls else lowest
-        fresh = residual >= WHOLE_STEPS or residual >= KEPT * best
-        best = min(best, residual)
-        patience = PATIENCE_LAST if residual <= LAST else PATIENCE_NEAR if residual <= NEAR else PATIENCE
-        if stalled >= patience or stuck >= 2:
+        fresh = residual >= WHOLE_STEPS or residual >= KEPT * progress.best
+        progress, ends = got_on(progress, residual, energy, used)
+        if ends:
             break
     loose = ball_mismatch(state.contact, scale)
     if loose > BALANCED:

@@ -1,12 +1,20 @@
-"""The line search that all of Newton's iterations here share: where to try next along a step on a convex energy."""
+"""What all of Newton's iterations here share: where to try next along a step on a convex energy, and when to end."""
 
 from rollbench.lowfi.jit import kernel
-from rollbench.lowfi.statics.records import Trial
+from rollbench.lowfi.statics.records import Progress, Trial
 
 #: Relative round-off of an energy, summed over springs of both signs of work.
 ROUNDING = 1e-14
 #: Trials of a search: on a convex energy they never run out, where they do twice the iteration ends.
 TRIALS = 60
+#: Relative residual from which on whole steps are tried first, and growth at which one is taken back and searched along.
+WHOLE_STEPS, GROWN = 1e-7, 10.0
+#: Iterations in which the residual was not halved once, after which the iteration ends: at any residual, near the
+#: solution, and at round-off. Contacts far weaker than the beam between them settle near the solution only.
+PATIENCE, PATIENCE_NEAR, PATIENCE_LAST = 100, 10, 2
+NEAR, LAST = 1e-9, 1e-12
+#: Share of the energy by which it has to fall for an iteration to have got on.
+FALLS = 1e-6
 
 
 @kernel
@@ -40,3 +48,14 @@ def next_trial(trial: Trial, new: float, ahead: float) -> tuple[Trial, bool]:
         low = t
         t = min(4.0 * t, limit)
     return Trial(energy, slope, limit, low, high, t, tried), go_on
+
+
+@kernel
+def got_on(progress: Progress, residual: float, energy: float, tried: int) -> tuple[Progress, bool]:
+    """The progress after an iteration that searched ``tried`` times, and whether it is the last one."""
+    falls = progress.lowest - energy > FALLS * abs(energy)
+    stalled = 0 if residual < 0.5 * progress.best or falls else progress.stalled + 1
+    stuck = progress.stuck + (1 if tried >= TRIALS else 0)
+    patience = PATIENCE_LAST if residual <= LAST else PATIENCE_NEAR if residual <= NEAR else PATIENCE
+    lowest = energy if falls else progress.lowest
+    return Progress(min(progress.best, residual), lowest, stalled, stuck), stalled >= patience or stuck >= 2

@@ -17,7 +17,7 @@ from rollbench.lowfi.friction.whole.feedback import feed_back, seats
 from rollbench.lowfi.friction.whole.losses import ball_friction
 from rollbench.lowfi.friction.whole.run import simulate
 from rollbench.lowfi.friction.whole.torque import about_axis, sum_up
-from rollbench.lowfi.statics.static import contact_angles
+from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.meshes.parts import Friction, Motion
 
 

@@ -1,0 +1,117 @@
+"""Verdicts on several sets: what is no load, what is out of balance, and what is proven not to be held."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.axes import TURNING, assembly, bearing, double_nut, one_set, solved
+from tests.helpers import relative, small_screw
+
+from rollbench.comparison.models.axis import run_axis
+from rollbench.comparison.scenes import scene_file
+from rollbench.lowfi.statics.axis import solve, summary
+from rollbench.lowfi.statics.axis.refined import solve_refined
+from rollbench.lowfi.statics.axis.solve import solve_assembly
+from rollbench.lowfi.statics.axis.system import build
+from rollbench.lowfi.statics.elastic import solve_elastic
+from rollbench.lowfi.statics.static import solve_static
+from rollbench.meshes.parts import Load, SideErrors
+
+pytestmark = pytest.mark.xdist_group("axis verdicts")
+
+
+def scene(name):
+    """An assembly of this folder."""
+    text = (Path(__file__).parent / "scenes" / f"{name}.toml").read_text(encoding="utf-8")
+    return scene_file.read(text, name)
+
+
+@pytest.mark.compiles(30)
+@pytest.mark.parametrize("model", ["lin", "refined"])
+def test_a_row_that_carries_nothing_is_not_crossed(model):
+    """Its balls carry 1e-11 of 14 kN at an angle below zero; contacts alone hold the shaft, metres away without."""
+    found = run_axis(scene("axis-crossed-by-nothing"), model, "compiled")
+    assert found.converged
+    assert found.solver.iterations < 60
+    assert found.equilibrium.largest < 1e-9
+    assert abs(found.sets[1].force).max() < 1e-9
+
+
+@pytest.mark.parametrize("model", ["lin", "refined"])
+def test_contacts_that_nothing_presses_carry_nothing(model):
+    found = run_axis(scene("axis-no-load"), model, "compiled")
+    assert found.converged
+    assert found.equilibrium.largest < 1e-9
+    assert all(np.abs(s.force).max() < 1e-9 for s in found.sets)
+
+
+def test_a_ball_out_of_balance_is_named_with_its_set(monkeypatch):
+    """By its force on the nut, which the shaft does not feel."""
+    real = solve.assemble_axis
+
+    def off(system, state, end):
+        state.contact[14, 3, 0] += 1.0
+        return real(system, state, end)
+
+    monkeypatch.setattr(solve, "assemble_axis", off)
+    found = solve_assembly(double_nut())
+    assert found.status.startswith("not converged: ball 3 of nut 2 is out of balance")
+
+
+def test_a_load_beside_a_contact_stays_where_it_is():
+    """The node between them is the contact's; the way from the load to it is rigid."""
+    parts = assembly(bearing("a", 0.05, "+z", offset=-4e-6), bearing("b", 0.25, "-z", offset=4e-6), supports=(TURNING,))
+    contact = build(parts).structure.nodes[0]
+    load = Load(float(contact) + 5e-6, (2e3, 0.0, 100.0))
+    found = solve_assembly(replace(parts, loads=(load,)))
+    assert found.status == "converged"
+    assert found.equilibrium.largest < 1e-12
+
+
+def test_a_housing_out_of_balance_is_named(monkeypatch):
+    monkeypatch.setattr(summary, "judged", lambda status, *_: status)
+    real = solve.assemble_axis
+
+    def off(system, state, end):
+        state.q[-1, 2] += 1e-6
+        return real(system, state, end)
+
+    monkeypatch.setattr(solve, "assemble_axis", off)
+    assert solve_assembly(double_nut()).status.startswith("not converged: h is out of balance by")
+
+
+def test_balls_across_the_bottom_of_a_one_way_groove_are_no_equilibrium_of_it():
+    """A radial load on two rows, one drawn off by more than the depth of its groove: its balls are at -12 deg, though
+    forces at nominal contacts could balance the loads."""
+    rows = bearing("a", 0.05, "+z"), bearing("b", 0.25, "-z", offset=-0.4e-3)
+    loads = (Load(0.25, (2e3, 0.0, 500.0)),)
+    found = solve_assembly(assembly(*rows, supports=(TURNING,), loads=loads), engine="compiled")
+    assert found.status.startswith("not held: no equilibrium has all loaded balls of b on the side")
+
+
+PROFILE = (0.0, 0.0, 4e-6, -3e-6)
+
+
+@pytest.mark.parametrize("elastic", [False, True])
+def test_one_set_on_uneven_flanks_is_that_of_one_set(elastic):
+    parts = small_screw(oversize=3e-6, force=(200.0, 0.0, 900.0))
+    errors = replace(parts.errors, SL=SideErrors(profile=PROFILE), NR=SideErrors(profile=PROFILE))
+    parts = replace(parts, errors=errors)
+    if elastic:
+        alone, found = solve_elastic(parts, engine="compiled"), solve_refined(one_set(parts), engine="compiled")
+    else:
+        alone, found = solve_static(parts, engine="compiled"), solved(one_set(parts))
+    assert found.status == alone.status == "converged"
+    assert relative(found.sets[0].balls.load, alone.load) < (1e-9 if elastic else 1e-11)
+
+
+@pytest.mark.parametrize("elastic", [False, True])
+def test_hertz_at_the_actual_geometry_is_that_of_one_set(elastic):
+    parts = small_screw(oversize=3e-6, force=(200.0, 0.0, 900.0), hertz="actual")
+    if elastic:
+        alone, found = solve_elastic(parts, engine="compiled"), solve_refined(one_set(parts), engine="compiled")
+    else:
+        alone, found = solve_static(parts, engine="compiled"), solved(one_set(parts))
+    assert relative(found.sets[0].balls.load, alone.load) < (1e-9 if elastic else 1e-11)
+    assert np.abs(found.sets[0].balls.hertz_C / alone.hertz_C - 1.0).max() < 1e-9
