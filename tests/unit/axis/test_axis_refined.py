@@ -154,10 +154,11 @@ def half_axis():
     return replace(axis, sets=(*axis.sets[:2], axis.sets[4]))
 
 
-@pytest.mark.parametrize(("parts", "error"), [(double_nut(count=6), 1e-8), (half_axis(), 1e-3)], ids=["double nut", "axis"])
+@pytest.mark.parametrize(("parts", "error"), [(double_nut(count=6), 1e-8), (half_axis(), 2e-3)], ids=["double nut", "axis"])
 def test_mirror_image_carries_the_mirrored_loads(parts, error):
     """Whichever end of a set's stretch of shaft is held. On the axis the patches of contacts near the ends of the bearings'
-    stretches are cut off there, by less on one side than on the other, and the shaft's face adds to them."""
+    stretches are cut off there, by less on one side than on the other, more of them the wider patches are, and the shaft's
+    face adds to them."""
     parts = with_nominal_arms(parts)
     here, there = (refined(p, backend=COARSE) for p in (parts, mirrored(parts)))
     for a, b in zip(here.sets, there.sets, strict=True):

@@ -2,6 +2,7 @@
 
 import pytest
 
+from rollbench.comparison.evidence.audit import judge
 from rollbench.comparison.evidence.record import Evidence, Sheet
 from rollbench.comparison.evidence.registry import BY_TABLE, evidence
 from rollbench.comparison.models.study import Study
@@ -15,8 +16,8 @@ def test_sheet_keeps_the_order_of_the_table_and_leaves_the_rest_open():
     sheet.number("mu", 0.1)
     found = sheet.evidence()
     assert [e.printed for e in found] == list(load_table("lin-3.3"))
-    filed = {e.printed.key: e.verdict for e in found if e.verdict != "open"}
-    assert filed == {"mu": "taken over", "sign_region": "reproduced"}
+    filed = {e.printed.key: judge(e)[0] for e in found if e.agrees is not None}
+    assert filed == {"mu": "input", "sign_region": "reproduced"}
 
 
 def test_sheet_refuses_a_key_that_is_not_printed():
@@ -29,7 +30,7 @@ def test_sheet_refuses_a_key_that_is_not_printed():
 def test_compared_value_follows_the_class():
     row = next(r for r in load_table("lin-3.2") if r.cls == "as-printed")
     e = Evidence(row, value=2.0 * row.value, as_printed=row.value, reading=1.5 * row.value)
-    assert e.verdict == "reproduced as printed"
+    assert judge(e)[0] == "only as printed"
     assert e.error_percent == 0.0
     assert e.reading_error_percent == pytest.approx(50.0)
 
@@ -60,7 +61,7 @@ def test_shared_remarks_stand_once_and_round_off_is_zero():
 def test_no_screws_are_drawn_unless_asked_for():
     study = Study(members=0)
     found = {e.printed.key: e for e in evidence(study, "lin-2.4.2")}
-    assert [found[k].verdict for k in ("random_two_point", "random_much", "combined_four_point")] == ["open"] * 3
+    assert [found[k].agrees for k in ("random_two_point", "random_much", "combined_four_point")] == [None] * 3
     assert found["pitch_much"].agrees is True
     assert not any(getattr(key[0], "__name__", "") == "_ensemble" for key in study.made)
 
