@@ -21,7 +21,7 @@ def test_table_is_the_report_s() -> None:
         "largest %": "largest error [% of mean]",
         "at": "at ball",
         "RMS %": "RMS error [% of mean]",
-        "own load, largest %": "largest [% of own load]",
+        "own load, largest %": "largest error [% of own load]",
         "printed %": "printed max / RMS [%]",
     }
     rows = {(row["scene"], row["model"]): row for row in stored("reference-errors")}
