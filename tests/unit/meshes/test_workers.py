@@ -57,11 +57,8 @@ def test_no_worker_outlives_the_process_that_started_it(program, number, code):
         time.sleep(0.2)
         os.kill(parent.pid, number)
         os.kill(parent.pid, signal.SIGCONT)
-        assert left(workers, 60.0) == []  # a busy machine takes its time
+        assert left(workers, 10.0) == []
         told = parent.communicate()[1].decode()
     assert parent.returncode == code
     if code > 0:
-        first, *more = told.splitlines()
-        assert first == "rollbench: interrupted; nothing was left half-written"
-        # on a busy machine joblib's tracker may see a semaphore that is just being removed
-        assert all("resource_tracker" in line or "warnings.warn" in line for line in more)
+        assert told == "rollbench: interrupted; nothing was left half-written\n"
