@@ -6,6 +6,7 @@ import os
 import signal
 import sys
 import threading
+import time
 from collections.abc import Iterable
 from contextlib import suppress
 from types import FrameType
@@ -15,6 +16,9 @@ from cyclopts import CycloptsError
 from rollbench.comparison.commands.arguments import app
 from rollbench.comparison.commands.arguments.terminal import OutputLost, writing
 from rollbench.comparison.errors import InputError, one_line
+
+#: Longest wait [s] after an interrupt for threads that tidy up.
+TIDYING = 2.0
 
 
 def _drop_output() -> None:
@@ -37,6 +41,15 @@ def _say(lines: Iterable[str]) -> None:
         sys.stderr.flush()
 
 
+def _let_threads_end() -> None:
+    """Wait for threads that tidy up after workers: one that this process ends with is cut off between the removal of a
+    semaphore and word of it to joblib's tracker, which then calls it leaked."""
+    until = time.monotonic() + TIDYING
+    for thread in threading.enumerate():
+        if thread is not threading.current_thread():
+            thread.join(max(until - time.monotonic(), 0.0))
+
+
 def main(tokens: list[str] | None = None) -> None:
     """Entry point: bad input gives one line on standard error and exit code 2, an interrupt 130, TERM 143; an output that
     nobody reads any more ends quietly with 141, one that cannot be written with 74 and one line."""
@@ -57,6 +70,7 @@ def main(tokens: list[str] | None = None) -> None:
         _say((f"command line: {text} Advice: see rollbench --help",))
         sys.exit(2)
     except KeyboardInterrupt as stop:
+        _let_threads_end()
         _say(("interrupted; nothing was left half-written",))
         sys.exit(143 if isinstance(stop, Terminated) else 130)
     except BrokenPipeError:

@@ -15,7 +15,7 @@ from rollbench.comparison.extremes.survey.draw import scene_text
 from rollbench.comparison.measure import load_error
 from rollbench.comparison.models.applicability import DESCRIPTORS
 from rollbench.comparison.models.compared_point import SectionAnswer, point, rigidity
-from rollbench.comparison.models.model_form import QUANTITIES, Point, estimate
+from rollbench.comparison.models.model_form import QUANTITIES, Point, estimate, shipped_points
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.reference.computing import compute
 from rollbench.comparison.reference.jobs import keep
@@ -121,7 +121,7 @@ def compared(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
         "rest_N": max(run.moving, more.moving),
         "load_seconds": round(run.solve_seconds, 2),
     }
-    if not run.load.any():
+    if not (run.answers and more.answers and run.load.any()):
         return state
     mean = float(run.load[run.load > 0.0].mean())
     sums = run.load.sum(axis=0)
@@ -152,8 +152,9 @@ def _rounded(value: float | None, factor: float = 1.0) -> float | None:
 
 
 def _model(scene: Scene, result: StaticResult, run: Run, point: Point) -> Record:
-    """Errors of a model in per cent, and what it was to expect by the scenes compared so far."""
-    error, expected = load_error(result.load, run.load, nominal_contacts(scene)), estimate(scene, result)
+    """Errors of a model in per cent, and what the other scenes compared so far expect of it."""
+    error = load_error(result.load, run.load, nominal_contacts(scene))
+    expected = estimate(scene, result, [p for p in shipped_points() if p.scene != point.scene])
     return {
         "status": result.status,
         "largest_percent": point.percent,
