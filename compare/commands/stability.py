@@ -139,7 +139,7 @@ def run_drawn(
         raise InputError("command line", "--survey", str(count), f"1 to {SCENES}", "choose a number in that range")
     if keep is not None:
         need_writable(keep)
-    records = run.run_survey(SEED, count, folder, workers, on_terminal)
+    records = run.run_survey(SEED, count, folder, workers, on_terminal, keep)
     bad = run.unanswered(records)
     if keep is not None:
         replace_file(keep, run.text(SEED, records))

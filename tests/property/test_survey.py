@@ -82,6 +82,25 @@ def test_an_interrupted_survey_goes_on(tmp_path: Path, monkeypatch: pytest.Monke
         run.run_survey(SEED + 1, 3, tmp_path / "out", 1, said.append)
 
 
+def test_a_kept_record_is_not_solved_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    done: list[int] = []
+
+    def fake(_: int, number: int, __: Path) -> dict[str, object]:
+        done.append(number)
+        return {"number": number, "status": "converged", "seconds": 1.0}
+
+    monkeypatch.setattr(run, "surveyed", fake)
+    kept = tmp_path / "survey.json"
+    rows = [{"number": 0, "status": "converged"}, {"number": 1, "status": "refused"}]
+    kept.write_text(run.text(SEED, rows))
+    records = run.run_survey(SEED, 3, tmp_path / "out", 1, lambda _: None, kept)
+    assert done == [1, 2]
+    assert records[0] == rows[0]
+    kept.write_text(run.text(SEED, rows).replace(f'"version": "{run.__version__}"', '"version": "0.1"'))
+    run.run_survey(SEED, 3, tmp_path / "other", 1, lambda _: None, kept)
+    assert done == [1, 2, 0, 1, 2]
+
+
 def test_the_summary_counts_sizes_of_errors_with_an_answer() -> None:
     def row(status: str, error: float) -> dict[str, object]:
         return {"number": 0, "status": status, "models": {"refined": {"largest_percent": error, "rigidity_percent": None}}}

@@ -226,7 +226,7 @@ def stability(
         Scenes of the survey at the same time; each needs up to 4 GB.
     keep
         File to write the campaign's counts or the survey's record to, for the report's table; an interrupted campaign goes
-        on from what it left there.
+        on from what it left there, and a survey does not solve the scenes again that this file answers.
     """
     from rollbench.comparison.commands.stability import run_campaign, run_drawn, run_stability
 

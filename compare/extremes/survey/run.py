@@ -31,14 +31,18 @@ def _solved(folder: Path, token: str, seed: int, number: int) -> Record | None:
     return record
 
 
-def run_survey(seed: int, count: int, folder: Path, workers: int, step: Callable[[str], None]) -> list[Record]:
-    """Records of the first ``count`` scenes of a survey by number; those whose answer the folder has are not solved again.
+def run_survey(
+    seed: int, count: int, folder: Path, workers: int, step: Callable[[str], None], kept: Path | None = None
+) -> list[Record]:
+    """Records of the first ``count`` scenes of a survey by number; those that are answered already are not solved again:
+    by the folder, or by the record ``kept`` where it is of this seed, level and version.
 
     step: hears of every scene. Raises InputError where the folder is another's, or another run is at work in it.
     """
     store.open_folder(folder, {"survey": seed, "level": LEVEL, "version": __version__})
     with store.taken_over(folder) as token:
-        known = {record["number"]: record for record in store.read(folder) if not unanswered([record])}
+        before = [*_answers(kept, seed), *store.read(folder)]
+        known = {record["number"]: record for record in before if not unanswered([record])}
         left = [number for number in range(count) if number not in known]
         if len(left) < count:
             step(f"{count - len(left)} scenes of {count} are known")
@@ -48,6 +52,15 @@ def run_survey(seed: int, count: int, folder: Path, workers: int, step: Callable
                 known[left[job]] = record
                 step(f"[{len(known)}/{count}] scene {left[job]}: {record['status']}, {record['seconds']:.0f} s")
     return [known[number] for number in range(count) if number in known]
+
+
+def _answers(path: Path | None, seed: int) -> list[Record]:
+    """Scenes of a kept record; none where there is none, or where another version or level solved them."""
+    if path is None or not path.exists():
+        return []
+    found = json.loads(path.read_text(encoding="utf-8"))
+    ours = {"seed": seed, "level": LEVEL, "version": __version__}
+    return list(found["scenes"]) if {key: found.get(key) for key in ours} == ours else []
 
 
 def unanswered(records: Sequence[Record]) -> list[Record]:
