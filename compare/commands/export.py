@@ -18,8 +18,8 @@ from rollbench.meshes.bridge import FORMATS, MeshData, form_of, from_skfem, need
 from rollbench.meshes.parts import SIDES, Scene
 
 if TYPE_CHECKING:
-    from rollbench.hifi.part_meshes import Meshes
-    from rollbench.hifi.patch import PatchMesh
+    from rollbench.hifi.bodies.patch import PatchMesh
+    from rollbench.hifi.meshing.part_meshes import Meshes
 
 #: The source's body of influence for Hertz contact (a quarter of the block), without any scene's geometry.
 BLOCK = "block-source"
@@ -117,7 +117,7 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
         return _block()
     if part in BODIES:
         return _whole(scene, part, level)
-    from rollbench.hifi.part_meshes import body_kind, mesh_parts
+    from rollbench.hifi.meshing.part_meshes import body_kind, mesh_parts
     from rollbench.meshes.cache import Cache
     from rollbench.meshes.groove_map import GrooveMap
     from rollbench.meshes.helix import ball_layout
@@ -137,8 +137,8 @@ def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | 
     ball: from 0. Raises ValueError where the scene is not solved, or its screw is held or loaded beyond the low end.
     """
     from rollbench.hifi import fields
-    from rollbench.hifi.bodies import of_order
-    from rollbench.hifi.part_meshes import body_kind, mesh_parts
+    from rollbench.hifi.bodies.coarse import of_order
+    from rollbench.hifi.meshing.part_meshes import body_kind, mesh_parts
     from rollbench.hifi.reference import solve_reference
     from rollbench.hifi.setup import prepare
     from rollbench.meshes.cache import Cache
@@ -172,9 +172,9 @@ def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | 
 
 def _whole(scene: Scene, part: str, level: int) -> MeshData:
     """Whole screw (its 3D stretch), nut or ball, finest where contacts are expected, with all parts of its surface."""
-    from rollbench.hifi.bodies import of_order
-    from rollbench.hifi.fit import socket_size
-    from rollbench.hifi.part_meshes import body_kind, sockets_of
+    from rollbench.hifi.bodies.coarse import of_order
+    from rollbench.hifi.meshing.fit import socket_size
+    from rollbench.hifi.meshing.part_meshes import body_kind, sockets_of
     from rollbench.meshes.groove_map import GrooveMap
     from rollbench.meshes.grooved_body import BodySpec
     from rollbench.meshes.helix import ball_layout
@@ -201,7 +201,7 @@ def _whole(scene: Scene, part: str, level: int) -> MeshData:
 
 def _body(meshes: Meshes, part: str, kind: str) -> MeshData:
     """Screw, nut or ball of ``kind`` elements, with its sockets' inner faces and the flat ends."""
-    from rollbench.hifi.bodies import of_order
+    from rollbench.hifi.bodies.coarse import of_order
 
     mesh = {"ball": meshes.ball.mesh, "screw": meshes.screw.mesh, "nut": meshes.nut.mesh}[part]
     names = [name for name in mesh.boundaries if "socket" in name or " end" in name]
@@ -209,8 +209,8 @@ def _body(meshes: Meshes, part: str, kind: str) -> MeshData:
 
 
 def _patch_mesh(meshes: Meshes, m: Any, side: int, settings: Any, *, of_ball: bool) -> PatchMesh:
-    from rollbench.hifi.fit import ball_place
-    from rollbench.hifi.part_meshes import patch_mesh
+    from rollbench.hifi.meshing.fit import ball_place
+    from rollbench.hifi.meshing.part_meshes import patch_mesh
     from rollbench.meshes.sockets import local_points
 
     if of_ball:
@@ -226,7 +226,7 @@ def _patch(mesh: PatchMesh) -> MeshData:
 
 
 def _block() -> MeshData:
-    from rollbench.hifi.block import SOURCE_COARSE, SOURCE_FINE, SOURCE_RADIUS
+    from rollbench.hifi.contact.block import SOURCE_COARSE, SOURCE_FINE, SOURCE_RADIUS
     from rollbench.meshes.block import Influence, tetrahedra
 
     radius = SOURCE_RADIUS

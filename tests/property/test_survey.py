@@ -15,8 +15,8 @@ from rollbench.comparison.extremes.survey.record import described, surveyed
 from rollbench.comparison.reference.tasks import needed_sides, settings_of
 from rollbench.comparison.scenes import scene_file
 from rollbench.comparison.sweep import store
-from rollbench.hifi.expected import expected_contacts
-from rollbench.hifi.fit import socket_size
+from rollbench.hifi.meshing.expected import expected_contacts
+from rollbench.hifi.meshing.fit import socket_size
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.solid import dimensions

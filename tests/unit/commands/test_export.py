@@ -19,10 +19,10 @@ from rollbench.comparison.commands.export import parts_of, run_export
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.reference.levels import LEVELS
 from rollbench.comparison.scenes import catalogue
-from rollbench.hifi import submodel
-from rollbench.hifi.assembly import assemble
-from rollbench.hifi.assembly import cells as space
-from rollbench.hifi.forms import elasticity, share
+from rollbench.hifi.bodies import submodel
+from rollbench.hifi.elements.assembly import assemble
+from rollbench.hifi.elements.assembly import cells as space
+from rollbench.hifi.elements.forms import elasticity, share
 from rollbench.meshes import bridge
 from rollbench.meshes.fem import mesh_of
 from rollbench.meshes.solid import dimensions
