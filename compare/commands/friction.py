@@ -20,7 +20,8 @@ def run_friction(
     name: str, choices: Choices, *, balls: bool = False, time_limit: float | None = None, strict: bool = False
 ) -> Answer:
     """Solve a shipped scene or a file of any kind; balls: also the table of every ball. Exit code 1 where it did not
-    converge, the limit of time [s] ended it, or, if ``strict``, a line WARNING stands above the answers. Raises InputError."""
+    converge, the limit of time [s] ended it, or, if ``strict``, a line WARNING stands above the answers.
+    Raises InputError."""
     with watched(f"{one_line(name)}, friction", checked(time_limit)):
         found = solve_friction(name, choices)
     code = 1 if not found.converged or (strict and found.warning) else 0
