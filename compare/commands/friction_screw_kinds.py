@@ -9,8 +9,8 @@ import numpy as np
 
 from rollbench.comparison.commands.answer import (
     NOTHING,
-    Answer,
     Column,
+    FrictionAnswer,
     cell,
     energy,
     energy_line,
@@ -77,7 +77,7 @@ def pair_status(r: PairResult) -> str:
     return "no balance of the loads or of friction found"
 
 
-def solve_screw_pair(scene: KindScene) -> Answer:
+def solve_screw_pair(scene: KindScene) -> FrictionAnswer:
     """Forces, losses and what contact adds to friction for two balls of a ball screw."""
     assert isinstance(scene, ScrewPairScene)
     pair = scene.pair
@@ -110,7 +110,7 @@ def solve_screw_pair(scene: KindScene) -> Answer:
         "solver": solver,
         "warnings": screw_warnings(pair.groove, r.touching.load.force),
     }
-    return Answer(
+    return FrictionAnswer(
         data, [("per ball", PAIR_COLUMNS, [flat_ball(SIDES, row) for row in rows])], pair_lines(data), r.converged
     )
 
@@ -196,7 +196,7 @@ def run_series(h: History) -> dict[str, list[Any]]:
     return out | {"converged": h.converged.tolist()}
 
 
-def solve_run(scene: KindScene) -> Answer:
+def solve_run(scene: KindScene) -> FrictionAnswer:
     """Contacts, torques and energy of a whole screw in time."""
     assert isinstance(scene, ScrewRunScene)
     run, time = scene.run, scene.time
@@ -234,7 +234,7 @@ def solve_run(scene: KindScene) -> Answer:
         f"law coulomb, Hertz constants {data['hertz']}, coupling of friction to loads: {run.coupling}",
     ]
     shown = [{"quantity": label, "value": cell(summary[name], form)} for name, label, form in RUN_LINES]
-    return Answer(data, [("summary", RUN_COLUMNS, shown)], lines, in_time.converged)
+    return FrictionAnswer(data, [("summary", RUN_COLUMNS, shown)], lines, in_time.converged)
 
 
 RUN_COLUMNS = (("quantity", "quantity", "s"), ("value", "value", "s"))

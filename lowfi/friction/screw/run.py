@@ -21,8 +21,8 @@ from rollbench.meshes.arrays import Array
 
 @dataclass(frozen=True)
 class Run:
-    """A run over ``duration`` [s], in ``steps`` equal steps by the source's scheme; SI. A setting of ``travel``, azimuths on
-    the screw. From ``oversize`` on, assumptions that the source does not print.
+    """A run over ``duration`` [s], in ``steps`` steps by the scheme "equal"; SI. A setting of ``travel``, azimuths on the
+    screw. From ``oversize`` on, assumptions that the source does not print.
 
     force: on the screw along its free translations ``free`` [N]; amplitude [rad], cycles per turn and phase [rad] of
     the deviation theta of the contact angles, times pattern (SL, SR, NL, NR), over the azimuth on the screw; tube:

@@ -1,8 +1,8 @@
 """Balls that travel round closed tracks in time: loads and motions instant after instant, neighbours that meet and part.
 
 Over a step the gap of neighbours obeys 0 <= F, 0 <= gap + rate dt, F (gap + rate dt) = 0 (Lin 3.4.4): balls keep their
-order and never overlap. Torques jump where a ball enters or leaves the loaded arc, or meets its neighbour; between these events
-they are smooth. The scheme "located" ends a step at each event, takes a short piece on either side of it, so that the
+order and never overlap. Torques jump where a ball enters or leaves the loaded arc, or meets its neighbour, and are smooth
+between these events. The scheme "located" ends a step at each event, takes a short piece on either side of it, so that the
 torque before and after it is seen, and is of second order (midpoint rule). "equal" is the source's: equal steps, loads and
 motions at their start, of first order, with the time of an event wrong by a part of a step.
 """
