@@ -231,6 +231,7 @@ def solve_run(scene: KindScene) -> FrictionAnswer:
         f"{run.count} balls over {run.duration:.6g} s",
         *run_lines(in_time),
         energy_line(spent) + f", at most {cell(spent['largest_step_balance_percent'], '.1e')} % at an instant",
+        f"solver: {failed} of {h.time.size} instants failed",
         f"law coulomb, Hertz constants {data['hertz']}, coupling of friction to loads: {run.coupling}",
     ]
     shown = [{"quantity": label, "value": cell(summary[name], form)} for name, label, form in RUN_LINES]

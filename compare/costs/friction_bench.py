@@ -28,6 +28,7 @@ from rollbench.lowfi.friction.linear.pair import solve_pair as solve_linear_pair
 from rollbench.lowfi.friction.screw.motion import ROUNDS, ball_motion, ball_motion_by_root
 from rollbench.lowfi.friction.screw.motion import source_law as screw_law
 from rollbench.lowfi.friction.screw.pair import Pair, solve_pair
+from rollbench.lowfi.friction.screw.run import equal_steps
 from rollbench.lowfi.friction.screw.travel import simulate
 from rollbench.lowfi.friction.whole.balls import balls_of
 from rollbench.lowfi.friction.whole.contacts import contacts_of
@@ -192,7 +193,7 @@ def screw_ratio(pair: Pair, ours: float, repeats: int) -> tuple[float | None, st
 def run_jobs(repeats: int) -> Iterator[FrictionJob]:
     """The whole screw over 200 steps; the source's method over the first of them."""
     run = lin_3_4_4()
-    seconds = timed(lambda: simulate(run, run.duration, run.steps), max(1, repeats // 5))
+    seconds = timed(lambda: equal_steps(run), max(1, repeats // 5))
     note = f"{run.steps} steps, {run.count} balls, theta of 3 deg, loads not coupled"
     begin = perf_counter()
     found = simulate_by_root(run, SOURCE_STEPS)
@@ -207,7 +208,7 @@ def run_jobs(repeats: int) -> Iterator[FrictionJob]:
     note += f"; its rule (3.77) lets balls overlap in {found.overlapping} of these"
     yield FrictionJob("whole screw", seconds, WHOLE, theirs / seconds, note)
     agreed = replace(run, coupling="ball and screw", rounds=ROUNDS)
-    seconds = timed(lambda: simulate(agreed, run.duration, run.steps), max(1, repeats // 5))
+    seconds = timed(lambda: equal_steps(agreed), max(1, repeats // 5))
     note = "the same, friction moves balls and screw, to agreement of loads and friction in every step; the source's "
     yield FrictionJob("whole screw, coupled", seconds, WHOLE, None, note + "root finding is here for given loads only")
 
