@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.comparison.commands.left_out import left_out_of_kind
-from rollbench.comparison.commands.solve_output import number
+from rollbench.comparison.commands.solving.solve_output import number
 from rollbench.comparison.commands.wrapping import wrapped
 from rollbench.comparison.measure import error_percent
 from rollbench.lowfi.warned import above
@@ -18,7 +18,7 @@ from rollbench.meshes.arrays import Array
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from rollbench.comparison.scenes.kinds.common import KindScene
+    from rollbench.comparison.wings.friction.kinds.common import KindScene
 
 #: Dissipation over that of full sliding below which it is an artefact of regularisation and round-off.
 NOTHING = 1e-6

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from rollbench.comparison.commands import report
-from rollbench.comparison.commands.report import save_model_form, wanted_parts
-from rollbench.comparison.commands.report_parts import PARTS
+from rollbench.comparison.commands.reporting import report
+from rollbench.comparison.commands.reporting.parts import PARTS
+from rollbench.comparison.commands.reporting.report import save_model_form, wanted_parts
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models import ladder, model_form
 from rollbench.comparison.models.study import Study
