@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.reference.tasks import needed_sides, settings_of
 from rollbench.comparison.system import need_gmsh, need_packages
@@ -20,8 +20,6 @@ from rollbench.meshes.parts import SIDES, Scene
 if TYPE_CHECKING:
     from rollbench.hifi.bodies.patch import PatchMesh
     from rollbench.hifi.meshing.part_meshes import Meshes
-
-Show = Callable[..., None]
 
 #: The source's body of influence for Hertz contact (a quarter of the block), without any scene's geometry.
 BLOCK = "block-source"
@@ -40,16 +38,8 @@ def parts_of(scene: Scene) -> tuple[str, ...]:
 
 
 def run_export(
-    scene: Scene,
-    part: str,
-    form: str,
-    out: Path | None,
-    level: int,
-    *,
-    cache: Path | None = None,
-    show: Show = print,
-    ball: int | None = None,
-) -> int:
+    scene: Scene, part: str, form: str, out: Path | None, level: int, *, cache: Path | None = None, ball: int | None = None
+) -> Answer:
     """Write the mesh of a part, the parts of its surface as named groups (flanks, lands and ends; sockets; contact zones);
     lengths in m.
 
@@ -83,8 +73,9 @@ def run_export(
     if ball is not None and not (1 <= ball <= scene.ball_count and part != BLOCK and form != "inp"):
         allowed = f"1 to {scene.ball_count}, for parts of the scene, in vtu, msh or med"
         raise InputError("command line", "--ball", str(ball), allowed, "leave it out for the mesh alone")
+    said = []
     if ball is not None and part in BODIES:
-        show(f"fields are those of the {part} that is solved, with a socket at every contact: {part}{SOCKETS}")
+        said.append(f"fields are those of the {part} that is solved, with a socket at every contact: {part}{SOCKETS}")
         part += SOCKETS
     fields: dict[str, Array] = {}
     try:
@@ -106,10 +97,12 @@ def run_export(
         reason = error.strerror or str(error)
         raise InputError(str(out), "file", reason, "a folder that can be written to", "check the path") from None
     cells = ", ".join(f"{len(own)} {_LABELS[kind]}" for kind, own in data.cells.items())
-    show(f"wrote {out}: {len(data.points)} nodes, {cells}; lengths in m; groups: {', '.join(data.boundaries) or 'none'}")
+    said.append(
+        f"wrote {out}: {len(data.points)} nodes, {cells}; lengths in m; groups: {', '.join(data.boundaries) or 'none'}"
+    )
     if reduced(data, form):
-        show(f".{form} holds no 27-node hexahedra: their face and centre nodes were left out (20 nodes remain)")
-    return 0
+        said.append(f".{form} holds no 27-node hexahedra: their face and centre nodes were left out (20 nodes remain)")
+    return Answer(parts=said)
 
 
 _LABELS = {"P1": "4-node tetrahedra", "P2": "10-node tetrahedra", "Q1": "8-node hexahedra", "Q2": "27-node hexahedra"}
