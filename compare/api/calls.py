@@ -113,7 +113,8 @@ def compare(
     Raises InputError, Refusal where no run of the reference converged.
     """
     from rollbench.comparison.commands.comparing.compare_output import answers_of, compared, verdict
-    from rollbench.comparison.commands.comparing.study import on_terminal, unconverged
+    from rollbench.comparison.commands.comparing.study import unconverged
+    from rollbench.comparison.commands.printing import on_terminal
     from rollbench.comparison.models.comparison import compared_models, suited
     from rollbench.comparison.reference.estimate import reference
     from rollbench.comparison.reference.jobs import Engine, ensure, plan
@@ -166,7 +167,7 @@ def check(
     max_error: limit in per cent, the scene's own or 7 unless given; loads: CSV file with the columns ball, flank, newton;
     compute: whether runs of the reference that are missing are computed. Raises InputError.
     """
-    from rollbench.comparison.commands.comparing.study import on_terminal
+    from rollbench.comparison.commands.printing import on_terminal
     from rollbench.comparison.gate.user import asked, check_scenes
     from rollbench.comparison.gate.verdict import worst_of
     from rollbench.comparison.reference.jobs import Engine
@@ -196,7 +197,8 @@ def mesh_study(
     levels: 1 to this one; spread: modelling choices that are not printed are varied too, on the coarsest level; store:
     folder of the runs, where those that are missing are computed. Raises InputError, Refusal where no run converged.
     """
-    from rollbench.comparison.commands.comparing.study import compute_study, on_terminal
+    from rollbench.comparison.commands.comparing.study import compute_study
+    from rollbench.comparison.commands.printing import on_terminal
     from rollbench.comparison.models.mesh_study import closing, level_rows, study_table
     from rollbench.comparison.reference.jobs import Engine
     from rollbench.comparison.reference.store import shipped_store
@@ -225,7 +227,7 @@ def sweep(
     scene: name or file; vary: as ``--vary`` of the command, ``["errors.balls.oversize=0 um:7 um"]``; out: folder of the
     samples (samples.csv) and the summary: what it holds is not solved again. Raises InputError.
     """
-    from rollbench.comparison.commands.comparing.study import on_terminal
+    from rollbench.comparison.commands.printing import on_terminal
     from rollbench.comparison.reference.jobs import Engine
     from rollbench.comparison.wings.sweep.command import solve_sweep, sweep_of
 

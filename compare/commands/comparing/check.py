@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from rollbench.comparison.commands.comparing.study import on_terminal
-from rollbench.comparison.commands.printing import Answer
+from rollbench.comparison.commands.printing import Answer, on_terminal
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.gate.publish import Outcome, of_row, of_verdict, publish
 from rollbench.comparison.gate.user import Asked, check_scenes

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -39,11 +38,6 @@ from rollbench.reports.cells import harmless
 
 #: Exit code where a reference has loads that did not settle.
 NOT_SETTLED = 5
-
-
-def on_terminal(text: str) -> None:
-    """A line of progress, on standard error."""
-    print(text, file=sys.stderr, flush=True)
 
 
 def run_mesh_study(

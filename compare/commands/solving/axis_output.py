@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollbench.comparison.commands.answer import Column, cell
+from rollbench.comparison.commands.printing import Column, cell
 from rollbench.comparison.commands.solving.axis_summary import set_summary, stiffness_json, whole_summary
 from rollbench.comparison.commands.solving.solve_output import equilibrium_json, number, per_side, solver_json, solver_lines
 from rollbench.comparison.models.axis import random_errors

@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.commands.comparing.study import on_terminal
-from rollbench.comparison.commands.printing import Answer
+from rollbench.comparison.commands.printing import Answer, on_terminal
 from rollbench.comparison.commands.solving.solve_output import number
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.axis_members import OF_SET, WHOLE, AxisMembers, columns, run_axis_members, with_seed

@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from rollbench.comparison.commands.comparing.study import on_terminal
-from rollbench.comparison.commands.printing import Answer
+from rollbench.comparison.commands.printing import Answer, on_terminal
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.reference.estimate import Reference, reference
 from rollbench.comparison.reference.jobs import Engine, ensure, plan

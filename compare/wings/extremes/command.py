@@ -110,7 +110,7 @@ def run_drawn(count: int, folder: Path, workers: int, keep: Path | None) -> Answ
 
     Raises InputError for counts out of range, a folder that is no survey's, and a file that cannot be written.
     """
-    from rollbench.comparison.commands.comparing.study import on_terminal
+    from rollbench.comparison.commands.printing import on_terminal
     from rollbench.comparison.commands.wrapping import aligned
     from rollbench.comparison.wings.extremes.survey import run
     from rollbench.comparison.wings.extremes.survey.draw import SCENES, SEED

@@ -9,12 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.commands.answer import NOTHING, Column, FrictionAnswer
+from rollbench.comparison.commands.printing import Column
 from rollbench.comparison.commands.solving.solve_output import number
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.axis import run_axis
 from rollbench.comparison.models.axis_answers import gather
 from rollbench.comparison.models.outside import with_axis_answers
+from rollbench.comparison.wings.friction.answer import NOTHING, FrictionAnswer
 from rollbench.comparison.wings.friction.output import (
     BALL_COLUMNS,
     ball_rows,

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.commands.answer import NOTHING, FrictionAnswer, by_side, cell, energy, energy_line, head, load_row
+from rollbench.comparison.commands.printing import cell
 from rollbench.comparison.commands.solving.solve_output import number
+from rollbench.comparison.wings.friction.answer import NOTHING, FrictionAnswer, by_side, energy, energy_line, head, load_row
 from rollbench.comparison.wings.friction.kinds.bearing_ball import BearingBallScene
 from rollbench.comparison.wings.friction.kinds.bearing_pair import BearingPairScene
 from rollbench.comparison.wings.friction.kinds.common import KindScene

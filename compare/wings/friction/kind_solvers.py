@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rollbench.comparison.commands.answer import FrictionAnswer
+from rollbench.comparison.wings.friction.answer import FrictionAnswer
 from rollbench.comparison.wings.friction.bearing_kinds import solve_ball, solve_bearings
 from rollbench.comparison.wings.friction.kinds.common import KindScene
 from rollbench.comparison.wings.friction.linear_kinds import solve_linear

@@ -6,9 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.commands.answer import (
+from rollbench.comparison.commands.printing import Column
+from rollbench.comparison.commands.solving.solve_output import number
+from rollbench.comparison.errors import Refusal
+from rollbench.comparison.wings.friction.answer import (
     NOTHING,
-    Column,
     FrictionAnswer,
     energy,
     energy_line,
@@ -17,8 +19,6 @@ from rollbench.comparison.commands.answer import (
     increase,
     load_row,
 )
-from rollbench.comparison.commands.solving.solve_output import number
-from rollbench.comparison.errors import Refusal
 from rollbench.comparison.wings.friction.kinds.common import KindScene
 from rollbench.comparison.wings.friction.kinds.linear import LinearScene
 from rollbench.lowfi.friction.linear.bearing import CONTACTS, directions

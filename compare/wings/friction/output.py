@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.commands.answer import Column, increase
-from rollbench.comparison.commands.left_out import BESIDES, WHOLE
+from rollbench.comparison.commands.printing import Column
 from rollbench.comparison.commands.solving.solve_output import number
+from rollbench.comparison.wings.friction.answer import increase
+from rollbench.comparison.wings.friction.left_out import BESIDES, WHOLE
 from rollbench.lowfi.friction.whole.feedback import JAMMED
 from rollbench.lowfi.friction.whole.heathcote import WIDE
 from rollbench.lowfi.friction.whole.losses import CAUSES

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.commands.answer import (
+from rollbench.comparison.commands.printing import Column, cell
+from rollbench.comparison.commands.solving.solve_output import number
+from rollbench.comparison.wings.friction.answer import (
     NOTHING,
-    Column,
     FrictionAnswer,
-    cell,
     energy,
     energy_line,
     flat_ball,
@@ -19,7 +19,6 @@ from rollbench.comparison.commands.answer import (
     increase,
     load_row,
 )
-from rollbench.comparison.commands.solving.solve_output import number
 from rollbench.comparison.wings.friction.kinds.common import KindScene
 from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewPairScene, ScrewRunScene
 from rollbench.comparison.wings.friction.run import error_data

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import sys
 
-from rollbench.comparison.commands.answer import FrictionAnswer, as_table
 from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.errors import InputError, one_line
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.watch import checked, watched
+from rollbench.comparison.wings.friction.answer import FrictionAnswer, as_table
 from rollbench.comparison.wings.friction.whole import COMPILING, Choices, coefficients, solve_scene
 from rollbench.lowfi.friction.whole.state import will_compile
 from rollbench.lowfi.jit import cached

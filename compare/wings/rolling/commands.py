@@ -6,8 +6,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from rollbench.comparison.commands.comparing.study import on_terminal
-from rollbench.comparison.commands.printing import Answer
+from rollbench.comparison.commands.printing import Answer, on_terminal
 from rollbench.comparison.commands.wrapping import aligned
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.reference.jobs import Engine

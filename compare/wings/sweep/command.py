@@ -9,8 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from rollbench.comparison.commands.comparing.study import on_terminal
-from rollbench.comparison.commands.printing import Answer
+from rollbench.comparison.commands.printing import Answer, on_terminal
 from rollbench.comparison.models.axis import default_model
 from rollbench.comparison.models.registry import DEFAULT
 from rollbench.comparison.reference.jobs import Engine

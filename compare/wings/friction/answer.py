@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollbench.comparison.commands.left_out import left_out_of_kind
 from rollbench.comparison.commands.solving.solve_output import number
 from rollbench.comparison.measure import error_percent
+from rollbench.comparison.wings.friction.left_out import left_out_of_kind
 from rollbench.lowfi.warned import above
 from rollbench.meshes.arrays import Array
 
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 NOTHING = 1e-6
 #: Share of a loss by which two computations of it differ without a cause.
 ROUND_OFF = 1e-9
-
-Column = tuple[str, str, str]
 
 
 @dataclass(frozen=True)
@@ -120,12 +118,3 @@ def as_table(answer: FrictionAnswer, *, balls: bool = False) -> list[RenderableT
     for heading, key in (("warning", "warnings"), ("assumed", "assumed"), ("left out", "left_out")):
         parts += [f"{heading}: {line}" for line in data.get(key, ()) if getattr(line, "brief", "") != line]
     return parts
-
-
-def cell(value: Any, form: str) -> str:
-    """A value as text."""
-    if value is None:
-        return "–"
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    return str(value) if form == "s" else format(value, form)
