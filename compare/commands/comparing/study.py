@@ -20,7 +20,7 @@ from rollbench.comparison.commands.comparing.compare_output import (
     write_files,
 )
 from rollbench.comparison.commands.comparing.compare_output import table as compared_table
-from rollbench.comparison.commands.printing import Answer
+from rollbench.comparison.commands.printing import Answer, on_terminal
 from rollbench.comparison.commands.wrapping import aligned
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.models.comparison import compared_models, finest_bodies, rows, suited

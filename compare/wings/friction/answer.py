@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rollbench.comparison.commands.printing import Column, cell
 from rollbench.comparison.commands.solving.solve_output import number
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.wings.friction.left_out import left_out_of_kind

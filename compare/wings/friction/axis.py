@@ -12,9 +12,9 @@ import numpy as np
 from rollbench.comparison.commands.printing import Column
 from rollbench.comparison.commands.solving.solve_output import number
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.axis import run_axis
 from rollbench.comparison.models.axis_answers import gather
-from rollbench.comparison.models.outside import with_axis_answers
+from rollbench.comparison.models.outside import with_answers
+from rollbench.comparison.models.registry import run_model
 from rollbench.comparison.wings.friction.answer import NOTHING, FrictionAnswer
 from rollbench.comparison.wings.friction.output import (
     BALL_COLUMNS,
@@ -37,7 +37,7 @@ from rollbench.comparison.wings.friction.whole import (
 )
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state, will_compile
 from rollbench.lowfi.jit import cached
-from rollbench.lowfi.statics.axis.result import AxisResult, SetResult
+from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Friction, Motion, Scene
@@ -67,14 +67,14 @@ def solve_axis(assembly: Assembly, choices: Choices) -> FrictionAnswer:
         raise InputError(
             assembly.name, "motion.turns", '"nut"', '"screw"', "several outer parts stand while the shaft turns"
         )
-    result = run_axis(assembly, choices.model)
+    result = run_model(assembly, choices.model)
     head = {"scene": assembly.name, "title": assembly.title, "kind": assembly.kind, "model": result.model}
     if not result.converged:
         said = {"assumed": list(assembly.assumed), "left_out": [], "warnings": []}
         return FrictionAnswer(
             head | {"status": f"contact loads: {result.status}", "converged": False} | said, [], [], False
         )
-    result = with_axis_answers(result, gather(assembly, result))
+    result = with_answers(assembly, result, gather(assembly, result))
     solved = _states(result, friction, motion)
     drag = _drag(assembly, result.model, friction, motion)
     return _answer(head, assembly, result, (friction, motion, solved, drag))
@@ -104,7 +104,7 @@ def _states(result: AxisResult, friction: Friction, motion: Motion) -> Solved:
 def _drag(assembly: Assembly, model: str, friction: Friction, motion: Motion) -> dict[int, float]:
     """Friction torque [N m] of each set without the loads on shaft and housings, where it is known."""
     idle = tuple(replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in assembly.housings)
-    result = run_axis(replace(assembly, loads=(), housings=idle), model)
+    result = run_model(replace(assembly, loads=(), housings=idle), model)
     if not result.converged:
         return {}
     return {i: state.torque.friction for i, _, state in _states(result, friction, motion) if settled(state)}
