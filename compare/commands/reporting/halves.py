@@ -63,7 +63,7 @@ def make(parts: Sequence[Part], announce: Step, step: Step, study: Study, then: 
     made = {}
     for part in parts:
         announce(part.name)
-        section: Callable[[Study, Step], Section] = import_module(f"rollbench.comparison.sections.{part.module}").section
+        section: Callable[[Study, Step], Section] = import_module(f"rollbench.comparison.{part.module}").section
         made[part.name] = replace(section(study, step), appendix=part.appendix)
     if "ladder" in made:
         then(study)

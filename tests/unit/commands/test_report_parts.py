@@ -17,7 +17,7 @@ from rollbench.comparison.reference.store import shipped_store
 def test_every_part_has_a_module_with_a_section():
     assert len({part.name for part in PARTS}) == len(PARTS)
     for part in PARTS:
-        assert callable(import_module(f"rollbench.comparison.sections.{part.module}").section)
+        assert callable(import_module(f"rollbench.comparison.{part.module}").section)
 
 
 def test_wanted_parts():
