@@ -11,7 +11,7 @@ from rollbench.comparison.commands.reporting.halves import Made, build, make, sp
 from rollbench.comparison.commands.reporting.parts import PARTS, Part
 from rollbench.comparison.models.study import Study
 
-ASIDE, OWN = Part("crosscheck", "crosscheck", beside=True), Part("tolerances", "tolerances")
+ASIDE, OWN = Part("crosscheck", "wings.crosscheck.section", beside=True), Part("tolerances", "wings.sweep.section")
 
 
 def test_what_is_timed_and_one_core_make_one_process(monkeypatch):
