@@ -8,7 +8,7 @@ loads in each process, six numbers a member, and one histogram a contact.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
 
@@ -19,18 +19,20 @@ from threadpoolctl import threadpool_limits
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.ensemble import run_ensemble, work_of
+from rollbench.comparison.models.loading import scaled
 from rollbench.comparison.models.registry import MODELS, Options, run_model
 from rollbench.comparison.reference import parallel
 from rollbench.comparison.reference.jobs import Engine
+from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import without_draws
-from rollbench.meshes.loads import BARELY
+from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
 
 #: What is kept of each member: key and heading.
 KEPT = {
     "largest_load_N": "largest contact load / N",
-    "mean_load_N": "mean loaded contact / N",
+    "mean_load_N": "mean contact load / N",
     "stiffness_N_per_um": "stiffness along the load / (N/um)",
     "lost_contacts": "contacts lost against no random errors",
     "relative_life": "life over that without random errors",
@@ -101,13 +103,6 @@ def life_sum(load: Array) -> Array:
     return np.asarray(turning.sum(axis=-1) + standing.sum(axis=-1))
 
 
-def _scaled(scene: Scene, factor: float) -> Scene:
-    def times(v: tuple[float, float, float]) -> tuple[float, float, float]:
-        return factor * v[0], factor * v[1], factor * v[2]
-
-    return replace(scene, loads=tuple(replace(x, force=times(x.force), moment=times(x.moment)) for x in scene.loads))
-
-
 def _solved(scene: Scene, model: str, engine: str, first: int, count: int) -> tuple[Array, tuple[str, ...], Array, Array]:
     """Loads, statuses, residuals and works of some members."""
     if model == "lin" and engine == "compiled":
@@ -134,7 +129,7 @@ def solve_block(scene: Scene, model: str, engine: str, nominal: Array, first: in
         force = float(sum(np.dot(x.force, x.force) for x in scene.loads))
         stiffness = np.full(count, np.nan)
         if force > 0.0:
-            more = _solved(_scaled(scene, 1.0 + STEP), model, engine, first, count)[3] / (1.0 + STEP)
+            more = _solved(scaled(scene, 1.0 + STEP), model, engine, first, count)[3] / (1.0 + STEP)
             with np.errstate(divide="ignore", invalid="ignore"):
                 stiffness = 1e-6 * force * STEP / (more - works)
     good = np.array([s == "converged" for s in statuses])
@@ -142,8 +137,8 @@ def solve_block(scene: Scene, model: str, engine: str, nominal: Array, first: in
     loaded = loads > 0.0
     with np.errstate(divide="ignore", invalid="ignore"):
         life = (life_sum(loads) / life_sum(nominal)) ** (-1.0 / SYSTEM)
-        bearing = loads > BARELY * loads.max(axis=(1, 2), keepdims=True)
-        mean = np.nansum(loads, axis=(1, 2)) / bearing.sum(axis=(1, 2))
+    contacts = nominal_contacts(scene)
+    mean = np.array([mean_load(load, contacts) for load in loads])
     lost = (~loaded & (nominal > 0.0)).sum(axis=(1, 2)).astype(float)
     kept = np.column_stack([loads.max(axis=(1, 2)), mean, stiffness, lost, life, residuals])
     kept[~good] = np.nan

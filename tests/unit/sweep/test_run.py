@@ -203,6 +203,13 @@ def test_rigidity_preload_torque_and_life_are_those_of_solve_and_friction():
     assert bare["torque_Nmm"] is None, "no coefficient in the scene"
 
 
+def test_the_mean_load_of_a_sample_is_that_of_solve():
+    text = scene_text("lin-pitch-2p1")
+    found = solve_sample(text, "lin-pitch-2p1.toml", (), (), "lin", "interpreted")
+    load = run_model(scene_file.loads(text, "lin-pitch-2p1.toml"), "lin", Options(discretisation=False)).load
+    assert found["mean_load_N"] == pytest.approx(load.sum() / 64, rel=1e-12), "errors load 76 contacts"
+
+
 def test_several_sets_have_the_same_outputs():
     found = solve_sample(scene_text("double-nut"), "double-nut.toml", (), (), "lin", "compiled")
     assembly = scene_file.read(scene_text("double-nut"), "double-nut.toml")
