@@ -47,7 +47,7 @@ def test_scenes_that_were_wrong_once_are_right(number):
     "number",
     [
         pytest.param(103, id="a support that turns and holds the shaft alone"),
-        pytest.param(118, id="contacts that all but part: their residual falls by less than half a step, which is no stall"),
+        pytest.param(118, id="contacts that all but part: less than half a step is no stall"),
         pytest.param(187, id="supports that twist the shaft against one another, and nothing else"),
     ],
 )
