@@ -149,7 +149,7 @@ def flank_response(shaft: Shaft, used: list[int]) -> tuple[Array, Array, Array]:
 
 
 def free_state(shaft: Shaft) -> tuple[Array, Array]:
-    """Nodal motions ``(6 n,)`` by loads and prescribed displacements alone: the rigid one that these displacements are, zero
+    """Nodal motions ``(6 n,)`` by loads and prescribed displacements: the rigid one that these displacements are, or zero
     where they strain the beam, and what is beyond it. Round-off of a rigid motion that was solved for would strain it."""
     problem, held = shaft.problem, shaft.problem.fixed
     rigid, prescribed = rigid_transport(problem.nodes - problem.nodes[shaft.pin]), np.where(held, problem.prescribed, 0.0)
