@@ -59,7 +59,7 @@ def _solve(assembly: Assembly, engine: Engine, member: int, backend: Backend, na
     start = perf_counter()
     mounted, notes, unmet = mount(assembly, lambda other: _solve(other, engine, member, backend, name))
     if unmet:
-        return failed_axis(assembly, name, f"not converged: {unmet}", perf_counter() - start, ASSUMPTIONS)
+        return failed_axis(assembly, name, unmet, perf_counter() - start, ASSUMPTIONS)
     kernels = engine_for(assembly, engine)
     system = build(mounted, member)
     loose = loose_motions(system)

@@ -88,7 +88,7 @@ def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int =
     start = perf_counter()
     mounted, notes, unmet = mount(assembly, lambda other: solve_assembly(other, engine=engine, member=member))
     if unmet:
-        return failed_axis(assembly, "lin", f"not converged: {unmet}", perf_counter() - start)
+        return failed_axis(assembly, "lin", unmet, perf_counter() - start)
     kernels = engine_for(assembly, engine)
     places = placed(mounted, member)
     uses = likely_sides(mounted, places)
