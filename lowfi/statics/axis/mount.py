@@ -86,8 +86,8 @@ def mount(assembly: Assembly, solve: Callable[[Assembly], AxisResult]) -> tuple[
 
 
 def _pushed(bare: Assembly, which: Sequence[int], solve: Callable[[Assembly], AxisResult]) -> tuple[Array | None, str]:
-    """Shifts [m] against their rows of outer parts that slide along the axis, pushed by their preloads; None where they come
-    to no rest, and the status of that solution."""
+    """Shifts [m] against their rows of outer parts that slide along the axis, pushed by their preloads; None where they
+    come to no rest, and the status of that solution."""
     sets, joints, bodies = list(bare.sets), list(bare.joints), {h.name: h for h in bare.housings}
     seats: list[tuple[str, str | None, float]] = []
     for i in which:

@@ -70,7 +70,8 @@ def _solve(assembly: Assembly, engine: Engine, member: int, backend: Backend, na
     elastic, outcome = solve_settled(elastic, backend)
     system = elastic.system
     bound = round_off(elastic, outcome.scale)
-    status = axis_verdict(outcome, bound, system)
+    state, held = state_of(elastic)
+    status = axis_verdict(outcome, bound, system, state.q)
     if outcome.status in NO_LOADS:
         return failed_axis(assembly, name, status, perf_counter() - start, ASSUMPTIONS)
     report = SolverReport(
@@ -86,7 +87,6 @@ def _solve(assembly: Assembly, engine: Engine, member: int, backend: Backend, na
         setup_seconds=prepared_at - start,
         notes=notes,
     )
-    state, held = state_of(elastic)
     S = ball_roots(elastic)
     sets = [own_stiffness(elastic, i, b, S) for i, b in enumerate(system.balls)]
     whole = elastic_stiffness(elastic, S)

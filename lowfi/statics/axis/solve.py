@@ -24,6 +24,9 @@ from rollbench.lowfi.statics.static import ACCEPTED, MAX_ITERATIONS, NO_LOADS, R
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
 
+#: Motion [of the largest pitch radius] from which on a linear program says whether contacts can hold the loads at all.
+FAR = 0.1
+
 
 @dataclass
 class Prepared:
@@ -37,14 +40,19 @@ class Prepared:
     scale: float = 0.0
 
 
-def axis_verdict(outcome: Outcome, bound: float, system: System) -> str:
-    """Status sentence of a solver outcome. A shaft that runs away is called unheld only with a proof."""
-    if outcome.residual <= max(ACCEPTED, bound) and outcome.status in (0, 1):
+def axis_verdict(outcome: Outcome, bound: float, system: System, q: Array) -> str:
+    """Status sentence of a solver outcome with motions q (r, 6) of all rows. What runs away, does not settle or goes far is
+    called unheld only with a proof; far away, contacts hold by what linear motions leave of their curvature."""
+    settled = outcome.residual <= max(ACCEPTED, bound) and outcome.status in (0, 1)
+    if settled and float(np.abs(q[:, :3]).max()) <= FAR * system.arm:
         return "converged"
-    if outcome.status == 2:
-        return unheld(system)
+    held = unheld(system)
+    if held.startswith("not held") or outcome.status == 2:
+        return held
     if outcome.status == 3:
         return "stopped: the stiffness matrix is not positive definite"
+    if settled:
+        return "converged"
     return f"not converged: relative residual {outcome.residual:.1e} after {outcome.iterations} iterations"
 
 
@@ -105,7 +113,7 @@ def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int =
         uses = all_sides(mounted)
         notes = (*notes, "flanks that load or offsets should open touch in the solution: solved again with all of them")
     bound = round_off(prepared, outcome.scale)
-    status = axis_verdict(outcome, bound, system)
+    status = axis_verdict(outcome, bound, system, prepared.state.q)
     if outcome.status in NO_LOADS:
         return failed_axis(assembly, "lin", status, perf_counter() - start)
     report = SolverReport(
