@@ -29,9 +29,11 @@ SIDES_OF = {"both": (0, 1, 2, 3), "+z": (0, 3), "-z": (1, 2), "deep groove": (0,
 CLOSE = 1e-9
 #: Round-off of an elastic force over its stiffness times the motions: some operations of each.
 STIFF = 64.0 * float(np.finfo(float).eps)
-#: Words for a free motion that is held at the shaft's first node or at a housing, where sections that are planar may ask for
-#: a share of the forces.
+#: Words for a free motion that is held at the shaft's first node or at a housing, where planar sections may ask for a share
+#: of the forces.
 HELD = "held where it is"
+#: Motion over the pitch radius, and rotation, from which on a linear program must not find a motion that opens all contacts.
+FAR = 0.1
 #: Work of the loads along an opening motion of size one, over the largest, from which on it is a proof.
 PROVEN = 1e-7
 
@@ -79,13 +81,34 @@ def beam(assembly: Assembly, z: Array, q: Array) -> tuple[Array, Array]:
 
 def size_of(assembly: Assembly, result: AxisResult) -> float:
     """Largest force [N] met."""
-    given = [x.force for x in (*assembly.loads, *assembly.housings)] + [s.force for s in result.sets]
+    given = [x.force for x in assembly.loads] + [h.force for h in assembly.housings] + [s.force for s in result.sets]
     loads = [float(s.loads.max(initial=0.0)) for s in result.sets]
     return max([*loads, *(float(np.abs(v).max()) for v in given)])
 
 
 def faults(assembly: Assembly, result: AxisResult) -> str:
-    """What is wrong in a state of the model lin, in words; empty where nothing is."""
+    """What is wrong in a state of the model lin, in words; empty where nothing is.
+
+    Where a free motion is held at one place, that place may take a share, unless the loads drive a motion that no contact
+    resists; nor may such a motion go far.
+    """
+    said, free = unbalanced(assembly, result, 0.0), any(HELD in words for words in result.left_out)
+    motions = np.concatenate([result.centreline, *(h.motion[None] for h in result.housings)])
+    far = float((np.abs(motions) / np.repeat([pitch_of(assembly), 1.0], 3)).max()) > FAR
+    if not far and not (said and free):
+        return said
+    if proven(assembly, False) or (any(s.preload for s in assembly.sets) and proven(assembly, True)):
+        return said or "a motion that nothing resists goes far"
+    return unbalanced(assembly, result, PIN * size_of(assembly, result) * free)
+
+
+def pitch_of(assembly: Assembly) -> float:
+    """Largest pitch radius of balls [m], of 20 mm where there are none."""
+    return max([s.parts.track.pitch_radius for s in assembly.sets if isinstance(s.parts, Scene)], default=0.02)
+
+
+def unbalanced(assembly: Assembly, result: AxisResult, pinned: float) -> str:
+    """The same with a force ``pinned`` [N] on the shaft's first node and on housings that nothing gives."""
     if not all(np.isfinite(s.loads).all() and (s.loads >= 0.0).all() for s in result.sets):
         return "loads are not finite, or negative"
     size, z, q = size_of(assembly, result), result.centreline_z, result.centreline
@@ -117,15 +140,10 @@ def faults(assembly: Assembly, result: AxisResult) -> str:
             from_node[:, 2] -= z[k]
             np.add.at(rest, k, wrench(from_node, push[0]))
             rest[k[0]] += couple
-    pitch = max([s.of.parts.track.pitch_radius for s in result.sets if isinstance(s.of.parts, Scene)], default=0.02)
-    arms = np.repeat([1.0, pitch], 3)
+    arms = np.repeat([1.0, pitch_of(assembly)], 3)
     for support in assembly.supports:
         rest[int(np.abs(z - support.at).argmin()), [FREEDOM[name] for name, _ in support.fixed]] = 0.0
-    free = any(HELD in words for words in result.left_out)
-    mounted = any(s.preload for s in assembly.sets)
-    if free and (proven(assembly, False) or (mounted and proven(assembly, True))):
-        return "a motion that is held at one place lets the loads do work"
-    left, pinned = (np.abs(rest) - noise) / arms, PIN * size * free
+    left = (np.abs(rest) - noise) / arms
     left[0] -= pinned
     if float(left.max()) > CLOSE * size + slack:
         return f"the shaft is out of balance by {left.max():.3g} N at {1e3 * z[int(left.max(axis=1).argmax())]:.5g} mm"
@@ -214,7 +232,7 @@ def proven(assembly: Assembly, mounting: bool) -> bool:
     """Whether a rigid motion of shaft and housings that no support, spring or contact resists lets the loads do work; at
     mounting: the preloads, on outer parts that slide along the axis."""
     scenes = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, Scene)]
-    pitch = max([p.track.pitch_radius for _, p in scenes], default=0.02)
+    pitch = pitch_of(assembly)
     scale = np.diag(np.repeat([1.0, 1.0 / pitch], 3))
     column = {h.name: 6 + 6 * i for i, h in enumerate(assembly.housings)}
     slide = {s.name: 6 + 6 * len(column) + i for i, s in enumerate(assembly.sets)}

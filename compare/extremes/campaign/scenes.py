@@ -59,18 +59,15 @@ def _judged(text: str, number: int, model: str, command: Command | None) -> tupl
     try:
         scene = scene_file.read(text, "campaign.toml")
         if isinstance(scene, Assembly):
-            found = run_model(scene, model, COMPILED)
+            several = found = run_model(scene, model, COMPILED)
+            (verdict, words), brute = _of_axis(scene, several, model), False
         else:
-            scene = scene_file.whole(scene, "campaign.toml")
-            found = run_model(scene, model, COMPILED)
+            one = scene_file.whole(scene, "campaign.toml")
+            alone = found = run_model(one, model, COMPILED)
+            verdict, words, brute = _verdict(one, alone, number, model)
     except InputError as error:
         named = isinstance(error, SceneError) or bool(error.key and error.value)
         found, verdict, words, brute = error, REFUSED if named else SILENT, str(error), False
-    else:
-        if isinstance(found, AxisResult):
-            verdict, words, brute = *_of_axis(scene, found, model), False
-        else:
-            verdict, words, brute = _verdict(scene, found, number, model)
     if command is not None and verdict in GOOD:
         fault = misstated(text, model, found, command)
         return (MISSTATED, fault, brute) if fault else (verdict, words, brute)

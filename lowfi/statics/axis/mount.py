@@ -11,7 +11,7 @@ from rollbench.lowfi.statics.axis.structure import stands
 from rollbench.lowfi.statics.axis.system import tapered
 from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.lowfi.statics.result import AxisResult
-from rollbench.lowfi.statics.static import ACCEPTED
+from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing, Joint, RollerRow, RollingSet, diagonal
 from rollbench.meshes.parts import FREEDOMS
