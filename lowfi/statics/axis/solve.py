@@ -24,7 +24,7 @@ from rollbench.lowfi.statics.static import MAX_ITERATIONS, ROUND_OFF, TOLERANCE,
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
 
-#: Motion over the largest pitch radius, and rotation, from which on a linear program says whether contacts can hold the loads at all.
+#: Motion over the largest pitch radius, and rotation, from which on a linear program says whether contacts hold the loads.
 FAR = 0.1
 
 
