@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -13,44 +11,34 @@ from rollbench.comparison.commands.axis_output import as_json, as_table
 from rollbench.comparison.commands.axis_summary import block
 from rollbench.comparison.commands.load_curve import FACTORS, write_rows
 from rollbench.comparison.commands.matrix_files import write_stiffness
+from rollbench.comparison.commands.printing import Answer, text_width
 from rollbench.comparison.commands.solve_choices import Choices
-from rollbench.comparison.commands.wrapping import wrapped
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.gate.loads_file import loads_csv, write_loads
-from rollbench.comparison.models.axis import run_axis
 from rollbench.comparison.models.axis_answers import curve, gather
-from rollbench.comparison.models.outside import with_axis_answers
-from rollbench.lowfi.statics.axis.result import AxisResult
+from rollbench.comparison.models.outside import with_answers
+from rollbench.comparison.models.registry import Options, run_model
+from rollbench.lowfi.statics.result import AxisResult
 from rollbench.lowfi.warned import above
 from rollbench.meshes.axis import Assembly
 
 
-def solve_shown(
-    assembly: Assembly,
-    choices: Choices,
-    station: float,
-    width: int,
-    show: Callable[..., None],
-    print_json: Callable[[Any], None] | None,
-) -> int:
-    """Solve and print an assembly, as JSON where ``print_json`` is given; 1 where it did not converge.
+def solve_axis(assembly: Assembly, choices: Choices, station: float) -> Answer:
+    """Solve an assembly; exit code 1 where it did not converge.
 
     station [m]: of ``--stiffness-at``. Raises InputError for what does not fit, and for a model that knows one set only.
     """
     _check(assembly, choices, station)
     if choices.stiffness_at:
         assembly = replace(assembly, stiffness_at=station)
-    result = run_axis(assembly, choices.model, member=choices.member)
-    found = gather(assembly, result, choices.member) if result.converged else None
-    result = result if found is None else with_axis_answers(result, found)
+    result = run_model(assembly, choices.model, Options(member=choices.member))
+    found = gather(assembly, result) if result.converged else None
+    result = result if found is None else with_answers(assembly, result, found)
     written = _write(assembly, result, choices) if result.converged else []
-    if print_json is not None:
-        print_json(as_json(assembly, result, found, choices.member))
-    else:
-        text = "" if found is None else block(assembly, result, found, width)
-        parts = [*as_table(assembly, result, block=text, balls=choices.balls), *written]
-        show(*(wrapped(part, width) if isinstance(part, str) else part for part in parts))
-    return 1 if not result.converged or (choices.strict and above(result.warnings)) else 0
+    text = "" if found is None else block(assembly, result, found, text_width())
+    parts = [*as_table(assembly, result, block=text, balls=choices.balls), *written]
+    code = 1 if not result.converged or (choices.strict and above(result.warnings)) else 0
+    return Answer(as_json(assembly, result, found, choices.member), parts, code, folded=True)
 
 
 def _check(assembly: Assembly, choices: Choices, station: float) -> None:

@@ -20,7 +20,7 @@ from rollbench.meshes.memory import peak_MB
 from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
-    from rollbench.hifi.settings import Settings
+    from rollbench.hifi.meshing.settings import Settings
     from rollbench.hifi.setup import Setup
 
 Step = Callable[[str], None]
@@ -83,8 +83,8 @@ def enlarged(setup: Setup, scenes: Sequence[Scene], runs: Sequence[Run], left: i
     Patches grow by a step; where ``left`` steps would leave them shorter than the contacts reach along the groove, as its
     lead sets these askew, they are at once as long as those need.
     """
-    from rollbench.hifi.expected import hertz_units
-    from rollbench.hifi.fit import patch_lines, reach_along, socket_size
+    from rollbench.hifi.meshing.expected import hertz_units
+    from rollbench.hifi.meshing.fit import patch_lines, reach_along, socket_size
 
     def zone(settings: Settings) -> tuple[float, float]:
         """Half widths [m] of the contact zone."""
@@ -105,9 +105,13 @@ def enlarged(setup: Setup, scenes: Sequence[Scene], runs: Sequence[Run], left: i
         askew = max(askew, *(reach_along(m, s, angle[:, s], across[:, s], along[:, s]) for s in setup.sides))
     has, reach = zone(setup.settings), np.array(setup.settings.reach)
     words = f"by the loads found it needs {mm((float(needs[0]), float(needs[1])))}, the patch has {mm(has)}"
-    if zone(replace(setup.settings, reach=(reach[0], BEYOND**left * reach[1])))[1] < askew:
-        return replace(setup.settings, reach=(float(reach[0]), askew)), f"{words}, askew {1e3 * askew:.3g} mm along it"
-    refused = ""
+    refused, wide = "", float(reach[0])
+    longer = replace(setup.settings, reach=(wide, askew))
+    try:
+        if zone(replace(longer, reach=(wide, BEYOND**left * float(reach[1]))))[1] < askew <= zone(longer)[1]:
+            return longer, f"{words}, askew {1e3 * askew:.3g} mm along it"
+    except ValueError as error:
+        refused = f"; a larger one is refused: {error}"
     # a small step may be less than a cell, a large one more than there is room for: then the largest that fits
     for factor in (*(BEYOND**power for power in range(1, LARGER + 1)), *np.linspace(BEYOND, 1.0, 41)[1:-1]):
         a, b = np.maximum(factor * reach, 0.0 if refused else needs).tolist()

@@ -19,9 +19,9 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 
-from rollbench.hifi.hertz import HertzSolution, hertz
-from rollbench.hifi.response import transport
-from rollbench.hifi.shaft import beam_stiffness, round_section
+from rollbench.hifi.contact.hertz import HertzSolution, hertz
+from rollbench.hifi.linear_algebra.response import transport
+from rollbench.hifi.shaft.beam import beam_stiffness, round_section
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout, groove_radii, lead_angle

@@ -9,8 +9,8 @@ joined to nodes, L = S_p - S_base B_p^T, the nodes move by
 and the patches by u_m = (F_mm - F_mp F_pp^-1 F_pm) f_m + Y U: exact, and small enough to redo for every load case.
 
 The stretch ends in flat rigid sections. Where a beam goes on, the real shaft does not end, and what such a cut does
-(`hifi.cut`) is taken off: at the base, where it is in series with all that hangs there, by B A B^T; at the upper end from
-the flexibility of that port.
+(`hifi.shaft.cut`) is taken off: at the base, where it is in series with all that hangs there, by B A B^T; at the upper end
+from the flexibility of that port.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from itertools import pairwise
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, qr
 
-from rollbench.hifi.cut import at_high, at_low
-from rollbench.hifi.response import transport
-from rollbench.hifi.shaft import ShaftSection, beam_stiffness
+from rollbench.hifi.linear_algebra.response import transport
+from rollbench.hifi.shaft.beam import ShaftSection, beam_stiffness
+from rollbench.hifi.shaft.cut import at_high, at_low
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import FREEDOMS, Scene
@@ -65,8 +65,8 @@ class Mounted:
 def without_cuts(stretch: Stretch, cut: Array, m: GrooveMap, stations: Sequence[float]) -> Stretch:
     """The stretch as a piece of a shaft that goes on, free of what its cut ends do.
 
-    cut: flexibility ``(6, 6)`` of one (`hifi.cut`); stations [m]: of supports and loads. An end beyond which there is none
-    is unchanged: it is the screw's own, free, or held flat as the scene says.
+    cut: flexibility ``(6, 6)`` of one (`hifi.shaft.cut`); stations [m]: of supports and loads. An end beyond which there is
+    none is unchanged: it is the screw's own, free, or held flat as the scene says.
     """
     low, high = stretch.ends
     F = stretch.F.copy()
