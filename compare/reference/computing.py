@@ -105,7 +105,7 @@ def enlarged(setup: Setup, scenes: Sequence[Scene], runs: Sequence[Run], left: i
         askew = max(askew, *(reach_along(m, s, angle[:, s], across[:, s], along[:, s]) for s in setup.sides))
     has, reach = zone(setup.settings), np.array(setup.settings.reach)
     words = f"by the loads found it needs {mm((float(needs[0]), float(needs[1])))}, the patch has {mm(has)}"
-    refused, wide = "", float(reach[0])
+    refused, wide = "", max(float(reach[0]), float(needs[0]))
     longer = replace(setup.settings, reach=(wide, askew))
     try:
         if zone(replace(longer, reach=(wide, BEYOND**left * float(reach[1]))))[1] < askew <= zone(longer)[1]:
