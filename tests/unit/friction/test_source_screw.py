@@ -5,17 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.evidence.source_cases import inferred, lin_3_4_4, plain, table_3_6
-from rollbench.lowfi.as_source import run as source_run
-from rollbench.lowfi.as_source import screw as source_screw
-from rollbench.lowfi.as_source.chain import solve_by_root
-from rollbench.lowfi.as_source.loads import Places, contact_forces, first_place, loads_by_root
-from rollbench.lowfi.as_source.run import simulate_by_root
-from rollbench.lowfi.as_source.screw import rolling, screw_balls, screw_pair_by_root, state_of
+from rollbench.comparison.sources.lin.evidence.source_cases import inferred, lin_3_4_4, plain, table_3_6
+from rollbench.lowfi.friction.as_source import run as source_run
+from rollbench.lowfi.friction.as_source import screw as source_screw
+from rollbench.lowfi.friction.as_source.chain import solve_by_root
+from rollbench.lowfi.friction.as_source.loads import Places, contact_forces, first_place, loads_by_root
+from rollbench.lowfi.friction.as_source.run import simulate_by_root
+from rollbench.lowfi.friction.as_source.screw import rolling, screw_balls, screw_pair_by_root, state_of
 from rollbench.lowfi.friction.screw.load import settle_load
 from rollbench.lowfi.friction.screw.motion import source_law
 from rollbench.lowfi.friction.screw.pair import solve_pair
-from rollbench.lowfi.friction.screw.run import Run, run_cell, simulate
+from rollbench.lowfi.friction.screw.run import Run, equal_steps, run_cell
 
 TWO = np.radians(2.0)
 
@@ -125,7 +125,7 @@ def test_reach_decides_on_contact():
 def test_run_is_ours_until_balls_meet_and_near_it_after():
     """Ours meets at the end of a step, the source's after it has overlapped: places differ by part of a step."""
     run = few_balls(steps=24)
-    ours, found = simulate(run), simulate_by_root(run)
+    ours, found = equal_steps(run), simulate_by_root(run)
     assert found.failures == 0
     meets = int(np.argmax(ours.contact.any(axis=1)))
     assert 5 < meets < 22
