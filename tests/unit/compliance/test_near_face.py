@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.extremes.survey.draw import SEED, scene_text
 from rollbench.comparison.scenes import scene_file
 from rollbench.comparison.scenes.catalogue import scene
+from rollbench.comparison.wings.extremes.survey.draw import SEED, scene_text
 from rollbench.lowfi.compliance import faces
 from rollbench.lowfi.compliance.bodies import (
     REFINED,

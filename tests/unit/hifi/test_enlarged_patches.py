@@ -6,12 +6,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rollbench.comparison.extremes.survey.draw import SEED, scene_text
 from rollbench.comparison.reference import computing
 from rollbench.comparison.reference.computing import BEYOND, ENLARGE, compute_with_bodies, enlarged
 from rollbench.comparison.reference.store import Run
 from rollbench.comparison.reference.tasks import Task, settings_of
 from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.comparison.wings.extremes.survey.draw import SEED, scene_text
 from rollbench.hifi.meshing.expected import expected_contacts, hertz_units
 from rollbench.hifi.meshing.fit import patch_lines, reach_along, socket_size
 from rollbench.hifi.reference import AT_RIM
