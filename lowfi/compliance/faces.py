@@ -61,8 +61,9 @@ class Patch(NamedTuple):
     highest: float
 
 
-#: Far from a face, and beside one.
-FAR = BESIDE_FACE = Patch(NARROW, (4, 4), 4.0)
+#: Far from a face, where only curvature counts below the patch; and beside one, as near as a contact's own size, which has
+#: the mean square of its long axis.
+FAR, BESIDE_FACE = Patch(NARROW, (4, 4), 4.0), Patch(0.07, (8, 6), 12.0)
 
 
 @dataclass(frozen=True)

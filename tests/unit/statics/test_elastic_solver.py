@@ -430,7 +430,7 @@ def test_a_contact_beside_a_held_face_keeps_what_its_body_takes_from_it():
     result = run_model(drawn, "refined", Options(discretisation=False))
     said = [text for text in result.left_out if "cut away" in text]
     assert all(float(text.partition("up to ")[2].partition(" %")[0]) < 1.0 for text in said)
-    assert result.load[0, 2] > 211.5
+    assert result.load[0, 2] > 214.0
 
 
 def test_limits_are_told():
