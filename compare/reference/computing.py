@@ -27,6 +27,8 @@ Step = Callable[[str], None]
 
 #: How often patches are enlarged where a contact reaches their rim, by what, and in how many such steps at a time at most.
 ENLARGE, BEYOND, LARGER = 3, 1.2, 4
+#: Share of the length askew that a zone must have: with 0.995 of it, drawn contacts stay off the rim.
+ALIKE = 0.99
 #: Share by which a patch must grow to be built again.
 GROWN = 5e-3
 
@@ -108,7 +110,8 @@ def enlarged(setup: Setup, scenes: Sequence[Scene], runs: Sequence[Run], left: i
     refused, wide = "", max(float(reach[0]), float(needs[0]))
     longer = replace(setup.settings, reach=(wide, askew))
     try:
-        if zone(replace(longer, reach=(wide, BEYOND**left * float(reach[1]))))[1] < askew <= zone(longer)[1]:
+        last = BEYOND**left * max(float(reach[1]), float(needs[1]) / BEYOND if left else 0.0)
+        if zone(replace(longer, reach=(wide, last)))[1] < ALIKE * askew <= zone(longer)[1]:
             return longer, f"{words}, askew {1e3 * askew:.3g} mm along it"
     except ValueError as error:
         refused = f"; a larger one is refused: {error}"
