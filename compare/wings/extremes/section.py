@@ -109,7 +109,9 @@ def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG0
                 (
                     "Random extreme screws and bearings, mutated files and killed processes, each outcome judged by "
                     "a check of its own: balance summed from printed numbers, refusals proven by rank or a linear program, "
-                    "small scenes with a rigid screw compared with plain minimisation. The counts are the named command's.",
+                    "small scenes with a rigid screw compared with plain minimisation. Random axes (--axes) of one to five "
+                    "sets are judged node by node: beam, springs, Hertz' law, every ball. The counts are the named "
+                    "command's.",
                 )
             ),
             Table(
