@@ -65,11 +65,13 @@ class ScrewResponse:
 
 @dataclass(frozen=True)
 class NutResponse:
-    """Coupling G of the modes of all contacts, modes V of each side's patches, unknowns."""
+    """Coupling G of the modes of all contacts, modes V of each side's patches, unknowns; rigid: motion ``(k, 6)`` of the
+    modes with the nut as a rigid body, about the station zero."""
 
     G: Array
     modes: dict[int, Array]
     unknowns: int
+    rigid: Array
 
 
 @dataclass(frozen=True)
@@ -228,4 +230,5 @@ def nut_response(
     K, rows, kept = _with_modes(material, mesh.mesh, sockets, own, settings.modes, settings)
     T = nut_transform(mesh, dims)
     K = (T.T @ K @ T).tocsc()
-    return NutResponse(compliance(K, rows @ T), {s: k[0] for s, k in kept.items()}, T.shape[1])
+    rigid = np.asarray(rows @ rigid_modes(mesh.points, np.zeros(3)))
+    return NutResponse(compliance(K, rows @ T), {s: k[0] for s, k in kept.items()}, T.shape[1], rigid)
