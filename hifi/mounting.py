@@ -25,12 +25,12 @@ import numpy as np
 from scipy.linalg import block_diag, cho_factor, cho_solve, qr
 
 from rollbench.hifi.cut import at_high, at_low
+from rollbench.hifi.frame import Frame
 from rollbench.hifi.response import transport
 from rollbench.hifi.shaft import ShaftSection, beam_stiffness
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.axis import Housing, Joint
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.parts import FREEDOMS, Load, Scene, Support
+from rollbench.meshes.parts import FREEDOMS, Scene
 from rollbench.meshes.solid import SAME
 
 #: Stiffness of a spring's softest direction over its stiffest one that counts as none.
@@ -65,18 +65,6 @@ class Stretch:
         """The stretch by ``shift`` [m] further along the shaft."""
         stations = {name: tuple(z + shift for z in getattr(self, name)) for name in ("ports", "observers", "ends")}
         return replace(self, base=self.base + shift, **stations)  # type: ignore[arg-type]
-
-
-@dataclass(frozen=True)
-class Frame:
-    """What holds and loads a shaft, and the housings of its nuts that can move: supports, loads, housings and the springs
-    between them; arm [m]: makes lengths of rotations."""
-
-    supports: tuple[Support, ...]
-    loads: tuple[Load, ...]
-    arm: float
-    housings: tuple[Housing, ...] = ()
-    joints: tuple[Joint, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -145,7 +133,7 @@ def as_stiff_as(stretch: Stretch, rows: Array, stations: Array, section: ShaftSe
 
 def mount(stretch: Stretch, scene: Scene, section: ShaftSection) -> Mounted:
     """Supports and loads of a scene on a stretch continued by beams of ``section``. Raises ValueError as `mount_all`."""
-    return mount_all((stretch,), Frame(scene.supports, scene.loads, scene.track.pitch_radius), lambda _: section)
+    return mount_all((stretch,), Frame.of(scene), lambda _: section)
 
 
 def mount_all(
@@ -180,7 +168,7 @@ def mount_all(
             continue
         dof = np.r_[place[a] : place[a] + 6, place[b] : place[b] + 6]
         K[np.ix_(dof, dof)] += beam_stiffness(b - a, section_at(0.5 * (a + b)))
-    for rows, stiffness in _springs(frame):
+    for rows, stiffness in frame.springs():
         K[n:, n:] += rows.T @ stiffness @ rows
     joined = []
     for s in stretches:
@@ -291,25 +279,6 @@ def _apart(stations: Sequence[float]) -> list[float]:
     return [z for k, z in enumerate(stations) if k == 0 or z - stations[k - 1] > SAME]
 
 
-def _springs(frame: Frame) -> list[tuple[Array, Array]]:
-    """Rows ``(6, 6 h)`` by which all housings move each spring, and its stiffness ``(6, 6)``."""
-    number = {h.name: k for k, h in enumerate(frame.housings)}
-    found = []
-    for k, housing in enumerate(frame.housings):
-        if housing.stiffness is not None:
-            rows = np.zeros((6, 6 * len(number)))
-            rows[:, 6 * k : 6 * k + 6] = np.eye(6)
-            found.append((rows, np.array(housing.stiffness)))
-    for joint in frame.joints:
-        rows = np.zeros((6, 6 * len(number)))
-        for name, sign in ((joint.first, 1.0), (joint.second, -1.0)):
-            if name in number:  # one that stands has no freedoms
-                k = number[name]
-                rows[:, 6 * k : 6 * k + 6] = sign * transport(joint.at - frame.housings[k].at)
-        found.append((rows, np.array(joint.stiffness)))
-    return found
-
-
 def _held(frame: Frame, place: _Places, first: int) -> tuple[list[int], Array]:
     """Freedoms that are held, and their values; first: freedom of the first housing."""
     fixed = [(place[x.at] + FREEDOMS.index(name), value) for x in frame.supports for name, value in x.fixed]
@@ -332,7 +301,7 @@ def unheld(frame: Frame, origin: float) -> Array:
     rows = [row(0, transport(x.at - origin)[FREEDOMS.index(name)]) for x in frame.supports for name, _ in x.fixed]
     rows += [row(1 + k, np.eye(6)[FREEDOMS.index(name)]) for k, h in enumerate(frame.housings) for name, _ in h.fixed]
     size = np.diag([1.0, 1.0, 1.0, frame.arm, frame.arm, frame.arm])
-    for moved, stiffness in _springs(frame):
+    for moved, stiffness in frame.springs():
         value, vector = np.linalg.eigh(np.linalg.inv(size) @ stiffness @ np.linalg.inv(size))
         stiff = vector[:, value > SLACK * value.max(initial=0.0)].T @ size @ moved
         rows += [np.concatenate([np.zeros(6), own]) * scale for own in stiff]

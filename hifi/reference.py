@@ -30,7 +30,8 @@ from rollbench.hifi.contact_kinematics import (
     wave_gaps,
 )
 from rollbench.hifi.coupling import PlacedSet, Zones, compliance_of, modal_motion, mounted_screw, zones_of
-from rollbench.hifi.mounting import Frame, Mounted
+from rollbench.hifi.frame import Frame
+from rollbench.hifi.mounting import Mounted
 from rollbench.hifi.response import transport
 from rollbench.hifi.setup import Setup
 from rollbench.meshes.arrays import Array
@@ -104,11 +105,13 @@ def solve_reference(
 class Round(NamedTuple):
     """Contacts for given places of balls and grooves: result, the state to go on from, motion of all nodes along their
     normals by the unheld rigid motions ``(pairs, k)``, loads and angles ``(all balls, 4)``; of each set the normals
-    ``(balls, n, 3)`` and forces ``(balls, n)``."""
+    ``(balls, n, 3)``, motions along them by the rigid motions of shaft and housings ``(balls, n, 6 (1 + h))``, and forces
+    ``(balls, n)``."""
 
     result: ContactResult
     state: State
     directions: list[Array]
+    rigid_rows: list[Array]
     by_rigid: Array
     forces: list[Array]
     load: Array
@@ -172,20 +175,20 @@ class Case:
 
     def _round(self, shifts: Sequence[Array], slid: Sequence[Array], level: Sequence[Array], start: State | None) -> Round:
         """Contacts for motions of the balls from their grooves (`relative_motion`) and changes of the gaps [m]."""
-        directions, gaps, rests, touching, by_rigid = [], [], [], [], []
+        directions, rigid_rows, rests, touching = [], [], [], []
         for k, (p, zones) in enumerate(zip(self.sets, self.zones, strict=True)):
             arms = self.arms[k] - shifts[k]
             length = np.linalg.norm(arms, axis=2)
             normals = arms / length[..., None]
             back = shifts[k] + slid[k][..., None] * self.along[k]  # the solver's gaps lose it again
             gap = length - self.radii[k][:, None] + np.einsum("ink,ink->in", normals, np.broadcast_to(back, arms.shape))
-            by_rigid.append(over_hats(p.setup, zones, self._rigid_rows(p, normals, zones)).reshape(arms[..., 0].size, -1))
+            rigid_rows.append(over_hats(p.setup, zones, self._rigid_rows(p, normals, zones)))
             gap, normals = over_hats(p.setup, zones, gap), over_hats(p.setup, zones, normals)
-            gaps.append(gap)
             directions.append(normals)
             rests.append((gap + level[k]).ravel())
             touching += list(expected_touch(gap, zones)) if start is None else []
-        moved = np.concatenate(by_rigid) @ self.mounted.motions
+        motions = self.mounted.motions
+        moved = np.concatenate([rows.reshape(-1, len(motions)) for rows in rigid_rows]) @ motions
         f = np.concatenate([np.zeros(3 * self.balls), self.mounted.work])
         N = directions_matrix(directions, moved)
         result, state = solve_balls(
@@ -195,7 +198,7 @@ class Case:
         each = zip(self.sets, forces, directions, self.zones, strict=True)
         found = [_loads(p.setup, own[..., None] * normals, zones) for p, own, normals, zones in each]
         load, angle = (np.concatenate(x) for x in zip(*found, strict=True))
-        return Round(result, state, directions, moved, forces, load, angle)
+        return Round(result, state, directions, rigid_rows, moved, forces, load, angle)
 
     def _rigid_rows(self, p: PlacedSet, normals: Array, zones: Zones) -> Array:
         """Motion ``(balls, n, 6 (1 + h))`` of a set's nodes along their normals by rigid motions of shaft and housings."""
@@ -275,7 +278,7 @@ def _solve(
     begin = perf_counter()
     own = PlacedSet(setup, scene, tuple(s for s in setup.sides if s in sides))
     mounted = mounted_screw(setup, scene, leave_out)
-    case = Case((own,), Frame(scene.supports, scene.loads, scene.track.pitch_radius), mounted, leave_out)
+    case = Case((own,), Frame.of(scene), mounted, leave_out)
     moving = updates > 0 and "moving normals" not in leave_out
     ended = end(case, updates or ROUNDS, telling(scene.name, begin, step), moving=moving, frozen=frozen)
     last = ended.last

@@ -30,7 +30,7 @@ from rollbench.hifi.patch import CondensedPatch
 from rollbench.hifi.response import compliance, transport
 from rollbench.hifi.rigid import rigid_modes
 from rollbench.hifi.settings import Settings
-from rollbench.hifi.shaft import ShaftSection, round_section
+from rollbench.hifi.shaft import ShaftSection, round_section, tube
 from rollbench.hifi.sides import SidePatches
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.ball_body import BallBody
@@ -134,10 +134,7 @@ def shaft_section(
     if radius is not None:
         return Shaft(round_section(radius, e.youngs_modulus, e.poissons_ratio), None)
     if m.rg == 0.0:
-        if bore == 0.0:
-            return Shaft(plain, None)
-        own = round_section(bore, e.youngs_modulus, e.poissons_ratio)
-        return Shaft(ShaftSection(plain.EA - own.EA, plain.EI - own.EI, plain.GJ - own.GJ, plain.kGA - own.kGA), None)
+        return Shaft(tube(outer, bore, e), None)
     found = homogenise(m, outer, bore, hole, e, size)
     return Shaft(found.section, found)
 
