@@ -14,7 +14,7 @@ from types import FrameType
 from cyclopts import CycloptsError
 
 from rollbench.comparison.commands.arguments import app
-from rollbench.comparison.commands.arguments.terminal import OutputLost, writing
+from rollbench.comparison.commands.printing import OutputLost, writing
 from rollbench.comparison.errors import InputError, one_line
 
 #: Longest wait [s] after an interrupt for threads that tidy up.

@@ -3,7 +3,7 @@
 Every contact's force is spread like Hertz's pressure over its nodes, and the matrices are for one force. What a contact's
 own approach has beside them and Hertz's law is sampled over the forces that its patch can carry: the fine patches of
 groove and ball, sockets held, solved as contact, and how the rest of both bodies answers a smaller or larger ellipse.
-The grid's wave is taken out as everywhere in the reference (`hifi.grid_wave`).
+The grid's wave is taken out as everywhere in the reference (`hifi.bodies.grid_wave`).
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.linalg import block_diag
 
-from rollbench.hifi.grid_wave import contact_frame, mean_approaches, relative_radii, resolved_forces, unit_hertz
-from rollbench.hifi.hertz import hertz
-from rollbench.hifi.pressures import mean_weights
+from rollbench.hifi.bodies.grid_wave import contact_frame, mean_approaches, relative_radii, resolved_forces, unit_hertz
+from rollbench.hifi.contact.hertz import hertz
+from rollbench.hifi.elements.pressures import mean_weights
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.condensed import CondensedBodies, geometry_digest
 

@@ -8,8 +8,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from rollbench.hifi.coupling import Zones
-from rollbench.hifi.part_meshes import rotation
-from rollbench.hifi.pressures import mean_weights
+from rollbench.hifi.elements.pressures import mean_weights
+from rollbench.hifi.meshing.part_meshes import rotation
 from rollbench.hifi.setup import Setup
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimen
@@ -39,7 +39,8 @@ def over_hats(setup: Setup, zones: Zones, values: Array) -> Array:
 
 
 def wave_gaps(setup: Setup, zones: Zones, forces: Array, directions: Array) -> Array:
-    """Corrections ``(balls, n)`` [m] of all gaps for the places of the contacts on their grids (`hifi.grid_wave`)."""
+    """Corrections ``(balls, n)`` [m] of all gaps for the places of the contacts on their grids
+    (`hifi.bodies.grid_wave`)."""
     out = np.zeros_like(forces)
     for part, s in zip(zones.parts, zones.sides, strict=True):
         wave = setup.patches[s].wave

@@ -9,9 +9,9 @@ from itertools import pairwise
 import numpy as np
 from scipy.linalg import block_diag
 
-from rollbench.hifi.compliance import BallBlock, Compliance, coupled
-from rollbench.hifi.mounting import Mounted, beam_stretch, mount
+from rollbench.hifi.contact.compliance import BallBlock, Compliance, coupled
 from rollbench.hifi.setup import Setup
+from rollbench.hifi.shaft.mounting import Mounted, beam_stretch, mount
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.parts import Scene
 

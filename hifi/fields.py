@@ -15,14 +15,19 @@ import numpy as np
 import scipy.sparse as sp
 from skfem import Mesh, condense
 
-from rollbench.hifi import assembly
-from rollbench.hifi.balls import solve_balls
-from rollbench.hifi.bodies import Socket, assemble, freedoms, isostatic, mode_rows, of_order, patch_modes
-from rollbench.hifi.compliance import BallBlock, uncoupled
-from rollbench.hifi.fit import ball_place
-from rollbench.hifi.forms import hooke
-from rollbench.hifi.hertz import HertzSolution, hertz
-from rollbench.hifi.part_meshes import (
+from rollbench.hifi.bodies.coarse import Socket, assemble, freedoms, isostatic, mode_rows, of_order, patch_modes
+from rollbench.hifi.bodies.patch import CondensedPatch, PatchMesh, field
+from rollbench.hifi.condensation.responses import ball_compliance, nut_transform, screw_transform
+from rollbench.hifi.condensation.sides import condense_side, side_of
+from rollbench.hifi.contact.balls import solve_balls
+from rollbench.hifi.contact.compliance import BallBlock, uncoupled
+from rollbench.hifi.contact.hertz import HertzSolution, hertz
+from rollbench.hifi.elements import assembly
+from rollbench.hifi.elements.forms import hooke
+from rollbench.hifi.elements.pressures import mean_weights
+from rollbench.hifi.linear_algebra.solvers import factor
+from rollbench.hifi.meshing.fit import ball_place
+from rollbench.hifi.meshing.part_meshes import (
     Meshes,
     body_kind,
     mesh_parts,
@@ -32,14 +37,9 @@ from rollbench.hifi.part_meshes import (
     rotation,
     sockets_of,
 )
-from rollbench.hifi.patch import CondensedPatch, PatchMesh, field
-from rollbench.hifi.pressures import mean_weights
+from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.reference import ReferenceResult
-from rollbench.hifi.responses import ball_compliance, nut_transform, screw_transform
-from rollbench.hifi.settings import Settings
 from rollbench.hifi.setup import Setup
-from rollbench.hifi.sides import condense_side, side_of
-from rollbench.hifi.solvers import factor
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import directions
 from rollbench.meshes.fem import cells_of, moved
@@ -242,7 +242,7 @@ class ContactPressure:
 
 def contact_radii(scene: Scene, side: int, angle: float) -> tuple[float, float]:
     """Relative radii of curvature [m] across and along the groove at a contact of ``angle`` [rad]; as
-    `hifi.fit.expected_semi_axes`, for any side: along the groove the screw is convex, the nut hollow.
+    `hifi.meshing.fit.expected_semi_axes`, for any side: along the groove the screw is convex, the nut hollow.
 
     Source: normal curvature of the tube around a helix, cos(angle) cos^2(lead angle) / r at radius r.
     """

@@ -1,8 +1,8 @@
 """The 3D elastic-contact reference of a ball screw or bearing: the contact of all balls of a prepared geometry.
 
 Contact is unilateral and frictionless on matching grids of ball and groove, the balls' rigid motions free. Pressures are
-hats on the grid (`hifi.pressures`), and what may not be negative is the mean of the gap over each hat. Gaps are exact
-distances from the ball's centre; directions and gaps follow the motion of ball and groove to convergence.
+hats on the grid (`hifi.elements.pressures`), and what may not be negative is the mean of the gap over each hat. Gaps are
+exact distances from the ball's centre; directions and gaps follow the motion of ball and groove to convergence.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from typing import NamedTuple
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from rollbench.hifi.balls import State, solve_balls
-from rollbench.hifi.contact import ContactResult
+from rollbench.hifi.contact.balls import State, solve_balls
+from rollbench.hifi.contact.result import ContactResult
 from rollbench.hifi.contact_kinematics import (
     along_track,
     directions_matrix,
@@ -30,10 +30,10 @@ from rollbench.hifi.contact_kinematics import (
     wave_gaps,
 )
 from rollbench.hifi.coupling import PlacedSet, Zones, compliance_of, modal_motion, mounted_screw, zones_of
-from rollbench.hifi.frame import Frame
-from rollbench.hifi.mounting import Mounted
-from rollbench.hifi.response import transport
+from rollbench.hifi.linear_algebra.response import transport
 from rollbench.hifi.setup import Setup
+from rollbench.hifi.shaft.frame import Frame
+from rollbench.hifi.shaft.mounting import Mounted
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.parts import Scene

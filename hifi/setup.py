@@ -16,10 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.hifi.cell import Homogenised
-from rollbench.hifi.mounting import as_stiff_as, without_cuts
-from rollbench.hifi.part_meshes import Meshes, mesh_parts
-from rollbench.hifi.responses import (
+from rollbench.hifi.condensation.responses import (
     BallResponse,
     NutResponse,
     ScrewResponse,
@@ -29,10 +26,13 @@ from rollbench.hifi.responses import (
     screw_response,
     shaft_section,
 )
-from rollbench.hifi.settings import Settings
-from rollbench.hifi.shaft import ShaftSection
-from rollbench.hifi.side_by_side import Made, Part, make
-from rollbench.hifi.sides import SidePatches, condense_side, congruent, side_of, turned
+from rollbench.hifi.condensation.side_by_side import Made, Part, make
+from rollbench.hifi.condensation.sides import SidePatches, condense_side, congruent, side_of, turned
+from rollbench.hifi.meshing.part_meshes import Meshes, mesh_parts
+from rollbench.hifi.meshing.settings import Settings
+from rollbench.hifi.shaft.beam import ShaftSection
+from rollbench.hifi.shaft.cell import Homogenised
+from rollbench.hifi.shaft.mounting import as_stiff_as, without_cuts
 from rollbench.meshes.cache import Cache
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import BallLayout, ball_layout

@@ -17,13 +17,13 @@ from threadpoolctl import threadpool_limits
 
 from rollbench.hifi.contact_kinematics import tangent
 from rollbench.hifi.coupling import PlacedSet
-from rollbench.hifi.expected import closing
-from rollbench.hifi.frame import Frame
-from rollbench.hifi.mounting import Carried, Mounted, mount_all
+from rollbench.hifi.linear_algebra.response import transport
+from rollbench.hifi.meshing.expected import closing
 from rollbench.hifi.reference import ROUNDS, Case, Ended, Round, end, telling
-from rollbench.hifi.response import transport
 from rollbench.hifi.setup import Setup
-from rollbench.hifi.shaft import ShaftSection, tube
+from rollbench.hifi.shaft.beam import ShaftSection, tube
+from rollbench.hifi.shaft.frame import Frame
+from rollbench.hifi.shaft.mounting import Carried, Mounted, mount_all
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Errors, Scene, Support

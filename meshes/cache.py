@@ -176,7 +176,7 @@ def key_of(build: Callable[..., object], arguments: tuple[object, ...], type_: t
 
 
 def _package(module: str) -> str:
-    """What a module counts to: rollbench.hifi of rollbench.hifi.bodies, else the first name."""
+    """What a module counts to: rollbench.hifi of rollbench.hifi.setup, else the first name."""
     parts = module.split(".")
     return ".".join(parts[: 2 if parts[0] == "rollbench" else 1])
 

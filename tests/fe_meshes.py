@@ -9,9 +9,9 @@ import numpy as np
 from skfem import Basis, ElementVector, Functional, LinearForm
 from skfem.helpers import dot, eye, sym_grad, trace
 
-from rollbench.hifi import assembly
-from rollbench.hifi.assembly import CurvedMap, rule
-from rollbench.hifi.forms import elasticity, share
+from rollbench.hifi.elements import assembly
+from rollbench.hifi.elements.assembly import CurvedMap, rule
+from rollbench.hifi.elements.forms import elasticity, share
 from rollbench.meshes.fem import _SKFEM, MESHES, mesh_of
 from rollbench.meshes.quality import scaled_jacobians
 

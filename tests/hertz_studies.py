@@ -2,8 +2,8 @@
 
 from functools import cache
 
-from rollbench.hifi.block import SIZE, HertzJob, HertzRun
-from rollbench.hifi.block import study as fresh
+from rollbench.hifi.contact.block import SIZE, HertzJob, HertzRun
+from rollbench.hifi.contact.block import study as fresh
 
 GROUP = "Hertz blocks"
 
@@ -11,7 +11,7 @@ GROUP = "Hertz blocks"
 def study(
     job: HertzJob, element: str, b_over_h: float, *, size: float = SIZE, far_field: bool = True, aim: float = 1.0
 ) -> HertzRun:
-    """`hifi.block.study`."""
+    """`hifi.contact.block.study`."""
     return _made(job, element, b_over_h, size, far_field, aim)
 
 

@@ -11,8 +11,8 @@ from rollbench.comparison.scenes.kinds.bearing_ball import BearingBallScene
 from rollbench.comparison.scenes.kinds.bearing_pair import BearingPairScene
 from rollbench.comparison.scenes.kinds.linear import LinearChainScene, LinearPairScene
 from rollbench.comparison.scenes.kinds.screw_balls import ScrewPairScene, ScrewRunScene
+from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.rolling.bodies import Sizes
-from rollbench.hifi.settings import Settings
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.solid import Dimensions

@@ -261,10 +261,11 @@ def report(
 
         page = make_page(str(scene), folder, Path(store))
         return Result(data | {"verdict": page.verdict}, "", (page.verdict,))
+    from rollbench.comparison.commands.printing import print_answer
     from rollbench.comparison.commands.report import make_report
 
-    code = make_report(only, folder, store=Path(store), quick=quick, stored=stored, fresh=fresh, everything=everything)
-    data["passed"] = code == 0
+    made = make_report(only, folder, store=Path(store), quick=quick, stored=stored, fresh=fresh, everything=everything)
+    data["passed"] = print_answer(made) == 0
     return Result(data)
 
 

@@ -10,7 +10,6 @@ import numpy as np
 
 from rollbench.comparison.commands.left_out import left_out_of_kind
 from rollbench.comparison.commands.solve_output import number
-from rollbench.comparison.commands.wrapping import wrapped
 from rollbench.comparison.measure import error_percent
 from rollbench.lowfi.warned import above
 from rollbench.meshes.arrays import Array
@@ -29,7 +28,7 @@ Column = tuple[str, str, str]
 
 
 @dataclass(frozen=True)
-class Answer:
+class FrictionAnswer:
     """A solved scene: JSON-ready values, tables (title, headings, rows) and lines, whether everything converged; tables of
     every ball of a whole screw, which are shown where asked for."""
 
@@ -100,8 +99,8 @@ def energy_line(values: dict[str, Any]) -> str:
     return f"energy: input power {power} W, dissipation {loss} W ({off} %)"
 
 
-def as_table(answer: Answer, width: int = 100, *, balls: bool = False) -> list[RenderableType]:
-    """The answer for the terminal, texts wrapped at ``width``: results in a few lines, tables, warnings, assumptions."""
+def as_table(answer: FrictionAnswer, *, balls: bool = False) -> list[RenderableType]:
+    """The answer for the terminal: results in a few lines, tables, warnings, assumptions."""
     from rich.table import Table
 
     data = answer.data
@@ -120,7 +119,7 @@ def as_table(answer: Answer, width: int = 100, *, balls: bool = False) -> list[R
         parts.append("motion, loads and losses of every ball: --balls")
     for heading, key in (("warning", "warnings"), ("assumed", "assumed"), ("left out", "left_out")):
         parts += [f"{heading}: {line}" for line in data.get(key, ()) if getattr(line, "brief", "") != line]
-    return [wrapped(part, width) if isinstance(part, str) else part for part in parts]
+    return parts
 
 
 def cell(value: Any, form: str) -> str:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from rollbench.comparison.commands.answer import cell
+from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.evidence.audit import APART, VERDICTS, Audited, as_stored, audit, changes, counts, trust
 from rollbench.comparison.evidence.left_out import left_out, misprints
@@ -15,11 +16,9 @@ from rollbench.comparison.printed.printed_data import tables
 from rollbench.comparison.writing import replace_file
 
 
-def run_audit(
-    only: Sequence[str], *, write: Path | None, json_out: bool, show: Callable[..., None], print_json: Callable[[Any], None]
-) -> int:
-    """Judge every printed entry, print counts, entries, misprints and what is left out; 1 where a verdict differs from the
-    stored list. Raises InputError for an unknown table."""
+def run_audit(only: Sequence[str], *, write: Path | None) -> Answer:
+    """Judge every printed entry: counts, entries, misprints, what is left out; exit code 1 where a verdict differs from
+    the stored list. Raises InputError for an unknown table."""
     unknown = [name for name in only if name not in tables()]
     if unknown:
         raise InputError("command line", "--only", unknown[0], ", ".join(tables()), "see: rollbench list")
@@ -29,11 +28,7 @@ def run_audit(
     if write is not None:
         replace_file(write, as_stored(rows))
     changed = changes(rows)
-    if json_out:
-        print_json(as_json(rows, changed))
-    else:
-        show(*as_table(rows, changed))
-    return 1 if changed else 0
+    return Answer(as_json(rows, changed), as_table(rows, changed), 1 if changed else 0)
 
 
 def as_json(rows: Sequence[Audited], changed: Sequence[str]) -> dict[str, Any]:

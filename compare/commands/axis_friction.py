@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.commands.answer import NOTHING, Answer, Column
+from rollbench.comparison.commands.answer import NOTHING, Column, FrictionAnswer
 from rollbench.comparison.commands.friction_output import (
     BALL_COLUMNS,
     ball_rows,
@@ -55,7 +55,7 @@ SET_COLUMNS: tuple[Column, ...] = (
 Solved = list[tuple[int, SetResult, FrictionState]]
 
 
-def solve_axis(assembly: Assembly, choices: Choices) -> Answer:
+def solve_axis(assembly: Assembly, choices: Choices) -> FrictionAnswer:
     """Loads by the chosen model, then friction of every set of balls. Raises InputError for choices that do not fit."""
     if choices.condensed is not None or choices.member or len(choices.mu) > 1:
         given = "--condensed, --member, or several --mu"
@@ -70,7 +70,9 @@ def solve_axis(assembly: Assembly, choices: Choices) -> Answer:
     head = {"scene": assembly.name, "title": assembly.title, "kind": assembly.kind, "model": result.model}
     if not result.converged:
         said = {"assumed": list(assembly.assumed), "left_out": [], "warnings": []}
-        return Answer(head | {"status": f"contact loads: {result.status}", "converged": False} | said, [], [], False)
+        return FrictionAnswer(
+            head | {"status": f"contact loads: {result.status}", "converged": False} | said, [], [], False
+        )
     result = with_axis_answers(result, gather(assembly, result))
     solved = _states(result, friction, motion)
     drag = _drag(assembly, result.model, friction, motion)
@@ -113,7 +115,7 @@ def _set_row(i: int, s: SetResult, state: FrictionState, drag: float | None) -> 
 
 def _answer(
     head: dict[str, str], assembly: Assembly, result: AxisResult, found: tuple[Friction, Motion, Solved, dict[int, float]]
-) -> Answer:
+) -> FrictionAnswer:
     friction, motion, solved, drag = found
     rows = [_set_row(i, s, state, drag.get(i)) for i, s, state in solved]
     balls = [{"set": i + 1} | row for i, s, state in solved if s.balls for row in ball_rows(s.balls, state)]
@@ -154,7 +156,7 @@ def _answer(
         f"{torque['driving_torque_on_screw_Nmm']:+.6g} N mm about +z at {motion.speed:.6g} rad/s",
         _energy_line(power),
     ]
-    return Answer(data, [("sets", SET_COLUMNS, rows)], lines, good, every)
+    return FrictionAnswer(data, [("sets", SET_COLUMNS, rows)], lines, good, every)
 
 
 def _energy(solved: Solved) -> dict[str, Any]:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -13,8 +11,8 @@ from rollbench.comparison.commands.axis_output import as_json, as_table
 from rollbench.comparison.commands.axis_summary import block
 from rollbench.comparison.commands.load_curve import FACTORS, write_rows
 from rollbench.comparison.commands.matrix_files import write_stiffness
+from rollbench.comparison.commands.printing import Answer, text_width
 from rollbench.comparison.commands.solve_choices import Choices
-from rollbench.comparison.commands.wrapping import wrapped
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.gate.loads_file import loads_csv, write_loads
 from rollbench.comparison.models.axis import run_axis
@@ -25,15 +23,8 @@ from rollbench.lowfi.warned import above
 from rollbench.meshes.axis import Assembly
 
 
-def solve_shown(
-    assembly: Assembly,
-    choices: Choices,
-    station: float,
-    width: int,
-    show: Callable[..., None],
-    print_json: Callable[[Any], None] | None,
-) -> int:
-    """Solve and print an assembly, as JSON where ``print_json`` is given; 1 where it did not converge.
+def solve_axis(assembly: Assembly, choices: Choices, station: float) -> Answer:
+    """Solve an assembly; exit code 1 where it did not converge.
 
     station [m]: of ``--stiffness-at``. Raises InputError for what does not fit, and for a model that knows one set only.
     """
@@ -44,13 +35,10 @@ def solve_shown(
     found = gather(assembly, result, choices.member) if result.converged else None
     result = result if found is None else with_axis_answers(result, found)
     written = _write(assembly, result, choices) if result.converged else []
-    if print_json is not None:
-        print_json(as_json(assembly, result, found, choices.member))
-    else:
-        text = "" if found is None else block(assembly, result, found, width)
-        parts = [*as_table(assembly, result, block=text, balls=choices.balls), *written]
-        show(*(wrapped(part, width) if isinstance(part, str) else part for part in parts))
-    return 1 if not result.converged or (choices.strict and above(result.warnings)) else 0
+    text = "" if found is None else block(assembly, result, found, text_width())
+    parts = [*as_table(assembly, result, block=text, balls=choices.balls), *written]
+    code = 1 if not result.converged or (choices.strict and above(result.warnings)) else 0
+    return Answer(as_json(assembly, result, found, choices.member), parts, code, folded=True)
 
 
 def _check(assembly: Assembly, choices: Choices, station: float) -> None:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
-from typing import Any
+from typing import TYPE_CHECKING
 
+from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.costs.axis_bench import jobs as axis_jobs
 from rollbench.comparison.costs.bench import run_bench
 from rollbench.comparison.costs.chain_bench import jobs as chain_jobs
@@ -14,18 +15,22 @@ from rollbench.comparison.costs.friction_bench import jobs as friction_jobs
 from rollbench.comparison.costs.rolling_bench import jobs as rolling_jobs
 from rollbench.comparison.costs.timing import Job
 
+if TYPE_CHECKING:
+    from rich.table import Table
 
-def run_bench_command(*, as_json: bool, show: Callable[..., None], print_json: Callable[[Any], None]) -> int:
-    """Measure, print, return 0. A job that could not be measured says so in its note."""
+
+def run_bench_command() -> Answer:
+    """Measure. A job that could not be measured says so in its note."""
     jobs = run_bench(lambda text: print(text, file=sys.stderr, flush=True))
     jobs += [
         Job(f"friction: {row.name}", row.seconds, row.ratio, None, None, f"{row.note}; target {row.target:g} s")
         for row in friction_jobs(5)
     ]
     jobs += [*chain_jobs(5), *axis_jobs(5), *rolling_jobs(3)]
-    if as_json:
-        print_json([asdict(job) for job in jobs])
-        return 0
+    return Answer([asdict(job) for job in jobs], _tables(jobs))
+
+
+def _tables(jobs: Sequence[Job]) -> Iterator[Table]:
     from rich.table import Table
 
     table = Table(title="bench", title_justify="left")
@@ -44,5 +49,4 @@ def run_bench_command(*, as_json: bool, show: Callable[..., None], print_json: C
             cell(job.peak_MB, ".0f"),
             job.note,
         )
-    show(table)
-    return 0
+    yield table

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
+from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.commands.study import on_terminal
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.gate.publish import Outcome, of_row, of_verdict, publish
@@ -19,23 +19,21 @@ from rollbench.meshes.axis import Assembly
 
 
 @dataclass(frozen=True)
-class Output:
-    """How the answer is given: JSON on standard output, printers, and files to write."""
+class Files:
+    """Files that verdicts are written to besides."""
 
-    as_json: bool
-    show: Callable[..., None]
-    print_json: Callable[[Any], None]
     junit: Path | None = None
     markdown: Path | None = None
     csv: Path | None = None
 
-    def files(self, outcomes: Sequence[Outcome]) -> list[Path]:
-        """Write the files that are asked for."""
-        return publish(outcomes, junit_file=self.junit, markdown_file=self.markdown, csv_file=self.csv)
+    def write(self, outcomes: Sequence[Outcome]) -> list[str]:
+        """Write the files that are asked for; lines that say so."""
+        written = publish(outcomes, junit_file=self.junit, markdown_file=self.markdown, csv_file=self.csv)
+        return [f"{path} written" for path in written]
 
 
-def run_check(names: Sequence[str], what: Asked, engine: Engine, out: Output) -> int:
-    """Judge scenes and print a line on each; returns the exit code of the gravest verdict."""
+def run_check(names: Sequence[str], what: Asked, engine: Engine, files: Files) -> Answer:
+    """Judge scenes, a line on each; the exit code is that of the gravest verdict."""
     described = [catalogue.any_scene(name) for name in names]
     for k, one in enumerate(described):
         if one.name in (s.name for s in described[:k]):
@@ -45,13 +43,10 @@ def run_check(names: Sequence[str], what: Asked, engine: Engine, out: Output) ->
     verdicts = check_scenes(scenes, what, engine, on_terminal) if scenes else []
     verdicts += [_of_axis(x, what) for x in described if isinstance(x, Assembly)]
     gravest = worst_of([v.word for v in verdicts])
-    written = out.files([of_verdict(v) for v in verdicts])
-    if out.as_json:
-        out.print_json({"verdict": gravest, "passed": gravest == "pass", "verdicts": [v.as_json() for v in verdicts]})
-    else:
-        counts = ", ".join(f"{n} {word}" for word in CODES if (n := sum(v.word == word for v in verdicts)))
-        out.show(*(v.line() for v in verdicts), counts, *(f"{path} written" for path in written))
-    return CODES[gravest]
+    written = files.write([of_verdict(v) for v in verdicts])
+    data = {"verdict": gravest, "passed": gravest == "pass", "verdicts": [v.as_json() for v in verdicts]}
+    counts = ", ".join(f"{n} {word}" for word in CODES if (n := sum(v.word == word for v in verdicts)))
+    return Answer(data, [*(v.line() for v in verdicts), counts, *written], CODES[gravest])
 
 
 def _of_axis(assembly: Assembly, what: Asked) -> Verdict:
@@ -62,20 +57,17 @@ def _of_axis(assembly: Assembly, what: Asked) -> Verdict:
     return Verdict(assembly.name, judged, LARGEST, "not covered", None, None, limit, detail=detail)
 
 
-def run_shipped(max_error: float | None, out: Output) -> int:
-    """The gate of what is shipped; returns 1 where a row fails."""
+def run_shipped(max_error: float | None, files: Files) -> Answer:
+    """The gate of what is shipped; exit code 1 where a row fails."""
     from rollbench.comparison.gate.gate import as_table, run_gate
     from rollbench.comparison.models.study import Study
 
     limit = LIMIT if max_error is None else max_error
     rows = run_gate(Study(members=0), limit)  # no screws are drawn: no claim on random errors is gated
     bad = [row for row in rows if not row.passed]
-    written = out.files([of_row(row) for row in rows])
-    if out.as_json:
-        out.print_json({"max_error_percent": limit, "passed": not bad, "rows": [row.as_json() for row in rows]})
-    else:
-        words = [row.verdict for row in rows]
-        others = "".join(f", {n} {word}" for word in ("undecided", "reported") if (n := words.count(word)))
-        line = f"{words.count('ok')} passed, {len(bad)} failed{others}"
-        out.show(as_table(rows), line, *(f"{path} written" for path in written))
-    return 1 if bad else 0
+    written = files.write([of_row(row) for row in rows])
+    data = {"max_error_percent": limit, "passed": not bad, "rows": [row.as_json() for row in rows]}
+    words = [row.verdict for row in rows]
+    others = "".join(f", {n} {word}" for word in ("undecided", "reported") if (n := words.count(word)))
+    line = f"{words.count('ok')} passed, {len(bad)} failed{others}"
+    return Answer(data, [as_table(rows), line, *written], 1 if bad else 0)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import shlex
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
+from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.reference.levels import LEVELS
 from rollbench.comparison.reference.tasks import settings_of
@@ -15,9 +15,7 @@ from rollbench.comparison.writing import need_writable
 from rollbench.meshes.parts import Scene
 
 
-def run_condense(
-    scene: Scene, typed: str, out: Path | None, level: int, *, cache: Path | None, show: Callable[..., None]
-) -> int:
+def run_condense(scene: Scene, typed: str, out: Path | None, level: int, *, cache: Path | None) -> Answer:
     """Mesh, condense all four sides and write the file, whole or not at all; typed: how the scene was named.
 
     Raises InputError for a bad level, a mesh that cannot be built, and a file that cannot be written.
@@ -45,5 +43,5 @@ def run_condense(
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(str(out), "file", reason, "a folder that can be written to", "check the path") from None
-    show(f"wrote {out}; use it with: rollbench solve {shlex.quote(typed)} --condensed {shlex.quote(str(out))}")
-    return 0
+    command = f"rollbench solve {shlex.quote(typed)} --condensed {shlex.quote(str(out))}"
+    return Answer(parts=[f"wrote {out}; use it with: {command}"])

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.commands.study import on_terminal
 from rollbench.comparison.crosscheck import nut
 from rollbench.comparison.crosscheck.data import CrossData, load, save, shipped
@@ -19,23 +20,11 @@ from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.system import need_gmsh
 from rollbench.meshes.parts import Scene
 
-Show = Callable[..., None]
-
 
 def run_crosscheck(
-    name: str,
-    *,
-    run: bool,
-    fresh: bool,
-    data: Path | None,
-    work: Path,
-    store: Path,
-    engine: Engine,
-    json_out: bool,
-    show: Show,
-    print_json: Callable[[Any], None],
-) -> int:
-    """Print a scene's contact loads by the 3D reference and by CalculiX.
+    name: str, *, run: bool, fresh: bool, data: Path | None, work: Path, store: Path, engine: Engine
+) -> Answer:
+    """A scene's contact loads by the 3D reference and by CalculiX.
 
     run: solve the decks with CalculiX first that have no stored result (fresh: all of them) and rewrite the results in the
     folder ``data`` (None: that of the package); work: folder of the decks; store: folder of the reference's runs, computed
@@ -43,24 +32,22 @@ def run_crosscheck(
     Raises InputError for a scene without results, results of another scene of that name, and where CalculiX fails.
     """
     scene, folder = checked_scene(name), data or shipped()
+    written = []
     if run:
         need_gmsh()
         kept = None if fresh else load(folder, scene.name)
         stored_runs = kept.runs if kept is not None and kept.key == scene_key(scene.name) else ()
-        show(f"wrote {save(folder, run_study(scene, work, on_terminal, stored_runs))}")
+        written.append(f"wrote {save(folder, run_study(scene, work, on_terminal, stored_runs))}")
         if scene.name == nut.SCENE and (fresh or nut.load_nut(folder) is None):
-            show(f"wrote {nut.save_nut(folder, nut.check_nut(scene, work, key=scene_key(scene.name)))}")
+            written.append(f"wrote {nut.save_nut(folder, nut.check_nut(scene, work, key=scene_key(scene.name)))}")
     found = stored(folder, scene)
     ours = _ours(scene, store, engine)
     rows = contact_rows(found, ours)
-    if json_out:
-        print_json({"scene": scene.name, "agreement": agreement(scene.name, rows), "contacts": [r.cells() for r in rows]})
-        return 0
-    show(_table(scene, rows), agreement(scene.name, rows))
+    agreed = agreement(scene.name, rows)
     alone = nut.load_nut(folder)
-    if alone is not None and alone.key == scene_key(scene.name):
-        show(alone.sentence())
-    return 0
+    sentence = [alone.sentence()] if alone is not None and alone.key == scene_key(scene.name) else []
+    answer = {"scene": scene.name, "agreement": agreed, "contacts": [r.cells() for r in rows]}
+    return Answer(answer, [*written, _table(scene, rows), agreed, *sentence])
 
 
 def stored(folder: Path, scene: Scene) -> CrossData:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.crosscheck.deck import DeckOptions, build_deck
 from rollbench.comparison.crosscheck.deck_cut import cut_scene, parse_balls
 from rollbench.comparison.errors import InputError
@@ -33,7 +33,7 @@ class DeckChoices:
     stiffness: float = 1e-9 * DeckOptions.stiffness
 
 
-def run_deck(scene: Scene, choices: DeckChoices, out: Path | None, show: Callable[..., None] = print) -> int:
+def run_deck(scene: Scene, choices: DeckChoices, out: Path | None) -> Answer:
     """Write a scene's deck; out: the file, replaced if it exists; None: ``<scene>.inp``.
 
     Raises InputError for a bad choice, a scene too large or not representable, and a file that cannot be written.
@@ -56,8 +56,8 @@ def run_deck(scene: Scene, choices: DeckChoices, out: Path | None, show: Callabl
     made = build_deck(scene, DeckOptions(choices.b_over_h, choices.growth, 1e9 * choices.stiffness))
     replace_file(out, write(made.deck, choices.unit))
     deck = made.deck
-    show(
+    line = (
         f"wrote {out}: {deck.node_count} nodes, {sum(len(b.cells) for b in deck.bodies)} 10-node tetrahedra, "
         f"{len(deck.contacts)} contacts; units {UNITS[choices.unit].words}; run it with: ccx -i {out.with_suffix('')}"
     )
-    return 0
+    return Answer(parts=[line])

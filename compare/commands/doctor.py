@@ -6,13 +6,14 @@ import os
 import platform
 import re
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from importlib import metadata
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from rollbench.comparison import __version__
+from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.system import available_GB, cores, gmsh_fault, gmsh_remedy
 from rollbench.comparison.writing import need_writable
 from rollbench.meshes.libraries import EXTRAS, ONLY_FOR, PICTURES, fault, install, version
@@ -52,17 +53,15 @@ class Check:
         return f"{self.state:8}  " + "; ".join(part for part in parts if part)
 
 
-def run_doctor(store: Path, show: Callable[..., None], print_json: Callable[[Any], None] | None) -> int:
-    """Look at the machine and print it; 1 where something is missing that is not optional."""
+def run_doctor(store: Path) -> Answer:
+    """Look at the machine; exit code 1 where something is missing that is not optional."""
     checks = [*_python(), *_packages(), *_extras(), *_graphics(), *_programs(), *_folders(store), *_size(), *_shipped()]
     lacking = [check for check in checks if check.state == "missing"]
-    if print_json is not None:
-        rows = [asdict(check) for check in checks]
-        print_json({"rollbench": __version__, "complete": not lacking, "checks": rows, "licences": LICENCES})
-    else:
-        end = f"{len(lacking)} missing" if lacking else "nothing is missing"
-        show(f"rollbench {__version__}", *(check.line() for check in checks), end, LICENCES)
-    return 1 if lacking else 0
+    rows = [asdict(check) for check in checks]
+    data = {"rollbench": __version__, "complete": not lacking, "checks": rows, "licences": LICENCES}
+    end = f"{len(lacking)} missing" if lacking else "nothing is missing"
+    parts = [f"rollbench {__version__}", *(check.line() for check in checks), end, LICENCES]
+    return Answer(data, parts, 1 if lacking else 0)
 
 
 def _python() -> Iterator[Check]:

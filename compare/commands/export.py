@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.reference.tasks import needed_sides, settings_of
 from rollbench.comparison.system import need_gmsh, need_packages
@@ -18,10 +18,8 @@ from rollbench.meshes.bridge import FORMATS, MeshData, form_of, from_skfem, need
 from rollbench.meshes.parts import SIDES, Scene
 
 if TYPE_CHECKING:
-    from rollbench.hifi.part_meshes import Meshes
-    from rollbench.hifi.patch import PatchMesh
-
-Show = Callable[..., None]
+    from rollbench.hifi.bodies.patch import PatchMesh
+    from rollbench.hifi.meshing.part_meshes import Meshes
 
 #: The source's body of influence for Hertz contact (a quarter of the block), without any scene's geometry.
 BLOCK = "block-source"
@@ -40,16 +38,8 @@ def parts_of(scene: Scene) -> tuple[str, ...]:
 
 
 def run_export(
-    scene: Scene,
-    part: str,
-    form: str,
-    out: Path | None,
-    level: int,
-    *,
-    cache: Path | None = None,
-    show: Show = print,
-    ball: int | None = None,
-) -> int:
+    scene: Scene, part: str, form: str, out: Path | None, level: int, *, cache: Path | None = None, ball: int | None = None
+) -> Answer:
     """Write the mesh of a part, the parts of its surface as named groups (flanks, lands and ends; sockets; contact zones);
     lengths in m.
 
@@ -83,8 +73,9 @@ def run_export(
     if ball is not None and not (1 <= ball <= scene.ball_count and part != BLOCK and form != "inp"):
         allowed = f"1 to {scene.ball_count}, for parts of the scene, in vtu, msh or med"
         raise InputError("command line", "--ball", str(ball), allowed, "leave it out for the mesh alone")
+    said = []
     if ball is not None and part in BODIES:
-        show(f"fields are those of the {part} that is solved, with a socket at every contact: {part}{SOCKETS}")
+        said.append(f"fields are those of the {part} that is solved, with a socket at every contact: {part}{SOCKETS}")
         part += SOCKETS
     fields: dict[str, Array] = {}
     try:
@@ -106,10 +97,12 @@ def run_export(
         reason = error.strerror or str(error)
         raise InputError(str(out), "file", reason, "a folder that can be written to", "check the path") from None
     cells = ", ".join(f"{len(own)} {_LABELS[kind]}" for kind, own in data.cells.items())
-    show(f"wrote {out}: {len(data.points)} nodes, {cells}; lengths in m; groups: {', '.join(data.boundaries) or 'none'}")
+    said.append(
+        f"wrote {out}: {len(data.points)} nodes, {cells}; lengths in m; groups: {', '.join(data.boundaries) or 'none'}"
+    )
     if reduced(data, form):
-        show(f".{form} holds no 27-node hexahedra: their face and centre nodes were left out (20 nodes remain)")
-    return 0
+        said.append(f".{form} holds no 27-node hexahedra: their face and centre nodes were left out (20 nodes remain)")
+    return Answer(parts=said)
 
 
 _LABELS = {"P1": "4-node tetrahedra", "P2": "10-node tetrahedra", "Q1": "8-node hexahedra", "Q2": "27-node hexahedra"}
@@ -124,7 +117,7 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
         return _block()
     if part in BODIES:
         return _whole(scene, part, level)
-    from rollbench.hifi.part_meshes import body_kind, mesh_parts
+    from rollbench.hifi.meshing.part_meshes import body_kind, mesh_parts
     from rollbench.meshes.cache import Cache
     from rollbench.meshes.groove_map import GrooveMap
     from rollbench.meshes.helix import ball_layout
@@ -144,8 +137,8 @@ def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | 
     ball: from 0. Raises ValueError where the scene is not solved, or its screw is held or loaded beyond the low end.
     """
     from rollbench.hifi import fields
-    from rollbench.hifi.bodies import of_order
-    from rollbench.hifi.part_meshes import body_kind, mesh_parts
+    from rollbench.hifi.bodies.coarse import of_order
+    from rollbench.hifi.meshing.part_meshes import body_kind, mesh_parts
     from rollbench.hifi.reference import solve_reference
     from rollbench.hifi.setup import prepare
     from rollbench.meshes.cache import Cache
@@ -179,9 +172,9 @@ def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | 
 
 def _whole(scene: Scene, part: str, level: int) -> MeshData:
     """Whole screw (its 3D stretch), nut or ball, finest where contacts are expected, with all parts of its surface."""
-    from rollbench.hifi.bodies import of_order
-    from rollbench.hifi.fit import socket_size
-    from rollbench.hifi.part_meshes import body_kind, sockets_of
+    from rollbench.hifi.bodies.coarse import of_order
+    from rollbench.hifi.meshing.fit import socket_size
+    from rollbench.hifi.meshing.part_meshes import body_kind, sockets_of
     from rollbench.meshes.groove_map import GrooveMap
     from rollbench.meshes.grooved_body import BodySpec
     from rollbench.meshes.helix import ball_layout
@@ -208,7 +201,7 @@ def _whole(scene: Scene, part: str, level: int) -> MeshData:
 
 def _body(meshes: Meshes, part: str, kind: str) -> MeshData:
     """Screw, nut or ball of ``kind`` elements, with its sockets' inner faces and the flat ends."""
-    from rollbench.hifi.bodies import of_order
+    from rollbench.hifi.bodies.coarse import of_order
 
     mesh = {"ball": meshes.ball.mesh, "screw": meshes.screw.mesh, "nut": meshes.nut.mesh}[part]
     names = [name for name in mesh.boundaries if "socket" in name or " end" in name]
@@ -216,8 +209,8 @@ def _body(meshes: Meshes, part: str, kind: str) -> MeshData:
 
 
 def _patch_mesh(meshes: Meshes, m: Any, side: int, settings: Any, *, of_ball: bool) -> PatchMesh:
-    from rollbench.hifi.fit import ball_place
-    from rollbench.hifi.part_meshes import patch_mesh
+    from rollbench.hifi.meshing.fit import ball_place
+    from rollbench.hifi.meshing.part_meshes import patch_mesh
     from rollbench.meshes.sockets import local_points
 
     if of_ball:
@@ -233,7 +226,7 @@ def _patch(mesh: PatchMesh) -> MeshData:
 
 
 def _block() -> MeshData:
-    from rollbench.hifi.block import SOURCE_COARSE, SOURCE_FINE, SOURCE_RADIUS
+    from rollbench.hifi.contact.block import SOURCE_COARSE, SOURCE_FINE, SOURCE_RADIUS
     from rollbench.meshes.block import Influence, tetrahedra
 
     radius = SOURCE_RADIUS

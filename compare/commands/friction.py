@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
-from typing import Any
 
-from rollbench.comparison.commands.answer import Answer, as_table
+from rollbench.comparison.commands.answer import FrictionAnswer, as_table
 from rollbench.comparison.commands.friction_whole import COMPILING, Choices, coefficients, solve_scene
+from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.errors import InputError, one_line
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.watch import checked, watched
@@ -18,30 +17,18 @@ from rollbench.meshes.parts import Scene
 
 
 def run_friction(
-    name: str,
-    choices: Choices,
-    as_json: bool,
-    show: Callable[..., None],
-    print_json: Callable[[Any], None],
-    *,
-    balls: bool = False,
-    width: int = 100,
-    time_limit: float | None = None,
-    strict: bool = False,
-) -> int:
-    """Solve a shipped scene or a file of any kind and print it, texts wrapped at ``width``; balls: also the table of every
-    ball. 1 where it did not converge, the limit of time [s] ended it, or, if ``strict``, a line WARNING stands above the
-    answers. Raises InputError."""
+    name: str, choices: Choices, *, balls: bool = False, time_limit: float | None = None, strict: bool = False
+) -> Answer:
+    """Solve a shipped scene or a file of any kind; balls: also the table of every ball. Exit code 1 where it did not
+    converge, the limit of time [s] ended it, or, if ``strict``, a line WARNING stands above the answers.
+    Raises InputError."""
     with watched(f"{one_line(name)}, friction", checked(time_limit)):
-        answer = solve_friction(name, choices)
-    if as_json:
-        print_json(answer.data | {"warning": answer.warning or None})
-    else:
-        show(*as_table(answer, width, balls=balls))
-    return 1 if not answer.converged or (strict and answer.warning) else 0
+        found = solve_friction(name, choices)
+    code = 1 if not found.converged or (strict and found.warning) else 0
+    return Answer(found.data | {"warning": found.warning or None}, as_table(found, balls=balls), code, folded=True)
 
 
-def solve_friction(name: str, choices: Choices) -> Answer:
+def solve_friction(name: str, choices: Choices) -> FrictionAnswer:
     """Solve a shipped scene or a file of any kind. Raises InputError."""
     scene = catalogue.any_scene(name)
     if isinstance(scene, Scene):

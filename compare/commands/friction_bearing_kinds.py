@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.commands.answer import NOTHING, Answer, by_side, cell, energy, energy_line, head, load_row
+from rollbench.comparison.commands.answer import NOTHING, FrictionAnswer, by_side, cell, energy, energy_line, head, load_row
 from rollbench.comparison.commands.friction_screw_kinds import screw_warnings, sliding
 from rollbench.comparison.commands.solve_output import number
 from rollbench.comparison.scenes.kinds.bearing_ball import BearingBallScene
@@ -105,7 +105,7 @@ CONTACT_COLUMNS = (
 )
 
 
-def solve_ball(scene: KindScene) -> Answer:
+def solve_ball(scene: KindScene) -> FrictionAnswer:
     """Loads, motion, losses and torque of one ball."""
     assert isinstance(scene, BearingBallScene)
     b = scene.bearing
@@ -137,7 +137,7 @@ def solve_ball(scene: KindScene) -> Answer:
         },
         "warnings": size_warnings(at.a[held], b.ball_radius),
     }
-    return Answer(data, [("per contact", CONTACT_COLUMNS, contact_rows(ball))], ball_lines(data), converged)
+    return FrictionAnswer(data, [("per contact", CONTACT_COLUMNS, contact_rows(ball))], ball_lines(data), converged)
 
 
 def ball_lines(data: dict[str, Any]) -> list[str]:
@@ -198,7 +198,7 @@ def loose(scene: BearingPairScene) -> list[str]:
     return out
 
 
-def solve_bearings(scene: KindScene) -> Answer:
+def solve_bearings(scene: KindScene) -> FrictionAnswer:
     """Friction torque of both bearings over the angle of the load; the energy is the mean over all states."""
     assert isinstance(scene, BearingPairScene)
     case, angle = scene.four_point, [number(a) for a in np.degrees(scene.angle)]
@@ -214,11 +214,11 @@ def solve_bearings(scene: KindScene) -> Answer:
     if mechanisms:
         more = f" (and {len(mechanisms) - 1} more)" if len(mechanisms) > 1 else ""
         status = f"no equilibrium: {mechanisms[0]}{more}"
-        return Answer(head(scene, status, False) | common | {"warnings": []}, [], [], False)
+        return FrictionAnswer(head(scene, status, False) | common | {"warnings": []}, [], [], False)
     return _bearing_answer(scene, common)
 
 
-def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> Answer:
+def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> FrictionAnswer:
     cases = scene.four_point, scene.double_row
     both = [bearing_states(case, scene.angle) for case in cases]
     four, double = (bearing_data(case, states) for case, states in zip(cases, both, strict=True))
@@ -253,7 +253,7 @@ def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> Answer:
         strict=True,
     )
     rows = [dict(zip((name for name, _, _ in BEARING_COLUMNS), row, strict=True)) for row in columns]
-    return Answer(data, [("over the load's angle", BEARING_COLUMNS, rows)], bearing_lines(data), all(good))
+    return FrictionAnswer(data, [("over the load's angle", BEARING_COLUMNS, rows)], bearing_lines(data), all(good))
 
 
 def bearing_lines(data: dict[str, Any]) -> list[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rollbench.comparison.commands.answer import Answer
+from rollbench.comparison.commands.answer import FrictionAnswer
 from rollbench.comparison.commands.friction_bearing_kinds import solve_ball, solve_bearings
 from rollbench.comparison.commands.friction_linear_kinds import solve_linear
 from rollbench.comparison.commands.friction_screw_kinds import solve_run, solve_screw_pair
@@ -18,6 +18,6 @@ SOLVERS = {
 }
 
 
-def solve_kind(scene: KindScene) -> Answer:
+def solve_kind(scene: KindScene) -> FrictionAnswer:
     """Solve a scene of a kind that only friction solves."""
     return SOLVERS[scene.kind](scene)

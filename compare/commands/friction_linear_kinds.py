@@ -8,8 +8,8 @@ import numpy as np
 
 from rollbench.comparison.commands.answer import (
     NOTHING,
-    Answer,
     Column,
+    FrictionAnswer,
     energy,
     energy_line,
     flat_ball,
@@ -86,7 +86,7 @@ def pair_rows(scene: LinearScene, near: ChainResult) -> list[dict[str, Any]]:
     ]
 
 
-def solve_linear(scene: KindScene) -> Answer:
+def solve_linear(scene: KindScene) -> FrictionAnswer:
     """Motion and forces of two or more balls, apart and in reach of each other."""
     assert isinstance(scene, LinearScene)
     angles, force, left = linear_loads(scene)
@@ -127,7 +127,7 @@ def solve_linear(scene: KindScene) -> Answer:
         ("per ball", BALL_COLUMNS, [flat_ball(CONTACTS, row) for row in balls]),
         ("between balls", PAIR_COLUMNS, pairs),
     ]
-    return Answer(data, [t for t in tables if t[2]], linear_lines(data), converged)
+    return FrictionAnswer(data, [t for t in tables if t[2]], linear_lines(data), converged)
 
 
 def second_json(near: ChainResult, second: ChainResult) -> dict[str, Any]:

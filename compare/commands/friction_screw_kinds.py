@@ -9,8 +9,8 @@ import numpy as np
 
 from rollbench.comparison.commands.answer import (
     NOTHING,
-    Answer,
     Column,
+    FrictionAnswer,
     cell,
     energy,
     energy_line,
@@ -81,7 +81,7 @@ def pair_status(r: PairResult) -> str:
     return "no balance of the loads or of friction found"
 
 
-def solve_screw_pair(scene: KindScene) -> Answer:
+def solve_screw_pair(scene: KindScene) -> FrictionAnswer:
     """Forces, losses and what contact adds to friction for two balls of a ball screw."""
     assert isinstance(scene, ScrewPairScene)
     pair = scene.pair
@@ -114,7 +114,7 @@ def solve_screw_pair(scene: KindScene) -> Answer:
         "solver": solver,
         "warnings": screw_warnings(pair.groove, r.touching.load.force),
     }
-    return Answer(
+    return FrictionAnswer(
         data, [("per ball", PAIR_COLUMNS, [flat_ball(SIDES, row) for row in rows])], pair_lines(data), r.converged
     )
 
@@ -208,7 +208,7 @@ def step_warnings(error: StepError | None) -> list[str]:
     return [f"the error of the steps is some {100.0 * error.torque:.2g} % of the mean torque: take more steps"]
 
 
-def solve_run(scene: KindScene) -> Answer:
+def solve_run(scene: KindScene) -> FrictionAnswer:
     """Contacts, torques and energy of a whole screw in time."""
     assert isinstance(scene, ScrewRunScene)
     run = scene.run
@@ -246,7 +246,7 @@ def solve_run(scene: KindScene) -> Answer:
         f"law coulomb, Hertz constants {data['hertz']}, coupling of friction to loads: {run.coupling}",
     ]
     shown = [{"quantity": label, "value": cell(summary[name], form)} for name, label, form in RUN_LINES]
-    return Answer(data, [("summary", RUN_COLUMNS, shown)], lines, failed == 0)
+    return FrictionAnswer(data, [("summary", RUN_COLUMNS, shown)], lines, failed == 0)
 
 
 RUN_COLUMNS = (("quantity", "quantity", "s"), ("value", "value", "s"))

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.comparison.commands.answer import Answer
+from rollbench.comparison.commands.answer import FrictionAnswer
 from rollbench.comparison.commands.friction_band import Solved, band, band_lines, feedback_warnings, play, play_warning
 from rollbench.comparison.commands.friction_output import (
     BALL_COLUMNS,
@@ -87,7 +87,7 @@ def coefficients(scene: Scene, mu: Sequence[float]) -> list[Friction]:
     return [scene.friction]
 
 
-def solve_scene(scene: Scene, choices: Choices) -> Answer:
+def solve_scene(scene: Scene, choices: Choices) -> FrictionAnswer:
     """Loads by the chosen model, then friction for every coefficient; the balls are shown for the first one.
 
     Raises InputError for a scene that the model cannot describe, or without coefficient of friction.
@@ -106,7 +106,7 @@ def solve_scene(scene: Scene, choices: Choices) -> Answer:
     if not result.converged:
         status = f"contact loads: {result.status}"
         data = head | {"status": status, "converged": False, "assumed": list(scene.assumed), "left_out": [], "warnings": []}
-        return Answer(data, [], [], False)
+        return FrictionAnswer(data, [], [], False)
     motion = scene.motion or Motion(ONE_TURN)
     try:
         states = [friction_state(scene, result, pair, motion, choices.member) for pair in pairs]
@@ -120,14 +120,14 @@ def solve_scene(scene: Scene, choices: Choices) -> Answer:
     return _with_run(answer, solve_run(scene, pairs[0], motion, model, choices.member))
 
 
-def _with_run(answer: Answer, run: Run) -> Answer:
+def _with_run(answer: FrictionAnswer, run: Run) -> FrictionAnswer:
     """The answer for the scene's instant with the run in time after it."""
     data = answer.data | {"run": run_data(run), "warnings": [*answer.data["warnings"], *run.warnings]}
     good = answer.converged and run.converged
     if answer.converged and not good:
         data |= {"status": f"run in time: {run.status}"}
     tables = [*answer.tables, *run_table(run)]
-    return Answer(data | {"converged": good}, tables, [*answer.lines, *run_lines(run)], good, answer.ball_tables)
+    return FrictionAnswer(data | {"converged": good}, tables, [*answer.lines, *run_lines(run)], good, answer.ball_tables)
 
 
 def loaded(scene: Scene) -> bool:
@@ -202,7 +202,7 @@ def _assumed(scene: Scene, result: StaticResult) -> list[str]:
 States = tuple[list[Friction], list[FrictionState], list[Drag]]
 
 
-def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved: States, besides: Solved) -> Answer:
+def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved: States, besides: Solved) -> FrictionAnswer:
     """Values for JSON and tables for the terminal."""
     (friction, *_), (state, *_), (drag, *_) = solved
     motion = scene.motion or Motion(ONE_TURN)
@@ -279,4 +279,4 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
     lines = [*lines_of(motion, state, (drag.torque, drag.reason or drag.note)), *(band_lines(wide) if state.loaded else ())]
     if e.friction and slip <= WIDE:
         lines.append("contacts are not flat: " + slip_words(slip))
-    return Answer(data, tables, lines, good, every)
+    return FrictionAnswer(data, tables, lines, good, every)

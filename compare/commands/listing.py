@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
+from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.models.axis import AXIS_MODELS
 from rollbench.comparison.models.registry import MODELS
 from rollbench.comparison.printed import printed_data
@@ -16,8 +17,16 @@ from rollbench.comparison.scenes.scene_file import kind_of
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from rollbench.comparison.evidence.registry import Trace
 
-def shipped_json() -> dict[str, dict[str, Any]]:
+
+def shipped() -> Answer:
+    """Scenes, models and printed tables."""
+    data = _shipped_json()
+    return Answer(data, _lines(data))
+
+
+def _shipped_json() -> dict[str, dict[str, Any]]:
     """Scenes by kind and models with their titles, printed tables with their number of rows."""
     shipped = {name: catalogue.shipped(name) for name in catalogue.scene_names()}
     return {
@@ -28,10 +37,10 @@ def shipped_json() -> dict[str, dict[str, Any]]:
     }
 
 
-def shipped_lines() -> Iterator[str]:
+def _lines(data: Mapping[str, Any]) -> Iterator[str]:
     """The same for the terminal."""
-    shipped = shipped_json()
-    groups = {f"scenes, {kind}": titles for kind, titles in shipped.pop("scenes").items()} | shipped
+    groups = {f"scenes, {kind}": titles for kind, titles in data["scenes"].items()}
+    groups |= {group: entries for group, entries in data.items() if group != "scenes"}
     width = max(len(name) for group in groups.values() for name in group)
     for group, entries in groups.items():
         yield group.replace("_", " ")
@@ -39,24 +48,22 @@ def shipped_lines() -> Iterator[str]:
             yield f"  {name:{width}}  {f'{text} rows' if group == 'printed_tables' else text}"
 
 
-def trace_json(table: str = "") -> list[dict[str, Any]]:
+def traced(table: str = "") -> Answer:
     """Every printed entry of one table, or of all: table, key, as printed, class, scenes or why none, computation
     (``module:function``), test. Raises InputError for an unknown table."""
     from rollbench.comparison.evidence.registry import traces
 
-    return [asdict(trace) for trace in traces(table)]
+    found = list(traces(table))
+    return Answer([asdict(trace) for trace in found], _trace_tables(found))
 
 
-def trace_table(table: str = "") -> Table:
-    """The same for the terminal."""
+def _trace_tables(traces: Sequence[Trace]) -> Iterator[Table]:
     from rich.table import Table
-
-    from rollbench.comparison.evidence.registry import traces
 
     out = Table(title="every printed number: scenes, computation, test", title_justify="left")
     for heading in ("table", "key", "printed", "class", "scenes, or why none", "computed by", "test"):
         out.add_column(heading, overflow="ellipsis" if heading == "printed" else "fold")
-    for t in traces(table):
+    for t in traces:
         test = t.test.removeprefix("tests/literature/")
         out.add_row(t.table, t.key, t.printed, t.cls, ", ".join(t.scenes) or t.no_scene, t.computation, test or "–")
-    return out
+    yield out

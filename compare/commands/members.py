@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.commands.solve_output import number
 from rollbench.comparison.commands.study import on_terminal
 from rollbench.comparison.errors import InputError
@@ -29,20 +30,10 @@ Row = Callable[[int, str, Array], None]
 
 
 def run(
-    name: str,
-    model: str,
-    count: int,
-    *,
-    csv_out: Path | None,
-    seed: int | None,
-    engine: Engine,
-    json_out: bool,
-    show: Callable[..., None],
-    print_json: Callable[[Any], None],
-    balls: bool = False,
-) -> int:
-    """Solve, write one CSV row a member as they come, print (balls: the bands of every ball too); 1 where none converged.
-    Raises InputError."""
+    name: str, model: str, count: int, *, csv_out: Path | None, seed: int | None, engine: Engine, balls: bool = False
+) -> Answer:
+    """Solve, write one CSV row a member as they come (balls: show the bands of every ball too); exit code 1 where none
+    converged. Raises InputError."""
     described = catalogue.any_scene(name)
     if seed is not None and not 0 <= seed < 2**62:
         raise InputError("command line", "--seed", str(seed), f"0 to {2**62 - 1}", "leave it out for the scene's")
@@ -57,11 +48,8 @@ def run(
             scene = replace(scene, errors=replace(scene.errors, seed=seed))
         with _rows(csv_out, [*KEPT]) as row:
             found = run_members(scene, model or DEFAULT, count, engine, on_terminal, row)
-    if json_out:
-        print_json(as_json(found))
-    else:
-        show(*as_table(found, balls=balls), *([f"{csv_out}: one row a member"] if csv_out else []))
-    return 0 if len(found.failed) < count else 1
+    shown = [*as_table(found, balls=balls), *([f"{csv_out}: one row a member"] if csv_out else [])]
+    return Answer(as_json(found), shown, 0 if len(found.failed) < count else 1)
 
 
 @contextmanager

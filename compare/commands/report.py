@@ -12,6 +12,7 @@ from time import perf_counter
 
 from rollbench.comparison import __version__
 from rollbench.comparison.commands import report_moved
+from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.commands.report_first import kept_parts, lacking, live_check
 from rollbench.comparison.commands.report_halves import build, split
 from rollbench.comparison.commands.report_parts import PARTS, SECTIONS, Part
@@ -151,8 +152,8 @@ def make_report(
     fresh: bool = False,
     everything: bool = False,
     against: Path | None = None,
-) -> int:
-    """Run, draw and write the report; returns the exit code: 1 where the live check does not agree.
+) -> Answer:
+    """Run, draw and write the report; exit code 1 where the live check does not agree.
 
     quick: coarsest meshes of the 3D reference only; stored: the runs that come with the package; store: folder in which
     computed runs are kept, so that an interrupted report goes on; fresh: compute them even if it holds them; everything:
@@ -216,12 +217,11 @@ def make_report(
         page = write(report, out, partial(progress.step))
     except (ValueError, OSError) as error:
         raise _bad_folder(out, error) from None
-    for line in (*([] if checked is None else [checked.line()]), *(gap.line() for gap in missed)):
-        print(line, flush=True)
+    parts = [*([] if checked is None else [checked.line()]), *(gap.line() for gap in missed)]
     if before is not None:
-        print("\n".join(report_moved.moved(before, report_moved.tables(page.parent))) or "nothing moved", flush=True)
-    print(f"report: {page} ({perf_counter() - start:.0f} s)", flush=True)
-    return 0 if checked is None or checked.agrees else 1
+        parts += [*report_moved.moved(before, report_moved.tables(page.parent))] or ["nothing moved"]
+    parts.append(f"report: {page} ({perf_counter() - start:.0f} s)")
+    return Answer(parts=parts, code=0 if checked is None or checked.agrees else 1)
 
 
 def _bad_folder(out: Path, error: Exception) -> InputError:

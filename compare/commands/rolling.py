@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.commands.study import on_terminal
 from rollbench.comparison.commands.wrapping import aligned
 from rollbench.comparison.errors import InputError, Refusal
@@ -17,8 +18,6 @@ from rollbench.comparison.rolling.rows import UNSTATED, RollingRow, load_state, 
 from rollbench.comparison.rolling.runs import LEVELS, SOURCE_LEVEL, SOURCE_SIZE, RollingRun, compute, load, save
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.scenes.kinds.common import KindScene
-
-Show = Callable[..., None]
 
 
 def runs_of(
@@ -58,12 +57,9 @@ def run_rolling_compare(
     store: Path,
     engine: Engine,
     *,
-    json_out: bool,
-    show: Show,
-    print_json: Callable[[Any], None],
     fresh: bool,
     bodies: str = HALF_SPACE,
-) -> int:
+) -> Answer:
     """Low-order models beside the 3D model of rolling; all its levels unless given."""
     wanted = known_levels(levels or tuple(LEVELS))
     out: list[RollingRow] = []
@@ -73,12 +69,9 @@ def run_rolling_compare(
         found = runs_of(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
         beside = None if bodies == HALF_SPACE else runs_of(scene, wanted[-1:], store, Engine(), fresh=False)[0]
         out += rows(scene, found, beside)
-    if json_out:
-        print_json({"rows": [finite(row.as_json()) for row in out]})
-        return 0
-    for name in dict.fromkeys(row.scene for row in out):
-        show(_table(name, [row for row in out if row.scene == name]))
-    return 0
+    shown = dict.fromkeys(row.scene for row in out)
+    tables = (_table(name, [row for row in out if row.scene == name]) for name in shown)
+    return Answer({"rows": [finite(row.as_json()) for row in out]}, tables)
 
 
 def finite(row: dict[str, Any]) -> dict[str, Any]:
@@ -128,18 +121,8 @@ def _table(name: str, own: Sequence[RollingRow]) -> Any:
 
 
 def run_rolling_study(
-    names: Sequence[str],
-    levels: int,
-    store: Path,
-    engine: Engine,
-    *,
-    source: bool,
-    json_out: bool,
-    show: Show,
-    print_json: Callable[[Any], None],
-    fresh: bool,
-    bodies: str = HALF_SPACE,
-) -> int:
+    names: Sequence[str], levels: int, store: Path, engine: Engine, *, source: bool, fresh: bool, bodies: str = HALF_SPACE
+) -> Answer:
     """Every quantity on every grid, as it is and on top of the rigid limit, and its uncertainty from them all."""
     if not 1 <= levels <= len(LEVELS):
         raise InputError("command line", "--levels", str(levels), f"1 to {len(LEVELS)}", "three levels give a scatter")
@@ -153,13 +136,13 @@ def run_rolling_study(
         for key in runs[-1].values:
             share = finite({"uncertainty": uncertainty(grids, key)})
             out += [study_row(scene.name, run, key) | share for run in runs]
-    if json_out:
-        print_json(out)
-        return 0
+    return Answer(out, _study_parts(out))
+
+
+def _study_parts(out: Sequence[dict[str, Any]]) -> Iterator[Any]:
     for name in dict.fromkeys(row["scene"] for row in out):
-        own = [{k: v for k, v in row.items() if k != "scene"} for row in out if row["scene"] == name]
-        show(f"mesh study of {name}", "", aligned(own, ".6g"))
-    return 0
+        rows_of = [{k: v for k, v in row.items() if k != "scene"} for row in out if row["scene"] == name]
+        yield from (f"mesh study of {name}", "", aligned(rows_of, ".6g"))
 
 
 def study_row(name: str, run: RollingRun, key: str) -> dict[str, Any]:

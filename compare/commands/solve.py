@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 from rollbench.comparison.commands.load_curve import write_curve
 from rollbench.comparison.commands.matrix_files import check_matrix, write_matrix
+from rollbench.comparison.commands.printing import Answer, text_width
 from rollbench.comparison.commands.solve_choices import Choices
 from rollbench.comparison.commands.solve_output import as_json as to_json
 from rollbench.comparison.commands.solve_output import as_table, number, stiffness_lines
 from rollbench.comparison.commands.summary import answers_json, block
-from rollbench.comparison.commands.wrapping import wrapped
 from rollbench.comparison.errors import InputError, named, one_line
 from rollbench.comparison.gate.loads_file import loads_csv, write_loads
 from rollbench.comparison.models.answers import Answers, gather, tangent_of
@@ -29,14 +28,12 @@ from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import FREEDOMS, Scene
 
 
-def run_solve(
-    name: str, choices: Choices, width: int, show: Callable[..., None], print_json: Callable[[Any], None] | None
-) -> int:
-    """Solve and print, as JSON where ``print_json`` is given; 1 where it did not converge. Raises InputError."""
+def run_solve(name: str, choices: Choices) -> Answer:
+    """Solve one scene; exit code 1 where it did not converge. Raises InputError."""
     model, station = _checked(choices)
     described = catalogue.any_scene(name)
     if isinstance(described, Assembly):
-        return _run_axis(described, name, (choices, station, width), show, print_json)
+        return _run_axis(described, name, choices, station)
     scene = whole(described, name)
     if choices.stiffness_at and not 0.0 <= station <= scene.screw.length:
         allowed = f"0 mm to {1e3 * scene.screw.length:g} mm"
@@ -56,29 +53,20 @@ def run_solve(
     answers = None if found is None else answers_json(scene, result, found)
     if answers is not None and tangent is not None:
         answers["stiffness"] = stiffness_json(tangent)
-    if print_json is not None:
-        print_json(to_json(scene, result, worth, answers))
-    else:
-        speed = None if scene.motion is None else scene.motion.speed
-        text = "" if found is None else block(scene, result, found, worth, width, speed)
-        parts = as_table(scene, result, worth, block=text, balls=choices.balls)
-        parts += [*([] if tangent is None else stiffness_lines(tangent)), *written]
-        show(*(wrapped(part, width) if isinstance(part, str) else part for part in parts))
-    return 1 if not result.converged or (choices.strict and above(result.warnings)) else 0
+    speed = None if scene.motion is None else scene.motion.speed
+    text = "" if found is None else block(scene, result, found, worth, text_width(), speed)
+    parts = as_table(scene, result, worth, block=text, balls=choices.balls)
+    parts += [*([] if tangent is None else stiffness_lines(tangent)), *written]
+    code = 1 if not result.converged or (choices.strict and above(result.warnings)) else 0
+    return Answer(to_json(scene, result, worth, answers), parts, code, folded=True)
 
 
-def _run_axis(
-    axis: Assembly,
-    name: str,
-    asked: tuple[Choices, float, int],
-    show: Callable[..., None],
-    print_json: Callable[[Any], None] | None,
-) -> int:
-    """Solve and print several sets on one shaft."""
-    from rollbench.comparison.commands.axis_solve import solve_shown
+def _run_axis(axis: Assembly, name: str, choices: Choices, station: float) -> Answer:
+    """Solve several sets on one shaft."""
+    from rollbench.comparison.commands.axis_solve import solve_axis
 
-    with watched(axis.name, checked(asked[0].time_limit)), named(axis.name, name):
-        return solve_shown(axis, *asked, show, print_json)
+    with watched(axis.name, checked(choices.time_limit)), named(axis.name, name):
+        return solve_axis(axis, choices, station)
 
 
 def _checked(choices: Choices) -> tuple[str, float]:

@@ -4,20 +4,24 @@ from __future__ import annotations
 
 import io
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import redirect_stdout
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.extremes.rows import tally, wide_rows
-from rollbench.comparison.extremes.static import FORMULATIONS, failures, table
+from rollbench.comparison.extremes.static import FORMULATIONS, Attempt, failures, table
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
 
 
-def run_stability(*, as_json: bool, show: Callable[..., None], print_json: Callable[[Any], None]) -> int:
-    """Run the table; print it; 1 where our solver fails on any case, else 0."""
+def run_stability(*, as_json: bool) -> Answer:
+    """Run the table; as_json: progress on a terminal only. Exit code 1 where our solver fails on any case, else 0."""
 
     def progress(done: int, total: int, case: str) -> None:
         if sys.stderr.isatty() or not as_json:
@@ -28,9 +32,11 @@ def run_stability(*, as_json: bool, show: Callable[..., None], print_json: Calla
     if sys.stderr.isatty():
         sys.stderr.write("\r\033[K")
     bad = failures(rows)
-    if as_json:
-        print_json({"failures": len(bad), "rows": [asdict(r) for r in rows]})
-        return 1 if bad else 0
+    data = {"failures": len(bad), "rows": [asdict(r) for r in rows]}
+    return Answer(data, _parts(rows, bad), 1 if bad else 0)
+
+
+def _parts(rows: Sequence[Attempt], bad: Sequence[Attempt]) -> Iterator[RenderableType]:
     from rich.table import Table as Terminal
 
     out = Terminal(title="stability: cases by formulations", title_justify="left")
@@ -41,12 +47,11 @@ def run_stability(*, as_json: bool, show: Callable[..., None], print_json: Calla
         out.add_row(
             str(line["case"]), *(str(line[f]) for f in FORMULATIONS), "–" if residual is None else f"{residual:.1e}"
         )
-    show(out)
+    yield out
     for name, (solved, tried, total) in tally(rows).items():
-        show(f"{name}: {solved} of {tried} tried ({total} cases)")
+        yield f"{name}: {solved} of {tried} tried ({total} cases)"
     for row in bad:
-        show(f"FAILED: {row.case}: {row.status}; expected: {row.expected}")
-    return 1 if bad else 0
+        yield f"FAILED: {row.case}: {row.status}; expected: {row.expected}"
 
 
 def captured(run: Callable[[list[str]], Any], tokens: list[str]) -> tuple[int, str]:
@@ -61,19 +66,9 @@ def captured(run: Callable[[list[str]], Any], tokens: list[str]) -> tuple[int, s
 
 
 def run_campaign(
-    count: int,
-    seed: int,
-    model: str,
-    files: int,
-    kills: int,
-    keep: Path | None,
-    run: Callable[[list[str]], Any],
-    *,
-    as_json: bool,
-    show: Callable[..., None],
-    print_json: Callable[[Any], None],
-) -> int:
-    """Run a campaign, print its counts and every bad outcome; 1 where there is any, else 0. With ``keep``, an interrupted
+    count: int, seed: int, model: str, files: int, kills: int, keep: Path | None, run: Callable[[list[str]], Any]
+) -> Answer:
+    """Run a campaign: its counts and every bad outcome; exit code 1 where there is any. With ``keep``, an interrupted
     one goes on from the lines beside that file. run: runs a command of these tokens and returns its exit code.
 
     Raises InputError for counts and seeds out of range, an unknown model, and a file that cannot be written.
@@ -107,25 +102,11 @@ def run_campaign(
         replace_file(keep, record.text(found, keep))
     if part is not None:
         part.path.unlink(missing_ok=True)
-    if as_json:
-        print_json(found)
-    else:
-        for line in record.lines(found):
-            show(line)
-    return 1 if found["bad"] else 0
+    return Answer(found, record.lines(found), 1 if found["bad"] else 0)
 
 
-def run_drawn(
-    count: int,
-    folder: Path,
-    workers: int,
-    keep: Path | None,
-    *,
-    as_json: bool,
-    show: Callable[..., None],
-    print_json: Callable[[Any], None],
-) -> int:
-    """Run the survey of drawn screws, print its errors and every scene without an answer; 1 where there is any, else 0.
+def run_drawn(count: int, folder: Path, workers: int, keep: Path | None) -> Answer:
+    """Run the survey of drawn screws: its errors and every scene without an answer; exit code 1 where there is any, else 0.
 
     Raises InputError for counts out of range, a folder that is no survey's, and a file that cannot be written.
     """
@@ -143,10 +124,8 @@ def run_drawn(
     bad = run.unanswered(records)
     if keep is not None:
         replace_file(keep, run.text(SEED, records))
-    if as_json:
-        print_json({"scenes": records, "without_answer": len(bad)})
-    else:
-        found = run.summary(records)
-        show(*([aligned(found)] if found else []), f"{len(records) - len(bad)} of {len(records)} scenes have an answer")
-        show(*(f"scene {r['number']}: {r['status']}" for r in bad))
-    return 1 if bad else 0
+    found = run.summary(records)
+    parts: list[Any] = [aligned(found)] if found else []
+    parts.append(f"{len(records) - len(bad)} of {len(records)} scenes have an answer")
+    parts += [f"scene {r['number']}: {r['status']}" for r in bad]
+    return Answer({"scenes": records, "without_answer": len(bad)}, parts, 1 if bad else 0)

@@ -5,12 +5,13 @@ from __future__ import annotations
 import csv
 import io
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from rollbench.comparison.commands.compare_output import (
     Beside,
+    Comparison,
     answers_json,
     answers_table,
     compared,
@@ -20,6 +21,7 @@ from rollbench.comparison.commands.compare_output import (
     write_files,
 )
 from rollbench.comparison.commands.compare_output import table as compared_table
+from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.commands.wrapping import aligned
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.models.comparison import compared_models, finest_bodies, rows, suited
@@ -35,7 +37,6 @@ from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.parts import Scene
 from rollbench.reports.cells import harmless
 
-Show = Callable[..., None]
 #: Exit code where a reference has loads that did not settle.
 NOT_SETTLED = 5
 
@@ -46,19 +47,9 @@ def on_terminal(text: str) -> None:
 
 
 def run_mesh_study(
-    names: Sequence[str],
-    levels: int,
-    store: Path,
-    engine: Engine,
-    *,
-    spread: bool,
-    source: bool,
-    json_out: bool,
-    show: Show,
-    print_json: Callable[[Any], None],
-    fresh: bool = False,
-) -> int:
-    """Compute what is missing (fresh: everything anew), print the table, write it as CSV and SVG into the store.
+    names: Sequence[str], levels: int, store: Path, engine: Engine, *, spread: bool, source: bool, fresh: bool = False
+) -> Answer:
+    """Compute what is missing (fresh: everything anew), answer with the table, write it as CSV and SVG into the store.
 
     Raises Refusal for a scene of which no run converged.
     """
@@ -75,16 +66,16 @@ def run_mesh_study(
         writer.writerows({k: harmless(v) if isinstance(v, str) else v for k, v in row.items()} for row in table)
         replace_file(store / f"{name}-mesh-study.csv", text.getvalue())
         _figure(name, table, whole, store)
-        if not json_out:
-            show(f"mesh study of {name}", "", aligned(level_rows(whole)), "", aligned(_extremes(table)), "")
-            show(
-                closing(whole),
-                *([whole.unsettled] if whole.unsettled else []),
-                f"every contact: {store / name}-mesh-study.csv and {no_figure() or '.svg'}",
-            )
-    if json_out:
-        print_json(tables)
-    return code_of(found.values())
+    return Answer(tables, _study_parts(found, tables, store), code_of(found.values()))
+
+
+def _study_parts(
+    found: Mapping[str, Reference], tables: Mapping[str, Sequence[dict[str, Any]]], store: Path
+) -> Iterator[Any]:
+    for name, whole in found.items():
+        yield from (f"mesh study of {name}", "", aligned(level_rows(whole)), "", aligned(_extremes(tables[name])), "")
+        yield from (closing(whole), *([whole.unsettled] if whole.unsettled else []))
+        yield f"every contact: {store / name}-mesh-study.csv and {no_figure() or '.svg'}"
 
 
 def compute_study(
@@ -174,12 +165,9 @@ def run_compare(
     store: Path,
     engine: Engine,
     *,
-    json_out: bool,
-    show: Show,
-    print_json: Callable[[Any], None],
     fresh: bool = False,
     balls: bool = False,
-) -> int:
+) -> Answer:
     """Verdict, answers, table and files of every scene, models beside the reference; what is not stored is computed first.
 
     JSON: verdict and answers of every scene, and rows of every quantity and model, the reference's coarser runs among
@@ -201,40 +189,38 @@ def run_compare(
             for scene in task.scenes if task.level == min(set(wanted) - {SOURCE_LEVEL}) else ():
                 run = load(scene, task.level, stores=(store,))
                 if run is not None:
-                    found = reference_of(scene.name, (run,), contacts=nominal_contacts(scene))
-                    whole = compared(scene, (own or suited(scene))[:1], found, stores)
-                    on_terminal(f"{scene.name}, by level {task.level} alone: {verdict(whole, found)}")
+                    one = reference_of(scene.name, (run,), contacts=nominal_contacts(scene))
+                    whole = compared(scene, (own or suited(scene))[:1], one, stores)
+                    on_terminal(f"{scene.name}, by level {task.level} alone: {verdict(whole, one)}")
 
         failed = ensure(tasks, store, engine, on_terminal, stores, fresh=fresh, stored=first)
-    told, out, kept = [], [], []
-    for name, scene in zip(names, scenes, strict=True):
-        found = reference(scene, stores)
-        if found is None:
-            raise unconverged(scene.name, failed)
-        kept.append(found)
-        whole = compared(scene, own or suited(scene), found, stores)
-        if json_out:
-            told.append(answers_json(whole, found))
-            out += [row.as_json() for b in whole.models for row in rows(scene, b.answer, found)]
-            continue
-        show(
-            f"{scene.name}: {verdict(whole, found)}",
-            "",
-            *(line for line in (whole.total.beside,) if line),
-            answers_table(whole),
-            *start_lines(whole),
-            "",
-        )
-        show(compared_table(whole.models, whole.itself), "")
-        if balls:
-            show(_contacts(scene, whole.models, found), "")
-        bodies = finest_bodies(scene, found, stores)
-        if bodies is not None:
-            show(f"preload, 6 x 6 stiffness, friction by the 3D bodies: rollbench solve {name} --condensed {bodies}")
-        show(write_files(scene, whole.models, found, store))
-    if json_out:
-        print_json({"scenes": told, "rows": out})
-    return code_of(kept)
+    found = [reference(scene, stores) for scene in scenes]
+
+    def each() -> Iterator[tuple[Reference, Comparison]]:
+        """References and what is compared with them, as they are asked for."""
+        for scene, one in zip(scenes, found, strict=True):
+            if one is None:
+                raise unconverged(scene.name, failed)
+            yield one, compared(scene, own or suited(scene), one, stores)
+
+    def parts() -> Iterator[Any]:
+        for name, scene, (one, whole) in zip(names, scenes, each(), strict=True):
+            yield from (f"{scene.name}: {verdict(whole, one)}", "", *filter(None, [whole.total.beside]))
+            yield from (answers_table(whole), *start_lines(whole), "", compared_table(whole.models, whole.itself), "")
+            if balls:
+                yield from (_contacts(scene, whole.models, one), "")
+            bodies = finest_bodies(scene, one, stores)
+            if bodies is not None:
+                yield f"preload, 6 x 6 stiffness, friction by the 3D bodies: rollbench solve {name} --condensed {bodies}"
+            yield write_files(scene, whole.models, one, store)
+
+    def data() -> dict[str, Any]:
+        pairs = list(each())
+        answers = [(scene, one, b.answer) for scene, (one, whole) in zip(scenes, pairs, strict=True) for b in whole.models]
+        listed = [row.as_json() for scene, one, answer in answers for row in rows(scene, answer, one)]
+        return {"scenes": [answers_json(whole, one) for one, whole in pairs], "rows": listed}
+
+    return Answer(data, parts(), code_of(one for one in found if one is not None))
 
 
 def _contacts(scene: Scene, models: Sequence[Beside], found: Reference) -> Any:

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.commands.study import on_terminal
 from rollbench.comparison.models.axis import default_model
 from rollbench.comparison.models.registry import DEFAULT
@@ -23,8 +24,6 @@ from rollbench.comparison.sweep.store import Record
 from rollbench.comparison.sweep.summary import MAIN, converged, summary
 from rollbench.comparison.writing import no_figure, replace_file, write_figure
 from rollbench.meshes.axis import Assembly
-
-Show = Callable[..., None]
 
 
 def sweep_of(scene: str, vary: Sequence[str], samples: int, method: Method, seed: int, model: str) -> Sweep:
@@ -41,17 +40,11 @@ def sweep_of(scene: str, vary: Sequence[str], samples: int, method: Method, seed
     return Sweep(text, origin, read_vary(vary), samples, method, seed, model)
 
 
-def run_sweep(
-    sweep: Sweep, out: Path, engine: Engine, *, json_out: bool, show: Show, print_json: Callable[[Any], None]
-) -> int:
-    """Solve what is missing, write the summary, print it; 1 where no sample converged. Raises InputError."""
+def run_sweep(sweep: Sweep, out: Path, engine: Engine) -> Answer:
+    """Solve what is missing and write the summary; exit code 1 where no sample converged. Raises InputError."""
     found = solve_sweep(sweep, out, engine, on_terminal)
-    if json_out:
-        print_json(found)
-    else:
-        drawn = no_figure() or "figures (SVG)"
-        show(*terminal(sweep.keys, found), f"{out}: written: samples.csv, summary.json and {drawn}")
-    return 0 if found["converged"] else 1
+    written = f"{out}: written: samples.csv, summary.json and {no_figure() or 'figures (SVG)'}"
+    return Answer(found, [*terminal(sweep.keys, found), written], 0 if found["converged"] else 1)
 
 
 def solve_sweep(sweep: Sweep, out: Path, engine: Engine, step: Callable[[str], None]) -> dict[str, Any]:

@@ -8,8 +8,9 @@ from typing import Any
 
 from rollbench.comparison.commands import report_moved
 from rollbench.comparison.commands.checked import Checked
+from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.commands.scene_page import make_page
-from rollbench.comparison.errors import InputError, escaped
+from rollbench.comparison.errors import InputError
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.provenance import SOURCES, sources_hash
 from rollbench.comparison.reference.store import shipped_store
@@ -54,31 +55,31 @@ def checked(html: str, blocks: dict[str, Any], stores: Sequence[Path]) -> Iterat
         yield Checked(name, state, str(stated), "" if state == "ok" else found)
 
 
-def run_verify(report: Path, store: Path) -> int:
-    """Print every hash's state; 0 where all hold, else 1. Raises InputError for a file that is no page with a manifest."""
+def run_verify(report: Path, store: Path) -> Answer:
+    """Every hash's state; exit code 1 where one does not hold. Raises InputError for a file that is no page with a
+    manifest."""
     stores = (store, shipped_store())
     whole = report_moved.is_whole(report)
     rows = list(report_moved.checked(report, stores) if whole else checked(*read(report), stores))
     shown = [row for row in rows if not whole or row.state != "ok"]  # a whole report has hundreds
-    print("".join(f"{row.line}\n" for row in shown), end="")
     wrong = sum(row.state != "ok" for row in rows)
-    print(f"{len(rows) - wrong} of {len(rows)} hashes hold: {'the same inputs and code' if not wrong else 'see above'}")
-    return 1 if wrong else 0
+    count = f"{len(rows) - wrong} of {len(rows)} hashes hold: {'the same inputs and code' if not wrong else 'see above'}"
+    return Answer(parts=[*(row.line for row in shown), count], code=1 if wrong else 0)
 
 
-def run_page(scene: str, out: Path, store: Path, against: Path | None) -> int:
+def run_page(scene: str, out: Path, store: Path, against: Path | None) -> Answer:
     """Write the page of a scene, and list what moved against an earlier one. Raises InputError as `make_page`, `read`."""
     before = None if against is None else read(against)[1]
     page = make_page(scene, out, store)
-    print(f"{escaped(page.verdict)}\npage: {escaped(str(out / 'index.html'))}", flush=True)
+    parts = [page.verdict, f"page: {out / 'index.html'}"]
     if before is not None:
         after = read(out)[1]
         lines = [
             *moved(_inputs(before["manifest"]), _inputs(after["manifest"])),
             *moved(_stable(before["results"]), _stable(after["results"])),
         ]
-        print("\n".join(lines) or "nothing moved")
-    return 0
+        parts += lines or ["nothing moved"]
+    return Answer(parts=parts)
 
 
 def _inputs(manifest: dict[str, Any]) -> dict[str, Any]:

@@ -18,10 +18,10 @@ from rollbench.comparison.crosscheck.calculix import run_calculix
 from rollbench.comparison.crosscheck.deck import DeckOptions, build_deck
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.writing import replace_file
-from rollbench.hifi.assembly import assemble
-from rollbench.hifi.forms import elasticity
-from rollbench.hifi.rigid import rigid_modes
-from rollbench.hifi.solvers import factor
+from rollbench.hifi.elements.assembly import assemble
+from rollbench.hifi.elements.forms import elasticity
+from rollbench.hifi.elements.rigid import rigid_modes
+from rollbench.hifi.linear_algebra.solvers import factor
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.deck import UNITS, Deck, DeckBody, RigidSection, write
 from rollbench.meshes.fem import mesh_of

@@ -20,7 +20,7 @@ from rollbench.meshes.memory import peak_MB
 from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
-    from rollbench.hifi.settings import Settings
+    from rollbench.hifi.meshing.settings import Settings
     from rollbench.hifi.setup import Setup
 
 Step = Callable[[str], None]
@@ -78,8 +78,8 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
 def enlarged(setup: Setup, scenes: Sequence[Scene], runs: Sequence[Run]) -> tuple[Settings | None, str]:
     """Settings with patches for the loads that were found, or None where that changes no patch; a text with both
     numbers."""
-    from rollbench.hifi.expected import hertz_units
-    from rollbench.hifi.fit import patch_lines, socket_size
+    from rollbench.hifi.meshing.expected import hertz_units
+    from rollbench.hifi.meshing.fit import patch_lines, socket_size
 
     def zone(settings: Settings) -> tuple[float, float]:
         """Half widths [m] of the contact zone."""

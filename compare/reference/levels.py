@@ -7,11 +7,12 @@ from typing import Any
 
 #: Ball radius [m] to which the levels' lengths belong; other scenes in proportion.
 BALL = 2.778e-3
-#: Settings (`hifi.fit.Settings`) by level, coarse to fine; lengths in m. b_over_h counts second-order cells, so there are
-#: twice as many nodes. From level to level cells at the contact are refined by 4/3; cells and sockets of the submodels that
-#: say what a contact answers by itself, coarse bodies and balls, which only carry loads from contact to contact, and those
-#: that say what the shaft's cut ends do by 1.15 to 1.2; the growth of patches' cells, modes and balls' modes with them. The
-#: plane mesh of the shaft's section is the same on all: within 0.04 % in bending (tests/unit/hifi/test_helical_section.py).
+#: Settings (`hifi.meshing.fit.Settings`) by level, coarse to fine; lengths in m. b_over_h counts second-order cells, so
+#: there are twice as many nodes. From level to level cells at the contact are refined by 4/3; cells and sockets of the
+#: submodels that say what a contact answers by itself, coarse bodies and balls, which only carry loads from contact to
+#: contact, and those that say what the shaft's cut ends do by 1.15 to 1.2; the growth of patches' cells, modes and balls'
+#: modes with them. The plane mesh of the shaft's section is the same on all: within 0.04 % in bending
+#: (tests/unit/hifi/test_helical_section.py).
 LEVELS: dict[int, dict[str, Any]] = {
     1: {
         "b_over_h": 1.8,

@@ -14,13 +14,13 @@ from rollbench.meshes.canonical import Fields, canonical
 from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
-    from rollbench.hifi.settings import Settings
+    from rollbench.hifi.meshing.settings import Settings
 
 
 def needed_sides(scene: Scene) -> tuple[int, ...]:
-    """Sides that may touch, by `hifi.expected`, and those opposite, which press a ball against them. Raises Refusal where
-    that finds no equilibrium."""
-    from rollbench.hifi.expected import expected_contacts
+    """Sides that may touch, by `hifi.meshing.expected`, and those opposite, which press a ball against them. Raises Refusal
+    where that finds no equilibrium."""
+    from rollbench.hifi.meshing.expected import expected_contacts
 
     try:
         return tuple(sorted({side for found in expected_contacts(scene).sides() for side in (found, 3 - found)}))
@@ -51,7 +51,7 @@ def settings_of(scenes: Sequence[Scene], level: int, variant: str = "") -> Setti
 
     Raises InputError for an unknown level, Refusal where no contacts can be expected.
     """
-    from rollbench.hifi.settings import Settings, expected_reach, expected_semi_axes
+    from rollbench.hifi.meshing.settings import Settings, expected_reach, expected_semi_axes
 
     if level not in (SOURCE_LEVEL, *LEVELS):
         raise InputError("command line", "--levels", str(level), f"1 to {len(LEVELS)}", "choose fewer levels")

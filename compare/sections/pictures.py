@@ -24,7 +24,7 @@ from rollbench.reports.records import FieldPicture, LoadedScrew, MeshPart, Press
 
 if TYPE_CHECKING:
     from rollbench.hifi.fields import ContactPressure, SolidField
-    from rollbench.hifi.part_meshes import Meshes
+    from rollbench.hifi.meshing.part_meshes import Meshes
     from rollbench.hifi.reference import ReferenceResult
     from rollbench.hifi.setup import Setup
 
@@ -64,7 +64,7 @@ class Stresses:
 def solve_pictured(study: Study, step: Step) -> Solved:
     """Solve the scene on the coarsest level, two-sided, and choose its most loaded ball."""
     from rollbench.hifi.fields import contact_forces
-    from rollbench.hifi.part_meshes import mesh_parts
+    from rollbench.hifi.meshing.part_meshes import mesh_parts
     from rollbench.hifi.reference import solve_reference
     from rollbench.hifi.setup import prepare
     from rollbench.meshes.cache import Cache
@@ -131,7 +131,7 @@ def used(points: Array, cells: Index, kind: str, colour: str) -> MeshPart:
 def mesh_overview(solved: Solved) -> FieldPicture:
     """Coarse screw and half of the nut, with all fine patches in their sockets."""
     from rollbench.hifi.fields import groove_patch
-    from rollbench.hifi.part_meshes import body_kind, rotation
+    from rollbench.hifi.meshing.part_meshes import body_kind, rotation
 
     setup, meshes = solved.setup, solved.meshes
     toward = np.array([0.55, -0.83, 0.0])

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study
-from rollbench.hifi.block import (
+from rollbench.hifi.contact.block import (
     ALONG,
     BALL,
     GROOVE,
@@ -18,7 +18,7 @@ from rollbench.hifi.block import (
     HertzRun,
     source_study,
 )
-from rollbench.hifi.block import study as solve_block
+from rollbench.hifi.contact.block import study as solve_block
 from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
 
 #: Cells across the short semi-axis, by element. Sized for 25 s on two cores: tetrahedra are not stretched like the

@@ -12,12 +12,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import scipy.sparse as sp
 
-from rollbench.hifi import assembly
-from rollbench.hifi.block import boussinesq
-from rollbench.hifi.bodies import isostatic, rigid_loads
-from rollbench.hifi.forms import elasticity
-from rollbench.hifi.pressures import contact_weights, mean_weights
-from rollbench.hifi.rigid import rigid_modes
+from rollbench.hifi.bodies.coarse import isostatic, rigid_loads
+from rollbench.hifi.contact.block import boussinesq
+from rollbench.hifi.elements import assembly
+from rollbench.hifi.elements.forms import elasticity
+from rollbench.hifi.elements.pressures import contact_weights, mean_weights
+from rollbench.hifi.elements.rigid import rigid_modes
 from rollbench.hifi.rolling.halves import compliance_by_halves
 from rollbench.hifi.rolling.regular import monomials
 from rollbench.meshes.arrays import Array
@@ -104,7 +104,8 @@ def held_answer(body: ContactBody, rows: sp.csr_matrix, young: float, poisson: f
 
 
 def half_space_answer(body: ContactBody, rows: sp.csr_matrix, young: float, poisson: float) -> Array:
-    """Answers ``(m, m)`` [m/N] of a block of a half space, the rest of it in the motion of its cut (`hifi.block`)."""
+    """Answers ``(m, m)`` [m/N] of a block of a half space, the rest of it in the motion of its cut
+    (`hifi.contact.block`)."""
     K = assembly.assemble(elasticity(young, poisson), body.mesh)
     cut = freedoms_on(body.mesh, "held")
     free = np.setdiff1d(np.arange(K.shape[0]), cut)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from rollbench.hifi.hertz import hertz
+from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.rolling.bodies import Place, Sizes, contact_kernel, make_kernels
 from rollbench.hifi.rolling.friction import PATH, Contact, Friction, solve_friction
 from rollbench.hifi.rolling.kinematics import MOTIONS, Touch, Track, axes_of, ball_contact, surface

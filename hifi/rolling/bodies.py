@@ -16,12 +16,12 @@ from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 
-from rollbench.hifi.hertz import hertz
+from rollbench.hifi.bodies.submodel import piece_compliance
+from rollbench.hifi.condensation.side_by_side import Part, make
+from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.rolling.answers import Frame, beside, free_answer, held_answer, tractions
 from rollbench.hifi.rolling.regular import Regular
 from rollbench.hifi.rolling.static_patches import Curve, cuts_of
-from rollbench.hifi.side_by_side import Part, make
-from rollbench.hifi.submodel import piece_compliance
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.cache import Cache
 from rollbench.meshes.contact_bodies import ContactBody, Groove, Zone, grooved_bar, whole_ball

@@ -9,7 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.spatial import KDTree
 
-from rollbench.hifi.response import compliance
+from rollbench.hifi.linear_algebra.response import compliance
 from rollbench.meshes.arrays import Array, Index
 
 #: Distance of mirror images over the body's size, and parts of loads and forces that are of the other kind, that are
@@ -18,8 +18,8 @@ ROUND_OFF = 1e-9
 
 
 def compliance_by_halves(K: sp.csc_matrix, rows: sp.csr_matrix, points: Array, free: Index) -> Array:
-    """`hifi.response.compliance` ``(m, m)`` of K ``(f, f)`` for ``rows`` ``(m, f)`` on the freedoms ``free`` ``(f,)`` of
-    ``points`` ``(n, 3)`` [m]; by halves where points, free ones, stiffness and loads allow it.
+    """`hifi.linear_algebra.response.compliance` ``(m, m)`` of K ``(f, f)`` for ``rows`` ``(m, f)`` on the freedoms ``free``
+    ``(f,)`` of ``points`` ``(n, 3)`` [m]; by halves where points, free ones, stiffness and loads allow it.
     """
     halves = mirror_halves(points, free)
     if halves and not _apart(K, *halves):

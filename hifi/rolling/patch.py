@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from rollbench.hifi.hertz import hertz
+from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.rolling.elements import Solids, influence
 from rollbench.hifi.rolling.normal import press
 from rollbench.hifi.rolling.regular import NORMAL, TANGENTS, Regular

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from rollbench.hifi.hertz import hertz
+from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.rolling.balls import Rolling, balance_of, kernel_of, start_of, touching
 from rollbench.hifi.rolling.bodies import Sizes
 from rollbench.hifi.rolling.friction import PATH, Contact, full_slip, solve_rigid

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
-from rollbench.hifi.hertz import hertz
+from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.rolling.balls import Ball, Rolling
 from rollbench.hifi.rolling.kinematics import Touch, Track
 from rollbench.hifi.rolling.neighbours import Meeting, meeting

@@ -1,8 +1,9 @@
 """Groove and ball of the static reference around one contact, for loads along tangents too: patches in pieces of bodies.
 
-The patch is `hifi.patch.build_patch` on the exact groove, or on the ball, in its socket of a piece of screw, ring, nut or
-ball as `hifi.sides` cuts it; patch and piece are solved as one (`hifi.submodel.piece_compliance`). Cells of the contact
-zone are those of the other bodies of rolling (`meshes.contact_bodies.Zone`).
+The patch is `hifi.bodies.patch.build_patch` on the exact groove, or on the ball, in its socket of a piece of screw, ring,
+nut or ball as `hifi.condensation.sides` cuts it; patch and piece are solved as one
+(`hifi.bodies.submodel.piece_compliance`). Cells of the contact zone are those of the other bodies of rolling
+(`meshes.contact_bodies.Zone`).
 """
 
 from __future__ import annotations
@@ -12,10 +13,10 @@ from functools import partial
 
 import numpy as np
 
-from rollbench.hifi.fit import ball_place
-from rollbench.hifi.patch import Lines, PatchMesh, build_patch, graded, growing
-from rollbench.hifi.sides import BEYOND
-from rollbench.hifi.submodel import Piece
+from rollbench.hifi.bodies.patch import Lines, PatchMesh, build_patch, graded, growing
+from rollbench.hifi.bodies.submodel import Piece
+from rollbench.hifi.condensation.sides import BEYOND
+from rollbench.hifi.meshing.fit import ball_place
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import build_ball
 from rollbench.meshes.contact_bodies import Zone

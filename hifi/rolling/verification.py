@@ -10,10 +10,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rollbench.hifi.block import read_ellipse
-from rollbench.hifi.grid_wave import approaches
-from rollbench.hifi.hertz import hertz
-from rollbench.hifi.pressures import mean_weights
+from rollbench.hifi.bodies.grid_wave import approaches
+from rollbench.hifi.bodies.submodel import fine_compliance
+from rollbench.hifi.contact.block import read_ellipse
+from rollbench.hifi.contact.hertz import hertz
+from rollbench.hifi.elements.pressures import mean_weights
 from rollbench.hifi.rolling.answers import half_space_answer, tractions
 from rollbench.hifi.rolling.balls import Rolling, RollingResult
 from rollbench.hifi.rolling.bodies import Place, Sizes, ball_kernel, contact_kernel, of_groove
@@ -25,7 +26,6 @@ from rollbench.hifi.rolling.patch import Patch, grid, hertz_patch, seen_radii
 from rollbench.hifi.rolling.regular import Regular
 from rollbench.hifi.rolling.rigid_limit import quadrature
 from rollbench.hifi.rolling.static_patches import Curve, cuts_of
-from rollbench.hifi.submodel import fine_compliance
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.contact_bodies import Zone, half_space
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from tests.hertz_studies import GROUP, study
 
-from rollbench.hifi.block import JOBS, SIZE, carried_areas, surface_compliance
+from rollbench.hifi.contact.block import JOBS, SIZE, carried_areas, surface_compliance
 from rollbench.meshes.block import Influence, graded, hexahedra, tetrahedra
 from rollbench.meshes.fem import nodes_on
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from rollbench.hifi.hertz import hertz
+from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.rolling.bodies import ball_kernel
 from rollbench.hifi.rolling.elements import Solids
 from rollbench.hifi.rolling.patch import Patch, grid, hertz_patch

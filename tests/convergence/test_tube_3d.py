@@ -9,9 +9,9 @@ from skfem import ElementVector
 from tests.fe_meshes import force
 from tests.helpers import relative
 
-from rollbench.hifi.assembly import assemble, faces
-from rollbench.hifi.forms import elasticity
-from rollbench.hifi.response import compliance
+from rollbench.hifi.elements.assembly import assemble, faces
+from rollbench.hifi.elements.forms import elasticity
+from rollbench.hifi.linear_algebra.response import compliance
 from rollbench.lowfi.compliance.tube import Points, Tube, contact_compliance, tube_compliance
 from rollbench.meshes.fem import cells_of, freedoms_on, mesh_of, tensor_grid
 from rollbench.meshes.parts import Material

@@ -14,8 +14,8 @@ from scipy.special import ellipe, ellipk
 from tests.hertz_studies import GROUP, study
 
 from rollbench.comparison.sections import verification
-from rollbench.hifi.block import JOBS, boussinesq
-from rollbench.hifi.hertz import hertz
+from rollbench.hifi.contact.block import JOBS, boussinesq
+from rollbench.hifi.contact.hertz import hertz
 from rollbench.reports.figures import draw
 from rollbench.reports.records import Figure, Table
 

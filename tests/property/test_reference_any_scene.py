@@ -15,11 +15,11 @@ from rollbench.comparison.reference.computing import compute
 from rollbench.comparison.reference.levels import BALL
 from rollbench.comparison.reference.tasks import Task, needed_sides, settings_of
 from rollbench.comparison.scenes import catalogue
-from rollbench.hifi import submodel
-from rollbench.hifi.fit import ball_place, patch_lines, socket_size
-from rollbench.hifi.part_meshes import mesh_parts, patch_mesh, patch_normals
+from rollbench.hifi.bodies import submodel
+from rollbench.hifi.meshing.fit import ball_place, patch_lines, socket_size
+from rollbench.hifi.meshing.part_meshes import mesh_parts, patch_mesh, patch_normals
+from rollbench.hifi.meshing.settings import Settings, expected_reach, expected_semi_axes
 from rollbench.hifi.reference import solve_reference
-from rollbench.hifi.settings import Settings, expected_reach, expected_semi_axes
 from rollbench.hifi.setup import prepare
 from rollbench.meshes.cache import Cache
 from rollbench.meshes.groove_map import GrooveMap
@@ -182,8 +182,8 @@ def test_what_does_not_fit_is_refused_before_anything_is_meshed(monkeypatch):
     def never(*_):
         raise AssertionError("meshed")
 
-    monkeypatch.setattr("rollbench.hifi.part_meshes.build_body", never)
-    monkeypatch.setattr("rollbench.hifi.part_meshes.build_ball", never)
+    monkeypatch.setattr("rollbench.hifi.meshing.part_meshes.build_body", never)
+    monkeypatch.setattr("rollbench.hifi.meshing.part_meshes.build_ball", never)
     with pytest.raises(Refusal) as refused:
         compute(Task((pressed(with_groove(CASE, 0.515), 4e9),), 1))
     words = str(refused.value)

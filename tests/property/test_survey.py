@@ -15,8 +15,8 @@ from rollbench.comparison.extremes.survey.record import described, surveyed
 from rollbench.comparison.reference.tasks import needed_sides, settings_of
 from rollbench.comparison.scenes import scene_file
 from rollbench.comparison.sweep import store
-from rollbench.hifi.expected import expected_contacts
-from rollbench.hifi.fit import socket_size
+from rollbench.hifi.meshing.expected import expected_contacts
+from rollbench.hifi.meshing.fit import socket_size
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.solid import dimensions
@@ -121,14 +121,13 @@ def test_the_command_prints_what_has_no_answer_and_keeps_the_record(
 ) -> None:
     records = [{"number": 0, "status": "converged"}, {"number": 1, "status": "not settled: 1 N"}]
     monkeypatch.setattr(run, "run_survey", lambda *_: records)
-    said: list[str] = []
     keep = tmp_path / "survey.json"
-    code = run_drawn(2, tmp_path, 1, keep, as_json=False, show=lambda *x: said.extend(map(str, x)), print_json=print)
-    assert code == 1
-    assert said[-2:] == ["1 of 2 scenes have an answer", "scene 1: not settled: 1 N"]
+    found = run_drawn(2, tmp_path, 1, keep)
+    assert found.code == 1
+    assert list(found.parts)[-2:] == ["1 of 2 scenes have an answer", "scene 1: not settled: 1 N"]
     assert json.loads(keep.read_text())["scenes"] == records
     with pytest.raises(InputError, match="--survey"):
-        run_drawn(201, tmp_path, 1, None, as_json=False, show=print, print_json=print)
+        run_drawn(201, tmp_path, 1, None)
 
 
 @pytest.mark.slow

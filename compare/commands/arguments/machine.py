@@ -6,7 +6,8 @@ import sys
 from pathlib import Path
 from typing import Literal
 
-from rollbench.comparison.commands.arguments.terminal import Flag, Json, app, print_json, show, writing
+from rollbench.comparison.commands.arguments.terminal import Flag, Json, app
+from rollbench.comparison.commands.printing import Answer, print_answer, writing
 
 
 @app.command
@@ -22,7 +23,7 @@ def doctor(*, store: Path = Path("rollbench-reference"), as_json: Json = False) 
     """
     from rollbench.comparison.commands.doctor import run_doctor
 
-    return run_doctor(store, show, print_json if as_json else None)
+    return print_answer(run_doctor(store), as_json)
 
 
 @app.command
@@ -40,7 +41,7 @@ def completion(shell: Literal["bash", "zsh", "fish"], *, install: Flag = False) 
     """
     text = app.generate_completion(prog_name="rollbench", shell=shell)
     if install:
-        show(f"{app.install_completion(shell=shell)} written; open a new shell")
+        print_answer(Answer(parts=[f"{app.install_completion(shell=shell)} written; open a new shell"]))
     else:
         with writing():
             sys.stdout.write(f"{text}\n")

@@ -7,7 +7,8 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from rollbench.comparison.commands.arguments.terminal import Json, Tls, Word, app, engine, print_json, show
+from rollbench.comparison.commands.arguments.terminal import Json, Tls, Word, app, engine
+from rollbench.comparison.commands.printing import print_answer
 
 
 @app.command
@@ -56,9 +57,7 @@ def sweep(
     from rollbench.comparison.commands.sweep import run_sweep, sweep_of
 
     what = sweep_of(scene, vary, samples, method, seed, model)
-    return run_sweep(
-        what, out, engine(backend, scheduler, workers, tls), json_out=as_json, show=show, print_json=print_json
-    )
+    return print_answer(run_sweep(what, out, engine(backend, scheduler, workers, tls)), as_json)
 
 
 @app.command
@@ -79,4 +78,4 @@ def audit(
     """
     from rollbench.comparison.commands.audit import run_audit
 
-    return run_audit(only or (), write=write, json_out=as_json, show=show, print_json=print_json)
+    return print_answer(run_audit(only or (), write=write), as_json)

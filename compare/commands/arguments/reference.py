@@ -7,17 +7,8 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from rollbench.comparison.commands.arguments.terminal import (
-    Flag,
-    Json,
-    Tls,
-    Word,
-    app,
-    cache_folder,
-    engine,
-    print_json,
-    show,
-)
+from rollbench.comparison.commands.arguments.terminal import Flag, Json, Tls, Word, app, cache_folder, engine
+from rollbench.comparison.commands.printing import print_answer
 from rollbench.comparison.errors import InputError
 
 
@@ -73,30 +64,12 @@ def mesh_study(
         from rollbench.comparison.commands.rolling import run_rolling_study
 
         refuse_options({"--spread": spread})
-        return run_rolling_study(
-            scenes,
-            levels,
-            store,
-            engine(backend, scheduler, workers, tls),
-            source=source_mesh,
-            json_out=as_json,
-            show=show,
-            print_json=print_json,
-            fresh=fresh,
-            bodies=bodies,
-        )
-    return run_mesh_study(
-        scenes,
-        levels,
-        store,
-        engine(backend, scheduler, workers, tls),
-        spread=spread,
-        source=source_mesh,
-        json_out=as_json,
-        show=show,
-        print_json=print_json,
-        fresh=fresh,
-    )
+        where = engine(backend, scheduler, workers, tls)
+        found = run_rolling_study(scenes, levels, store, where, source=source_mesh, fresh=fresh, bodies=bodies)
+        return print_answer(found, as_json)
+    where = engine(backend, scheduler, workers, tls)
+    found = run_mesh_study(scenes, levels, store, where, spread=spread, source=source_mesh, fresh=fresh)
+    return print_answer(found, as_json)
 
 
 @app.command
@@ -159,29 +132,10 @@ def compare(
         from rollbench.comparison.commands.rolling import run_rolling_compare
 
         refuse_options({"--model": model is not None, "--balls": balls})
-        return run_rolling_compare(
-            scenes,
-            wanted,
-            store,
-            engine(backend, scheduler, workers, tls),
-            json_out=as_json,
-            show=show,
-            print_json=print_json,
-            fresh=fresh,
-            bodies=bodies,
-        )
-    return run_compare(
-        scenes,
-        model or (),
-        wanted,
-        store,
-        engine(backend, scheduler, workers, tls),
-        json_out=as_json,
-        show=show,
-        print_json=print_json,
-        fresh=fresh,
-        balls=balls,
-    )
+        where = engine(backend, scheduler, workers, tls)
+        return print_answer(run_rolling_compare(scenes, wanted, store, where, fresh=fresh, bodies=bodies), as_json)
+    where = engine(backend, scheduler, workers, tls)
+    return print_answer(run_compare(scenes, model or (), wanted, store, where, fresh=fresh, balls=balls), as_json)
 
 
 @app.command
@@ -242,12 +196,12 @@ def export(
                 "command line", "--deck", deck, "no part, --format, --level or --ball with it", "leave them out"
             )
         choices = DeckChoices(deck, unit, balls, b_over_h, growth, stiffness)
-        return run_deck(catalogue.scene(scene), choices, out, show)
+        return print_answer(run_deck(catalogue.scene(scene), choices, out))
     if (unit, balls, b_over_h, growth, stiffness) != ("mm", "", 1.5, 0.4, 2e8):
         raise InputError(
             "command line", "--unit, --balls, --b-over-h, --growth, --stiffness", "given", "with --deck", "add --deck ccx"
         )
-    return run_export(catalogue.scene(scene), part, format, out, level, cache=cache_folder(), show=show, ball=ball)
+    return print_answer(run_export(catalogue.scene(scene), part, format, out, level, cache=cache_folder(), ball=ball))
 
 
 @app.command
@@ -281,15 +235,6 @@ def crosscheck(
     from rollbench.comparison.commands.crosscheck import run_crosscheck
     from rollbench.comparison.reference.jobs import Engine
 
-    return run_crosscheck(
-        scene,
-        run=run,
-        fresh=fresh,
-        data=data,
-        work=work,
-        store=store,
-        engine=Engine(cache=cache_folder()),
-        json_out=as_json,
-        show=show,
-        print_json=print_json,
-    )
+    where = Engine(cache=cache_folder())
+    found = run_crosscheck(scene, run=run, fresh=fresh, data=data, work=work, store=store, engine=where)
+    return print_answer(found, as_json)

@@ -7,16 +7,8 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from rollbench.comparison.commands.arguments.terminal import (
-    Flag,
-    Json,
-    Word,
-    app,
-    cache_folder,
-    print_json,
-    show,
-    text_width,
-)
+from rollbench.comparison.commands.arguments.terminal import Flag, Json, Word, app, cache_folder
+from rollbench.comparison.commands.printing import Answer, print_answer, print_json
 from rollbench.comparison.errors import InputError
 
 
@@ -34,12 +26,7 @@ def list_(*, trace: Flag = False, table: Word = "", as_json: Json = False) -> No
     """
     from rollbench.comparison.commands import listing
 
-    if trace or table:
-        print_json(listing.trace_json(table)) if as_json else show(listing.trace_table(table))
-    elif as_json:
-        print_json(listing.shipped_json())
-    else:
-        show(*listing.shipped_lines())
+    print_answer(listing.traced(table) if trace or table else listing.shipped(), as_json)
 
 
 @app.command
@@ -77,7 +64,7 @@ def new(file: Path, *, kind: Word = "", like: Word = "") -> None:
         raise InputError("command line", "--like", like, allowed, "a nominal size is that of a ball screw")
     write_new(file, sized[kind](like) if like else template(kind))
     command = "solve" if kind in (*WHOLE, *AXES) else "friction"
-    show(f"wrote {file}; solve it with: rollbench {command} {file}")
+    print_answer(Answer(parts=[f"wrote {file}; solve it with: rollbench {command} {file}"]))
 
 
 @app.command
@@ -153,14 +140,13 @@ def solve(
             named = "--stiffness-at, --matrix, --curve, --loads-csv, --strict"
             raise InputError("command line", named, "given", "without --members", "they are of one member: --member K")
         how = Engine(workers=workers)
-        out = {"csv_out": csv, "json_out": as_json, "show": show, "print_json": print_json, "balls": balls}
-        return ensembles.run(scene, model, members, seed=seed, engine=how, **out)  # type: ignore[arg-type]
+        return print_answer(ensembles.run(scene, model, members, csv_out=csv, seed=seed, engine=how, balls=balls), as_json)
     if csv is not None or seed is not None or workers is not None:
         raise InputError("command line", "--csv, --seed, --workers", "given", "with --members", "add --members N")
     choices = Choices(
         model, everything, member, condensed, balls, stiffness_at, matrix, curve, loads_csv, time_limit, strict
     )
-    return run_solve(scene, choices, text_width(), show, print_json if as_json else None)
+    return print_answer(run_solve(scene, choices), as_json)
 
 
 @app.command
@@ -205,8 +191,7 @@ def friction(
     from rollbench.comparison.commands.friction_whole import Choices
 
     choices = Choices(model, tuple(mu or ()), member, condensed)
-    out = (as_json, show, print_json)
-    return run_friction(scene, choices, *out, balls=balls, width=text_width(), time_limit=time_limit, strict=strict)
+    return print_answer(run_friction(scene, choices, balls=balls, time_limit=time_limit, strict=strict), as_json)
 
 
 @app.command
@@ -225,4 +210,4 @@ def condense(scene: str, *, out: Path | None = None, level: int = 1) -> int:
     from rollbench.comparison.commands.condense import run_condense
     from rollbench.comparison.scenes import catalogue
 
-    return run_condense(catalogue.scene(scene), scene, out, level, cache=cache_folder(), show=show)
+    return print_answer(run_condense(catalogue.scene(scene), scene, out, level, cache=cache_folder()))

@@ -8,17 +8,8 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from rollbench.comparison.commands.arguments.terminal import (
-    Flag,
-    Json,
-    Tls,
-    Word,
-    app,
-    cache_folder,
-    engine,
-    print_json,
-    show,
-)
+from rollbench.comparison.commands.arguments.terminal import Flag, Json, Tls, Word, app, cache_folder, engine
+from rollbench.comparison.commands.printing import print_answer
 from rollbench.comparison.errors import InputError
 
 
@@ -87,12 +78,12 @@ def report(
         for name, value in given.items():
             if value:
                 raise InputError("command line", name, str(value), "without a scene", "leave it out")
-        return run_page(scene, out, store, against)
+        return print_answer(run_page(scene, out, store, against))
     from rollbench.comparison.commands.report import make_report
 
     where = engine(backend, scheduler, workers or (2 if scheduler is None else None), tls)
     kinds = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything}
-    return make_report(only or (), out, store=store, engine=where, against=against, **kinds)
+    return print_answer(make_report(only or (), out, store=store, engine=where, against=against, **kinds))
 
 
 @app.command
@@ -112,7 +103,7 @@ def verify(report: Path, /, *, store: Path = Path("rollbench-reference")) -> int
     need_packages("matplotlib")  # which the next line imports
     from rollbench.comparison.commands.verify import run_verify
 
-    return run_verify(report, store)
+    return print_answer(run_verify(report, store))
 
 
 @app.command
@@ -169,21 +160,21 @@ def check(
     csv
         Also write them as CSV.
     """
-    from rollbench.comparison.commands.check import Output, run_check, run_shipped
+    from rollbench.comparison.commands.check import Files, run_check, run_shipped
     from rollbench.comparison.gate.user import asked
     from rollbench.comparison.reference.jobs import Engine
 
-    out = Output(as_json, show, print_json, junit, markdown, csv)
+    files = Files(junit, markdown, csv)
     what = asked(
         model=model, loads=loads, max_error=max_error, levels=levels, store=store, stored=stored, compute=not no_compute
     )
     if scenes:
-        return run_check(scenes, what, Engine(cache=cache_folder()), out)
+        return print_answer(run_check(scenes, what, Engine(cache=cache_folder()), files), as_json)
     given = {"--model": model, "--loads": loads, "--levels": levels, "--stored": stored, "--no-compute": no_compute}
     for name, value in given.items():
         if value:
             raise InputError("command line", name, str(value), "with a scene", "name the scenes that are judged")
-    return run_shipped(max_error, out)
+    return print_answer(run_shipped(max_error, files), as_json)
 
 
 @app.command
@@ -234,16 +225,15 @@ def stability(
         if random is not None or seed != 1 or model or files or kills:
             given = "--random, --seed, --model, --files, --kills"
             raise InputError("command line", given, "given", "without --survey", "its scenes are always the same")
-        return run_drawn(survey, out, workers, keep, as_json=as_json, show=show, print_json=print_json)
+        return print_answer(run_drawn(survey, out, workers, keep), as_json)
     if random is None:
         if seed != 1 or model or files or kills or keep is not None:
             raise InputError(
                 "command line", "--seed, --model, --files, --kills, --keep", "given", "with --random", "add it"
             )
-        return run_stability(as_json=as_json, show=show, print_json=print_json)
+        return print_answer(run_stability(as_json=as_json), as_json)
     run = partial(app, exit_on_error=False, print_error=False, result_action="return_value")
-    asked = random, seed, model or "lin", files, kills, keep
-    return run_campaign(*asked, run, as_json=as_json, show=show, print_json=print_json)
+    return print_answer(run_campaign(random, seed, model or "lin", files, kills, keep, run), as_json)
 
 
 @app.command
@@ -251,4 +241,4 @@ def bench(*, as_json: Json = False) -> int:
     """Measure run times as ratios to the source's formulation in the same process."""
     from rollbench.comparison.commands.bench import run_bench_command
 
-    return run_bench_command(as_json=as_json, show=show, print_json=print_json)
+    return print_answer(run_bench_command(), as_json)

@@ -212,10 +212,10 @@ def test_completion_knows_commands_and_options(shell: str, capsys: pytest.Captur
 def test_an_interrupt_is_said(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     from rollbench.comparison.commands import listing
 
-    def stopped() -> None:
+    def stopped(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(listing, "shipped_lines", stopped)
+    monkeypatch.setattr(listing, "_lines", stopped)
     code, _, err = run(capsys, "list")
     assert (code, err) == (130, "rollbench: interrupted; nothing was left half-written\n")
 

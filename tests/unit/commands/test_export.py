@@ -19,10 +19,10 @@ from rollbench.comparison.commands.export import parts_of, run_export
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.reference.levels import LEVELS
 from rollbench.comparison.scenes import catalogue
-from rollbench.hifi import submodel
-from rollbench.hifi.assembly import assemble
-from rollbench.hifi.assembly import cells as space
-from rollbench.hifi.forms import elasticity, share
+from rollbench.hifi.bodies import submodel
+from rollbench.hifi.elements.assembly import assemble
+from rollbench.hifi.elements.assembly import cells as space
+from rollbench.hifi.elements.forms import elasticity, share
 from rollbench.meshes import bridge
 from rollbench.meshes.fem import mesh_of
 from rollbench.meshes.solid import dimensions
@@ -73,8 +73,7 @@ def parts_cache(tmp_path_factory):
 
 def exported(part: str, tmp_path: Path, cache: Path, level: int = 1) -> tuple[meshio.Mesh, str]:
     """The file of a part, read again, and what was said about it."""
-    said = []
-    assert run_export(SCENE, part, "", tmp_path / part, level, cache=cache, show=said.append) == 0
+    said = run_export(SCENE, part, "", tmp_path / part, level, cache=cache).parts
     return meshio.read(tmp_path / f"{part}.vtu"), "\n".join(said)
 
 
@@ -161,7 +160,7 @@ def solids():
 def test_other_programs_read_the_groups_of_a_whole_body(part, form, solids, tmp_path, monkeypatch):
     data, file = solids[part], tmp_path / f"a.{form}"
     monkeypatch.setattr(export_command, "part_mesh", lambda *_: data)
-    run_export(TWO, part, "", file, 1, show=lambda _: None)
+    run_export(TWO, part, "", file, 1)
     smooth = {"screw": "bore", "nut": "outside", "ball": "sphere"}[part]
     for program, found in groups(file).items():
         assert set(found) == set(data.boundaries), program
@@ -251,7 +250,7 @@ def test_names_and_formats_of_files(tmp_path: Path, cache: Path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     said = []
     for form, out in (("", None), ("inp", None), ("", Path("deep/a.msh")), ("msh", Path("b.dat")), ("inp", Path("c"))):
-        run_export(SCENE, "patch-SL", form, out, 1, cache=cache, show=said.append)
+        said += run_export(SCENE, "patch-SL", form, out, 1, cache=cache).parts
     found = sorted(str(p.relative_to(tmp_path)) for p in tmp_path.rglob("*") if p.is_file())
     assert found == ["b.dat", "c.inp", "deep/a.msh", "lin-case1-patch-SL.inp", "lin-case1-patch-SL.vtu"]
     assert Path("b.dat").read_bytes()[:11] == b"$MeshFormat"
@@ -294,7 +293,7 @@ def test_meshes_and_files_that_fail_are_reported(tmp_path: Path, cache: Path, mo
         run_export(SCENE, "screw", "", tmp_path / "a.vtu", 9)
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match=r"a\.vtu: file: got "):
-        run_export(SCENE, "patch-SL", "", tmp_path / "file" / "a.vtu", 1, cache=cache, show=lambda _: None)
+        run_export(SCENE, "patch-SL", "", tmp_path / "file" / "a.vtu", 1, cache=cache)
 
     def bad(*_):
         raise ValueError("a contact patch does not fit")
@@ -309,7 +308,7 @@ def test_meshes_and_files_that_fail_are_reported(tmp_path: Path, cache: Path, mo
 def test_calculix_finds_the_compliance_of_an_exported_nut(tmp_path: Path):
     """Unit forces on two sockets of the nut, held outside: every node of the sockets moves as in our own elements."""
     scene = catalogue.scene("two-balls")
-    run_export(scene, "nut-with-sockets", "inp", tmp_path / "nut.inp", 1, show=lambda _: None)
+    run_export(scene, "nut-with-sockets", "inp", tmp_path / "nut.inp", 1)
     mesh = meshio.read(tmp_path / "nut.inp")
     (block,) = [b for b in mesh.cells if b.type == "tetra10"]
     points, cells = mesh.points, block.data[:, np.argsort(bridge._VTK["P2"][1])]
@@ -355,10 +354,9 @@ class TestResults:
         monkeypatch.setitem(LEVELS, 1, LEVELS[1] | COARSE)
 
     def test_nut_and_ball_carry_displacement_and_stress(self, tmp_path, cache):
-        lines = []
         for part in ("nut", "ball", "patch-NR"):
             out = tmp_path / f"{part}.vtu"
-            run_export(TWO, part, "", out, 1, cache=cache, show=lines.append, ball=2)
+            run_export(TWO, part, "", out, 1, cache=cache, ball=2)
             read = meshio.read(out)
             u, stress = read.point_data["displacement"], read.point_data["von_mises"]
             assert u.shape == (len(read.points), 3)

@@ -11,10 +11,12 @@ from tests.helpers import ALL_BUT_AXIAL, small_screw
 
 from rollbench.comparison import cli
 from rollbench.comparison.commands import friction as friction_answer
+from rollbench.comparison.commands import printing
 from rollbench.comparison.commands.answer import as_table, increase
 from rollbench.comparison.commands.friction import run_friction, solve_friction
 from rollbench.comparison.commands.friction_band import feedback_warnings
 from rollbench.comparison.commands.friction_whole import Choices, solve_scene
+from rollbench.comparison.commands.printing import Answer, print_answer
 from rollbench.comparison.errors import InputError, SceneError
 from rollbench.comparison.reference.store import key_of
 from rollbench.comparison.scenes import catalogue, scene_file
@@ -81,10 +83,11 @@ def answer(scene, model="lin", **choices):
 
 
 def test_two_start_left_hand_screw_of_a_file(tmp_path):
-    path, printed = tmp_path / "my.toml", []
+    path = tmp_path / "my.toml"
     path.write_text(MINE)
-    assert run_friction(str(path), Choices(), True, print, printed.append) == 0
-    (data,) = printed
+    found = run_friction(str(path), Choices())
+    data = found.data
+    assert found.code == 0
     json.dumps(data, allow_nan=False)
     t, e = data["torque"], data["energy"]
     assert (data["model"], data["converged"], data["kind"]) == ("refined", True, "ball screw")
@@ -196,11 +199,13 @@ def test_shipped_case_and_a_bearing_answer(capsys):
 
 
 @pytest.mark.parametrize("width", [60, 100])
-def test_the_torque_comes_first_and_the_table_of_balls_where_asked_for(width):
+def test_the_torque_comes_first_and_the_table_of_balls_where_asked_for(width, monkeypatch, capsys):
     found = answer(mine())
-    short, long = as_table(found, width), as_table(found, width, balls=True)
+    short, long = as_table(found), as_table(found, balls=True)
     assert short[2].startswith("friction torque ")
-    assert max(len(line) for part in short if isinstance(part, str) for line in part.splitlines()) <= width
+    monkeypatch.setattr(printing, "text_width", lambda: width)
+    print_answer(Answer(parts=[part for part in short if isinstance(part, str)], folded=True))
+    assert max(map(len, capsys.readouterr().out.splitlines())) <= width
     titles = [[part.title for part in parts if not isinstance(part, str)] for parts in (short, long)]
     assert titles == [["losses by contact and cause"], ["losses by contact and cause", "per ball"]]
     assert any("--balls" in str(part) for part in short)
@@ -253,7 +258,7 @@ def test_compiling_is_said_where_it_happens(monkeypatch, tmp_path, capsys):
     for count, code_on_disk, said in ((20, False, True), (20, True, False), (8, False, False)):
         monkeypatch.setattr(friction_answer, "cached", lambda here=code_on_disk: here)
         path.write_text(MINE.replace("count = 20", f"count = {count}"))
-        assert run_friction(str(path), Choices("lin"), True, print, [].append) == 0
+        assert run_friction(str(path), Choices("lin")).code == 0
         assert ("compiling" in capsys.readouterr().err) == said
 
 
@@ -330,10 +335,9 @@ def test_files_and_names_go_to_the_solver_that_knows_them(tmp_path):
         solve_friction("lin-rotary1", Choices())
     for choices in (Choices("lin"), Choices(mu=(0.1,)), Choices(member=1)):
         with pytest.raises(InputError, match="whole screw or bearing"):
-            run_friction("lin-rotary-1", choices, True, print, print)
-    printed = []
-    assert run_friction("lin-rotary-1", Choices(), True, print, printed.append) == 0
-    assert printed[0]["kind"] == "bearing ball"
+            run_friction("lin-rotary-1", choices)
+    found = run_friction("lin-rotary-1", Choices())
+    assert (found.code, found.data["kind"]) == (0, "bearing ball")
 
 
 @pytest.mark.parametrize(
@@ -412,7 +416,7 @@ def test_a_scene_that_states_no_play_says_what_play_does():
     assert played["friction_torque_Nmm"] == pytest.approx(stated.data["torque"]["friction_torque_Nmm"], rel=1e-9)
     assert found.warning.startswith("WARNING: no preload and no play are stated")
     assert all(f"{played[key]:.4g} N mm" in found.warning for key in played if key.startswith("friction"))
-    shown = [part for part in as_table(found, 400) if isinstance(part, str)]
+    shown = [part for part in as_table(found) if isinstance(part, str)]
     assert (shown[2], sum("no preload and no play" in part for part in shown)) == (found.warning, 1)
     assert stated.data["play"] is None
     assert stated.warning == ""

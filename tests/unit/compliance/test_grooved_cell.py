@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rollbench.comparison.scenes import catalogue
-from rollbench.hifi.helical_section import helical_stiffness
+from rollbench.hifi.shaft.helical_section import helical_stiffness
 from rollbench.lowfi.compliance import cell
 from rollbench.lowfi.compliance.bodies import REFINED, flank_of, geometry_only, grooved_section, smooth_body
 from rollbench.lowfi.compliance.cell import cell_grid, cell_section, groove_line, stiffness_of

@@ -9,9 +9,9 @@ import pytest
 from scipy import sparse
 from scipy.optimize import nnls
 
-from rollbench.hifi import balls
-from rollbench.hifi.balls import State, press, solve_balls
-from rollbench.hifi.compliance import coupled, plain, uncoupled
+from rollbench.hifi.contact import balls
+from rollbench.hifi.contact.balls import State, press, solve_balls
+from rollbench.hifi.contact.compliance import coupled, plain, uncoupled
 
 #: Compliance [m/N] and gaps [m] of a real contact's size.
 SOFT, GAP = 1e-8, 1e-6

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from rollbench.comparison.scenes import catalogue
-from rollbench.hifi import cell
-from rollbench.hifi.cut import HALF_TURN, at_high, at_low, cut_flexibility, groove_azimuth, turned, uniform_cantilever
-from rollbench.hifi.mounting import Stretch, mount, without_cuts
-from rollbench.hifi.response import transport
-from rollbench.hifi.shaft import ShaftSection
+from rollbench.hifi.linear_algebra.response import transport
+from rollbench.hifi.shaft import cell
+from rollbench.hifi.shaft.beam import ShaftSection
+from rollbench.hifi.shaft.cut import HALF_TURN, at_high, at_low, cut_flexibility, groove_azimuth, turned, uniform_cantilever
+from rollbench.hifi.shaft.mounting import Stretch, mount, without_cuts
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import FREEDOMS, Load, Support
 

@@ -5,8 +5,8 @@ import pytest
 import scipy.sparse as sp
 from tests.fe_meshes import cube, freedoms, stiffness
 
-from rollbench.hifi import dissection
-from rollbench.hifi.dissection import supernodes
+from rollbench.hifi.linear_algebra import dissection
+from rollbench.hifi.linear_algebra.dissection import supernodes
 
 
 def grid(n: int) -> sp.csc_matrix:

@@ -11,8 +11,8 @@ from rollbench.comparison.reference.computing import BEYOND, ENLARGE, compute_wi
 from rollbench.comparison.reference.store import Run
 from rollbench.comparison.reference.tasks import Task, settings_of
 from rollbench.comparison.scenes import catalogue
-from rollbench.hifi.expected import expected_contacts
-from rollbench.hifi.fit import patch_lines, socket_size
+from rollbench.hifi.meshing.expected import expected_contacts
+from rollbench.hifi.meshing.fit import patch_lines, socket_size
 from rollbench.hifi.reference import AT_RIM
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout

@@ -8,10 +8,10 @@ from tests.helpers import small_screw
 
 from rollbench.comparison.models.study import with_groove
 from rollbench.comparison.scenes import catalogue
-from rollbench.hifi.expected import ExpectedContacts, expected_contacts, hertz_units
-from rollbench.hifi.fit import socket_size
-from rollbench.hifi.hertz import hertz
-from rollbench.hifi.settings import Settings, expected_reach, expected_semi_axes
+from rollbench.hifi.contact.hertz import hertz
+from rollbench.hifi.meshing.expected import ExpectedContacts, expected_contacts, hertz_units
+from rollbench.hifi.meshing.fit import socket_size
+from rollbench.hifi.meshing.settings import Settings, expected_reach, expected_semi_axes
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import BallErrors, Errors, FourierTerm, Load, SideErrors, Support

@@ -8,7 +8,10 @@ from scipy.linalg import block_diag
 from tests.fe_meshes import cube
 from tests.helpers import relative, small_screw
 
-from rollbench.hifi import submodel
+from rollbench.hifi.bodies import submodel
+from rollbench.hifi.bodies.patch import condense_patch
+from rollbench.hifi.contact.hertz import hertz
+from rollbench.hifi.elements.pressures import mean_weights
 from rollbench.hifi.fields import (
     ball_fields,
     ball_patch,
@@ -25,12 +28,9 @@ from rollbench.hifi.fields import (
     screw_displacement,
     von_mises,
 )
-from rollbench.hifi.hertz import hertz
-from rollbench.hifi.part_meshes import mesh_parts
-from rollbench.hifi.patch import condense_patch
-from rollbench.hifi.pressures import mean_weights
+from rollbench.hifi.meshing.part_meshes import mesh_parts
+from rollbench.hifi.meshing.settings import Settings, expected_reach, expected_semi_axes
 from rollbench.hifi.reference import solve_reference
-from rollbench.hifi.settings import Settings, expected_reach, expected_semi_axes
 from rollbench.hifi.setup import prepare
 from rollbench.meshes.cache import Cache
 from rollbench.meshes.fem import cells_of, mesh_of, points_of

@@ -8,12 +8,12 @@ from skfem import BilinearForm, Functional, MeshTet1
 from skfem.helpers import ddot, dot, eye, grad, sym_grad, trace
 from tests.fe_meshes import KINDS, boundary_faces, cube, distorted, force, space
 
-from rollbench.hifi import assembly
-from rollbench.hifi.assembly import CurvedMap, assemble, faces, nodal_areas, products, rule, tensor
-from rollbench.hifi.bodies import rigid_loads
-from rollbench.hifi.forms import elasticity, hooke, share
-from rollbench.hifi.pressures import ElementHexHats, contact_weights
-from rollbench.hifi.rigid import rigid_modes
+from rollbench.hifi.bodies.coarse import rigid_loads
+from rollbench.hifi.elements import assembly
+from rollbench.hifi.elements.assembly import CurvedMap, assemble, faces, nodal_areas, products, rule, tensor
+from rollbench.hifi.elements.forms import elasticity, hooke, share
+from rollbench.hifi.elements.pressures import ElementHexHats, contact_weights
+from rollbench.hifi.elements.rigid import rigid_modes
 from rollbench.meshes.fem import faces_of, freedoms_on, kind_of, mesh_of, moved, nodes_on, points_of, tensor_grid
 
 E, NU = 210e9, 0.28

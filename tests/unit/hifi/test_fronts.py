@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from rollbench.hifi import solvers
-from rollbench.hifi.solvers import FactorError, gram
+from rollbench.hifi.linear_algebra import solvers
+from rollbench.hifi.linear_algebra.solvers import FactorError, gram
 
 
 def body(count: int, held: float = 0.1) -> sp.csc_matrix:

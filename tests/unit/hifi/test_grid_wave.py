@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from rollbench.hifi import grid_wave
-from rollbench.hifi.grid_wave import POWERS, smooth
+from rollbench.hifi.bodies import grid_wave
+from rollbench.hifi.bodies.grid_wave import POWERS, smooth
 
 LOADS = np.geomspace(20.0, 600.0, 64)
 #: Of one node: what is made up here looks at no more of a patch.

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from rollbench.comparison.scenes import catalogue
-from rollbench.hifi.cell import _flexibility
-from rollbench.hifi.helical_section import helical_stiffness
-from rollbench.hifi.shaft import round_section
+from rollbench.hifi.shaft.beam import round_section
+from rollbench.hifi.shaft.cell import _flexibility
+from rollbench.hifi.shaft.helical_section import helical_stiffness
 from rollbench.meshes.groove_map import GrooveMap
 
 SCENE = catalogue.scene("lin-case1")

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from rollbench.comparison.scenes import catalogue
-from rollbench.hifi.cut import at_high, at_low
-from rollbench.hifi.frame import Frame
-from rollbench.hifi.mounting import Stretch, as_stiff_as, beam_stretch, mount, unheld
-from rollbench.hifi.response import transport
-from rollbench.hifi.shaft import beam_stiffness, round_section
+from rollbench.hifi.linear_algebra.response import transport
+from rollbench.hifi.shaft.beam import beam_stiffness, round_section
+from rollbench.hifi.shaft.cut import at_high, at_low
+from rollbench.hifi.shaft.frame import Frame
+from rollbench.hifi.shaft.mounting import Stretch, as_stiff_as, beam_stretch, mount, unheld
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import FREEDOMS, Load, Support
 

@@ -7,8 +7,8 @@ import pytest
 from tests.unit.statics.test_one_arc import bearing
 
 from rollbench.comparison.reference.tasks import needed_sides
-from rollbench.hifi import submodel
-from rollbench.hifi.fit import Settings
+from rollbench.hifi.bodies import submodel
+from rollbench.hifi.meshing.fit import Settings
 from rollbench.hifi.reference import solve_reference
 from rollbench.hifi.setup import prepare
 from rollbench.lowfi.statics.elastic import solve_elastic

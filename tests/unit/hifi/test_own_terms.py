@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rollbench.hifi.grid_wave import GridWave, approaches
+from rollbench.hifi.bodies.grid_wave import GridWave, approaches
 from rollbench.meshes.condensed import CondensedBodies
 
 FORCES = np.geomspace(40.0, 600.0, 16)

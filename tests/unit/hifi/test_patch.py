@@ -11,12 +11,12 @@ from tests.fe_meshes import boundary, boundary_faces, cube, stiffness, strain_st
 from tests.helpers import relative
 from tests.patch_meshes import NU, E, condensed, flat, holed_cube, patch, places, socket, tets
 
-from rollbench.hifi import assembly
-from rollbench.hifi.bodies import Socket, assemble, freedoms, of_order
-from rollbench.hifi.forms import elasticity
-from rollbench.hifi.patch import PatchMesh, build_tet_patch, condense_patch, field, tie_matrix
-from rollbench.hifi.pressures import mean_weights
-from rollbench.hifi.rigid import rigid_modes
+from rollbench.hifi.bodies.coarse import Socket, assemble, freedoms, of_order
+from rollbench.hifi.bodies.patch import PatchMesh, build_tet_patch, condense_patch, field, tie_matrix
+from rollbench.hifi.elements import assembly
+from rollbench.hifi.elements.forms import elasticity
+from rollbench.hifi.elements.pressures import mean_weights
+from rollbench.hifi.elements.rigid import rigid_modes
 from rollbench.meshes.fem import mesh_of, points_of
 from rollbench.meshes.tet_patch import SUB_TRIANGLES, build_tets, source_box
 

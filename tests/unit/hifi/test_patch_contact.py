@@ -7,9 +7,9 @@ import pytest
 from tests.fe_meshes import jacobians, volume
 from tests.patch_meshes import MAP, NU, SEMI, WIDTH, ZONE, E, condensed, lines, patch, places, socket, tets
 
-from rollbench.hifi import assembly
-from rollbench.hifi.patch import build_patch, build_tet_patch, field
-from rollbench.hifi.pressures import mean_weights
+from rollbench.hifi.bodies.patch import build_patch, build_tet_patch, field
+from rollbench.hifi.elements import assembly
+from rollbench.hifi.elements.pressures import mean_weights
 from rollbench.meshes.fem import nodes_on
 
 pytestmark = pytest.mark.xdist_group("condensed patches")

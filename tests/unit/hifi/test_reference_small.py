@@ -10,30 +10,23 @@ import scipy.sparse as sp
 from scipy.linalg import block_diag
 
 from rollbench.comparison.scenes import catalogue
-from rollbench.hifi import (
-    balls,
-    condensed,
-    contact_kinematics,
-    coupling,
-    grid_wave,
-    part_meshes,
-    reference,
-    responses,
-    setup,
-    submodel,
-)
-from rollbench.hifi.assembly import assemble
-from rollbench.hifi.balls import State, solve_balls
-from rollbench.hifi.bodies import freedoms, isostatic
-from rollbench.hifi.compliance import uncoupled
-from rollbench.hifi.fit import ball_place
-from rollbench.hifi.forms import elasticity
-from rollbench.hifi.part_meshes import placed
-from rollbench.hifi.patch import hat_rows
-from rollbench.hifi.pressures import mean_weights
-from rollbench.hifi.response import compliance
-from rollbench.hifi.settings import Settings
-from rollbench.hifi.side_by_side import Part, make
+from rollbench.hifi import condensed, contact_kinematics, coupling, reference, setup
+from rollbench.hifi.bodies import grid_wave, submodel
+from rollbench.hifi.bodies.coarse import freedoms, isostatic
+from rollbench.hifi.bodies.patch import hat_rows
+from rollbench.hifi.condensation import responses
+from rollbench.hifi.condensation.side_by_side import Part, make
+from rollbench.hifi.contact import balls
+from rollbench.hifi.contact.balls import State, solve_balls
+from rollbench.hifi.contact.compliance import uncoupled
+from rollbench.hifi.elements.assembly import assemble
+from rollbench.hifi.elements.forms import elasticity
+from rollbench.hifi.elements.pressures import mean_weights
+from rollbench.hifi.linear_algebra.response import compliance
+from rollbench.hifi.meshing import part_meshes
+from rollbench.hifi.meshing.fit import ball_place
+from rollbench.hifi.meshing.part_meshes import placed
+from rollbench.hifi.meshing.settings import Settings
 from rollbench.meshes.cache import Cache, key_of
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from rollbench.comparison.scenes import catalogue
-from rollbench.hifi.assembly import assemble
-from rollbench.hifi.bodies import end_transform
-from rollbench.hifi.forms import elasticity
-from rollbench.hifi.helical_section import helical_stiffness
-from rollbench.hifi.response import compliance
-from rollbench.hifi.responses import section_motion
-from rollbench.hifi.rigid import rigid_modes
+from rollbench.hifi.bodies.coarse import end_transform
+from rollbench.hifi.condensation.responses import section_motion
+from rollbench.hifi.elements.assembly import assemble
+from rollbench.hifi.elements.forms import elasticity
+from rollbench.hifi.elements.rigid import rigid_modes
+from rollbench.hifi.linear_algebra.response import compliance
+from rollbench.hifi.shaft.helical_section import helical_stiffness
 from rollbench.meshes.fem import points_of
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import BodySpec, build_body

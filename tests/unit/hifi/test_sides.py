@@ -9,13 +9,14 @@ import scipy.sparse as sp
 from tests.helpers import relative
 from tests.unit.hifi.test_reference_small import SMALL, two_balls
 
-from rollbench.hifi import sides, submodel
-from rollbench.hifi.bodies import patch_modes
-from rollbench.hifi.grid_wave import PeriodicApproach, approaches_at, grid_wave, resolved_forces
-from rollbench.hifi.part_meshes import mesh_parts, patch_mesh, patch_normals
-from rollbench.hifi.patch import condense_patch
-from rollbench.hifi.pressures import mean_weights
-from rollbench.hifi.sides import condense_side, congruent, side_of, turned
+from rollbench.hifi.bodies import submodel
+from rollbench.hifi.bodies.coarse import patch_modes
+from rollbench.hifi.bodies.grid_wave import PeriodicApproach, approaches_at, grid_wave, resolved_forces
+from rollbench.hifi.bodies.patch import condense_patch
+from rollbench.hifi.condensation import sides
+from rollbench.hifi.condensation.sides import condense_side, congruent, side_of, turned
+from rollbench.hifi.elements.pressures import mean_weights
+from rollbench.hifi.meshing.part_meshes import mesh_parts, patch_mesh, patch_normals
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.sockets import AZIMUTH_TURNED, local_points

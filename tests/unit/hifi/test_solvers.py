@@ -5,9 +5,9 @@ import pytest
 import scipy.sparse as sp
 from tests.fe_meshes import cube, distorted, freedoms, stiffness
 
-from rollbench.hifi import solvers
-from rollbench.hifi.response import compliance
-from rollbench.hifi.solvers import FactorError, factor, gram
+from rollbench.hifi.linear_algebra import solvers
+from rollbench.hifi.linear_algebra.response import compliance
+from rollbench.hifi.linear_algebra.solvers import FactorError, factor, gram
 
 pytestmark = pytest.mark.xdist_group("solvers")
 

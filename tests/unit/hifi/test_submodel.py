@@ -8,12 +8,12 @@ import pytest
 from tests.fe_meshes import boundary_faces, cube
 from tests.helpers import relative
 
-from rollbench.hifi import submodel
-from rollbench.hifi.bodies import Socket, assemble, contact_pressures, freedoms, patch_modes
-from rollbench.hifi.patch import Lines, build_patch, condense_patch, hat_rows
-from rollbench.hifi.pressures import mean_weights
-from rollbench.hifi.rigid import rigid_modes
-from rollbench.hifi.submodel import Piece, coarse_compliance, fine_compliance, own_compliance
+from rollbench.hifi.bodies import submodel
+from rollbench.hifi.bodies.coarse import Socket, assemble, contact_pressures, freedoms, patch_modes
+from rollbench.hifi.bodies.patch import Lines, build_patch, condense_patch, hat_rows
+from rollbench.hifi.bodies.submodel import Piece, coarse_compliance, fine_compliance, own_compliance
+from rollbench.hifi.elements.pressures import mean_weights
+from rollbench.hifi.elements.rigid import rigid_modes
 from rollbench.meshes.fem import mesh_of, moved, points_of
 from rollbench.meshes.sockets import SocketMesh
 

@@ -8,7 +8,7 @@ import pytest
 from skfem import MeshHex1, MeshHex2, MeshTet1, MeshTet2
 from tests.fe_meshes import KINDS, boundary_faces, cube, jacobians, one, order_of, space
 
-from rollbench.hifi.assembly import faces, nodal_areas
+from rollbench.hifi.elements.assembly import faces, nodal_areas
 from rollbench.meshes import bridge
 from rollbench.meshes.bridge import MeshData, from_gmsh, from_skfem, to_skfem, write_mesh
 from rollbench.meshes.fem import mesh_of, second_order

@@ -31,7 +31,7 @@ FLAT = np.array([[0.0, 0.0]])
 def volume(made) -> float:
     """Volume [m3] of the curved cells."""
     mesh = mesh_of(made.points, made.cells, "P2")[0]
-    from rollbench.hifi.assembly import cells
+    from rollbench.hifi.elements.assembly import cells
 
     return float(cells(mesh).dx.sum())
 

@@ -7,7 +7,7 @@ import pytest
 import scipy.sparse as sp
 
 from rollbench.comparison.scenes import catalogue
-from rollbench.hifi import response
+from rollbench.hifi.linear_algebra import response
 from rollbench.meshes.parts import Solid
 from rollbench.meshes.solid import dimensions
 

@@ -16,7 +16,7 @@ from rollbench.comparison.reference.levels import (
     scaled,
 )
 from rollbench.comparison.reference.variants import VARIANTS
-from rollbench.hifi.settings import Settings
+from rollbench.hifi.meshing.settings import Settings
 
 #: Lengths; all other settings are counts and ratios.
 LENGTHS = {"own_sizes", "own_ball_sizes", "fine", "coarse", "ball_fine", "ball_coarse", "cell", "tet"}

@@ -14,7 +14,7 @@ from rollbench.comparison.reference.store import Run, save
 from rollbench.comparison.reference.tasks import settings_of
 from rollbench.comparison.reference.variants import COUPLING, HOLE, LANDS, LENGTH, NOT_VARIED, VARIANTS, held_ring, twisted
 from rollbench.comparison.scenes import catalogue
-from rollbench.hifi.responses import nut_transform
+from rollbench.hifi.condensation.responses import nut_transform
 from rollbench.meshes.parts import Solid, Support
 from rollbench.meshes.solid import dimensions
 

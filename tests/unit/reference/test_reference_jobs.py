@@ -81,11 +81,11 @@ def test_commands_print_the_coarsest_level_first(
 ) -> None:
     known = {k: load(catalogue.scene("lin-case1"), k, stores=(shipped_store(),)) for k in (1, 2)}
     monkeypatch.setattr(jobs, "compute_with_bodies", lambda task, _: ([known[task.level]], None))
-    engine, out = jobs.Engine(), {"json_out": True, "show": print, "print_json": lambda _: None}
+    engine = jobs.Engine()
     if command == "compare":
-        study.run_compare(("lin-case1",), (), (1, 2), tmp_path, engine, fresh=True, **out)
+        study.run_compare(("lin-case1",), (), (1, 2), tmp_path, engine, fresh=True)
     else:
-        study.run_mesh_study(("lin-case1",), 2, tmp_path, engine, fresh=True, spread=False, source=False, **out)
+        study.run_mesh_study(("lin-case1",), 2, tmp_path, engine, fresh=True, spread=False, source=False)
     said = capsys.readouterr().err
     assert said.index("[1/2] lin-case1: level 1") < said.index("lin-case1, by level 1 alone:") < said.index("[2/2]")
     assert {"compare": "refined is off by", "mesh-study": "largest load, SL"}[command] in said

@@ -8,8 +8,8 @@ import pytest
 from tests.fe_meshes import LOCAL, cube, face_nodes
 
 from rollbench.comparison.sections import pressures
+from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.fields import ContactPressure
-from rollbench.hifi.hertz import hertz
 from rollbench.reports import field3d, figures, html, offscreen
 from rollbench.reports.records import FieldPicture, MeshPart, PressureMap, PressurePanel, Report, Section
 

@@ -209,9 +209,8 @@ def test_a_screw_whose_friction_moves_all_leaves_no_feedback_out():
 
 
 def run(name, as_json):
-    shown, printed = [], []
-    code = run_friction(name, Choices(), as_json, lambda *parts: shown.extend(parts), printed.append)
-    return code, shown, printed
+    found = run_friction(name, Choices())
+    return (found.code, [], [found.data]) if as_json else (found.code, found.parts, [])
 
 
 @pytest.mark.parametrize("name", ["lin-rotary-2", "lin-pair-a", "lin-chain-10"])

@@ -345,9 +345,8 @@ def test_bad_input_is_one_line(tmp_path, case):
 
 
 def run(path, as_json):
-    shown, printed = [], []
-    code = run_friction(str(path), Choices(), as_json, lambda *parts: shown.extend(parts), printed.append)
-    return code, shown, printed
+    found = run_friction(str(path), Choices())
+    return (found.code, [], [found.data]) if as_json else (found.code, found.parts, [])
 
 
 @pytest.mark.parametrize(("name", "changes"), [(PAIRS[0], ()), ("lin-screw-run", SHORT), ("lin-bearing-pairs", FEW)])

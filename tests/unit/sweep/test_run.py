@@ -159,8 +159,7 @@ def test_failures_are_rows_with_their_reason(tmp_path):
     status = [found[n]["status"] for n in range(6)]
     assert status[0] == "converged"
     assert status[-1].startswith("refused: lin-case1.toml: ")
-    code = run_sweep(sweep, tmp_path / "a", Engine(), json_out=True, show=print, print_json=print)
-    assert code == 0
+    assert run_sweep(sweep, tmp_path / "a", Engine()).code == 0
     lines = (tmp_path / "a" / "samples.csv").read_text().splitlines()
     assert len(lines) == 7
     assert "refused" in lines[-1]

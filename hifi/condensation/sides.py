@@ -7,13 +7,13 @@ from functools import partial
 
 import numpy as np
 
-from rollbench.hifi.bodies import patch_modes
-from rollbench.hifi.fit import ball_place
-from rollbench.hifi.grid_wave import GridWave, grid_wave
-from rollbench.hifi.part_meshes import Meshes, Sockets, carrier_mesh, patch_mesh, patch_normals, rotation
-from rollbench.hifi.patch import CondensedPatch, condense_patch
-from rollbench.hifi.settings import Settings
-from rollbench.hifi.submodel import Piece, coarse_compliance, fine_compliance, own_compliance
+from rollbench.hifi.bodies.coarse import patch_modes
+from rollbench.hifi.bodies.grid_wave import GridWave, grid_wave
+from rollbench.hifi.bodies.patch import CondensedPatch, condense_patch
+from rollbench.hifi.bodies.submodel import Piece, coarse_compliance, fine_compliance, own_compliance
+from rollbench.hifi.meshing.fit import ball_place
+from rollbench.hifi.meshing.part_meshes import Meshes, Sockets, carrier_mesh, patch_mesh, patch_normals, rotation
+from rollbench.hifi.meshing.settings import Settings
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.ball_body import build_ball
 from rollbench.meshes.groove_map import GrooveMap
@@ -33,8 +33,8 @@ SideArguments = tuple[GrooveMap, int, tuple[float, float], tuple[Material, Mater
 @dataclass(frozen=True)
 class SidePatches:
     """Patches of one side: of the groove and of the ball, on the same contact nodes; own ``(c, c)`` [m/N]: what a contact
-    of both answers by itself, beyond what the modes kept of the coarse bodies say (`hifi.submodel`); wave: what its place
-    on the grid does to its approach (None: not taken out)."""
+    of both answers by itself, beyond what the modes kept of the coarse bodies say (`hifi.bodies.submodel`); wave: what its
+    place on the grid does to its approach (None: not taken out)."""
 
     groove: CondensedPatch
     ball: CondensedPatch

@@ -3,8 +3,8 @@
 27-node hexahedra of a tensor grid, or first-order tetrahedra sized as the source's.
 
 With the freedoms of the socket's inner faces tied to the coarse trace q and forces f along the contact normals, each spread
-by a pressure hat (`hifi.pressures`): mean displacements over the hats along the normals u_c = A f + H q, reaction on the
-socket r = S q - H^T f.
+by a pressure hat (`hifi.elements.pressures`): mean displacements over the hats along the normals u_c = A f + H q, reaction
+on the socket r = S q - H^T f.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from skfem import ElementLineP2, Mesh, condense
 
-from rollbench.hifi.assembly import CurvedMap, assemble
-from rollbench.hifi.forms import elasticity
-from rollbench.hifi.pressures import contact_weights, mean_weights
-from rollbench.hifi.response import compliance
-from rollbench.hifi.solvers import factor
+from rollbench.hifi.elements.assembly import CurvedMap, assemble
+from rollbench.hifi.elements.forms import elasticity
+from rollbench.hifi.elements.pressures import contact_weights, mean_weights
+from rollbench.hifi.linear_algebra.response import compliance
+from rollbench.hifi.linear_algebra.solvers import factor
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.fem import cells_of, freedoms_on, kind_of, mesh_of, moved, named, points_of, tensor_grid
 from rollbench.meshes.sockets import SocketMesh
@@ -49,7 +49,7 @@ class PatchMesh:
     nodes of the contact zone ``(c,)``, the shape
     of their grid (None: no grid) and which are its outermost ``(c,)``; nodes of the interface, their tie to the socket's
     nodes ``(interface nodes, socket nodes)``; weights W ``(c, c)`` [m2] of pressures' hats (rows) at displacements
-    (columns), see `hifi.pressures.contact_weights`; points of the socket's nodes ``(k, 3)`` [m]."""
+    (columns), see `hifi.elements.pressures.contact_weights`; points of the socket's nodes ``(k, 3)`` [m]."""
 
     mesh: Mesh
     xi: Array

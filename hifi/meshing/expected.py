@@ -19,10 +19,10 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 
-from rollbench.hifi.frame import Frame
-from rollbench.hifi.hertz import HertzSolution, hertz
-from rollbench.hifi.response import transport
-from rollbench.hifi.shaft import beam_stiffness, round_section
+from rollbench.hifi.contact.hertz import HertzSolution, hertz
+from rollbench.hifi.linear_algebra.response import transport
+from rollbench.hifi.shaft.beam import beam_stiffness, round_section
+from rollbench.hifi.shaft.frame import Frame
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Thrust
 from rollbench.meshes.errors import specimen

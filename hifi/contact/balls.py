@@ -25,8 +25,8 @@ from scipy.linalg.blas import dtrsm
 from scipy.linalg.lapack import dpotrs, dpstrf
 from scipy.optimize import nnls
 
-from rollbench.hifi.compliance import BallBlock, BlockFactor, Compliance, Indices, factored
-from rollbench.hifi.contact import ContactResult
+from rollbench.hifi.contact.compliance import BallBlock, BlockFactor, Compliance, Indices, factored
+from rollbench.hifi.contact.result import ContactResult
 from rollbench.meshes.arrays import Array
 
 Flags = NDArray[np.bool_]

@@ -19,7 +19,7 @@ from skfem.element import DiscreteField
 from skfem.mapping import MappingIsoparametric
 from skfem.quadrature import get_quadrature
 
-from rollbench.hifi.forms import share
+from rollbench.hifi.elements.forms import share
 from rollbench.meshes.arrays import Array, Index
 
 CHUNK_BYTES = 32e6

@@ -16,11 +16,11 @@ import scipy.sparse as sp
 from scipy.linalg import qr
 from skfem import Mesh
 
-from rollbench.hifi import assembly
-from rollbench.hifi.forms import elasticity, share
-from rollbench.hifi.patch import CondensedPatch
-from rollbench.hifi.pressures import mean_weights
-from rollbench.hifi.rigid import rigid_modes
+from rollbench.hifi.bodies.patch import CondensedPatch
+from rollbench.hifi.elements import assembly
+from rollbench.hifi.elements.forms import elasticity, share
+from rollbench.hifi.elements.pressures import mean_weights
+from rollbench.hifi.elements.rigid import rigid_modes
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.fem import cells_of, faces_of, freedoms_on, mesh_of, nodes_on, points_of
 from rollbench.meshes.tet_patch import SUB_TRIANGLES, split_second_order
@@ -51,7 +51,7 @@ def patch_modes(patch: CondensedPatch, count: int) -> tuple[Array, Array]:
     First come, for every independent resultant of contact forces, the nodal forces on the socket that pressures of contacts
     leave per unit of it on an average: Q^T V^T f is in equilibrium with f for all forces f. Resultants are those of the
     forces themselves, by the rigid motions' means over the hats; H of a carrier has them but to some 1e-4
-    (`hifi.patch.condense_patch`). Then the strongest of the other traces, freed of resultants.
+    (`hifi.bodies.patch.condense_patch`). Then the strongest of the other traces, freed of resultants.
 
     Pressures are elliptic, of several sizes and places in the contact zone (`contact_pressures`), so that the modes do not
     depend on the grid and few are needed; then, weighted by ``REST``, single hats. Last come the resultants that H has
@@ -110,8 +110,8 @@ def freedoms(nodes: Index) -> Index:
 
 def of_order(mesh: Mesh, kind: str) -> Mesh:
     """A mesh of 10-node tetrahedra (kind "P2"), or each divided into eight of first order on the same nodes ("P1",
-    half the size; patches are then tied linearly, `hifi.patch.tie_matrix`), boundaries kept. Raises ValueError for another
-    kind."""
+    half the size; patches are then tied linearly, `hifi.bodies.patch.tie_matrix`), boundaries kept. Raises ValueError for
+    another kind."""
     if kind not in ("P1", "P2"):
         raise ValueError(f"coarse body of {kind!r} elements: P1 or P2")
     if kind == "P2":

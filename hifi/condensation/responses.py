@@ -11,8 +11,7 @@ import scipy.sparse as sp
 from skfem import Mesh, condense
 from skfem.models.poisson import mass
 
-from rollbench.hifi.assembly import cells
-from rollbench.hifi.bodies import (
+from rollbench.hifi.bodies.coarse import (
     Socket,
     assemble,
     end_transform,
@@ -23,15 +22,16 @@ from rollbench.hifi.bodies import (
     of_order,
     patch_modes,
 )
-from rollbench.hifi.cell import Homogenised, homogenise
-from rollbench.hifi.mounting import Stretch
-from rollbench.hifi.part_meshes import body_kind, placed, sockets_of
-from rollbench.hifi.patch import CondensedPatch
-from rollbench.hifi.response import compliance, transport
-from rollbench.hifi.rigid import rigid_modes
-from rollbench.hifi.settings import Settings
-from rollbench.hifi.shaft import ShaftSection, round_section, tube
-from rollbench.hifi.sides import SidePatches
+from rollbench.hifi.bodies.patch import CondensedPatch
+from rollbench.hifi.condensation.sides import SidePatches
+from rollbench.hifi.elements.assembly import cells
+from rollbench.hifi.elements.rigid import rigid_modes
+from rollbench.hifi.linear_algebra.response import compliance, transport
+from rollbench.hifi.meshing.part_meshes import body_kind, placed, sockets_of
+from rollbench.hifi.meshing.settings import Settings
+from rollbench.hifi.shaft.beam import ShaftSection, round_section, tube
+from rollbench.hifi.shaft.cell import Homogenised, homogenise
+from rollbench.hifi.shaft.mounting import Stretch
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.ball_body import BallBody
 from rollbench.meshes.fem import nodes_on, points_of

@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.linalg.lapack import dpotrs
 
-from rollbench.hifi.compliance import picked_factor
-from rollbench.hifi.hertz import HertzSolution, hertz
-from rollbench.hifi.patch import CondensedPatch
-from rollbench.hifi.pressures import mean_weights
+from rollbench.hifi.bodies.patch import CondensedPatch
+from rollbench.hifi.contact.compliance import picked_factor
+from rollbench.hifi.contact.hertz import HertzSolution, hertz
+from rollbench.hifi.elements.pressures import mean_weights
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Material

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rollbench.hifi.expected import expected_contacts
+from rollbench.hifi.meshing.expected import expected_contacts
 from rollbench.meshes.parts import Scene
 
 #: Expected semi-axes are rounded to this length [m], so that like scenes share their patches.

@@ -24,12 +24,12 @@ import numpy as np
 import scipy.sparse as sp
 from skfem import Mesh
 
-from rollbench.hifi import assembly
-from rollbench.hifi.bodies import Socket, assemble, freedoms, isostatic, mode_rows, rigid_loads
-from rollbench.hifi.forms import elasticity
-from rollbench.hifi.patch import CondensedPatch, PatchMesh, hat_rows
-from rollbench.hifi.response import compliance
-from rollbench.hifi.rigid import rigid_modes
+from rollbench.hifi.bodies.coarse import Socket, assemble, freedoms, isostatic, mode_rows, rigid_loads
+from rollbench.hifi.bodies.patch import CondensedPatch, PatchMesh, hat_rows
+from rollbench.hifi.elements import assembly
+from rollbench.hifi.elements.forms import elasticity
+from rollbench.hifi.elements.rigid import rigid_modes
+from rollbench.hifi.linear_algebra.response import compliance
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.fem import freedoms_on, points_of
 
@@ -53,7 +53,7 @@ class Piece:
 def fine_compliance(piece: Piece, patch: PatchMesh, normals: Array, young: float, poisson: float) -> Array:
     """C_fine ``(c, c)`` [m/N]: means over hats of the motion along ``normals`` ``(c, 3)`` under unit forces spread by hats.
 
-    Raises hifi.solvers.FactorError for a piece that does not hold together.
+    Raises hifi.linear_algebra.solvers.FactorError for a piece that does not hold together.
     """
     return piece_compliance(piece, patch, hat_rows(patch, normals), young, poisson)
 
@@ -61,8 +61,8 @@ def fine_compliance(piece: Piece, patch: PatchMesh, normals: Array, young: float
 def piece_compliance(piece: Piece, patch: PatchMesh, rows: sp.csr_matrix, young: float, poisson: float) -> Array:
     """Answers ``(m, m)`` [m/N] of a piece with a patch in its socket to loads ``rows`` ``(m, 3 n)`` on the patch.
 
-    The patch is not condensed: its inner freedoms and the piece's are solved as one. Raises hifi.solvers.FactorError for a
-    piece that does not hold together.
+    The patch is not condensed: its inner freedoms and the piece's are solved as one. Raises
+    hifi.linear_algebra.solvers.FactorError for a piece that does not hold together.
     """
     form = elasticity(young, poisson)
     K_patch, K_body = assembly.assemble(form, patch.mesh), assembly.assemble(form, piece.mesh)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
-from rollbench.hifi.solvers import gram
+from rollbench.hifi.linear_algebra.solvers import gram
 from rollbench.meshes.arrays import Array
 
 

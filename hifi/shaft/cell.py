@@ -1,9 +1,9 @@
 """Section of a grooved shaft, homogenised: stiffnesses of the beam that stretches, bends and twists like the 3D shaft.
 
-Its stiffnesses are exact but for a plane mesh (`hifi.helical_section`). What happens where it is cut (`hifi.cut`) follows
-from 3D shafts of one and two whole numbers of leads, and a third one that ends in another phase of the groove, clamped at
-one flat end and loaded at the other, a rigid section; the difference of the first two is that of the leads between. Their
-meshes are too stiff, by a per cent in bending, so that this difference serves the cut alone.
+Its stiffnesses are exact but for a plane mesh (`hifi.shaft.helical_section`). What happens where it is cut
+(`hifi.shaft.cut`) follows from 3D shafts of one and two whole numbers of leads, and a third one that ends in another phase
+of the groove, clamped at one flat end and loaded at the other, a rigid section; the difference of the first two is that of
+the leads between. Their meshes are too stiff, by a per cent in bending, so that this difference serves the cut alone.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from rollbench.hifi.assembly import assemble
-from rollbench.hifi.bodies import end_transform
-from rollbench.hifi.cut import cut_flexibility
-from rollbench.hifi.forms import elasticity
-from rollbench.hifi.helical_section import helical_stiffness
-from rollbench.hifi.response import compliance
-from rollbench.hifi.shaft import ShaftSection, round_section
+from rollbench.hifi.bodies.coarse import end_transform
+from rollbench.hifi.elements.assembly import assemble
+from rollbench.hifi.elements.forms import elasticity
+from rollbench.hifi.linear_algebra.response import compliance
+from rollbench.hifi.shaft.beam import ShaftSection, round_section
+from rollbench.hifi.shaft.cut import cut_flexibility
+from rollbench.hifi.shaft.helical_section import helical_stiffness
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import BodySpec, build_body
@@ -31,7 +31,7 @@ from rollbench.meshes.sockets import SocketSize
 class Homogenised:
     """Section, and the radii [m] of plain shafts of equal axial, bending and torsional stiffness; axial-torsional
     coupling (twist by an axial force over the geometric mean of both flexibilities); flexibility ``(6, 6)`` of a cut that
-    ends the shaft, in the frame of the cut (`hifi.cut`)."""
+    ends the shaft, in the frame of the cut (`hifi.shaft.cut`)."""
 
     section: ShaftSection
     radii: tuple[float, float, float]

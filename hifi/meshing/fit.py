@@ -8,8 +8,8 @@ from functools import partial
 
 import numpy as np
 
-from rollbench.hifi.patch import Lines, graded, growing
-from rollbench.hifi.settings import Settings
+from rollbench.hifi.bodies.patch import Lines, graded, growing
+from rollbench.hifi.meshing.settings import Settings
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.ball_body import BallSocket, ball_depth, ball_points
 from rollbench.meshes.groove_map import GrooveMap

@@ -14,8 +14,8 @@ import scipy.sparse as sp
 from skfem import ElementHex2, Mesh
 from skfem.quadrature import get_quadrature
 
-from rollbench.hifi.assembly import faces, products
-from rollbench.hifi.forms import share
+from rollbench.hifi.elements.assembly import faces, products
+from rollbench.hifi.elements.forms import share
 from rollbench.meshes.arrays import Array, Index
 
 

@@ -1,10 +1,10 @@
 """Elimination of a sparse matrix front by front (multifrontal): what B^T K^-1 B needs, or a factor to be solved with.
 
-The freedoms are eliminated in supernodes (`hifi.dissection`). The front of a supernode is the dense matrix of its rows,
-with the columns of B that load its subtree as a border; what its elimination leaves goes to its parent. (Duff and Reid
-1983.) For B^T K^-1 B the factor of K is never held, only the fronts under way: the border's share, Y^T Y with Y = L^-1 B,
-goes straight into the result. Memory is that of K, of the result and of the fronts of one branch, where a bordered factor
-holds L and Y whole.
+The freedoms are eliminated in supernodes (`hifi.linear_algebra.dissection`). The front of a supernode is the dense matrix
+of its rows, with the columns of B that load its subtree as a border; what its elimination leaves goes to its parent. (Duff
+and Reid 1983.) For B^T K^-1 B the factor of K is never held, only the fronts under way: the border's share, Y^T Y with Y =
+L^-1 B, goes straight into the result. Memory is that of K, of the result and of the fronts of one branch, where a bordered
+factor holds L and Y whole.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import scipy.sparse as sp
 from scipy.linalg.blas import dgemm, dsyrk, dtrsm
 from scipy.linalg.lapack import dpotrf
 
-from rollbench.hifi.dissection import Supernodes
+from rollbench.hifi.linear_algebra.dissection import Supernodes
 from rollbench.meshes.arrays import Array, Index
 
 #: Columns of a front that are added at once: of what lies above the diagonal, half this many rows are added in vain.

@@ -23,13 +23,13 @@ from time import perf_counter
 import numpy as np
 import scipy.sparse as sp
 
-from rollbench.hifi.assembly import assemble, nodal_areas
-from rollbench.hifi.balls import solve_balls
-from rollbench.hifi.compliance import uncoupled
-from rollbench.hifi.contact import ContactResult
-from rollbench.hifi.forms import elasticity
-from rollbench.hifi.hertz import HertzSolution, hertz
-from rollbench.hifi.solvers import factor
+from rollbench.hifi.contact.balls import solve_balls
+from rollbench.hifi.contact.compliance import uncoupled
+from rollbench.hifi.contact.hertz import HertzSolution, hertz
+from rollbench.hifi.contact.result import ContactResult
+from rollbench.hifi.elements.assembly import assemble, nodal_areas
+from rollbench.hifi.elements.forms import elasticity
+from rollbench.hifi.linear_algebra.solvers import factor
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.block import BlockMesh, Influence, hexahedra, tetrahedra
 from rollbench.meshes.fem import freedoms_on, nodes_on
@@ -100,7 +100,7 @@ def surface_compliance(mesh: BlockMesh, reach: tuple[float, float], young: float
         young, poisson: [Pa, -].
 
     Raises:
-        hifi.solvers.FactorError: the mesh does not hold together.
+        hifi.linear_algebra.solvers.FactorError: the mesh does not hold together.
     """
     start = perf_counter()
     matrix = sp.csr_matrix(assemble(elasticity(young, poisson), mesh.mesh))

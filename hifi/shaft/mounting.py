@@ -10,8 +10,8 @@ and the patches by u_m = (F_mm - F_mp F_pp^-1 F_pm) f_m + Y U: exact, and small 
 stretches add their L F_pp^-1 L^T; a nut on a housing has that for base, and no port.
 
 The stretch ends in flat rigid sections. Where a beam goes on, the real shaft does not end, and what such a cut does
-(`hifi.cut`) is taken off: at the base, where it is in series with all that hangs there, by B A B^T; at the upper end from
-the flexibility of that port.
+(`hifi.shaft.cut`) is taken off: at the base, where it is in series with all that hangs there, by B A B^T; at the upper end
+from the flexibility of that port.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import block_diag, cho_factor, cho_solve, qr
 
-from rollbench.hifi.cut import at_high, at_low
-from rollbench.hifi.frame import Frame
-from rollbench.hifi.response import transport
-from rollbench.hifi.shaft import ShaftSection, beam_stiffness
+from rollbench.hifi.linear_algebra.response import transport
+from rollbench.hifi.shaft.beam import ShaftSection, beam_stiffness
+from rollbench.hifi.shaft.cut import at_high, at_low
+from rollbench.hifi.shaft.frame import Frame
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import FREEDOMS, Scene
@@ -99,8 +99,8 @@ class Mounted:
 def without_cuts(stretch: Stretch, cut: Array, m: GrooveMap, stations: Sequence[float]) -> Stretch:
     """The stretch as a piece of a shaft that goes on, free of what its cut ends do.
 
-    cut: flexibility ``(6, 6)`` of one (`hifi.cut`); stations [m]: of supports and loads. An end beyond which there is none
-    is unchanged: it is the screw's own, free, or held flat as the scene says.
+    cut: flexibility ``(6, 6)`` of one (`hifi.shaft.cut`); stations [m]: of supports and loads. An end beyond which there is
+    none is unchanged: it is the screw's own, free, or held flat as the scene says.
     """
     low, high = stretch.ends
     F = stretch.F.copy()
@@ -199,8 +199,8 @@ def mount_all(
     length = np.tile(np.r_[np.ones(3), np.full(3, 1.0 / frame.arm)], T.shape[1] // 6)
     R = rows @ T * length
     if len(rows):
-        _, s, vt = np.linalg.svd(R)
-        rank = int((s > 1e-10 * s[0]).sum())
+        _, sizes, vt = np.linalg.svd(R)
+        rank = int((sizes > 1e-10 * sizes[0]).sum())
         start = length * (np.linalg.pinv(R, rcond=1e-10) @ given)
         free = length[:, None] * vt[rank:].T
     else:
@@ -296,7 +296,7 @@ def unheld(frame: Frame, origin: float) -> Array:
     def row(body: int, values: Array) -> Array:
         out = np.zeros(scale.size)
         out[6 * body : 6 * body + 6] = values
-        return out * scale
+        return np.asarray(out * scale)
 
     rows = [row(0, transport(x.at - origin)[FREEDOMS.index(name)]) for x in frame.supports for name, _ in x.fixed]
     rows += [row(1 + k, np.eye(6)[FREEDOMS.index(name)]) for k, h in enumerate(frame.housings) for name, _ in h.fixed]
@@ -304,7 +304,7 @@ def unheld(frame: Frame, origin: float) -> Array:
     for moved, stiffness in frame.springs():
         value, vector = np.linalg.eigh(np.linalg.inv(size) @ stiffness @ np.linalg.inv(size))
         stiff = vector[:, value > SLACK * value.max(initial=0.0)].T @ size @ moved
-        rows += [np.concatenate([np.zeros(6), own]) * scale for own in stiff]
+        rows += [np.concatenate([np.zeros(6), one]) * scale for one in stiff]
     if not rows:
         return np.diag(scale)
     _, s, vt = np.linalg.svd(np.array(rows))

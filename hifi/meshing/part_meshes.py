@@ -8,10 +8,10 @@ from typing import Literal
 
 import numpy as np
 
-from rollbench.hifi.bodies import Socket
-from rollbench.hifi.fit import ball_place, patch_lines, socket_size
-from rollbench.hifi.patch import PatchMesh, build_patch, build_tet_patch
-from rollbench.hifi.settings import Settings
+from rollbench.hifi.bodies.coarse import Socket
+from rollbench.hifi.bodies.patch import PatchMesh, build_patch, build_tet_patch
+from rollbench.hifi.meshing.fit import ball_place, patch_lines, socket_size
+from rollbench.hifi.meshing.settings import Settings
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.ball_body import BallBody, build_ball
 from rollbench.meshes.cache import Cache

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rollbench.hifi.response import transport
+from rollbench.hifi.linear_algebra.response import transport
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing, Joint
 from rollbench.meshes.parts import FREEDOMS, Load, Scene, Support
@@ -47,9 +47,10 @@ class Frame:
         for joint in self.joints:
             rows = np.zeros((6, 6 * len(self.housings)))
             for name, sign in ((joint.first, 1.0), (joint.second, -1.0)):
-                k = self.number(name)
-                if k is not None:
-                    rows[:, 6 * k : 6 * k + 6] = sign * transport(joint.at - self.housings[k].at)
+                moving = self.number(name)
+                if moving is not None:
+                    own = slice(6 * moving, 6 * moving + 6)
+                    rows[:, own] = sign * transport(joint.at - self.housings[moving].at)
             found.append((rows, np.array(joint.stiffness)))
         return found
 

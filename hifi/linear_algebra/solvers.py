@@ -1,7 +1,7 @@
 """Solvers for symmetric positive definite matrices behind one interface, chosen by size.
 
-`fronts`: Cholesky factor by dense blocks (`hifi.fronts`) in a nested-dissection order (`hifi.dissection`). `splu`: SuperLU
-of scipy, for small matrices.
+`fronts`: Cholesky factor by dense blocks (`hifi.linear_algebra.fronts`) in a nested-dissection order
+(`hifi.linear_algebra.dissection`). `splu`: SuperLU of scipy, for small matrices.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from typing import TypeVar
 import numpy as np
 import scipy.sparse as sp
 
-from rollbench.hifi.dissection import supernodes
-from rollbench.hifi.fronts import factor_by_fronts, gram_by_fronts
+from rollbench.hifi.linear_algebra.dissection import supernodes
+from rollbench.hifi.linear_algebra.fronts import factor_by_fronts, gram_by_fronts
 from rollbench.meshes.arrays import Array
 
 T = TypeVar("T")
@@ -75,7 +75,8 @@ def factor(K: sp.spmatrix, *, method: str = "auto") -> Factor:
 
 
 def gram(K: sp.spmatrix, B: sp.spmatrix) -> Array:
-    """B^T K^-1 B, shape (m, m), for sparse B (n, m): front by front (`hifi.fronts`), without holding the factor.
+    """B^T K^-1 B, shape (m, m), for sparse B (n, m): front by front (`hifi.linear_algebra.fronts`), without holding the
+    factor.
 
     Checked by one column more, K x for a known x, whose answer is x. Where that fails, a warning says so, and a factor that
     is held whole is solved with, column by column: it says what is wrong with the matrix. So it does, without a warning, up

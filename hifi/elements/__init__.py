@@ -1,0 +1,1 @@
+"""Finite elements: weak forms, their fast assembly, pressures as hats, rigid motions."""
