@@ -11,7 +11,7 @@ that the largest contact comes out some per cent too large and loads by prescrib
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
 
@@ -125,6 +125,17 @@ def expected_by_set(assembly: Assembly) -> tuple[ExpectedContacts, ...]:
             offset = s.offset + (away * closing(s.parts, s.preload) if s.preload else 0.0)
             sets.append(_Set(s.parts, _sides(s.parts, s.thrust), offset, frame.number(s.housing)))
     return _expected(tuple(sets), frame)
+
+
+def carrying(scene: Scene, idle: ExpectedContacts, load: float) -> ExpectedContacts:
+    """Contacts of a set that carries nothing, as if those sides that are nearest to its balls carried a ``load`` [N]."""
+    nearest = int(idle.gap.min(axis=0).argmin())
+    on = np.isin(np.arange(4), (nearest, 3 - nearest)) & np.ones_like(idle.load, dtype=bool)
+    across, along = (
+        np.where(on, np.cbrt(load) * np.array([getattr(unit, name) for unit in hertz_units(scene)]), 0.0)
+        for name in ("semi_x", "semi_y")
+    )
+    return replace(idle, load=np.where(on, load, 0.0), across=across, along=along, gap=np.where(on, -1.0, np.inf))
 
 
 def closing(scene: Scene, force: float) -> float:

@@ -45,15 +45,15 @@ def room(settings):
 
 
 def found(factor):
-    """A run with the expected loads times a factor, at the nominal angles."""
+    """The expected loads times a factor, at the nominal angles."""
     load = factor * expected_contacts(CASE).load
-    return SimpleNamespace(load=load, angle=np.where(load > 0.0, 45.0, np.nan))
+    return load, np.where(load > 0.0, np.radians(45.0), np.nan)
 
 
 @pytest.mark.parametrize("factor", [1.0, 8.0])
 def test_patches_grow_to_the_loads_found(factor):
     setup = prepared()
-    larger, words = enlarged(setup, [CASE], [found(factor)])
+    larger, words = enlarged(setup, [found(factor)])
     assert larger is not None
     needs = factor ** (1.0 / 3.0) * expected_contacts(CASE).across.max()
     assert larger.reach[0] >= max(BEYOND * setup.settings.reach[0], needs) * (1.0 - 1e-12)
@@ -63,7 +63,7 @@ def test_patches_grow_to_the_loads_found(factor):
 
 
 def test_patches_that_fill_the_flank_are_not_built_again():
-    larger, words = enlarged(prepared(reach=(1.568e-3, 0.2e-3)), [CASE], [found(1.0)])
+    larger, words = enlarged(prepared(reach=(1.568e-3, 0.2e-3)), [found(1.0)])
     assert larger is None
     assert "mm across" in words
     assert "a larger one is refused: no room for the contact ellipse" in words
@@ -124,7 +124,7 @@ def test_set_ups_are_built_again_only_where_a_contact_is_at_the_rim(monkeypatch,
 
 def test_patches_grow_to_the_edge_where_a_whole_step_is_refused():
     setup = prepared(reach=(1.45e-3, 0.2e-3))
-    larger, _ = enlarged(setup, [CASE], [found(1.0)])
+    larger, _ = enlarged(setup, [found(1.0)])
     assert larger is not None
     assert room(setup.settings) < room(larger)
     assert 1.54e-3 < larger.reach[0] < 1.58e-3
