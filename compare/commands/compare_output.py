@@ -80,7 +80,7 @@ class Beside:
 
 
 def beside(scene: Scene, answer: Loads, found: Reference | None, start: float = 0.0, contacts: int | None = None) -> Beside:
-    """An answer beside a reference, or by itself; start: the axial place [m] without loads; contacts: those that the nominal
+    """An answer beside a reference, or by itself; start: the axial place [m] without loads; contacts: how many the nominal
     screw loads, where the scene itself does not tell."""
     angle = np.radians(answer.angle)
     moved = float(np.interp(scene.nut.position, answer.stations, answer.line[:, 2])) if answer.stations.size else np.nan

@@ -81,7 +81,7 @@ def run_mesh_study(
 
 
 def table_of(one: Referenced, stores: Sequence[Path], levels: int) -> list[dict[str, Any]]:
-    """The table of a mesh study; of a set of several without the effect of modelling choices, which are not varied there."""
+    """The table of a mesh study; of one of several sets without the effect of modelling choices: none is varied there."""
     return study_table(one.scene, stores, levels) if one.of is None else quantity_table(one.found, None, {})
 
 
