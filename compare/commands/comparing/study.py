@@ -1,0 +1,243 @@
+"""The commands ``rollbench mesh-study`` and ``rollbench compare``."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from rollbench.comparison.commands.comparing.compare_output import (
+    Beside,
+    Comparison,
+    answers_json,
+    answers_table,
+    compared,
+    contact_rows,
+    start_lines,
+    verdict,
+    write_files,
+)
+from rollbench.comparison.commands.comparing.compare_output import table as compared_table
+from rollbench.comparison.commands.printing import Answer, on_terminal
+from rollbench.comparison.commands.wrapping import aligned
+from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.models.comparison import compared_models, finest_bodies, rows, suited
+from rollbench.comparison.models.mesh_study import closing, level_rows, quantity_table, study_table
+from rollbench.comparison.models.referenced import Referenced, referenced
+from rollbench.comparison.reference.estimate import Reference
+from rollbench.comparison.reference.jobs import Engine, all_variants, ensure, plan
+from rollbench.comparison.reference.levels import ADVISED, LEVELS, SOURCE_LEVEL
+from rollbench.comparison.reference.store import Run, shipped_store
+from rollbench.comparison.reference.tasks import Solvable, Task
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.scenes.scene_file import solvable
+from rollbench.comparison.writing import no_figure, replace_file, write_figure
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import Scene
+from rollbench.reports.cells import harmless
+
+#: Exit code where a reference has loads that did not settle.
+NOT_SETTLED = 5
+
+
+def run_mesh_study(
+    names: Sequence[str], levels: int, store: Path, engine: Engine, *, spread: bool, source: bool, fresh: bool = False
+) -> Answer:
+    """Compute what is missing (fresh: everything anew), answer with the table, write it as CSV and SVG into the store.
+
+    Raises Refusal for a scene of which no run converged.
+    """
+    from rollbench.comparison.sections.study_figure import study_figure
+
+    scenes = [solvable(catalogue.any_scene(name), name) for name in names]
+    stores = (store,) if fresh else (store, shipped_store())
+    found = compute_study(scenes, levels, stores, engine, on_terminal, spread=spread, source=source, fresh=fresh)
+    tables: dict[str, list[dict[str, Any]]] = {scene.name: [] for scene in scenes}
+    parts: list[Any] = []
+    for one in found:
+        own, stem = table_of(one, stores, levels), store / f"{one.scene.name}-mesh-study"
+        rows = own if one.of is None else [{"set": one.of.name, **row} for row in own]
+        tables[one.scene.name if one.of is None else one.of.assembly.name] += rows
+        text = io.StringIO()
+        writer = csv.DictWriter(text, list(dict.fromkeys(k for row in rows for k in row)))
+        writer.writeheader()
+        writer.writerows({k: harmless(v) if isinstance(v, str) else v for k, v in row.items()} for row in rows)
+        replace_file(Path(f"{stem}.csv"), text.getvalue())
+        figure = study_figure(one.scene.name, own, one.found)
+        if figure is not None:
+            write_figure(Path(f"{stem}.svg"), figure)
+        parts += [f"mesh study of {one.found.scene}", "", aligned(level_rows(one.found)), "", aligned(_extremes(own)), ""]
+        parts += [closing(one.found), *filter(None, [one.found.unsettled])]
+        parts.append(f"every contact: {stem}.csv and {no_figure() or '.svg'}")
+    return Answer(tables, parts, code_of(one.found for one in found))
+
+
+def table_of(one: Referenced, stores: Sequence[Path], levels: int) -> list[dict[str, Any]]:
+    """The table of a mesh study; of one of several sets without the effect of modelling choices: none is varied there."""
+    return study_table(one.scene, stores, levels) if one.of is None else quantity_table(one.found, None, {})
+
+
+def compute_study(
+    scenes: Sequence[Solvable],
+    levels: int,
+    stores: Sequence[Path],
+    engine: Engine,
+    step: Callable[[str], None],
+    *,
+    spread: bool = False,
+    source: bool = False,
+    fresh: bool = False,
+) -> list[Referenced]:
+    """References of the scenes by all runs on levels 1 to ``levels``, set by set; what the stores lack is computed and kept
+    in the first.
+
+    spread, source, fresh: as the options of ``rollbench mesh-study``. Raises InputError for other levels, and for spread of
+    several sets on one shaft, Refusal for a scene of which no run converged.
+    """
+    if not 1 <= levels <= len(LEVELS):
+        raise InputError("command line", "--levels", str(levels), f"1 to {len(LEVELS)}", "three levels give an order")
+    tasks = plan(scenes, range(1, levels + 1), source=source)
+    several = next((s.name for s in scenes if isinstance(s, Assembly)), None) if spread else None
+    if several is not None:
+        raise InputError("command line", "--spread", f"with {several}", "scenes of one set", "leave it out")
+    if spread:
+        tasks += [t for s in scenes for t in plan([s], (), all_variants())]
+
+    def first(task: Task) -> None:
+        """Say what the coarsest level found while finer ones are computed."""
+        for scene in task.scenes if task.level == min(LEVELS) and not task.variant else ():
+            for one in referenced(scene, stores[:1], (task.level,)):
+                table = _extremes(table_of(one, stores[:1], task.level))
+                values = (f"{row['quantity']} {row[f'level {task.level}']:.4g} {row['unit']}" for row in table)
+                step(f"{one.found.scene}, by level {task.level} alone: {'; '.join(values)}")
+
+    failed = ensure(tasks, stores[0], engine, step, stores[1:], fresh=fresh, stored=first)
+    found = []
+    for scene in scenes:
+        sets = referenced(scene, stores, tuple(range(1, levels + 1)), fitted=levels)
+        if not sets:
+            raise unconverged(scene.name, failed)
+        found += sets
+    return found
+
+
+def code_of(found: Iterable[Reference]) -> int:
+    """Exit code of a command that shows references: `NOT_SETTLED` where the loads of one did not settle, else 0."""
+    return NOT_SETTLED if any(reference.unsettled for reference in found) else 0
+
+
+def unconverged(name: str, failed: Sequence[Run]) -> Refusal:
+    """What is said of a scene without a converged run: what became of its runs."""
+    why = [f"level {run.level}: {run.status}" for run in failed if run.scene == name]
+    reason = f"no run of the 3D reference converged ({'; '.join(why)})" if why else "no converged run of the 3D reference"
+    return Refusal(name, "3D reference", reason, "change what the status names, or solve it with a low-order model")
+
+
+def _extremes(table: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Rows and columns of the terminal: no single balls, uncertainty in the quantity's unit alone."""
+    return [
+        {k: v for k, v in row.items() if k not in ("uncertainty_percent", "kind")}
+        for row in table
+        if "load of ball" not in row["quantity"]
+    ]
+
+
+def parse_levels(text: str) -> tuple[int, ...]:
+    """Levels of ``--levels``: ``3`` (levels 1 to 3), ``1,3``, ``source,1,2,3``. Raises InputError."""
+    allowed = f"a number from 1 to {len(LEVELS)}, or some of source, {', '.join(map(str, LEVELS))} with commas"
+    if text in [str(k) for k in LEVELS]:
+        return tuple(range(1, int(text) + 1))
+    names = {"source": SOURCE_LEVEL} | {str(k): k for k in LEVELS}
+    parts = [part.strip() for part in text.split(",")]
+    if any(part not in names for part in parts):
+        raise InputError("command line", "--levels", f'"{text}"', allowed, "3 computes levels 1, 2 and 3")
+    return tuple(sorted({names[part] for part in parts}))
+
+
+def run_compare(
+    names: Sequence[str],
+    models: Sequence[str],
+    levels: tuple[int, ...] | None,
+    store: Path,
+    engine: Engine,
+    *,
+    fresh: bool = False,
+    balls: bool = False,
+) -> Answer:
+    """Verdict, answers, table and files of every scene, models beside the reference; what is not stored is computed first.
+
+    JSON: verdict and answers of every scene, and rows of every quantity and model, the reference's coarser runs among
+    them. balls: also print every contact.
+    levels: None for the best stored reference (levels `ADVISED` are computed where there is none); else just those. fresh:
+    compute them even where they are stored. Raises Refusal for a scene of which no run converged.
+    """
+    own = compared_models(tuple(models))
+    scenes = [solvable(catalogue.any_scene(name), name) for name in names]
+    stores = (store, shipped_store())
+    without = [s for s in scenes if not referenced(s, stores)] if levels is None and not fresh else scenes
+    failed: list[Run] = []
+    if without:
+        wanted = levels or ADVISED
+        tasks = plan(without, [k for k in wanted if k != SOURCE_LEVEL], source=SOURCE_LEVEL in wanted)
+
+        def first(task: Task) -> None:
+            """Print the verdict by the coarsest level while finer ones are computed."""
+            for scene in task.scenes if task.level == min(set(wanted) - {SOURCE_LEVEL}) else ():
+                for one in referenced(scene, (store,), (task.level,)):
+                    whole = compared(one.scene, (own or suited(scene))[:1], one.found, stores, one.of)
+                    on_terminal(f"{one.found.scene}, by level {task.level} alone: {verdict(whole, one.found)}")
+
+        failed = ensure(tasks, store, engine, on_terminal, stores, fresh=fresh, stored=first)
+    found = [referenced(scene, stores) for scene in scenes]
+
+    def each() -> Iterator[tuple[Referenced, Comparison]]:
+        """References and what is compared with them, as they are asked for."""
+        for scene, sets in zip(scenes, found, strict=True):
+            if not sets:
+                raise unconverged(scene.name, failed)
+            for one in sets:
+                yield one, compared(one.scene, own or suited(scene), one.found, stores, one.of)
+
+    def parts() -> Iterator[Any]:
+        for one, whole in each():
+            yield from (f"{one.found.scene}: {verdict(whole, one.found)}", "", *filter(None, [whole.total.beside]))
+            yield from (answers_table(whole), *start_lines(whole), "", compared_table(whole.models, whole.itself), "")
+            if balls:
+                yield from (_contacts(one.scene, whole.models, one.found), "")
+            bodies = finest_bodies(one.scene, one.found, stores) if one.of is None else None
+            if bodies is not None:
+                name = names[scenes.index(one.scene)]
+                yield f"preload, 6 x 6 stiffness, friction by the 3D bodies: rollbench solve {name} --condensed {bodies}"
+            yield write_files(one.scene, whole.models, one.found, store)
+
+    def data() -> dict[str, Any]:
+        pairs = list(each())
+        listed = [
+            row.as_json() | named(one)
+            for one, whole in pairs
+            for b in whole.models
+            for row in rows(one.scene, b.answer, one.found)
+        ]
+        return {"scenes": [answers_json(whole, one.found) | named(one) for one, whole in pairs], "rows": listed}
+
+    return Answer(data, parts(), code_of(one.found for sets in found for one in sets))
+
+
+def named(one: Referenced) -> dict[str, str]:
+    """Keys of a set of several on one shaft: that of the scene, and its own."""
+    return {} if one.of is None else {"scene": one.of.assembly.name, "set": one.of.name}
+
+
+def _contacts(scene: Scene, models: Sequence[Beside], found: Reference) -> Any:
+    from rich.table import Table
+
+    own = contact_rows(scene, models, found)
+    out = Table(title=f"{scene.name}: contact loads / N", title_justify="left", box=None, pad_edge=False)
+    for column in list(own[0])[1:]:
+        out.add_column(column.removesuffix("_N"), justify="right")
+    for row in own:
+        cells = list(row.values())[1:]
+        out.add_row(*("–" if v is None else f"{v:.2f}" if isinstance(v, float) else str(v) for v in cells))
+    return out
