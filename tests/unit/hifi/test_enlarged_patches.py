@@ -79,16 +79,16 @@ def test_set_ups_are_built_again_only_where_a_contact_is_at_the_rim(monkeypatch,
         return prepared(reach=settings.reach)
 
     def one(_task, _number, scene, _setup, _sides, _step):
-        run = found(1.0)
+        load, angle = found(1.0)
         return Run(
             scene.name,
             1,
             "",
             AT_RIM if len(made) <= rim else "converged",
-            run.load,
-            run.angle,
-            run.load,
-            run.load,
+            load,
+            np.degrees(angle),
+            load,
+            load,
             {},
             {},
             (0, 3),
