@@ -245,7 +245,7 @@ def _summary_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Com
         ratio,
         own,
         ratio_uncertainty(found),
-        float(error_percent(ratio, own)),
+        float(error_percent(ratio, own)) if np.isfinite([ratio, own]).all() else None,
         answer.seconds,
     )
 

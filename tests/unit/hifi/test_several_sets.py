@@ -57,6 +57,7 @@ PAIR = Assembly(
     supports=(Support(0.16, BUT_UZ),),
     loads=(Load(0.16, (0.0, 0.0, 300.0)),),
 )
+ROLLERS = RollerRow(9, 8e-3, 1e-2, 0.3, 0.03, 1e-2, PARTS.nut.material)
 
 
 @pytest.fixture(scope="module")
@@ -183,10 +184,7 @@ def test_expected_contacts_of_one_set_are_those_of_its_scene():
         ({"thermal_strain": 1e-5}, "a shaft that warms"),
         ({"sets": (ball_nut("a", 0.2, 0.0), ball_nut("b", 0.23, 0.0))}, "a and b overlap by 2 mm"),
         ({"sets": (replace(PAIR.sets[0], carrier="hub"),)}, "first: an inner ring on a housing"),
-        (
-            {"sets": (replace(PAIR.sets[0], parts=RollerRow(9, 8e-3, 1e-2, 0.3, 0.03, 1e-2, PARTS.nut.material)),)},
-            "rollers",
-        ),
+        ({"sets": (replace(PAIR.sets[0], parts=ROLLERS),)}, "rollers"),
     ],
 )
 def test_what_has_no_3d_body_is_refused(change, why):
