@@ -163,7 +163,8 @@ def test_half_a_turn_about_a_diameter_changes_nothing_but_names(prepared):
 
 
 def test_equal_nuts_have_equal_bodies():
-    first, second = bodies_of(PAIR)
+    beyond = Support(0.35, (("ux", 0.0),))  # the shaft goes on beyond the second, as beyond the first
+    first, second = bodies_of(replace(PAIR, supports=(*PAIR.supports, beyond)))
     assert first.bodies == second.bodies
     assert second.shift - first.shift == pytest.approx(0.048)
     assert first.bodies.screw.length == pytest.approx(0.032 + 2 * 0.008)  # half the way to one another, on both sides
