@@ -169,7 +169,7 @@ def test_commands_of_one_set_refuse_several_with_the_reason():
     assert AXIS_MODELS == ("refined", "lin", "lin-cell", "lin-nut")
     with pytest.raises(InputError, match="see: rollbench list"):
         run_model(catalogue.shipped("double-nut"), "none")
-    for kind in ("compare", "mesh-study", "export", "condense"):
+    for kind in ("export", "condense"):
         with pytest.raises(SystemExit) as stopped:
             main([kind, "double-nut", *(["screw"] if kind == "export" else [])])
         assert stopped.value.code == 2
