@@ -29,6 +29,8 @@ from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Errors, Scene, Support
 from rollbench.meshes.solid import SHAFT
 
+#: Overlap [m] of neighbouring rings that is rounding.
+NEAR = 1e-6
 #: Relative error of a preload by force that is enough, and steps that are tried: contact loads settle to a like share.
 MET, STEPS = 1e-5, 12
 #: Step of the differences that begin a preload by force, in logarithms; the part of their slope's largest singular value
@@ -65,10 +67,11 @@ def bodies_of(assembly: Assembly) -> tuple[SetBodies, ...]:
     room = [np.inf] * len(sets)
     for a, b in pairwise(order):
         gap = faces[b][0] - faces[a][1]
-        if gap < 0.0:
+        if gap < -NEAR:
             names = f"{sets[a][0].name} and {sets[b][0].name}"
             raise ValueError(f"{names} overlap by {-1e3 * gap:.4g} mm: a stretch of 3D shaft carries one set")
-        room[a], room[b] = min(room[a], gap / 2.0), min(room[b], gap / 2.0)
+        own = round(gap / 2.0, 10)  # equal nuts are equal in their last digit too
+        room[a], room[b] = min(room[a], own), min(room[b], own)
     stations = {*(x.at for x in assembly.supports), *(x.at for x in assembly.loads)}
     reach = min((*stations, *(x for face in faces for x in face))), max((*stations, *(x for face in faces for x in face)))
     return tuple(_bodies(parts, assembly, room[k], stations, reach) for k, (_, parts) in enumerate(sets))
