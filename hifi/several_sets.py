@@ -227,6 +227,8 @@ def _preloaded(assembly: Assembly, placed: tuple[PlacedSet, ...], frame: Frame) 
         if float(np.abs(value).max()) <= MET:
             break
         move = np.clip(np.linalg.lstsq(slope, -value, rcond=NOISE)[0], -1.0, 1.0)
+        if not move.any():  # no shift of these nuts moves a force
+            break
         new = excess(depth + move)
         slope = slope + np.outer(new - value - slope @ move, move) / float(move @ move)
         depth, value = depth + move, new
