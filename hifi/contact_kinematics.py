@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import scipy.sparse as sp
 
-from rollbench.hifi.contact.compliance import Compliance
-from rollbench.hifi.contact.result import ContactResult
-from rollbench.hifi.coupling import Zones, modal_motion
+from rollbench.hifi.coupling import Zones
 from rollbench.hifi.elements.pressures import mean_weights
 from rollbench.hifi.meshing.part_meshes import rotation
 from rollbench.hifi.setup import Setup
@@ -73,31 +73,20 @@ def groove_errors(setup: Setup, drawn: Specimen, sides: tuple[int, ...]) -> Arra
     return np.concatenate(rows, axis=1)
 
 
-def directions_matrix(directions: Array, screw_rows: Array, motions: Array) -> sp.csr_matrix:
-    """N: gap closed by unit motions of each ball (3) and of the screw's unheld rigid motions."""
-    count, n, _ = directions.shape
-    rows, cols, vals = [], [], []
-    for i in range(count):
-        rows.append(np.repeat(i * n + np.arange(n), 3))
-        cols.append(np.tile(3 * i + np.arange(3), n))
-        vals.append(directions[i].ravel())
-    for k in range(motions.shape[1]):
-        closing = -(screw_rows @ motions[:, k])
-        own = np.flatnonzero(closing)
-        rows.append(own)
-        cols.append(np.full(own.size, 3 * count + k))
-        vals.append(closing[own])
-    return sp.coo_matrix(
-        (np.concatenate(vals), (np.concatenate(rows), np.concatenate(cols))), (count * n, 3 * count + motions.shape[1])
-    ).tocsr()
+def directions_matrix(directions: Sequence[Array], unheld: Array) -> sp.csr_matrix:
+    """N: gap closed by unit motions of each ball (3), by the normals ``(balls, n, 3)`` of every set, and by the unheld
+    rigid motions, which move the grooves' nodes along their normals by ``unheld`` ``(pairs, k)``."""
+    balls = sp.block_diag([one for of_set in directions for one in of_set])
+    return sp.hstack([balls, sp.csr_matrix(-unheld)]).tocsr()
 
 
-def screw_rows(setup: Setup, directions: Array, zones: Zones, origin: float) -> Array:
-    """Motion of the screw's contact nodes along their normals by its rigid motion about ``origin``, ``(c, n, 6)``."""
+def rigid_rows(setup: Setup, directions: Array, zones: Zones, origin: float, *, screw: bool) -> Array:
+    """Motion of the contact nodes of the screw, or of the nut, along their normals by its rigid motion about the station
+    ``origin`` [m] of the set-up, ``(c, n, 6)``."""
     count, n, _ = directions.shape
     out = np.zeros((count, n, 6))
     for part, s in zip(zones.parts, zones.sides, strict=True):
-        if s >= 2:
+        if (s < 2) != screw:
             continue
         local = setup.patches[s].groove.points
         for i in range(count):
@@ -109,28 +98,23 @@ def screw_rows(setup: Setup, directions: Array, zones: Zones, origin: float) -> 
     return out
 
 
-def relative_motion(
-    setup: Setup, result: ContactResult, C: Compliance, directions: Array, zones: Zones, at_rest: Array, rigid: Array
-) -> tuple[Array, Array]:
+def relative_motion(setup: Setup, balls: Array, along: Array, directions: Array, zones: Zones) -> tuple[Array, Array]:
     """Motion of each ball's centre relative to each of its grooves, the same for a side's nodes: in the section plane
     ``(balls, n, 3)``, and along the track ``(balls, n)``, less what the sides of a ball have in common [m].
 
-    The groove's own motion is read along the normal from the body's modes and its rigid motion: what the ball's centre
-    moves beyond the groove. Along the track it is what turns the normals; a ball may stand anywhere on its track.
+    balls: motions of the centres ``(balls, 3)``; along: those of the grooves' nodes along their normals ``(balls, n)``, by
+    the bodies' modes and rigid motions [m]. What the ball's centre moves beyond the groove across its track is what turns
+    the normals; a ball may stand anywhere along it.
 
     A groove is invariant under its helical motion, which therefore changes no gap, and does no work on what presses on it
     without friction: every contact stands abreast of the ball. By linear kinematics a screw that winds up by theta moves
     its contacts R theta/2 along, and R theta^2/2 out of their section. The middle of the pressures would show the same
     motion, but on the grid: under a light contact that closes few nodes it sticks to them, or jumps.
     """
-    count, n, _ = directions.shape
-    y = result.motions[: 3 * count].reshape(count, 3)
-    z = C.coupling @ C.amplitude(result.forces) + at_rest
-    along = (modal_motion(C, z) + rigid @ result.motions[3 * count :]).reshape(count, n)
-    motion = np.zeros((count, len(zones.parts), 3))
+    motion = np.zeros((len(balls), len(zones.parts), 3))
     for k, part in enumerate(zones.parts):
-        for i in range(count):
-            motion[i, k] = y[i] - np.linalg.lstsq(directions[i, part], along[i, part], rcond=1e-6)[0]
+        for i in range(len(balls)):
+            motion[i, k] = balls[i] - np.linalg.lstsq(directions[i, part], along[i, part], rcond=1e-6)[0]
     y3 = tangent(setup)
     slid = motion @ y3
     shift = motion - slid[..., None] * y3

@@ -10,7 +10,6 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from rollbench.hifi.contact.compliance import BallBlock, Compliance, coupled
-from rollbench.hifi.contact.result import ContactResult
 from rollbench.hifi.setup import Setup
 from rollbench.hifi.shaft.mounting import Mounted, beam_stretch, mount
 from rollbench.meshes.arrays import Array, Index
@@ -32,38 +31,67 @@ def zones_of(setup: Setup, sides: tuple[int, ...]) -> Zones:
     return Zones(sides, tuple(slice(int(a), int(b)) for a, b in pairwise(ends)), int(ends[-1]))
 
 
+@dataclass(frozen=True)
+class PlacedSet:
+    """A prepared geometry on a shaft: the scene whose errors it has, sides that may touch; shift: station [m] of the shaft
+    at which the geometry's own stations begin; housing: number of the one that carries its nut among those that can move
+    (None: the nut is held); offset: shift of the nut along z against what holds it [m]."""
+
+    setup: Setup
+    scene: Scene
+    sides: tuple[int, ...]
+    shift: float = 0.0
+    housing: int | None = None
+    offset: float = 0.0
+
+    @property
+    def count(self) -> int:
+        """Number of balls."""
+        return self.setup.layout.z.size
+
+
 def compliance_of(
-    setup: Setup, mounted: Mounted, sides: tuple[int, ...], leave_out: frozenset[str] = frozenset()
-) -> Compliance:
-    """Compliance of all contact nodes, ball after ball, side after side."""
-    zones, count = zones_of(setup, sides), setup.layout.z.size
-    block = ball_block(setup, sides, rigid=bool(leave_out & {"finite ball", "patch coupling"}))
-    G_nut = None if setup.nut is None else setup.nut.G
-    if G_nut is not None and leave_out & {"elastic nut", "patch coupling"}:
-        G_nut = local_only(G_nut, _mode_counts(setup, False))
-    total_screw = mounted.G.shape[0]
-    G = block_diag(mounted.G, G_nut) if G_nut is not None else mounted.G
-    used: list[Index] = []
-    modes, columns = [], []
-    taken = 0
-    for i in range(count):
-        pieces, own = [], []
-        for part, s in zip(zones.parts, sides, strict=True):
-            body = setup.screw if s < 2 else setup.nut
-            if body is None:
-                continue
-            k = body.modes[s].shape[1]
-            V = np.zeros((zones.size, k))
-            V[part] = body.modes[s]
-            pieces.append(V)
-            own.append((0 if s < 2 else total_screw) + _first(setup, s, i) + np.arange(k))
-        V = np.hstack(pieces)
-        modes.append(V)
-        columns.append(taken + np.arange(V.shape[1]))
-        taken += V.shape[1]
-        used += own
-    pick = np.concatenate(used)
-    return coupled([block] * count, modes, G[np.ix_(pick, pick)], columns)
+    sets: Sequence[PlacedSet], mounted: Mounted, leave_out: frozenset[str] = frozenset()
+) -> tuple[Compliance, Index]:
+    """Compliance of all contact nodes, set after set, ball after ball, side after side; of each of its modes the row among
+    those of all bodies: screws and carried nuts as they are mounted, then the nuts that are held."""
+    held = [p.setup for p in sets if p.setup.nut is not None and p.housing is None]
+    G = block_diag(mounted.G, *(_nut_coupling(setup, leave_out) for setup in held))
+    screw = 0
+    carried = sum(p.setup.screw.stretch.modes for p in sets)
+    after = len(mounted.G)
+    blocks: list[BallBlock] = []
+    modes: list[Array] = []
+    rows: list[Index] = []
+    for p in sets:
+        setup, zones = p.setup, zones_of(p.setup, p.sides)
+        nut = after if p.housing is None else carried
+        block = ball_block(setup, p.sides, rigid=bool(leave_out & {"finite ball", "patch coupling"}))
+        for i in range(p.count):
+            pieces = []
+            for part, s in zip(zones.parts, p.sides, strict=True):
+                body = setup.screw if s < 2 else setup.nut
+                if body is None:
+                    continue
+                V = np.zeros((zones.size, body.modes[s].shape[1]))
+                V[part] = body.modes[s]
+                pieces.append(V)
+                rows.append((screw if s < 2 else nut) + _first(setup, s, i) + np.arange(V.shape[1]))
+            blocks.append(block)
+            modes.append(np.hstack(pieces))
+        screw += setup.screw.stretch.modes
+        size = 0 if setup.nut is None else len(setup.nut.G)
+        carried, after = (carried, after + size) if p.housing is None else (carried + size, after)
+    pick = np.concatenate(rows)
+    return coupled(blocks, modes, G[np.ix_(pick, pick)]), pick
+
+
+def _nut_coupling(setup: Setup, leave_out: frozenset[str]) -> Array:
+    """Coupling of the modes of an elastic nut [m/N]; rigid at large where that ingredient is left out."""
+    assert setup.nut is not None
+    if leave_out & {"elastic nut", "patch coupling"}:
+        return local_only(setup.nut.G, _mode_counts(setup, False))
+    return setup.nut.G
 
 
 def _first(setup: Setup, side: int, ball: int) -> int:
@@ -77,17 +105,6 @@ def _mode_counts(setup: Setup, screw: bool) -> list[int]:
     body = setup.screw if screw else setup.nut
     assert body is not None
     return [body.modes[s].shape[1] for s in setup.sides if (s < 2) == screw]
-
-
-def modal_rows(setup: Setup, sides: tuple[int, ...]) -> Index:
-    """Rows of the screw's modes of the given sides, ball after ball, in the screw's own coupling."""
-    rows = [
-        _first(setup, s, i) + np.arange(setup.screw.modes[s].shape[1])
-        for i in range(setup.layout.z.size)
-        for s in sides
-        if s < 2
-    ]
-    return np.concatenate(rows) if rows else np.zeros(0, dtype=np.int64)
 
 
 def ball_block(setup: Setup, sides: tuple[int, ...], *, rigid: bool) -> BallBlock:
@@ -127,28 +144,6 @@ def mounted_screw(setup: Setup, scene: Scene, leave_out: frozenset[str] = frozen
     F = beam.F.copy()
     F[:m, :m] += local_only(full.F[:m, :m] - beam.F[:m, :m], counts)
     return mount(replace(beam, F=F), scene, setup.section)
-
-
-def spread(setup: Setup, C: Compliance, sides: tuple[int, ...], screw: Array) -> Array:
-    """Motion of all modes of ``C`` from that of the screw's modes alone (in the order of `modal_rows`)."""
-    out = np.zeros(C.coupling.shape[0])
-    out[_screw_columns(setup, sides)] = screw
-    return out
-
-
-def _screw_columns(setup: Setup, sides: tuple[int, ...]) -> Index:
-    """Where the screw's modes stand among the modes of a compliance."""
-    flags: list[bool] = []
-    for s in sides:
-        body = setup.screw if s < 2 else setup.nut
-        if body is not None:
-            flags += [s < 2] * body.modes[s].shape[1]
-    return np.flatnonzero(np.tile(np.array(flags, dtype=bool), setup.layout.z.size))
-
-
-def screw_modal(setup: Setup, C: Compliance, result: ContactResult, sides: tuple[int, ...]) -> Array:
-    """Modal forces on the screw, in the order of `modal_rows`."""
-    return C.amplitude(result.forces)[_screw_columns(setup, sides)]
 
 
 def modal_motion(C: Compliance, z: Array) -> Array:

@@ -25,24 +25,16 @@ from rollbench.hifi.contact_kinematics import (
     groove_errors,
     over_hats,
     relative_motion,
-    screw_rows,
+    rigid_rows,
     tangent,
     wave_gaps,
 )
-from rollbench.hifi.coupling import (
-    Zones,
-    compliance_of,
-    modal_motion,
-    modal_rows,
-    mounted_screw,
-    screw_modal,
-    spread,
-    zones_of,
-)
+from rollbench.hifi.coupling import PlacedSet, Zones, compliance_of, modal_motion, mounted_screw, zones_of
 from rollbench.hifi.linear_algebra.response import transport
 from rollbench.hifi.setup import Setup
+from rollbench.hifi.shaft.frame import Frame
 from rollbench.hifi.shaft.mounting import Mounted
-from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.parts import Scene
 
@@ -110,69 +102,114 @@ def solve_reference(
         return _solve(setup, scene, updates, setup.sides if sides is None else sides, leave_out, frozen, step)
 
 
-class _Round(NamedTuple):
-    """Contacts for given places of balls and grooves: result, the state to go on from, normals ``(balls, n, 3)``, motion of
-    the gaps by the screw's rigid motions ``(pairs, k)``, forces ``(balls, n)``, loads and angles ``(balls, 4)``."""
+class Round(NamedTuple):
+    """Contacts for given places of balls and grooves: result, the state to go on from, motion of all nodes along their
+    normals by the unheld rigid motions ``(pairs, k)``, loads and angles ``(all balls, 4)``; of each set the normals
+    ``(balls, n, 3)``, motions along them by the rigid motions of shaft and housings ``(balls, n, 6 (1 + h))``, and forces
+    ``(balls, n)``."""
 
     result: ContactResult
     state: State
-    directions: Array
-    by_screw: Array
-    forces: Array
+    directions: list[Array]
+    rigid_rows: list[Array]
+    by_rigid: Array
+    forces: list[Array]
     load: Array
     angle: Array
 
 
-class _Case:
-    """A load case of a prepared geometry, round by round."""
+class Case:
+    """A load case of prepared geometries on one shaft, round by round."""
 
-    def __init__(self, setup: Setup, scene: Scene, sides: tuple[int, ...], leave_out: frozenset[str]) -> None:
-        m = setup.map
-        self.setup, self.sides, self.zones = setup, sides, zones_of(setup, sides)
-        self.mounted = mounted_screw(setup, scene, leave_out)
-        self.C = compliance_of(setup, self.mounted, sides, leave_out)
-        self.rows = modal_rows(setup, sides)
-        self.at_rest = spread(setup, self.C, sides, self.mounted.loads[self.rows])
-        drawn = specimen(scene, setup.layout)
-        nominal = np.concatenate([setup.patches[s].groove.points - np.array([m.R, 0.0, 0.0]) for s in sides])
-        self.arms = nominal[None] + groove_errors(setup, drawn, sides)
-        self.radii, self.along = drawn.ball_radius, along_track(setup, sides)
+    def __init__(
+        self, sets: Sequence[PlacedSet], frame: Frame, mounted: Mounted, leave_out: frozenset[str] = frozenset()
+    ) -> None:
+        """A case of sets that are mounted on a shaft; leave_out: see `solve_reference`."""
+        self.sets, self.frame, self.mounted = sets, frame, mounted
+        self.zones = [zones_of(p.setup, p.sides) for p in sets]
+        self.C, self.rows = compliance_of(sets, mounted, leave_out)
+        self.on_mounted = self.rows < len(mounted.G)
+        self.at_rest = np.zeros(self.rows.size)
+        self.at_rest[self.on_mounted] = mounted.loads[self.rows[self.on_mounted]]
+        drawn = [specimen(p.scene, p.setup.layout) for p in sets]
+        self.radii = [one.ball_radius for one in drawn]
+        self.arms = [_nominal(p)[None] + groove_errors(p.setup, one, p.sides) for p, one in zip(sets, drawn, strict=True)]
+        for p, arms, zones in zip(sets, self.arms, self.zones, strict=True):
+            arms += _offsets(p, zones)
+        self.along = [along_track(p.setup, p.sides) for p in sets]
         self.load_motion = modal_motion(self.C, self.at_rest)
+        self.balls = sum(p.count for p in sets)
+        ends = np.cumsum([0] + [p.count * z.size for p, z in zip(sets, self.zones, strict=True)])
+        self.parts = [slice(int(i), int(j)) for i, j in pairwise(ends)]
 
-    def first(self) -> _Round:
+    def first(self) -> Round:
         """Contacts with balls and grooves in their nominal places."""
-        return self._round(np.zeros((1, 1, 3)), np.zeros((1, 1)), np.zeros((1, 1)), None)
+        none = [np.zeros((1, 1)) for _ in self.sets]
+        return self._round([np.zeros((1, 1, 3)) for _ in self.sets], none, none, None)
 
-    def after(self, last: _Round, *, moving: bool) -> _Round:
+    def after(self, last: Round, *, moving: bool) -> Round:
         """Contacts in the places that the last round says; moving: whether normals follow, or only the grid's wave."""
-        shift, slid = np.zeros((1, 1, 3)), np.zeros((1, 1))
+        shift, slid = [np.zeros((1, 1, 3)) for _ in self.sets], [np.zeros((1, 1)) for _ in self.sets]
         if moving:
-            shift, slid = relative_motion(
-                self.setup, last.result, self.C, last.directions, self.zones, self.at_rest, last.by_screw
-            )
-        level = wave_gaps(self.setup, self.zones, last.forces, last.directions)
+            z = self.C.coupling @ self.C.amplitude(last.result.forces) + self.at_rest
+            along = modal_motion(self.C, z) + last.by_rigid @ self.rigid(last)
+            each = zip(self.sets, self.split(along), self.ball_motions(last), last.directions, self.zones, strict=True)
+            moved = [relative_motion(p.setup, y, a, d, zones) for p, a, y, d, zones in each]
+            shift, slid = [m[0] for m in moved], [m[1] for m in moved]
+        each_wave = zip(self.sets, self.zones, last.forces, last.directions, strict=True)
+        level = [wave_gaps(p.setup, zones, f, d) for p, zones, f, d in each_wave]
         return self._round(shift, slid, level, last.state)
 
-    def _round(self, shift: Array, slid: Array, level: Array, start: State | None) -> _Round:
-        """Contacts for motions of the balls from their grooves (`relative_motion`) and changes of the gaps [m]."""
-        setup, zones, mounted = self.setup, self.zones, self.mounted
-        arms = self.arms - shift
-        length = np.linalg.norm(arms, axis=2)
-        directions = arms / length[..., None]
-        back = shift + slid[..., None] * self.along  # the solver's gaps lose it again
-        gap = length - self.radii[:, None] + np.einsum("ink,ink->in", directions, np.broadcast_to(back, arms.shape))
-        by_screw = over_hats(setup, zones, screw_rows(setup, directions, zones, mounted.origin)).reshape(-1, 6)
-        gap, directions = over_hats(setup, zones, gap), over_hats(setup, zones, directions)
-        N = directions_matrix(directions, by_screw, mounted.motions)
-        f = np.concatenate([np.zeros(3 * len(arms)), mounted.work])
-        rest = (gap + level).ravel() + self.load_motion
-        touching = tuple(expected_touch(gap, zones)) if start is None else ()
-        result, state = solve_balls(self.C, rest, N, f, start=start, touching=touching)
-        forces = result.forces.reshape(gap.shape)
-        load, angle = _loads(setup, forces[..., None] * directions, zones)
-        return _Round(result, state, directions, by_screw @ mounted.motions, forces, load, angle)
+    def rigid(self, last: Round) -> Array:
+        """Amplitudes ``(k,)`` of the unheld rigid motions."""
+        return last.result.motions[3 * self.balls :]
 
-    def settled(self, last: _Round, most: int, step: Callable[[int], None], *, moving: bool) -> tuple[_Round, int, float]:
+    def ball_motions(self, last: Round) -> list[Array]:
+        """Motions ``(balls, 3)`` [m] of the balls of each set."""
+        ends = np.cumsum([p.count for p in self.sets])[:-1]
+        return np.split(last.result.motions[: 3 * self.balls].reshape(-1, 3), ends)
+
+    def split(self, pairs: Array) -> list[Array]:
+        """Values ``(balls, n)`` of each set from those of all pairs."""
+        return [pairs[part].reshape(p.count, -1) for p, part in zip(self.sets, self.parts, strict=True)]
+
+    def _round(self, shifts: Sequence[Array], slid: Sequence[Array], level: Sequence[Array], start: State | None) -> Round:
+        """Contacts for motions of the balls from their grooves (`relative_motion`) and changes of the gaps [m]."""
+        directions, rigid_rows, rests, touching = [], [], [], []
+        for k, (p, zones) in enumerate(zip(self.sets, self.zones, strict=True)):
+            arms = self.arms[k] - shifts[k]
+            length = np.linalg.norm(arms, axis=2)
+            normals = arms / length[..., None]
+            back = shifts[k] + slid[k][..., None] * self.along[k]  # the solver's gaps lose it again
+            gap = length - self.radii[k][:, None] + np.einsum("ink,ink->in", normals, np.broadcast_to(back, arms.shape))
+            rigid_rows.append(over_hats(p.setup, zones, self._rigid_rows(p, normals, zones)))
+            gap, normals = over_hats(p.setup, zones, gap), over_hats(p.setup, zones, normals)
+            directions.append(normals)
+            rests.append((gap + level[k]).ravel())
+            touching += list(expected_touch(gap, zones)) if start is None else []
+        motions = self.mounted.motions
+        moved = np.concatenate([rows.reshape(-1, len(motions)) for rows in rigid_rows]) @ motions
+        f = np.concatenate([np.zeros(3 * self.balls), self.mounted.work])
+        N = directions_matrix(directions, moved)
+        result, state = solve_balls(
+            self.C, np.concatenate(rests) + self.load_motion, N, f, start=start, touching=tuple(touching)
+        )
+        forces = self.split(result.forces)
+        each = zip(self.sets, forces, directions, self.zones, strict=True)
+        found = [_loads(p.setup, own[..., None] * normals, zones) for p, own, normals, zones in each]
+        load, angle = (np.concatenate(x) for x in zip(*found, strict=True))
+        return Round(result, state, directions, rigid_rows, moved, forces, load, angle)
+
+    def _rigid_rows(self, p: PlacedSet, normals: Array, zones: Zones) -> Array:
+        """Motion ``(balls, n, 6 (1 + h))`` of a set's nodes along their normals by rigid motions of shaft and housings."""
+        out = np.zeros((*normals.shape[:2], len(self.mounted.motions)))
+        out[..., :6] = rigid_rows(p.setup, normals, zones, self.mounted.origin - p.shift, screw=True)
+        if p.housing is not None:
+            first, at = 6 + 6 * p.housing, self.frame.housings[p.housing].at
+            out[..., first : first + 6] = rigid_rows(p.setup, normals, zones, at - p.shift, screw=False)
+        return out
+
+    def settled(self, last: Round, most: int, step: Callable[[int], None], *, moving: bool) -> tuple[Round, int, float]:
         """The round whose loads stand still, updates until then, ``most`` at most, and what more may change of a load."""
         found = [last.load]
         for done in range(most + 1):
@@ -183,6 +220,50 @@ class _Case:
             last = self.after(last, moving=moving)
             found = [*found[-2:], last.load]
         return last, done, left
+
+    def verdict(self, last: Round, updates: int, left: float) -> tuple[str, float]:
+        """Status, and what more updates may still change of any load [N] where it says that they did not settle."""
+        if not last.result.converged:
+            return last.result.status, 0.0
+        each = zip(self.sets, last.forces, self.zones, strict=True)
+        if any(_at_rim(p.setup, forces, zones) for p, forces, zones in each):
+            return AT_RIM, 0.0
+        if left > SETTLED * _mean(last.load):
+            words = f"loads may still move by {left:.2g} N after {updates} updates of directions and gaps"
+            return f"not settled: {words}", left
+        return "converged", 0.0
+
+    def centreline(self, last: Round) -> tuple[Array, Array, Array]:
+        """Stations ``(s,)`` [m] and motions ``(s, 6)`` of the shaft's centreline, from left to right; motions ``(h, 6)`` of
+        the housings."""
+        m, z, rigid = self.mounted, np.array(self.mounted.stations), self.mounted.motions @ self.rigid(last)
+        # contact forces press on the grooves: along the normals counted from ball to groove
+        forces, rows = self.C.amplitude(last.result.forces)[self.on_mounted], self.rows[self.on_mounted]
+        line = m.line + m.line_modes[:, :, rows] @ forces
+        line = line + np.array([transport(x - m.origin) @ rigid[:6] for x in z])
+        housings = m.housings + m.housings_modes[:, :, rows] @ forces + rigid[6:].reshape(-1, 6)
+        z, first = np.unique(z, return_index=True)
+        return z, line[first], housings
+
+    def unbalanced(self, last: Round) -> float:
+        """Largest unbalanced force on shaft and housings, by their unheld rigid motions [N]."""
+        return float(np.abs(last.by_rigid.T @ last.result.forces + self.mounted.work).max(initial=0.0))
+
+
+def _nominal(p: PlacedSet) -> Array:
+    """Places ``(n, 3)`` [m] of the nodes of a ball's grooves from its centre, in the ball's frame."""
+    centre = np.array([p.setup.map.R, 0.0, 0.0])
+    return np.concatenate([p.setup.patches[s].groove.points - centre for s in p.sides])
+
+
+def _offsets(p: PlacedSet, zones: Zones) -> Array:
+    """Displacement ``(n, 3)`` [m] of the nodes by the nut's shift: along its own track a groove is the same everywhere."""
+    alpha = p.setup.map.alpha
+    out = np.zeros((zones.size, 3))
+    for part, s in zip(zones.parts, p.sides, strict=True):
+        if s >= 2:
+            out[part] = p.offset * np.cos(alpha) * np.array([0.0, -np.sin(alpha), np.cos(alpha)])
+    return out
 
 
 def _solve(
@@ -195,52 +276,68 @@ def _solve(
     step: Callable[[str], None],
 ) -> ReferenceResult:
     begin = perf_counter()
+    own = PlacedSet(setup, scene, tuple(s for s in setup.sides if s in sides))
+    mounted = mounted_screw(setup, scene, leave_out)
+    case = Case((own,), Frame.of(scene), mounted, leave_out)
+    moving = updates > 0 and "moving normals" not in leave_out
+    ended = end(case, updates or ROUNDS, telling(scene.name, begin, step), moving=moving, frozen=frozen)
+    last = ended.last
+    net = (last.forces[0][..., None] * last.directions[0]).sum(axis=1)
+    largest = max(float(last.load.max()), 1e-300)
+    stations, line, _ = case.centreline(last)
+    return ReferenceResult(
+        ended.status,
+        last.load,
+        last.angle,
+        case.ball_motions(last)[0],
+        stations,
+        line,
+        own.sides,
+        last.directions[0],
+        last.result,
+        float(np.abs(net).max()) / largest,
+        float(np.abs(net @ tangent(setup)).max()) / largest,
+        case.unbalanced(last) / largest,
+        setup.unknowns,
+        {**setup.seconds, "contact": ended.seconds},
+        ended.updates,
+        ended.moving,
+        ended.frozen,
+    )
+
+
+class Ended(NamedTuple):
+    """The last round of a case, status, updates until then, what more may change of a load [N], loads with directions and
+    gaps frozen ``(balls, 4)`` [N] (None: not asked for), seconds."""
+
+    last: Round
+    status: str
+    updates: int
+    moving: float
+    frozen: Array | None
+    seconds: float
+
+
+def end(case: Case, most: int, tell: Callable[[int], None], *, moving: bool, frozen: bool) -> Ended:
+    """Solve a case until its loads stand still, after ``most`` updates at most; frozen: its frozen loads too."""
+    begin = perf_counter()
+    tell(1)
+    first = case.first()
+    last, done, left = case.settled(first, most, tell, moving=moving)
+    seconds = perf_counter() - begin
+    still = case.settled(first, ROUNDS, tell, moving=False)[0] if frozen and moving else last
+    status, may_move = case.verdict(last, done, left)
+    return Ended(last, status, done, may_move, still.load if frozen else None, seconds)
+
+
+def telling(name: str, begin: float, step: Callable[[str], None]) -> Callable[[int], None]:
+    """What says the round that a slow solution begins."""
 
     def tell(number: int) -> None:
         if perf_counter() - begin > SLOW:
-            step(f"contacts of {scene.name}: round {number}, {perf_counter() - begin:.0f} s")
+            step(f"contacts of {name}: round {number}, {perf_counter() - begin:.0f} s")
 
-    moving = updates > 0 and "moving normals" not in leave_out
-    case = _Case(setup, scene, tuple(s for s in setup.sides if s in sides), leave_out)
-    count, zones, mounted, C = setup.layout.z.size, case.zones, case.mounted, case.C
-    tell(1)
-    first = case.first()
-    last, done, left = case.settled(first, updates or ROUNDS, tell, moving=moving)
-    seconds = perf_counter() - begin
-    still = case.settled(first, ROUNDS, tell, moving=False)[0] if frozen and moving else last
-    result, load, vectors = last.result, last.load, last.forces[..., None] * last.directions
-    net = vectors.sum(axis=1)
-    largest = max(float(load.max()), 1e-300)
-    y3 = tangent(setup)
-    status, may_move = result.status, 0.0
-    if status == "converged" and _at_rim(setup, last.forces, zones):
-        status = AT_RIM
-    elif status == "converged" and left > SETTLED * _mean(load):
-        status = f"not settled: loads may still move by {left:.2g} N after {done} updates of directions and gaps"
-        may_move = left
-    stations, line = _centreline(
-        mounted, case.rows, screw_modal(setup, C, result, zones.sides), result.motions[3 * count :]
-    )
-    free = np.abs(last.by_screw.T @ result.forces + mounted.work).max(initial=0.0)
-    return ReferenceResult(
-        status,
-        load,
-        last.angle,
-        result.motions[: 3 * count].reshape(count, 3),
-        stations,
-        line,
-        zones.sides,
-        last.directions,
-        result,
-        float(np.abs(net).max()) / largest,
-        float(np.abs(net @ y3).max()) / largest,
-        float(free) / largest,
-        setup.unknowns,
-        {**setup.seconds, "contact": seconds},
-        done,
-        may_move,
-        still.load if frozen else None,
-    )
+    return tell
 
 
 def left_over(loads: Sequence[Array]) -> float:
@@ -270,17 +367,6 @@ def _loads(setup: Setup, vectors: Array, zones: Zones) -> tuple[Array, Array]:
         sx, sz = m.signs[s]
         angle[:, s] = np.where(load[:, s] > 0, np.arctan2(sz * (unit @ z3), sx * unit[:, 0]), np.nan)
     return load, angle
-
-
-def _centreline(mounted: Mounted, rows: Index, modal: Array, rigid: Array) -> tuple[Array, Array]:
-    """Stations ``(s,)`` and motions ``(s, 6)`` of the screw's centreline, sorted along the screw."""
-    z = np.array(mounted.stations)
-    # contact forces press on the screw: along the normals counted from ball to groove
-    line = mounted.line + mounted.line_modes[:, :, rows] @ modal
-    own = mounted.motions @ rigid
-    line = line + np.array([transport(x - mounted.origin) @ own for x in z])
-    z, first = np.unique(z, return_index=True)
-    return z, line[first]
 
 
 def _at_rim(setup: Setup, forces: Array, zones: Zones) -> bool:

@@ -11,11 +11,13 @@ import numpy as np
 from rollbench.comparison.api.results import Friction, Judged, Result, Solution
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.scene_file import whole
+from rollbench.comparison.scenes.scene_file import solvable, whole
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
+    from rollbench.comparison.commands.comparing.compare_output import Comparison
+    from rollbench.comparison.reference.estimate import Reference
     from rollbench.comparison.wings.friction.kinds.common import KindScene
     from rollbench.comparison.wings.sweep.design import Method
 
@@ -99,7 +101,7 @@ def friction(scene: Scene | Assembly | KindScene | str | Path, *, mu: Sequence[f
 
 
 def compare(
-    scene: Scene | str | Path,
+    scene: Scene | Assembly | str | Path,
     models: Sequence[str] = (),
     *,
     levels: int | None = None,
@@ -112,29 +114,40 @@ def compare(
     the best stored reference; all levels where there is none, which takes long); store: folder of the reference's runs.
     Raises InputError, Refusal where no run of the reference converged.
     """
-    from rollbench.comparison.commands.comparing.compare_output import answers_of, compared, verdict
-    from rollbench.comparison.commands.comparing.study import unconverged
+    from rollbench.comparison.commands.comparing.compare_output import compared, verdict
+    from rollbench.comparison.commands.comparing.study import named, unconverged
     from rollbench.comparison.commands.printing import on_terminal
     from rollbench.comparison.models.comparison import compared_models, suited
-    from rollbench.comparison.reference.estimate import reference
+    from rollbench.comparison.models.referenced import referenced
     from rollbench.comparison.reference.jobs import Engine, ensure, plan
     from rollbench.comparison.reference.levels import LEVELS
     from rollbench.comparison.reference.store import shipped_store
     from rollbench.meshes.cache import default_root
 
     described = _described(scene)
-    own, stores = whole(described, described.name), (Path(store), shipped_store())
+    own, stores = solvable(described, described.name), (Path(store), shipped_store())
     chosen = compared_models(tuple(models)) or suited(own)
     failed = []
-    if levels is not None or reference(own, stores) is None:
+    if levels is not None or not referenced(own, stores):
         wanted = range(1, (levels or len(LEVELS)) + 1)
         failed = ensure(plan([own], wanted), stores[0], Engine(cache=default_root()), on_terminal, stores)
-    found = reference(own, stores)
-    if found is None:
+    sets = referenced(own, stores)
+    if not sets:
         raise unconverged(own.name, failed)
-    each = compared(own, chosen, found, stores)
-    data = {
-        "scene": own.name,
+    pairs = [(one, compared(one.scene, chosen, one.found, stores, one.of)) for one in sets]
+    lines = tuple(verdict(each, one.found) for one, each in pairs)
+    told = [_compared_json(each, one.found) | named(one) for one, each in pairs]
+    if isinstance(own, Scene):
+        return Result(told[0], "models", lines)
+    return Result({"scene": own.name, "sets": told}, "sets", lines)
+
+
+def _compared_json(each: Comparison, found: Reference) -> dict[str, Any]:
+    """What `compare` tells of a scene, or of one of several sets on a shaft."""
+    from rollbench.comparison.commands.comparing.compare_output import answers_of
+
+    return {
+        "scene": found.scene,
         "levels": [run.level for run in found.runs],
         "reference_status": found.unsettled or "converged",
         "models": {
@@ -149,11 +162,10 @@ def compare(
         },
         "answers": {b.label: answers_of(b) for b in (each.itself, *each.models)},
     }
-    return Result(data, "models", (verdict(each, found),))
 
 
 def check(
-    scene: Scene | str | Path,
+    scene: Scene | Assembly | str | Path,
     *,
     max_error: float | None = None,
     model: str = "",
@@ -174,7 +186,7 @@ def check(
     from rollbench.meshes.cache import default_root
 
     described = _described(scene)
-    own = whole(described, described.name)
+    own = solvable(described, described.name)
     what = asked(
         model=model,
         loads=None if loads is None else Path(loads),
@@ -190,26 +202,36 @@ def check(
 
 
 def mesh_study(
-    scene: Scene | str | Path, *, levels: int = 3, spread: bool = False, store: str | Path = "rollbench-reference"
+    scene: Scene | Assembly | str | Path,
+    *,
+    levels: int = 3,
+    spread: bool = False,
+    store: str | Path = "rollbench-reference",
 ) -> Result:
     """The 3D reference on several mesh levels: what each level gives, observed orders, uncertainty of every contact.
 
     levels: 1 to this one; spread: modelling choices that are not printed are varied too, on the coarsest level; store:
     folder of the runs, where those that are missing are computed. Raises InputError, Refusal where no run converged.
     """
-    from rollbench.comparison.commands.comparing.study import compute_study
+    from rollbench.comparison.commands.comparing.study import compute_study, named, table_of
     from rollbench.comparison.commands.printing import on_terminal
-    from rollbench.comparison.models.mesh_study import closing, level_rows, study_table
+    from rollbench.comparison.models.mesh_study import closing, level_rows
     from rollbench.comparison.reference.jobs import Engine
     from rollbench.comparison.reference.store import shipped_store
     from rollbench.meshes.cache import default_root
 
     described = _described(scene)
-    own, stores = whole(described, described.name), (Path(store), shipped_store())
+    own, stores = solvable(described, described.name), (Path(store), shipped_store())
     engine = Engine(cache=default_root())
-    found = compute_study([own], levels, stores, engine, on_terminal, spread=spread)[own.name]
-    data = {"scene": own.name, "levels": level_rows(found), "quantities": study_table(own, stores, levels)}
-    return Result(data, "levels", (closing(found),))
+    found = compute_study([own], levels, stores, engine, on_terminal, spread=spread)
+    told = [
+        {"scene": own.name, "levels": level_rows(x.found), "quantities": table_of(x, stores, levels)} | named(x)
+        for x in found
+    ]
+    lines = tuple(closing(one.found) for one in found)
+    if isinstance(own, Scene):
+        return Result(told[0], "levels", lines)
+    return Result({"scene": own.name, "sets": told}, "sets", lines)
 
 
 def sweep(

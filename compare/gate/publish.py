@@ -45,7 +45,7 @@ def of_verdict(v: Verdict) -> Outcome:
     """The row of a verdict on a user's scene."""
     at = ("", "") if v.ball is None else (str(v.ball), v.flank or "")
     numbers = (v.error_percent, v.uncertainty_percent, v.limit_percent)
-    cells = (v.word, v.scene, v.judged, v.quantity, *map(_number, numbers), *at, v.detail)
+    cells = (v.word, v.of, v.judged, v.quantity, *map(_number, numbers), *at, v.detail)
     return Outcome(v.word == "pass", tuple(one_line(cell, 2000) for cell in cells))
 
 

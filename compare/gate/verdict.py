@@ -39,7 +39,8 @@ class Limits:
 class Verdict:
     """One judgement: scene, whose loads, which quantity; error, the reference's uncertainty in the same per cent (None: not
     known) and the limit; ball (from 1) and flank that decide; mesh levels of the reference; contacts that were judged;
-    of_mean: the errors that head every output, in per cent of the mean load of the loaded contacts."""
+    of_mean: the errors that head every output, in per cent of the mean load of the loaded contacts; set: its name, where
+    several are on one shaft."""
 
     scene: str
     judged: str
@@ -54,17 +55,25 @@ class Verdict:
     contacts: int = 0
     detail: str = ""
     of_mean: LoadError | None = None
+    set: str | None = None
+
+    @property
+    def of(self) -> str:
+        """Scene and set, in words."""
+        return self.scene if self.set is None else f"{self.scene}, {self.set}"
 
     def as_json(self) -> dict[str, Any]:
         """JSON-ready."""
         data = asdict(self) | {"levels": list(self.levels)}
+        if self.set is None:
+            del data["set"]
         e = data.pop("of_mean")
         both = ("max_percent", "rms_percent")
         return data | {f"{key}_of_mean": None if e is None else e[key] for key in both}
 
     def line(self) -> str:
         """The verdict as one line of text, with both numbers and the limit."""
-        head = f"{self.word.upper()}: {self.scene}, {self.judged}"
+        head = f"{self.word.upper()}: {self.of}, {self.judged}"
         if self.error_percent is None:
             return f"{head}: {self.detail}"
         at = "" if self.ball is None else f" (ball {self.ball} {self.flank})"

@@ -23,6 +23,7 @@ from rollbench.comparison.reference.store import Run, bodies_path, shipped_store
 from rollbench.comparison.scenes.catalogue import with_role
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Scene
 
 #: Scenes whose reference runs come with the package.
@@ -38,9 +39,10 @@ PRINTED = {
 }
 
 
-def suited(scene: Scene) -> list[Model]:
-    """Compared models that can describe a scene."""
-    return [m for m in MODELS.values() if m.compared and m.suits(scene)]
+def suited(scene: Scene | Assembly) -> list[Model]:
+    """Compared models that can describe a scene, or several sets on one shaft."""
+    fits = [m.suits(scene) if isinstance(scene, Scene) else callable(m.assembly) for m in MODELS.values()]
+    return [m for m, fit in zip(MODELS.values(), fits, strict=True) if m.compared and fit]
 
 
 def compared_models(names: tuple[str, ...]) -> list[Model]:
@@ -243,7 +245,7 @@ def _summary_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Com
         ratio,
         own,
         ratio_uncertainty(found),
-        float(error_percent(ratio, own)),
+        float(error_percent(ratio, own)) if np.isfinite([ratio, own]).all() else None,
         answer.seconds,
     )
 

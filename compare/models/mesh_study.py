@@ -127,12 +127,15 @@ def study_table(scene: Scene, stores: Sequence[Path] | None, levels: int = len(L
     found = studied(scene, stores, levels)
     if found is None:
         return []
-    runs = found.runs
     coarsest = min(LEVELS)
     base = base_run(scene, coarsest, stores)
     others = [v for v, variant in VARIANTS.items() if v != "base" and not variant.refined]
-    changed = {v: r for v in others if (r := load(scene, coarsest, v, stores)) is not None}
-    table = []
+    return quantity_table(found, base, {v: r for v in others if (r := load(scene, coarsest, v, stores)) is not None})
+
+
+def quantity_table(found: Reference, base: Run | None, changed: Mapping[str, Run]) -> list[dict[str, Any]]:
+    """The table of `study_table` of a reference; base, changed: the runs that modelling choices are told by, by variant."""
+    runs, table = found.runs, []
     for name, unit, take in quantities(runs[-1]):
         values = [take(r) for r in runs]
         if not any(values):

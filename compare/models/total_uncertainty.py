@@ -116,14 +116,14 @@ class Total:
         }
 
 
-def total(scene: Scene, found: Reference) -> Total:
-    """The uncertainty of a scene's reference."""
-    inputs, name = _inputs(scene)
+def total(scene: Scene, found: Reference, *, inputs: bool = True) -> Total:
+    """The uncertainty of a scene's reference; inputs: whether that by the tolerances of the inputs is looked for."""
+    share, name = _inputs(scene) if inputs else (None, "")
     return Total(
         uncertainty_percent(found),
         found.parts.by_experience,
         spoken_for(scene.name, read(shipped_store())),
-        inputs,
+        share,
         name,
         second_order(scene, found),
         both_flanks(found.load),

@@ -11,10 +11,13 @@ import numpy as np
 
 from rollbench.comparison import __version__
 from rollbench.comparison.reference.levels import LEVELS
+from rollbench.comparison.reference.sets import recorded, refused, set_ups
 from rollbench.comparison.reference.store import Run, versions
-from rollbench.comparison.reference.tasks import Task, needed_sides, refused, settings_of
+from rollbench.comparison.reference.tasks import Task, needed_sides, settings_of
 from rollbench.comparison.reference.variants import VARIANTS
 from rollbench.comparison.system import need_reference, out_of_memory
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly
 from rollbench.meshes.condensed import CondensedBodies
 from rollbench.meshes.memory import peak_MB
 from rollbench.meshes.parts import Scene
@@ -49,7 +52,9 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
     from rollbench.hifi.setup import prepare
     from rollbench.meshes.cache import Cache
 
-    scenes = task.scenes
+    if task.assembly is not None:
+        return [_compute_sets(task, task.assembly, step)], None
+    scenes = task.single
     if task.variant:
         scenes = tuple(VARIANTS[task.variant].change(scene) for scene in scenes)
     settings = settings_of(scenes, task.level, task.variant)
@@ -67,7 +72,7 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
         if not full:
             break
         left = max(0, ENLARGE - 1 - attempt)
-        larger, why = enlarged(setup, [scenes[k] for k in full], [runs[k] for k in full], left)
+        larger, why = enlarged(setup, [(runs[k].load, np.radians(runs[k].angle)) for k in full], left)
         if larger is None or attempt == ENLARGE:
             for k in full:
                 runs[k] = replace(runs[k], status=f"a contact reaches the rim of its patch: {why}")
@@ -78,9 +83,73 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
     return runs, condensed_bodies(setup, task.level) if good and with_bodies(task) else None
 
 
-def enlarged(setup: Setup, scenes: Sequence[Scene], runs: Sequence[Run], left: int) -> tuple[Settings | None, str]:
-    """Settings with patches for the loads that were found, or None where that changes no patch; a text with both
-    numbers.
+def _compute_sets(task: Task, assembly: Assembly, step: Step) -> Run:
+    """The run of several sets on one shaft; patches are enlarged as for one set, those of all sets together. Raises Refusal
+    and InputError as `compute_with_bodies`."""
+    from rollbench.hifi.reference import AT_RIM
+    from rollbench.hifi.setup import prepare
+    from rollbench.hifi.several_sets import solve_sets
+    from rollbench.meshes.cache import Cache
+
+    ups = set_ups(assembly, task.level)
+    for attempt in range(ENLARGE + 1):
+        by_set: dict[int, Setup] = {}
+        try:
+            for up in ups:
+                step(f"bodies of {', '.join(assembly.sets[k].name for k in up.sets)}")
+                setup = prepare(up.bodies, up.sides, up.settings, step, cache=Cache(task.cache), processes=task.processes)
+                by_set |= dict.fromkeys(up.sets, setup)
+            setups = [by_set[k] for k in range(len(assembly.sets))]
+            found = solve_sets(assembly, setups, [s.sides for s in setups], frozen=True, step=step)
+        except MemoryError as error:
+            raise out_of_memory(error) from error
+        except ValueError as error:
+            raise refused(assembly, error) from error
+        if found.status != AT_RIM or attempt == ENLARGE:
+            break
+        larger = []
+        for up in ups:
+            loads = [found.sets[k] for k in up.sets]
+            settings, why = enlarged(by_set[up.sets[0]], [(s.load, s.angle) for s in loads], max(0, ENLARGE - 1 - attempt))
+            larger.append(up if settings is None else replace(up, settings=settings))
+        if tuple(larger) == ups:
+            found = replace(found, status=f"{AT_RIM}: {why}")
+            break
+        ups = tuple(larger)
+        step("a contact reaches the rim of its patch, larger patches")
+    step(f"contact loads: {found.seconds:.1f} s, {assembly.name} {found.status}")
+    shared = list({id(s): s for s in setups}.values())
+    return Run(
+        scene=assembly.name,
+        level=task.level,
+        variant=task.variant,
+        status=found.status,
+        moving=found.moving,
+        load=np.concatenate([s.load for s in found.sets]),
+        angle=np.degrees(np.concatenate([s.angle for s in found.sets])),
+        frozen=np.concatenate([s.load if s.frozen is None else s.frozen for s in found.sets]),
+        centreline=np.column_stack([found.stations, found.centreline[:, :3]]),
+        without={},
+        without_seconds={},
+        sides=tuple(sorted({side for s in setups for side in s.sides})),
+        unknowns=sum(s.unknowns for s in setups),
+        stages={name: sum(s.seconds.get(name, 0.0) for s in shared) for name in shared[0].seconds},
+        solve_seconds=found.seconds,
+        peak_MB=None if (own := peak_MB()) is None else own + max(s.others_MB for s in shared),
+        balance=found.balance,
+        along_groove=found.along_groove,
+        screw_balance=found.shaft_balance,
+        quality=shared[0].quality | {name: min(s.quality[name] for s in shared) for name in ("screw", "nut", "ball")},
+        settings=recorded(ups),
+        assumed=tuple(dict.fromkeys(line for s in shared for line in s.dims.assumed)),
+        versions={"rollbench": __version__, **versions()},
+        date=datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"),
+    )
+
+
+def enlarged(setup: Setup, found: Sequence[tuple[Array, Array]], left: int) -> tuple[Settings | None, str]:
+    """Settings with patches for the loads and contact angles ``(n, 4)`` [N, rad] that were found, or None where that
+    changes no patch; a text with both numbers.
 
     Patches grow by a step; where ``left`` steps would leave them shorter than the contacts reach along the groove, as its
     lead sets these askew, they are at once as long as those need.
@@ -99,9 +168,9 @@ def enlarged(setup: Setup, scenes: Sequence[Scene], runs: Sequence[Run], left: i
         return f"{1e3 * lengths[0]:.3g} mm across and {1e3 * lengths[1]:.3g} mm along the groove"
 
     m, needs, askew = setup.map, np.zeros(2), 0.0
-    for scene, run in zip(scenes, runs, strict=True):
-        size, angle = np.cbrt(run.load), np.where(run.load > 0.0, np.radians(run.angle), m.beta)
-        units = hertz_units(scene)
+    units = hertz_units(setup.scene)
+    for load, seen in found:
+        size, angle = np.cbrt(load), np.where(load > 0.0, seen, m.beta)
         across, along = (size * np.array([getattr(unit, name) for unit in units]) for name in ("semi_x", "semi_y"))
         needs = np.maximum(needs, [float((across + np.abs(angle - m.beta) * m.radius).max()), float(along.max())])
         askew = max(askew, *(reach_along(m, s, angle[:, s], across[:, s], along[:, s]) for s in setup.sides))
@@ -130,8 +199,8 @@ def enlarged(setup: Setup, scenes: Sequence[Scene], runs: Sequence[Run], left: i
 
 
 def with_bodies(task: Task) -> bool:
-    """Whether a task also stores its bodies, condensed to the contacts: base variant on a regular mesh level."""
-    return not task.variant and task.level in LEVELS
+    """Whether a task also stores its bodies, condensed to the contacts: one set, base variant on a regular mesh level."""
+    return task.assembly is None and not task.variant and task.level in LEVELS
 
 
 def _one(task: Task, number: int, scene: Scene, setup: Setup, sides: tuple[int, ...], step: Step) -> Run:
@@ -167,7 +236,7 @@ def _one(task: Task, number: int, scene: Scene, setup: Setup, sides: tuple[int, 
         along_groove=result.along_groove,
         screw_balance=result.screw_balance,
         quality=setup.quality,
-        settings=asdict(setup.settings) | {"stations": _stations(task.scenes)},
+        settings=asdict(setup.settings) | {"stations": _stations(task.single)},
         assumed=setup.dims.assumed,
         versions={"rollbench": __version__, **versions()},
         date=datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"),

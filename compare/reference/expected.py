@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rollbench.comparison.errors import InputError
+from rollbench.comparison.reference.sets import set_ups
 from rollbench.comparison.reference.tasks import Task, needed_sides
 from rollbench.comparison.system import available_GB
 
@@ -44,11 +45,14 @@ class Expected:
 
 def expected(task: Task) -> Expected:
     """What a task will take."""
-    sides = len({s for scene in task.scenes for s in needed_sides(scene)})
-    contacts = sides * task.scenes[0].ball_count
+    if task.assembly is None:
+        made = [len({s for scene in task.single for s in needed_sides(scene)}) * task.scenes[0].ball_count]
+    else:
+        made = [len(up.sides) * up.bodies.ball_count for up in set_ups(task.assembly, task.level)]
+    contacts = sum(made)
     times = len(task.scenes) * (6 if task.ablate else 1)
     stages = {name: GROWTH[task.level] * A_CONTACT.get(name, 0.0) * contacts for name in STAGES}
-    stages |= {"patches": PATCHES[task.level], "ball": 1.0}
+    stages |= {"patches": len(made) * PATCHES[task.level], "ball": float(len(made))}
     stages["contact loads"] *= times
     memory = BASE_GB[task.level] + CONTACT_GB * contacts
     if task.processes > 1:

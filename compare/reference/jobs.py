@@ -14,13 +14,12 @@ from rollbench.comparison.reference.computing import compute_with_bodies, with_b
 from rollbench.comparison.reference.expected import Progress, duration, expected, need_memory
 from rollbench.comparison.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
 from rollbench.comparison.reference.store import Run, bodies_path, load, path_in, save
-from rollbench.comparison.reference.tasks import Task, groups
+from rollbench.comparison.reference.tasks import Solvable, Task, groups
 from rollbench.comparison.reference.variants import VARIANTS
 from rollbench.comparison.system import cores
 from rollbench.comparison.watch import reader_gone
 from rollbench.meshes.condensed import CondensedBodies
 from rollbench.meshes.memory import reset_peak
-from rollbench.meshes.parts import Scene
 
 Step = Callable[[str], None]
 #: Interval of progress messages [s].
@@ -44,7 +43,7 @@ class Engine:
 
 
 def plan(
-    scenes: Sequence[Scene],
+    scenes: Sequence[Solvable],
     levels: Sequence[int],
     variants: Sequence[str] = (),
     *,
@@ -78,7 +77,7 @@ def missing(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
             left.append(replace(task, scenes=scenes))
         elif with_bodies(task) and not all(
             run and any(bodies_path(store, scene, run).exists() for store in stores)
-            for scene, run in zip(task.scenes, runs, strict=True)
+            for scene, run in zip(task.single, runs, strict=True)
         ):
             left.append(task)
     return left
@@ -105,7 +104,7 @@ def keep(store: Path, task: Task, runs: Sequence[Run], bodies: CondensedBodies |
             save(store, scene, run)
     if bodies is None:
         return
-    path = bodies_path(store, task.scenes[0], runs[0])
+    path = bodies_path(store, task.single[0], runs[0])
     try:
         bodies.save(path)
     except OSError as error:

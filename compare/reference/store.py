@@ -13,9 +13,11 @@ from typing import Any
 import numpy as np
 
 from rollbench.comparison.reference.sealing import sealed, unsealed
-from rollbench.comparison.reference.tasks import plain, serves
+from rollbench.comparison.reference.sets import meant
+from rollbench.comparison.reference.tasks import Solvable, plain, serves
 from rollbench.comparison.writing import replace_file
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly
 from rollbench.meshes.canonical import Fields, digest
 from rollbench.meshes.condensed import geometry_digest
 from rollbench.meshes.parts import GateLimits, Scene
@@ -23,8 +25,8 @@ from rollbench.meshes.solid import dimensions
 
 #: Bump when the mechanics of the reference or an assumption of meshes.solid changes: older runs are not used then.
 SCHEMA = 8
-#: As `SCHEMA`, for the condensed bodies.
-BODIES = 4
+#: As `SCHEMA`, for the condensed bodies, and for runs of several sets on one shaft.
+BODIES, SETS = 4, 1
 #: As `SCHEMA`, for runs with a load or support inside the 3D stretch of the screw: how a section takes it.
 SECTIONS = "mean of a slice"
 #: Programs whose results runs depend on.
@@ -46,7 +48,7 @@ UNSAID: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class Run:
-    """Stored result of one scene on one level.
+    """Stored result of one scene on one level; of several sets on one shaft the balls of all, set after set.
 
     Loads ``(n, 4)`` [N], contact angles ``(n, 4)`` [deg], loads with directions frozen in the nominal state, centreline
     ``(stations, 4)``: z, ux, uy, uz [m]; loads without single ingredients, with seconds they take; sides that were
@@ -105,7 +107,11 @@ def _version(name: str) -> str:
 
 
 def key_of(
-    scene: Scene, variant: str, settings: Mapping[str, Any], sides: Sequence[int], programs: Mapping[str, str] | None = None
+    scene: Solvable,
+    variant: str,
+    settings: Mapping[str, Any],
+    sides: Sequence[int],
+    programs: Mapping[str, str] | None = None,
 ) -> str:
     """Content key of a run: all that its numbers depend on.
 
@@ -113,6 +119,10 @@ def key_of(
     variant, the mesh settings as resolved, in numbers, and the prepared sides (both set by all scenes that were meshed
     together), ``SCHEMA``, and versions of the mesh generator and the finite elements: those installed unless given.
     """
+    if isinstance(scene, Assembly):
+        each = zip(scene.sets, settings["sets"], strict=True)
+        meshed = [_meshed(s.parts, own, own["sides"], programs) for s, own in each if isinstance(s.parts, Scene)]
+        return digest(SCHEMA, SETS, SECTIONS, meant(scene, UNSAID), variant, *meshed)[:16]
     return digest(SCHEMA, replace(scene, **UNSAID), variant, *_meshed(scene, settings, sides, programs))[:16]
 
 
@@ -135,12 +145,12 @@ def _meshed(
     return replace(dims, assumed=()), Fields("Settings", plain(settings)), tuple(sides), made_by, *sections
 
 
-def path_in(store: Path, scene: Scene, run: Run) -> Path:
+def path_in(store: Path, scene: Solvable, run: Run) -> Path:
     """File of a run of a scene in a store."""
     return store / f"{_stem(scene, run.level, run.variant)}{_key(scene, run)}.json"
 
 
-def _key(scene: Scene, run: Run) -> str:
+def _key(scene: Solvable, run: Run) -> str:
     """The key of a run by the versions that it names: it may be read where others, or none, are installed."""
     return key_of(scene, run.variant, run.settings, run.sides, run.versions)
 
@@ -151,11 +161,11 @@ def bodies_path(store: Path, scene: Scene, run: Run) -> Path:
     return store / f"bodies-{geometry_digest(scene)}-level{run.level}-{key}.npz"
 
 
-def _stem(scene: Scene, level: int, variant: str) -> str:
+def _stem(scene: Solvable, level: int, variant: str) -> str:
     return f"{scene.name}-level{level}-{variant}-" if variant else f"{scene.name}-level{level}-"
 
 
-def save(store: Path, scene: Scene, run: Run) -> Path:
+def save(store: Path, scene: Solvable, run: Run) -> Path:
     """Write a run that has loads whole or not at all. Raises ValueError for another one."""
     if not run.answers:
         raise ValueError(f"a run that did not converge is no reference: {run.status}")
@@ -176,7 +186,7 @@ def shipped_store() -> Path:
     return Path(str(resources.files("rollbench.comparison").joinpath("references")))
 
 
-def load(scene: Scene, level: int, variant: str = "", stores: Sequence[Path] | None = None) -> Run | None:
+def load(scene: Solvable, level: int, variant: str = "", stores: Sequence[Path] | None = None) -> Run | None:
     """A stored run of a mesh that serves the scene, or None; a damaged file, or one of another key, counts as absent.
 
     stores: the shipped one unless given, the first that has a run counts. Of several runs, made with other scenes, one of
@@ -198,10 +208,11 @@ def load(scene: Scene, level: int, variant: str = "", stores: Sequence[Path] | N
 def _order(here: Mapping[str, str], run: Run) -> tuple[float, ...]:
     """Runs that are taken first come first."""
     other = any(run.versions.get(name) != version for name, version in here.items())
-    return (other, *run.settings["semi"], *(-x for x in run.settings["reach"]))
+    each = run.settings.get("sets", (run.settings,))
+    return (other, *(x for own in each for x in own["semi"]), *(-x for own in each for x in own["reach"]))
 
 
-def read(path: Path, scene: Scene, level: int, variant: str) -> Run | None:
+def read(path: Path, scene: Solvable, level: int, variant: str) -> Run | None:
     """Run in a file, if that is whole and its name is the key of what it holds."""
     try:
         data = unsealed(path)

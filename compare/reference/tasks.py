@@ -7,14 +7,19 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.errors import InputError
 from rollbench.comparison.reference.levels import LEVELS, SOURCE_LEVEL, scaled
+from rollbench.comparison.reference.sets import refused, serves_sets
 from rollbench.comparison.reference.variants import VARIANTS
+from rollbench.meshes.axis import Assembly
 from rollbench.meshes.canonical import Fields, canonical
 from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
     from rollbench.hifi.meshing.settings import Settings
+
+#: What the 3D reference solves: one set, or several on one shaft.
+Solvable = Scene | Assembly
 
 
 def needed_sides(scene: Scene) -> tuple[int, ...]:
@@ -28,21 +33,16 @@ def needed_sides(scene: Scene) -> tuple[int, ...]:
         raise refused(scene, error) from error
 
 
-def refused(scene: Scene, error: ValueError) -> Refusal:
-    """The refusal of a scene whose equilibrium or mesh is not to be had."""
-    return Refusal(scene.name, "3D reference", str(error), "change what it names, or solve it with a low-order model")
-
-
 def geometry_of(scene: Scene) -> tuple[Any, ...]:
     """What scenes must share to share a set-up."""
     return scene.track, scene.screw, scene.nut, scene.balls, scene.solid, scene.ingredients.screw
 
 
-def groups(scenes: Sequence[Scene]) -> list[list[Scene]]:
-    """Scenes of one geometry together, in order."""
-    found: dict[tuple[Any, ...], list[Scene]] = {}
+def groups(scenes: Sequence[Solvable]) -> list[list[Solvable]]:
+    """Scenes of one geometry together, in order; several sets on one shaft stand alone."""
+    found: dict[object, list[Solvable]] = {}
     for scene in scenes:
-        found.setdefault(geometry_of(scene), []).append(scene)
+        found.setdefault(scene if isinstance(scene, Assembly) else geometry_of(scene), []).append(scene)
     return list(found.values())
 
 
@@ -69,8 +69,10 @@ def settings_of(scenes: Sequence[Scene], level: int, variant: str = "") -> Setti
     return Settings(**sizes)
 
 
-def serves(scene: Scene, level: int, variant: str, settings: Mapping[str, Any], sides: Sequence[int]) -> bool:
+def serves(scene: Solvable, level: int, variant: str, settings: Mapping[str, Any], sides: Sequence[int]) -> bool:
     """Whether a mesh of a level serves a scene: cells at least as fine, patches as large, all sides that may touch."""
+    if isinstance(scene, Assembly):
+        return serves_sets(scene, level, settings)
     changed = VARIANTS[variant].change(scene) if variant else scene
     try:
         own, needed = asdict(settings_of([changed], level, variant)), needed_sides(changed)
@@ -94,22 +96,38 @@ def _but_sizes(settings: Mapping[str, Any]) -> str:
 
 def plain(settings: Mapping[str, Any]) -> dict[str, Any]:
     """Settings as they come back from a file: lists are tuples."""
-    return {name: tuple(value) if isinstance(value, list | tuple) else value for name, value in settings.items()}
+
+    def told(value: Any) -> Any:
+        if isinstance(value, list | tuple):
+            return tuple(map(told, value))
+        return plain(value) if isinstance(value, dict) else value
+
+    return {name: told(value) for name, value in settings.items()}
 
 
 @dataclass(frozen=True)
 class Task:
-    """One set-up and its load cases: scenes of one geometry on one level, with a variant; ``ablate``: also leave out every
-    ingredient in turn; ``cache``: folder of the mesh cache; ``processes`` that one set-up may use; ``cut_cells``:
-    element size of the shafts that say what a cut does, over the level's."""
+    """One set-up and its load cases: scenes of one geometry on one level, with a variant, or several sets on one shaft;
+    ``ablate``: also leave out every ingredient in turn; ``cache``: folder of the mesh cache; ``processes`` that one set-up
+    may use; ``cut_cells``: element size of the shafts that say what a cut does, over the level's."""
 
-    scenes: tuple[Scene, ...]
+    scenes: tuple[Solvable, ...]
     level: int
     variant: str = ""
     ablate: bool = False
     cache: Path | None = None
     processes: int = 1
     cut_cells: float = 1.0
+
+    @property
+    def assembly(self) -> Assembly | None:
+        """The several sets on one shaft that it is for; None for scenes of one set."""
+        return self.scenes[0] if isinstance(self.scenes[0], Assembly) else None
+
+    @property
+    def single(self) -> tuple[Scene, ...]:
+        """Its scenes of one set."""
+        return tuple(scene for scene in self.scenes if isinstance(scene, Scene))
 
     @property
     def label(self) -> str:

@@ -53,12 +53,17 @@ def loads(text: str, origin: str) -> Scene:
     return whole(read(text, origin), origin)
 
 
+def solvable(scene: Scene | KindScene | Assembly, origin: str) -> Scene | Assembly:
+    """The scene, if it is a whole one of one set, or several sets on one shaft. Raises SceneError as `whole`."""
+    return scene if isinstance(scene, Assembly) else whole(scene, origin)
+
+
 def whole(scene: Scene | KindScene | Assembly, origin: str) -> Scene:
     """The scene, if it is one whole screw or bearing. Raises SceneError naming its kind where it is another."""
     if isinstance(scene, Scene):
         return scene
     if isinstance(scene, Assembly):
-        advice = "the 3D reference meshes one nut or ring with its balls: take solve, friction or sweep"
+        advice = "this command takes one nut or ring with its balls: take solve, compare, check, friction or sweep"
         raise SceneError(origin, "sets", f"{len(scene.sets)} sets", "one set that stands", advice)
     advice = f"only friction solves this kind: rollbench friction {origin.removesuffix('.toml')}"
     raise SceneError(origin, "kind", show(scene.kind), ", ".join(map(show, WHOLE)), advice)

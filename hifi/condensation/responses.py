@@ -29,7 +29,7 @@ from rollbench.hifi.elements.rigid import rigid_modes
 from rollbench.hifi.linear_algebra.response import compliance, transport
 from rollbench.hifi.meshing.part_meshes import body_kind, placed, sockets_of
 from rollbench.hifi.meshing.settings import Settings
-from rollbench.hifi.shaft.beam import ShaftSection, round_section
+from rollbench.hifi.shaft.beam import ShaftSection, round_section, tube
 from rollbench.hifi.shaft.cell import Homogenised, homogenise
 from rollbench.hifi.shaft.mounting import Stretch
 from rollbench.meshes.arrays import Array
@@ -65,11 +65,13 @@ class ScrewResponse:
 
 @dataclass(frozen=True)
 class NutResponse:
-    """Coupling G of the modes of all contacts, modes V of each side's patches, unknowns."""
+    """Coupling G of the modes of all contacts, modes V of each side's patches, unknowns; rigid: motion ``(k, 6)`` of the
+    modes with the nut as a rigid body, about the station zero."""
 
     G: Array
     modes: dict[int, Array]
     unknowns: int
+    rigid: Array
 
 
 @dataclass(frozen=True)
@@ -132,10 +134,7 @@ def shaft_section(
     if radius is not None:
         return Shaft(round_section(radius, e.youngs_modulus, e.poissons_ratio), None)
     if m.rg == 0.0:
-        if bore == 0.0:
-            return Shaft(plain, None)
-        own = round_section(bore, e.youngs_modulus, e.poissons_ratio)
-        return Shaft(ShaftSection(plain.EA - own.EA, plain.EI - own.EI, plain.GJ - own.GJ, plain.kGA - own.kGA), None)
+        return Shaft(tube(outer, bore, e), None)
     found = homogenise(m, outer, bore, hole, e, size)
     return Shaft(found.section, found)
 
@@ -228,4 +227,5 @@ def nut_response(
     K, rows, kept = _with_modes(material, mesh.mesh, sockets, own, settings.modes, settings)
     T = nut_transform(mesh, dims)
     K = (T.T @ K @ T).tocsc()
-    return NutResponse(compliance(K, rows @ T), {s: k[0] for s, k in kept.items()}, T.shape[1])
+    rigid = np.asarray(rows @ rigid_modes(mesh.points, np.zeros(3)))
+    return NutResponse(compliance(K, rows @ T), {s: k[0] for s, k in kept.items()}, T.shape[1], rigid)

@@ -1,7 +1,7 @@
 """What the contacts of a scene will be like, by a rigid nut, a beam and Hertz springs: for the mesh only.
 
-The screw is a Timoshenko beam through its supports, loads and balls (one rigid section where the scene says so), the nut
-is rigid, every ball moves freely in its section, and every contact is Hertz's. Groove and ball stay circles, so that the
+The screw is a Timoshenko beam through its supports, loads and balls (one rigid section where the scene says so), nuts are
+rigid, every ball moves freely in its section, and every contact is Hertz's. Groove and ball stay circles, so that the
 contact angle follows the motion: with the vector d from the groove's to the ball's centre, the approach is
 |d| + r_ball - r_groove. The energy of a convex function of |d| is convex, so that damped Newton steps find its minimum.
 
@@ -11,7 +11,7 @@ that the largest contact comes out some per cent too large and loads by prescrib
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
 
@@ -22,7 +22,9 @@ from scipy.sparse.linalg import spsolve
 from rollbench.hifi.contact.hertz import HertzSolution, hertz
 from rollbench.hifi.linear_algebra.response import transport
 from rollbench.hifi.shaft.beam import beam_stiffness, round_section
+from rollbench.hifi.shaft.frame import Frame
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly, Thrust
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout, groove_radii, lead_angle
 from rollbench.meshes.one_arc import is_one_arc
@@ -76,10 +78,11 @@ class ExpectedContacts:
 
 @dataclass(frozen=True)
 class _Model:
-    """Stiffness of the screw's stations and of its supports, loads on them; A: change of all vectors from groove to ball
-    centre ``(8 n,)`` by all freedoms, their values at rest ``(n, 4, 2)`` [m] and the lengths at which ball and groove touch
-    ``(n, 4)`` [m]; Hertz's constant F / approach^(3/2) of each side ``(4,)``; a typical stiffness [N/m]; soft springs that
-    K holds on every freedom, [N/m] or [N m], and their arms (1, or the pitch radius of rotations)."""
+    """Stiffness of the shaft's stations, of its housings and of what holds them, loads on them; A: change of all vectors
+    from groove to ball centre ``(8 n,)`` by all freedoms, their values at rest ``(n, 4, 2)`` [m] and the lengths at which
+    ball and groove touch ``(n, 4)`` [m]; Hertz's constant F / approach^(3/2) ``(n, 4)``, zero on sides that cannot touch; a
+    typical stiffness [N/m]; soft springs that K holds on every freedom, [N/m] or [N m], and their arms (1, or the pitch
+    radius of rotations)."""
 
     K: sp.csc_matrix
     P: Array
@@ -92,22 +95,75 @@ class _Model:
     arm: Array
 
 
+@dataclass(frozen=True)
+class _Set:
+    """A set on the shaft: its scene, sides ``(4,)`` that can touch, shift of its nut [m], number of the nut's housing."""
+
+    scene: Scene
+    sides: tuple[bool, ...]
+    offset: float = 0.0
+    housing: int | None = None
+
+
 @lru_cache(maxsize=64)
 def expected_contacts(scene: Scene) -> ExpectedContacts:
     """Expected contacts of a scene.
 
     Raises ValueError where the model finds no equilibrium, or an ellipse is too thin for Hertz's formulas.
     """
-    units = hertz_units(scene)
-    model = _model(scene, units)
+    return _expected((_Set(scene, _sides(scene, "both")),), Frame.of(scene))[0]
+
+
+@lru_cache(maxsize=64)
+def expected_by_set(assembly: Assembly) -> tuple[ExpectedContacts, ...]:
+    """Expected contacts of each set of balls. A preload by force is taken as the shift that closes the set to it, all else
+    rigid. Raises ValueError as `expected_contacts`."""
+    frame, sets = Frame.of(assembly), []
+    for s in assembly.sets:
+        if isinstance(s.parts, Scene):
+            away = -1.0 if s.thrust == "+z" else 1.0
+            offset = s.offset + (away * closing(s.parts, s.preload) if s.preload else 0.0)
+            sets.append(_Set(s.parts, _sides(s.parts, s.thrust), offset, frame.number(s.housing)))
+    return _expected(tuple(sets), frame)
+
+
+def carrying(scene: Scene, idle: ExpectedContacts, load: float) -> ExpectedContacts:
+    """Contacts of a set that carries nothing, as if those sides that are nearest to its balls carried a ``load`` [N]."""
+    nearest = int(idle.gap.min(axis=0).argmin())
+    on = np.isin(np.arange(4), (nearest, 3 - nearest)) & np.ones_like(idle.load, dtype=bool)
+    across, along = (
+        np.where(on, np.cbrt(load) * np.array([getattr(unit, name) for unit in hertz_units(scene)]), 0.0)
+        for name in ("semi_x", "semi_y")
+    )
+    return replace(idle, load=np.where(on, load, 0.0), across=across, along=along, gap=np.where(on, -1.0, np.inf))
+
+
+def closing(scene: Scene, force: float) -> float:
+    """Shift [m] of the nut that closes all balls to an axial ``force`` [N], all else rigid."""
+    sin, units = float(np.sin(scene.track.contact_angle)), hertz_units(scene)
+    return (units[0].approach + units[3].approach) * float(np.cbrt(force / (scene.ball_count * sin))) ** 2 / sin
+
+
+def _sides(scene: Scene, thrust: Thrust) -> tuple[bool, ...]:
+    """Sides ``(4,)`` that can touch: SL and NR stand for grooves of one arc."""
+    if is_one_arc(scene):
+        return True, False, False, True
+    return thrust != "-z", thrust != "+z", thrust != "+z", thrust != "-z"
+
+
+def _expected(sets: tuple[_Set, ...], frame: Frame) -> tuple[ExpectedContacts, ...]:
+    model = _model(sets, frame)
     load, vectors = _equilibrium(model)
-    signs, beta = np.array(SIDE_SIGNS), scene.track.contact_angle
-    angle = np.where(load > 0.0, np.arctan2(vectors[..., 1] * signs[:, 1], vectors[..., 0] * signs[:, 0]), beta)
-    scale = np.cbrt(load)
-    across, along = (scale * np.array([getattr(unit, name) for unit in units]) for name in ("semi_x", "semi_y"))
     gap = model.touch - np.linalg.norm(vectors, axis=2)
-    gap[:, model.constant == 0.0] = np.inf
-    return ExpectedContacts(load, angle, across, along, (angle - beta) * groove_radii(scene), gap)
+    gap[model.constant == 0.0] = np.inf
+    signs, ends = np.array(SIDE_SIGNS), np.cumsum([one.scene.ball_count for one in sets])[:-1]
+    found = []
+    for one, F, v, g in zip(sets, *(np.split(x, ends) for x in (load, vectors, gap)), strict=True):
+        units, beta = hertz_units(one.scene), one.scene.track.contact_angle
+        angle = np.where(F > 0.0, np.arctan2(v[..., 1] * signs[:, 1], v[..., 0] * signs[:, 0]), beta)
+        across, along = (np.cbrt(F) * np.array([getattr(unit, name) for unit in units]) for name in ("semi_x", "semi_y"))
+        found.append(ExpectedContacts(F, angle, across, along, (angle - beta) * groove_radii(one.scene), g))
+    return tuple(found)
 
 
 def hertz_units(scene: Scene) -> tuple[HertzSolution, ...]:
@@ -127,17 +183,21 @@ def _modulus(first: Material, second: Material) -> float:
     return 1.0 / sum((1.0 - x.poissons_ratio**2) / x.youngs_modulus for x in (first, second))
 
 
-def _model(scene: Scene, units: tuple[HertzSolution, ...]) -> _Model:
-    layout, track, e = ball_layout(scene), scene.track, scene.screw.material
-    drawn, n = specimen(scene, layout), layout.z.size
-    rigid = scene.ingredients.screw == "rigid" or dimensions(scene).screw_held == "bore"
-    own = {x.at for x in scene.supports} | {x.at for x in scene.loads} | set(layout.z.tolist())
-    nodes = [scene.nut.position] if rigid else sorted({round(z, 9) for z in own})
-    mean = 0.5 * (scene.screw.outer_diameter / 2.0 + track.pitch_radius - scene.balls.radius)  # of land and groove
+def _model(sets: tuple[_Set, ...], frame: Frame) -> _Model:
+    layouts, count = [ball_layout(one.scene) for one in sets], len(frame.housings)
+    first, n = sets[0].scene, sum(x.z.size for x in layouts)
+    rigid = any(one.scene.ingredients.screw == "rigid" or dimensions(one.scene).screw_held == "bore" for one in sets)
+    acted = {x.at for x in frame.supports} | {x.at for x in frame.loads}
+    nodes = [first.nut.position] if rigid else sorted({round(z, 9) for x in layouts for z in acted | set(x.z.tolist())})
+    thread, e = next((one.scene for one in sets if one.scene.track.lead > 0.0), first), first.screw.material
+    mean = 0.5 * (thread.screw.outer_diameter / 2.0 + thread.track.pitch_radius - thread.balls.radius)  # of land and groove
     section = round_section(mean, e.youngs_modulus, e.poissons_ratio)
-    K = sp.lil_matrix((6 * len(nodes),) * 2)
+    shaft = 6 * len(nodes)
+    K = sp.lil_matrix((shaft + 6 * count,) * 2)
     for k, (a, b) in enumerate(pairwise(nodes)):
         K[6 * k : 6 * k + 12, 6 * k : 6 * k + 12] += beam_stiffness(b - a, section)
+    for spring, stiff in frame.springs():
+        K[shaft:, shaft:] += spring.T @ stiff @ spring
 
     def motion(z: float) -> sp.csr_matrix:
         """Motion ``(6, size)`` of a station by the screw's freedoms."""
@@ -146,36 +206,55 @@ def _model(scene: Scene, units: tuple[HertzSolution, ...]) -> _Model:
         out[:, 6 * k : 6 * k + 6] = transport(z - nodes[k])
         return out.tocsr()
 
-    share = sum(float(np.linalg.norm(x.force)) + float(np.linalg.norm(x.moment)) / track.pitch_radius for x in scene.loads)
-    constant = np.array([unit.approach for unit in units]) ** -1.5
-    if is_one_arc(scene):
-        constant[1:3] = 0.0  # SL and NR stand for the arcs
+    def carried(housing: int, z: float) -> sp.csr_matrix:
+        """The same of a station of a nut by its housing's."""
+        out, at = sp.lil_matrix((6, K.shape[0])), shaft + 6 * housing
+        out[:, at : at + 6] = transport(z - frame.housings[housing].at)
+        return out.tocsr()
+
+    share = sum(float(np.linalg.norm(x.force)) + float(np.linalg.norm(x.moment)) / frame.arm for x in frame.loads)
+    share += sum(float(np.linalg.norm(h.force)) + float(np.linalg.norm(h.moment)) / frame.arm for h in frame.housings)
+    hertz_constants = [np.array([unit.approach for unit in hertz_units(one.scene)]) ** -1.5 for one in sets]
+    for one, own in zip(sets, hertz_constants, strict=True):
+        own[~np.array(one.sides)] = 0.0
+    constant = np.concatenate([np.tile(own, (x.z.size, 1)) for own, x in zip(hertz_constants, layouts, strict=True)])
     stiffness = 1.5 * float(constant.max()) ** (2.0 / 3.0) * max(share / n, 1.0) ** (1.0 / 3.0)
     P, held = np.zeros(K.shape[0]), sp.csr_matrix(K.shape)
-    for load in scene.loads:
+    for load in frame.loads:
         P += motion(load.at).T @ np.concatenate([load.force, load.moment])
-    size = np.array([1.0, 1.0, 1.0, *[track.pitch_radius] * 3])
-    for support in scene.supports:
-        at = motion(support.at)
-        for name, value in support.fixed:
+    for k, housing in enumerate(frame.housings):
+        P[shaft + 6 * k : shaft + 6 * k + 6] += [*housing.force, *housing.moment]
+    size = np.array([1.0, 1.0, 1.0, *[frame.arm] * 3])
+    holds = [(motion(x.at), x.fixed) for x in frame.supports]
+    holds += [(carried(k, housing.at), housing.fixed) for k, housing in enumerate(frame.housings)]
+    for at, fixed in holds:
+        for name, value in fixed:
             row = at[FREEDOMS.index(name)]
             spring = HELD * n * stiffness * size[FREEDOMS.index(name)] ** 2
             held = held + spring * (row.T @ row)
             P += spring * value * row.toarray()[0]
-    blocks = []
-    for i, z in enumerate(layout.z.tolist()):
-        frame = np.stack([layout.radial[i], layout.binormal[i]])
-        arm = layout.centre[i] - np.array([0.0, 0.0, z])
-        turn = np.array([[0.0, arm[2], -arm[1]], [-arm[2], 0.0, arm[0]], [arm[1], -arm[0], 0.0]])
-        screw = -sp.csr_matrix(np.hstack([frame, frame @ turn])) @ motion(z)
-        blocks.append(sp.vstack([screw, screw, sp.csr_matrix((4, K.shape[0]))]))
+    blocks, arms, touch = [], [], []
+    for one, layout in zip(sets, layouts, strict=True):
+        drawn, track = specimen(one.scene, layout), one.scene.track
+        for i, z in enumerate(layout.z.tolist()):
+            section_frame = np.stack([layout.radial[i], layout.binormal[i]])
+            arm = layout.centre[i] - np.array([0.0, 0.0, z])
+            turn = np.array([[0.0, arm[2], -arm[1]], [-arm[2], 0.0, arm[0]], [arm[1], -arm[0], 0.0]])
+            rows = -sp.csr_matrix(np.hstack([section_frame, section_frame @ turn]))
+            screw, nut = rows @ motion(z), sp.csr_matrix((4, K.shape[0]))
+            if one.housing is not None:
+                nut = sp.vstack([rows @ carried(one.housing, z)] * 2)
+            blocks.append(sp.vstack([screw, screw, nut]))
+        inward = [np.polynomial.Polynomial(p if p.size else [0.0])(track.contact_angle) for p in drawn.profile]
+        arms.append(-drawn.centre)
+        arms[-1][:, 2:, 1] -= one.offset * np.cos(lead_angle(track))
+        touch.append((drawn.radius - np.array(inward))[None, :] - drawn.ball_radius[:, None])
     A = sp.hstack([sp.vstack(blocks), sp.kron(sp.identity(n), np.tile(np.eye(2), (4, 1)))]).tocsr()
-    arm = np.concatenate([np.tile(size, len(nodes)), np.ones(2 * n)])
+    arm = np.concatenate([np.tile(size, len(nodes) + count), np.ones(2 * n)])
     soft = SOFT * stiffness * arm**2
     whole = sp.block_diag([K.tocsr() + held, sp.csr_matrix((2 * n, 2 * n))]) + sp.diags(soft)
-    inward = np.array([np.polynomial.Polynomial(p if p.size else [0.0])(track.contact_angle) for p in drawn.profile])
-    touch = (drawn.radius - inward)[None, :] - drawn.ball_radius[:, None]
-    return _Model(whole.tocsc(), np.append(P, np.zeros(2 * n)), A, -drawn.centre, touch, constant, stiffness, soft, arm)
+    P = np.append(P, np.zeros(2 * n))
+    return _Model(whole.tocsc(), P, A, np.concatenate(arms), np.concatenate(touch), constant, stiffness, soft, arm)
 
 
 def _contact(model: _Model, x: Array) -> tuple[float, Array, Array, Array, Array]:

@@ -48,7 +48,7 @@ class Settings:
 
 def expected_semi_axes(scene: Scene) -> tuple[float, float]:
     """Semi-axes (a, b) [m] of a typical contact of a scene, rounded up. Raises ValueError as `expected_contacts`."""
-    return _rounded(expected_contacts(scene).semi())
+    return rounded(expected_contacts(scene).semi())
 
 
 def expected_reach(scene: Scene) -> tuple[float, float]:
@@ -56,9 +56,10 @@ def expected_reach(scene: Scene) -> tuple[float, float]:
 
     Raises ValueError as `expected_contacts`.
     """
-    return _rounded(expected_contacts(scene).reach((0, 1, 2, 3)))
+    return rounded(expected_contacts(scene).reach((0, 1, 2, 3)))
 
 
-def _rounded(lengths: tuple[float, float]) -> tuple[float, float]:
+def rounded(lengths: tuple[float, float]) -> tuple[float, float]:
+    """Lengths [m] rounded up, so that like scenes share their patches."""
     a, b = (max(1.0, float(np.ceil(x / ROUNDING - 1e-9))) * ROUNDING for x in lengths)
     return a, b

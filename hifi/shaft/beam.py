@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import Material
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,12 @@ def round_section(radius: float, young: float, poisson: float) -> ShaftSection:
     return ShaftSection(
         young * area, young * inertia, 2.0 * shear * inertia, 6.0 * (1.0 + poisson) / (7.0 + 6.0 * poisson) * shear * area
     )
+
+
+def tube(radius: float, bore: float, material: Material) -> ShaftSection:
+    """Round section of these radii [m], with a hole unless that has none; kappa as if there were no hole."""
+    outer, inner = (round_section(r, material.youngs_modulus, material.poissons_ratio) for r in (radius, bore))
+    return ShaftSection(outer.EA - inner.EA, outer.EI - inner.EI, outer.GJ - inner.GJ, outer.kGA - inner.kGA)
 
 
 def beam_stiffness(length: float, section: ShaftSection) -> Array:

@@ -1,12 +1,13 @@
-"""A 3D stretch of screw between beams: how its contacts answer once supports and loads of a scene are known.
+"""3D stretches of screw between beams: how their contacts answer once supports and loads of a scene are known.
 
-The stretch is held at its base section and answers generalised loads there: modes m of the contact patches and ports p
+A stretch is held at its base section and answers generalised loads there: modes m of the contact patches and ports p
 (its other end, stations inside) by u_x = F_xm f_m + F_xp f_p + B_x u_base. With the beams' stiffness K and the ports
 joined to nodes, L = S_p - S_base B_p^T, the nodes move by
 
     (K + L F_pp^-1 L^T) U = P + Y^T f_m,  Y = B_m S_base^T + F_mp F_pp^-1 L^T,
 
-and the patches by u_m = (F_mm - F_mp F_pp^-1 F_pm) f_m + Y U: exact, and small enough to redo for every load case.
+and the patches by u_m = (F_mm - F_mp F_pp^-1 F_pm) f_m + Y U: exact, and small enough to redo for every load case. Several
+stretches add their L F_pp^-1 L^T; a nut on a housing has that for base, and no port.
 
 The stretch ends in flat rigid sections. Where a beam goes on, the real shaft does not end, and what such a cut does
 (`hifi.shaft.cut`) is taken off: at the base, where it is in series with all that hangs there, by B A B^T; at the upper end
@@ -15,19 +16,25 @@ from the flexibility of that port.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve, qr
+from scipy.linalg import block_diag, cho_factor, cho_solve, qr
 
 from rollbench.hifi.linear_algebra.response import transport
 from rollbench.hifi.shaft.beam import ShaftSection, beam_stiffness
 from rollbench.hifi.shaft.cut import at_high, at_low
+from rollbench.hifi.shaft.frame import Frame
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import FREEDOMS, Scene
+from rollbench.meshes.solid import SAME
+
+#: Stiffness of a spring's softest direction over its stiffest one that counts as none.
+SLACK = 1e-12
 
 
 @dataclass(frozen=True)
@@ -45,12 +52,37 @@ class Stretch:
     modes: int
     rigid: bool = False
 
+    def holds(self, z: float) -> bool:
+        """Whether a station [m] lies in the stretch, ends included."""
+        return self.ends[0] - SAME <= z <= self.ends[1] + SAME
+
+    def lacks(self, z: float) -> bool:
+        """Whether a station [m] lies within the ends of the stretch and is none of its ports."""
+        inside = self.ends[0] + SAME < z < self.ends[1] - SAME
+        return inside and not any(abs(z - known) <= SAME for known in (self.base, *self.ports))
+
+    def moved(self, shift: float) -> Stretch:
+        """The stretch by ``shift`` [m] further along the shaft."""
+        stations = {name: tuple(z + shift for z in getattr(self, name)) for name in ("ports", "observers", "ends")}
+        return replace(self, base=self.base + shift, **stations)  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True)
+class Carried:
+    """A nut on a housing that can move: coupling G of its modes ``(k, k)`` [m/N] where that is held, motion B ``(k, 6)`` of
+    the modes with it, number of the housing in its `Frame`."""
+
+    G: Array
+    B: Array
+    housing: int
+
 
 @dataclass(frozen=True)
 class Mounted:
-    """Stretch with a scene's supports and loads: coupling G of the modes ``(m, m)``, their motion by loads and prescribed
-    displacements ``(m,)``, unheld rigid motions about ``origin`` ``(6, k)`` and the work of the loads on them ``(k,)``;
-    stations of the centreline, its motion by loads ``(s, 6)`` and by modal forces ``(s, 6, m)``."""
+    """Stretches and carried nuts under a frame: coupling G of the modes ``(m, m)``, their motion by loads and prescribed
+    displacements ``(m,)``, unheld rigid motions of the shaft about ``origin`` and of h housings ``(6 (1 + h), k)`` and the
+    work of the loads on them ``(k,)``; stations of the centreline, its motion by loads ``(s, 6)`` and by modal forces
+    ``(s, 6, m)``; the same of the housings, ``(h, 6)`` and ``(h, 6, m)``."""
 
     G: Array
     loads: Array
@@ -60,6 +92,8 @@ class Mounted:
     stations: tuple[float, ...]
     line: Array
     line_modes: Array
+    housings: Array
+    housings_modes: Array
 
 
 def without_cuts(stretch: Stretch, cut: Array, m: GrooveMap, stations: Sequence[float]) -> Stretch:
@@ -98,99 +132,179 @@ def as_stiff_as(stretch: Stretch, rows: Array, stations: Array, section: ShaftSe
 
 
 def mount(stretch: Stretch, scene: Scene, section: ShaftSection) -> Mounted:
-    """Supports and loads of a scene on a stretch continued by beams of ``section``.
+    """Supports and loads of a scene on a stretch continued by beams of ``section``. Raises ValueError as `mount_all`."""
+    return mount_all((stretch,), Frame.of(scene), lambda _: section)
 
-    Raises ValueError where a station inside the stretch has no port.
+
+def mount_all(
+    stretches: Sequence[Stretch],
+    frame: Frame,
+    section_at: Callable[[float], ShaftSection],
+    steps: Sequence[float] = (),
+    carried: Sequence[Carried] = (),
+) -> Mounted:
+    """Stretches on one shaft, from left to right, joined and continued by beams, with what holds and loads them.
+
+    section_at: section of the beam at a station [m]; steps: stations [m] where it changes; carried: nuts on the housings of
+    the frame, whose modes follow those of the stretches. Raises ValueError where a station inside a stretch has no port,
+    and where some stretches are rigid and others are not.
     """
-    own = sorted({x.at for x in scene.supports} | {x.at for x in scene.loads})
-    nodes = sorted({stretch.base, *stretch.ports, *own})
-    place = {z: 6 * k for k, z in enumerate(nodes)}
-    low, high = stretch.ends
-    for z in own:
-        if low < z < high and z not in stretch.ports and not stretch.rigid and z != stretch.base:
+    rigid = stretches[0].rigid
+    if any(s.rigid != rigid for s in stretches):
+        raise ValueError("the bore of one ring moves as a rigid shaft, and that of another set does not")
+    acted = sorted({x.at for x in frame.supports} | {x.at for x in frame.loads})
+    ends = {z for s in stretches for z in (s.base, *s.ports)}
+    low, high = min((*acted, *ends)), max((*acted, *ends))
+    between = {z for z in steps if low < z < high and not any(s.holds(z) for s in stretches)}
+    nodes = _apart(sorted({*ends, *acted, *between}))
+    place = _Places(nodes)
+    for z in acted:
+        if not rigid and any(s.lacks(z) for s in stretches):
             raise ValueError(f"the station at {1e3 * z:.4g} mm lies inside the 3D stretch and has no port there")
-    K = np.zeros((6 * len(nodes), 6 * len(nodes)))
+    n = 6 * len(nodes)
+    K = np.zeros((n + 6 * len(frame.housings),) * 2)
     for a, b in pairwise(nodes):
-        if stretch.rigid or (a >= low and b <= high):
+        if rigid or any(s.holds(a) and s.holds(b) for s in stretches):
             continue
         dof = np.r_[place[a] : place[a] + 6, place[b] : place[b] + 6]
-        K[np.ix_(dof, dof)] += beam_stiffness(b - a, section)
-    m, p = stretch.modes, 6 * len(stretch.ports)
-    F_mm, F_mp, F_pp = stretch.F[:m, :m], stretch.F[:m, m : m + p], stretch.F[m : m + p, m : m + p]
-    L = np.zeros((len(K), p))
-    for k, z in enumerate(stretch.ports):
-        L[place[z] : place[z] + 6, 6 * k : 6 * k + 6] += np.eye(6)
-    base = slice(place[stretch.base], place[stretch.base] + 6)
-    L[base] -= stretch.B[m : m + p].T
-    joined = np.linalg.solve(F_pp, np.hstack([L.T, F_mp.T])) if p else np.zeros((0, len(K) + m))
-    K = K + L @ joined[:, : len(K)]
-    Y = F_mp @ joined[:, : len(K)]
-    Y[:, base] += stretch.B[:m]
-    fixed_G = F_mm - F_mp @ joined[:, len(K) :]
-    o = slice(m + p, stretch.F.shape[0])
-    F_op = stretch.F[o, m : m + p]
-    Y_o = F_op @ joined[:, : len(K)]
-    Y_o[:, base] += stretch.B[o]
-    fixed_o = stretch.F[o, :m] - F_op @ joined[:, len(K) :]
+        K[np.ix_(dof, dof)] += beam_stiffness(b - a, section_at(0.5 * (a + b)))
+    for rows, stiffness in frame.springs():
+        K[n:, n:] += rows.T @ stiffness @ rows
+    joined = []
+    for s in stretches:
+        joined.append(_join(s, place, len(K)))
+        K = K + joined[-1].K
+    Y = np.concatenate([j.Y for j in joined] + [np.zeros((len(c.G), len(K))) for c in carried])
+    G = block_diag(*(j.G for j in joined), *(c.G for c in carried))
+    first = sum(len(j.G) for j in joined)
+    for c in carried:
+        Y[first : first + len(c.G), n + 6 * c.housing : n + 6 * c.housing + 6] = c.B
+        first += len(c.G)
 
-    T = _followers(nodes, stretch) if stretch.rigid else np.eye(len(K))
+    T = np.eye(len(K))
+    if rigid:
+        T = block_diag(np.concatenate([transport(z - stretches[0].base) for z in nodes]), np.eye(len(K) - n))
     P = np.zeros(len(K))
-    for load in scene.loads:
-        P[place[load.at] : place[load.at] + 3] += load.force
-        P[place[load.at] + 3 : place[load.at] + 6] += load.moment
-    held, values = _held(scene, place)
-    motions = unheld(scene, nodes[0])
-    pins = [place[nodes[0]] + k for k in pin_freedoms(motions)]
+    for load in frame.loads:
+        P[place[load.at] : place[load.at] + 6] += [*load.force, *load.moment]
+    for k, housing in enumerate(frame.housings):
+        P[n + 6 * k : n + 6 * k + 6] = [*housing.force, *housing.moment]
+    held, values = _held(frame, place, n)
+    motions = unheld(frame, nodes[0])
+    pins = [place[nodes[0]] + k if k < 6 else n + k - 6 for k in pin_freedoms(motions)]
     # U = T W, constraints R U = r: a basis of what is free, and one state that meets them
     rows = np.zeros((len(held) + len(pins), len(K)))
     rows[np.arange(len(rows)), held + pins] = 1.0
     given = np.concatenate([values, np.zeros(len(pins))])
-    length = np.tile(np.r_[np.ones(3), np.full(3, 1.0 / scene.track.pitch_radius)], T.shape[1] // 6)
+    length = np.tile(np.r_[np.ones(3), np.full(3, 1.0 / frame.arm)], T.shape[1] // 6)
     R = rows @ T * length
     if len(rows):
-        _, s, vt = np.linalg.svd(R)
-        rank = int((s > 1e-10 * s[0]).sum())
+        _, sizes, vt = np.linalg.svd(R)
+        rank = int((sizes > 1e-10 * sizes[0]).sum())
         start = length * (np.linalg.pinv(R, rcond=1e-10) @ given)
         free = length[:, None] * vt[rank:].T
     else:
         start, free = np.zeros(T.shape[1]), np.diag(length)
     reduced = free.T @ (T.T @ K @ T) @ free
-    first = T @ start
-    moved, line0 = first, first
+    at_start = T @ start
+    line, by_modes = at_start, np.zeros((len(K), len(G)))
     if free.shape[1]:
         scale = 1.0 / np.sqrt(np.diag(reduced))
         found = cho_factor(reduced * np.outer(scale, scale), lower=True)
         Z = T @ free * scale
         answer = cho_solve(found, Z.T)  # K_ff^-1 on the free motions
-        moved = first + Z @ (answer @ (P - K @ first))
-        line0 = moved
-        G = fixed_G + (Y @ Z) @ (answer @ Y.T)
-        nodes_modes = Z @ (answer @ Y.T)
-    else:
-        G, nodes_modes = fixed_G, np.zeros((len(K), m))
-    stations = (*nodes, *stretch.observers)
-    line = np.concatenate([line0, Y_o @ line0]).reshape(-1, 6)
-    line_modes = np.concatenate([nodes_modes, fixed_o + Y_o @ nodes_modes]).reshape(-1, 6, m)
+        line = at_start + Z @ (answer @ (P - K @ at_start))
+        G = G + (Y @ Z) @ (answer @ Y.T)
+        by_modes = Z @ (answer @ Y.T)
+    observed = np.concatenate([j.Y_o for j in joined])
+    inside = block_diag(*(j.G_o for j in joined))
+    inside = np.hstack([inside, np.zeros((len(inside), len(G) - inside.shape[1]))])
+    stations = (*nodes, *(z for s in stretches for z in s.observers))
     return Mounted(
-        0.5 * (G + G.T), Y @ moved, motions, _work(scene, motions, nodes[0]), nodes[0], stations, line, line_modes
+        0.5 * (G + G.T),
+        Y @ line,
+        motions,
+        _work(frame, motions, nodes[0]),
+        nodes[0],
+        stations,
+        np.concatenate([line[:n], observed @ line]).reshape(-1, 6),
+        np.concatenate([by_modes[:n], inside + observed @ by_modes]).reshape(-1, 6, len(G)),
+        line[n:].reshape(-1, 6),
+        by_modes[n:].reshape(-1, 6, len(G)),
     )
 
 
-def _followers(nodes: Sequence[float], stretch: Stretch) -> Array:
-    """U of all nodes from the base's motion, for a stretch whose stations move with its base."""
-    return np.concatenate([transport(z - stretch.base) for z in nodes])
+class _Joined(NamedTuple):
+    """A stretch between its nodes: stiffness K ``(d, d)`` that it adds, motion of its modes by all freedoms, Y ``(m, d)``,
+    and with the nodes held by the modes' forces, G ``(m, m)``; the same of its observers, Y_o ``(6 o, d)`` and G_o
+    ``(6 o, m)``."""
+
+    K: Array
+    Y: Array
+    G: Array
+    Y_o: Array
+    G_o: Array
 
 
-def _held(scene: Scene, place: dict[float, int]) -> tuple[list[int], Array]:
-    fixed = [(place[x.at] + FREEDOMS.index(name), value) for x in scene.supports for name, value in x.fixed]
+def _join(stretch: Stretch, place: _Places, size: int) -> _Joined:
+    m, p = stretch.modes, 6 * len(stretch.ports)
+    F_mm, F_mp, F_pp = stretch.F[:m, :m], stretch.F[:m, m : m + p], stretch.F[m : m + p, m : m + p]
+    L = np.zeros((size, p))
+    for k, z in enumerate(stretch.ports):
+        L[place[z] : place[z] + 6, 6 * k : 6 * k + 6] += np.eye(6)
+    base = slice(place[stretch.base], place[stretch.base] + 6)
+    L[base] -= stretch.B[m : m + p].T
+    joined = np.linalg.solve(F_pp, np.hstack([L.T, F_mp.T])) if p else np.zeros((0, size + m))
+    Y = F_mp @ joined[:, :size]
+    Y[:, base] += stretch.B[:m]
+    o = slice(m + p, stretch.F.shape[0])
+    F_op = stretch.F[o, m : m + p]
+    Y_o = F_op @ joined[:, :size]
+    Y_o[:, base] += stretch.B[o]
+    return _Joined(L @ joined[:, :size], Y, F_mm - F_mp @ joined[:, size:], Y_o, stretch.F[o, :m] - F_op @ joined[:, size:])
+
+
+class _Places:
+    """First freedom of the node at a station [m]: the nearest one."""
+
+    def __init__(self, nodes: Sequence[float]) -> None:
+        self.nodes = np.array(nodes)
+
+    def __getitem__(self, z: float) -> int:
+        return 6 * int(np.abs(self.nodes - z).argmin())
+
+
+def _apart(stations: Sequence[float]) -> list[float]:
+    """Sorted stations [m] without those within `SAME` of the one before."""
+    return [z for k, z in enumerate(stations) if k == 0 or z - stations[k - 1] > SAME]
+
+
+def _held(frame: Frame, place: _Places, first: int) -> tuple[list[int], Array]:
+    """Freedoms that are held, and their values; first: freedom of the first housing."""
+    fixed = [(place[x.at] + FREEDOMS.index(name), value) for x in frame.supports for name, value in x.fixed]
+    fixed += [
+        (first + 6 * k + FREEDOMS.index(name), value) for k, h in enumerate(frame.housings) for name, value in h.fixed
+    ]
     return [k for k, _ in fixed], np.array([v for _, v in fixed], dtype=float)
 
 
-def unheld(scene: Scene, origin: float) -> Array:
-    """Rigid motions of the screw about ``origin`` that no support holds, ``(6, k)``."""
-    arm = scene.track.pitch_radius
-    scale = np.array([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
-    rows = [transport(x.at - origin)[FREEDOMS.index(name)] * scale for x in scene.supports for name, _ in x.fixed]
+def unheld(frame: Frame, origin: float) -> Array:
+    """Rigid motions of the screw about ``origin`` and of each housing about its own station that neither supports nor
+    springs hold, ``(6 (1 + h), k)``."""
+    scale = np.tile([1.0, 1.0, 1.0, 1.0 / frame.arm, 1.0 / frame.arm, 1.0 / frame.arm], 1 + len(frame.housings))
+
+    def row(body: int, values: Array) -> Array:
+        out = np.zeros(scale.size)
+        out[6 * body : 6 * body + 6] = values
+        return np.asarray(out * scale)
+
+    rows = [row(0, transport(x.at - origin)[FREEDOMS.index(name)]) for x in frame.supports for name, _ in x.fixed]
+    rows += [row(1 + k, np.eye(6)[FREEDOMS.index(name)]) for k, h in enumerate(frame.housings) for name, _ in h.fixed]
+    size = np.diag([1.0, 1.0, 1.0, frame.arm, frame.arm, frame.arm])
+    for moved, stiffness in frame.springs():
+        value, vector = np.linalg.eigh(np.linalg.inv(size) @ stiffness @ np.linalg.inv(size))
+        stiff = vector[:, value > SLACK * value.max(initial=0.0)].T @ size @ moved
+        rows += [np.concatenate([np.zeros(6), one]) * scale for one in stiff]
     if not rows:
         return np.diag(scale)
     _, s, vt = np.linalg.svd(np.array(rows))
@@ -206,12 +320,14 @@ def pin_freedoms(motions: Array) -> list[int]:
     return [int(k) for k in order[: motions.shape[1]]]
 
 
-def _work(scene: Scene, motions: Array, origin: float) -> Array:
-    wrench = np.zeros(6)
-    for load in scene.loads:
+def _work(frame: Frame, motions: Array, origin: float) -> Array:
+    wrench = np.zeros(len(motions))
+    for load in frame.loads:
         force, moment = np.array(load.force), np.array(load.moment)
         wrench[:3] += force
-        wrench[3:] += moment + np.cross([0.0, 0.0, load.at - origin], force)
+        wrench[3:6] += moment + np.cross([0.0, 0.0, load.at - origin], force)
+    for k, housing in enumerate(frame.housings):
+        wrench[6 * k + 6 : 6 * k + 12] = [*housing.force, *housing.moment]
     return np.asarray(motions.T @ wrench)
 
 

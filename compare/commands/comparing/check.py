@@ -10,11 +10,10 @@ from rollbench.comparison.commands.printing import Answer, on_terminal
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.gate.publish import Outcome, of_row, of_verdict, publish
 from rollbench.comparison.gate.user import Asked, check_scenes
-from rollbench.comparison.gate.verdict import CODES, LARGEST, LIMIT, Verdict, worst_of
+from rollbench.comparison.gate.verdict import CODES, LIMIT, worst_of
 from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.scene_file import whole
-from rollbench.meshes.axis import Assembly
+from rollbench.comparison.scenes.scene_file import solvable
 
 
 @dataclass(frozen=True)
@@ -38,22 +37,13 @@ def run_check(names: Sequence[str], what: Asked, engine: Engine, files: Files) -
         if one.name in (s.name for s in described[:k]):
             advice = "verdicts and stored runs are told apart by the file's name: rename one"
             raise InputError(names[k], "name", one.name, "each scene once, under a name of its own", advice)
-    scenes = [whole(x, name) for x, name in zip(described, names, strict=True) if not isinstance(x, Assembly)]
-    verdicts = check_scenes(scenes, what, engine, on_terminal) if scenes else []
-    verdicts += [_of_axis(x, what) for x in described if isinstance(x, Assembly)]
+    scenes = [solvable(x, name) for x, name in zip(described, names, strict=True)]
+    verdicts = check_scenes(scenes, what, engine, on_terminal)
     gravest = worst_of([v.word for v in verdicts])
     written = files.write([of_verdict(v) for v in verdicts])
     data = {"verdict": gravest, "passed": gravest == "pass", "verdicts": [v.as_json() for v in verdicts]}
     counts = ", ".join(f"{n} {word}" for word in CODES if (n := sum(v.word == word for v in verdicts)))
     return Answer(data, [*(v.line() for v in verdicts), counts, *written], CODES[gravest])
-
-
-def _of_axis(assembly: Assembly, what: Asked) -> Verdict:
-    """Several sets have no 3D reference."""
-    limit = LIMIT if what.max_error is None else what.max_error
-    detail = f"{len(assembly.sets)} sets on one shaft: the 3D reference meshes one nut or ring with its balls"
-    judged = what.model if what.loads is None else what.loads.name
-    return Verdict(assembly.name, judged, LARGEST, "not covered", None, None, limit, detail=detail)
 
 
 def run_shipped(max_error: float | None, files: Files) -> Answer:

@@ -13,11 +13,13 @@ import numpy as np
 
 from rollbench.comparison.commands.solving.solve_output import expected_json, number
 from rollbench.comparison.commands.solving.summary import contacts_json, loads_json
+from rollbench.comparison.errors import Refusal
 from rollbench.comparison.measure import LoadError, error_percent, load_error
 from rollbench.comparison.models.answers import LoadAnswers, load_answers, unloaded_place
 from rollbench.comparison.models.comparison import Loads, from_result, from_run, options_for, reference_answers, solved
 from rollbench.comparison.models.loading import solve_scaled
 from rollbench.comparison.models.model_form import ModelForm, Point, estimate, shipped_points
+from rollbench.comparison.models.referenced import Answered, SetOf, answered
 from rollbench.comparison.models.registry import DEFAULT, MODELS, Model
 from rollbench.comparison.models.total_uncertainty import Total, total
 from rollbench.comparison.reference.estimate import Reference
@@ -77,14 +79,15 @@ class Beside:
         return 0.0 if self.found.worst is None else self.found.worst.pressure
 
 
-def beside(scene: Scene, answer: Loads, found: Reference | None, start: float = 0.0) -> Beside:
-    """An answer beside a reference, or by itself; start: the axial place [m] without loads."""
+def beside(scene: Scene, answer: Loads, found: Reference | None, start: float = 0.0, contacts: int | None = None) -> Beside:
+    """An answer beside a reference, or by itself; start: the axial place [m] without loads; contacts: how many the nominal
+    screw loads, where the scene itself does not tell."""
     angle = np.radians(answer.angle)
     moved = float(np.interp(scene.nut.position, answer.stations, answer.line[:, 2])) if answer.stations.size else np.nan
     error = None if found is None else load_error(answer.load, found.load, found.contacts)
     pull = np.where(answer.load > 0.0, answer.load * np.sin(angle), 0.0).sum(axis=0) * np.cos(lead_angle(scene.track))
-    contacts = nominal_contacts(scene)
-    return Beside(answer, error, load_answers(scene, answer.load, angle), moved - start, float(pull[0] - pull[1]), contacts)
+    count = nominal_contacts(scene) if contacts is None else contacts
+    return Beside(answer, error, load_answers(scene, answer.load, angle), moved - start, float(pull[0] - pull[1]), count)
 
 
 @dataclass(frozen=True)
@@ -105,24 +108,37 @@ class Comparison:
         return next((b for b in self.models if b.label == DEFAULT), self.models[0])
 
 
-def compared(scene: Scene, models: Sequence[Model], found: Reference, stores: Sequence[Path]) -> Comparison:
-    """Models, coarser meshes and the source's mesh beside the reference. Raises InputError for a model that cannot be
-    run."""
+def compared(
+    scene: Scene, models: Sequence[Model], found: Reference, stores: Sequence[Path], of: SetOf | None = None
+) -> Comparison:
+    """Models, coarser meshes and the source's mesh beside the reference; of: which set it is of several on one shaft.
+
+    Raises InputError for a model that cannot be run, Refusal for one that finds no loads of several sets.
+    """
     answers, expected, starts = [], {}, {}
     for model in models:
-        result, seconds = solved(model, scene, found, stores)
-        answers.append(from_result(result, seconds))
-        bare = solve_scaled(scene, 0.0, model.name, options_for(model, scene, found, stores, "interpreted"))
-        starts[answers[-1].model] = unloaded_place(scene, bare)
-        if result.converged:
-            expected[model.name] = estimate(scene, result, others_than(scene))
-    others = reference_answers(found, load(scene, SOURCE_LEVEL, stores=tuple(stores)))
+        own = answer_of(model, scene, found, stores) if of is None else answered(of, model.name)
+        if isinstance(own, str):
+            raise Refusal(found.scene, "model", f"{model.name}: {own}", "choose another one with --model")
+        answers.append(from_result(own.result, own.seconds))
+        starts[answers[-1].model] = unloaded_place(scene, own.bare)
+        if own.result.converged:
+            expected[model.name] = estimate(own.scene, own.result, others_than(scene))
+    others = reference_answers(found, None if of is not None else load(scene, SOURCE_LEVEL, stores=tuple(stores)))
     answers += [answer for answer in others if not is_itself(answer, found)]
     shared = starts.get(DEFAULT, next(iter(starts.values()), 0.0))  # of the reference no run without loads is stored
-    each = tuple(beside(scene, answer, found, starts.get(answer.model, shared)) for answer in answers)
-    itself = beside(scene, from_run(found.best, "3D reference"), None, shared)
-    whole = Comparison(each, itself, None, total(scene, found), shared)
+    count = None if of is None else found.contacts
+    each = tuple(beside(scene, answer, found, starts.get(answer.model, shared), count) for answer in answers)
+    itself = beside(scene, from_run(found.best, "3D reference"), None, shared, count)
+    whole = Comparison(each, itself, None, total(scene, found, inputs=of is None), shared)
     return replace(whole, expected=expected.get(whole.spoken.label))
+
+
+def answer_of(model: Model, scene: Scene, found: Reference, stores: Sequence[Path]) -> Answered:
+    """What a model finds for a scene of one set."""
+    result, seconds = solved(model, scene, found, stores)
+    bare = solve_scaled(scene, 0.0, model.name, options_for(model, scene, found, stores, "interpreted"))
+    return Answered(result, bare, seconds, scene)
 
 
 def others_than(scene: Scene) -> list[Point]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -24,15 +24,17 @@ from rollbench.comparison.commands.printing import Answer, on_terminal
 from rollbench.comparison.commands.wrapping import aligned
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.models.comparison import compared_models, finest_bodies, rows, suited
-from rollbench.comparison.models.mesh_study import closing, level_rows, studied, study_table
-from rollbench.comparison.reference.estimate import Reference, reference, reference_of
+from rollbench.comparison.models.mesh_study import closing, level_rows, quantity_table, study_table
+from rollbench.comparison.models.referenced import Referenced, referenced
+from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.reference.jobs import Engine, all_variants, ensure, plan
 from rollbench.comparison.reference.levels import ADVISED, LEVELS, SOURCE_LEVEL
-from rollbench.comparison.reference.store import Run, load, shipped_store
-from rollbench.comparison.reference.tasks import Task
+from rollbench.comparison.reference.store import Run, shipped_store
+from rollbench.comparison.reference.tasks import Solvable, Task
 from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.scenes.scene_file import solvable
 from rollbench.comparison.writing import no_figure, replace_file, write_figure
-from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 from rollbench.reports.cells import harmless
 
@@ -47,33 +49,38 @@ def run_mesh_study(
 
     Raises Refusal for a scene of which no run converged.
     """
-    scenes = [catalogue.scene(name) for name in names]
+    from rollbench.comparison.sections.study_figure import study_figure
+
+    scenes = [solvable(catalogue.any_scene(name), name) for name in names]
     stores = (store,) if fresh else (store, shipped_store())
     found = compute_study(scenes, levels, stores, engine, on_terminal, spread=spread, source=source, fresh=fresh)
-    tables = {scene.name: study_table(scene, stores, levels) for scene in scenes}
-    for name, whole in found.items():
-        table = tables[name]
-        columns = list(dict.fromkeys(k for row in table for k in row))
+    tables: dict[str, list[dict[str, Any]]] = {scene.name: [] for scene in scenes}
+    parts: list[Any] = []
+    for one in found:
+        own, stem = table_of(one, stores, levels), store / f"{one.scene.name}-mesh-study"
+        rows = own if one.of is None else [{"set": one.of.name, **row} for row in own]
+        tables[one.scene.name if one.of is None else one.of.assembly.name] += rows
         text = io.StringIO()
-        writer = csv.DictWriter(text, columns)
+        writer = csv.DictWriter(text, list(dict.fromkeys(k for row in rows for k in row)))
         writer.writeheader()
-        writer.writerows({k: harmless(v) if isinstance(v, str) else v for k, v in row.items()} for row in table)
-        replace_file(store / f"{name}-mesh-study.csv", text.getvalue())
-        _figure(name, table, whole, store)
-    return Answer(tables, _study_parts(found, tables, store), code_of(found.values()))
+        writer.writerows({k: harmless(v) if isinstance(v, str) else v for k, v in row.items()} for row in rows)
+        replace_file(Path(f"{stem}.csv"), text.getvalue())
+        figure = study_figure(one.scene.name, own, one.found)
+        if figure is not None:
+            write_figure(Path(f"{stem}.svg"), figure)
+        parts += [f"mesh study of {one.found.scene}", "", aligned(level_rows(one.found)), "", aligned(_extremes(own)), ""]
+        parts += [closing(one.found), *filter(None, [one.found.unsettled])]
+        parts.append(f"every contact: {stem}.csv and {no_figure() or '.svg'}")
+    return Answer(tables, parts, code_of(one.found for one in found))
 
 
-def _study_parts(
-    found: Mapping[str, Reference], tables: Mapping[str, Sequence[dict[str, Any]]], store: Path
-) -> Iterator[Any]:
-    for name, whole in found.items():
-        yield from (f"mesh study of {name}", "", aligned(level_rows(whole)), "", aligned(_extremes(tables[name])), "")
-        yield from (closing(whole), *([whole.unsettled] if whole.unsettled else []))
-        yield f"every contact: {store / name}-mesh-study.csv and {no_figure() or '.svg'}"
+def table_of(one: Referenced, stores: Sequence[Path], levels: int) -> list[dict[str, Any]]:
+    """The table of a mesh study; of one of several sets without the effect of modelling choices: none is varied there."""
+    return study_table(one.scene, stores, levels) if one.of is None else quantity_table(one.found, None, {})
 
 
 def compute_study(
-    scenes: Sequence[Scene],
+    scenes: Sequence[Solvable],
     levels: int,
     stores: Sequence[Path],
     engine: Engine,
@@ -82,32 +89,37 @@ def compute_study(
     spread: bool = False,
     source: bool = False,
     fresh: bool = False,
-) -> dict[str, Reference]:
-    """Runs of the scenes on levels 1 to ``levels``, by name; what the stores lack is computed and kept in the first.
+) -> list[Referenced]:
+    """References of the scenes by all runs on levels 1 to ``levels``, set by set; what the stores lack is computed and kept
+    in the first.
 
-    spread, source, fresh: as the options of ``rollbench mesh-study``. Raises InputError for other levels, Refusal for a
-    scene of which no run converged.
+    spread, source, fresh: as the options of ``rollbench mesh-study``. Raises InputError for other levels, and for spread of
+    several sets on one shaft, Refusal for a scene of which no run converged.
     """
     if not 1 <= levels <= len(LEVELS):
         raise InputError("command line", "--levels", str(levels), f"1 to {len(LEVELS)}", "three levels give an order")
     tasks = plan(scenes, range(1, levels + 1), source=source)
+    several = next((s.name for s in scenes if isinstance(s, Assembly)), None) if spread else None
+    if several is not None:
+        raise InputError("command line", "--spread", f"with {several}", "scenes of one set", "leave it out")
     if spread:
         tasks += [t for s in scenes for t in plan([s], (), all_variants())]
 
     def first(task: Task) -> None:
         """Say what the coarsest level found while finer ones are computed."""
         for scene in task.scenes if task.level == min(LEVELS) and not task.variant else ():
-            table = _extremes(study_table(scene, stores[:1], task.level))
-            values = (f"{row['quantity']} {row[f'level {task.level}']:.4g} {row['unit']}" for row in table)
-            step(f"{scene.name}, by level {task.level} alone: {'; '.join(values)}")
+            for one in referenced(scene, stores[:1], (task.level,)):
+                table = _extremes(table_of(one, stores[:1], task.level))
+                values = (f"{row['quantity']} {row[f'level {task.level}']:.4g} {row['unit']}" for row in table)
+                step(f"{one.found.scene}, by level {task.level} alone: {'; '.join(values)}")
 
     failed = ensure(tasks, stores[0], engine, step, stores[1:], fresh=fresh, stored=first)
-    found = {}
+    found = []
     for scene in scenes:
-        whole = studied(scene, stores, levels)
-        if whole is None:
+        sets = referenced(scene, stores, tuple(range(1, levels + 1)), fitted=levels)
+        if not sets:
             raise unconverged(scene.name, failed)
-        found[scene.name] = whole
+        found += sets
     return found
 
 
@@ -121,14 +133,6 @@ def unconverged(name: str, failed: Sequence[Run]) -> Refusal:
     why = [f"level {run.level}: {run.status}" for run in failed if run.scene == name]
     reason = f"no run of the 3D reference converged ({'; '.join(why)})" if why else "no converged run of the 3D reference"
     return Refusal(name, "3D reference", reason, "change what the status names, or solve it with a low-order model")
-
-
-def _figure(name: str, table: Sequence[dict[str, Any]], found: Reference, store: Path) -> None:
-    from rollbench.comparison.sections.study_figure import study_figure
-
-    figure = study_figure(name, table, found)
-    if figure is not None:
-        write_figure(store / f"{name}-mesh-study.svg", figure)
 
 
 def _extremes(table: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -170,9 +174,9 @@ def run_compare(
     compute them even where they are stored. Raises Refusal for a scene of which no run converged.
     """
     own = compared_models(tuple(models))
-    scenes = [catalogue.scene(name) for name in names]
+    scenes = [solvable(catalogue.any_scene(name), name) for name in names]
     stores = (store, shipped_store())
-    without = [s for s in scenes if reference(s, stores) is None] if levels is None and not fresh else scenes
+    without = [s for s in scenes if not referenced(s, stores)] if levels is None and not fresh else scenes
     failed: list[Run] = []
     if without:
         wanted = levels or ADVISED
@@ -181,40 +185,49 @@ def run_compare(
         def first(task: Task) -> None:
             """Print the verdict by the coarsest level while finer ones are computed."""
             for scene in task.scenes if task.level == min(set(wanted) - {SOURCE_LEVEL}) else ():
-                run = load(scene, task.level, stores=(store,))
-                if run is not None:
-                    one = reference_of(scene.name, (run,), contacts=nominal_contacts(scene))
-                    whole = compared(scene, (own or suited(scene))[:1], one, stores)
-                    on_terminal(f"{scene.name}, by level {task.level} alone: {verdict(whole, one)}")
+                for one in referenced(scene, (store,), (task.level,)):
+                    whole = compared(one.scene, (own or suited(scene))[:1], one.found, stores, one.of)
+                    on_terminal(f"{one.found.scene}, by level {task.level} alone: {verdict(whole, one.found)}")
 
         failed = ensure(tasks, store, engine, on_terminal, stores, fresh=fresh, stored=first)
-    found = [reference(scene, stores) for scene in scenes]
+    found = [referenced(scene, stores) for scene in scenes]
 
-    def each() -> Iterator[tuple[Reference, Comparison]]:
+    def each() -> Iterator[tuple[Referenced, Comparison]]:
         """References and what is compared with them, as they are asked for."""
-        for scene, one in zip(scenes, found, strict=True):
-            if one is None:
+        for scene, sets in zip(scenes, found, strict=True):
+            if not sets:
                 raise unconverged(scene.name, failed)
-            yield one, compared(scene, own or suited(scene), one, stores)
+            for one in sets:
+                yield one, compared(one.scene, own or suited(scene), one.found, stores, one.of)
 
     def parts() -> Iterator[Any]:
-        for name, scene, (one, whole) in zip(names, scenes, each(), strict=True):
-            yield from (f"{scene.name}: {verdict(whole, one)}", "", *filter(None, [whole.total.beside]))
+        for one, whole in each():
+            yield from (f"{one.found.scene}: {verdict(whole, one.found)}", "", *filter(None, [whole.total.beside]))
             yield from (answers_table(whole), *start_lines(whole), "", compared_table(whole.models, whole.itself), "")
             if balls:
-                yield from (_contacts(scene, whole.models, one), "")
-            bodies = finest_bodies(scene, one, stores)
+                yield from (_contacts(one.scene, whole.models, one.found), "")
+            bodies = finest_bodies(one.scene, one.found, stores) if one.of is None else None
             if bodies is not None:
+                name = names[scenes.index(one.scene)]
                 yield f"preload, 6 x 6 stiffness, friction by the 3D bodies: rollbench solve {name} --condensed {bodies}"
-            yield write_files(scene, whole.models, one, store)
+            yield write_files(one.scene, whole.models, one.found, store)
 
     def data() -> dict[str, Any]:
         pairs = list(each())
-        answers = [(scene, one, b.answer) for scene, (one, whole) in zip(scenes, pairs, strict=True) for b in whole.models]
-        listed = [row.as_json() for scene, one, answer in answers for row in rows(scene, answer, one)]
-        return {"scenes": [answers_json(whole, one) for one, whole in pairs], "rows": listed}
+        listed = [
+            row.as_json() | named(one)
+            for one, whole in pairs
+            for b in whole.models
+            for row in rows(one.scene, b.answer, one.found)
+        ]
+        return {"scenes": [answers_json(whole, one.found) | named(one) for one, whole in pairs], "rows": listed}
 
-    return Answer(data, parts(), code_of(one for one in found if one is not None))
+    return Answer(data, parts(), code_of(one.found for sets in found for one in sets))
+
+
+def named(one: Referenced) -> dict[str, str]:
+    """Keys of a set of several on one shaft: that of the scene, and its own."""
+    return {} if one.of is None else {"scene": one.of.assembly.name, "set": one.of.name}
 
 
 def _contacts(scene: Scene, models: Sequence[Beside], found: Reference) -> Any:

@@ -51,15 +51,15 @@ def room(settings):
 
 
 def found(factor):
-    """A run with the expected loads times a factor, at the nominal angles."""
+    """The expected loads times a factor, at the nominal angles."""
     load = factor * expected_contacts(CASE).load
-    return SimpleNamespace(load=load, angle=np.where(load > 0.0, 45.0, np.nan))
+    return load, np.where(load > 0.0, np.radians(45.0), np.nan)
 
 
 @pytest.mark.parametrize("factor", [1.0, 3.0])
 def test_patches_grow_to_the_loads_found(factor):
     setup = prepared()
-    larger, words = enlarged(setup, [CASE], [found(factor)], 2)
+    larger, words = enlarged(setup, [found(factor)], 2)
     assert larger is not None
     needs = factor ** (1.0 / 3.0) * expected_contacts(CASE).across.max()
     assert larger.reach[0] >= max(BEYOND * setup.settings.reach[0], needs) * (1.0 - 1e-12)
@@ -73,16 +73,16 @@ def test_a_patch_is_as_long_as_a_contact_that_its_lead_sets_askew():
     drawn = scene_file.loads(scene_text(SEED, 85), "drawn.toml")
     setup = prepared(drawn)
     load = np.tile([31.35, 0.0, 0.0, 31.35], (drawn.ball_count, 1))
-    run = SimpleNamespace(load=load, angle=np.where(load > 0.0, 48.6, np.nan))
+    run = load, np.where(load > 0.0, np.radians(48.6), np.nan)
     unit, m = hertz_units(drawn)[0], setup.map
     across, along = (np.cbrt(31.35) * x for x in (unit.semi_x, unit.semi_y))
     lead = float(np.hypot(across * np.cos(m.beta) * np.sin(m.alpha), along))
-    larger, words = enlarged(setup, [drawn], [run], 2)
+    larger, words = enlarged(setup, [run], 2)
     assert along < zone(setup.settings, setup)[1] < lead
     assert "askew" in words
     assert lead < larger.reach[1] < 1.5 * lead
     assert larger.reach[1] < zone(larger, setup)[1]
-    assert "askew" not in enlarged(setup, [drawn], [run], 5)[1], "that many steps would do"
+    assert "askew" not in enlarged(setup, [run], 5)[1], "that many steps would do"
 
 
 @pytest.mark.parametrize("angle", [40.0, 45.0])
@@ -94,7 +94,7 @@ def test_on_a_ring_nothing_is_askew(angle):
 
 
 def test_patches_that_fill_the_flank_are_not_built_again():
-    larger, words = enlarged(prepared(reach=(1.568e-3, 0.2e-3)), [CASE], [found(1.0)], 2)
+    larger, words = enlarged(prepared(reach=(1.568e-3, 0.2e-3)), [found(1.0)], 2)
     assert larger is None
     assert "mm across" in words
     assert "a larger one is refused: no room for the contact ellipse" in words
@@ -110,16 +110,16 @@ def test_set_ups_are_built_again_only_where_a_contact_is_at_the_rim(monkeypatch,
         return prepared(reach=settings.reach)
 
     def one(_task, _number, scene, _setup, _sides, _step):
-        run = found(1.0)
+        load, angle = found(1.0)
         return Run(
             scene.name,
             1,
             "",
             AT_RIM if len(made) <= rim else "converged",
-            run.load,
-            run.angle,
-            run.load,
-            run.load,
+            load,
+            np.degrees(angle),
+            load,
+            load,
             {},
             {},
             (0, 3),
@@ -155,7 +155,7 @@ def test_set_ups_are_built_again_only_where_a_contact_is_at_the_rim(monkeypatch,
 
 def test_patches_grow_to_the_edge_where_a_whole_step_is_refused():
     setup = prepared(reach=(1.45e-3, 0.2e-3))
-    larger, _ = enlarged(setup, [CASE], [found(1.0)], 2)
+    larger, _ = enlarged(setup, [found(1.0)], 2)
     assert larger is not None
     assert room(setup.settings) < room(larger)
     assert 1.54e-3 < larger.reach[0] < 1.58e-3

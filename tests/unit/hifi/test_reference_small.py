@@ -178,13 +178,11 @@ def test_contact_loads_are_those_of_the_whole_mesh(small, meshes):
     sides = (0, 3)
     mounted = coupling.mounted_screw(small, small.scene)
     m = small.screw.stretch.modes
-    C = coupling.compliance_of(small, mounted, sides)
+    C, rows = coupling.compliance_of((coupling.PlacedSet(small, small.scene, sides),), mounted)
+    pick = np.flatnonzero(rows < m)
     # the beam to the support is not meshed: its share of the screw's compliance comes on top
     beam = np.zeros((C.coupling.shape[0],) * 2)
-    pick = coupling._screw_columns(small, sides)
-    beam[np.ix_(pick, pick)] = (mounted.G - small.screw.stretch.F[:m, :m])[
-        np.ix_(coupling.modal_rows(small, sides), coupling.modal_rows(small, sides))
-    ]
+    beam[np.ix_(pick, pick)] = (mounted.G - small.screw.stretch.F[:m, :m])[np.ix_(rows[pick], rows[pick])]
     n = [len(small.patches[s].groove.A) for s in sides]
     U = np.zeros((2 * sum(n), len(beam)))
     for i, (V, c) in enumerate(zip(C.modes, C.columns, strict=True)):
@@ -200,15 +198,16 @@ def test_contact_loads_are_those_of_the_whole_mesh(small, meshes):
     gap = np.tile(mean @ (length - small.map.ball), 2)
     directions = np.broadcast_to(normals / length[:, None], (2, sum(n), 3))
     zones = coupling.zones_of(small, sides)
-    rows = contact_kinematics.screw_rows(small, directions, zones, mounted.origin).reshape(-1, 6)
-    rows = sp.block_diag([mean, mean]) @ rows
+    by_screw = contact_kinematics.rigid_rows(small, directions, zones, mounted.origin, screw=True).reshape(-1, 6)
+    by_screw = sp.block_diag([mean, mean]) @ by_screw
     directions = np.stack([mean @ d for d in directions])
-    N = contact_kinematics.directions_matrix(directions, rows, mounted.motions)
+    N = contact_kinematics.directions_matrix([directions], by_screw @ mounted.motions)
     f = np.concatenate([np.zeros(6), mounted.work])
     frozen = reference.solve_reference(small, small.scene, updates=0)
     start = State(np.zeros(0), frozen.contact.motions * 1.01)
-    by_loads = mounted.loads[coupling.modal_rows(small, sides)]
-    at_rest = coupling.modal_motion(C, coupling.spread(small, C, sides, by_loads))
+    by_loads = np.zeros(rows.size)
+    by_loads[pick] = mounted.loads[rows[pick]]
+    at_rest = coupling.modal_motion(C, by_loads)
     other, _ = solve_balls(uncoupled(dense), gap + at_rest, N, f, start=start, tolerance=1e-12)
     assert other.converged
     assert frozen.status == "converged"

@@ -1,0 +1,117 @@
+"""What stands beside a 3D reference: a scene of one set, or each set of several on one shaft, with the loads that a model
+finds for it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+from rollbench.comparison.models.loading import scaled
+from rollbench.comparison.models.registry import Options, run_model
+from rollbench.comparison.reference.estimate import FITTED, Reference, reference_of
+from rollbench.comparison.reference.levels import LEVELS
+from rollbench.comparison.reference.sets import balls_of
+from rollbench.comparison.reference.store import Run, load
+from rollbench.comparison.reference.tasks import Solvable
+from rollbench.lowfi.statics.nominal import nominal, nominal_contacts
+from rollbench.lowfi.statics.result import AxisResult, StaticResult
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import Load, Scene
+
+
+@dataclass(frozen=True)
+class SetOf:
+    """A set of several on one shaft: its number, from 0."""
+
+    assembly: Assembly
+    number: int
+
+    @property
+    def name(self) -> str:
+        """Of the set."""
+        return self.assembly.sets[self.number].name
+
+
+@dataclass(frozen=True)
+class Referenced:
+    """A scene and its 3D reference; of one of several sets on a shaft its parts as a scene, and which set it is."""
+
+    scene: Scene
+    found: Reference
+    of: SetOf | None = None
+
+
+@dataclass(frozen=True)
+class Answered:
+    """What a model finds for a set: its contacts under the loads of the assembly, and without them; seconds of the first
+    solution; the set as a scene of one set under the force and moment that its balls carry."""
+
+    result: StaticResult
+    bare: StaticResult
+    seconds: float
+    scene: Scene
+
+
+def referenced(
+    described: Solvable, stores: Sequence[Path] | None, levels: Sequence[int] = tuple(LEVELS), fitted: int = FITTED
+) -> list[Referenced]:
+    """The best stored reference of a scene, by the ``fitted`` finest runs on some levels, set by set; none without any."""
+    runs = tuple(run for level in levels if (run := load(described, level, stores=stores)) is not None)
+    return referenced_by(described, runs[-fitted:]) if runs else []
+
+
+def referenced_by(described: Solvable, runs: tuple[Run, ...]) -> list[Referenced]:
+    """The reference of runs, coarse to fine, set by set."""
+    if isinstance(described, Scene):
+        return [Referenced(described, reference_of(described.name, runs, contacts=nominal_contacts(described)))]
+    out, counts = [], _contacts(described)
+    for k, (s, own) in enumerate(zip(described.sets, balls_of(described), strict=True)):
+        assert isinstance(s.parts, Scene)
+        of_set = tuple(replace(r, load=r.load[own], angle=r.angle[own], frozen=r.frozen[own]) for r in runs)
+        found = reference_of(f"{described.name}, {s.name}", of_set, contacts=counts[k])
+        stem = re.sub(r"[^\w.-]+", "-", f"{described.name}-{s.name}")
+        out.append(Referenced(replace(s.parts, name=stem), found, SetOf(described, k)))
+    return out
+
+
+@lru_cache(maxsize=64)
+def _contacts(assembly: Assembly) -> tuple[int, ...]:
+    """Contacts that each nominal set loads (`nominal_contacts`): without errors but for preloads, by the model lin."""
+    sets = tuple(replace(s, parts=nominal(s.parts)) if isinstance(s.parts, Scene) else s for s in assembly.sets)
+    result = run_model(replace(assembly, sets=sets), "lin")
+    return tuple(_loaded(result, k) for k in range(len(sets)))
+
+
+def _loaded(result: AxisResult, k: int) -> int:
+    balls = result.sets[k].balls if result.converged else None
+    return 0 if balls is None else int(np.count_nonzero(balls.load > 0.0))
+
+
+@lru_cache(maxsize=16)
+def _solved(assembly: Assembly, model: str) -> tuple[AxisResult, AxisResult, float]:
+    start = perf_counter()
+    result = run_model(assembly, model, Options(engine="interpreted"))
+    return result, run_model(scaled(assembly, 0.0), model, Options(engine="interpreted")), perf_counter() - start
+
+
+def answered(of: SetOf, model: str) -> Answered | str:
+    """What a model finds for a set; why the assembly has no loads by it, where it does not converge.
+
+    Raises InputError for a model that describes one set only.
+    """
+    result, bare, seconds = _solved(of.assembly, model)
+    if not result.converged:
+        return result.status
+    one, idle = result.sets[of.number], bare.sets[of.number] if bare.converged else None
+    assert one.balls is not None
+    assert isinstance(one.of.parts, Scene)
+    own = replace(one.balls, model=model)
+    carried = Load(one.of.position, tuple(-x for x in one.force), tuple(-x for x in one.moment))
+    without = own.without_answers() if idle is None or idle.balls is None else idle.balls
+    return Answered(own, replace(without, model=model), seconds, replace(one.of.parts, loads=(carried,)))

@@ -1,0 +1,274 @@
+"""The 3D reference of several sets on one shaft: every set has its own 3D nut and grooved stretch of shaft, beams between.
+
+A set's bodies are those of a scene of one set, in stations of their own that begin at its stretch, so that equal sets share
+them. The contacts of all sets are one problem: stretches and beams are one structure (`hifi.mounting`), a nut is held, or
+rides on a housing that can move.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from time import perf_counter
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from rollbench.hifi.contact_kinematics import tangent
+from rollbench.hifi.coupling import PlacedSet
+from rollbench.hifi.linear_algebra.response import transport
+from rollbench.hifi.meshing.expected import closing
+from rollbench.hifi.reference import ROUNDS, Case, Ended, Round, end, telling
+from rollbench.hifi.setup import Setup
+from rollbench.hifi.shaft.beam import ShaftSection, tube
+from rollbench.hifi.shaft.frame import Frame
+from rollbench.hifi.shaft.mounting import Carried, Mounted, mount_all
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import Errors, Scene, Support
+from rollbench.meshes.solid import SHAFT
+
+#: Overlap [m] of neighbouring rings that is rounding.
+NEAR = 1e-6
+#: Relative error of a preload by force that is enough, and steps that are tried: contact loads settle to a like share.
+MET, STEPS = 1e-5, 12
+#: Step of the differences that begin a preload by force, in logarithms; the part of their slope's largest singular value
+#: below which a direction is noise: nuts that press one another carry one force.
+DIFFERENCE, NOISE = 0.05, 1e-2
+
+
+@dataclass(frozen=True)
+class SetBodies:
+    """What is meshed of a set: its scene without errors, in its own stations; shift: station [m] of the shaft where these
+    begin; parts: the same with errors."""
+
+    bodies: Scene
+    parts: Scene
+    shift: float
+
+
+def bodies_of(assembly: Assembly) -> tuple[SetBodies, ...]:
+    """What is meshed of each set. A stretch of shaft reaches half the way to the next set, or as far beyond the nut as that
+    of a scene of one set.
+
+    Raises ValueError for what has no 3D body, for nuts that overlap, and for a heated shaft.
+    """
+    for s in assembly.sets:
+        if not isinstance(s.parts, Scene):
+            raise ValueError(f"{s.name}: a row of rollers has no 3D body")
+        if s.carrier is not None:
+            raise ValueError(f"{s.name}: an inner ring on a housing has no 3D body")
+    if assembly.thermal_strain:
+        raise ValueError("a shaft that warms is not part of the 3D reference")
+    sets = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, Scene)]
+    faces = [(p.nut.position - p.nut.length / 2.0, p.nut.position + p.nut.length / 2.0) for _, p in sets]
+    order = sorted(range(len(sets)), key=lambda k: faces[k])
+    room = [np.inf] * len(sets)
+    for a, b in pairwise(order):
+        gap = faces[b][0] - faces[a][1]
+        if gap < -NEAR:
+            names = f"{sets[a][0].name} and {sets[b][0].name}"
+            raise ValueError(f"{names} overlap by {-1e3 * gap:.4g} mm: a stretch of 3D shaft carries one set")
+        own = round(gap / 2.0, 10)  # equal nuts are equal in their last digit too
+        room[a], room[b] = min(room[a], own), min(room[b], own)
+    stations = {*(x.at for x in assembly.supports), *(x.at for x in assembly.loads)}
+    reach = min((*stations, *(x for face in faces for x in face))), max((*stations, *(x for face in faces for x in face)))
+    return tuple(_bodies(parts, assembly, room[k], stations, reach) for k, (_, parts) in enumerate(sets))
+
+
+def _bodies(parts: Scene, assembly: Assembly, room: float, stations: set[float], reach: tuple[float, float]) -> SetBodies:
+    """A set in stations of its own; reach: outermost stations [m] that the shaft is needed for."""
+    wanted = SHAFT * parts.track.pitch_radius if parts.solid.shaft is None else parts.solid.shaft
+    half = parts.nut.length / 2.0 + min(wanted, room)
+    position = min(parts.nut.position, half)
+    shift = parts.nut.position - position
+    high = min(position + half, assembly.screw.length - shift)
+    inner = [z - shift for z in stations if 0.0 <= z - shift <= high]
+    beyond = [-half] * (reach[0] < shift) + [high + half] * (reach[1] > shift + high)
+    own = replace(
+        parts,
+        name="",
+        title="",
+        source="",
+        assumed=(),
+        nut=replace(parts.nut, position=position),
+        screw=replace(parts.screw, length=high),
+        solid=replace(parts.solid, shaft=min(wanted, room)),
+        supports=tuple(Support(z, ()) for z in sorted((*inner, *beyond))),
+        loads=(),
+        friction=None,
+        motion=None,
+        circulation=None,
+        time=None,
+    )
+    return SetBodies(replace(own, errors=Errors()), own, shift)
+
+
+@dataclass(frozen=True)
+class SetLoads:
+    """What the contacts of a set carry: loads and contact angles ``(n, 4)`` [N, rad], loads with directions and gaps frozen
+    ``(n, 4)`` [N] (None: not asked for), motions of the balls ``(n, 3)`` [m], force on the shaft and its moment about the
+    axis at the nut's centre ``(6,)`` [N, N m]."""
+
+    load: Array
+    angle: Array
+    frozen: Array | None
+    ball_motion: Array
+    on_shaft: Array
+
+
+@dataclass(frozen=True)
+class AxisReference:
+    """Result of all sets: status, loads of each; stations ``(s,)`` [m] and motions ``(s, 6)`` of the centreline, motions
+    ``(h, 6)`` of the housings that can move; shifts [m] of the nuts, those that meet preloads by force among them; worst
+    balance of a ball, along its groove, of shaft and housings where they are free, over the largest load; updates, what
+    they may still change of a load [N], seconds."""
+
+    status: str
+    sets: tuple[SetLoads, ...]
+    stations: Array
+    centreline: Array
+    housings: Array
+    offsets: Array
+    balance: float
+    along_groove: float
+    shaft_balance: float
+    updates: int
+    moving: float
+    seconds: float
+
+
+def solve_sets(
+    assembly: Assembly,
+    setups: Sequence[Setup],
+    sides: Sequence[tuple[int, ...]],
+    *,
+    frozen: bool = False,
+    step: Callable[[str], None] = lambda _: None,
+) -> AxisReference:
+    """Loads of an assembly; setups: of the bodies of each set (`bodies_of`), in order; sides: of each set that may touch;
+    frozen, step: as `rollbench.hifi.reference.solve_reference`. Raises ValueError as `bodies_of`."""
+    with threadpool_limits(1):
+        begin = perf_counter()
+        placed = _placed(assembly, setups, sides)
+        frame, tell = Frame.of(assembly), telling(assembly.name, begin, step)
+        mounted = _mounted(assembly, placed, frame)
+        placed, unmet = _preloaded(assembly, placed, frame)
+        case = Case(placed, frame, mounted)
+        ended = end(case, ROUNDS, tell, moving=True, frozen=frozen)
+        return _result(case, ended, unmet, perf_counter() - begin)
+
+
+def _placed(assembly: Assembly, setups: Sequence[Setup], sides: Sequence[tuple[int, ...]]) -> tuple[PlacedSet, ...]:
+    frame = Frame.of(assembly)
+    return tuple(
+        PlacedSet(setup, b.parts, own, b.shift, frame.number(s.housing), s.offset)
+        for s, b, setup, own in zip(assembly.sets, bodies_of(assembly), setups, sides, strict=True)
+    )
+
+
+def _mounted(assembly: Assembly, placed: Sequence[PlacedSet], frame: Frame) -> Mounted:
+    """The stretches on the shaft, from left to right, and the nuts that ride on housings."""
+    carried = []
+    for p in placed:
+        if p.housing is None:
+            continue
+        if p.setup.nut is None:
+            raise ValueError("a rigid nut on a housing that moves is not part of the 3D reference")
+        at = frame.housings[p.housing].at - p.shift
+        carried.append(Carried(p.setup.nut.G, p.setup.nut.rigid @ transport(-at), p.housing))
+    stretches = [p.setup.screw.stretch.moved(p.shift) for p in placed]
+    steps = [z for segment in assembly.segments for z in (segment.start, segment.end)]
+    return mount_all(stretches, frame, _sections(assembly, placed), steps, carried)
+
+
+def _sections(assembly: Assembly, placed: Sequence[PlacedSet]) -> Callable[[float], ShaftSection]:
+    """Section of the shaft at a station: of its plain stretch there, or else of the first thread."""
+    screw, threads = assembly.screw, [p.setup for p in placed if p.setup.map.rg != 0.0]
+    known = [setup for setup in threads if setup.homogenised is not None or setup.dims.shaft_radius is not None]
+    base = known[0].section if known else tube(screw.outer_diameter / 2.0, screw.bore / 2.0, screw.material)
+    plain = [(s.start, s.end, tube(s.diameter / 2.0, s.bore / 2.0, screw.material)) for s in assembly.segments]
+
+    def at(z: float) -> ShaftSection:
+        return next((section for low, high, section in plain if low <= z <= high), base)
+
+    return at
+
+
+def _preloaded(assembly: Assembly, placed: tuple[PlacedSet, ...], frame: Frame) -> tuple[tuple[PlacedSet, ...], str]:
+    """The sets with their preloads by force as shifts of their nuts, found without loads, and words for a preload that is
+    not met. Newton's method by secants on logarithms of force and shift: a law of a power is a line."""
+    which = [k for k, s in enumerate(assembly.sets) if s.preload > 0.0]
+    if not which:
+        return placed, ""
+    idle = tuple(replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in frame.housings)
+    bare = replace(frame, loads=(), housings=idle)
+    mounted = _mounted(replace(assembly, loads=()), placed, bare)
+    goal = np.log([assembly.sets[k].preload for k in which])
+
+    def shifted(depth: Array) -> tuple[PlacedSet, ...]:
+        out = list(placed)
+        for k, x in zip(which, np.exp(depth), strict=True):
+            away = -1.0 if assembly.sets[k].thrust == "+z" else 1.0
+            out[k] = replace(out[k], offset=out[k].offset + away * float(x))
+        return tuple(out)
+
+    def excess(depth: Array) -> Array:
+        case = Case(shifted(depth), bare, mounted)
+        last = end(case, ROUNDS, lambda _: None, moving=True, frozen=False).last
+        force = np.abs([wrench[2] for wrench in _on_shaft(case, last)])[which]
+        return np.asarray(np.log(np.maximum(force, 1e-300)) - goal)
+
+    depth = np.log([closing(placed[k].scene, assembly.sets[k].preload) for k in which])
+    value = excess(depth)
+    slope = np.column_stack([(excess(depth + DIFFERENCE * e) - value) / DIFFERENCE for e in np.eye(len(which))])
+    for _ in range(STEPS):
+        if float(np.abs(value).max()) <= MET:
+            break
+        move = np.clip(np.linalg.lstsq(slope, -value, rcond=NOISE)[0], -1.0, 1.0)
+        if not move.any():  # no shift of these nuts moves a force
+            break
+        new = excess(depth + move)
+        slope = slope + np.outer(new - value - slope @ move, move) / float(move @ move)
+        depth, value = depth + move, new
+    worst = float(np.abs(value).max())
+    return shifted(depth), "" if worst <= MET else f"preloads by force are not met, off by {100.0 * worst:.2g} %"
+
+
+def _on_shaft(case: Case, last: Round) -> list[Array]:
+    """Force of each set on the shaft and its moment about the nut's centre ``(6,)`` [N, N m]."""
+    each = zip(case.sets, last.rigid_rows, last.forces, strict=True)
+    arms = [case.mounted.origin - p.shift - p.setup.scene.nut.position for p in case.sets]
+    return [transport(a).T @ np.einsum("ink,in->k", rows[..., :6], f) for (_, rows, f), a in zip(each, arms, strict=True)]
+
+
+def _result(case: Case, ended: Ended, unmet: str, seconds: float) -> AxisReference:
+    last = ended.last
+    largest = max(float(last.load.max()), 1e-300)
+    nets = [(f[..., None] * d).sum(axis=1) for f, d in zip(last.forces, last.directions, strict=True)]
+    stations, line, housings = case.centreline(last)
+    ends = np.cumsum([p.count for p in case.sets])[:-1]
+    frozen = [None] * len(case.sets) if ended.frozen is None else np.split(ended.frozen, ends)
+    each = zip(
+        np.split(last.load, ends),
+        np.split(last.angle, ends),
+        frozen,
+        case.ball_motions(last),
+        _on_shaft(case, last),
+        strict=True,
+    )
+    return AxisReference(
+        f"not converged: {unmet}" if unmet and ended.status == "converged" else ended.status,
+        tuple(SetLoads(*own) for own in each),
+        stations,
+        line,
+        housings,
+        np.array([p.offset for p in case.sets]),
+        max(float(np.abs(net).max()) for net in nets) / largest,
+        max(float(np.abs(net @ tangent(p.setup)).max()) for p, net in zip(case.sets, nets, strict=True)) / largest,
+        case.unbalanced(last) / largest,
+        ended.updates,
+        ended.moving,
+        seconds,
+    )

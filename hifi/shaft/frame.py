@@ -1,0 +1,60 @@
+"""What holds and loads a shaft and the housings of its nuts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rollbench.hifi.linear_algebra.response import transport
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly, Housing, Joint
+from rollbench.meshes.parts import FREEDOMS, Load, Scene, Support
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Supports of a shaft and loads on it, the housings that can move, the springs between housings; arm [m]: makes lengths
+    of rotations."""
+
+    supports: tuple[Support, ...]
+    loads: tuple[Load, ...]
+    arm: float
+    housings: tuple[Housing, ...] = ()
+    joints: tuple[Joint, ...] = ()
+
+    @staticmethod
+    def of(described: Scene | Assembly) -> Frame:
+        """That of one set whose nut is held, or of several sets."""
+        if isinstance(described, Scene):
+            return Frame(described.supports, described.loads, described.track.pitch_radius)
+        arm = max(s.parts.track.pitch_radius for s in described.sets if isinstance(s.parts, Scene))
+        moving = tuple(h for h in described.housings if not stands(h))
+        return Frame(described.supports, described.loads, arm, moving, described.joints)
+
+    def number(self, housing: str | None) -> int | None:
+        """Number of a housing by its name; None for one that stands, and for none."""
+        return next((k for k, h in enumerate(self.housings) if h.name == housing), None)
+
+    def springs(self) -> list[tuple[Array, Array]]:
+        """Rows ``(6, 6 h)`` by which the housings move the ends of each spring apart, and its stiffness ``(6, 6)``."""
+        found = []
+        for k, housing in enumerate(self.housings):
+            if housing.stiffness is not None:
+                rows = np.zeros((6, 6 * len(self.housings)))
+                rows[:, 6 * k : 6 * k + 6] = np.eye(6)
+                found.append((rows, np.array(housing.stiffness)))
+        for joint in self.joints:
+            rows = np.zeros((6, 6 * len(self.housings)))
+            for name, sign in ((joint.first, 1.0), (joint.second, -1.0)):
+                moving = self.number(name)
+                if moving is not None:
+                    own = slice(6 * moving, 6 * moving + 6)
+                    rows[:, own] = sign * transport(joint.at - self.housings[moving].at)
+            found.append((rows, np.array(joint.stiffness)))
+        return found
+
+
+def stands(housing: Housing) -> bool:
+    """Whether a housing cannot move at all."""
+    return {name for name, value in housing.fixed if value == 0.0} == set(FREEDOMS)

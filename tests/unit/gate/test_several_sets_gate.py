@@ -1,0 +1,50 @@
+"""Several sets on one shaft against their stored 3D reference: a verdict, answers and a table of each set."""
+
+import json
+
+import numpy as np
+import pytest
+
+from rollbench.comparison import cli
+from rollbench.comparison.models.referenced import referenced
+from rollbench.comparison.reference.sets import balls_of
+from rollbench.comparison.reference.store import load, shipped_store
+from rollbench.comparison.scenes import catalogue
+
+pytestmark = pytest.mark.xdist_group("several sets against 3D")
+NUTS = ["nut 1", "nut 2"]
+
+
+def told(capsys, *tokens):
+    with pytest.raises(SystemExit) as end:
+        cli.main([str(token) for token in tokens])
+    return end.value.code or 0, json.loads(capsys.readouterr().out)
+
+
+def test_a_double_nut_is_judged_by_its_own_3d(capsys):
+    code, found = told(capsys, "check", "double-nut", "--no-compute", "--model", "lin", "--max-error", "30", "--json")
+    assert code == 0
+    assert [(v["scene"], v["set"], v["word"]) for v in found["verdicts"]] == [("double-nut", name, "pass") for name in NUTS]
+    assert all(v["contacts"] == 136 and 1.0 < v["max_percent_of_mean"] < 30.0 for v in found["verdicts"])
+
+
+def test_comparison_of_a_double_nut_names_its_sets(capsys, tmp_path):
+    code, found = told(capsys, "compare", "double-nut", "--model", "lin", "--store", tmp_path, "--json")
+    assert code == 0
+    assert [(x["scene"], x["set"]) for x in found["scenes"]] == [("double-nut", name) for name in NUTS]
+    assert {(row["scene"], row["set"]) for row in found["rows"]} == {("double-nut", name) for name in NUTS}
+    assert all(x["expected_error_percent"] is None or x["expected_error_percent"] > 0.0 for x in found["scenes"])
+
+
+def test_references_of_sets_are_parts_of_one_run():
+    scene = catalogue.any_scene("double-nut")
+    run = load(scene, 1, stores=(shipped_store(),))
+    sets = referenced(scene, (shipped_store(),), (1,))
+    assert run.balance < 1e-9
+    assert run.screw_balance < 1e-9
+    assert [one.of.name for one in sets] == NUTS
+    for one, own in zip(sets, balls_of(scene), strict=True):
+        np.testing.assert_array_equal(one.found.load, run.load[own])
+    along = np.where(run.load > 0.0, run.load * np.sin(np.radians(run.angle)), 0.0).sum(axis=0)
+    lead = np.cos(np.arctan(0.01 / (2 * np.pi * 0.0166)))
+    assert (along[0] - along[1]) * lead == pytest.approx(2000.0, rel=1e-3)

@@ -1,0 +1,193 @@
+"""Several sets on one shaft in 3D: judged against sets alone, a half turn of the whole, housings, and preloads by force."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rollbench.comparison.scenes import catalogue
+from rollbench.hifi.bodies import submodel
+from rollbench.hifi.meshing.expected import expected_by_set, expected_contacts
+from rollbench.hifi.meshing.settings import Settings, rounded
+from rollbench.hifi.reference import solve_reference
+from rollbench.hifi.setup import prepare
+from rollbench.hifi.several_sets import bodies_of, solve_sets
+from rollbench.meshes.axis import Assembly, Housing, RollerRow, RollingSet, diagonal
+from rollbench.meshes.cache import Cache
+from rollbench.meshes.parts import FREEDOMS, Load, Support
+
+pytestmark = pytest.mark.xdist_group("several sets in 3D")
+COARSE = {
+    "b_over_h": 1.0,
+    "fine": 3e-3,
+    "coarse": 12e-3,
+    "ball_fine": 1.2e-3,
+    "ball_coarse": 2.4e-3,
+    "own_cuts": (3, 2, 3),
+    "own_sizes": (2e-3, 8e-3),
+    "own_ball_sizes": (0.9e-3, 1.8e-3),
+    "cell": 9e-3,
+}
+LENGTH = 0.4
+BUT_UZ = tuple((name, 0.0) for name in FREEDOMS if name != "uz")
+CUT = catalogue.scene("lin-case1-cut")
+PARTS = replace(
+    CUT,
+    track=replace(CUT.track, phase=0.0),
+    screw=replace(CUT.screw, length=LENGTH),
+    nut=replace(CUT.nut, length=0.032),
+    balls=replace(CUT.balls, azimuths=tuple(np.radians([-120.0, 0.0, 120.0]))),
+    solid=replace(CUT.solid, shaft=None),
+    supports=(),
+    loads=(),
+)
+
+
+def ball_nut(name, position, offset):
+    parts = replace(PARTS, name=name, nut=replace(PARTS.nut, position=position))
+    return RollingSet(name, "ball nut", parts, position, offset=offset)
+
+
+#: Two nuts of three balls, 16 mm apart, shifted away from each other; the shaft is loaded and held but for its axis.
+PAIR = Assembly(
+    "pair",
+    "",
+    PARTS.screw,
+    (ball_nut("first", 0.2, -4e-6), ball_nut("second", 0.248, 4e-6)),
+    supports=(Support(0.16, BUT_UZ),),
+    loads=(Load(0.16, (0.0, 0.0, 300.0)),),
+)
+ROLLERS = RollerRow(9, 8e-3, 1e-2, 0.3, 0.03, 1e-2, PARTS.nut.material)
+
+
+@pytest.fixture(scope="module")
+def prepared(tmp_path_factory):
+    """Set-ups and sides of an assembly on a coarse mesh; parts that were made are kept."""
+    kept, cache = {}, Cache(tmp_path_factory.mktemp("several"))
+
+    def made(assembly):
+        setups = []
+        for own, found in zip(bodies_of(assembly), expected_by_set(assembly), strict=True):
+            sides = tuple(sorted({s for side in found.sides() for s in (side, 3 - side)}))
+            if (own.bodies, sides) not in kept:
+                sizes = Settings(semi=rounded(found.semi()), reach=rounded(found.reach()), **COARSE)
+                kept[own.bodies, sides] = prepare(own.bodies, sides, sizes, cache=cache)
+            setups.append(kept[own.bodies, sides])
+        return setups, [s.sides for s in setups]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(submodel, "REALISATIONS", 1)
+        yield made
+
+
+@pytest.mark.slow
+def test_each_set_carries_what_it_carries_alone(prepared):
+    """Held between the nuts, the shaft is two shafts: each nut has the loads of a scene of one set under its own force."""
+    first, _ = bodies_of(PAIR)
+    middle = first.shift + first.bodies.screw.length
+    held = replace(PAIR, supports=(Support(middle, BUT_UZ),), loads=(Load(middle, (0.0, 0.0, 300.0)),))
+    setups, sides = prepared(PAIR)
+    found = solve_sets(held, setups, sides)
+    assert found.status == "converged"
+    assert max(found.balance, found.along_groove, found.shaft_balance) < 1e-9
+    assert sum(s.on_shaft[2] for s in found.sets) == pytest.approx(-300.0, rel=1e-9)
+    for own, setup, allowed, loads in zip(bodies_of(held), setups, sides, found.sets, strict=True):
+        at = middle - own.shift
+        pull = (Load(at, (0.0, 0.0, -loads.on_shaft[2])),)
+        one = solve_reference(setup, replace(own.parts, supports=(Support(at, BUT_UZ),), loads=pull), sides=allowed)
+        np.testing.assert_allclose(loads.load, one.load, rtol=0.0, atol=2e-5 * one.load.max())
+
+
+@pytest.mark.slow
+def test_an_assembly_of_one_set_is_the_scene_of_it(prepared):
+    one = replace(PAIR, sets=(ball_nut("alone", 0.2, 0.0),))
+    (setup,), (sides,) = prepared(one)
+    (own,) = bodies_of(one)
+    supports, loads = (Support(0.16 - own.shift, BUT_UZ),), (Load(0.16 - own.shift, (0.0, 0.0, 300.0)),)
+    wanted = solve_reference(setup, replace(own.parts, supports=supports, loads=loads))
+    found = solve_sets(one, [setup], [sides])
+    np.testing.assert_allclose(found.sets[0].load, wanted.load, rtol=0.0, atol=1e-12 * wanted.load.max())
+    np.testing.assert_allclose(found.centreline, wanted.centreline, rtol=0.0, atol=1e-15)
+
+
+@pytest.mark.slow
+def test_nuts_on_housings(prepared):
+    """A carriage on very stiff springs holds its nuts; one that is pulled while the shaft is held moves the other way."""
+    setups, sides = prepared(PAIR)
+    wanted = solve_sets(PAIR, setups, sides)
+    on = replace(PAIR, sets=tuple(replace(s, housing="carriage") for s in PAIR.sets))
+    springs = diagonal((1e14,) * 3 + (1e12,) * 3)
+    stiff = replace(on, housings=(Housing("carriage", 0.21, stiffness=springs),))
+    slides = Housing("carriage", 0.21, fixed=BUT_UZ, force=(0.0, 0.0, -300.0))
+    pulled = replace(on, housings=(slides,), supports=(Support(0.16, (*BUT_UZ, ("uz", 0.0))),), loads=())
+    for case, close in ((stiff, 1e-6), (pulled, 1e-9)):
+        found = solve_sets(case, setups, sides)
+        assert found.shaft_balance < 1e-9
+        for a, b in zip(found.sets, wanted.sets, strict=True):
+            np.testing.assert_allclose(a.load, b.load, rtol=0.0, atol=close * wanted.sets[0].load.max())
+    assert found.housings[0, 2] == pytest.approx(-wanted.centreline[0, 2], rel=1e-9)
+
+
+@pytest.mark.slow
+def test_preload_by_force_is_met_without_loads(prepared):
+    thrusts = zip(PAIR.sets, ("+z", "-z"), strict=True)
+    forced = replace(PAIR, sets=tuple(replace(s, offset=0.0, preload=200.0, thrust=t) for s, t in thrusts), loads=())
+    found = solve_sets(forced, *prepared(forced))
+    np.testing.assert_allclose([s.on_shaft[2] for s in found.sets], [-200.0, 200.0], rtol=1e-4)
+    assert found.offsets[0] == pytest.approx(-found.offsets[1], rel=1e-4)
+
+
+@pytest.mark.survey
+def test_half_a_turn_about_a_diameter_changes_nothing_but_names(prepared):
+    """Seen from its other end the pair has the same loads, left flanks for right ones, up to what its other mesh does."""
+
+    def turned(s):
+        p = s.parts
+        parts = replace(
+            p,
+            nut=replace(p.nut, position=LENGTH - p.nut.position),
+            balls=replace(p.balls, azimuths=tuple(-x for x in p.balls.azimuths)),
+            solid=replace(p.solid, nut_held="right face"),
+        )
+        return replace(s, parts=parts, position=LENGTH - s.position, offset=-s.offset)
+
+    other = replace(
+        PAIR,
+        sets=tuple(map(turned, PAIR.sets)),
+        supports=(Support(LENGTH - 0.16, BUT_UZ),),
+        loads=(Load(LENGTH - 0.16, (0.0, 0.0, -300.0)),),
+    )
+    found, same = (solve_sets(x, *prepared(x)) for x in (PAIR, other))
+    for a, b in zip(found.sets, same.sets, strict=True):
+        np.testing.assert_allclose(a.load, b.load[:, [1, 0, 3, 2]], rtol=0.0, atol=2e-3 * a.load.max())
+
+
+def test_equal_nuts_have_equal_bodies():
+    beyond = Support(0.35, (("ux", 0.0),))  # the shaft goes on beyond the second, as beyond the first
+    first, second = bodies_of(replace(PAIR, supports=(*PAIR.supports, beyond)))
+    assert first.bodies == second.bodies
+    assert second.shift - first.shift == pytest.approx(0.048)
+    assert first.bodies.screw.length == pytest.approx(0.032 + 2 * 0.008)  # half the way to one another, on both sides
+
+
+def test_expected_contacts_of_one_set_are_those_of_its_scene():
+    one = replace(PAIR, sets=(ball_nut("alone", 0.2, 0.0),))
+    alone = replace(one.sets[0].parts, supports=one.supports, loads=one.loads)
+    (found,), wanted = expected_by_set(one), expected_contacts(alone)
+    np.testing.assert_array_equal(found.load, wanted.load)
+    pressed = expected_by_set(replace(PAIR, loads=()))
+    assert [e.sides() for e in pressed] == [(0, 3), (1, 2)]
+
+
+@pytest.mark.parametrize(
+    ("change", "why"),
+    [
+        ({"thermal_strain": 1e-5}, "a shaft that warms"),
+        ({"sets": (ball_nut("a", 0.2, 0.0), ball_nut("b", 0.23, 0.0))}, "a and b overlap by 2 mm"),
+        ({"sets": (replace(PAIR.sets[0], carrier="hub"),)}, "first: an inner ring on a housing"),
+        ({"sets": (replace(PAIR.sets[0], parts=ROLLERS),)}, "rollers"),
+    ],
+)
+def test_what_has_no_3d_body_is_refused(change, why):
+    with pytest.raises(ValueError, match=why):
+        bodies_of(replace(PAIR, **change))
