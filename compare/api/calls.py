@@ -44,10 +44,10 @@ def solve(scene: Scene | Assembly | str | Path, model: str = "", *, member: int 
     from rollbench.comparison.models.answers import gather
     from rollbench.comparison.models.model_form import estimate
     from rollbench.comparison.models.outside import with_answers
-    from rollbench.comparison.models.registry import DEFAULT, Options, run_model
+    from rollbench.comparison.models.registry import Options, default_model, run_model
 
     own = whole(described, described.name)
-    name, options = model or DEFAULT, Options(member=member)
+    name, options = model or default_model(own), Options(member=member)
     result = run_model(own, name, options)
     found = gather(own, result, name, options) if result.converged else None
     result = result if found is None else with_answers(own, result, found)
@@ -61,13 +61,13 @@ def solve(scene: Scene | Assembly | str | Path, model: str = "", *, member: int 
 def _solve_axis(axis: Assembly, model: str, member: int) -> Solution:
     """A shaft with several rolling sets."""
     from rollbench.comparison.commands.axis_output import as_json
-    from rollbench.comparison.models.axis import run_axis
     from rollbench.comparison.models.axis_answers import gather
-    from rollbench.comparison.models.outside import with_axis_answers
+    from rollbench.comparison.models.outside import with_answers
+    from rollbench.comparison.models.registry import Options, run_model
 
-    result = run_axis(axis, model, member=member)
-    found = gather(axis, result, member) if result.converged else None
-    result = result if found is None else with_axis_answers(result, found)
+    result = run_model(axis, model, Options(member=member))
+    found = gather(axis, result) if result.converged else None
+    result = result if found is None else with_answers(axis, result, found)
     data = as_json(axis, result, found, member)
     return Solution(data, "sets", (f"{axis.name}, {data['model']}: {data['status']}", *result.warnings))
 

@@ -31,12 +31,12 @@ from rollbench.comparison.commands.friction_whole import (
 )
 from rollbench.comparison.commands.solve_output import number
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.axis import run_axis
 from rollbench.comparison.models.axis_answers import gather
-from rollbench.comparison.models.outside import with_axis_answers
+from rollbench.comparison.models.outside import with_answers
+from rollbench.comparison.models.registry import run_model
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state, will_compile
 from rollbench.lowfi.jit import cached
-from rollbench.lowfi.statics.axis.result import AxisResult, SetResult
+from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Friction, Motion, Scene
@@ -66,14 +66,14 @@ def solve_axis(assembly: Assembly, choices: Choices) -> FrictionAnswer:
         raise InputError(
             assembly.name, "motion.turns", '"nut"', '"screw"', "several outer parts stand while the shaft turns"
         )
-    result = run_axis(assembly, choices.model)
+    result = run_model(assembly, choices.model)
     head = {"scene": assembly.name, "title": assembly.title, "kind": assembly.kind, "model": result.model}
     if not result.converged:
         said = {"assumed": list(assembly.assumed), "left_out": [], "warnings": []}
         return FrictionAnswer(
             head | {"status": f"contact loads: {result.status}", "converged": False} | said, [], [], False
         )
-    result = with_axis_answers(result, gather(assembly, result))
+    result = with_answers(assembly, result, gather(assembly, result))
     solved = _states(result, friction, motion)
     drag = _drag(assembly, result.model, friction, motion)
     return _answer(head, assembly, result, (friction, motion, solved, drag))
@@ -103,7 +103,7 @@ def _states(result: AxisResult, friction: Friction, motion: Motion) -> Solved:
 def _drag(assembly: Assembly, model: str, friction: Friction, motion: Motion) -> dict[int, float]:
     """Friction torque [N m] of each set without the loads on shaft and housings, where it is known."""
     idle = tuple(replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in assembly.housings)
-    result = run_axis(replace(assembly, loads=(), housings=idle), model)
+    result = run_model(replace(assembly, loads=(), housings=idle), model)
     if not result.converged:
         return {}
     return {i: state.torque.friction for i, _, state in _states(result, friction, motion) if settled(state)}

@@ -11,9 +11,9 @@ import numpy as np
 from rollbench.comparison.commands.answer import Column, cell
 from rollbench.comparison.commands.axis_summary import set_summary, stiffness_json, whole_summary
 from rollbench.comparison.commands.solve_output import equilibrium_json, number, per_side, solver_json, solver_lines
-from rollbench.comparison.models.axis import random_errors
-from rollbench.comparison.models.axis_answers import AxisAnswers, SetAnswers, loads_of
-from rollbench.lowfi.statics.axis.result import AxisResult, HousingResult, SetResult
+from rollbench.comparison.models.axis_answers import AxisAnswers, SetAnswers
+from rollbench.comparison.models.registry import random_errors
+from rollbench.lowfi.statics.result import AxisResult, HousingResult, SetResult
 from rollbench.lowfi.warned import above
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import FREEDOMS, SIDES
@@ -40,7 +40,7 @@ SET_COLUMNS: tuple[Column, ...] = (
 
 
 def _set(i: int, s: SetResult, found: SetAnswers | None) -> dict[str, Any]:
-    loads = loads_of(s)
+    loads = s.loads
     return {
         "set": i + 1,
         "name": s.of.name,
@@ -81,13 +81,13 @@ def roller_rows(result: AxisResult) -> list[dict[str, Any]]:
         {
             "set": k + 1,
             "index": i + 1,
-            "azimuth_deg": number(math.degrees(row[0])),
-            "load_N": number(row[1]),
+            "azimuth_deg": number(math.degrees(azimuth)),
+            "load_N": number(load),
             "largest_line_load_N_mm": number(1e-3 * s.line_loads[i].max()),
         }
         for k, s in enumerate(result.sets)
-        if s.rollers is not None and s.line_loads is not None
-        for i, row in enumerate(s.rollers)
+        if s.roller_azimuth is not None and s.roller_load is not None and s.line_loads is not None
+        for i, (azimuth, load) in enumerate(zip(s.roller_azimuth, s.roller_load, strict=True))
     ]
 
 
@@ -163,7 +163,7 @@ def as_table(assembly: Assembly, result: AxisResult, *, block: str = "", balls: 
 def _set_rows(result: AxisResult) -> list[dict[str, Any]]:
     rows = []
     for i, s in enumerate(result.sets):
-        K, loads = 1e-6 * np.diag(s.stiffness), loads_of(s)
+        K, loads = 1e-6 * np.diag(s.stiffness), s.loads
         rows.append(
             {"set": i + 1, "name": s.of.name, "kind": s.of.kind, "z_mm": 1e3 * s.of.position}
             | dict(zip(("fx", "fy", "fz"), map(float, s.force), strict=True))

@@ -15,10 +15,10 @@ from rollbench.comparison.commands.printing import Answer, text_width
 from rollbench.comparison.commands.solve_choices import Choices
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.gate.loads_file import loads_csv, write_loads
-from rollbench.comparison.models.axis import run_axis
 from rollbench.comparison.models.axis_answers import curve, gather
-from rollbench.comparison.models.outside import with_axis_answers
-from rollbench.lowfi.statics.axis.result import AxisResult
+from rollbench.comparison.models.outside import with_answers
+from rollbench.comparison.models.registry import Options, run_model
+from rollbench.lowfi.statics.result import AxisResult
 from rollbench.lowfi.warned import above
 from rollbench.meshes.axis import Assembly
 
@@ -31,9 +31,9 @@ def solve_axis(assembly: Assembly, choices: Choices, station: float) -> Answer:
     _check(assembly, choices, station)
     if choices.stiffness_at:
         assembly = replace(assembly, stiffness_at=station)
-    result = run_axis(assembly, choices.model, member=choices.member)
-    found = gather(assembly, result, choices.member) if result.converged else None
-    result = result if found is None else with_axis_answers(result, found)
+    result = run_model(assembly, choices.model, Options(member=choices.member))
+    found = gather(assembly, result) if result.converged else None
+    result = result if found is None else with_answers(assembly, result, found)
     written = _write(assembly, result, choices) if result.converged else []
     text = "" if found is None else block(assembly, result, found, text_width())
     parts = [*as_table(assembly, result, block=text, balls=choices.balls), *written]

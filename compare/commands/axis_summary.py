@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from rollbench.comparison.commands.solve_output import number, summary
-from rollbench.comparison.commands.summary import contact_entries, contacts_json, entry, loads_json
+from rollbench.comparison.commands.summary import contact_entries, contacts_json, entry, loads_json, preload_json
 from rollbench.comparison.models.axis_answers import AxisAnswers, SetAnswers
 from rollbench.lowfi.bearings.axis import lost_motion
-from rollbench.lowfi.statics.axis.result import AxisResult, SetResult
+from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import FREEDOMS
 
@@ -19,11 +19,10 @@ def stiffness_json(result: AxisResult) -> dict[str, Any] | None:
     """The stiffness of the whole in the keys of a single set's; null where a freedom is held."""
     if result.stiffness is None:
         return None
-    where = result.stiffness_at
-    station = float(where.removeprefix("shaft at ").removesuffix(" mm")) if where.startswith("shaft at ") else None
+    station = None if result.station is None else number(1e3 * result.station)
     matrix = [[number(x) for x in row] for row in result.stiffness]
     own = {"station_mm": station, "status": result.status, "freedoms": list(FREEDOMS), "matrix": matrix}
-    return {"at": where, **own}
+    return {"at": result.stiffness_at, **own}
 
 
 def set_summary(s: SetResult, found: SetAnswers | None) -> dict[str, Any]:
@@ -35,9 +34,7 @@ def set_summary(s: SetResult, found: SetAnswers | None) -> dict[str, Any]:
         return data
     data |= {"loads": loads_json(s.balls.load), **contacts_json(found.loads), "preload": None}
     if found.preload is not None:
-        mean, largest, loaded, axial = found.preload
-        held = {"mean_N": number(mean), "max_N": number(largest), "axial_N": number(axial), "loaded_contacts": loaded}
-        data["preload"] = held
+        data["preload"] = preload_json(found.preload)
     return data
 
 
@@ -92,9 +89,9 @@ def block(assembly: Assembly, result: AxisResult, found: AxisAnswers, width: int
         speed = None if assembly.motion is None else assembly.motion.speed
         lines += [(label, f"{name}: {text}") for label, text in contact_entries(data, speed)]
     held = [
-        f"{s.of.name} {own.preload[0]:.1f} N a contact, {own.preload[3]:.0f} N along the axis"
+        f"{s.of.name} {own.preload.mean:.1f} N a contact, {own.preload.axial:.0f} N along the axis"
         for s, own in zip(result.sets, found.sets, strict=True)
-        if own is not None and own.preload is not None and own.preload[2]
+        if own is not None and own.preload is not None and own.preload.loaded
     ]
     lines.append(("preload", "; ".join(held) or "no contact of balls carries load when the loads are away"))
     lines.append(("assumed", f"{len(result.assumed)} statements, {len(result.left_out)} things left out: listed below"))

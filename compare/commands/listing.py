@@ -7,8 +7,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from rollbench.comparison.commands.printing import Answer
-from rollbench.comparison.models.axis import AXIS_MODELS
-from rollbench.comparison.models.registry import MODELS
+from rollbench.comparison.models.registry import AXIS_MODELS, MODELS
 from rollbench.comparison.printed import printed_data
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.scenes.keys import AXIS, FRICTION_ONLY, WHOLE

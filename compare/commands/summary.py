@@ -10,6 +10,7 @@ import numpy as np
 
 from rollbench.comparison.commands.solve_output import MODEL_FORM, model_form_text, number
 from rollbench.comparison.models.answers import Answers, LoadAnswers
+from rollbench.comparison.models.loading import Preload
 from rollbench.comparison.models.model_form import ModelForm
 from rollbench.lowfi.rating.contacts import ALLOWED
 from rollbench.lowfi.statics.nominal import nominal_contacts
@@ -105,6 +106,16 @@ def contacts_json(found: LoadAnswers) -> dict[str, Any]:
     }
 
 
+def preload_json(held: Preload) -> dict[str, Any]:
+    """What contacts carry without the loads of the scene."""
+    return {
+        "mean_N": number(held.mean),
+        "max_N": number(held.largest),
+        "axial_N": number(held.axial),
+        "loaded_contacts": held.loaded,
+    }
+
+
 def answers_json(scene: Scene, result: StaticResult, found: Answers) -> dict[str, Any]:
     """All answers: forces in N, displacements in um, rigidities in N/um."""
     three, held, lift, life = found.rigidities, found.preload, found.lift, found.loads.life
@@ -129,14 +140,7 @@ def answers_json(scene: Scene, result: StaticResult, found: Answers) -> dict[str
             "with_unequal_loads": None if three.unequal is None else number(1e-6 * three.unequal),
         },
         **data,
-        "preload": None
-        if held is None
-        else {
-            "mean_N": number(held.mean),
-            "max_N": number(held.largest),
-            "axial_N": number(held.axial),
-            "loaded_contacts": held.loaded,
-        },
+        "preload": None if held is None else preload_json(held),
         "contact_lost": None
         if lift is None
         else {

@@ -11,8 +11,7 @@ from typing import Any
 
 from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.commands.study import on_terminal
-from rollbench.comparison.models.axis import default_model
-from rollbench.comparison.models.registry import DEFAULT
+from rollbench.comparison.models.registry import DEFAULT, default_model
 from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.sweep import run as sweeping

@@ -8,10 +8,10 @@ import numpy as np
 
 from rollbench.comparison.evidence.lash_4_2_1 import TURNS, lash
 from rollbench.comparison.evidence.record import Evidence, Sheet
-from rollbench.comparison.models.axis import run_axis
+from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.scenes import catalogue
-from rollbench.lowfi.statics.axis.result import AxisResult
+from rollbench.lowfi.statics.result import AxisResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 
@@ -37,7 +37,7 @@ def at_angle(gear: Assembly, angle: float, *, opposed: bool = False) -> AxisResu
     sides = (1.0, -1.0 if opposed else 1.0)
     forces = [(side * 0.5 * FORCE * float(np.sin(t)), 0.0, 0.5 * FORCE * float(np.cos(t))) for side in sides]
     loads = tuple(replace(x, force=f) for x, f in zip(gear.loads, forces, strict=True))
-    return run_axis(replace(gear, loads=loads), "lin", "compiled")
+    return run_model(replace(gear, loads=loads), "lin", Options(engine="compiled"))
 
 
 def largest(result: AxisResult) -> tuple[float, float]:

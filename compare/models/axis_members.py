@@ -14,11 +14,10 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.axis import default_model, random_errors, run_axis
-from rollbench.comparison.models.axis_answers import loads_of
 from rollbench.comparison.models.members import COMPILE_FROM, SYSTEM, Bands, Block, check_count, gathered, life_sum
+from rollbench.comparison.models.registry import Options, default_model, random_errors, run_model
 from rollbench.comparison.reference.jobs import Engine
-from rollbench.lowfi.statics.axis.result import AxisResult
+from rollbench.lowfi.statics.result import AxisResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollingSet
 from rollbench.meshes.errors import without_draws
@@ -86,7 +85,7 @@ def with_seed(assembly: Assembly, seed: int) -> Assembly:
 def solve_block(assembly: Assembly, model: str, kernels: str, nominal: Array, first: int, count: int) -> Block:
     """Members ``first`` and on; nominal: loads (N, 4) [N] of all balls without random errors."""
     with threadpool_limits(1, "blas"):
-        results = [run_axis(assembly, model, kernels, m) for m in range(first, first + count)]  # type: ignore[arg-type]
+        results = [run_model(assembly, model, Options(engine=kernels, member=m)) for m in range(first, first + count)]
     where = places(assembly)
     loads = np.stack([contact_loads(r) if r.converged else np.full(nominal.shape, np.nan) for r in results])
     wide = len(columns(assembly))
@@ -103,11 +102,11 @@ def numbers(result: AxisResult, nominal: Array, where: Sequence[slice | None]) -
     """What is kept of a member."""
     loads = contact_loads(result)
     lost = (loads == 0.0) & (nominal > 0.0)
-    largest = max(float(loads_of(s).max(initial=0.0)) for s in result.sets)
+    largest = max(float(s.loads.max(initial=0.0)) for s in result.sets)
     stiffness = np.nan if result.stiffness is None else 1e-6 * float(result.stiffness[2, 2])
     found = [largest, stiffness, float(lost.sum()), result.solver.residual]
     for s, place in zip(result.sets, where, strict=True):
-        own = loads_of(s)
+        own = s.loads
         mean = mean_load(own)
         found += [float(own.max(initial=0.0)), mean, float(s.force[2])]
         if place is None:
@@ -136,7 +135,7 @@ def run_axis_members(
     start = perf_counter()
     kernels = "compiled" if count >= COMPILE_FROM else "interpreted"
     sets = (replace(s, parts=without_draws(s.parts)) if isinstance(s.parts, Scene) else s for s in assembly.sets)
-    bare = run_axis(replace(assembly, sets=tuple(sets)), model)
+    bare = run_model(replace(assembly, sets=tuple(sets)), model)
     if not bare.converged or not contact_loads(bare).max(initial=0.0) > 0.0:
         reason = bare.status if not bare.converged else "no contact carries load without random errors"
         allowed = "loaded contacts without random errors"

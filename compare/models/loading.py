@@ -4,16 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar, overload
 
 import numpy as np
 
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, slope_of
+from rollbench.lowfi.statics.axis.stiffness import asked
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.axis import Assembly, Housing
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Load, Scene
 
+Loaded = TypeVar("Loaded", Load, Housing)
 #: Relative accuracy of the factor at which a contact is lost, the largest one looked for, and how often is solved for it.
 TOLERANCE, FURTHEST, MOST = 0.005, 20.0, 16
 #: Share of the way to the expected factor that is solved next: beyond it the contact is open and tells nothing.
@@ -62,15 +66,23 @@ class CurvePoint:
     result: StaticResult
 
 
-def scaled(scene: Scene, factor: float) -> Scene:
-    """The scene with its loads times a factor, without any for zero."""
-    if factor == 0.0:
-        return replace(scene, loads=())
-    loads = tuple(
-        Load(x.at, tuple(factor * f for f in x.force), tuple(factor * m for m in x.moment))  # type: ignore[arg-type]
-        for x in scene.loads
-    )
-    return replace(scene, loads=loads)
+@overload
+def scaled(scene: Scene, factor: float) -> Scene: ...
+@overload
+def scaled(scene: Assembly, factor: float) -> Assembly: ...
+def scaled(scene: Scene | Assembly, factor: float) -> Scene | Assembly:
+    """The scene with its loads times a factor; of one set without any for zero, of several with those on housings, and with
+    motion and stiffness asked for where they were."""
+
+    def times(x: Loaded) -> Loaded:
+        (fx, fy, fz), (mx, my, mz) = x.force, x.moment
+        force, moment = (factor * fx, factor * fy, factor * fz), (factor * mx, factor * my, factor * mz)
+        return replace(x, force=force, moment=moment)
+
+    loads = tuple(map(times, scene.loads))
+    if isinstance(scene, Scene):
+        return replace(scene, loads=loads if factor else ())
+    return replace(scene, loads=loads, housings=tuple(map(times, scene.housings)), stiffness_at=asked(scene))
 
 
 def solve_scaled(scene: Scene, factor: float, model: str, options: Options) -> StaticResult:
@@ -87,6 +99,11 @@ def preload(scene: Scene, bare: StaticResult) -> Preload:
         return Preload(0.0, 0.0, 0, 0.0)
     mean = mean_load(held, nominal_contacts(scaled(scene, 0.0)))
     return Preload(mean, float(held.max()), int(held.size), min(left, right))
+
+
+def axial_of(held: Preload | None) -> float:
+    """Size of an axial preload [N], none where it is not known."""
+    return 0.0 if held is None else abs(held.axial)
 
 
 def lift_off(scene: Scene, result: StaticResult, bare: StaticResult, model: str, options: Options) -> LiftOff | None:

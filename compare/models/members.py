@@ -8,7 +8,7 @@ loads in each process, six numbers a member, and one histogram a contact.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
 
@@ -19,6 +19,7 @@ from threadpoolctl import threadpool_limits
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.ensemble import run_ensemble, work_of
+from rollbench.comparison.models.loading import scaled
 from rollbench.comparison.models.registry import MODELS, Options, run_model
 from rollbench.comparison.reference import parallel
 from rollbench.comparison.reference.jobs import Engine
@@ -101,13 +102,6 @@ def life_sum(load: Array) -> Array:
     return np.asarray(turning.sum(axis=-1) + standing.sum(axis=-1))
 
 
-def _scaled(scene: Scene, factor: float) -> Scene:
-    def times(v: tuple[float, float, float]) -> tuple[float, float, float]:
-        return factor * v[0], factor * v[1], factor * v[2]
-
-    return replace(scene, loads=tuple(replace(x, force=times(x.force), moment=times(x.moment)) for x in scene.loads))
-
-
 def _solved(scene: Scene, model: str, engine: str, first: int, count: int) -> tuple[Array, tuple[str, ...], Array, Array]:
     """Loads, statuses, residuals and works of some members."""
     if model == "lin" and engine == "compiled":
@@ -134,7 +128,7 @@ def solve_block(scene: Scene, model: str, engine: str, nominal: Array, first: in
         force = float(sum(np.dot(x.force, x.force) for x in scene.loads))
         stiffness = np.full(count, np.nan)
         if force > 0.0:
-            more = _solved(_scaled(scene, 1.0 + STEP), model, engine, first, count)[3] / (1.0 + STEP)
+            more = _solved(scaled(scene, 1.0 + STEP), model, engine, first, count)[3] / (1.0 + STEP)
             with np.errstate(divide="ignore", invalid="ignore"):
                 stiffness = 1e-6 * force * STEP / (more - works)
     good = np.array([s == "converged" for s in statuses])

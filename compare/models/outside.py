@@ -4,31 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import overload
 
 from rollbench.comparison.models.answers import Answers, LoadAnswers
 from rollbench.comparison.models.axis_answers import AxisAnswers
+from rollbench.comparison.models.loading import axial_of
 from rollbench.lowfi.rating.life import rating
-from rollbench.lowfi.statics.axis.result import AxisResult
-from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.statics.result import AxisResult, Solved, StaticResult
 from rollbench.lowfi.warned import Warned
+from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 
 
-def with_answers(scene: Scene, result: StaticResult, found: Answers) -> StaticResult:
-    """The result with the warnings that follow from its answers."""
-    axial = 0.0 if found.preload is None else found.preload.axial
-    return replace(result, warnings=(*result.warnings, *outside(scene, found.loads, axial)))
-
-
-def with_axis_answers(result: AxisResult, found: AxisAnswers) -> AxisResult:
-    """The same of several sets."""
-    more = [
-        warned.of(s.of.name)
-        for s, own in zip(result.sets, found.sets, strict=True)
-        if own is not None and isinstance(s.of.parts, Scene)
-        for warned in outside(s.of.parts, own.loads, 0.0 if own.preload is None else abs(own.preload[3]))
-    ]
-    return replace(result, warnings=(*result.warnings, *more))
+@overload
+def with_answers(scene: Scene, result: StaticResult, found: Answers) -> StaticResult: ...
+@overload
+def with_answers(scene: Assembly, result: AxisResult, found: AxisAnswers) -> AxisResult: ...
+def with_answers(scene: Scene | Assembly, result: Solved, found: Answers | AxisAnswers) -> Solved:
+    """The result with the warnings that follow from its answers, those of several sets with their names."""
+    if isinstance(found, AxisAnswers):
+        warned = [w.of(x.name) for x in found.sets if x is not None for w in outside(x.parts, x.loads, axial_of(x.preload))]
+    else:
+        warned = [*outside(scene, found.loads, axial_of(found.preload))] if isinstance(scene, Scene) else []
+    return replace(result, warnings=(*result.warnings, *warned))
 
 
 def outside(scene: Scene, loads: LoadAnswers, preload: float) -> Iterator[Warned]:

@@ -7,18 +7,17 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
 from rollbench.comparison.errors import InputError, Refusal
-from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
     from rollbench.lowfi.compliance.imported import Condensed
-    from rollbench.lowfi.statics.axis.result import AxisResult
 
 
 @dataclass(frozen=True)
@@ -153,7 +152,7 @@ class Model:
     """A low-order model, by all that the project says of it and does with it.
 
     name: on the command line; about: one sentence for ``rollbench list``; label: in tables and figures; words: how screw,
-    nut and balls answer a contact force; run: its runner; axis: its runner on several sets on one shaft, or why it has
+    nut and balls answer a contact force; run: its runner; assembly: its runner on several sets on one shaft, or why it has
     none; suits: whether it can describe a scene; compared: takes part in ``rollbench compare``; extremes: takes part in
     the stability table; ingredients: changes of the scene that make it a variant of another model; ladder_step: its rank
     on the ladder from the source's model to the refined one and what it adds there; errors_of: the model whose compared
@@ -165,7 +164,7 @@ class Model:
     label: str
     words: str
     run: Callable[[Scene, Options], StaticResult]
-    axis: Callable[[Assembly, Options], AxisResult] | str = "it solves one set"
+    assembly: Callable[[Assembly, Options], AxisResult] | str = "it solves one set"
     suits: Callable[[Scene], bool] = any_scene
     compared: bool = False
     extremes: bool = False
@@ -286,8 +285,27 @@ _ALL = (
 MODELS = {m.name: m for m in _ALL}
 
 
+#: Models that know several sets on one shaft: the source's and the steps of the ladder to the refined one.
+AXIS_MODELS = tuple(name for name, model in MODELS.items() if callable(model.assembly))
 #: The model that is used unless another one is asked for.
 DEFAULT = "refined"
+
+
+def default_model(scene: Scene | Assembly) -> str:
+    """The model where none is asked for: `DEFAULT`, but lin where an inner ring sits on a housing on springs, which no
+    other model has."""
+    if isinstance(scene, Scene):
+        return DEFAULT
+    sprung = {h.name for h in scene.housings if h.stiffness is not None}
+    sprung |= {name for j in scene.joints for name in (j.first, j.second)}
+    return "lin" if any(s.carrier in sprung for s in scene.sets) else DEFAULT
+
+
+def random_errors(scene: Scene | Assembly) -> bool:
+    """Whether the scene, or any of its sets, has random errors."""
+    if isinstance(scene, Scene):
+        return scene.errors.random
+    return any(isinstance(s.parts, Scene) and s.parts.errors.random for s in scene.sets)
 
 
 def blamed(reason: str) -> str:
@@ -303,17 +321,39 @@ def blamed(reason: str) -> str:
     return f"errors.{flank[1]}" if flank is not None else "scene"
 
 
-def run_model(scene: Scene, name: str = DEFAULT, options: Options | None = None) -> StaticResult:
-    """Run one model on a scene; no loads stand in a result that did not converge. Raises InputError for an unknown name or
-    a scene that the model cannot describe."""
-    if name not in MODELS:
-        raise InputError("model", "name", f'"{name}"', ", ".join(MODELS), "see: rollbench list")
-    options = options or Options()
-    if options.member and not scene.errors.random:
-        raise InputError(scene.name, "member", str(options.member), "0", "the scene has no random errors: leave it out")
+@overload
+def run_model(scene: Scene, name: str = "", options: Options | None = None) -> StaticResult: ...
+@overload
+def run_model(scene: Assembly, name: str = "", options: Options | None = None) -> AxisResult: ...
+def run_model(scene: Scene | Assembly, name: str = "", options: Options | None = None) -> StaticResult | AxisResult:
+    """Run one model, the default one unless named, on a scene of one set or several; no loads stand in a result that did
+    not converge.
+
+    Raises InputError for an unknown name, a scene that the model cannot describe, or a member of one without random errors.
+    """
+    name, options = name or default_model(scene), options or Options()
+    run = _runner(scene, name)
+    if options.member and not random_errors(scene):
+        which = "the scene has no" if isinstance(scene, Scene) else "no set has"
+        raise InputError(scene.name, "member", str(options.member), "0", f"{which} random errors: leave it out")
     try:
         with np.errstate(all="ignore"):
-            result = MODELS[name].run(MODELS[name].scene(scene), options)
+            result = run(options)
     except ValueError as error:
-        raise Refusal(scene.name, blamed(str(error)), str(error), "check the geometry and the ingredients") from error
+        one = isinstance(scene, Scene)
+        where, what = (blamed(str(error)), "geometry and the ingredients") if one else ("scene", "geometry")
+        raise Refusal(scene.name, where, str(error), f"check the {what}") from error
     return replace(result.answers(), model=name, member=options.member)
+
+
+def _runner(scene: Scene | Assembly, name: str) -> Callable[[Options], StaticResult | AxisResult]:
+    """What runs the model of a name on the scene. Raises InputError where there is none."""
+    model = MODELS.get(name)
+    if isinstance(scene, Scene):
+        if model is None:
+            raise InputError("model", "name", f'"{name}"', ", ".join(MODELS), "see: rollbench list")
+        return partial(model.run, model.scene(scene))
+    if model is not None and not isinstance(model.assembly, str):
+        return partial(model.assembly, scene)
+    advice = "see: rollbench list" if model is None else f"{name} describes one set: {model.assembly}"
+    raise InputError(scene.name, "model", f'"{name}"', ", ".join(AXIS_MODELS), advice)

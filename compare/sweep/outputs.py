@@ -7,14 +7,12 @@ from typing import Any
 import numpy as np
 
 from rollbench.comparison.models.answers import ONE_TURN, unloaded_place
-from rollbench.comparison.models.axis import run_axis
-from rollbench.comparison.models.axis_answers import along_axis, axial_load, scaled
-from rollbench.comparison.models.loading import preload, solve_scaled
-from rollbench.comparison.models.registry import Options
+from rollbench.comparison.models.axis_answers import along_axis, axial_load
+from rollbench.comparison.models.loading import preload, scaled, solve_scaled
+from rollbench.comparison.models.registry import Options, run_model
 from rollbench.lowfi.rating.life import life
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force
-from rollbench.lowfi.statics.axis.result import AxisResult
-from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.loads import mean_load
@@ -62,7 +60,7 @@ def axis_outputs(assembly: Assembly, result: AxisResult, engine: str) -> dict[st
     axial force of a set without loads; life: that of the set that lives shortest.
     """
     sets = [(s.of.name, s.of.parts, s.balls) for s in result.sets if s.balls is not None and isinstance(s.of.parts, Scene)]
-    bare = run_axis(scaled(assembly, 0.0), result.model, engine)  # type: ignore[arg-type]
+    bare = run_model(scaled(assembly, 0.0), result.model, Options(engine=engine))
     force, moved = axial_load(assembly), along_axis(assembly, result)
     own = [(parts, balls) for _, parts, balls in sets]
     return {

@@ -10,8 +10,7 @@ from typing import Any
 
 from rollbench.comparison import __version__
 from rollbench.comparison.errors import InputError, Refusal
-from rollbench.comparison.models.axis import AXIS_MODELS
-from rollbench.comparison.models.registry import MODELS
+from rollbench.comparison.models.registry import AXIS_MODELS, MODELS
 from rollbench.comparison.reference import parallel
 from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.scenes import scene_file

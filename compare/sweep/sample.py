@@ -11,7 +11,6 @@ from typing import Any
 from threadpoolctl import threadpool_limits
 
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.axis import run_axis
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.scenes import scene_file
 from rollbench.comparison.sweep import store
@@ -51,7 +50,7 @@ def solve_sample(
 def _solve_axis(assembly: Assembly, model: str, engine: str) -> dict[str, Any]:
     """Status and outputs of several sets on one shaft; from `AXIS_COMPILED` balls on always by compiled kernels."""
     kernels = "compiled" if assembly.ball_count >= AXIS_COMPILED else engine
-    result = run_axis(assembly, model, kernels)  # type: ignore[arg-type]
+    result = run_model(assembly, model, Options(engine=kernels))
     if not result.converged:
         return {"status": result.status}
     return {"status": CONVERGED, **axis_outputs(assembly, result, kernels)}

@@ -1,14 +1,16 @@
-"""Results of the static models: frozen records in SI; a failure is part of the record, not an exception."""
+"""Results of the static models, of one set or several: frozen records in SI; a failure is part of the record, not an
+exception."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import RollingSet
 
 
 @dataclass(frozen=True)
@@ -64,26 +66,23 @@ class SolverReport:
 
 
 @dataclass(frozen=True)
-class StaticResult:
-    """Static load distribution of one scene.
+class Answering:
+    """A record whose fields in ``ANSWERS`` are no answers where the solution did not converge."""
 
-    status: ``"converged"`` or what went wrong. Per ball: azimuth ``(n,)`` [rad], z ``(n,)`` [m]; per ball and side
-    (SL, SR, NL, NR): load ``(n, 4)`` [N], contact angle ``(n, 4)`` [rad] (nan without contact), contact point in space
-    ``(n, 4, 3)`` [m], unit force direction on the ball ``(n, 4, 3)``, Hertz constant C ``(n, 4)`` and semi-axes
-    constants; ball centre shift ``(n, 2)`` in the section [m]. Centreline: stations ``(k,)`` [m] and motions
-    ``(k, 6)`` [m, rad]. member: which specimen of a scene with random errors.
-    """
+    ANSWERS: ClassVar[tuple[str, ...]] = ()
+
+    def without_answers(self) -> Self:
+        """The record with nan in place of its answers, and of those of its parts."""
+        return replace(self, **{name: unknown(getattr(self, name)) for name in self.ANSWERS})
+
+
+@dataclass(frozen=True, kw_only=True)
+class Solved(Answering):
+    """What every static solution says of the shaft. status: ``"converged"`` or what went wrong; centreline: stations
+    ``(k,)`` [m] and motions ``(k, 6)`` [m, rad]; member: which specimen of a scene with random errors."""
 
     model: str
     status: str
-    azimuth: Array
-    z: Array
-    load: Array
-    contact_angle: Array
-    contact_point: Array
-    force_direction: Array
-    centre_shift: Array
-    hertz_C: Array
     centreline_z: Array
     centreline: Array
     equilibrium: Equilibrium | None
@@ -92,23 +91,116 @@ class StaticResult:
     left_out: tuple[str, ...]
     warnings: tuple[Warned, ...] = ()
     member: int = 0
+    ANSWERS: ClassVar[tuple[str, ...]] = ("centreline", "equilibrium")
 
     @property
     def converged(self) -> bool:
         """Whether the loads may be used."""
         return self.status == "converged"
 
-    def answers(self) -> StaticResult:
+    def answers(self) -> Self:
         """Itself where it converged, else `without_answers`."""
         return self if self.converged else self.without_answers()
 
-    def without_answers(self) -> StaticResult:
-        """The result without loads, motions and balance, which are no answers where it did not converge: nan, or None."""
-        names = ("load", "contact_angle", "contact_point", "force_direction", "centre_shift", "centreline")
-        each: dict[str, Any] = {name: unknown(getattr(self, name)) for name in names}
-        return replace(self, **each, equilibrium=None)
+
+@dataclass(frozen=True, kw_only=True)
+class StaticResult(Solved):
+    """Static load distribution of one scene, or the contacts of one set of an assembly.
+
+    Per ball: azimuth ``(n,)`` [rad], z ``(n,)`` [m]; per ball and side (SL, SR, NL, NR): load ``(n, 4)`` [N], contact angle
+    ``(n, 4)`` [rad] (nan without contact), contact point in space ``(n, 4, 3)`` [m], unit force direction on the ball
+    ``(n, 4, 3)``, Hertz constant C ``(n, 4)``; ball centre shift ``(n, 2)`` in the section [m].
+    """
+
+    azimuth: Array
+    z: Array
+    load: Array
+    contact_angle: Array
+    contact_point: Array
+    force_direction: Array
+    centre_shift: Array
+    hertz_C: Array
+    ANSWERS: ClassVar[tuple[str, ...]] = (
+        *Solved.ANSWERS,
+        "load",
+        "contact_angle",
+        "contact_point",
+        "force_direction",
+        "centre_shift",
+    )
 
 
-def unknown(values: Array) -> Array:
-    """Values in the shape of others that say nothing."""
-    return np.full(values.shape, np.nan)
+@dataclass(frozen=True)
+class SetResult(Answering):
+    """One set. force, moment (3,): of its elements on the shaft, the moment about the axis at the set's position [N, N m];
+    reaction (6,): what they do to the outer part there, the opposite but for arms that grow with the displacements;
+    stiffness (6, 6): of the set alone, tangent, its inner part moved at its position and the outer one held [N/m, N, N m];
+    outer (6,): motion of the outer part there, with its offset [m, rad]; balls: contacts as of a scene of one set, without
+    ``equilibrium``, None for rollers; azimuth [rad] and load [N] of each roller (count,), line_loads (count, slices) [N/m].
+    """
+
+    of: RollingSet
+    force: Array
+    moment: Array
+    reaction: Array
+    stiffness: Array
+    outer: Array
+    balls: StaticResult | None = None
+    roller_azimuth: Array | None = None
+    roller_load: Array | None = None
+    line_loads: Array | None = None
+    ANSWERS: ClassVar[tuple[str, ...]] = (
+        "force",
+        "moment",
+        "reaction",
+        "stiffness",
+        "outer",
+        "balls",
+        "roller_load",
+        "line_loads",
+    )
+
+    @property
+    def loads(self) -> Array:
+        """Loads [N] of the contacts (N, 4), or of the rollers (count,)."""
+        return self.balls.load if self.balls is not None else np.zeros(0) if self.roller_load is None else self.roller_load
+
+
+@dataclass(frozen=True)
+class HousingResult(Answering):
+    """Motion (6,) of a housing at its station; what the frame does to it there: wrench (6,) [N, N m] of what holds it and
+    of its springs; residual: unbalanced force and moment over the largest force."""
+
+    name: str
+    motion: Array
+    wrench: Array
+    residual: float
+    ANSWERS: ClassVar[tuple[str, ...]] = ("motion", "wrench", "residual")
+
+
+@dataclass(frozen=True, kw_only=True)
+class AxisResult(Solved):
+    """Static equilibrium of an assembly. station [m]: of the shaft that ``stiffness_at`` says, None for a housing;
+    stiffness (6, 6): tangent stiffness of the whole there [N/m, N, N m], None where that is held."""
+
+    sets: tuple[SetResult, ...] = ()
+    housings: tuple[HousingResult, ...] = ()
+    stiffness_at: str = ""
+    station: float | None = None
+    stiffness: Array | None = None
+    ANSWERS: ClassVar[tuple[str, ...]] = (*Solved.ANSWERS, "sets", "housings")
+
+    def without_answers(self) -> Self:
+        """The result without loads, motions, stiffness and balance."""
+        return replace(super().without_answers(), stiffness=None)
+
+
+def unknown(value: Any) -> Any:
+    """What says nothing in place of an answer: nan for numbers, the same in parts of a result; None for a balance."""
+    if isinstance(value, tuple):
+        return tuple(unknown(x) for x in value)
+    if isinstance(value, Answering):
+        return value.without_answers()
+    if isinstance(value, float):
+        return float("nan")
+    return None if value is None or isinstance(value, Equilibrium) else np.full(value.shape, np.nan)

@@ -16,7 +16,7 @@ from rollbench.comparison.scenes.units import parse
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, of_angle, thrust_state
 from rollbench.lowfi.bearings.load_zone import load_zone
 from rollbench.lowfi.bearings.sets import BearingSet, equilibrium, lift_off_force, preloaded
-from rollbench.lowfi.statics.axis.result import AxisResult
+from rollbench.lowfi.statics.result import AxisResult
 from rollbench.meshes.parts import FREEDOMS
 
 CLASSES = ("light", "medium", "strong")

@@ -7,11 +7,11 @@ from functools import cache
 from importlib import resources
 from typing import Any
 
-from rollbench.comparison.models.axis import run_axis
+from rollbench.comparison.models.registry import run_model
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.scenes.units import parse
-from rollbench.lowfi.statics.axis.result import AxisResult, SetResult
+from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.axis import Assembly
 
 #: Beginning of the names of tables and scenes of this kind.
@@ -52,7 +52,7 @@ def solved(study: Study, name: str) -> tuple[AxisResult, SetResult]:
 
 
 def _solved(study: Study, name: str) -> AxisResult:  # noqa: ARG001 - kept by the study
-    result = run_axis(assembly(name), "lin")
+    result = run_model(assembly(name), "lin")
     if not result.converged:
         raise AssertionError(f"{PREFIX}{name}: {result.status}")
     return result

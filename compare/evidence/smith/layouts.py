@@ -20,7 +20,7 @@ from rollbench.comparison.evidence.smith.case import (
     ball_bearing,
     bearing_set,
 )
-from rollbench.comparison.models.axis import run_axis
+from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.scenes import catalogue
 from rollbench.lowfi.bearings import as_printed
@@ -102,7 +102,7 @@ def _by_scene(study: Study, layout: Layout, place: float) -> Ends:  # noqa: ARG0
         raise AssertionError(f"{layout.scene} is an axis")
     at = FIRST + place * axis().length
     loads = tuple(replace(x, at=at, force=(0.0, 0.0, -APPLIED)) for x in found.loads)
-    result = run_axis(replace(found, loads=loads, stiffness_at=at), "lin", "compiled")
+    result = run_model(replace(found, loads=loads, stiffness_at=at), "lin", Options(engine="compiled"))
     if not result.converged or result.stiffness is None:
         raise AssertionError(f"{layout.scene}: {result.status}")
     thrust = {end: sum(float(s.force[2]) for s in result.sets if s.of.name.startswith(end)) for end in ("left", "right")}

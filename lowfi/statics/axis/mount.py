@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from rollbench.lowfi.statics.axis.result import AxisResult
 from rollbench.lowfi.statics.axis.system import tapered
 from rollbench.lowfi.statics.problem import nominal_hertz
+from rollbench.lowfi.statics.result import AxisResult
 from rollbench.lowfi.statics.static import ACCEPTED
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow, RollingSet

@@ -13,13 +13,12 @@ from rollbench.lowfi.compliance.bodies import REFINED, Backend
 from rollbench.lowfi.statics.axis.elastic import ElasticAxis, ready
 from rollbench.lowfi.statics.axis.loose import loose_motions, pinned
 from rollbench.lowfi.statics.axis.mount import mount
-from rollbench.lowfi.statics.axis.result import AxisResult
 from rollbench.lowfi.statics.axis.solve import axis_verdict, engine_for, solve_assembly
-from rollbench.lowfi.statics.axis.stiffness import asked_station, inverse, rigid_rows
+from rollbench.lowfi.statics.axis.stiffness import asked_row, inverse, rigid_rows
 from rollbench.lowfi.statics.axis.summary import Ending, assemble_axis, failed_axis
 from rollbench.lowfi.statics.axis.system import BallSet, build, set_contacts, set_flanks, with_arms
 from rollbench.lowfi.statics.records import AxisState, Outcome
-from rollbench.lowfi.statics.result import SolverReport
+from rollbench.lowfi.statics.result import AxisResult, SolverReport
 from rollbench.lowfi.statics.settle import Flanks, follow_hertz, follow_profile, uneven
 from rollbench.lowfi.statics.shaft import flank_loads, node_motions
 from rollbench.lowfi.statics.static import MAX_ITERATIONS, NO_LOADS, ROUND_OFF, Engine
@@ -227,7 +226,7 @@ def own_stiffness(elastic: ElasticAxis, i: int, b: BallSet, S: list[Array]) -> A
 def elastic_stiffness(elastic: ElasticAxis, S: list[Array]) -> Array | None:
     """Tangent stiffness (6, 6) of the whole at the row that is asked about, as `whole_stiffness` of the model lin."""
     system, structure = elastic.system, elastic.system.structure
-    row, _ = asked_station(system)
+    row = asked_row(system)
     if row < 0:
         return None
     n, k, N = structure.nodes.size, elastic.shaft.work.size, len(S)

@@ -12,14 +12,13 @@ from rollbench.lowfi import jit
 from rollbench.lowfi.statics.axis.loose import loose_motions, pinned
 from rollbench.lowfi.statics.axis.mount import mount
 from rollbench.lowfi.statics.axis.proof import unheld
-from rollbench.lowfi.statics.axis.result import AxisResult
 from rollbench.lowfi.statics.axis.sides import all_sides, clear, complete, likely_sides
 from rollbench.lowfi.statics.axis.stiffness import set_stiffness, whole_stiffness
 from rollbench.lowfi.statics.axis.summary import AXIS_ASSUMPTIONS, Ending, assemble_axis, failed_axis
 from rollbench.lowfi.statics.axis.system import System, build, placed, set_contacts, set_flanks, with_arms
 from rollbench.lowfi.statics.axis.typical import typical
 from rollbench.lowfi.statics.records import AxisSlopes, AxisState, BeamOptions, Outcome
-from rollbench.lowfi.statics.result import SolverReport
+from rollbench.lowfi.statics.result import AxisResult, SolverReport
 from rollbench.lowfi.statics.settle import follow_hertz, follow_profile, uneven
 from rollbench.lowfi.statics.static import ACCEPTED, MAX_ITERATIONS, NO_LOADS, ROUND_OFF, TOLERANCE, Engine, pick_engine
 from rollbench.meshes.arrays import Array

@@ -11,22 +11,24 @@ from rollbench.lowfi.statics.axis.system import BallSet, System
 from rollbench.lowfi.statics.records import AxisState
 from rollbench.lowfi.statics.shape import rigid_transport
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly
 
 
-def asked_station(system: System) -> tuple[int, str]:
-    """Row of motions whose stiffness is asked for, and its name: a housing, or a station of the shaft.
+def asked(assembly: Assembly) -> float | str:
+    """Station [m] or housing whose motion and stiffness are asked for: as the assembly says, else the first housing that is
+    loaded, the first load, the first set."""
+    if assembly.stiffness_at is not None:
+        return assembly.stiffness_at
+    loaded = [h.name for h in assembly.housings if any(h.force) or any(h.moment)]
+    if loaded:
+        return loaded[0]
+    return assembly.loads[0].at if assembly.loads else assembly.sets[0].position
 
-    Where the assembly does not say: the first housing that is loaded, else the first load on the shaft, else the first set.
-    """
-    assembly, s = system.assembly, system.structure
-    asked = assembly.stiffness_at
-    if asked is None:
-        loaded = [h.name for h in assembly.housings if s.row[h.name] >= 0 and (any(h.force) or any(h.moment))]
-        asked = loaded[0] if loaded else assembly.loads[0].at if assembly.loads else assembly.sets[0].position
-    if isinstance(asked, str):
-        return s.row[asked], asked
-    row = int(np.abs(s.nodes - asked).argmin())
-    return row, f"shaft at {1e3 * float(s.nodes[row]):.6g} mm"
+
+def asked_row(system: System) -> int:
+    """Row of motions whose stiffness is asked for; -1 for a housing that stands."""
+    at, s = asked(system.assembly), system.structure
+    return s.row[at] if isinstance(at, str) else int(np.abs(s.nodes - at).argmin())
 
 
 def whole_stiffness(system: System, engine: ModuleType, state: AxisState, hessians: Array) -> Array | None:
@@ -34,7 +36,7 @@ def whole_stiffness(system: System, engine: ModuleType, state: AxisState, hessia
 
     Rows and columns of held freedoms are nan. None where the row stands, or where contacts carry too little to be stiff.
     """
-    row, _ = asked_station(system)
+    row = asked_row(system)
     if row < 0:
         return None
     r = system.structure.stations.size

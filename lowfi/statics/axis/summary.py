@@ -8,13 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from rollbench.lowfi.statics.axis.proof import crossed
-from rollbench.lowfi.statics.axis.result import AxisResult, HousingResult, SetResult
 from rollbench.lowfi.statics.axis.sides import left_out
-from rollbench.lowfi.statics.axis.stiffness import asked_station
+from rollbench.lowfi.statics.axis.stiffness import asked, asked_row
 from rollbench.lowfi.statics.axis.system import BallSet, RollerSet, System, moved_flanks
 from rollbench.lowfi.statics.problem import SIGNS
 from rollbench.lowfi.statics.records import AxisState
-from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult
+from rollbench.lowfi.statics.result import AxisResult, Equilibrium, HousingResult, SetResult, SolverReport, StaticResult
 from rollbench.lowfi.statics.shape import rigid_transport
 from rollbench.lowfi.statics.solved import SolvedState
 from rollbench.lowfi.statics.static import ACCEPTED
@@ -80,20 +79,23 @@ def assemble_axis(system: System, state: AxisState, end: Ending) -> AxisResult:
     if status == "converged":
         status = crossed_row(system, sets, end.scale) or status
     held = (f"{end.loose}: held where it is, since nothing drives or resists it",) if end.loose else ()
+    at = asked(assembly)
+    station = None if isinstance(at, str) else float(structure.nodes[asked_row(system)])
     return AxisResult(
-        end.model,
-        status,
-        sets,
-        housings,
-        structure.nodes,
-        state.q[:n].copy(),
-        balance,
-        asked_station(system)[1],
-        end.whole,
-        end.report,
-        (*assembly.assumed, *end.assumed, *((ROLLERS,) if system.rollers else ())),
-        (*held, *end.left_out, *left_out(system)),
-        tuple(w.of(s.of.name) for s in sets if s.balls is not None for w in s.balls.warnings),
+        model=end.model,
+        status=status,
+        sets=sets,
+        housings=housings,
+        centreline_z=structure.nodes,
+        centreline=state.q[:n].copy(),
+        equilibrium=balance,
+        stiffness_at=f"shaft at {1e3 * station:.6g} mm" if station is not None else str(at),
+        station=station,
+        stiffness=end.whole,
+        solver=end.report,
+        assumed=(*assembly.assumed, *end.assumed, *((ROLLERS,) if system.rollers else ())),
+        left_out=(*held, *end.left_out, *left_out(system)),
+        warnings=tuple(w.of(s.of.name) for s in sets if s.balls is not None for w in s.balls.warnings),
     )
 
 
@@ -172,9 +174,9 @@ def roller_result(x: RollerSet, state: AxisState, stations: Array) -> SetResult:
     B = x.arrays.B[:, 0] @ rigid_transport(inner - x.of.position)
     wrench, K = -slices[:, 0] @ B, (B.T * slices[:, 1]) @ B
     loads = slices[:, 0].reshape(x.row.count, x.row.slices)
-    rollers = np.column_stack([x.azimuths, loads.sum(axis=1)])
     lines = loads * x.row.slices / x.row.length
-    return SetResult(x.of, wrench[:3], wrench[3:], -wrench, K, _outer(x, state, stations), None, rollers, lines)
+    outer = _outer(x, state, stations)
+    return SetResult(x.of, wrench[:3], wrench[3:], -wrench, K, outer, None, x.azimuths, loads.sum(axis=1), lines)
 
 
 def _outer(x: BallSet | RollerSet, state: AxisState, stations: Array) -> Array:
@@ -242,7 +244,13 @@ def failed_axis(
 ) -> AxisResult:
     """Result of an assembly without equilibrium: no loads, and the reason; assumed: what the model assumes."""
     report = SolverReport(0, 0, float("nan"), seconds, 0, 0, "none", "none")
-    none = np.zeros(0)
     return AxisResult(
-        model, status, (), (), none, np.zeros((0, 6)), None, "", None, report, (*assembly.assumed, *assumed), ()
+        model=model,
+        status=status,
+        centreline_z=np.zeros(0),
+        centreline=np.zeros((0, 6)),
+        equilibrium=None,
+        solver=report,
+        assumed=(*assembly.assumed, *assumed),
+        left_out=(),
     )

@@ -8,7 +8,7 @@ import pytest
 from tests.axes import TURNING, assembly, bearing, double_nut, one_set, solved
 from tests.helpers import relative, small_screw
 
-from rollbench.comparison.models.axis import run_axis
+from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.scenes import scene_file
 from rollbench.lowfi.statics.axis import solve, summary
 from rollbench.lowfi.statics.axis.refined import solve_refined
@@ -31,7 +31,7 @@ def scene(name):
 @pytest.mark.parametrize("model", ["lin", "refined"])
 def test_a_row_that_carries_nothing_is_not_crossed(model):
     """Its balls carry 1e-11 of 14 kN at an angle below zero; contacts alone hold the shaft, metres away without."""
-    found = run_axis(scene("axis-crossed-by-nothing"), model, "compiled")
+    found = run_model(scene("axis-crossed-by-nothing"), model, Options(engine="compiled"))
     assert found.converged
     assert found.solver.iterations < 60
     assert found.equilibrium.largest < 1e-9
@@ -40,7 +40,7 @@ def test_a_row_that_carries_nothing_is_not_crossed(model):
 
 @pytest.mark.parametrize("model", ["lin", "refined"])
 def test_contacts_that_nothing_presses_carry_nothing(model):
-    found = run_axis(scene("axis-no-load"), model, "compiled")
+    found = run_model(scene("axis-no-load"), model, Options(engine="compiled"))
     assert found.converged
     assert found.equilibrium.largest < 1e-9
     assert all(np.abs(s.force).max() < 1e-9 for s in found.sets)

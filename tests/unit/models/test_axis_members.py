@@ -10,9 +10,9 @@ from tests.axes import double_nut, fixed_axis
 
 from rollbench.comparison.cli import main
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.axis import run_axis
 from rollbench.comparison.models.axis_members import columns, contact_loads, run_axis_members, with_seed
 from rollbench.comparison.models.members import life_sum
+from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.scenes import catalogue
 from rollbench.lowfi.statics.axis.system import placed
 from rollbench.meshes.parts import BallErrors
@@ -28,7 +28,7 @@ def drawn(parts):
 def test_members_are_the_single_solves():
     parts = drawn(fixed_axis((0.0, 0.0, 500.0)))
     found = run_axis_members(parts, "lin", 3)
-    results = [run_axis(parts, "lin", member=m) for m in range(3)]
+    results = [run_model(parts, "lin", Options(member=m)) for m in range(3)]
     loads = np.stack([contact_loads(r) for r in results])
     np.testing.assert_allclose(found.bands.mean, loads.mean(axis=0), rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(found.bands.largest, loads.max(axis=0), rtol=1e-9, atol=1e-9)

@@ -10,8 +10,7 @@ from tests.shipped_texts import axis_names
 
 from rollbench.comparison.cli import main
 from rollbench.comparison.errors import InputError, SceneError
-from rollbench.comparison.models.axis import AXIS_MODELS, run_axis
-from rollbench.comparison.models.registry import MODELS, Model
+from rollbench.comparison.models.registry import AXIS_MODELS, MODELS, Model, run_model
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.scenes.catalogue import scene_text
 from rollbench.comparison.scenes.kinds.table import json_schema
@@ -83,7 +82,7 @@ def test_units_positions_and_heat_are_read():
     assert taper.position == pytest.approx(2.0 * 0.0254)
     assert found.thermal_strain == pytest.approx(1e-4)
     assert found.housings[0].stiffness[2][2] == pytest.approx(1e6 * 4.4482216152605 / 0.0254)
-    result = run_axis(found)
+    result = run_model(found)
     assert result.model == "refined"
     assert result.converged
 
@@ -166,10 +165,10 @@ def test_commands_of_one_set_refuse_several_with_the_reason():
     with pytest.raises(SceneError, match="2 sets"):
         catalogue.scene("double-nut")
     with pytest.raises(InputError, match="mei describes one set: its bars"):
-        run_axis(catalogue.shipped("double-nut"), "mei")
+        run_model(catalogue.shipped("double-nut"), "mei")
     assert AXIS_MODELS == ("refined", "lin", "lin-cell", "lin-nut")
     with pytest.raises(InputError, match="see: rollbench list"):
-        run_axis(catalogue.shipped("double-nut"), "none")
+        run_model(catalogue.shipped("double-nut"), "none")
     for kind in ("compare", "mesh-study", "export", "condense"):
         with pytest.raises(SystemExit) as stopped:
             main([kind, "double-nut", *(["screw"] if kind == "export" else [])])
@@ -179,7 +178,7 @@ def test_commands_of_one_set_refuse_several_with_the_reason():
 def test_a_model_registered_for_one_set_is_refused_with_a_reason(monkeypatch):
     monkeypatch.setitem(MODELS, "new", Model("new", "a new one", "new", "new", MODELS["mei"].run))
     with pytest.raises(InputError, match="new describes one set: it solves one set"):
-        run_axis(catalogue.shipped("double-nut"), "new")
+        run_model(catalogue.shipped("double-nut"), "new")
 
 
 def test_schema_knows_axes():

@@ -12,7 +12,6 @@ import pytest
 from rollbench.comparison.commands.sweep import run_sweep, sweep_of
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.answers import ONE_TURN, gather
-from rollbench.comparison.models.axis import run_axis
 from rollbench.comparison.models.axis_answers import gather as axis_gather
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.reference.jobs import Engine
@@ -205,7 +204,7 @@ def test_rigidity_preload_torque_and_life_are_those_of_solve_and_friction():
 def test_several_sets_have_the_same_outputs():
     found = solve_sample(scene_text("double-nut"), "double-nut.toml", (), (), "lin", "compiled")
     assembly = scene_file.read(scene_text("double-nut"), "double-nut.toml")
-    answers = axis_gather(assembly, run_axis(assembly, "lin"))
+    answers = axis_gather(assembly, run_model(assembly, "lin"))
     assert found["rigidity_N_per_um"] == pytest.approx(1e-6 * answers.force / answers.displacement, rel=1e-6)
     assert found["preload_N"] == pytest.approx(max(abs(s.preload[3]) for s in answers.sets), rel=1e-6)
     assert found["life_million_revolutions"] == pytest.approx(min(s.loads.life.revolutions for s in answers.sets), rel=1e-6)
