@@ -117,8 +117,9 @@ def as_table(answer: FrictionAnswer, *, balls: bool = False) -> list[RenderableT
     parts += [""] if answer.tables else []
     if answer.ball_tables and not balls:
         parts.append("motion, loads and losses of every ball: --balls")
-    for heading, key in (("warning", "warnings"), ("assumed", "assumed"), ("left out", "left_out")):
-        parts += [f"{heading}: {line}" for line in data.get(key, ()) if getattr(line, "brief", "") != line]
+    parts += [f"warning: {w}" for w in data.get("warnings", ()) if w.brief != w]  # what stands above is not said again
+    for heading, key in (("assumed", "assumed"), ("left out", "left_out")):
+        parts += [f"{heading}: {line}" for line in data.get(key, ())]
     return parts
 
 

@@ -117,12 +117,13 @@ def play_warning(data: dict[str, Any]) -> Warned:
     return Warned("play", text, text)
 
 
-def feedback_warnings(state: FrictionState) -> list[str]:
+def feedback_warnings(state: FrictionState) -> list[Warned]:
     """What to say where friction that moves the balls raises the torque much."""
     alone, found = state.bare.friction, state.torque.friction
     if not state.coupled or not alone > 0.0 or found <= FED_BACK * alone:
         return []
-    return [
+    text = (
         f"friction that moves the balls across their grooves raises the torque {found / alone:.2g} times, from "
         f'{1e3 * alone:.4g} to {1e3 * found:.4g} N mm; without that: coupling = "none"'
-    ]
+    )
+    return [Warned("feedback", text)]

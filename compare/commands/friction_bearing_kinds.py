@@ -236,7 +236,7 @@ def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> Friction
     )
     spent = energy(power, loss, bound)
     large = [
-        f"{name}: {w}"
+        w.of(name)
         for name, c, one in zip(("four-point", "double row"), cases, both, strict=True)
         for w in screw_warnings(c.groove, np.stack([s.load.force for s in one]))
     ]

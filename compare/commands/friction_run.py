@@ -16,6 +16,7 @@ from rollbench.lowfi.friction.screw.steps import REFUSED, StepError
 from rollbench.lowfi.friction.whole.balls import balls_of
 from rollbench.lowfi.friction.whole.run import History, Setting, resolved
 from rollbench.lowfi.statics.again import AGAIN
+from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import draw
 from rollbench.meshes.parts import Friction, Motion, Scene, Time
@@ -47,7 +48,7 @@ class Run:
     history: History
     error: StepError | None
     status: str
-    warnings: tuple[str, ...]
+    warnings: tuple[Warned, ...]
 
     @property
     def converged(self) -> bool:
@@ -83,7 +84,8 @@ def judged(time: Time, history: History, error: StepError | None) -> Run:
         advice = "take more steps" if time.steps else "shorten the run"
         return Run(time, history, error, f"refused: {size}, more than {100.0 * REFUSED:g} %: {advice}", ())
     if not error.small(time.goal):
-        return Run(time, history, error, "converged", (f"{size}, more than the goal of {100.0 * time.goal:g} %",))
+        found = Warned("steps", f"{size}, more than the goal of {100.0 * time.goal:g} %")
+        return Run(time, history, error, "converged", (found,))
     return Run(time, history, error, "converged", ())
 
 

@@ -28,6 +28,7 @@ from rollbench.lowfi.friction.screw.pair import PairResult, solve_pair
 from rollbench.lowfi.friction.screw.run import RunResult, checked, groups, summarise
 from rollbench.lowfi.friction.screw.steps import StepError
 from rollbench.lowfi.statics.validity import size_warnings
+from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES
 
@@ -46,9 +47,9 @@ def sliding(groove: ScrewGroove, force: Array) -> float:
     return groove.mu * float(force.sum()) * abs(groove.speed) * groove.radius
 
 
-def screw_warnings(groove: ScrewGroove, force: Array) -> list[str]:
+def screw_warnings(groove: ScrewGroove, force: Array) -> list[Warned]:
     """Warn of contacts that are large against the ball; forces (..., 4) [N]."""
-    return list(size_warnings((groove.constants.C_a * np.cbrt(force)).ravel(), groove.ball_radius))
+    return size_warnings((groove.constants.C_a * np.cbrt(force)).ravel(), groove.ball_radius)
 
 
 # --- two balls
@@ -199,13 +200,14 @@ def run_series(r: RunResult) -> dict[str, list[Any]]:
     return out | {"converged": [bool(v) for v in r.converged]}
 
 
-def step_warnings(error: StepError | None) -> list[str]:
+def step_warnings(error: StepError | None) -> list[Warned]:
     """What to say of a run whose steps are too long, or whose error is not known."""
     if error is None:
-        return ["the error of the steps is not known: take an even number of steps"]
+        return [Warned("steps", "the error of the steps is not known: take an even number of steps")]
     if error.small(STEP_GOAL):
         return []
-    return [f"the error of the steps is some {100.0 * error.torque:.2g} % of the mean torque: take more steps"]
+    text = f"the error of the steps is some {100.0 * error.torque:.2g} % of the mean torque: take more steps"
+    return [Warned("steps", text)]
 
 
 def solve_run(scene: KindScene) -> FrictionAnswer:
