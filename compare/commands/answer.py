@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.comparison.commands.left_out import left_out_of_kind
-from rollbench.comparison.commands.solve_output import number
 from rollbench.comparison.measure import error_percent
+from rollbench.comparison.quantities import number
 from rollbench.lowfi.warned import above
 from rollbench.meshes.arrays import Array
 

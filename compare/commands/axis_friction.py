@@ -29,11 +29,11 @@ from rollbench.comparison.commands.friction_whole import (
     settled,
     status_of,
 )
-from rollbench.comparison.commands.solve_output import number
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.axis_answers import gather
 from rollbench.comparison.models.outside import with_answers
 from rollbench.comparison.models.registry import run_model
+from rollbench.comparison.quantities import number
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state, will_compile
 from rollbench.lowfi.jit import cached
 from rollbench.lowfi.statics.result import AxisResult, SetResult

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.commands.solve_output import number
 from rollbench.comparison.models.loading import preload
 from rollbench.comparison.models.registry import Options, run_model
+from rollbench.comparison.quantities import number
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.warned import Warned

@@ -9,7 +9,7 @@ import numpy as np
 
 from rollbench.comparison.commands.answer import NOTHING, FrictionAnswer, by_side, cell, energy, energy_line, head, load_row
 from rollbench.comparison.commands.friction_screw_kinds import screw_warnings, sliding
-from rollbench.comparison.commands.solve_output import number
+from rollbench.comparison.quantities import number
 from rollbench.comparison.scenes.kinds.bearing_ball import BearingBallScene
 from rollbench.comparison.scenes.kinds.bearing_pair import BearingPairScene
 from rollbench.comparison.scenes.kinds.common import KindScene

@@ -17,8 +17,8 @@ from rollbench.comparison.commands.answer import (
     increase,
     load_row,
 )
-from rollbench.comparison.commands.solve_output import number
 from rollbench.comparison.errors import Refusal
+from rollbench.comparison.quantities import number
 from rollbench.comparison.scenes.kinds.common import KindScene
 from rollbench.comparison.scenes.kinds.linear import LinearScene
 from rollbench.lowfi.friction.linear.bearing import CONTACTS, directions

@@ -10,7 +10,7 @@ import numpy as np
 
 from rollbench.comparison.commands.answer import Column, increase
 from rollbench.comparison.commands.left_out import BESIDES, WHOLE
-from rollbench.comparison.commands.solve_output import number
+from rollbench.comparison.quantities import number
 from rollbench.lowfi.friction.whole.feedback import JAMMED
 from rollbench.lowfi.friction.whole.heathcote import WIDE
 from rollbench.lowfi.friction.whole.losses import CAUSES

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.commands.solve_output import number
 from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.quantities import number
 from rollbench.lowfi.friction.screw.run import groups
 from rollbench.lowfi.friction.screw.steps import REFUSED, StepError
 from rollbench.lowfi.friction.whole.balls import balls_of

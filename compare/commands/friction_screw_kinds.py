@@ -20,7 +20,7 @@ from rollbench.comparison.commands.answer import (
     load_row,
 )
 from rollbench.comparison.commands.friction_run import error_data
-from rollbench.comparison.commands.solve_output import number
+from rollbench.comparison.quantities import number
 from rollbench.comparison.scenes.kinds.common import KindScene
 from rollbench.comparison.scenes.kinds.screw_balls import ScrewPairScene, ScrewRunScene
 from rollbench.lowfi.friction.screw.groove import ScrewGroove

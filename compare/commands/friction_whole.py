@@ -29,12 +29,12 @@ from rollbench.comparison.commands.friction_output import (
     warnings_of,
 )
 from rollbench.comparison.commands.friction_run import Run, run_data, run_lines, run_table, solve_run
-from rollbench.comparison.commands.solve_output import number
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.models.answers import load_answers
 from rollbench.comparison.models.loading import preload
 from rollbench.comparison.models.outside import outside
 from rollbench.comparison.models.registry import DEFAULT, Options, run_model
+from rollbench.comparison.quantities import number
 from rollbench.comparison.scenes.scene_file import kind_of
 from rollbench.lowfi.friction.whole.heathcote import WIDE, heathcote
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
