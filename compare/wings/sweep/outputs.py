@@ -1,0 +1,138 @@
+"""The few numbers that a sweep keeps of a solved sample."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rollbench.comparison.models.answers import ONE_TURN, unloaded_place
+from rollbench.comparison.models.axis_answers import along_axis, axial_load
+from rollbench.comparison.models.loading import preload, scaled, solve_scaled
+from rollbench.comparison.models.registry import Options, run_model
+from rollbench.lowfi.rating.life import life
+from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force
+from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.lowfi.statics.result import AxisResult, StaticResult
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.loads import mean_load
+from rollbench.meshes.parts import SIDES, Friction, Motion, Scene
+
+#: What is kept of a solved sample: key and heading.
+OUTPUTS = {
+    "largest_load_N": "largest contact load / N",
+    "mean_load_N": "mean contact load / N",
+    "loaded_contacts": "loaded contacts",
+    "idle_balls": "balls without load",
+    "displacement_um": "displacement at the load / um",
+    "largest_approach_um": "largest approach of a contact / um",
+    "rigidity_N_per_um": "axial rigidity / (N/um)",
+    "preload_N": "axial preload / N",
+    "torque_Nmm": "friction torque / (N mm)",
+    "life_million_revolutions": "life L10 / 10^6 revolutions",
+}
+
+
+def outputs(scene: Scene, result: StaticResult, model: str, options: Options) -> dict[str, Any]:
+    """Numbers of a converged result: `OUTPUTS`, and ``at``, the ball and side of the largest load.
+
+    Rigidity (secant, from the place without loads) and preload take the solution without loads; the torque takes
+    [friction] of the scene. None where there is no such answer.
+    """
+    load = result.load
+    bare = solve_scaled(scene, 0.0, model, options)
+    held = preload(scene, bare) if bare.converged else None
+    force, moved = axial_force(result), axial_displacement(scene, result) - unloaded_place(scene, bare)
+    return {
+        **_of_loads([("", load)], nominal_contacts(scene)),
+        "displacement_um": _displacement(scene, result),
+        "largest_approach_um": _approach(result),
+        "rigidity_N_per_um": _rigidity(force, moved),
+        "preload_N": None if held is None else held.axial,
+        "torque_Nmm": None if scene.friction is None else _torque([(scene, result)], scene.friction, scene.motion, options),
+        "life_million_revolutions": _life([(scene, load)]),
+    }
+
+
+def axis_outputs(assembly: Assembly, result: AxisResult, engine: str) -> dict[str, Any]:
+    """`OUTPUTS` of several sets of balls together; ``at`` begins with the name of the set; displacement: along the axis, of
+    what the scene asks about, from the unloaded place of the parts; approaches are those of balls; preload: the largest
+    axial force of a set without loads; life: that of the set that lives shortest.
+    """
+    sets = [(s.of.name, s.of.parts, s.balls) for s in result.sets if s.balls is not None and isinstance(s.of.parts, Scene)]
+    bare = run_model(scaled(assembly, 0.0), result.model, Options(engine=engine))
+    force, moved = axial_load(assembly), along_axis(assembly, result)
+    own = [(parts, balls) for _, parts, balls in sets]
+    return {
+        **_of_loads([(f"{name}: ", balls.load) for name, _, balls in sets]),
+        "displacement_um": 1e6 * moved if force else None,
+        "largest_approach_um": max((_approach(balls) for _, balls in own), default=0.0),
+        "rigidity_N_per_um": _rigidity(force, moved - along_axis(assembly, bare)) if bare.converged else None,
+        "preload_N": max((abs(float(s.force[2])) for s in bare.sets), default=0.0) if bare.converged else None,
+        "torque_Nmm": None if assembly.friction is None else _torque(own, assembly.friction, assembly.motion, Options()),
+        "life_million_revolutions": _life([(parts, balls.load) for parts, balls in own]),
+    }
+
+
+def _of_loads(sets: list[tuple[str, Array]], contacts: int = 0) -> dict[str, Any]:
+    """What the loads ``(n, 4)`` [N] of all sets say, with the words that say which set; contacts: see `mean_load`."""
+    every = np.concatenate([load[load > 0.0] for _, load in sets]) if sets else np.zeros(0)
+    at = ""
+    if every.size:
+        name, load = max(sets, key=lambda one: float(one[1].max(initial=0.0)))
+        ball, side = np.unravel_index(int(load.argmax()), load.shape)
+        at = f"{name}{ball + 1} {SIDES[side]}"
+    return {
+        "largest_load_N": float(every.max(initial=0.0)),
+        "mean_load_N": mean_load(every, contacts),
+        "loaded_contacts": int(every.size),
+        "idle_balls": sum(int(np.count_nonzero(~(load > 0.0).any(axis=1))) for _, load in sets),
+        "at": at,
+    }
+
+
+def _displacement(scene: Scene, result: StaticResult) -> float | None:
+    """Displacement of the loaded stations along the forces there [um], weighted by the forces; None without a force."""
+    work = total = 0.0
+    for x in scene.loads:
+        motion = result.centreline[int(np.abs(result.centreline_z - x.at).argmin())]
+        work += float(np.dot(x.force, motion[:3]))
+        total += float(np.linalg.norm(x.force))
+    return 1e6 * work / total if total > 0.0 else None
+
+
+def _approach(balls: StaticResult) -> float:
+    return 1e6 * float((balls.hertz_C * np.cbrt(balls.load) ** 2).max(initial=0.0))
+
+
+def _rigidity(force: float, moved: float) -> float | None:
+    """Axial force [N] over displacement [m] in N/um; None without a force, or with a displacement against it."""
+    return 1e-6 * force / moved if force * moved > 0.0 else None
+
+
+def _torque(
+    sets: list[tuple[Scene, StaticResult]], friction: Friction, motion: Motion | None, options: Options
+) -> float | None:
+    """Friction torque of all sets [N mm]; None where it does not settle, or friction does not take a set."""
+    from rollbench.lowfi.friction.whole.state import friction_state
+
+    total = 0.0
+    for scene, result in sets:
+        try:
+            state = friction_state(scene, result, friction, motion or Motion(ONE_TURN), options.member)
+        except ValueError:
+            return None
+        if not state.balls.converged or state.unsettled:
+            return None
+        total += 1e3 * state.torque.friction
+    return total
+
+
+def _life(sets: list[tuple[Scene, Array]]) -> float | None:
+    """Shortest life of the sets [10^6 revolutions]; None without load, or where no rating takes them."""
+    try:
+        found = [life(scene, load) for scene, load in sets]
+    except ValueError:
+        return None
+    return min((one.revolutions for one in found if one is not None), default=None)
