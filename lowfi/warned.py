@@ -20,7 +20,6 @@ Kind = Literal[
     "feedback",
     "slip",
     "jam",
-    "steps",
 ]
 
 
