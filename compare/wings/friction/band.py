@@ -124,6 +124,6 @@ def feedback_warnings(state: FrictionState) -> list[Warned]:
         return []
     text = (
         f"friction that moves the balls across their grooves raises the torque {found / alone:.2g} times, from "
-        f'{1e3 * alone:.4g} to {1e3 * found:.4g} N mm; without that: coupling = "none"'
+        f"{1e3 * alone:.4g} to {1e3 * found:.4g} N mm; without that: feedback = false"
     )
     return [Warned("feedback", text)]
