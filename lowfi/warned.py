@@ -6,7 +6,20 @@ from collections.abc import Iterable
 from typing import Literal
 
 Kind = Literal[
-    "place", "two flanks", "size", "pressure", "wedged", "profile", "tilt", "rotation", "preload", "safety", "play"
+    "place",
+    "two flanks",
+    "size",
+    "pressure",
+    "wedged",
+    "profile",
+    "tilt",
+    "rotation",
+    "preload",
+    "safety",
+    "play",
+    "feedback",
+    "slip",
+    "jam",
 ]
 
 
@@ -36,8 +49,8 @@ class Warned(str):
         return Warned(self.kind, f"{name}: {self}", self.brief and f"{name}: {self.brief}")
 
 
-def above(warnings: Iterable[str]) -> str:
+def above(warnings: Iterable[Warned]) -> str:
     """The line above the answers, empty where none of the warnings belongs there."""
-    found = [w for w in warnings if isinstance(w, Warned) and w.brief]
+    found = [w for w in warnings if w.brief]
     outside = " outside what the models mean" * any(w.kind != "play" for w in found)
     return f"WARNING{outside}: {'; '.join(w.brief for w in found)}" if found else ""

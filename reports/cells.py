@@ -8,7 +8,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-from rollbench.reports.records import Cell, Column, Table
+from rollbench.reports.records import Cell, Quantity, Table
 
 #: Characters of a text from which its column is made wide, and up to which it stands in one line, as "31 SL".
 LONG, SHORT = 90, 9
@@ -99,13 +99,13 @@ def micro(text: str) -> str:
     return re.sub(r"\bum\b", "µm", text)
 
 
-def filled(table: Table) -> tuple[list[Column], list[str]]:
+def filled(table: Table) -> tuple[list[Quantity], list[str]]:
     """Columns of a table that hold anything, and the headings of those that hold nothing in any row."""
     empty = [c for c in table.columns if table.rows and all(_plain(row.get(c.key)) in (None, "") for row in table.rows)]
     return [c for c in table.columns if c not in empty], [c.label for c in empty]
 
 
-def is_number(column: Column, table: Table) -> bool:
+def is_number(column: Quantity, table: Table) -> bool:
     """Whether a column is set to the right: every cell that is not empty is a number, however it is written."""
     if column.format != "s":
         return True
@@ -113,7 +113,7 @@ def is_number(column: Column, table: Table) -> bool:
     return bool(cells) and all(_NUMBER.fullmatch(cell) for cell in cells)
 
 
-def cell_view(column: Column, value: Cell, *, number: bool) -> dict[str, str]:
+def cell_view(column: Quantity, value: Cell, *, number: bool) -> dict[str, str]:
     """Text and style of one cell; ``mark`` is the kind of tag or verdict, empty for plain cells."""
     text = format_cell(value, column.format)
     align = "num" if number else "text long" if len(text) > LONG else "text short" if len(text) <= SHORT else "text"

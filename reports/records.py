@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +15,10 @@ Rows = Sequence[Sequence[float]] | NDArray[np.float64] | NDArray[np.int64]
 
 
 @dataclass(frozen=True)
-class Column:
-    """A table column: key in the rows, heading, unit and format.
+class Quantity:
+    """What a column of a table holds: key, heading, unit and format; value: it, of a record that has it.
 
-    Formats: ``"g4"`` for 4 significant digits, ``"s"`` for text, or Python's such as ``".2f"``. Columns with
+    Formats: ``"g4"`` for 4 significant digits, ``"s"`` for text, or Python's such as ``".2f"``. Quantities with
     the keys ``class`` and ``verdict`` are marked in the page.
     """
 
@@ -25,16 +26,21 @@ class Column:
     label: str
     unit: str = ""
     format: str = "g4"
+    value: Callable[[Any], Any] = field(default=lambda _: None, compare=False)
+
+
+#: A row of a table: values by what they are; a word alone is the heading of a column of texts.
+Row = dict[Quantity | str, Cell]
 
 
 @dataclass(frozen=True)
 class Table:
-    """A table: ``name`` is its CSV file's stem; rows are mappings from column key to cell. Raises ValueError for two
-    columns of one heading and unit, which no reader of the CSV file could tell apart."""
+    """A table: ``name`` is its CSV file's stem; rows are mappings from a quantity's key to its value. Raises ValueError for
+    two columns of one heading and unit, which no reader of the CSV file could tell apart."""
 
     name: str
     title: str
-    columns: Sequence[Column]
+    columns: Sequence[Quantity]
     rows: Sequence[Mapping[str, Cell]]
     note: str = ""
 
@@ -44,6 +50,17 @@ class Table:
         twice = {label for label, unit in heads if heads.count((label, unit)) > 1}
         if twice:
             raise ValueError(f"table {self.name!r}: more than one column headed {', '.join(map(repr, sorted(twice)))}")
+
+    @classmethod
+    def of(cls, name: str, title: str, rows: Iterable[Mapping[Quantity | str, Cell]], note: str = "") -> Table:
+        """A table whose rows say what they hold: its columns are their quantities, in the order in which they appear."""
+        listed = [{_quantity(q): value for q, value in row.items()} for row in rows]
+        columns = tuple(dict.fromkeys(q for row in listed for q in row))
+        return cls(name, title, columns, [{q.key: value for q, value in row.items()} for row in listed], note)
+
+
+def _quantity(named: Quantity | str) -> Quantity:
+    return Quantity(named, named, format="s") if isinstance(named, str) else named
 
 
 @dataclass(frozen=True)

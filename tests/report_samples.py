@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from rollbench.reports.records import Column, Figure, LoadedScrew, Panel, Report, Section, Series, Table, Text
+from rollbench.reports.records import Figure, LoadedScrew, Panel, Quantity, Report, Section, Series, Table, Text
 
 
 def figure(name="loads", **changes):
@@ -24,12 +24,12 @@ def figure(name="loads", **changes):
 
 def table(name="printed"):
     columns = (
-        Column("q", "Quantity, of all", format="s"),
-        Column("force", "Force", "N"),
-        Column("error", "Error", "%", ".2f"),
-        Column("class", "Class", format="s"),
-        Column("verdict", "Verdict", format="s"),
-        Column("ok", "Met"),
+        Quantity("q", "Quantity, of all", format="s"),
+        Quantity("force", "Force", "N"),
+        Quantity("error", "Error", "%", ".2f"),
+        Quantity("class", "Class", format="s"),
+        Quantity("verdict", "Verdict", format="s"),
+        Quantity("ok", "Met"),
     )
     rows = (
         {"q": '<b>"a"</b>', "force": 1.0 / 3.0, "error": -0.5, "class": "hard", "verdict": "reproduced", "ok": True},
@@ -77,7 +77,7 @@ def report(*items):
     sections = (
         Section("first", "First & foremost", items or (Text(["A < B."]), table(), figure())),
         Section(
-            "second", "Second", (Text(["one", "two <i>"], bullets=True), Table("empty", "None", [Column("a", "A")], []))
+            "second", "Second", (Text(["one", "two <i>"], bullets=True), Table("empty", "None", [Quantity("a", "A")], []))
         ),
     )
     provenance = {"Version": "1.2.3", "Machine": "<unknown>"}

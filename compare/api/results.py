@@ -9,39 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from rollbench.comparison.quantities import split_unit, unit_of
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES
-
-#: How keys of results end, and the unit that this says, for people and for pint; the longest fits first.
-UNITS = {
-    "N_per_um": ("N/um", "newton / micrometer"),
-    "Nmm": ("N mm", "newton * millimeter"),
-    "Nm": ("N m", "newton * meter"),
-    "rad_s": ("rad/s", "radian / second"),
-    "percent": ("%", "percent"),
-    "million_revolutions": ("million revolutions", "1e6 * revolution"),
-    "hours": ("h", "hour"),
-    "MPa": ("MPa", "megapascal"),
-    "mrad": ("mrad", "milliradian"),
-    "deg": ("deg", "degree"),
-    "mW": ("mW", "milliwatt"),
-    "um": ("um", "micrometer"),
-    "mm": ("mm", "millimeter"),
-    "N": ("N", "newton"),
-    "W": ("W", "watt"),
-}
-
-
-def split_unit(key: str) -> tuple[str, str]:
-    """Words and unit of a key; no unit where it names none.
-
-    >>> split_unit("rigidity_N_per_um"), split_unit("worst_ball")
-    (('rigidity', 'N/um'), ('worst ball', ''))
-    """
-    for ending, (unit, _) in UNITS.items():
-        if key.endswith(f"_{ending}"):
-            return key.removesuffix(f"_{ending}").replace("_", " "), unit
-    return key.replace("_", " "), ""
 
 
 @dataclass(frozen=True)
@@ -76,10 +46,10 @@ class Result:
 
         value = self[path]
         keys = reversed(path.split("."))  # a table of one unit has it in its own name
-        unit = next((name for key in keys for ending, (_, name) in UNITS.items() if key.endswith(f"_{ending}")), None)
+        unit = next((unit for key in keys if (unit := unit_of(key)[1]) is not None), None)
         if unit is None or value is None or isinstance(value, (str, bool, Mapping)):
             raise ValueError(f"{path}: {'no value' if value is None else 'no number with a unit'}")
-        return pint.application_registry.get().Quantity(value, unit)
+        return pint.application_registry.get().Quantity(value, unit.pint)
 
     def rows(self) -> list[tuple[str, str, str]]:
         """Name, value and unit of every single value that the table shows."""

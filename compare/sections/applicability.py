@@ -5,36 +5,34 @@ from __future__ import annotations
 from rollbench.comparison.models.applicability import DESCRIPTORS, Descriptor, compared, places
 from rollbench.comparison.models.study import Study
 from rollbench.meshes.parts import Scene
-from rollbench.reports.records import Cell, Column, Figure, Panel, Series, Table
+from rollbench.reports.records import Figure, Panel, Quantity, Row, Series, Table
 
 
 def range_table(scene: Scene | None = None) -> Table:
     """Compared ranges, and the place of a scene where one is given."""
-    rows: list[dict[str, Cell]] = []
+    rows: list[Row] = []
     own = {} if scene is None else {p.descriptor.name: p for p in places(scene)}
     ring = scene is not None and scene.track.lead == 0.0
     for d in DESCRIPTORS:
         values = [d.of(s) for s in compared(ring=ring)]
-        row: dict[str, Cell] = {"name": d.name, "unit": d.unit or "–", "low": min(values), "high": max(values)}
-        if d.name in own:
+        row: Row = {
+            Quantity("name", "what describes a scene", "", "s"): d.name,
+            "unit": d.unit or "–",
+            Quantity("low", "compared from", "", "g4"): min(values),
+            Quantity("high", "to", "", "g4"): max(values),
+        }
+        if scene is not None and d.name in own:
             place = own[d.name]
             inside = place.low <= place.value <= place.high
-            row |= {"own": place.value, "where": "inside" if inside else "OUTSIDE" if place.outside else "at the edge"}
+            where = "inside" if inside else "OUTSIDE" if place.outside else "at the edge"
+            row |= {Quantity("own", scene.name): place.value, Quantity("where", "where it lies", "", "s"): where}
         rows.append(row)
-    columns = [
-        Column("name", "what describes a scene", "", "s"),
-        Column("unit", "unit", "", "s"),
-        Column("low", "compared from", "", "g4"),
-        Column("high", "to", "", "g4"),
-    ]
-    if scene is not None:
-        columns += [Column("own", scene.name, "", "g4"), Column("where", "where it lies", "", "s")]
     kind = "rings" if ring else "screws"
     note = (
         f"Of {len(compared(ring=ring))} {kind} compared with the 3D reference. A scene at the edge is beyond the range by "
         "no more than what still counts as like it; outside, results say that their error is not covered."
     )
-    return Table("applicability", "What was compared with the 3D reference", columns, rows, note)
+    return Table.of("applicability", "What was compared with the 3D reference", rows, note)
 
 
 def range_figure(scene: Scene | None = None) -> Figure:

@@ -7,11 +7,11 @@ from collections.abc import Callable, Sequence
 from rollbench.comparison.evidence.audit import APART, VERDICTS, Audited, audit, counts, trust
 from rollbench.comparison.evidence.left_out import left_out, misprints
 from rollbench.comparison.models.study import Study
-from rollbench.reports.records import Cell, Column, Section, Table, Text
+from rollbench.reports.records import Cell, Quantity, Section, Table, Text
 
 
-def _texts(*columns: tuple[str, str]) -> tuple[Column, ...]:
-    return tuple(Column(key, label, "", "s") for key, label in columns)
+def _texts(*columns: tuple[str, str]) -> tuple[Quantity, ...]:
+    return tuple(Quantity(key, label, "", "s") for key, label in columns)
 
 
 def counts_table(rows: Sequence[Audited]) -> Table:
@@ -26,10 +26,10 @@ def entries_table(rows: Sequence[Audited]) -> Table:
     """Every entry."""
     columns = (
         *_texts(("place", "place"), ("quantity", "quantity"), ("printed", "printed"), ("unit", "unit"), ("class", "class")),
-        Column("as_printed", "as printed, computed", "", "g5"),
-        Column("right", "right", "", "g5"),
-        Column("reference_3d", "3D reference", "", "g5"),
-        Column("error_percent", "error", "%", "g3"),
+        Quantity("as_printed", "as printed, computed", "", "g5"),
+        Quantity("right", "right", "", "g5"),
+        Quantity("reference_3d", "3D reference", "", "g5"),
+        Quantity("error_percent", "error", "%", "g3"),
         *_texts(("verdict", "verdict"), ("reason", "reason"), ("entry", "entry")),
     )
     cells: list[dict[str, Cell]] = [row.as_json() for row in rows]

@@ -9,7 +9,7 @@ import numpy as np
 
 from rollbench.comparison.evidence.audit import judge
 from rollbench.comparison.evidence.record import Evidence, sentences
-from rollbench.reports.records import Cell, Column, Table
+from rollbench.reports.records import Cell, Quantity, Table
 
 #: Remarks that more rows than this share are numbered and stand once, in the note.
 SHARED = 2
@@ -36,22 +36,22 @@ def printed_table(
     return Table(name, title, columns, rows, " ".join(part for part in notes if part))
 
 
-def _columns(found: Sequence[Evidence], digits: int, place: bool) -> tuple[Column, ...]:
+def _columns(found: Sequence[Evidence], digits: int, place: bool) -> tuple[Quantity, ...]:
     form = f"g{digits}"
     faulty, inferred = any(f.as_printed is not None for f in found), any(f.reading is not None for f in found)
     wanted = (
-        (True, Column("label", "quantity or claim", "", "s")),
-        (place, Column("place", "place", "", "s")),
-        (True, Column("verdict", "verdict", "", "s")),
-        (True, Column("class", "class", "", "s")),
-        (True, Column("unit", "unit", "", "s")),
-        (True, Column("printed", "printed", "", "s")),
-        (faulty, Column("as_printed", "as printed, computed", "", form)),
-        (inferred, Column("reading", "inferred reading", "", form)),
-        (True, Column("right", "right (plain reading)" if inferred else "right", "", form)),
-        (inferred, Column("reading_error", "inferred against printed", "%", ".2f")),
-        (True, Column("error", "error", "%", "g3")),
-        (True, Column("remark", "remark", "", "s")),
+        (True, Quantity("label", "quantity or claim", "", "s")),
+        (place, Quantity("place", "place", "", "s")),
+        (True, Quantity("verdict", "verdict", "", "s")),
+        (True, Quantity("class", "class", "", "s")),
+        (True, Quantity("unit", "unit", "", "s")),
+        (True, Quantity("printed", "printed", "", "s")),
+        (faulty, Quantity("as_printed", "as printed, computed", "", form)),
+        (inferred, Quantity("reading", "inferred reading", "", form)),
+        (True, Quantity("right", "right (plain reading)" if inferred else "right", "", form)),
+        (inferred, Quantity("reading_error", "inferred against printed", "%", ".2f")),
+        (True, Quantity("error", "error", "%", "g3")),
+        (True, Quantity("remark", "remark", "", "s")),
     )
     return tuple(column for shown, column in wanted if shown)
 

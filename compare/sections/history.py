@@ -17,7 +17,7 @@ from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.reference.grid_summary import uncertainty_percent
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.sections.reference_time import TimePoint, all_points
-from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
+from rollbench.reports.records import Cell, Figure, Panel, Quantity, Section, Series, Table, Text
 
 #: How a report names its own numbers.
 NOW = "this report"
@@ -61,11 +61,11 @@ def history_table(releases: Sequence[tuple[str, Release]]) -> Table:
         for key, words in QUANTITIES.items()
     ]
     columns = [
-        Column("release", "release", "", "s"),
-        Column("date", "date", "", "s"),
-        Column("quantity", "quantity", "", "s"),
+        Quantity("release", "release", "", "s"),
+        Quantity("date", "date", "", "s"),
+        Quantity("quantity", "quantity", "", "s"),
     ]
-    columns += [Column(name, name, "", "g3") for name in NAMES]
+    columns += [Quantity(name, name, "", "g3") for name in NAMES]
     note = "\n".join(f"{name}: {one.remark}" for name, one in releases if one.remark)
     return Table("history", "What each release reached on the case studies", columns, rows, note)
 

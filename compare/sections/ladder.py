@@ -12,7 +12,7 @@ from rollbench.comparison.models.comparison import REFERENCED
 from rollbench.comparison.models.ladder import CATALOGUE, CHANGED, RUNGS, UNSEEN, Rung, ladder, left_out_one, shares
 from rollbench.comparison.models.study import Study
 from rollbench.lowfi.compliance.imported import PARTS
-from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
+from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 #: Scenes from which on a model's expected errors are drawn.
 MANY = 40
@@ -20,31 +20,20 @@ MANY = 40
 
 def ladder_table(rungs: Sequence[Rung]) -> Table:
     """Errors of every rung on every scene."""
-    rows: list[dict[str, Cell]] = [
+    rows: list[Row] = [
         {
             "scene": r.scene,
             "model": r.model,
-            "max": r.error.max_percent,
-            "at": f"{r.error.ball} {r.error.side}",
-            "rms": r.error.rms_percent,
-            "own": r.error.own_max_percent,
-            "bias": r.bias,
-            "bar": r.uncertainty,
-            "seconds": r.seconds,
+            Quantity("max", "largest error", "% of mean", ".2f"): r.error.max_percent,
+            Quantity("at", "at ball", "", "s"): f"{r.error.ball} {r.error.side}",
+            Quantity("rms", "RMS error", "% of mean", ".2f"): r.error.rms_percent,
+            Quantity("own", "largest error", "% of own load", ".2f"): r.error.own_max_percent,
+            Quantity("bias", "sum of loads", "%", "+.2f"): r.bias,
+            Quantity("bar", "grid uncertainty", "% of mean", ".2f"): r.uncertainty,
+            Quantity("seconds", "new geometry, interpreted", "s", "g3"): r.seconds,
         }
         for r in rungs
     ]
-    columns = (
-        Column("scene", "scene", "", "s"),
-        Column("model", "model", "", "s"),
-        Column("max", "largest error", "% of mean", ".2f"),
-        Column("at", "at ball", "", "s"),
-        Column("rms", "RMS error", "% of mean", ".2f"),
-        Column("own", "largest error", "% of own load", ".2f"),
-        Column("bias", "sum of loads", "%", "+.2f"),
-        Column("bar", "grid uncertainty", "% of mean", ".2f"),
-        Column("seconds", "new geometry, interpreted", "s", "g3"),
-    )
     note = (
         "; ".join(f"{m.name}: {m.ladder_step[1]}" for m in RUNGS if m.ladder_step)
         + ". Against the finest stored level of the 3D reference. Scenes named unseen were fixed before any of them was "
@@ -52,7 +41,7 @@ def ladder_table(rungs: Sequence[Rung]) -> Table:
         "uncertainty of a reference of two levels is three times their difference. Seconds are those of a geometry that is "
         "new to a running process; a new process is in the table of run times."
     )
-    return Table("ladder", "The ladder", columns, rows, note)
+    return Table.of("ladder", "The ladder", rows, note)
 
 
 def ladder_figure(rungs: Sequence[Rung], names: Sequence[str], key: str, title: str) -> Figure | None:
@@ -78,76 +67,55 @@ def ladder_figure(rungs: Sequence[Rung], names: Sequence[str], key: str, title: 
 
 def choices_table(study: Study, step: Callable[[str], None]) -> Table:
     """Choices of the refined model varied one at a time: what they change, and the error with them."""
-    rows: list[dict[str, Cell]] = []
+    rows: list[Row] = []
     for name in VARIED:
         step(f"choices of the refined model varied on {name}")
         rows += [
             {
                 "scene": c.scene,
                 "choice": c.label,
-                "change": c.change,
-                "max": c.error.max_percent,
-                "rms": c.error.rms_percent,
+                Quantity("change", "largest change of a load", "% of mean", ".2f"): c.change,
+                Quantity("max", "largest error with it", "% of mean", ".2f"): c.error.max_percent,
+                Quantity("rms", "RMS error", "% of mean", ".2f"): c.error.rms_percent,
             }
             for c in choices_of(study, name)
         ]
-    columns = (
-        Column("scene", "scene", "", "s"),
-        Column("choice", "choice", "", "s"),
-        Column("change", "largest change of a load", "% of mean", ".2f"),
-        Column("max", "largest error with it", "% of mean", ".2f"),
-        Column("rms", "RMS error", "% of mean", ".2f"),
-    )
     note = (
         "The model's own choices, made by argument: a patch as wide as the groove (half the distance of its two flanks' "
         "contacts), because a smooth body cannot know what is finer; the nut's grooves as a layer softer along the axis "
         "than around it, because its lands are rings that hang on what is under them; harmonics "
         "until a patch no longer excites them."
     )
-    return Table("ladder-choices", "Choices of the refined model, varied", columns, rows, note)
+    return Table.of("ladder-choices", "Choices of the refined model, varied", rows, note)
 
 
 def shares_table(study: Study) -> Table:
     """Which body's idealisation is behind the refined model's error."""
     found = study.once(shares)
     names: dict[tuple[str, ...], str] = {(): "none", ("screw",): "screw", ("nut",): "nut", PARTS: "both"}
-    rows: list[dict[str, Cell]] = []
+    rows: list[Row] = []
     for share in found:
-        row: dict[str, Cell] = {"scene": share.scene}
+        row: Row = {"scene": share.scene}
         for parts, name in names.items():
             error = share.errors[parts]
-            row |= {f"max {name}": error.max_percent, f"rms {name}": error.rms_percent}
-        rows.append(row | {"bias": share.bias[()], "bias both": share.bias[PARTS]})
-    label = {"none": "none from 3D", "screw": "screw from 3D", "nut": "nut from 3D", "both": "both from 3D"}
-    columns = [Column("scene", "scene", "", "s")]
-    for name in names.values():
-        columns += [
-            Column(f"max {name}", f"{label[name]}: largest", "% of mean", ".2f"),
-            Column(f"rms {name}", f"{label[name]}: RMS", "% of mean", ".2f"),
-        ]
-    columns += [Column("bias", "sum, none from 3D", "%", ".2f"), Column("bias both", "sum, both", "%", ".2f")]
+            row[Quantity(f"max {name}", f"{name} from 3D: largest", "% of mean", ".2f")] = error.max_percent
+            row[Quantity(f"rms {name}", f"{name} from 3D: RMS", "% of mean", ".2f")] = error.rms_percent
+        row[Quantity("bias", "sum, none from 3D", "%", ".2f")] = share.bias[()]
+        row[Quantity("bias both", "sum, both", "%", ".2f")] = share.bias[PARTS]
+        rows.append(row)
     note = (
         "The refined model with the compliance of a body between its contacts, and the laws of the contacts on it, taken "
         "from the finest 3D run instead of its smooth body: what an exchange takes away is that body's share of the error; "
         "what both leave is the rest of the low-order model's (contact law, kinematics, beam beyond the nut) and the "
         "reference's own uncertainty."
     )
-    return Table("ladder-shares", "Where the refined model's error comes from", tuple(columns), rows, note)
+    return Table.of("ladder-shares", "Where the refined model's error comes from", rows, note)
 
 
 def estimate_items(study: Study, rungs: Sequence[Rung]) -> list[Table | Figure]:
     """The model-form estimate of every compared screw made without it, and the error that was measured."""
     rows = left_out_one(study, rungs)
-    columns = (
-        Column("model", "model", "", "s"),
-        Column("scenes", "scenes", "", "s"),
-        Column("covered", "covered by the others", "", "s"),
-        Column("held", "within what was expected", "", "s"),
-        Column("ratio", "expected over measured, median", "", ".2f"),
-        Column("expected", "expected, median", "% of mean", ".2f"),
-        Column("largest", "expected, largest", "% of mean", ".2f"),
-    )
-    lines: list[dict[str, Cell]] = []
+    lines: list[Row] = []
     panels = []
     for model in dict.fromkeys(row["model"] for row in rows):
         own = [row for row in rows if row["model"] == model]
@@ -155,15 +123,17 @@ def estimate_items(study: Study, rungs: Sequence[Rung]) -> list[Table | Figure]:
         if not told:
             continue
         measured, expected = (np.array([row[key] for row in told], float) for key in ("measured", "expected"))
+        held = f"{int((measured <= expected).sum())} of {len(told)}"
+        ratio = expected / np.maximum(measured, 1e-9)
         lines.append(
             {
                 "model": model,
                 "scenes": str(len(own)),
-                "covered": str(len(told)),
-                "held": f"{int((measured <= expected).sum())} of {len(told)}",
-                "ratio": float(np.median(expected / np.maximum(measured, 1e-9))),
-                "expected": float(np.median(expected)),
-                "largest": float(expected.max()),
+                Quantity("covered", "covered by the others", "", "s"): str(len(told)),
+                Quantity("held", "within what was expected", "", "s"): held,
+                Quantity("ratio", "expected over measured, median", "", ".2f"): float(np.median(ratio)),
+                Quantity("expected", "expected, median", "% of mean", ".2f"): float(np.median(expected)),
+                Quantity("largest", "expected, largest", "% of mean", ".2f"): float(expected.max()),
             }
         )
         if len(told) >= MANY:
@@ -178,7 +148,7 @@ def estimate_items(study: Study, rungs: Sequence[Rung]) -> list[Table | Figure]:
         "A linear fit of the errors' logarithms over the features, and the factor that holds 91 % of the other scenes."
     )
     out: list[Table | Figure] = [
-        Table("ladder-estimate", "The model-form estimate tested on the compared scenes", columns, lines, note)
+        Table.of("ladder-estimate", "The model-form estimate tested on the compared scenes", lines, note)
     ]
     if panels:
         caption = "Points above the line are held by what was expected of them."

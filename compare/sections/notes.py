@@ -11,14 +11,14 @@ from rollbench.comparison.evidence.registry import evidence
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.registration import ROOT
 from rollbench.lowfi.statics.summary import MODEL_ASSUMPTIONS
-from rollbench.reports.records import Cell, Column, Section, Table, Text
+from rollbench.reports.records import Cell, Quantity, Row, Section, Table, Text
 
 #: Columns of a table of misprints.
 MISPRINT_COLUMNS = (
-    Column("place", "place", "", "s"),
-    Column("wrong", "as printed", "", "s"),
-    Column("right", "right", "", "s"),
-    Column("evidence", "evidence here", "", "s"),
+    Quantity("place", "place", "", "s"),
+    Quantity("wrong", "as printed", "", "s"),
+    Quantity("right", "right", "", "s"),
+    Quantity("evidence", "evidence here", "", "s"),
 )
 
 #: Tables of misprints: name, source, and the source's author.
@@ -48,18 +48,24 @@ def assumptions(study: Study) -> list[dict[str, Cell]]:
     ]
 
 
-def not_reproduced(found: Sequence[Evidence]) -> list[dict[str, Cell]]:
+def _why(f: Evidence) -> str:
+    """The best explanation of an entry."""
+    return f.words if f.words and f.agrees is not None else f.printed.remark
+
+
+def not_reproduced(found: Sequence[Evidence]) -> list[Row]:
     """Entries that are contradicted, and those that the text does not determine."""
     return [
         {
-            "entry": f.printed.claim or f"{f.printed.label}: {f.printed.printed} {f.printed.unit}",
-            "place": f.printed.place,
-            "class": f.printed.cls,
-            "verdict": judge(f)[0],
-            "why": f.words if f.words and f.agrees is not None else f.printed.remark,
+            Quantity("entry", "printed", "", "s"): p.claim or f"{p.label}: {p.printed} {p.unit}",
+            "place": p.place,
+            "class": p.cls,
+            "verdict": verdict,
+            Quantity("why", "best explanation and its evidence", "", "s"): _why(f),
         }
         for f in found
-        if judge(f)[0] in ("contradicted", "not identifiable")
+        for p, verdict in ((f.printed, judge(f)[0]),)
+        if verdict in ("contradicted", "not identifiable")
     ]
 
 
@@ -70,22 +76,11 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         "notes",
         "Assumptions, misprints, and what does not reproduce",
         (
-            Table(
-                "not-reproduced",
-                "Contradicted, or not identifiable",
-                (
-                    Column("entry", "printed", "", "s"),
-                    Column("place", "place", "", "s"),
-                    Column("class", "class", "", "s"),
-                    Column("verdict", "verdict", "", "s"),
-                    Column("why", "best explanation and its evidence", "", "s"),
-                ),
-                not_reproduced(evidence(study)),
-            ),
+            Table.of("not-reproduced", "Contradicted, or not identifiable", not_reproduced(evidence(study))),
             Table(
                 "assumptions",
                 "What the scenes assume where the source is silent",
-                (Column("assumed", "assumed", "", "s"), Column("scenes", "scenes", "", "s")),
+                (Quantity("assumed", "assumed", "", "s"), Quantity("scenes", "scenes", "", "s")),
                 assumptions(study),
             ),
             Text(MODEL_ASSUMPTIONS, bullets=True),

@@ -15,7 +15,7 @@ from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.reference.grid_summary import uncertainty_percent
 from rollbench.comparison.sections.reference_time import FLOOR, TimePoint, all_points, when_measured
 from rollbench.meshes.parts import Scene
-from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Summary, Table, Text
+from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Summary, Table, Text
 
 QUESTION = "How far can a low-order model of a ball screw be trusted, and what does a better answer cost?"
 TITLE = "Error against run time of every model and mesh"
@@ -249,39 +249,27 @@ LIMITS = (
 
 def standing_table(found: Sequence[Standing]) -> Table:
     """Every model and mesh over its scenes."""
-    rows: list[dict[str, Cell]] = [
+    rows: list[Row] = [
         {
             "name": s.name,
-            "label": s.label,
+            Quantity("label", "model or mesh", "", "s"): s.label,
             "scenes": s.scenes,
-            "median": s.median,
-            "worst": s.worst,
-            "at": s.worst_scene,
-            "rms": s.rms,
-            "worst_rms": s.worst_rms,
-            "within": s.within,
-            "cold": s.cold,
+            Quantity("median", "largest error, median", "% of mean", ".2f"): s.median,
+            Quantity("worst", "largest of all", "% of mean", ".2f"): s.worst,
+            Quantity("at", "on", "", "s"): s.worst_scene,
+            Quantity("rms", "RMS error, median", "% of mean", ".2f"): s.rms,
+            Quantity("worst_rms", "largest RMS error", "% of mean", ".2f"): s.worst_rms,
+            Quantity("within", f"scenes within {LINE:g} %", "", "s"): s.within,
+            Quantity("cold", "cold start, median", "s", "g3"): s.cold,
         }
         for s in found
     ]
-    columns = (
-        Column("name", "name", "", "s"),
-        Column("label", "model or mesh", "", "s"),
-        Column("scenes", "scenes", "", "s"),
-        Column("median", "largest error, median", "% of mean", ".2f"),
-        Column("worst", "largest of all", "% of mean", ".2f"),
-        Column("at", "on", "", "s"),
-        Column("rms", "RMS error, median", "% of mean", ".2f"),
-        Column("worst_rms", "largest RMS error", "% of mean", ".2f"),
-        Column("within", f"scenes within {LINE:g} %", "", "s"),
-        Column("cold", "cold start, median", "s", "g3"),
-    )
     note = (
         "Against the finest level of the 3D reference of each scene; every point is in the table of error against run "
         "time. The error of a level that is itself the finest is its grid uncertainty, and its RMS error is zero by "
         "definition."
     )
-    return Table("overview-models", "Models and meshes over all scenes", columns, rows, note)
+    return Table.of("overview-models", "Models and meshes over all scenes", rows, note)
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:

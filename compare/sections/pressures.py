@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rollbench.reports.records import Cell, Column, Figure, Panel, PressurePanel, Series, Table
+from rollbench.reports.records import Figure, Panel, PressurePanel, Quantity, Row, Series, Table
 
 if TYPE_CHECKING:
     from rollbench.hifi.fields import ContactPressure
@@ -63,18 +63,6 @@ def profiles(found: dict[str, ContactPressure]) -> Figure:
     )
 
 
-PRESSURE_COLUMNS = (
-    Column("contact", "Contact", format="s"),
-    Column("load", "Load", "N", ".1f"),
-    Column("ours", "Largest pressure, 3D", "MPa", ".0f"),
-    Column("hertz", "Pole pressure, Hertz", "MPa", ".0f"),
-    Column("ratio", "3D / Hertz", "", ".3f"),
-    Column("a", "Semi-axis across", "mm", ".3f"),
-    Column("b", "Semi-axis along", "mm", ".3f"),
-    Column("cells", "Nodes across 2b", "", ".1f"),
-)
-
-
 def step_along(found: ContactPressure) -> float:
     """Mean distance [m] of the nodes along the groove."""
     assert found.shape is not None
@@ -83,24 +71,23 @@ def step_along(found: ContactPressure) -> float:
 
 def pressure_table(groups: dict[str, dict[str, ContactPressure]]) -> Table:
     """Largest pressures, by the 3D reference and by Hertz."""
-    rows: list[dict[str, Cell]] = [
+    rows: list[Row] = [
         {
-            "contact": f"{scene}, {name}",
-            "load": x.load,
-            "ours": MPA * float(x.pressure.max()),
-            "hertz": MPA * x.hertz.pole_pressure,
-            "ratio": float(x.pressure.max() / x.hertz.pole_pressure),
-            "a": MM * x.hertz.semi_x,
-            "b": MM * x.hertz.semi_y,
-            "cells": 2.0 * x.hertz.semi_y / step_along(x),
+            Quantity("contact", "Contact", format="s"): f"{scene}, {name}",
+            Quantity("load", "Load", "N", ".1f"): x.load,
+            Quantity("ours", "Largest pressure, 3D", "MPa", ".0f"): MPA * float(x.pressure.max()),
+            Quantity("hertz", "Pole pressure, Hertz", "MPa", ".0f"): MPA * x.hertz.pole_pressure,
+            Quantity("ratio", "3D / Hertz", "", ".3f"): float(x.pressure.max() / x.hertz.pole_pressure),
+            Quantity("a", "Semi-axis across", "mm", ".3f"): MM * x.hertz.semi_x,
+            Quantity("b", "Semi-axis along", "mm", ".3f"): MM * x.hertz.semi_y,
+            Quantity("cells", "Nodes across 2b", "", ".1f"): 2.0 * x.hertz.semi_y / step_along(x),
         }
         for scene, found in groups.items()
         for name, x in found.items()
     ]
-    return Table(
+    return Table.of(
         "pictures-pressure",
         "Largest nodal pressure and Hertz's pole pressure",
-        PRESSURE_COLUMNS,
         rows,
         "Nodal force over tributary area. Where the pressure is curved this reads corner nodes of the second-order cells "
         "high and nodes in their middle low, in proportion to the square of the cells' size, and the largest value is one "

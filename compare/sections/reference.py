@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -30,7 +30,7 @@ from rollbench.comparison.reference.levels import LEVELS, PRODUCTION, SOURCE_LEV
 from rollbench.comparison.reference.store import Run, load
 from rollbench.comparison.sections.reference_time import time_items
 from rollbench.meshes.parts import SIDES
-from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
+from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 References = Mapping[str, Reference]
 
@@ -58,40 +58,23 @@ def answer(study: Study, name: str, model: str) -> Loads:
 
 def error_table(study: Study, found: References) -> Table:
     """Errors of every low-order model, of the source's mesh and of coarser levels against the finest reference."""
-    rows: list[dict[str, Cell]] = []
+    rows: list[Row] = []
     modelled = modelling(study)
     for name, ref in found.items():
-        scene = study.scene(name)
+        scene, bars = study.scene(name), (uncertainty_percent(ref), modelling_percent(name, modelled))
         keys = PRINTED.get(name)
         for model in suited(scene):
             result = study.solve(name, model.name)
             e = load_error(result.load, ref.load, ref.contacts)
             shown = keys[:2] if keys and model.name == "lin" else ()
             printed = " / ".join(entry("lin-2.4.1", k).printed for k in shown) or "–"
-            rows.append(_error_row(name, model.label, e, load_ratio(result.load), printed, uncertainty_percent(ref)))
+            rows.append(_error_row((name, model.label), e, load_ratio(result.load), printed, bars))
         source = load(scene, SOURCE_LEVEL, stores=study.stores)
         for own in reference_answers(ref, source):
             if own.model != f"3D level {ref.best.level}":
                 e = load_error(own.load, ref.load, ref.contacts)
-                rows.append(_error_row(name, LABELS[own.model], e, load_ratio(own.load), "–", uncertainty_percent(ref)))
-        finest: dict[str, Cell] = {"scene": name, "model": LABELS[f"3D level {ref.best.level}"]}
-        rows.append(finest | {"load_ratio": load_ratio(ref.load), "bar": uncertainty_percent(ref)})
-        for row in rows:
-            if row["scene"] == name:
-                row["modelling"] = modelling_percent(name, modelled)
-    columns = (
-        Column("scene", "scene", "", "s"),
-        Column("model", "model", "", "s"),
-        Column("max", "largest error", "% of mean", ".2f"),
-        Column("at", "at ball", "", "s"),
-        Column("rms", "RMS error", "% of mean", ".2f"),
-        Column("own_max", "largest error", "% of own load", ".2f"),
-        Column("own_rms", "RMS error", "% of own load", ".2f"),
-        Column("printed", "printed max / RMS", "%", "s"),
-        Column("bar", "grid uncertainty", "% of mean", ".2f"),
-        Column("modelling", "its modelling uncertainty", "% of mean", ".2f"),
-        Column("load_ratio", "largest : smallest on SL", "", ".3f"),
-    )
+                rows.append(_error_row((name, LABELS[own.model]), e, load_ratio(own.load), "–", bars))
+        rows.append(_error_row((name, LABELS[f"3D level {ref.best.level}"]), None, load_ratio(ref.load), None, bars))
     note = (
         "Errors against the finest level of the 3D reference. Printed: the source's low-order model against its ANSYS "
         "model, whose loads are not printed; its errors are of the own load. The grid uncertainty is the "
@@ -99,7 +82,7 @@ def error_table(study: Study, found: References) -> Table:
         "change, is a number of its own (section reference-mesh), deducted nowhere; section u-val combines both with input "
         "tolerances."
     )
-    return Table("reference-errors", "Models against the 3D reference", columns, rows, note)
+    return Table.of("reference-errors", "Models against the 3D reference", rows, note)
 
 
 LABELS = {
@@ -108,18 +91,25 @@ LABELS = {
 }
 
 
-def _error_row(scene: str, label: str, e: LoadError, ratio: float, printed: str, bar: float | None) -> dict[str, Cell]:
+def _error_row(
+    named: tuple[str, str], e: LoadError | None, ratio: float, printed: str | None, bars: tuple[float | None, float | None]
+) -> Row:
+    """A row of `error_table`, without errors for the reference itself; bars: of its grid, and of modelling."""
+    errors: Sequence[float | None] = (None,) * 4
+    if e is not None:
+        errors = e.max_percent, e.rms_percent, e.own_max_percent, e.own_rms_percent
     return {
-        "scene": scene,
-        "model": label,
-        "max": e.max_percent,
-        "at": f"{e.ball} {e.side}",
-        "rms": e.rms_percent,
-        "own_max": e.own_max_percent,
-        "own_rms": e.own_rms_percent,
-        "printed": printed,
-        "bar": bar,
-        "load_ratio": ratio,
+        "scene": named[0],
+        "model": named[1],
+        Quantity("max", "largest error", "% of mean", ".2f"): errors[0],
+        Quantity("at", "at ball", "", "s"): None if e is None else f"{e.ball} {e.side}",
+        Quantity("rms", "RMS error", "% of mean", ".2f"): errors[1],
+        Quantity("own_max", "largest error", "% of own load", ".2f"): errors[2],
+        Quantity("own_rms", "RMS error", "% of own load", ".2f"): errors[3],
+        Quantity("printed", "printed max / RMS", "%", "s"): printed,
+        Quantity("bar", "grid uncertainty", "% of mean", ".2f"): bars[0],
+        Quantity("modelling", "its modelling uncertainty", "% of mean", ".2f"): bars[1],
+        Quantity("load_ratio", "largest : smallest on SL", "", ".3f"): ratio,
     }
 
 
@@ -130,30 +120,27 @@ def load_tables(study: Study, found: References) -> list[Table]:
         scene = study.scene(name)
         answers = [answer(study, name, m.name) for m in suited(scene)]
         answers += reference_answers(ref, load(scene, SOURCE_LEVEL, stores=study.stores))
-        columns = [Column("ball", "ball", "", "s"), Column("side", "side", "", "s")]
-        for k, a in enumerate(answers):
-            label = MODELS[a.model].label if a.model in MODELS else LABELS.get(a.model, a.model)
-            columns.append(Column(f"m{k}", label, "N", ".1f"))
-        columns.append(Column("bar", "uncertainty of the reference", "N", ".2f"))
-        columns.append(Column("error", "error of the refined model", "% of own load", "+.2f"))
-        columns.append(Column("angle", "contact angle, reference", "deg", ".2f"))
-        columns.append(Column("low_angle", "contact angle, refined model", "deg", ".2f"))
-        rows: list[dict[str, Cell]] = []
+        heads = [MODELS[a.model].label if a.model in MODELS else LABELS.get(a.model, a.model) for a in answers]
+        loads = [Quantity(f"m{k}", head, "N", ".1f") for k, head in enumerate(heads)]
+        rows: list[Row] = []
         for i, s in np.ndindex(ref.load.shape):
             if not any(a.load[i, s] > 0.0 for a in answers):
                 continue
-            row: dict[str, Cell] = {f"m{k}": float(a.load[i, s]) for k, a in enumerate(answers)}
-            own = float(ref.load[i, s])
-            row |= {
-                "ball": i + 1,
-                "side": SIDES[s],
-                "angle": _number(ref.best.angle[i, s]),
-                "low_angle": _number(answers[0].angle[i, s]),
-                "bar": None if ref.uncertainty is None else float(ref.uncertainty[i, s]),
-                "error": float(error_percent(answers[0].load[i, s], own)) if own > 0.0 else None,
-            }
-            rows.append(row)
-        out.append(Table(f"reference-loads-{name}", f"{name}: contact loads and angles", columns, rows))
+            own, low = float(ref.load[i, s]), answers[0]
+            bar = None if ref.uncertainty is None else float(ref.uncertainty[i, s])
+            error = float(error_percent(low.load[i, s], own)) if own > 0.0 else None
+            rows.append(
+                {
+                    "ball": i + 1,
+                    "side": SIDES[s],
+                    **{q: float(a.load[i, s]) for q, a in zip(loads, answers, strict=True)},
+                    Quantity("bar", "uncertainty of the reference", "N", ".2f"): bar,
+                    Quantity("error", "error of the refined model", "% of own load", "+.2f"): error,
+                    Quantity("angle", "contact angle, reference", "deg", ".2f"): _number(ref.best.angle[i, s]),
+                    Quantity("low_angle", "contact angle, refined model", "deg", ".2f"): _number(low.angle[i, s]),
+                }
+            )
+        out.append(Table.of(f"reference-loads-{name}", f"{name}: contact loads and angles", rows))
     return out
 
 
@@ -163,24 +150,19 @@ def _number(value: Any) -> float | None:
 
 def line_table(study: Study, found: References) -> Table:
     """Centreline of the screw at the reference's stations."""
-    rows: list[dict[str, Cell]] = []
+    rows: list[Row] = []
     for name, ref in found.items():
         low = answer(study, name, "refined")
         line = ref.best.centreline
         for row in line:
-            cells: dict[str, Cell] = {"scene": name, "z": 1e3 * float(row[0])}
+            cells: Row = {"scene": name, Quantity("z", "station", "mm", ".1f"): 1e3 * float(row[0])}
             for k, axis in enumerate("xyz"):
-                cells[f"r{axis}"] = 1e6 * float(row[1 + k])
-                cells[f"l{axis}"] = 1e6 * float(np.interp(row[0], low.stations, low.line[:, k]))
+                beam = float(np.interp(row[0], low.stations, low.line[:, k]))
+                cells[Quantity(f"r{axis}", f"u{axis}, reference", "µm", ".2f")] = 1e6 * float(row[1 + k])
+                cells[Quantity(f"l{axis}", f"u{axis}, refined model", "µm", ".2f")] = 1e6 * beam
             rows.append(cells)
-    columns = [Column("scene", "scene", "", "s"), Column("z", "station", "mm", ".1f")]
-    for axis in "xyz":
-        columns += [
-            Column(f"r{axis}", f"u{axis}, reference", "µm", ".2f"),
-            Column(f"l{axis}", f"u{axis}, refined model", "µm", ".2f"),
-        ]
     note = "Mean motion of the meshed screw's hole inside the nut's reach, of the beam's nodes outside."
-    return Table("reference-centreline", "Centreline of the screw", columns, rows, note)
+    return Table.of("reference-centreline", "Centreline of the screw", rows, note)
 
 
 def _curve(label: str, values: np.ndarray[tuple[int, ...], np.dtype[np.float64]], *, emphasis: bool = False) -> Series:
@@ -271,35 +253,25 @@ def rigid_nut_error(study: Study, name: str, ball: int, side: str) -> float | No
 def exceedance_table(found: References, study: Study) -> Table:
     """Contacts beyond the gate's limit, with the cause that the gate's data name and its evidence."""
     causes = {(x.scene, x.ball, x.side): x.cause for x in known_exceedances()}
-    rows: list[dict[str, Cell]] = []
+    rows: list[Row] = []
     for name, ref in found.items():
         for p in gate_points(name, ref, LIMIT, study.solve(name, "lin").load):
             if p.exceeds:
-                k = SIDES.index(p.side)
+                k, rigid = SIDES.index(p.side), rigid_nut_error(study, name, p.ball, p.side)
                 rows.append(
                     {
                         "scene": name,
                         "ball": p.ball,
                         "side": p.side,
-                        "error": p.error_percent,
-                        "bar": p.uncertainty_percent,
-                        "ref": float(ref.load[p.ball - 1, k]),
-                        "rigid": rigid_nut_error(study, name, p.ball, p.side),
+                        Quantity("ref", "reference", "N", ".1f"): float(ref.load[p.ball - 1, k]),
+                        Quantity("error", "error of the source's model", "% of own load", "+.1f"): p.error_percent,
+                        Quantity("bar", "grid uncertainty", "% of own load", ".2f"): p.uncertainty_percent,
+                        Quantity("rigid", "the same, nut rigid in both", "% of own load", "+.1f"): rigid,
                         "cause": causes.get((name, p.ball, p.side), "not named: the gate fails"),
                     }
                 )
-    columns = (
-        Column("scene", "scene", "", "s"),
-        Column("ball", "ball", "", "s"),
-        Column("side", "side", "", "s"),
-        Column("ref", "reference", "N", ".1f"),
-        Column("error", "error of the source's model", "% of own load", "+.1f"),
-        Column("bar", "grid uncertainty", "% of own load", ".2f"),
-        Column("rigid", "the same, nut rigid in both", "% of own load", "+.1f"),
-        Column("cause", "cause", "", "s"),
-    )
     note = f"The gate's rule: {RULE}."
-    return Table("reference-exceedances", f"Contacts of the source's model beyond {LIMIT:g} %", columns, rows, note)
+    return Table.of("reference-exceedances", f"Contacts of the source's model beyond {LIMIT:g} %", rows, note)
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:

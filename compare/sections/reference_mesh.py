@@ -22,14 +22,14 @@ from rollbench.comparison.reference.store import Run, load
 from rollbench.comparison.reference.variants import NOT_VARIED, VARIANTS
 from rollbench.comparison.sections.reference import case_studies, modelling
 from rollbench.comparison.sections.study_figure import study_figure
-from rollbench.reports.records import Cell, Column, Figure, Section, Table, Text
+from rollbench.reports.records import Cell, Figure, Quantity, Row, Section, Table, Text
 
 References = Mapping[str, Reference]
 
 
 def level_table(study: Study, found: References) -> Table:
     """Mesh levels of every scene: size, own cost, change to the next level, quality, residuals."""
-    rows: list[dict[str, Cell]] = []
+    rows: list[Row] = []
     for name, ref in found.items():
         source = load(study.scene(name), SOURCE_LEVEL, stores=study.stores)
         runs = ([source] if source else []) + list(ref.runs)
@@ -37,83 +37,59 @@ def level_table(study: Study, found: References) -> Table:
             frozen = load_error(run.frozen, run.load, ref.contacts)
             following = runs[number + 1] if number + 1 < len(runs) and run.level != SOURCE_LEVEL else None
             step = None if following is None else load_error(run.load, following.load, ref.contacts)
+            largest, rms = (None, None) if step is None else (step.max_percent, step.rms_percent)
+            change = None if following is None else float(error_percent(run.load.sum(), following.load.sum()))
+            best = load_error(run.load, ref.load, ref.contacts)
+            jacobian = min(run.quality[k] for k in ("screw", "nut", "ball"))
             rows.append(
                 {
                     "scene": name,
                     "level": "source" if run.level == SOURCE_LEVEL else str(run.level),
-                    "across": run.quality["elements across 2b"],
-                    "unknowns": run.unknowns,
-                    "sides": len(run.sides),
-                    "setup": run.setup_seconds,
-                    "solve": run.solve_seconds,
-                    "memory": "not measured" if run.peak_MB is None else run.peak_MB,
-                    "change": None if step is None else step.max_percent,
-                    "rms": None if step is None else step.rms_percent,
-                    "sum": None if following is None else float(error_percent(run.load.sum(), following.load.sum())),
-                    "best": load_error(run.load, ref.load, ref.contacts).max_percent,
-                    "frozen": frozen.max_percent,
-                    "balance": max(run.balance, run.screw_balance),
-                    "along": run.along_groove,
-                    "jacobian": min(run.quality[k] for k in ("screw", "nut", "ball")),
-                    "deviation": 1e6 * run.quality["deviation"],
+                    Quantity("across", "elements across 2b", "", ".1f"): run.quality["elements across 2b"],
+                    Quantity("sides", "sides meshed", "", "s"): len(run.sides),
+                    Quantity("unknowns", "unknowns, equivalent monolithic mesh", "", "s"): run.unknowns,
+                    Quantity("setup", "set-up", "s", ".1f"): run.setup_seconds,
+                    Quantity("solve", "load case", "s", ".1f"): run.solve_seconds,
+                    Quantity("memory", "peak memory", "MB", ".0f"): "not measured" if run.peak_MB is None else run.peak_MB,
+                    Quantity("change", "difference from the next level: largest", "% of mean", ".2f"): largest,
+                    Quantity("rms", "RMS", "% of mean", ".2f"): rms,
+                    Quantity("sum", "of the sum", "%", "+.2f"): change,
+                    Quantity("best", "difference from the finest level", "% of mean", ".2f"): best.max_percent,
+                    Quantity("frozen", "effect of moving normals", "% of mean", ".2f"): frozen.max_percent,
+                    Quantity("balance", "balance of balls and screw", "", "g2"): max(run.balance, run.screw_balance),
+                    Quantity("along", "force along the groove", "", "g2"): run.along_groove,
+                    Quantity("jacobian", "smallest scaled Jacobian", "", ".2f"): jacobian,
+                    Quantity("deviation", "coarse bodies off the exact groove", "um", "g2"): 1e6 * run.quality["deviation"],
                 }
             )
-    columns = (
-        Column("scene", "scene", "", "s"),
-        Column("level", "level", "", "s"),
-        Column("across", "elements across 2b", "", ".1f"),
-        Column("sides", "sides meshed", "", "s"),
-        Column("unknowns", "unknowns, equivalent monolithic mesh", "", "s"),
-        Column("setup", "set-up", "s", ".1f"),
-        Column("solve", "load case", "s", ".1f"),
-        Column("memory", "peak memory", "MB", ".0f"),
-        Column("change", "difference from the next level: largest", "% of mean", ".2f"),
-        Column("rms", "RMS", "% of mean", ".2f"),
-        Column("sum", "of the sum", "%", "+.2f"),
-        Column("best", "difference from the finest level", "% of mean", ".2f"),
-        Column("frozen", "effect of moving normals", "% of mean", ".2f"),
-        Column("balance", "balance of balls and screw", "", "g2"),
-        Column("along", "force along the groove", "", "g2"),
-        Column("jacobian", "smallest scaled Jacobian", "", ".2f"),
-        Column("deviation", "coarse bodies off the exact groove", "um", "g2"),
-    )
     note = (
         "Elements across the short axis 2b of the contact ellipse expected at the lightest scene of the geometry; balances "
         "are over the largest contact load. "
         "Seconds and peak memory are each run's own; scenes of one geometry share set-up and memory."
     )
-    return Table("reference-levels", "Mesh levels of the 3D reference", columns, rows, note)
+    return Table.of("reference-levels", "Mesh levels of the 3D reference", rows, note)
 
 
 def convergence_table(found: References) -> Table:
     """What the mesh leaves uncertain in every scene's contact loads, part by part."""
-    rows: list[dict[str, Cell]] = []
+    rows: list[Row] = []
     for name, ref in found.items():
         p = ref.parts
         rows.append(
             {
                 "scene": name,
                 "levels": len(ref.runs),
-                "contact": p.contact,
-                "bodies": p.bodies,
-                "sockets": p.sockets,
-                "common": p.common,
-                "bar": p.bar,
-                "largest": uncertainty_percent(ref),
-                "from": "other scenes" if p.by_experience else "its levels and other scenes",
+                Quantity("contact", "contact's cells", "% of mean", ".3f"): p.contact,
+                Quantity("bodies", "bodies' cells", "% of mean", ".3f"): p.bodies,
+                Quantity("sockets", "coarse sockets", "% of mean", ".3f"): p.sockets,
+                Quantity("common", "common to all contacts", "% of mean", ".3f"): p.common,
+                Quantity("bar", "uncertainty (95 %), RMS", "% of mean", ".3f"): p.bar,
+                Quantity("largest", "largest", "% of mean", ".3f"): uncertainty_percent(ref),
+                Quantity("from", "taken from", "", "s"): "other scenes"
+                if p.by_experience
+                else "its levels and other scenes",
             }
         )
-    columns = (
-        Column("scene", "scene", "", "s"),
-        Column("levels", "levels", "", "s"),
-        Column("contact", "contact's cells", "% of mean", ".3f"),
-        Column("bodies", "bodies' cells", "% of mean", ".3f"),
-        Column("sockets", "coarse sockets", "% of mean", ".3f"),
-        Column("common", "common to all contacts", "% of mean", ".3f"),
-        Column("bar", "uncertainty (95 %), RMS", "% of mean", ".3f"),
-        Column("largest", "largest", "% of mean", ".3f"),
-        Column("from", "taken from", "", "s"),
-    )
     note = (
         "Standard deviations of the difference of the finest level and a next one, RMS over the contacts, and twice the "
         "root of their squares, the uncertainty; what bodies and sockets have in it is shared out by the stiffness of the "
@@ -123,7 +99,7 @@ def convergence_table(found: References) -> Table:
         "levels that fall as the squares of their cells; that of the sockets is half the variance of a change of their cut "
         "alone; the common one is from the mean changes of all scenes whose sum of loads equilibrium does not hold."
     )
-    return Table("reference-convergence", "Discretisation's part in the contact loads", columns, rows, note)
+    return Table.of("reference-convergence", "Discretisation's part in the contact loads", rows, note)
 
 
 def coverage_table(study: Study) -> Table | None:
@@ -139,12 +115,12 @@ def coverage_table(study: Study) -> Table | None:
     if any(h.drawn for h in found):
         rows.append(_coverage_row("all drawn screws", [h for h in found if h.drawn]))
     rows.append(_coverage_row("all", found))
-    columns = [Column("scene", "scene", "", "s"), Column("contacts", "contacts", "", "s")]
-    columns.append(Column("judge", "judged by level", "", "s"))
+    columns = [Quantity("scene", "scene", "", "s"), Quantity("contacts", "contacts", "", "s")]
+    columns.append(Quantity("judge", "judged by level", "", "s"))
     for k in levels:
         words = f"level {k} alone (experience)" if k == min(LEVELS) else f"levels up to {k}"
-        columns.append(Column(f"bar {k}", f"{words}: bar", "% of mean", ".3f"))
-        columns.append(Column(f"held {k}", f"held by level {k}'s bar", "%", ".1f"))
+        columns.append(Quantity(f"bar {k}", f"{words}: bar", "% of mean", ".3f"))
+        columns.append(Quantity(f"held {k}", f"held by level {k}'s bar", "%", ".1f"))
     worst = min((h for h in own if h.contacts >= MANY), key=lambda h: h.share)
     note = (
         f"Of {sum(h.contacts for h in own)} loads with bars of two levels or more, {100.0 * share_of(own):.1f} % lie "
@@ -189,8 +165,8 @@ def stage_table(found: References) -> Table:
         cells: dict[str, Cell] = {"scene": name, "contact": ref.best.solve_seconds}
         rows.append(cells | dict(ref.best.stages))
     names = list(dict.fromkeys(k for row in rows for k in row if k not in ("scene", "contact")))
-    columns = [Column("scene", "scene", "", "s"), *(Column(k, k, "s", ".1f") for k in names)]
-    columns.append(Column("contact", "load case", "s", ".1f"))
+    columns = [Quantity("scene", "scene", "", "s"), *(Quantity(k, k, "s", ".1f") for k in names)]
+    columns.append(Quantity("contact", "load case", "s", ".1f"))
     note = "Scenes of one geometry share all stages but the last."
     return Table("reference-stages", "Stages of the finest runs", columns, rows, note)
 
@@ -205,18 +181,18 @@ def study_items(study: Study, found: References) -> list[Table | Figure]:
         table = study_table(study.scene(name), study.stores)
         rows = [dict(r) for r in table if "load of ball" not in r["quantity"]]
         keys = [f"level {r.level}" for r in ref.runs]
-        columns = [Column("quantity", "quantity", "", "s"), Column("unit", "unit", "", "s")]
-        columns += [Column(k, k, "", "g5") for k in keys]
+        columns = [Quantity("quantity", "quantity", "", "s"), Quantity("unit", "unit", "", "s")]
+        columns += [Quantity(k, k, "", "g5") for k in keys]
         columns += [
-            Column("order", "observed order", "", ".2f"),
-            Column("extrapolated", "extrapolated", "", "g5"),
-            Column("uncertainty", "uncertainty", "", "g2"),
-            Column("uncertainty_percent", "relative uncertainty", "%", ".2f"),
-            Column("kind", "order or why none", "", "s"),
+            Quantity("order", "observed order", "", ".2f"),
+            Quantity("extrapolated", "extrapolated", "", "g5"),
+            Quantity("uncertainty", "uncertainty", "", "g2"),
+            Quantity("uncertainty_percent", "relative uncertainty", "%", ".2f"),
+            Quantity("kind", "order or why none", "", "s"),
         ]
         if any(row.get("modelling_spread") is not None for row in rows):
-            columns.append(Column("modelling_spread", "modelling uncertainty", "", "g2"))
-            columns.append(Column("scene_choices", "the scene's own choices, largest", "", "g2"))
+            columns.append(Quantity("modelling_spread", "modelling uncertainty", "", "g2"))
+            columns.append(Quantity("scene_choices", "the scene's own choices, largest", "", "g2"))
         out.append(Table(f"mesh-study-{name}", f"{name}: mesh study", columns, rows, closing(ref)))
         figure = study_figure(name, table, ref)
         if figure is not None:
@@ -229,7 +205,7 @@ KINDS = {"modelling": "modelling", "numerical": "numerical", "scene": "the scene
 
 def spread_table(study: Study) -> Table | None:
     """What moves the reference besides its mesh, without and with preload, on the coarsest level."""
-    rows: list[dict[str, Cell]] = []
+    rows: list[Row] = []
     for name in VARIED:
         scene = study.scene(name)
         low = study.solve(name, "lin")
@@ -238,32 +214,22 @@ def spread_table(study: Study) -> Table | None:
                 continue
             run = load(scene, min(LEVELS), e.variant, study.stores)
             model = None if run is None else load_error(low.load, run.load)
+            largest, rms = (None, None) if model is None else (model.max_percent, model.rms_percent)
+            ratio = e.ratio if np.isfinite(e.ratio) else None
             rows.append(
                 {
                     "scene": name,
                     "choice": e.choice,
-                    "variant": e.label,
+                    Quantity("variant", "varied", "", "s"): e.label,
                     "kind": KINDS[e.kind],
-                    "max": e.error.max_percent,
-                    "rms": e.error.rms_percent,
-                    "at": f"{e.error.ball} {e.error.side}",
-                    "ratio": e.ratio if np.isfinite(e.ratio) else None,
-                    "model": None if model is None else model.max_percent,
-                    "model_rms": None if model is None else model.rms_percent,
+                    Quantity("max", "largest change of a load", "% of mean", ".2f"): e.error.max_percent,
+                    Quantity("rms", "RMS change", "% of mean", ".2f"): e.error.rms_percent,
+                    Quantity("at", "at ball", "", "s"): f"{e.error.ball} {e.error.side}",
+                    Quantity("ratio", "change of largest : smallest, SL", "%", "+.2f"): ratio,
+                    Quantity("model", "low-order model against this variant: largest", "% of mean", ".2f"): largest,
+                    Quantity("model_rms", "RMS", "% of mean", ".2f"): rms,
                 }
             )
-    columns = (
-        Column("scene", "scene", "", "s"),
-        Column("choice", "choice", "", "s"),
-        Column("variant", "varied", "", "s"),
-        Column("kind", "kind", "", "s"),
-        Column("max", "largest change of a load", "% of mean", ".2f"),
-        Column("rms", "RMS change", "% of mean", ".2f"),
-        Column("at", "at ball", "", "s"),
-        Column("ratio", "change of largest : smallest, SL", "%", "+.2f"),
-        Column("model", "low-order model against this variant: largest", "% of mean", ".2f"),
-        Column("model_rms", "RMS", "% of mean", ".2f"),
-    )
     note = (
         "One choice at a time on level 1, against the same scene alone on the same level. Only what is marked modelling is "
         "part of the modelling uncertainty; the scene's own choices (where the nut is held, where the screw's groove ends: "
@@ -271,12 +237,12 @@ def spread_table(study: Study) -> Table | None:
         "beams drop is bounded and solved by the refined model."
     )
     title = "What moves the reference besides its mesh (level 1)"
-    return Table("reference-spread", title, columns, rows, note) if rows else None
+    return Table.of("reference-spread", title, rows, note) if rows else None
 
 
 def single_choice_table(study: Study) -> Table | None:
     """Every numerical choice of the finest level refined alone, against the uncertainty that is printed for it."""
-    rows: list[dict[str, Cell]] = []
+    rows: list[Row] = []
     for name in (REFINED,):
         scene = study.scene(name)
         found = study.reference(name)
@@ -287,41 +253,31 @@ def single_choice_table(study: Study) -> Table | None:
             if e.variant not in VARIANTS or not VARIANTS[e.variant].refined:
                 continue
             at = np.unravel_index(int(np.abs(e.change).argmax()), e.change.shape)
+            beyond = int((np.abs(e.change) > grid + 1e-9).sum())
             rows.append(
                 {
                     "scene": name,
                     "choice": e.choice,
-                    "variant": e.label,
-                    "max": e.error.max_percent,
-                    "rms": e.error.rms_percent,
-                    "at": f"{e.error.ball} {e.error.side}",
-                    "grid": float(grid[at]),
-                    "largest": float(grid.max()),
-                    "beyond": int((np.abs(e.change) > grid + 1e-9).sum()),
+                    Quantity("variant", "refined alone", "", "s"): e.label,
+                    Quantity("max", "largest change of a load", "% of mean", ".3f"): e.error.max_percent,
+                    Quantity("rms", "RMS change", "% of mean", ".3f"): e.error.rms_percent,
+                    Quantity("at", "at ball", "", "s"): f"{e.error.ball} {e.error.side}",
+                    Quantity("grid", "grid uncertainty of that load", "% of mean", ".3f"): float(grid[at]),
+                    Quantity("largest", "largest grid uncertainty", "% of mean", ".3f"): float(grid.max()),
+                    Quantity("beyond", "contacts that change by more than their uncertainty", "", "s"): beyond,
                 }
             )
-    columns = (
-        Column("scene", "scene", "", "s"),
-        Column("choice", "choice", "", "s"),
-        Column("variant", "refined alone", "", "s"),
-        Column("max", "largest change of a load", "% of mean", ".3f"),
-        Column("rms", "RMS change", "% of mean", ".3f"),
-        Column("at", "at ball", "", "s"),
-        Column("grid", "grid uncertainty of that load", "% of mean", ".3f"),
-        Column("largest", "largest grid uncertainty", "% of mean", ".3f"),
-        Column("beyond", "contacts that change by more than their uncertainty", "", "s"),
-    )
     note = (
         "One choice at a time, refined beyond the finest level, against the scene alone on the finest level. The "
         "uncertainty is that of discretisation as it is printed, every part added."
     )
-    return Table("reference-choices", "Every numerical choice refined alone", columns, rows, note) if rows else None
+    return Table.of("reference-choices", "Every numerical choice refined alone", rows, note) if rows else None
 
 
 def modelling_table(study: Study) -> Table | None:
     """Modelling uncertainty: choice by choice, together, and what it does not hold."""
     rows: list[dict[str, Cell]] = []
-    columns = [Column("choice", "choice", "", "s")]
+    columns = [Quantity("choice", "choice", "", "s")]
     found = modelling(study)
     if not found:
         return None
@@ -334,14 +290,14 @@ def modelling_table(study: Study) -> Table | None:
         "ratio": {"choice": "together: largest : smallest load, SL"},
     }
     for name, m in found.items():
-        columns.append(Column(name, f"{name}, largest change of a load", "% of mean", ".2f"))
+        columns.append(Quantity(name, f"{name}, largest change of a load", "% of mean", ".2f"))
         for choice, value in m.choices.items():
             table[choice][name] = value
         together["largest"][name], together["rms"][name], together["ratio"][name] = m.largest, m.rms, m.ratio
     rows = [*table.values(), *together.values()]
     rows += [{"choice": f"{c}: not varied", "why": "no run of it in this store"} for c in missing]
     rows += [{"choice": f"{n.choice}: not varied", "why": n.reason} for n in NOT_VARIED]
-    columns.append(Column("why", "why not", "", "s"))
+    columns.append(Quantity("why", "why not", "", "s"))
     note = (
         "Added contact by contact by the root of squares, because choices are independent and have no known sign; of "
         "several variants of one choice each contact counts the largest. The RMS is what a typical contact may be off, the "
@@ -368,14 +324,14 @@ MEANING = {
 
 def ablation_table(study: Study) -> Table | None:
     """What each ingredient of the reference changes, in per cent and seconds."""
-    rows: list[dict[str, Cell]] = []
+    rows: list[Row] = []
     for name in case_studies(study):
         scene = study.scene(name)
         run = load(scene, min(LEVELS), stores=study.stores)
         if run is None or not run.without:
             continue
         low = study.solve(name, "lin")
-        with_all = load_error(low.load, run.load)
+        full = load_error(low.load, run.load).max_percent
         for ingredient, loads in run.without.items():
             e, model = load_error(loads, run.load), load_error(low.load, loads)
             saved = sum(run.stages.get(k, 0.0) for k in SAVES[ingredient])
@@ -383,30 +339,19 @@ def ablation_table(study: Study) -> Table | None:
             rows.append(
                 {
                     "scene": name,
-                    "without": ingredient,
-                    "meaning": MEANING[ingredient],
-                    "max": e.max_percent,
-                    "rms": e.rms_percent,
-                    "at": f"{e.ball} {e.side}",
-                    "seconds": saved,
-                    "before": with_all.max_percent,
-                    "model": model.max_percent,
+                    Quantity("without", "left out", "", "s"): ingredient,
+                    Quantity("meaning", "what stands in", "", "s"): MEANING[ingredient],
+                    Quantity("max", "largest change of a load", "% of mean", ".2f"): e.max_percent,
+                    Quantity("rms", "RMS change", "% of mean", ".2f"): e.rms_percent,
+                    Quantity("at", "at ball", "", "s"): f"{e.ball} {e.side}",
+                    Quantity("seconds", "seconds it takes", "s", "+.1f"): saved,
+                    Quantity("before", "low-order error against the full reference", "% of mean", ".2f"): full,
+                    Quantity("model", "against this one", "% of mean", ".2f"): model.max_percent,
                 }
             )
-    columns = (
-        Column("scene", "scene", "", "s"),
-        Column("without", "left out", "", "s"),
-        Column("meaning", "what stands in", "", "s"),
-        Column("max", "largest change of a load", "% of mean", ".2f"),
-        Column("rms", "RMS change", "% of mean", ".2f"),
-        Column("at", "at ball", "", "s"),
-        Column("seconds", "seconds it takes", "s", "+.1f"),
-        Column("before", "low-order error against the full reference", "% of mean", ".2f"),
-        Column("model", "against this one", "% of mean", ".2f"),
-    )
     note = "On the coarsest level. A scene may leave out what changes less than it needs to know."
     title = "What each ingredient of the reference changes"
-    return Table("reference-ablation", title, columns, rows, note) if rows else None
+    return Table.of("reference-ablation", title, rows, note) if rows else None
 
 
 def ablation_text(study: Study) -> str:

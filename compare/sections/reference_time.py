@@ -28,7 +28,7 @@ from rollbench.comparison.system import machine
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
-from rollbench.reports.records import Cell, Column, Figure, Panel, Series, Table
+from rollbench.reports.records import Figure, Panel, Quantity, Row, Series, Table
 
 Step = Callable[[str], None]
 #: Lower edge of the figures [% of the mean load].
@@ -154,36 +154,23 @@ def _solved(name: str, model: Model, study: Study, bodies: Path | None) -> Stati
 
 def time_table(points: Mapping[str, Sequence[TimePoint]], measured: str = "") -> Table:
     """Every point of every scene; measured: a sentence on where and when times were measured."""
-    rows: list[dict[str, Cell]] = [
+    rows: list[Row] = [
         {
             "scene": scene,
             "model": p.label,
-            "error": p.error,
-            "low": p.low,
-            "high": p.high,
-            "rms": p.rms,
-            "cold": p.cold,
-            "warm": p.warm,
+            Quantity("error", "largest error", "% of mean", ".2f"): p.error,
+            Quantity("low", "at least", "% of mean", ".2f"): p.low,
+            Quantity("high", "at most", "% of mean", ".2f"): p.high,
+            Quantity("rms", "RMS error", "% of mean", ".2f"): p.rms,
+            Quantity("cold", "cold", "s", "g3"): p.cold,
+            Quantity("warm", "warm", "s", "g3"): p.warm,
             "unknowns": p.unknowns,
-            "memory": p.memory if p.memory is not None else "not measured",
-            "status": "" if p.status == "converged" else p.status,
+            Quantity("memory", "peak memory", "MB", ".0f"): p.memory if p.memory is not None else "not measured",
+            Quantity("status", "unless converged", "", "s"): "" if p.status == "converged" else p.status,
         }
         for scene, own in points.items()
         for p in own
     ]
-    columns = (
-        Column("scene", "scene", "", "s"),
-        Column("model", "model", "", "s"),
-        Column("error", "largest error", "% of mean", ".2f"),
-        Column("low", "at least", "% of mean", ".2f"),
-        Column("high", "at most", "% of mean", ".2f"),
-        Column("rms", "RMS error", "% of mean", ".2f"),
-        Column("cold", "cold", "s", "g3"),
-        Column("warm", "warm", "s", "g3"),
-        Column("unknowns", "unknowns", "", "s"),
-        Column("memory", "peak memory", "MB", ".0f"),
-        Column("status", "unless converged", "", "s"),
-    )
     note = (
         "Errors of all models and meshes are against the finest level of the reference, whose own difference is zero by "
         "definition. At least and at most: what the grid uncertainty of every contact leaves of the largest error. Cold: "
@@ -193,7 +180,7 @@ def time_table(points: Mapping[str, Sequence[TimePoint]], measured: str = "") ->
         "processes: the sum of their peaks), interpreter and libraries included. Unknowns of the 3D reference are those of "
         "the monolithic mesh that its condensed parts are equal to." + (f" {measured}" if measured else "")
     )
-    return Table("reference-time", "Error against run time", columns, rows, note)
+    return Table.of("reference-time", "Error against run time", rows, note)
 
 
 def first_processes(study: Study, step: Step) -> Mapping[tuple[str, str], Cold]:
@@ -211,30 +198,22 @@ def first_processes(study: Study, step: Step) -> Mapping[tuple[str, str], Cold]:
 
 def compile_table(first: Mapping[tuple[str, str], Cold]) -> Table:
     """The first process on a machine: with and without compiling the kernels."""
-    rows: list[dict[str, Cell]] = [
+    rows: list[Row] = [
         {
             "model": MODELS[name].label,
-            "engine": engine,
-            "process": cold.process,
-            "first": cold.first,
-            "warm": cold.warm,
-            "memory": cold.memory,
+            Quantity("engine", "kernels", "", "s"): engine,
+            Quantity("process", "new process, empty caches", "s", "g3"): cold.process,
+            Quantity("first", "its first solve", "s", "g3"): cold.first,
+            Quantity("warm", "a further solve", "s", "g3"): cold.warm,
+            Quantity("memory", "peak memory", "MB", ".0f"): cold.memory,
         }
         for (name, engine), cold in first.items()
     ]
-    columns = (
-        Column("model", "model", "", "s"),
-        Column("engine", "kernels", "", "s"),
-        Column("process", "new process, empty caches", "s", "g3"),
-        Column("first", "its first solve", "s", "g3"),
-        Column("warm", "a further solve", "s", "g3"),
-        Column("memory", "peak memory", "MB", ".0f"),
-    )
     note = (
         "Compiled kernels are made once per machine and kept in the user's cache; the command line solves single scenes "
         "interpreted. Each row is a process of its own; the first solve of the refined model makes the geometry's bodies."
     )
-    return Table("reference-cold", f"{FIRST}: first process, with and without compiling", columns, rows, note)
+    return Table.of("reference-cold", f"{FIRST}: first process, with and without compiling", rows, note)
 
 
 def cold_levels(study: Study, step: Step) -> Sequence[ColdLevel]:
@@ -251,55 +230,47 @@ def cold_levels(study: Study, step: Step) -> Sequence[ColdLevel]:
 
 def level_table(levels: Sequence[ColdLevel]) -> Table:
     """What somebody waits for who asks for a level of the 3D reference of a new scene."""
-    rows: list[dict[str, Cell]] = [
-        {"level": c.level, "cold": c.process, "cpu": c.cpu, "memory": c.memory, "status": c.status} for c in levels
+    rows: list[Row] = [
+        {
+            "level": c.level,
+            Quantity("cold", "new process, empty caches", "s", "g3"): c.process,
+            Quantity("cpu", "CPU time of all processes", "s", "g3"): c.cpu,
+            Quantity("memory", "peak memory", "MB", ".0f"): c.memory,
+            "status": c.status,
+        }
+        for c in levels
     ]
-    columns = (
-        Column("level", "level", "", "s"),
-        Column("cold", "new process, empty caches", "s", "g3"),
-        Column("cpu", "CPU time of all processes", "s", "g3"),
-        Column("memory", "peak memory", "MB", ".0f"),
-        Column("status", "status", "", "s"),
-    )
     note = (
         f"Each level of {FIRST} in a process of its own on all cores, from the start of the interpreter to the loads: no "
         "mesh, part or run is known before. Peak memory: the sum of the peaks of the processes that one set-up takes."
     )
-    return Table("reference-levels-cold", f"{FIRST}: levels of the 3D reference, cold", columns, rows, note)
+    return Table.of("reference-levels-cold", f"{FIRST}: levels of the 3D reference, cold", rows, note)
 
 
 def assembly_table(costs: Sequence[AssemblyCost]) -> Table:
     """What the assembly beside scikit-fem's forms, and the map beside its own, buy."""
     ours = {cost.mesh: cost.seconds for cost in costs if cost.way == OURS}
-    rows: list[dict[str, Cell]] = [
+    rows: list[Row] = [
         {
             "mesh": cost.mesh,
             "cells": cost.cells,
-            "way": cost.way,
-            "seconds": cost.seconds,
-            "ratio": cost.seconds / ours[cost.mesh],
-            "difference": cost.difference,
+            Quantity("way", "stiffness by", "", "s"): cost.way,
+            Quantity("seconds", "CPU time", "s", "g3"): cost.seconds,
+            Quantity("ratio", "over ours", "", ".1f"): cost.seconds / ours[cost.mesh],
+            Quantity("difference", "difference / largest entry", "", ".1e"): cost.difference,
         }
         for cost in costs
     ]
-    columns = (
-        Column("mesh", "mesh", "", "s"),
-        Column("cells", "cells", "", "s"),
-        Column("way", "stiffness by", "", "s"),
-        Column("seconds", "CPU time", "s", "g3"),
-        Column("ratio", "over ours", "", ".1f"),
-        Column("difference", "difference / largest entry", "", ".1e"),
-    )
     note = (
         "The same stiffness of curved cells at the same quadrature points, one way after the other in turns; median of "
         f"{REPEATS}. Six scalar forms: the integrals of products of two derivatives, put together by Hooke's law."
     )
-    return Table("reference-assembly", "Assembly: ours and scikit-fem's own", columns, rows, note)
+    return Table.of("reference-assembly", "Assembly: ours and scikit-fem's own", rows, note)
 
 
 def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
     """Speed ratio of the finest level to the source's low-order model, scene by scene."""
-    rows: list[dict[str, Cell]] = []
+    rows: list[Row] = []
     for scene, own in points.items():
         low = next(p for p in own if p.label == MODELS["lin"].label)
         best = [p for p in own if p.kind == "level"][-1]
@@ -307,28 +278,18 @@ def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
             rows.append(
                 {
                     "scene": scene,
-                    "low": low.cold,
-                    "low_warm": low.warm,
-                    "ref": best.cold,
-                    "ref_warm": best.warm,
-                    "cold": best.cold / low.cold,
-                    "warm": best.warm / low.warm,
-                    "both": best.cold / low.warm,
+                    Quantity("low", "low-order, cold", "s", "g3"): low.cold,
+                    Quantity("low_warm", "low-order, warm", "s", "g3"): low.warm,
+                    Quantity("ref", "3D reference, cold", "s", ".1f"): best.cold,
+                    Quantity("ref_warm", "3D reference, load case alone", "s", ".2f"): best.warm,
+                    Quantity("cold", "ratio, cold", "", ".0f"): best.cold / low.cold,
+                    Quantity("warm", "load case alone : warm", "", ".0f"): best.warm / low.warm,
+                    Quantity("both", "cold : warm", "", ".0f"): best.cold / low.warm,
                 }
             )
-    columns = (
-        Column("scene", "scene", "", "s"),
-        Column("low", "low-order, cold", "s", "g3"),
-        Column("low_warm", "low-order, warm", "s", "g3"),
-        Column("ref", "3D reference, cold", "s", ".1f"),
-        Column("ref_warm", "3D reference, load case alone", "s", ".2f"),
-        Column("cold", "ratio, cold", "", ".0f"),
-        Column("warm", "load case alone : warm", "", ".0f"),
-        Column("both", "cold : warm", "", ".0f"),
-    )
     printed = entry("lin-2.4.1", "speed_ratio").printed
     title = f"Speed ratio, 3D reference : the source's model (the source: over {printed}, ANSYS : its model)"
-    return Table("reference-speed", title, columns, rows)
+    return Table.of("reference-speed", title, rows)
 
 
 def time_panel(scene: str, own: Sequence[TimePoint]) -> Panel:

@@ -21,7 +21,7 @@ from rollbench.comparison.models.u_val import (
 )
 from rollbench.comparison.reference.levels import LEVELS
 from rollbench.comparison.sections.applicability import items_of
-from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
+from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 #: Models whose rows are shown scene by scene; bias and scatter are of every one on the ladder.
 SHOWN = (DEFAULT, "lin")
@@ -35,7 +35,7 @@ def rows_of(study: Study, rungs: Sequence[Rung]) -> list[Validated]:
 
 def u_val_table(rows: Sequence[Validated]) -> Table:
     """Error and u_val per scene and quantity."""
-    cells: list[dict[str, Cell]] = []
+    cells: list[Row] = []
     for row in rows:
         if row.model not in SHOWN:
             continue
@@ -45,68 +45,45 @@ def u_val_table(rows: Sequence[Validated]) -> Table:
                 "scene": row.scene,
                 "quantity": row.quantity,
                 "model": row.model,
-                "error": row.error,
-                "grid": row.grid,
-                "choices": row.choices,
-                "inputs": row.inputs,
-                "u_val": row.combined,
-                "says": "E ± u_val is the model's" if beyond else "not told from u_val",
-                "within": 100.0 * row.within,
-                "varied": row.varied or "–",
+                Quantity("error", "error E", "%", "+.2f"): row.error,
+                Quantity("grid", "grid", "%", ".2f"): row.grid,
+                Quantity("choices", "modelling choices", "%", ".2f"): row.choices,
+                Quantity("inputs", "input tolerances", "%", ".2f"): row.inputs,
+                Quantity("u_val", "u_val", "%", ".2f"): row.combined,
+                Quantity("says", "what E says", "", "s"): "E ± u_val is the model's" if beyond else "not told from u_val",
+                Quantity("within", "values within u_val", "%", ".0f"): 100.0 * row.within,
+                Quantity("varied", "choices varied on", "", "s"): row.varied or "–",
             }
         )
-    columns = (
-        Column("scene", "scene", "", "s"),
-        Column("quantity", "quantity", "", "s"),
-        Column("model", "model", "", "s"),
-        Column("error", "error E", "%", "+.2f"),
-        Column("grid", "grid", "%", ".2f"),
-        Column("choices", "modelling choices", "%", ".2f"),
-        Column("inputs", "input tolerances", "%", ".2f"),
-        Column("u_val", "u_val", "%", ".2f"),
-        Column("says", "what E says", "", "s"),
-        Column("within", "values within u_val", "%", ".0f"),
-        Column("varied", "choices varied on", "", "s"),
-    )
     note = (
         f"Of {CONTACTS}: the contact of the largest error, in per cent of the mean load; other quantities in per cent of "
         f"the reference's value. Input tolerances, assumed: {'; '.join(x.name for x in INPUTS)}; each varied alone, by the "
         "model lin. Choices were varied on two scenes: where another one's name stands in the last column, its largest "
         "effect stands in. As ASME V&V 20: root of the sum of squares; nothing of it is deducted from an error."
     )
-    return Table("u-val", "Error and validation uncertainty by scene and quantity", columns, cells, note)
+    return Table.of("u-val", "Error and validation uncertainty by scene and quantity", cells, note)
 
 
 def scatter_table(found: Sequence[Scatter]) -> Table:
     """Bias and scatter by model and quantity."""
-    cells: list[dict[str, Cell]] = [
+    cells: list[Row] = [
         {
             "model": s.model,
             "quantity": s.quantity,
-            "scenes": s.scenes,
-            "values": s.values,
-            "bias": s.bias,
-            "scatter": s.scatter,
-            "within": 100.0 * s.within,
-            "within_own": 100.0 * s.within_own,
+            Quantity("scenes", "scenes", "", "g4"): s.scenes,
+            Quantity("values", "values", "", "g4"): s.values,
+            Quantity("bias", "bias", "%", "+.2f"): s.bias,
+            Quantity("scatter", "scatter", "%", ".2f"): s.scatter,
+            Quantity("within", "within u_val", "%", ".0f"): 100.0 * s.within,
+            Quantity("within_own", "within grid and choices", "%", ".0f"): 100.0 * s.within_own,
         }
         for s in found
     ]
-    columns = (
-        Column("model", "model", "", "s"),
-        Column("quantity", "quantity", "", "s"),
-        Column("scenes", "scenes", "", "g4"),
-        Column("values", "values", "", "g4"),
-        Column("bias", "bias", "%", "+.2f"),
-        Column("scatter", "scatter", "%", ".2f"),
-        Column("within", "within u_val", "%", ".0f"),
-        Column("within_own", "within grid and choices", "%", ".0f"),
-    )
     note = (
         "Bias: relative deviation of the model from the reference, geometric mean. Scatter: relative standard deviation of "
         "the model, that of the grid taken out. Over all scenes with a reference, contacts above a tenth of the mean load."
     )
-    return Table("bias-scatter", "Bias and scatter of every model", columns, cells, note)
+    return Table.of("bias-scatter", "Bias and scatter of every model", cells, note)
 
 
 def scatter_figure(found: Sequence[Scatter]) -> Figure:
@@ -129,8 +106,8 @@ def scatter_figure(found: Sequence[Scatter]) -> Figure:
 def bounds_table(study: Study, rungs: Sequence[Rung]) -> Table:
     """Stated bounds and how many of them held."""
     rows = left_out_one(study, rungs)
-    cells: list[dict[str, Cell]] = [
-        {"bound": f"largest error to expect, model {name}, scene left out", "held": held, "all": total}
+    counts = [
+        (f"largest error to expect, model {name}, scene left out", held, total)
         for name, (held, total) in bound_shares(rows).items()
     ]
     own = [h for h in coverage(study) if h.level > min(LEVELS)]
@@ -138,17 +115,17 @@ def bounds_table(study: Study, rungs: Sequence[Rung]) -> Table:
         words = (
             f"discretisation of coarser levels, against the finest, contact loads of {len({h.scene for h in own})} scenes"
         )
-        cells.append({"bound": words, "held": sum(h.held for h in own), "all": sum(h.contacts for h in own)})
-    for cell in cells:
-        cell["share"] = f"{cell['held']} of {cell['all']}"
-        cell["part"] = 100.0 * float(cell["held"] or 0) / float(cell["all"] or 1)
-    columns = (
-        Column("bound", "stated bound", "", "s"),
-        Column("share", "held", "", "s"),
-        Column("part", "share", "%", ".0f"),
-    )
+        counts.append((words, sum(h.held for h in own), sum(h.contacts for h in own)))
+    cells: list[Row] = [
+        {
+            Quantity("bound", "stated bound", "", "s"): words,
+            Quantity("share", "held", "", "s"): f"{held} of {total}",
+            Quantity("part", "share", "%", ".0f"): 100.0 * held / (total or 1),
+        }
+        for words, held, total in counts
+    ]
     note = "A bound of 95 % should hold 19 times in 20."
-    return Table("bounds-held", "Stated bounds, and how many held", columns, cells, note)
+    return Table.of("bounds-held", "Stated bounds, and how many held", cells, note)
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:

@@ -10,7 +10,7 @@ from rollbench.comparison.evidence.audit import counts as audited_counts
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import KINDS
 from rollbench.comparison.sections.finding_table import printed_table
-from rollbench.reports.records import Cell, Column, Section, Table, Text
+from rollbench.reports.records import Quantity, Row, Section, Table, Text
 
 #: What was inferred from printed results, and from which.
 INFERRED = (
@@ -49,16 +49,15 @@ def counts(rows: Sequence[Audited]) -> list[tuple[str, str]]:
 def kinds_table(rows: Sequence[Audited]) -> Table:
     """Entries by kind and verdict."""
     tally = Counter((r.found.printed.kind, r.verdict) for r in rows)
-    cells: list[dict[str, Cell]] = [
-        {"kind": words, **{str(v): tally[kind, v] for v in VERDICTS}, "all": sum(tally[kind, v] for v in VERDICTS)}
+    cells: list[Row] = [
+        {
+            "kind": words,
+            **{str(v): tally[kind, v] for v in VERDICTS},
+            Quantity("all", "entries", "", "s"): sum(tally[kind, v] for v in VERDICTS),
+        }
         for kind, words in KINDS.items()
     ]
-    columns = (
-        Column("kind", "kind", "", "s"),
-        *(Column(v, v, "", "s") for v in VERDICTS),
-        Column("all", "entries", "", "s"),
-    )
-    return Table("kinds", "Printed entries by kind and verdict", columns, cells)
+    return Table.of("kinds", "Printed entries by kind and verdict", cells)
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
@@ -66,22 +65,15 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     step("every printed number and claim")
     audited = audit(study)
     tally: dict[tuple[str, str], int] = Counter((r.found.printed.cls, r.verdict) for r in audited)
-    rows: list[dict[str, Cell]] = [{"class": c, "verdict": v, "count": n} for (c, v), n in sorted(tally.items())]
+    rows: list[Row] = [
+        {"class": c, "verdict": v, Quantity("count", "entries", "", "s"): n} for (c, v), n in sorted(tally.items())
+    ]
     return Section(
         "verdicts",
         "Printed entries and their verdicts",
         (
             Text(HOW_TO_READ),
-            Table(
-                "verdicts",
-                "Printed entries of all sources by class and verdict of the audit",
-                (
-                    Column("class", "class", "", "s"),
-                    Column("verdict", "verdict", "", "s"),
-                    Column("count", "entries", "", "s"),
-                ),
-                rows,
-            ),
+            Table.of("verdicts", "Printed entries of all sources by class and verdict of the audit", rows),
             kinds_table(audited),
             printed_table("printed", "Every printed entry", [r.found for r in audited], place=True),
         ),

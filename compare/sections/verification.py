@@ -19,7 +19,7 @@ from rollbench.hifi.contact.block import (
     source_study,
 )
 from rollbench.hifi.contact.block import study as solve_block
-from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
+from rollbench.reports.records import Cell, Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 #: Cells across the short semi-axis, by element. Sized for 25 s on two cores: tetrahedra are not stretched like the
 #: ellipse, so that P2 at 6 would take as long as all the rest.
@@ -103,18 +103,18 @@ def _source_errors(one: Level) -> str:
 
 
 COLUMNS = (
-    Column("job", "job", "", "s"),
-    Column("mesh", "mesh", "", "s"),
-    Column("b_over_h", "b/h", "", ".1f"),
-    Column("unknowns", "unknowns", "", "s"),
-    Column("contact_nodes", "contact nodes", "", "s"),
-    Column("iterations", "iterations", "", "s"),
-    Column("seconds", "time", "s", "g2"),
-    Column("approach", "approach", "%", ".2f"),
-    Column("a", "semi-axis a", "%", ".2f"),
-    Column("b", "semi-axis b", "%", ".2f"),
-    Column("pole pressure", "pole pressure", "%", ".2f"),
-    Column("fitted", "fitted pole pressure", "%", ".2f"),
+    Quantity("job", "job", "", "s"),
+    Quantity("mesh", "mesh", "", "s"),
+    Quantity("b_over_h", "b/h", "", ".1f"),
+    Quantity("unknowns", "unknowns", "", "s"),
+    Quantity("contact_nodes", "contact nodes", "", "s"),
+    Quantity("iterations", "iterations", "", "s"),
+    Quantity("seconds", "time", "s", "g2"),
+    Quantity("approach", "approach", "%", ".2f"),
+    Quantity("a", "semi-axis a", "%", ".2f"),
+    Quantity("b", "semi-axis b", "%", ".2f"),
+    Quantity("pole pressure", "pole pressure", "%", ".2f"),
+    Quantity("fitted", "fitted pole pressure", "%", ".2f"),
 )
 TIMES = ("mesh", "assembly", "factor", "solve", "contact")
 #: Their headings where these are not their names.
@@ -138,9 +138,9 @@ def error_rows(found: Sequence[Level]) -> list[dict[str, Cell]]:
     ]
 
 
-def value_rows(found: Sequence[Level]) -> list[dict[str, Cell]]:
+def value_rows(found: Sequence[Level]) -> list[Row]:
     """Values of the production mesh and of the closed form."""
-    rows: list[dict[str, Cell]] = []
+    rows: list[Row] = []
     for one in production(found):
         run, exact = one.run, one.run.exact
         for name, unit, scale, value, reference in (
@@ -156,10 +156,10 @@ def value_rows(found: Sequence[Level]) -> list[dict[str, Cell]]:
                     "job": f"{run.job}, {WHAT[run.job]}",
                     "quantity": name,
                     "unit": unit,
-                    "value": scale * value,
-                    "reference": scale * reference,
-                    "error": error,
-                    "target": most,
+                    Quantity("value", "3D", "", "g6"): scale * value,
+                    Quantity("reference", "Hertz", "", "g6"): scale * reference,
+                    Quantity("error", "error", "%", ".3f"): error,
+                    Quantity("target", "target", "%", ".1f"): most,
                     "met": "yes" if abs(error) <= most else "NO",
                 }
             )
@@ -204,10 +204,10 @@ def times_table(found: Sequence[Level]) -> Table:
         for one in found
     ]
     columns = (
-        Column("job", "job", "", "s"),
-        Column("mesh", "mesh", "", "s"),
-        Column("b_over_h", "b/h", "", ".1f"),
-        *(Column(f"{name}_seconds", STAGES.get(name, name), "s", "g2") for name in TIMES),
+        Quantity("job", "job", "", "s"),
+        Quantity("mesh", "mesh", "", "s"),
+        Quantity("b_over_h", "b/h", "", ".1f"),
+        *(Quantity(f"{name}_seconds", STAGES.get(name, name), "s", "g2") for name in TIMES),
     )
     return Table("verification-times", "Where the time goes [s]", columns, rows)
 
@@ -241,21 +241,7 @@ def drawn(found: Sequence[Level]) -> Section:
                 )
             ),
             Text(verdict(found), bullets=True),
-            Table(
-                "verification-targets",
-                f"Production mesh ({made}) against the closed form",
-                (
-                    Column("job", "job", "", "s"),
-                    Column("quantity", "quantity", "", "s"),
-                    Column("unit", "unit", "", "s"),
-                    Column("value", "3D", "", "g6"),
-                    Column("reference", "Hertz", "", "g6"),
-                    Column("error", "error", "%", ".3f"),
-                    Column("target", "target", "%", ".1f"),
-                    Column("met", "met", "", "s"),
-                ),
-                value_rows(found),
-            ),
+            Table.of("verification-targets", f"Production mesh ({made}) against the closed form", value_rows(found)),
             Table("verification-errors", "Errors, unknowns and seconds of all meshes", COLUMNS, error_rows(found)),
             *(figure(found, job) for job in JOBS),
             times_table(found),

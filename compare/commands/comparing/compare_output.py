@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollbench.comparison.commands.solving.solve_output import expected_json, number
-from rollbench.comparison.commands.solving.summary import contacts_json, loads_json
+from rollbench.comparison.commands.solving.solve_output import expected_json
+from rollbench.comparison.commands.solving.summary import GROUPS, contacts_json, loads_json
 from rollbench.comparison.errors import Refusal
 from rollbench.comparison.measure import LoadError, error_percent, load_error
 from rollbench.comparison.models.answers import LoadAnswers, load_answers, unloaded_place
@@ -22,6 +22,7 @@ from rollbench.comparison.models.model_form import ModelForm, Point, estimate, s
 from rollbench.comparison.models.referenced import Answered, SetOf, answered
 from rollbench.comparison.models.registry import DEFAULT, MODELS, Model
 from rollbench.comparison.models.total_uncertainty import Total, total
+from rollbench.comparison.quantities import number, quantity
 from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.reference.grid_summary import uncertainty_percent
 from rollbench.comparison.reference.levels import SOURCE_LEVEL
@@ -40,18 +41,22 @@ if TYPE_CHECKING:
 COLUMNS = ("model", "max err %", "at", "RMS %", "max N", "mean N", "MPa", "uz um", "s")
 
 
-#: Answers of the block: name with unit, where `answers_of` has the value, its format.
+#: Answers on contacts that are compared, by group and key.
+BESIDE = (
+    ("worst_contact", "pressure_MPa"),
+    ("worst_contact", "approach_um"),
+    ("worst_contact", "semi_axis_a_mm"),
+    ("truncation", "margin_deg"),
+    ("static_safety", "factor"),
+    ("life", "L10_million_revolutions"),
+)
+#: Answers of the block: the quantities and the group of `answers_of` that holds them.
 ANSWERS = (
-    ("largest contact load / N", ("loads", "max_N"), ".1f"),
-    ("mean contact load / N", ("loads", "mean_N"), ".1f"),
-    ("axial displacement / um", ("axial", "displacement_um"), ".3f"),
-    ("axial load over it / (N/um)", ("axial", "rigidity_N_per_um"), ".1f"),
-    ("peak pressure / MPa", ("worst_contact", "pressure_MPa"), ".0f"),
-    ("approach of its contact / um", ("worst_contact", "approach_um"), ".3f"),
-    ("larger semi-axis / mm", ("worst_contact", "semi_axis_a_mm"), ".4f"),
-    ("ellipse to edge of groove / deg", ("truncation", "margin_deg"), ".2f"),
-    ("static safety", ("static_safety", "factor"), ".2f"),
-    ("life L10 / million revolutions", ("life", "L10_million_revolutions"), ".1f"),
+    ("loads", quantity("max_N", heading="largest contact load", form=".1f")),
+    ("loads", quantity("mean_N", heading="mean contact load", form=".1f")),
+    ("axial", quantity("displacement_um", heading="axial displacement", form=".3f")),
+    ("axial", quantity("rigidity_N_per_um", heading="axial load over it", form=".1f")),
+    *((group, q) for group, key in BESIDE for q in GROUPS[group] if q.key == key),
 )
 
 
@@ -180,11 +185,12 @@ def answers_table(whole: Comparison) -> RenderableType:
     out = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
     for k, name in enumerate(("answer", whole.spoken.label, "3D reference", "difference / %")):
         out.add_column(name, justify="left" if k == 0 else "right", no_wrap=True)
-    for name, (group, key), form in ANSWERS:
-        value, ref = (None if side[group] is None else side[group][key] for side in (own, reference))
+    for group, q in ANSWERS:
+        value, ref = (None if side[group] is None else side[group][q.key] for side in (own, reference))
         off = None if value is None or not ref else float(error_percent(value, ref))
-        cells = ((value, form), (ref, form), (off, "+.2f"))
-        out.add_row(name, *("–" if x is None else format(x, f) for x, f in cells))
+        cells = ((value, q.format), (ref, q.format), (off, "+.2f"))
+        unit = f"({q.unit})" if "/" in q.unit else q.unit
+        out.add_row(f"{q.label} / {unit}" if unit else q.label, *("–" if x is None else format(x, f) for x, f in cells))
     return out
 
 

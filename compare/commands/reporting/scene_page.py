@@ -33,7 +33,7 @@ from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 from rollbench.reports.manifest import sha256
-from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
+from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 from rollbench.reports.scene_page import ScenePage
 
 LIBRARIES = ("numpy", "scipy", "numba")
@@ -129,23 +129,20 @@ def _loads(scene: Scene, result: StaticResult, reference: Reference | None) -> S
             ends = (own - bar).tolist(), (own + bar).tolist()
             series.append(Series("3D reference", balls, own.tolist(), "markers", bars=ends))
         panels.append(Panel(f"screw's flank {side}", "ball", "contact load / N", tuple(series), zero=True, integer_x=True))
-    rows: list[dict[str, Cell]] = []
+    rows: list[Row] = []
     for i, s in zip(*np.nonzero(result.load > 0.0), strict=True):
-        row: dict[str, Cell] = {"ball": int(i) + 1, "side": SIDES[int(s)], "load": float(result.load[i, s])}
-        row |= {"angle": float(np.degrees(result.contact_angle[i, s])), "pressure": float(pressure[i, s])}
-        row["reference"] = None if reference is None else float(reference.load[i, s])
+        row: Row = {
+            Quantity("ball", "ball"): int(i) + 1,
+            Quantity("side", "flank", "", "s"): SIDES[int(s)],
+            Quantity("load", "load", "N", ".1f"): float(result.load[i, s]),
+        }
+        if reference is not None:
+            row[Quantity("reference", "3D reference", "N", ".1f")] = float(reference.load[i, s])
+        row[Quantity("angle", "contact angle", "deg", ".2f")] = float(np.degrees(result.contact_angle[i, s]))
+        row[Quantity("pressure", "peak pressure", "MPa", ".0f")] = float(pressure[i, s])
         rows.append(row)
-    columns = [
-        Column("ball", "ball", "", "g4"),
-        Column("side", "flank", "", "s"),
-        Column("load", "load", "N", ".1f"),
-        Column("angle", "contact angle", "deg", ".2f"),
-        Column("pressure", "peak pressure", "MPa", ".0f"),
-    ]
-    if reference is not None:
-        columns.insert(3, Column("reference", "3D reference", "N", ".1f"))
     items: list[Figure | Table] = [Figure("loads", "Contact loads, ball by ball", tuple(panels))] if panels else []
-    items.append(Table("contacts", "Every loaded contact", columns, rows, "Peak pressure: Hertz, error-free radii."))
+    items.append(Table.of("contacts", "Every loaded contact", rows, "Peak pressure: Hertz, error-free radii."))
     return Section("loads", "Loads and pressures", items)
 
 
@@ -159,21 +156,25 @@ def _stiffness(found: Answers, tangent: Tangent) -> Section:
         "this model, tangent at this load",
     )
     values = (None,) * 3 if three is None else (three.contacts, three.bodies, three.unequal)
-    rows: list[dict[str, Cell]] = [
-        {"name": name, "value": None if value is None else 1e-6 * value}
+    rows: list[Row] = [
+        {
+            Quantity("name", "axial rigidity", "", "s"): name,
+            Quantity("value", "", "N/um"): None if value is None else 1e-6 * value,
+        }
         for name, value in zip(names, (*values, found.tangent), strict=True)
     ]
-    columns = (Column("name", "axial rigidity", "", "s"), Column("value", "", "N/um", "g4"))
-    first = Table("rigidity", "Axial rigidities: formulas of ISO 3408-4, and of this model", columns, rows)
+    first = Table.of("rigidity", "Axial rigidities: formulas of ISO 3408-4, and of this model", rows)
     if tangent.status != "converged":
         return Section("stiffness", "Stiffness", (first, Text((f"Tangent stiffness: {tangent.status}.",))))
-    cells: list[dict[str, Cell]] = [
-        {"freedom": name, **{other: float(tangent.matrix[i, k]) for k, other in enumerate(FREEDOMS)}}
+    cells: list[Row] = [
+        {
+            Quantity("freedom", "force or moment", "", "s"): name,
+            **{Quantity(other, other): float(tangent.matrix[i, k]) for k, other in enumerate(FREEDOMS)},
+        }
         for i, name in enumerate(FREEDOMS)
     ]
-    matrix = (Column("freedom", "force or moment", "", "s"), *(Column(name, name, "", "g4") for name in FREEDOMS))
     note = "Screw at the nut's centre, tangent; rows and columns in N, N m, m and rad."
-    return Section("stiffness", "Stiffness", (first, Table("tangent", "Stiffness 6 x 6", matrix, cells, note)))
+    return Section("stiffness", "Stiffness", (first, Table.of("tangent", "Stiffness 6 x 6", cells, note)))
 
 
 def _error(scene: Scene, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None) -> Section:
@@ -183,31 +184,23 @@ def _error(scene: Scene, worth: ModelForm, judged: Sequence[Validated], referenc
     items: list[Text | Table | Figure] = []
     if judged and reference is not None:
         levels = ", ".join(str(run.level) for run in reference.runs)
-        rows: list[dict[str, Cell]] = [
+        rows: list[Row] = [
             {
                 "quantity": v.quantity,
-                "error": v.error,
-                "grid": v.grid,
-                "choices": v.choices,
-                "inputs": v.inputs,
-                "u": v.combined,
+                Quantity("error", "error", "%", "+.2f"): v.error,
+                Quantity("grid", "grid", "%", ".2f"): v.grid,
+                Quantity("choices", "modelling choices", "%", ".2f"): v.choices,
+                Quantity("inputs", "input tolerances", "%", ".2f"): v.inputs,
+                Quantity("u", "u_val", "%", ".2f"): v.combined,
             }
             for v in judged
         ]
-        columns = (
-            Column("quantity", "quantity", "", "s"),
-            Column("error", "error", "%", "+.2f"),
-            Column("grid", "grid", "%", ".2f"),
-            Column("choices", "modelling choices", "%", ".2f"),
-            Column("inputs", "input tolerances", "%", ".2f"),
-            Column("u", "u_val", "%", ".2f"),
-        )
         note = (
             f"Against the 3D reference on mesh levels {levels}. Contact loads: the worst contact, in per cent of the mean "
             "load. u_val combines the three by the root of the sum of squares (ASME V&V 20); choices of the reference were "
             "varied on other scenes unless this is one of them."
         )
-        items.append(Table("measured", "Measured error and its uncertainty", columns, rows, note))
+        items.append(Table.of("measured", "Measured error and its uncertainty", rows, note))
     else:
         items.append(Text(("Not measured: no run of the 3D reference is stored for this scene (rollbench mesh-study).",)))
     told = model_form_text(worth)

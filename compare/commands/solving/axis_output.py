@@ -10,9 +10,10 @@ import numpy as np
 
 from rollbench.comparison.commands.printing import Column, cell
 from rollbench.comparison.commands.solving.axis_summary import set_summary, stiffness_json, whole_summary
-from rollbench.comparison.commands.solving.solve_output import equilibrium_json, number, per_side, solver_json, solver_lines
+from rollbench.comparison.commands.solving.solve_output import equilibrium_json, per_side, solver_json, solver_lines
 from rollbench.comparison.models.axis_answers import AxisAnswers, SetAnswers
 from rollbench.comparison.models.registry import random_errors
+from rollbench.comparison.quantities import number
 from rollbench.lowfi.statics.result import AxisResult, HousingResult, SetResult
 from rollbench.lowfi.warned import above
 from rollbench.meshes.axis import Assembly

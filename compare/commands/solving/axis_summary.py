@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.commands.solving.solve_output import number, summary
-from rollbench.comparison.commands.solving.summary import contact_entries, contacts_json, entry, loads_json, preload_json
+from rollbench.comparison.commands.solving.solve_output import summary
+from rollbench.comparison.commands.solving.summary import PRELOAD, contact_entries, contacts_json, entry, loads_json
 from rollbench.comparison.models.axis_answers import AxisAnswers, SetAnswers
+from rollbench.comparison.quantities import number, record
 from rollbench.lowfi.bearings.axis import lost_motion
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.axis import Assembly
@@ -32,10 +33,8 @@ def set_summary(s: SetResult, found: SetAnswers | None) -> dict[str, Any]:
     data: dict[str, Any] = {"sides": summary(s.balls.load)}
     if found is None:
         return data
-    data |= {"loads": loads_json(s.balls.load), **contacts_json(found.loads), "preload": None}
-    if found.preload is not None:
-        data["preload"] = preload_json(found.preload)
-    return data
+    own = {"loads": loads_json(s.balls.load), **contacts_json(found.loads), "preload": record(PRELOAD, found.preload)}
+    return data | own
 
 
 def whole_summary(result: AxisResult, found: AxisAnswers | None) -> dict[str, Any]:

@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 
 from rollbench.comparison.commands.printing import Answer, on_terminal
-from rollbench.comparison.commands.solving.solve_output import number
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.axis_members import OF_SET, WHOLE, AxisMembers, columns, run_axis_members, with_seed
 from rollbench.comparison.models.members import KEPT, Bands, Members, run_members, statistics
 from rollbench.comparison.models.registry import DEFAULT
+from rollbench.comparison.quantities import number
 from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.scenes.scene_file import whole

@@ -9,7 +9,7 @@ from rollbench.comparison.commands.solving.load_curve import write_curve
 from rollbench.comparison.commands.solving.matrix_files import check_matrix, write_matrix
 from rollbench.comparison.commands.solving.solve_choices import Choices
 from rollbench.comparison.commands.solving.solve_output import as_json as to_json
-from rollbench.comparison.commands.solving.solve_output import as_table, number, stiffness_lines
+from rollbench.comparison.commands.solving.solve_output import as_table, stiffness_lines
 from rollbench.comparison.commands.solving.summary import answers_json, block
 from rollbench.comparison.errors import InputError, named, one_line
 from rollbench.comparison.gate.loads_file import loads_csv, write_loads
@@ -17,6 +17,7 @@ from rollbench.comparison.models.answers import Answers, gather, tangent_of
 from rollbench.comparison.models.model_form import estimate
 from rollbench.comparison.models.outside import with_answers
 from rollbench.comparison.models.registry import DEFAULT, Options, run_model
+from rollbench.comparison.quantities import number
 from rollbench.comparison.scenes import catalogue, units
 from rollbench.comparison.scenes.scene_file import whole
 from rollbench.comparison.watch import checked, watched

@@ -10,6 +10,7 @@ import numpy as np
 
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.model_form import ModelForm
+from rollbench.comparison.quantities import number
 from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.lowfi.warned import above
@@ -19,12 +20,6 @@ from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 if TYPE_CHECKING:
     from rich.console import RenderableType
     from rich.table import Table
-
-
-def number(value: float) -> float | None:
-    """A JSON number: nan and infinity become null, and no zero has a sign."""
-    value = float(value) + 0.0
-    return value if math.isfinite(value) else None
 
 
 def per_side(row: Array) -> dict[str, float | None]:

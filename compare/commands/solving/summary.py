@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import math
 import textwrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollbench.comparison.commands.solving.solve_output import MODEL_FORM, model_form_text, number
+from rollbench.comparison.commands.solving.solve_output import MODEL_FORM, model_form_text
 from rollbench.comparison.models.answers import Answers, LoadAnswers
-from rollbench.comparison.models.loading import Preload
 from rollbench.comparison.models.model_form import ModelForm
+from rollbench.comparison.quantities import number, quantity, record
 from rollbench.lowfi.rating.contacts import ALLOWED
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import StaticResult
@@ -48,78 +47,78 @@ def loads_json(load: Array, contacts: int = 0) -> dict[str, Any] | None:
     }
 
 
+CONTACT = (
+    quantity("ball"),
+    quantity("side"),
+    quantity("force_N"),
+    quantity("contact_angle_deg", "angle"),
+    quantity("approach_um", heading="approach of its contact", form=".3f"),
+    quantity("semi_axis_a_mm", "a", "larger semi-axis", ".4f"),
+    quantity("semi_axis_b_mm", "b"),
+    quantity("pressure_MPa", heading="peak pressure", form=".0f"),
+)
+TRUNCATION = (
+    quantity("ball"),
+    quantity("side"),
+    quantity("edge"),
+    quantity("contact_angle_deg", "angle"),
+    quantity("ellipse_half_width_deg", "half"),
+    quantity("edge_angle_deg", "limit"),
+    quantity("margin_deg", heading="ellipse to edge of groove", form=".2f"),
+    quantity("contacts_cut", "cut"),
+)
+STATIC_SAFETY = (
+    quantity("factor", heading="static safety", form=".2f"),
+    quantity("permanent_over_diameter", "permanent"),
+    quantity("allowed_over_diameter", lambda _: ALLOWED),
+    quantity("allowed_pressure_MPa", lambda _: DENT_PRESSURE),
+)
+LIFE = (
+    quantity("L10_million_revolutions", "revolutions", "life L10", ".1f"),
+    quantity("raceways_million_revolutions", "raceways"),
+    quantity("rating_as_computed_N", "rating"),
+    quantity("equivalent_load_N", "equivalent"),
+    quantity("standard"),
+)
+RATINGS = (
+    quantity("dynamic_N"),
+    quantity("static_N"),
+    quantity("direction", lambda rated: "axial" if rated.axial else "radial"),
+    quantity("dynamic_standard"),
+    quantity("static_standard"),
+)
+RIGIDITIES = (
+    quantity("contacts_alone", lambda three: 1e-6 * three.contacts),
+    quantity("with_bodies", lambda three: three.bodies and 1e-6 * three.bodies),
+    quantity("with_unequal_loads", lambda three: three.unequal and 1e-6 * three.unequal),
+)
+PRELOAD = (quantity("mean_N"), quantity("max_N", "largest"), quantity("axial_N"), quantity("loaded_contacts", "loaded"))
+CONTACT_LOST = (
+    quantity("load_factor", "factor"),
+    quantity("axial_force_N", lambda lift: None if lift.factor is None else lift.axial),
+    quantity("ball", lambda lift: lift.ball or None),
+    quantity("side", lambda lift: lift.side or None),
+    quantity("words", lambda lift: lift.words or None),
+)
+#: Groups of answers that contact loads alone give.
+GROUPS = {"worst_contact": CONTACT, "truncation": TRUNCATION, "static_safety": STATIC_SAFETY, "life": LIFE}
+
+
 def contacts_json(found: LoadAnswers) -> dict[str, Any]:
     """Worst contact, truncation, static safety, life and ratings; null where there is none."""
-    w, t, s, life, rated = found.worst, found.reach, found.safety, found.life, found.ratings
     return {
-        "worst_contact": None
-        if w is None
-        else {
-            "ball": w.ball,
-            "side": w.side,
-            "force_N": number(w.force),
-            "contact_angle_deg": number(math.degrees(w.angle)),
-            "approach_um": number(1e6 * w.approach),
-            "semi_axis_a_mm": number(1e3 * w.a),
-            "semi_axis_b_mm": number(1e3 * w.b),
-            "pressure_MPa": number(1e-6 * w.pressure),
-        },
-        "truncation": None
-        if t is None
-        else {
-            "ball": t.ball,
-            "side": t.side,
-            "edge": t.edge,
-            "contact_angle_deg": number(math.degrees(t.angle)),
-            "ellipse_half_width_deg": number(math.degrees(t.half)),
-            "edge_angle_deg": number(math.degrees(t.limit)),
-            "margin_deg": number(math.degrees(t.margin)),
-            "contacts_cut": t.cut,
-        },
-        "static_safety": None
-        if s is None
-        else {
-            "factor": number(s.factor),
-            "permanent_over_diameter": number(s.permanent),
-            "allowed_over_diameter": ALLOWED,
-            "allowed_pressure_MPa": 1e-6 * DENT_PRESSURE,
-        },
-        "life": None
-        if life is None
-        else {
-            "L10_million_revolutions": number(life.revolutions),
-            "raceways_million_revolutions": {k: number(v) for k, v in life.raceways.items()},
-            "rating_as_computed_N": number(life.rating),
-            "equivalent_load_N": number(life.equivalent),
-            "standard": life.standard,
-        },
-        "ratings": None
-        if rated is None
-        else {
-            "dynamic_N": number(rated.dynamic),
-            "static_N": number(rated.static),
-            "direction": "axial" if rated.axial else "radial",
-            "dynamic_standard": rated.dynamic_standard,
-            "static_standard": rated.static_standard,
-        },
+        "worst_contact": record(CONTACT, found.worst),
+        "truncation": record(TRUNCATION, found.reach),
+        "static_safety": record(STATIC_SAFETY, found.safety),
+        "life": record(LIFE, found.life),
+        "ratings": record(RATINGS, found.ratings),
         "rating_refused": found.words or None,
-    }
-
-
-def preload_json(held: Preload) -> dict[str, Any]:
-    """What contacts carry without the loads of the scene."""
-    return {
-        "mean_N": number(held.mean),
-        "max_N": number(held.largest),
-        "axial_N": number(held.axial),
-        "loaded_contacts": held.loaded,
     }
 
 
 def answers_json(scene: Scene, result: StaticResult, found: Answers) -> dict[str, Any]:
     """All answers: forces in N, displacements in um, rigidities in N/um."""
-    three, held, lift, life = found.rigidities, found.preload, found.lift, found.loads.life
-    state = found.friction
+    three, life, state = found.rigidities, found.loads.life, found.friction
     data = contacts_json(found.loads)
     if life is not None and scene.motion is not None and scene.motion.speed:
         data["life"]["L10_hours"] = number(life.hours(scene.motion.speed))
@@ -132,24 +131,10 @@ def answers_json(scene: Scene, result: StaticResult, found: Answers) -> dict[str
             "tangent_N_per_um": None if found.tangent is None else number(1e-6 * found.tangent),
             "tangent_words": found.tangent_words or None,
         },
-        "rigidities_N_per_um": None
-        if three is None
-        else {
-            "contacts_alone": number(1e-6 * three.contacts),
-            "with_bodies": None if three.bodies is None else number(1e-6 * three.bodies),
-            "with_unequal_loads": None if three.unequal is None else number(1e-6 * three.unequal),
-        },
+        "rigidities_N_per_um": record(RIGIDITIES, three),
         **data,
-        "preload": None if held is None else preload_json(held),
-        "contact_lost": None
-        if lift is None
-        else {
-            "load_factor": None if lift.factor is None else number(lift.factor),
-            "axial_force_N": None if lift.factor is None else number(lift.axial),
-            "ball": lift.ball or None,
-            "side": lift.side or None,
-            "words": lift.words or None,
-        },
+        "preload": record(PRELOAD, found.preload),
+        "contact_lost": record(CONTACT_LOST, found.lift),
         "friction": None if state is None else _friction_json(state),
         "friction_words": found.friction_words or None,
     }

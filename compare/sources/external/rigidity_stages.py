@@ -13,7 +13,7 @@ from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.estimate import Reference
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, rigidities
 from rollbench.meshes.parts import Scene
-from rollbench.reports.records import Cell, Column, Table
+from rollbench.reports.records import Cell, Quantity, Table
 
 #: Displacement without loads over that with them up to which it is taken as none: the reference has no run without loads.
 STARTS = 0.01
@@ -66,16 +66,16 @@ def stages_table(
         rows.append(row)
     rows += [row for row in (reference_row(study, name) for name in names) if row is not None]
     columns = (
-        Column("scene", "scene", "", "s"),
-        Column("load", "axial load", "kN", "g3"),
-        Column("contacts", "contacts alone", "N/um", "g4"),
-        Column("bodies", "with the bodies", "N/um", "g4"),
-        Column("unequal", "with unequal loads", "N/um", "g4"),
-        Column("reference", "3D reference", "N/um", "g4"),
-        Column("printed", "catalogue", "N/um", "g4"),
-        Column("share_contacts", "catalogue over contacts", "", ".3f"),
-        Column("share_bodies", "over bodies", "", ".3f"),
-        Column("share_unequal", "over unequal", "", ".3f"),
+        Quantity("scene", "scene", "", "s"),
+        Quantity("load", "axial load", "kN", "g3"),
+        Quantity("contacts", "contacts alone", "N/um", "g4"),
+        Quantity("bodies", "with the bodies", "N/um", "g4"),
+        Quantity("unequal", "with unequal loads", "N/um", "g4"),
+        Quantity("reference", "3D reference", "N/um", "g4"),
+        Quantity("printed", "catalogue", "N/um", "g4"),
+        Quantity("share_contacts", "catalogue over contacts", "", ".3f"),
+        Quantity("share_bodies", "over bodies", "", ".3f"),
+        Quantity("share_unequal", "over unequal", "", ".3f"),
     )
     note = (
         "Axial load over axial displacement, as ISO 3408-4 separates it: equal balls between rigid bodies; with the "

@@ -20,7 +20,7 @@ from rollbench.comparison.sources.external.evidence.case import PREFIX, assumpti
 from rollbench.comparison.sources.external.rigidity_stages import stages_table
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
-from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
+from rollbench.reports.records import Cell, Figure, Panel, Quantity, Section, Series, Table, Text
 
 #: Titles of the tables.
 TITLES = {
@@ -69,7 +69,7 @@ def assumed_table(study: Study) -> Table:
             rows += [{"case": name, "assumed": text} for text in thing.assumed]
     for name, texts in assumptions().items():
         rows += [{"case": PREFIX + name, "assumed": text} for text in texts]
-    columns = (Column("case", "case or scene", "", "s"), Column("assumed", "inferred or chosen to run it", "", "s"))
+    columns = (Quantity("case", "case or scene", "", "s"), Quantity("assumed", "inferred or chosen to run it", "", "s"))
     return Table("external-assumed", "What was inferred to run the external cases", columns, rows)
 
 

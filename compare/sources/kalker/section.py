@@ -25,79 +25,10 @@ from rollbench.comparison.wings.rolling.names import FINITE
 from rollbench.comparison.wings.rolling.patches import PatchField, fields
 from rollbench.comparison.wings.rolling.rows import KNOWN, LIMIT, PAIRS, RINGS, RollingRow, load_state, stored_rows, within
 from rollbench.comparison.wings.rolling.runs import LEVELS, SOURCE_LEVEL, RollingRun, load
-from rollbench.reports.records import Column, Figure, Panel, PressureMap, PressurePanel, Section, Table, Text
+from rollbench.reports.records import Figure, Panel, PressureMap, PressurePanel, Quantity, Row, Section, Table, Text
 from rollbench.reports.records import Series as Curve
 
-PROOF = (
-    Column("case", "case", "", "s"),
-    Column("quantity", "quantity", "", "s"),
-    Column("coarse", "coarse grid", "", "g5"),
-    Column("middle", "middle grid", "", "g5"),
-    Column("fine", "fine grid", "", "g5"),
-    Column("exact", "exact or printed", "", "g5"),
-    Column("error", "error of the answer", "%", ".2f"),
-    Column("order", "order", "", ".1f"),
-    Column("reach", "to reach", "%", "g3"),
-    Column("verdict", "verdict", "", "s"),
-)
-COMPARISON = (
-    Column("scene", "scene", "", "s"),
-    Column("state", "load state", "", "s"),
-    Column("quantity", "quantity", "", "s"),
-    Column("unit", "unit", "", "s"),
-    Column("low", "low-order", "", "g5"),
-    Column("reference", "3D", "", "g5"),
-    Column("uncertainty", "+-", "", "g2"),
-    Column("error", "low-order against 3D", "%", ".2f"),
-    Column("share", "+-", "%", ".2f"),
-    Column("printed", "printed low-order", "", "g4"),
-    Column("ansys", "printed ANSYS", "", "g4"),
-    Column("flat", "3D, flat contacts", "", "g5"),
-    Column("rigid", "rigid limit", "", "g5"),
-    Column("ms", "low-order", "ms", "g3"),
-    Column("seconds", "3D", "s", "g3"),
-    Column("verdict", "verdict", "", "s"),
-)
-GRIDS = (
-    Column("scene", "scene", "", "s"),
-    Column("state", "load state", "", "s"),
-    Column("level", "level", "", "s"),
-    Column("cells", "cells", "", "s"),
-    Column("value", "force or torque", "", "g5"),
-    Column("alone", "by the grid alone", "", "g5"),
-    Column("elasticity", "change by elasticity", "", "g3"),
-    Column("lost", "power lost by differences", "%", ".3f"),
-    Column("stick", "cells that stick", "", "d"),
-    Column("seconds", "processor time", "s", "g3"),
-)
-BODIES = (
-    Column("scene", "scene", "", "s"),
-    Column("quantity", "quantity", "", "s"),
-    Column("unit", "unit", "", "s"),
-    Column("rigid", "rigid bodies", "", "g5"),
-    Column("half", "half spaces", "", "g5"),
-    Column("finite", "finite bodies", "", "g5"),
-    Column("uncertainty", "+-", "", "g2"),
-    Column("change", "change by finite bodies", "%", ".3f"),
-    Column("error", "low-order against finite bodies", "%", ".2f"),
-)
-SIZES = (Column("choice", "choice", "", "s"), *(Column(name, name, "", "g6") for name in NAMES))
-REST = (
-    Column("steps", "steps", "", "d"),
-    Column("force", "force at the end", "N", "g5"),
-    Column("steady", "steady", "N", "g5"),
-    Column("error", "error", "%", ".2f"),
-    Column("meet", "balls meet at", "ms", ".1f"),
-    Column("seconds", "processor time", "s", "g3"),
-)
-CHOICES = (
-    Column("scene", "scene", "", "s"),
-    Column("choice", "choice", "", "s"),
-    Column("tried", "tried", "", "s"),
-    Column("change", "largest change of the force", "%", "g2"),
-    Column("uncertainty", "stated uncertainty", "%", "g2"),
-    Column("verdict", "verdict", "", "s"),
-)
+SIZES = (Quantity("choice", "choice", "", "s"), *(Quantity(name, name, "", "g6") for name in NAMES))
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
@@ -119,31 +50,28 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     missing = [name for name, own in found.items() if not own]
     items: list[Text | Table | Figure | PressureMap] = [
         Text(_words(found, proof)),
-        Table("rolling-verification", "Contacts with known answers on three grids", PROOF, [_proof(p) for p in proof]),
-        Table(
+        Table.of("rolling-verification", "Contacts with known answers on three grids", [_proof(p) for p in proof]),
+        Table.of(
             "rolling-pairs",
             "Two balls: Tables 3.5 and 3.7, low-order against 3D",
-            COMPARISON,
             [_compared(row) for name in PAIRS for row in found[name]],
             "3D: elastic half spaces; its uncertainty is the scatter of three grids. Plain and inferred readings of the "
             "load state, which Table 3.7 does not print, are scenes of their own; the uncertainty of either holds "
             "nothing of what that reading leaves open." + (f" No stored runs: {', '.join(missing)}." if missing else ""),
         ),
-        Table(
+        Table.of(
             "rolling-ring",
             "One ball of a rotary bearing: low-order against 3D",
-            COMPARISON,
             [_compared(row) for name in RINGS for row in found[name]],
         ),
         *_finite(stores, sizes, proof),
         *_maps(patches),
-        Table("rolling-grids", "What the grids do", GRIDS, _grid_rows(stores)),
-        Table("rolling-from-rest", "Linear bearing, case (a), from rest", REST, [_rest(s) for s in series]),
+        Table.of("rolling-grids", "What the grids do", _grid_rows(stores)),
+        Table.of("rolling-from-rest", "Linear bearing, case (a), from rest", [_rest(s) for s in series]),
         _figure(series),
-        Table(
+        Table.of(
             "rolling-choices",
             "Ball-to-ball force when a numerical choice changes",
-            CHOICES,
             [_choice(c) for c in changed],
             "The grid is finer than all behind the uncertainty; that of finite bodies holds their own choices. Runs from "
             "rest are compared with steady rolling on their grid.",
@@ -179,10 +107,9 @@ def _finite(stores: Sequence[Path], sizes: Sizes, proof: Sequence[Proof]) -> lis
                 + most
             ]
         ),
-        Table(
+        Table.of(
             "rolling-bodies",
             "What finite bodies change",
-            BODIES,
             [_beside(row) for row in shown],
             "Uncertainty: scatter of three grids, and the largest change of a force or loss by a choice in the next table."
             + (f" No stored runs: {', '.join(missing)}." if missing else ""),
@@ -202,18 +129,18 @@ def _change(row: RollingRow) -> float | None:
     return change if change is not None and np.isfinite(change) and row.error_percent != 0.0 else None
 
 
-def _beside(row: RollingRow) -> dict[str, str | float | None]:
+def _beside(row: RollingRow) -> Row:
     finite = np.isfinite(row.uncertainty)
     return {
         "scene": row.scene,
         "quantity": row.quantity,
         "unit": row.unit,
-        "rigid": row.rigid,
-        "half": row.half_space,
-        "finite": row.reference,
-        "uncertainty": row.uncertainty if finite else None,
-        "change": _change(row),
-        "error": row.error_percent,
+        Quantity("rigid", "rigid bodies", "", "g5"): row.rigid,
+        Quantity("half", "half spaces", "", "g5"): row.half_space,
+        Quantity("finite", "finite bodies", "", "g5"): row.reference,
+        Quantity("uncertainty", "+-", "", "g2"): row.uncertainty if finite else None,
+        Quantity("change", "change by finite bodies", "%", ".3f"): _change(row),
+        Quantity("error", "low-order against finite bodies", "%", ".2f"): row.error_percent,
     }
 
 
@@ -303,39 +230,39 @@ def _pole(proof: Sequence[Proof]) -> str:
     )
 
 
-def _proof(p: Proof) -> dict[str, str | float | None]:
+def _proof(p: Proof) -> Row:
     return {
         "case": p.case,
         "quantity": p.quantity,
-        "coarse": p.values[0],
-        "middle": p.values[1],
-        "fine": p.values[2],
-        "exact": p.exact,
-        "error": p.error,
-        "order": p.order,
-        "reach": p.reach,
+        Quantity("coarse", "coarse grid", "", "g5"): p.values[0],
+        Quantity("middle", "middle grid", "", "g5"): p.values[1],
+        Quantity("fine", "fine grid", "", "g5"): p.values[2],
+        Quantity("exact", "exact or printed", "", "g5"): p.exact,
+        Quantity("error", "error of the answer", "%", ".2f"): p.error,
+        Quantity("order", "order", "", ".1f"): p.order,
+        Quantity("reach", "to reach", "%", "g3"): p.reach,
         "verdict": "reached" if p.reached else "not reached",
     }
 
 
-def _compared(row: RollingRow) -> dict[str, str | float | None]:
+def _compared(row: RollingRow) -> Row:
     finite = np.isfinite(row.uncertainty)
     return {
         "scene": row.scene,
-        "state": row.load_state,
+        Quantity("state", "load state", "", "s"): row.load_state,
         "quantity": row.quantity,
         "unit": row.unit,
-        "low": row.low,
-        "reference": row.reference,
-        "uncertainty": row.uncertainty if finite else None,
-        "error": row.error_percent,
-        "share": row.uncertainty_percent,
-        "printed": row.printed,
-        "ansys": row.printed_ansys,
-        "flat": row.flat,
-        "rigid": row.rigid,
-        "ms": 1e3 * row.low_seconds,
-        "seconds": row.seconds,
+        Quantity("low", "low-order", "", "g5"): row.low,
+        Quantity("reference", "3D", "", "g5"): row.reference,
+        Quantity("uncertainty", "+-", "", "g2"): row.uncertainty if finite else None,
+        Quantity("error", "low-order against 3D", "%", ".2f"): row.error_percent,
+        Quantity("share", "+-", "%", ".2f"): row.uncertainty_percent,
+        Quantity("printed", "printed low-order", "", "g4"): row.printed,
+        Quantity("ansys", "printed ANSYS", "", "g4"): row.printed_ansys,
+        Quantity("flat", "3D, flat contacts", "", "g5"): row.flat,
+        Quantity("rigid", "rigid limit", "", "g5"): row.rigid,
+        Quantity("ms", "low-order", "ms", "g3"): 1e3 * row.low_seconds,
+        Quantity("seconds", "3D", "s", "g3"): row.seconds,
         "verdict": f"within {LIMIT:g} %" if within(row) else f"beyond {LIMIT:g} %",
     }
 
@@ -347,47 +274,47 @@ def _runs(name: str, stores: Sequence[Path]) -> list[RollingRun]:
     return [run for run in found if run is not None]
 
 
-def _grid_rows(stores: Sequence[Path]) -> list[dict[str, str | float | int | None]]:
-    out: list[dict[str, str | float | int | None]] = []
+def _grid_rows(stores: Sequence[Path]) -> list[Row]:
+    out: list[Row] = []
     for name in (*PAIRS, *RINGS):
         for run in _runs(name, stores):
             key = next(k for k in run.elastic if k.startswith(("force", "torque")))
             out.append(
                 {
                     "scene": name,
-                    "state": load_state(name),
+                    Quantity("state", "load state", "", "s"): load_state(name),
                     "level": "source's size" if run.level == SOURCE_LEVEL else str(run.level),
                     "cells": f"{run.shape[0]} x {run.shape[1]}",
-                    "value": run.values[key],
-                    "alone": run.elastic[key],
-                    "elasticity": run.elastic[key] - run.near_rigid[key],
-                    "lost": 100.0 * run.upwind,
-                    "stick": run.sticking,
-                    "seconds": run.seconds,
+                    Quantity("value", "force or torque", "", "g5"): run.values[key],
+                    Quantity("alone", "by the grid alone", "", "g5"): run.elastic[key],
+                    Quantity("elasticity", "change by elasticity", "", "g3"): run.elastic[key] - run.near_rigid[key],
+                    Quantity("lost", "power lost by differences", "%", ".3f"): 100.0 * run.upwind,
+                    Quantity("stick", "cells that stick", "", "d"): run.sticking,
+                    Quantity("seconds", "processor time", "s", "g3"): run.seconds,
                 }
             )
     return out
 
 
-def _rest(s: Series) -> dict[str, float | int | None]:
+def _rest(s: Series) -> Row:
     meet = next((t for t, f in zip(s.time, s.force, strict=True) if f > 0.0), None)
     return {
-        "steps": s.steps,
-        "force": s.force[-1],
-        "steady": s.steady,
-        "error": float(error_percent(s.force[-1], s.steady)),
-        "meet": None if meet is None else 1e3 * meet,
-        "seconds": s.seconds,
+        Quantity("steps", "steps", "", "d"): s.steps,
+        Quantity("force", "force at the end", "N", "g5"): s.force[-1],
+        Quantity("steady", "steady", "N", "g5"): s.steady,
+        Quantity("error", "error", "%", ".2f"): float(error_percent(s.force[-1], s.steady)),
+        Quantity("meet", "balls meet at", "ms", ".1f"): None if meet is None else 1e3 * meet,
+        Quantity("seconds", "processor time", "s", "g3"): s.seconds,
     }
 
 
-def _choice(c: Change) -> dict[str, str | float | None]:
+def _choice(c: Change) -> Row:
     return {
         "scene": c.scene,
         "choice": c.choice,
         "tried": c.tried,
-        "change": c.change,
-        "uncertainty": c.uncertainty,
+        Quantity("change", "largest change of the force", "%", "g2"): c.change,
+        Quantity("uncertainty", "stated uncertainty", "%", "g2"): c.uncertainty,
         "verdict": "within" if c.within else "beyond",
     }
 

@@ -13,9 +13,9 @@ from rollbench.comparison.models.study import Study
 from rollbench.comparison.sections.finding_table import printed_table
 from rollbench.comparison.sources.liu.evidence import bodies, case
 from rollbench.lowfi.random_errors.chain import solve_chain
-from rollbench.lowfi.random_errors.ensemble import Quantity
+from rollbench.lowfi.random_errors.ensemble import Quantity as Spread
 from rollbench.meshes.arrays import Array
-from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
+from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 #: Titles of the tables.
 TITLES = {
@@ -38,13 +38,13 @@ ABOUT = (
 _LOADS = np.array([50.0, 100.0, 200.0, 350.0, 500.0, 750.0, 1000.0, 1500.0, 2000.0, 2500.0, 3000.0, 4000.0, 5000.0])
 
 
-def _median(quantity: Quantity, half_range: int, unit: float) -> Series:
+def _median(quantity: Spread, half_range: int, unit: float) -> Series:
     loads = list(case.LOADS[half_range])
     values = [float(np.median(case.sample(half_range, quantity, f))) / unit for f in loads]
     return Series(f"±{half_range} µm, median", loads, values, "line")
 
 
-def _band(quantity: Quantity, half_range: int, unit: float) -> list[Series]:
+def _band(quantity: Spread, half_range: int, unit: float) -> list[Series]:
     loads, found = list(case.LOADS[half_range]), []
     for level in (case.UNLIKELY, 1.0 - case.UNLIKELY):
         values = [float(np.quantile(case.sample(half_range, quantity, f), level)) / unit for f in loads]
@@ -117,58 +117,44 @@ def stiffness_in_words(found: dict[str, float]) -> str:
 
 def bodies_table(study: Study) -> Table:
     """The same screws and errors by the chain, the beam model and the refined one."""
-    rows: list[dict[str, Cell]] = []
+    rows: list[Row] = []
     for c in study.once(bodies.compare_models):
-        row: dict[str, Cell] = {"errors": c.errors, "load": c.load}
-        for name, model in (("axial", c.axial), ("beam", c.beam), ("refined", c.refined)):
-            row[name], row[f"{name}_loaded"] = float(model.max()), int(np.count_nonzero(model > 0.0))
+        row: Row = {"errors": c.errors, Quantity("load", "axial load", "N", ".0f"): c.load}
+        for name, words, model in (
+            ("axial", "axial only", c.axial),
+            ("beam", "beam model", c.beam),
+            ("refined", "refined model", c.refined),
+        ):
+            row[Quantity(name, f"{words}: largest load", "N")] = float(model.max())
+            row[Quantity(f"{name}_loaded", f"{words}: loaded balls", "", "s")] = int(np.count_nonzero(model > 0.0))
             if name != "axial":
                 rms, most, ball = c.off(model)
-                row[f"{name}_rms"], row[f"{name}_most"] = rms, f"{most:+.1f} (ball {ball})"
+                row[Quantity(f"{name}_rms", f"{words}: RMS off the axial one", "% of the mean", ".2f")] = rms
+                largest = f"{most:+.1f} (ball {ball})"
+                row[Quantity(f"{name}_most", f"{words}: largest difference", "% of the mean", "s")] = largest
         rows.append(row)
-    columns = [Column("errors", "errors", "", "s"), Column("load", "axial load", "N", ".0f")]
-    for name, words in (("axial", "axial only"), ("beam", "beam model"), ("refined", "refined model")):
-        columns += [
-            Column(name, f"{words}: largest load", "N", "g4"),
-            Column(f"{name}_loaded", f"{words}: loaded balls", "", "s"),
-        ]
-        if name != "axial":
-            columns += [
-                Column(f"{name}_rms", f"{words}: RMS off the axial one", "% of the mean", ".2f"),
-                Column(f"{name}_most", f"{words}: largest difference", "% of the mean", "s"),
-            ]
     note = (
         "Axial only: the chain with the axial compliance of the same screw and a rigid nut, which the beam model has too. "
         "Areas and balls a turn are assumed (scene liu-screw)."
     )
-    return Table("liu-bodies", "Where the axial-only idealisation misleads", columns, rows, note)
+    return Table.of("liu-bodies", "Where the axial-only idealisation misleads", rows, note)
 
 
 def solid_table(study: Study) -> Table:
     """The same screw in 3D, the low-order models beside it."""
     words = {"axial": "axial only", "lin": "beam model", "refined": "refined model"}
-    rows: list[dict[str, Cell]] = [
+    rows: list[Row] = [
         {
             "scene": c.scene,
             "model": words[c.model],
-            "rms": c.rms,
-            "most": c.largest,
-            "ball": c.ball,
-            "bar": c.uncertainty,
-            "loaded": c.loaded,
-            "solid": c.loaded_in_3d,
+            Quantity("rms", "RMS error", "% of the mean", ".2f"): c.rms,
+            Quantity("most", "largest error", "% of the mean", ".2f"): c.largest,
+            Quantity("ball", "at ball", "", "s"): c.ball,
+            Quantity("bar", "3D: grid uncertainty", "% of the mean", ".2f"): c.uncertainty,
+            Quantity("loaded", "loaded balls", "", "s"): c.loaded,
+            Quantity("solid", "in 3D", "", "s"): c.loaded_in_3d,
         }
         for c in study.once(bodies.compare_solid)
-    ]
-    columns = [
-        Column("scene", "scene", "", "s"),
-        Column("model", "model", "", "s"),
-        Column("rms", "RMS error", "% of the mean", ".2f"),
-        Column("most", "largest error", "% of the mean", ".2f"),
-        Column("ball", "at ball", "", "s"),
-        Column("bar", "3D: grid uncertainty", "% of the mean", ".2f"),
-        Column("loaded", "loaded balls", "", "s"),
-        Column("solid", "in 3D", "", "s"),
     ]
     levels = " and ".join(str(k) for k in bodies.SOLID_LEVELS)
     contacts = 2 * study.scene(bodies.SCENE).ball_count
@@ -177,7 +163,7 @@ def solid_table(study: Study) -> Table:
         "rigid. "
         "The drawn errors are those of the scene's seed, the same for all models."
     )
-    return Table("liu-solid", "The axial-only idealisation, beam and refined model against 3D", columns, rows, note)
+    return Table.of("liu-solid", "The axial-only idealisation, beam and refined model against 3D", rows, note)
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:

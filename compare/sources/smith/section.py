@@ -13,7 +13,7 @@ from rollbench.comparison.models.study import Study
 from rollbench.comparison.sections.finding_table import printed_table
 from rollbench.comparison.sources.smith.evidence import ball, case, layouts, screw, taper
 from rollbench.lowfi.bearings.axis import axis_stiffness
-from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
+from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 #: Titles of the tables.
 TITLES = {
@@ -85,18 +85,6 @@ def figure(found: Sequence[Evidence]) -> Figure:
     return Figure("smith-stiffness", title, (stiffness_panel(found), axis_panel(found)), caption)
 
 
-LAYOUT_COLUMNS = (
-    Column("layout", "layout", "", "s"),
-    Column("place", "nut's position / L", "", ".1f"),
-    Column("left_scene", "left end, scene", "lbf", ".0f"),
-    Column("left_formula", "left end, formulas", "lbf", ".0f"),
-    Column("right_scene", "right end, scene", "lbf", ".0f"),
-    Column("right_formula", "right end, formulas", "lbf", ".0f"),
-    Column("scene", "stiffness, scene", "10⁶ lbf/in", ".3f"),
-    Column("formula", "stiffness, formulas", "10⁶ lbf/in", ".3f"),
-    Column("difference", "scene against formulas", "%", ".2f"),
-    Column("series", "sum in series", "10⁶ lbf/in", ".3f"),
-)
 LAYOUT_NOTE = (
     "Load of 1000 lbf towards the left end; thrust of the shaft's tension at either end; stiffness of shaft and supports, "
     "without the nut. Scene: beam, contacts, rows apart from one another; formulas: rows by their laws, all of an end at "
@@ -108,25 +96,26 @@ LAYOUT_NOTE = (
 def layout_table(study: Study) -> Table:
     """Layouts of the axis over the nut's position: scenes, closed formulas, the source's sum."""
     unit = 1e6 * case.POUND_PER_INCH
-    rows: list[dict[str, Cell]] = []
+    rows: list[Row] = []
     for layout, place, scene, closed in layouts.every_place(study):
         study.uses((layout.scene,))
+        difference = float(error_percent(scene.stiffness, closed.stiffness))
         series = layouts.in_series(layout) / unit
         rows.append(
             {
                 "layout": layout.words,
-                "place": place,
-                "left_scene": scene.left / case.POUND,
-                "left_formula": closed.left / case.POUND,
-                "right_scene": scene.right / case.POUND,
-                "right_formula": closed.right / case.POUND,
-                "scene": scene.stiffness / unit,
-                "formula": closed.stiffness / unit,
-                "difference": float(error_percent(scene.stiffness, closed.stiffness)),
-                "series": series if np.isfinite(series) else None,
+                Quantity("place", "nut's position / L", "", ".1f"): place,
+                Quantity("left_scene", "left end, scene", "lbf", ".0f"): scene.left / case.POUND,
+                Quantity("left_formula", "left end, formulas", "lbf", ".0f"): closed.left / case.POUND,
+                Quantity("right_scene", "right end, scene", "lbf", ".0f"): scene.right / case.POUND,
+                Quantity("right_formula", "right end, formulas", "lbf", ".0f"): closed.right / case.POUND,
+                Quantity("scene", "stiffness, scene", "10⁶ lbf/in", ".3f"): scene.stiffness / unit,
+                Quantity("formula", "stiffness, formulas", "10⁶ lbf/in", ".3f"): closed.stiffness / unit,
+                Quantity("difference", "scene against formulas", "%", ".2f"): difference,
+                Quantity("series", "sum in series", "10⁶ lbf/in", ".3f"): series if np.isfinite(series) else None,
             }
         )
-    return Table("smith-layouts", "The axis in its layouts, as scenes", LAYOUT_COLUMNS, rows, LAYOUT_NOTE)
+    return Table.of("smith-layouts", "The axis in its layouts, as scenes", rows, LAYOUT_NOTE)
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
+from typing import Any
 
 from rollbench.comparison.costs.timing import Job
 from rollbench.comparison.models.study import Study
@@ -13,20 +14,20 @@ from rollbench.comparison.sources.lin.bench import jobs
 from rollbench.comparison.sources.liu.bench import jobs as chain_jobs
 from rollbench.comparison.wings.bench.axis_bench import jobs as axis_jobs
 from rollbench.comparison.wings.bench.bench import run_bench
-from rollbench.reports.records import Cell, Column, Section, Table, Text
+from rollbench.reports.records import Quantity, Row, Section, Table, Text
 
 
 def friction_table(step: Callable[[str], None]) -> Table:
     """Friction and ball motion against their targets."""
     step("friction")
-    rows: list[dict[str, Cell]] = [asdict(row) | {"reached": "yes" if row.reached else "no"} for row in jobs(5)]
+    rows: list[dict[str, Any]] = [asdict(row) | {"reached": "yes" if row.reached else "no"} for row in jobs(5)]
     columns = (
-        Column("name", "job", "", "s"),
-        Column("seconds", "seconds", "s", "g3"),
-        Column("target", "target", "s", "g3"),
-        Column("reached", "reached", "", "s"),
-        Column("ratio", "ratio", "", "g3"),
-        Column("note", "what is included", "", "s"),
+        Quantity("name", "job", "", "s"),
+        Quantity("seconds", "seconds", "s", "g3"),
+        Quantity("target", "target", "s", "g3"),
+        Quantity("reached", "reached", "", "s"),
+        Quantity("ratio", "ratio", "", "g3"),
+        Quantity("note", "what is included", "", "s"),
     )
     return Table("timing-friction", "Friction and ball motion, compiled", columns, rows)
 
@@ -34,9 +35,15 @@ def friction_table(step: Callable[[str], None]) -> Table:
 def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
     """Section of the report, with its headlines."""
     done = [*run_bench(step), *chain_jobs(5), *axis_jobs(5)]
-    rows: list[dict[str, Cell]] = [asdict(job) for job in done]
-    printed: list[dict[str, Cell]] = [
-        {"label": p.label, "printed": p.printed, "unit": p.unit, "class": p.cls, "remark": p.remark}
+    rows: list[dict[str, Any]] = [asdict(job) for job in done]
+    printed: list[Row] = [
+        {
+            Quantity("label", "quantity", "", "s"): p.label,
+            "printed": p.printed,
+            "unit": p.unit,
+            "class": p.cls,
+            "remark": p.remark,
+        }
         for p in load_table("lin-2.2")
     ]
     reported = entry("lin-2.2", "time_proposed_1")
@@ -55,28 +62,17 @@ def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG0
                 "timing-jobs",
                 "Jobs",
                 (
-                    Column("job", "job", "", "s"),
-                    Column("seconds", "seconds", "s", "g3"),
-                    Column("ratio", "ratio", "", "g3"),
-                    Column("unknowns", "unknowns", "", "s"),
-                    Column("peak_MB", "peak memory", "MB", ".0f"),
-                    Column("note", "what is included", "", "s"),
+                    Quantity("job", "job", "", "s"),
+                    Quantity("seconds", "seconds", "s", "g3"),
+                    Quantity("ratio", "ratio", "", "g3"),
+                    Quantity("unknowns", "unknowns", "", "s"),
+                    Quantity("peak_MB", "peak memory", "MB", ".0f"),
+                    Quantity("note", "what is included", "", "s"),
                 ),
                 rows,
             ),
             friction_table(step),
-            Table(
-                "timing-printed",
-                "Table 2.2 as printed",
-                (
-                    Column("label", "quantity", "", "s"),
-                    Column("printed", "printed", "", "s"),
-                    Column("unit", "unit", "", "s"),
-                    Column("class", "class", "", "s"),
-                    Column("remark", "remark", "", "s"),
-                ),
-                printed,
-            ),
+            Table.of("timing-printed", "Table 2.2 as printed", printed),
         ),
         headline(done),
     )

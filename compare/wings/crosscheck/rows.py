@@ -12,7 +12,7 @@ from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.wings.crosscheck.data import CrossData, CrossRun
 from rollbench.comparison.wings.crosscheck.fit import Extrapolation, extrapolate
 from rollbench.meshes.parts import SIDES
-from rollbench.reports.records import Cell, Column
+from rollbench.reports.records import Cell, Quantity
 
 #: Agreement aimed at, in per cent of the mean load.
 TARGET = 0.5
@@ -85,27 +85,27 @@ def contact_rows(data: CrossData, ours: Reference, limit: Extrapolation | None =
     return rows
 
 
-PLACE = (Column("ball", "ball", "", "s"), Column("side", "side", "", "s"))
+PLACE = (Quantity("ball", "ball", "", "s"), Quantity("side", "side", "", "s"))
 
 
-def columns() -> list[Column]:
+def columns() -> list[Quantity]:
     """Columns of the comparison: the reference's finest level, the other program extrapolated."""
     return [
         *PLACE,
-        Column("ours", "reference", "N", ".2f"),
-        Column("ours_percent", "uncertainty, reference", "% of mean", ".2f"),
-        Column("theirs", "CalculiX", "N", ".2f"),
-        Column("theirs_percent", "uncertainty, CalculiX", "% of mean", ".2f"),
-        Column("difference", "difference", "% of mean", "+.2f"),
+        Quantity("ours", "reference", "N", ".2f"),
+        Quantity("ours_percent", "uncertainty, reference", "% of mean", ".2f"),
+        Quantity("theirs", "CalculiX", "N", ".2f"),
+        Quantity("theirs_percent", "uncertainty, CalculiX", "% of mean", ".2f"),
+        Quantity("difference", "difference", "% of mean", "+.2f"),
     ]
 
 
-def mesh_columns(data: CrossData, ours: Reference) -> list[Column]:
+def mesh_columns(data: CrossData, ours: Reference) -> list[Quantity]:
     """Columns of the loads on every mesh of both programs."""
     return [
         *PLACE,
-        *(Column(f"level {r.level}", f"reference, level {r.level}", "N", ".2f") for r in ours.runs),
-        *(Column(deck_label(r), f"CalculiX, {deck_label(r)}", "N", ".2f") for r in series(data)),
+        *(Quantity(f"level {r.level}", f"reference, level {r.level}", "N", ".2f") for r in ours.runs),
+        *(Quantity(deck_label(r), f"CalculiX, {deck_label(r)}", "N", ".2f") for r in series(data)),
     ]
 
 

@@ -14,7 +14,7 @@ from rollbench.comparison.wings.crosscheck.nut import load_nut
 from rollbench.comparison.wings.crosscheck.rows import agreement, columns, contact_rows, mesh_columns
 from rollbench.comparison.wings.crosscheck.study import STUDIES, scene_key
 from rollbench.meshes.loads import mean_load
-from rollbench.reports.records import Cell, Column, Section, Table, Text
+from rollbench.reports.records import Quantity, Row, Section, Table, Text
 
 ABOUT = (
     "CalculiX solves two small scenes on whole bodies, without sockets, patches, condensation or beams: ten-node "
@@ -42,53 +42,38 @@ NUT = (
 
 def run_table(data: CrossData) -> Table:
     """Every run: choices, meshes, effort, and what the weak springs and the last correction change."""
-    rows: list[dict[str, Cell]] = []
+    rows: list[Row] = []
     base = {(mesh_of(r), r.stiffness): r for r in data.runs if not r.nlgeom}
     for run in data.runs:
         mean = mean_load(run.load)
         twin = base.get((mesh_of(run), run.stiffness))
+        loose = float(error_percent(run.unbalanced, 0.0, mean))
+        change = load_error(run.load, twin.load).max_percent if run.nlgeom and twin else None
         rows.append(
             {
-                "across": run.b_over_h,
-                "fine": 1e3 * run.fine,
-                "growth": run.growth,
-                "stiffness": 1e-9 * run.stiffness,
-                "large": "large" if run.nlgeom else "small",
+                Quantity("across", "b/h at mean load", "", ".1f"): run.b_over_h,
+                Quantity("fine", "h", "mm", ".3f"): 1e3 * run.fine,
+                Quantity("growth", "growth", "", ".2f"): run.growth,
+                Quantity("stiffness", "contact stiffness", "N/mm3", "g2"): 1e-9 * run.stiffness,
+                Quantity("large", "displacements", "", "s"): "large" if run.nlgeom else "small",
                 "bodies": "half" if run.half else "equal balls" if run.alike else "whole",
                 "nodes": run.nodes,
-                "cells": sum(m.cells for m in run.meshes),
-                "jacobian": min(m.smallest for m in run.meshes),
+                Quantity("cells", "tetrahedra", "", "s"): sum(m.cells for m in run.meshes),
+                Quantity("jacobian", "smallest scaled Jacobian", "", ".2f"): min(m.smallest for m in run.meshes),
                 "iterations": run.iterations,
-                "seconds": run.seconds,
-                "sum": float(run.load.sum()),
-                "weak": float(error_percent(run.weak, 0.0, mean)),
-                "loose": float(error_percent(run.unbalanced, 0.0, mean)),
-                "large_change": load_error(run.load, twin.load).max_percent if run.nlgeom and twin else None,
+                Quantity("seconds", "processor time", "s", ".0f"): run.seconds,
+                Quantity("sum", "sum of loads", "N", ".1f"): float(run.load.sum()),
+                Quantity("weak", "weak spring of a ball", "% of mean", "g2"): float(error_percent(run.weak, 0.0, mean)),
+                Quantity("loose", "unbalanced force of a ball", "% of mean", "g2"): loose,
+                Quantity("large_change", "change by large displacements", "% of mean", ".3f"): change,
             }
         )
-    heads = (
-        Column("across", "b/h at mean load", "", ".1f"),
-        Column("fine", "h", "mm", ".3f"),
-        Column("growth", "growth", "", ".2f"),
-        Column("stiffness", "contact stiffness", "N/mm3", "g2"),
-        Column("large", "displacements", "", "s"),
-        Column("bodies", "bodies", "", "s"),
-        Column("nodes", "nodes", "", "s"),
-        Column("cells", "tetrahedra", "", "s"),
-        Column("jacobian", "smallest scaled Jacobian", "", ".2f"),
-        Column("iterations", "iterations", "", "s"),
-        Column("seconds", "processor time", "s", ".0f"),
-        Column("sum", "sum of loads", "N", ".1f"),
-        Column("weak", "weak spring of a ball", "% of mean", "g2"),
-        Column("loose", "unbalanced force of a ball", "% of mean", "g2"),
-        Column("large_change", "change by large displacements", "% of mean", ".3f"),
-    )
     first = data.runs[0]
     note = (
         f"{first.program}, {first.date}; meshes by gmsh {data.gmsh} and rollbench {data.rollbench}. Processor time of one "
         "thread. The weak spring keeps a ball from sliding along its track; it stands for no support."
     )
-    return Table(f"crosscheck-runs-{data.scene}", f"{data.scene}: runs of CalculiX", heads, rows, note)
+    return Table.of(f"crosscheck-runs-{data.scene}", f"{data.scene}: runs of CalculiX", rows, note)
 
 
 def contact_tables(data: CrossData, ours: Reference, limit: Extrapolation) -> list[Table]:

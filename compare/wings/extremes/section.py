@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.sources.lin.extremes.items import table_section_items
@@ -12,7 +13,7 @@ from rollbench.comparison.wings.extremes.rows import tally, wide_rows
 from rollbench.comparison.wings.extremes.static import ENERGY, FORMULATIONS, table
 from rollbench.comparison.wings.extremes.survey import run as survey
 from rollbench.comparison.wings.extremes.survey.record import MODELS
-from rollbench.reports.records import Cell, Column, Section, Table, Text
+from rollbench.reports.records import Quantity, Row, Section, Table, Text
 
 #: Errors of a scene that the report's table shows.
 SHORT = {"largest": "largest_percent", "RMS": "rms_percent", "expected": "expected_percent"}
@@ -32,7 +33,7 @@ def survey_items() -> tuple[Text | Table, ...]:
     )
     words = {"scene": "number", "screw": "title", "contacts": "contacts", "status": "status"}
     errors = {f"{model} {short}": (model, key) for model in MODELS for short, key in SHORT.items()}
-    rows: list[dict[str, Cell]] = [
+    rows: list[dict[str, Any]] = [
         {name: r.get(key) for name, key in words.items()}
         | {name: r.get("models", {}).get(model, {}).get(key) for name, (model, key) in errors.items()}
         for r in scenes
@@ -43,15 +44,15 @@ def survey_items() -> tuple[Text | Table, ...]:
         Table(
             "stability-survey",
             "Models against the survey",
-            tuple(Column(name, name, "", "s" if name in sums[:3] else ".2f") for name in sums),
+            tuple(Quantity(name, name, "", "s" if name in sums[:3] else ".2f") for name in sums),
             survey.summary(scenes),
         ),
         Table(
             "stability-survey-scenes",
             "The survey, scene by scene",
             (
-                *(Column(name, name, "", "s") for name in words),
-                *(Column(name, name, "% of mean", ".2f") for name in errors),
+                *(Quantity(name, name, "", "s") for name in words),
+                *(Quantity(name, name, "% of mean", ".2f") for name in errors),
             ),
             rows,
         ),
@@ -67,17 +68,17 @@ def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG0
 
     rows = table(progress)
     counts = tally(rows)
-    summary: list[dict[str, Cell]] = [
+    summary: list[Row] = [
         {"formulation": name, "solved": solved, "tried": tried, "cases": total}
         for name, (solved, tried, total) in counts.items()
     ]
     columns = (
-        Column("case", "case", "", "s"),
-        Column(ENERGY, "energy solver", "", "s"),
-        Column("iterations", "iterations", "", "s"),
-        Column("residual", "residual", "", "g2"),
-        Column("bound", "round-off bound", "", "g2"),
-        *(Column(name, name, "", "s") for name in FORMULATIONS[1:]),
+        Quantity("case", "case", "", "s"),
+        Quantity(ENERGY, "energy solver", "", "s"),
+        Quantity("iterations", "iterations", "", "s"),
+        Quantity("residual", "residual", "", "g2"),
+        Quantity("bound", "round-off bound", "", "g2"),
+        *(Quantity(name, name, "", "s") for name in FORMULATIONS[1:]),
     )
     solved, _, total = counts[ENERGY]
     return Section(
@@ -92,17 +93,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG0
                     "bound is what double precision leaves at best.",
                 )
             ),
-            Table(
-                "stability-summary",
-                "Cases solved",
-                (
-                    Column("formulation", "formulation", "", "s"),
-                    Column("solved", "solved", "", "s"),
-                    Column("tried", "tried", "", "s"),
-                    Column("cases", "cases", "", "s"),
-                ),
-                summary,
-            ),
+            Table.of("stability-summary", "Cases solved", summary),
             Table("stability-cases", "Case by case", columns, wide_rows(rows)),
             *table_section_items(),
             Text(
@@ -118,10 +109,10 @@ def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG0
                 "stability-campaign",
                 "The campaign",
                 (
-                    Column("command", "command", "", "s"),
-                    Column("what", "what", "", "s"),
-                    Column("outcome", "outcome", "", "s"),
-                    Column("count", "count", "", "s"),
+                    Quantity("command", "command", "", "s"),
+                    Quantity("what", "what", "", "s"),
+                    Quantity("outcome", "outcome", "", "s"),
+                    Quantity("count", "count", "", "s"),
                 ),
                 campaign_rows(shipped()),
             ),

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.comparison.commands.printing import Column, cell
-from rollbench.comparison.commands.solving.solve_output import number
 from rollbench.comparison.measure import error_percent
+from rollbench.comparison.quantities import number
 from rollbench.comparison.wings.friction.left_out import left_out_of_kind
 from rollbench.lowfi.warned import above
 from rollbench.meshes.arrays import Array
@@ -116,6 +116,7 @@ def as_table(answer: FrictionAnswer, *, balls: bool = False) -> list[RenderableT
     parts += [""] if answer.tables else []
     if answer.ball_tables and not balls:
         parts.append("motion, loads and losses of every ball: --balls")
-    for heading, key in (("warning", "warnings"), ("assumed", "assumed"), ("left out", "left_out")):
-        parts += [f"{heading}: {line}" for line in data.get(key, ()) if getattr(line, "brief", "") != line]
+    parts += [f"warning: {w}" for w in data.get("warnings", ()) if w.brief != w]  # what stands above is not said again
+    for heading, key in (("assumed", "assumed"), ("left out", "left_out")):
+        parts += [f"{heading}: {line}" for line in data.get(key, ())]
     return parts

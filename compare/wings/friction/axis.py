@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from rollbench.comparison.commands.printing import Column
-from rollbench.comparison.commands.solving.solve_output import number
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.axis_answers import gather
 from rollbench.comparison.models.outside import with_answers
 from rollbench.comparison.models.registry import run_model
+from rollbench.comparison.quantities import number
 from rollbench.comparison.wings.friction.answer import NOTHING, FrictionAnswer
 from rollbench.comparison.wings.friction.output import (
     BALL_COLUMNS,
@@ -38,7 +38,6 @@ from rollbench.comparison.wings.friction.whole import (
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state, will_compile
 from rollbench.lowfi.jit import cached
 from rollbench.lowfi.statics.result import AxisResult, SetResult
-from rollbench.lowfi.warned import Warned
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Friction, Motion, Scene
 
@@ -129,7 +128,7 @@ def _answer(
     for _, s, state in solved:
         if isinstance(s.of.parts, Scene):
             own = warnings_of(s.of.parts, friction, state, ())
-            warnings += [w.of(s.of.name) if isinstance(w, Warned) else f"{s.of.name}: {w}" for w in own]
+            warnings += [w.of(s.of.name) for w in own]
     data = head | {
         "status": "converged" if failed is None else f"{failed[1].of.name}: {status_of(failed[2])}",
         "converged": good,

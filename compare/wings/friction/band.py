@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.commands.solving.solve_output import number
 from rollbench.comparison.models.loading import preload
 from rollbench.comparison.models.registry import Options, run_model
+from rollbench.comparison.quantities import number
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.warned import Warned
@@ -117,12 +117,13 @@ def play_warning(data: dict[str, Any]) -> Warned:
     return Warned("play", text, text)
 
 
-def feedback_warnings(state: FrictionState) -> list[str]:
+def feedback_warnings(state: FrictionState) -> list[Warned]:
     """What to say where friction that moves the balls raises the torque much."""
     alone, found = state.bare.friction, state.torque.friction
     if not state.coupled or not alone > 0.0 or found <= FED_BACK * alone:
         return []
-    return [
+    text = (
         f"friction that moves the balls across their grooves raises the torque {found / alone:.2g} times, from "
         f"{1e3 * alone:.4g} to {1e3 * found:.4g} N mm; without that: feedback = false"
-    ]
+    )
+    return [Warned("feedback", text)]

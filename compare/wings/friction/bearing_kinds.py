@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.comparison.commands.printing import cell
-from rollbench.comparison.commands.solving.solve_output import number
+from rollbench.comparison.quantities import number
 from rollbench.comparison.wings.friction.answer import NOTHING, FrictionAnswer, by_side, energy, energy_line, head, load_row
 from rollbench.comparison.wings.friction.kinds.bearing_ball import BearingBallScene
 from rollbench.comparison.wings.friction.kinds.bearing_pair import BearingPairScene
@@ -237,7 +237,7 @@ def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> Friction
     )
     spent = energy(power, loss, bound)
     large = [
-        f"{name}: {w}"
+        w.of(name)
         for name, c, one in zip(("four-point", "double row"), cases, both, strict=True)
         for w in screw_warnings(c.groove, np.stack([s.load.force for s in one]))
     ]

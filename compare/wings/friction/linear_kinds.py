@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from rollbench.comparison.commands.printing import Column
-from rollbench.comparison.commands.solving.solve_output import number
 from rollbench.comparison.errors import Refusal
+from rollbench.comparison.quantities import number
 from rollbench.comparison.wings.friction.answer import (
     NOTHING,
     FrictionAnswer,
@@ -25,6 +25,7 @@ from rollbench.lowfi.friction.linear.bearing import CONTACTS, directions
 from rollbench.lowfi.friction.linear.chain import ANOTHER, ChainResult, prepare, second_state, solve_linear_chain
 from rollbench.lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads
 from rollbench.lowfi.statics.validity import size_warnings
+from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
 
 #: Force out of balance over the largest up to which loads count as solved.
@@ -138,15 +139,16 @@ def second_json(near: ChainResult, second: ChainResult) -> dict[str, Any]:
     return {"drive_N": number(second.drive), "pairs": pairs}
 
 
-def jam_warnings(near: ChainResult, second: ChainResult | None) -> list[str]:
+def jam_warnings(near: ChainResult, second: ChainResult | None) -> list[Warned]:
     """What to say where balls may also stand in another, jammed state."""
     if second is None:
         return []
     most, own = second.ball_force.max(), near.ball_force.max()
-    return [
+    text = (
         f"friction between balls allows a second state: they press on each other by up to {most:.4g} N instead of "
         f"{own:.4g} N, and the carriage needs {second.drive:.6g} N instead of {near.drive:.6g} N; how it got there decides"
-    ]
+    )
+    return [Warned("jam", text)]
 
 
 def linear_lines(data: dict[str, Any]) -> list[str]:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.comparison.commands.printing import Column
-from rollbench.comparison.commands.solving.solve_output import number
+from rollbench.comparison.quantities import number
 from rollbench.comparison.wings.friction.answer import increase
 from rollbench.comparison.wings.friction.left_out import BESIDES, WHOLE
 from rollbench.lowfi.friction.whole.feedback import JAMMED
@@ -42,9 +42,9 @@ def jam_words(state: FrictionState) -> str:
     return f"{len(state.second)} balls have a second, jammed state: {numbers}; this is the one that rolls on"
 
 
-def slip_warnings(part: float) -> list[str]:
+def slip_warnings(part: float) -> list[Warned]:
     """What to say where Heathcote slip, left out, would add much to the losses."""
-    return [f"the contacts are so wide that {slip_words(part)}"] if part > WIDE else []
+    return [Warned("slip", f"the contacts are so wide that {slip_words(part)}")] if part > WIDE else []
 
 
 def slip_words(part: float) -> str:
@@ -207,29 +207,31 @@ def mu_columns(kind: str) -> tuple[Column, ...]:
     )
 
 
-def static_only(warnings: Sequence[str]) -> list[str]:
+def static_only(warnings: Sequence[Warned]) -> list[Warned]:
     """Warnings without those of pressure and size, which are made anew: friction changes the loads."""
-    return [w for w in warnings if not (isinstance(w, Warned) and w.kind in ("pressure", "size"))]
+    return [w for w in warnings if w.kind not in ("pressure", "size")]
 
 
-def warnings_of(scene: Scene, friction: Friction, state: FrictionState, static: Sequence[str]) -> list[str]:
+def warnings_of(scene: Scene, friction: Friction, state: FrictionState, static: Sequence[Warned]) -> list[Warned]:
     """Where the result leaves the range in which it holds."""
     at = state.at
     loaded = at.force > 0.0
     notes = static_only(static)
     notes += contact_warnings(np.where(loaded, at.pressure, 0.0), np.where(loaded, at.a, 0.0), scene.balls.radius)
     if max(friction.screw, friction.nut) >= JAMMED:
-        notes.append(jam_words(state))
+        notes.append(Warned("jam", jam_words(state)))
     two = (loaded.sum(axis=1) == 2) & (state.balls.power > 0.0)
     if two.any() and state.torque.ratio != 0.0 and not state.coupled:
-        notes.append(
+        text = (
             f"{int(two.sum())} balls touch two flanks only: friction pushes them across the groove, up to "
             f"{state.torque.tilt:.2g} of their load, onto other contact angles or a third flank; without feedback the "
             "friction torque may be too small by a factor of two or more"
         )
+        notes.append(Warned("feedback", text))
     unsure = state.balls.status.count("regularised")
     if unsure:
-        notes.append(f"{unsure} balls have a contact on the verge of slip: their friction balances to 1e-6 only")
+        text = f"{unsure} balls have a contact on the verge of slip: their friction balances to 1e-6 only"
+        notes.append(Warned("slip", text))
     return notes
 
 

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.commands.solving.solve_output import number
 from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.quantities import number
 from rollbench.lowfi.friction.screw.steps import UNCLEAR, StepError
 from rollbench.lowfi.friction.screw.travel import History, Track, resolved
 from rollbench.lowfi.friction.whole.balls import balls_of

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.comparison.commands.printing import Column, cell
-from rollbench.comparison.commands.solving.solve_output import number
+from rollbench.comparison.quantities import number
 from rollbench.comparison.wings.friction.answer import (
     NOTHING,
     FrictionAnswer,
@@ -27,6 +27,7 @@ from rollbench.lowfi.friction.screw.pair import PairResult, solve_pair
 from rollbench.lowfi.friction.screw.run import summarise
 from rollbench.lowfi.friction.screw.travel import History, resolved
 from rollbench.lowfi.statics.validity import size_warnings
+from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES
 
@@ -41,9 +42,9 @@ def sliding(groove: ScrewGroove, force: Array) -> float:
     return groove.mu * float(force.sum()) * abs(groove.speed) * groove.radius
 
 
-def screw_warnings(groove: ScrewGroove, force: Array) -> list[str]:
+def screw_warnings(groove: ScrewGroove, force: Array) -> list[Warned]:
     """Warn of contacts that are large against the ball; forces (..., 4) [N]."""
-    return list(size_warnings((groove.constants.C_a * np.cbrt(force)).ravel(), groove.ball_radius))
+    return size_warnings((groove.constants.C_a * np.cbrt(force)).ravel(), groove.ball_radius)
 
 
 # --- two balls

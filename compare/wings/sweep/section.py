@@ -10,7 +10,7 @@ from rollbench.comparison.wings.sweep.figures import of_summary
 from rollbench.comparison.wings.sweep.keys import Vary, read_vary
 from rollbench.comparison.wings.sweep.stored import TOLERANCES, command, stored
 from rollbench.comparison.wings.sweep.summary import MAIN
-from rollbench.reports.records import Cell, Column, Section, Table, Text
+from rollbench.reports.records import Cell, Quantity, Section, Table, Text
 
 #: What the keys are called here, by the beginning of their path.
 WORDS = {
@@ -73,14 +73,14 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         f"Computed by: {command(found)}; its summary.json is stored.",
     )
     columns = (
-        Column("key", "key", "", "s"),
-        Column("range", "range", "", "s"),
-        Column("low", "smallest mean of the largest load", "N", "g4"),
-        Column("high", "largest mean", "N", "g4"),
-        Column("first", "first index", "", ".2f"),
-        Column("first_band", "interval of the first", "", "s"),
-        Column("total", "total index", "", ".2f"),
-        Column("total_band", "interval of the total", "", "s"),
+        Quantity("key", "key", "", "s"),
+        Quantity("range", "range", "", "s"),
+        Quantity("low", "smallest mean of the largest load", "N", "g4"),
+        Quantity("high", "largest mean", "N", "g4"),
+        Quantity("first", "first index", "", ".2f"),
+        Quantity("first_band", "interval of the first", "", "s"),
+        Quantity("total", "total index", "", ".2f"),
+        Quantity("total_band", "interval of the total", "", "s"),
     )
     table = Table("tolerances", "Effect of each tolerance on the largest contact load", columns, rows)
     figures = of_summary("tolerances", keys, found, short)

@@ -109,7 +109,7 @@ def test_answers_of_model_and_reference_stand_side_by_side(case: Any) -> None:
     assert data["uncertainty"]["total_percent"] == pytest.approx(np.sqrt(0.2**2 + 3.0**2 + 2.0**2 + 0.1**2))
     assert data["uncertainty"]["shared_by_all_percent"] is None
     assert set(data["answers"]) == {"3D reference", "refined", "lin-source-partition"}
-    assert all(answers_of(b)[group][key] is not None for b in (itself, *models) for _, (group, key), _ in ANSWERS)
+    assert all(answers_of(b)[group][q.key] is not None for b in (itself, *models) for group, q in ANSWERS)
 
 
 def test_compare_measures_what_solve_expects_by_every_kind_of_model(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from rollbench.comparison import commands
 from rollbench.comparison.commands.printing import Answer, print_answer
 
 #: What writes to standard output itself: the printer, a completion script, the progress of a report.
-WRITERS = {"printing.py", "machine.py", "report.py", "report_halves.py"}
+WRITERS = {"printing.py", "machine.py", "report.py", "halves.py"}
 
 
 def writes(path: Path) -> bool:

@@ -15,9 +15,9 @@ from rollbench.comparison.provenance import SCENE, inputs
 from rollbench.comparison.scenes import catalogue
 from rollbench.reports import manifest
 from rollbench.reports.html import check_target, write
-from rollbench.reports.records import Column, Report, Section, Table
+from rollbench.reports.records import Quantity, Report, Section, Table
 
-COLUMNS = (Column("m", "model", "", "s"), Column("x", "error", "%", ".2f"), Column("t", "cold", "s", ".2f"))
+COLUMNS = (Quantity("m", "model", "", "s"), Quantity("x", "error", "%", ".2f"), Quantity("t", "cold", "s", ".2f"))
 ROWS = ({"m": "lin", "x": 6.0, "t": 1.0}, {"m": "refined", "x": 0.8, "t": 2.0}, {"m": "refined", "x": 0.7, "t": 2.0})
 TABLE = Table("errors", "Errors", COLUMNS, ROWS)
 TEXTS = {"two-balls": catalogue.scene_text("two-balls")}

@@ -11,7 +11,7 @@ import pytest
 from tests.report_samples import table
 
 from rollbench.reports import html
-from rollbench.reports.records import Column, Table
+from rollbench.reports.records import Quantity, Table
 
 
 class TestCells:
@@ -62,7 +62,7 @@ def test_records_import_neither_matplotlib_nor_pyvista():
 
 
 def test_two_columns_of_one_heading_are_refused():
-    columns = (Column("a", "interval", "N", "s"), Column("b", "interval", "um", "s"))
+    columns = (Quantity("a", "interval", "N", "s"), Quantity("b", "interval", "um", "s"))
     Table("t", "intervals of two units", columns, [])
     with pytest.raises(ValueError, match="more than one column headed 'interval'"):
-        Table("t", "intervals", (*columns, Column("c", "interval", "um", "s")), [])
+        Table("t", "intervals", (*columns, Quantity("c", "interval", "um", "s")), [])

@@ -9,10 +9,10 @@ import pytest
 
 from rollbench.reports import first_pages
 from rollbench.reports.html import check_target, write
-from rollbench.reports.records import Column, Figure, Panel, Report, Section, Series, Summary, Table
+from rollbench.reports.records import Figure, Panel, Quantity, Report, Section, Series, Summary, Table
 
 FIGURE = Figure("error-time", "Error against run time", (Panel("", "s", "%", (Series("lin", [1.0], [2.0]),)),), "In um.")
-COLUMNS = (Column("name", "name", "", "s"), Column("x", "largest error", "% of mean", ".2f"), Column("gone", "empty"))
+COLUMNS = (Quantity("name", "name", "", "s"), Quantity("x", "largest error", "% of mean", ".2f"), Quantity("gone", "empty"))
 TABLE = Table("models", "Models over all scenes", COLUMNS, ({"name": 'a "b" #c *d* [e] \\ um', "x": 1.234},), "A note.")
 NARROW = replace(FIGURE, name="narrow")
 SUMMARY = Summary("How far?", "Up to 2 um.", FIGURE, NARROW, ["covers #this"], ["limits *that*"], TABLE)

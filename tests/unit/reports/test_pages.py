@@ -10,7 +10,7 @@ from tests.report_samples import contents, figure, report, screw, table
 
 from rollbench.reports import cells, figures, html, scene3d
 from rollbench.reports.pages import SEARCH
-from rollbench.reports.records import Column, Summary, Table
+from rollbench.reports.records import Quantity, Summary, Table
 
 PNG_START = b"\x89PNG\r\n\x1a\n"
 
@@ -186,7 +186,7 @@ class TestPage:
         assert (tmp_path / "out" / "figures" / "screw.png").read_bytes() == PNG_START
 
     def test_columns_without_an_entry_are_left_out_and_named(self, tmp_path):
-        columns = (Column("a", "ball", format="s"), Column("b", "as printed"), Column("c", "claim", format="s"))
+        columns = (Quantity("a", "ball", format="s"), Quantity("b", "as printed"), Quantity("c", "claim", format="s"))
         rows = [{"a": 7, "b": None, "c": "words"}, {"a": "12", "b": None, "c": "more"}]
         html.write(report(Table("t", "T", columns, rows)), tmp_path / "out")
         page = (tmp_path / "out" / "first.html").read_text(encoding="utf-8")
@@ -206,7 +206,7 @@ class TestPage:
         ],
     )
     def test_whole_numbers_and_numbers_as_text_are_set_to_the_right(self, cells_, number):
-        column = Column("a", "a", format="s")
+        column = Quantity("a", "a", format="s")
         assert cells.is_number(column, Table("t", "T", (column,), [{"a": c} for c in cells_])) is number
 
     def test_same_report_same_bytes(self, tmp_path, written):

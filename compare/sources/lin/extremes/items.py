@@ -13,7 +13,7 @@ from dataclasses import asdict
 from rollbench.comparison.sources.lin.extremes.balls import ball_rows
 from rollbench.comparison.sources.lin.extremes.chains import chain_rows
 from rollbench.comparison.sources.lin.extremes.tally import CHAIN_STARTS, FAR_START, NEAR_START, STARTS, Record
-from rollbench.reports.records import Cell, Column, Table, Text
+from rollbench.reports.records import Cell, Quantity, Table, Text
 
 
 def rows() -> list[Record]:
@@ -22,14 +22,14 @@ def rows() -> list[Record]:
 
 
 COLUMNS = (
-    Column("group", "what is varied", "", "s"),
-    Column("model", "model", "", "s"),
-    Column("cases", "cases", "", "s"),
-    Column("ours", "solved here from all starts", "", "s"),
-    Column("energy", "relative excess of power in over dissipation", "", "g2"),
-    Column("spread", "spread over the starts", "", "g2"),
-    Column("source", "source's root finding, solved", "", "s"),
-    Column("note", "note", "", "s"),
+    Quantity("group", "what is varied", "", "s"),
+    Quantity("model", "model", "", "s"),
+    Quantity("cases", "cases", "", "s"),
+    Quantity("ours", "solved here from all starts", "", "s"),
+    Quantity("energy", "relative excess of power in over dissipation", "", "g2"),
+    Quantity("spread", "spread over the starts", "", "g2"),
+    Quantity("source", "source's root finding, solved", "", "s"),
+    Quantity("note", "note", "", "s"),
 )
 
 

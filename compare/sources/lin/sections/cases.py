@@ -16,58 +16,44 @@ from rollbench.comparison.sources.lin.evidence.loads_2_4_1 import CASES, READING
 from rollbench.comparison.sources.lin.sections.case3 import readings_table
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.reports.records import Cell, Column, Figure, LoadedScrew, Panel, Section, Series, Table, Text
+from rollbench.reports.records import Figure, LoadedScrew, Panel, Quantity, Row, Section, Series, Table, Text
 
 
-def choice_rows(found: Sequence[Choice]) -> list[dict[str, Cell]]:
+def choice_rows(found: Sequence[Choice]) -> list[Row]:
     """Rows of the table of choices."""
     return [
         {
             "choice": c.label,
-            "max": float(c.result.load.max()),
-            "min": float(c.result.load[:, 0].min()),
-            "ratio": ratio(c.result.load[:, 0]),
-            "error": c.change.max_percent,
-            "rms": c.change.rms_percent,
-            "uz": 1e6 * float(c.result.centreline[0, 2]),
+            Quantity("max", "max", "N", ".2f"): float(c.result.load.max()),
+            Quantity("min", "min", "N", ".2f"): float(c.result.load[:, 0].min()),
+            Quantity("ratio", "max/min", "", ".4f"): ratio(c.result.load[:, 0]),
+            Quantity("error", "largest change", "% of mean", ".3f"): c.change.max_percent,
+            Quantity("rms", "RMS change", "% of mean", ".3f"): c.change.rms_percent,
+            Quantity("uz", "axial displacement at the load", "µm", ".2f"): 1e6 * float(c.result.centreline[0, 2]),
             "status": c.result.status,
         }
         for c in found
     ]
 
 
-CHOICE_COLUMNS = (
-    Column("choice", "choice", "", "s"),
-    Column("max", "max", "N", ".2f"),
-    Column("min", "min", "N", ".2f"),
-    Column("ratio", "max/min", "", ".4f"),
-    Column("error", "largest change", "% of mean", ".3f"),
-    Column("rms", "RMS change", "% of mean", ".3f"),
-    Column("uz", "axial displacement at the load", "µm", ".2f"),
-    Column("status", "status", "", "s"),
-)
-
-
 def load_table(study: Study) -> Table:
     """Loads of all cases and sides, ball by ball."""
-    columns = [Column("ball", "ball", "", "s")]
-    rows: list[dict[str, Cell]] = [{"ball": i + 1} for i in range(32)]
+    rows: list[Row] = [{"ball": i + 1} for i in range(32)]
     for name in CASES:
         r = study.solve(name)
         short = name.removeprefix("lin-")
         for s in range(4):
             if not (r.load[:, s] > 0.0).any():
                 continue
-            key = f"{short}-{SIDES[s]}"
-            columns.append(Column(key, f"{short.replace('-', ' ')} {SIDES[s]}", "N", ".2f"))
+            load = Quantity(f"{short}-{SIDES[s]}", f"{short.replace('-', ' ')} {SIDES[s]}", "N", ".2f")
             for i, row in enumerate(rows):
-                row[key] = float(r.load[i, s])
-    return Table("cases-loads", "Contact loads of the case studies, ball by ball", columns, rows)
+                row[load] = float(r.load[i, s])
+    return Table.of("cases-loads", "Contact loads of the case studies, ball by ball", rows)
 
 
 def summary_table(study: Study) -> Table:
     """Largest and smallest load per side, balance and residual of each case."""
-    rows: list[dict[str, Cell]] = []
+    rows: list[Row] = []
     for name in CASES:
         r = study.solve(name)
         assert r.equilibrium is not None
@@ -76,32 +62,20 @@ def summary_table(study: Study) -> Table:
             if (load > 0.0).any():
                 rows.append(
                     {
-                        "case": name,
+                        Quantity("case", "scene", "", "s"): name,
                         "side": side,
-                        "max": float(load.max()),
-                        "min": float(load.min()),
-                        "ratio": ratio(load),
-                        "ball": int(load.argmax()) + 1,
-                        "residual": r.solver.residual,
-                        "force": r.equilibrium.force_residual,
-                        "moment": r.equilibrium.moment_residual,
+                        Quantity("max", "max", "N", ".2f"): float(load.max()),
+                        Quantity("min", "min", "N", ".2f"): float(load.min()),
+                        Quantity("ratio", "max/min", "", ".4f"): ratio(load),
+                        Quantity("ball", "ball of max", "", "s"): int(load.argmax()) + 1,
+                        Quantity("residual", "residual", "", "g2"): r.solver.residual,
+                        Quantity("force", "force balance", "", "g2"): r.equilibrium.force_residual,
+                        Quantity("moment", "moment balance", "", "g2"): r.equilibrium.moment_residual,
                         "status": r.status,
                     }
                 )
-    columns = (
-        Column("case", "scene", "", "s"),
-        Column("side", "side", "", "s"),
-        Column("max", "max", "N", ".2f"),
-        Column("min", "min", "N", ".2f"),
-        Column("ratio", "max/min", "", ".4f"),
-        Column("ball", "ball of max", "", "s"),
-        Column("residual", "residual", "", "g2"),
-        Column("force", "force balance", "", "g2"),
-        Column("moment", "moment balance", "", "g2"),
-        Column("status", "status", "", "s"),
-    )
     note = "Relative to the largest force; the balances sum loads, reactions and forces at the contact points."
-    return Table("cases-summary", "Case studies: extremes and balance", columns, rows, note)
+    return Table.of("cases-summary", "Case studies: extremes and balance", rows, note)
 
 
 def pairs_apart(study: Study) -> float:
@@ -233,10 +207,9 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
             ),
             summary_table(study),
             readings_table(study),
-            Table(
+            Table.of(
                 "cases-choices",
                 "Case 1: what each open choice and each fault changes",
-                CHOICE_COLUMNS,
                 rows,
                 "Changes are against the first row, in per cent of its mean contact load.",
             ),

@@ -14,7 +14,7 @@ from rollbench.comparison.sections.finding_table import printed_table
 from rollbench.comparison.sources.lin.evidence.errors_2_4_2 import section_2_4_2
 from rollbench.comparison.sources.lin.evidence.loads_2_4_1 import ratio
 from rollbench.meshes.parts import SIDES
-from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Table
+from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table
 
 
 def band(label: str, ensemble: EnsembleResult, side: int) -> Series:
@@ -59,49 +59,39 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         ),
         integer_x=True,
     )
-    columns = (
-        Column("scene", "scene", "", "s"),
-        Column("members", "drawn screws", "", "s"),
-        Column("side", "side", "", "s"),
-        Column("low", "largest load, 5 %", "N", ".1f"),
-        Column("mid", "median", "N", ".1f"),
-        Column("high", "95 %", "N", ".1f"),
-        Column("ratio", "max/min, median", "", ".3f"),
-        Column("lost", "balls without load, mean", "", ".2f"),
-        Column("bad", "not converged", "", "s"),
-    )
-    rows: list[dict[str, Cell]] = []
+    rows: list[Row] = []
     for name, e in ensembles.items():
         for s in (0, 1):
-            largest = e.loads[:, :, s].max(axis=1)
+            load = e.loads[:, :, s]
+            largest = load.max(axis=1)
             low, mid, high = np.percentile(largest, [5, 50, 95])
-            ratios = [ratio(load[:, s]) for load in e.loads]
+            ratios = [ratio(one) for one in load]
             rows.append(
                 {
                     "scene": name,
-                    "members": len(e.loads),
+                    Quantity("members", "drawn screws", "", "s"): len(e.loads),
                     "side": SIDES[s],
-                    "low": float(low),
-                    "mid": float(mid),
-                    "high": float(high),
-                    "ratio": float(np.median(ratios)) if s == 0 else None,
-                    "lost": float((e.loads[:, :, s] == 0.0).sum(axis=1).mean()),
-                    "bad": sum(x != "converged" for x in e.statuses),
+                    Quantity("low", "largest load, 5 %", "N", ".1f"): float(low),
+                    Quantity("mid", "median", "N", ".1f"): float(mid),
+                    Quantity("high", "95 %", "N", ".1f"): float(high),
+                    Quantity("ratio", "max/min, median", "", ".3f"): float(np.median(ratios)) if s == 0 else None,
+                    Quantity("lost", "balls without load, mean", "", ".2f"): float((load == 0.0).sum(axis=1).mean()),
+                    Quantity("bad", "not converged", "", "s"): sum(x != "converged" for x in e.statuses),
                 }
             )
-    changes: list[dict[str, Cell]] = []
+    changes: list[Row] = []
     for name in ("lin-case2", "lin-profile", "lin-pitch", "lin-random", "lin-combined"):
         r = study.solve(name)
         e2 = load_error(r.load, base.load)
         changes.append(
             {
                 "scene": name,
-                "max": float(r.load.max()),
-                "ratio": ratio(r.load[:, 0]),
-                "change": e2.max_percent,
-                "rms": e2.rms_percent,
-                "ball": f"{e2.ball} {e2.side}",
-                "third": int((r.load[:, 1] > 0).sum()),
+                Quantity("max", "largest load", "N", ".1f"): float(r.load.max()),
+                Quantity("ratio", "max/min on SL", "", ".3f"): ratio(r.load[:, 0]),
+                Quantity("change", "largest change", "% of mean", ".2f"): e2.max_percent,
+                Quantity("rms", "RMS change", "% of mean", ".2f"): e2.rms_percent,
+                Quantity("ball", "at ball", "", "s"): f"{e2.ball} {e2.side}",
+                Quantity("third", "balls loaded on SR", "", "s"): int((r.load[:, 1] > 0).sum()),
             }
         )
     return Section(
@@ -115,20 +105,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
                 (left, right),
                 f"Bands: 5th to 95th percentile per ball, {len(random.loads)} and {len(combined.loads)} drawn screws.",
             ),
-            Table(
-                "errors-changes",
-                "Change against case 1 (random ones: the draw of the shipped seed)",
-                (
-                    Column("scene", "scene", "", "s"),
-                    Column("max", "largest load", "N", ".1f"),
-                    Column("ratio", "max/min on SL", "", ".3f"),
-                    Column("change", "largest change", "% of mean", ".2f"),
-                    Column("rms", "RMS change", "% of mean", ".2f"),
-                    Column("ball", "at ball", "", "s"),
-                    Column("third", "balls loaded on SR", "", "s"),
-                ),
-                changes,
-            ),
-            Table("errors-bands", "Random errors as ensembles", columns, rows),
+            Table.of("errors-changes", "Change against case 1 (random ones: the draw of the shipped seed)", changes),
+            Table.of("errors-bands", "Random errors as ensembles", rows),
         ),
     )

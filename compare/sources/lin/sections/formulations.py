@@ -8,7 +8,7 @@ from typing import Literal
 from rollbench.comparison.measure import load_error
 from rollbench.comparison.models.source_start import best_start
 from rollbench.comparison.models.study import Study
-from rollbench.reports.records import Cell, Column, Section, Table, Text
+from rollbench.reports.records import Cell, Quantity, Section, Table, Text
 
 SCENES = (
     "lin-case1",
@@ -46,16 +46,16 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         step(f"both solvers on {name}")
         rows.append(agreement(study, name))
     columns = (
-        Column("scene", "scene", "", "s"),
-        Column("iterations", "iterations, energy solver", "", "s"),
-        Column("residual", "residual", "", "g2"),
-        Column("arc", "same equations", "% of mean", "g2"),
-        Column("arc_iterations", "iterations, source's Newton", "", "s"),
-        Column("source", "source's own kinematics", "% of mean", "g3"),
-        Column("source_iterations", "iterations", "", "s"),
-        Column("nominal", "arm frozen at nominal contact", "% of mean", ".3f"),
-        Column("ball", "force at the ball's station", "% of mean", ".3f"),
-        Column("source_status", "status of the source's Newton", "", "s"),
+        Quantity("scene", "scene", "", "s"),
+        Quantity("iterations", "iterations, energy solver", "", "s"),
+        Quantity("residual", "residual", "", "g2"),
+        Quantity("arc", "same equations", "% of mean", "g2"),
+        Quantity("arc_iterations", "iterations, source's Newton", "", "s"),
+        Quantity("source", "source's own kinematics", "% of mean", "g3"),
+        Quantity("source_iterations", "iterations", "", "s"),
+        Quantity("nominal", "arm frozen at nominal contact", "% of mean", ".3f"),
+        Quantity("ball", "force at the ball's station", "% of mean", ".3f"),
+        Quantity("source_status", "status of the source's Newton", "", "s"),
     )
     return Section(
         "formulations",

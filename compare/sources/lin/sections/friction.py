@@ -29,7 +29,7 @@ from rollbench.comparison.sources.lin.extremes.printed_cases import pair_rows, r
 from rollbench.lowfi.friction.bearing.rotary import SIDES, Solution, Sweep, sweep
 from rollbench.lowfi.friction.linear.pair import PairMaps, maps
 from rollbench.meshes.arrays import Array
-from rollbench.reports.records import Column, Figure, Panel, Section, Series, Table, Text
+from rollbench.reports.records import Figure, Panel, Quantity, Section, Series, Table, Text
 
 # --- tables
 
@@ -56,15 +56,15 @@ def balance_table() -> Table:
     """Cases I to III: torque, power in and out, contacts at rest, by three sets of assumptions."""
     rows = balance_rows()
     columns = (
-        Column("case", "case", "", "s"),
-        Column("model", "model", "", "s"),
-        Column("force", "sum of forces", "N", ".3f"),
-        Column("torque", "friction's moment on the ring", "N mm", ".4f"),
-        Column("input", "power in", "W", ".6f"),
-        Column("loss", "dissipation", "W", ".6f"),
-        Column("balance", "power in against dissipation", "%", ".1e"),
-        Column("rest", "contacts at rest", "", "s"),
-        Column("status", "status", "", "s"),
+        Quantity("case", "case", "", "s"),
+        Quantity("model", "model", "", "s"),
+        Quantity("force", "sum of forces", "N", ".3f"),
+        Quantity("torque", "friction's moment on the ring", "N mm", ".4f"),
+        Quantity("input", "power in", "W", ".6f"),
+        Quantity("loss", "dissipation", "W", ".6f"),
+        Quantity("balance", "power in against dissipation", "%", ".1e"),
+        Quantity("rest", "contacts at rest", "", "s"),
+        Quantity("status", "status", "", "s"),
     )
     worst = max(rows, key=lambda row: abs(float(row["balance"] or 0.0)))
     more = float(error_percent(float(worst["loss"] or 0.0), float(worst["input"] or 0.0)))
@@ -82,15 +82,15 @@ def sensitivity_table() -> Table:
     printed = entry("lin-3.5", "a_force_numerical")
     rows, target = sensitivity_rows(), printed.value or 0.0
     columns = (
-        Column("loads", "loads", "", "s"),
-        Column("mu", "friction between balls", "", "g2"),
-        Column("eps1", "ε₁, θ = 2°", "%", ".3f"),
-        Column("eps2", "ε₂, θ = 2°", "%", ".3f"),
-        Column("force", "force, θ = 2°", "N", ".3f"),
-        Column("error", f"against the printed {printed.printed} N", "%", ".2f"),
-        Column("ratio", "total over baseline, θ = 3°", "%", ".1f"),
-        Column("increase", "increase of all losses, θ = 3°", "%", ".1f"),
-        Column("status", "status", "", "s"),
+        Quantity("loads", "loads", "", "s"),
+        Quantity("mu", "friction between balls", "", "g2"),
+        Quantity("eps1", "ε₁, θ = 2°", "%", ".3f"),
+        Quantity("eps2", "ε₂, θ = 2°", "%", ".3f"),
+        Quantity("force", "force, θ = 2°", "N", ".3f"),
+        Quantity("error", f"against the printed {printed.printed} N", "%", ".2f"),
+        Quantity("ratio", "total over baseline, θ = 3°", "%", ".1f"),
+        Quantity("increase", "increase of all losses, θ = 3°", "%", ".1f"),
+        Quantity("status", "status", "", "s"),
     )
     forces = [float(row["force"] or 0.0) for row in rows]
     inside = "lies within" if min(forces) <= target <= max(forces) else "lies outside"
@@ -110,12 +110,12 @@ def sensitivity_table() -> Table:
 def stability_table() -> Table:
     """Summary of the linear pair's extremes."""
     columns = (
-        Column("group", "what is varied", "", "s"),
-        Column("cases", "cases", "", "s"),
-        Column("solved", "solved from three starts", "", "s"),
-        Column("residual", "largest residual", "", "g2"),
-        Column("energy", "relative excess of power in over dissipation", "", "g2"),
-        Column("spread", "spread of the force over the starts", "", "g2"),
+        Quantity("group", "what is varied", "", "s"),
+        Quantity("cases", "cases", "", "s"),
+        Quantity("solved", "solved from three starts", "", "s"),
+        Quantity("residual", "largest residual", "", "g2"),
+        Quantity("energy", "relative excess of power in over dissipation", "", "g2"),
+        Quantity("spread", "spread of the force over the starts", "", "g2"),
     )
     note = "Elastic loads; residual and spread over the largest friction bound of a ball."
     return Table("friction-stability", "Linear pair: extreme cases", columns, pair_rows(), note)
@@ -124,11 +124,11 @@ def stability_table() -> Table:
 def root_table() -> Table:
     """Root finding as printed against least dissipation."""
     columns = (
-        Column("case", "case", "", "s"),
-        Column("sharpness", "k_S", "", "g3"),
-        Column("near", "root finding, starts within 1 % of the solution", "", "s"),
-        Column("far", "root finding, starts within 50 %", "", "s"),
-        Column("ours", "least dissipation, starts within 50 %", "", "s"),
+        Quantity("case", "case", "", "s"),
+        Quantity("sharpness", "k_S", "", "g3"),
+        Quantity("near", "root finding, starts within 1 % of the solution", "", "s"),
+        Quantity("far", "root finding, starts within 50 %", "", "s"),
+        Quantity("ours", "least dissipation, starts within 50 %", "", "s"),
     )
     note = (
         "At the loads as printed, sigmoid without maps; each of the three unknowns is off at random. Least dissipation "

@@ -26,7 +26,7 @@ from rollbench.comparison.sources.lin.evidence.assumptions_3_4 import (
 from rollbench.comparison.sources.lin.evidence.screw import AMPLITUDES, ENDS, THETA
 from rollbench.comparison.sources.lin.evidence.source_cases import four_point, lin_3_4_4, plain
 from rollbench.comparison.sources.lin.sections.friction_screw_figures import bearing_figure, map_figure, run_figure
-from rollbench.reports.records import Column, Section, Table, Text
+from rollbench.reports.records import Quantity, Section, Table, Text
 
 # --- tables
 
@@ -46,15 +46,15 @@ def table_of(study: Study, name: str) -> Table:
 
 def readings_table() -> Table:
     """Readings of Table 3.7 side by side."""
-    columns = [Column("kind", "reading", "", "s"), Column("reading", "assumptions", "", "s")]
+    columns = [Quantity("kind", "reading", "", "s"), Quantity("reading", "assumptions", "", "s")]
     for case, theta in THETA.items():
         columns += [
-            Column(f"force_{case}", f"force, θ = {theta:g}°", "N", ".3f"),
-            Column(f"error_{case}", f"against printed, θ = {theta:g}°", "%", ".1f"),
-            Column(f"increase_{case}", f"increase, θ = {theta:g}°", "%", ".1f"),
-            Column(f"load_{case}", f"contact load a ball, θ = {theta:g}°", "N", ".0f"),
+            Quantity(f"force_{case}", f"force, θ = {theta:g}°", "N", ".3f"),
+            Quantity(f"error_{case}", f"against printed, θ = {theta:g}°", "%", ".1f"),
+            Quantity(f"increase_{case}", f"increase, θ = {theta:g}°", "%", ".1f"),
+            Quantity(f"load_{case}", f"contact load a ball, θ = {theta:g}°", "N", ".0f"),
         ]
-    columns.append(Column("status", "status", "", "s"))
+    columns.append(Quantity("status", "status", "", "s"))
     printed = {case: [entry("lin-3.7", f"{what}_{case}").printed for what in ("force", "increase")] for case in THETA}
     note = (
         f"Printed: {', '.join(f'{force} N and {more} % ({case})' for case, (force, more) in printed.items())}. "
@@ -67,15 +67,15 @@ def readings_table() -> Table:
 def run_table() -> Table:
     """Sensitivity of the whole run to what 3.4.4 does not print."""
     columns = (
-        Column("assumption", "assumption", "", "s"),
-        Column("value", "value", "", "s"),
-        Column("largest", "largest ball-to-ball over groove torque", "%", ".1f"),
-        Column("at", "at nut angle", "°", ".0f"),
-        Column("none_at", "no contact at", "°", ".0f"),
-        Column("groups", "groups at most", "", "s"),
-        Column("variation", "variation of groove torque, from step 2", "%", ".1f"),
-        Column("torque", "mean groove torque", "N mm", ".2f"),
-        Column("steps", "steps converged", "", "s"),
+        Quantity("assumption", "assumption", "", "s"),
+        Quantity("value", "value", "", "s"),
+        Quantity("largest", "largest ball-to-ball over groove torque", "%", ".1f"),
+        Quantity("at", "at nut angle", "°", ".0f"),
+        Quantity("none_at", "no contact at", "°", ".0f"),
+        Quantity("groups", "groups at most", "", "s"),
+        Quantity("variation", "variation of groove torque, from step 2", "%", ".1f"),
+        Quantity("torque", "mean groove torque", "N mm", ".2f"),
+        Quantity("steps", "steps converged", "", "s"),
     )
     largest, at, none_at = (entry("lin-3.4.4", key).printed for key in ("largest", "largest_at", "none_at"))
     note = (
@@ -93,12 +93,12 @@ def run_table() -> Table:
 def bearing_table() -> Table:
     """Table 4.2's bearings: ratio of torques under varied assumptions."""
     columns = (
-        Column("bearing", "bearing", "", "s"),
-        Column("assumption", "assumption", "", "s"),
-        Column("torque", "torque at 0°", "N mm", ".1f"),
-        *(Column(f"to_{end:g}", f"largest over smallest, 0 to {end:g}°", "", ".3f") for end in ENDS),
-        Column("four", "balls beyond two contacts, to 18°", "", "s"),
-        Column("status", "status", "", "s"),
+        Quantity("bearing", "bearing", "", "s"),
+        Quantity("assumption", "assumption", "", "s"),
+        Quantity("torque", "torque at 0°", "N mm", ".1f"),
+        *(Quantity(f"to_{end:g}", f"largest over smallest, 0 to {end:g}°", "", ".3f") for end in ENDS),
+        Quantity("four", "balls beyond two contacts, to 18°", "", "s"),
+        Quantity("status", "status", "", "s"),
     )
     note = (
         f"Printed for the four-point bearing: {entry('lin-4.3', 'ratio_4p').printed}. Friction coefficient "
@@ -111,12 +111,12 @@ def bearing_table() -> Table:
 def onset_table(study: Study) -> Table:
     """4.3.2: how soon balls meet, by kind of error and by how unloaded balls move."""
     columns = (
-        Column("errors", "errors", "", "s"),
-        Column("idle", "speed of unloaded balls over nominal", "", "g2"),
-        Column("lost", "balls without load", "", "s"),
-        Column("meet", "neighbours that close in", "", "s"),
-        Column("first", "first meeting, nut angle", "°", "g4"),
-        Column("status", "status", "", "s"),
+        Quantity("errors", "errors", "", "s"),
+        Quantity("idle", "speed of unloaded balls over nominal", "", "g2"),
+        Quantity("lost", "balls without load", "", "s"),
+        Quantity("meet", "neighbours that close in", "", "s"),
+        Quantity("first", "first meeting, nut angle", "°", "g4"),
+        Quantity("status", "status", "", "s"),
     )
     note = (
         "Screw of Table 4.1, errors of 5 µm, 1000 N, evenly spread balls at the speeds of the moment. The conclusion "

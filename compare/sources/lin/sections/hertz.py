@@ -7,40 +7,35 @@ from collections.abc import Callable
 import numpy as np
 
 from rollbench.comparison.evidence.audit import judge
+from rollbench.comparison.evidence.record import Evidence
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study, with_groove
 from rollbench.comparison.sources.lin.evidence.hertz_b1 import TABLE_CONFORMITY, table_b_1
 from rollbench.lowfi.statics.problem import nominal_hertz, printed_sides
-from rollbench.reports.records import Column, Section, Table, Text
+from rollbench.reports.records import Quantity, Row, Section, Table, Text
 
-COLUMNS = (
-    Column("label", "quantity", "", "s"),
-    Column("unit", "unit", "", "s"),
-    Column("printed", "printed", "", "s"),
-    Column("as_printed", "as printed, computed", "", "g5"),
-    Column("right", "right", "", "g5"),
-    Column("error", "as printed against printed", "%", ".3f"),
-    Column("fault", "printed against right", "%", ".1f"),
-    Column("class", "class", "", "s"),
-    Column("verdict", "verdict", "", "s"),
-)
+
+def _fault(f: Evidence) -> float | None:
+    """Error [%] of a printed number against the right one."""
+    right, printed = f.value, f.printed.value
+    return None if right is None or printed is None else float(error_percent(printed, right))
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report."""
     step("Table B.1")
-    rows = []
+    rows: list[Row] = []
     for f in study.once(table_b_1):
         p = f.printed
         rows.append(
             {
-                "label": p.label,
+                Quantity("label", "quantity", "", "s"): p.label,
                 "unit": p.unit,
                 "printed": p.printed,
-                "as_printed": f.as_printed,
-                "right": f.value,
-                "error": f.error_percent,
-                "fault": None if f.value is None or p.value is None else float(error_percent(p.value, f.value)),
+                Quantity("as_printed", "as printed, computed", "", "g5"): f.as_printed,
+                Quantity("right", "right", "", "g5"): f.value,
+                Quantity("error", "as printed against printed", "%", ".3f"): f.error_percent,
+                Quantity("fault", "printed against right", "%", ".1f"): _fault(f),
                 "class": p.cls,
                 "verdict": judge(f)[0],
             }
@@ -50,21 +45,22 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         ("Table 2.1's groove, 3.254 mm", own),
         ("Table B.1's groove, 0.56 x diameter", with_groove(own, TABLE_CONFORMITY)),
     ]
-    constants = []
+    constants: list[Row] = []
     for label, scene in compared:
         right, faulty = nominal_hertz(scene), printed_sides(scene)
         for name, side, printed in zip(("screw", "nut"), (0, 3), faulty, strict=True):
+            C = float(right.C[side])
             constants.append(
                 {
                     "groove": label,
                     "side": name,
-                    "right": float(right.C[side]),
-                    "faulty": printed.C,
-                    "error": float(error_percent(printed.C, float(right.C[side]))),
-                    "a": 1e3 * float(right.C_a[side]) * 225.0 ** (1 / 3),
-                    "b": 1e3 * float(right.C_b[side]) * 225.0 ** (1 / 3),
-                    "p0": 1e-6 * float(right.pressure(np.array(225.0))[side]),
-                    "approach": 1e6 * float(right.C[side]) * 225.0 ** (2 / 3),
+                    Quantity("right", "C, right", "m/N^(2/3)", "g5"): C,
+                    Quantity("faulty", "C, as printed", "m/N^(2/3)", "g5"): printed.C,
+                    Quantity("error", "as printed against right", "%", ".1f"): float(error_percent(printed.C, C)),
+                    Quantity("approach", "approach", "µm", ".3f"): 1e6 * C * 225.0 ** (2 / 3),
+                    Quantity("a", "semi-axis a", "mm", ".4f"): 1e3 * float(right.C_a[side]) * 225.0 ** (1 / 3),
+                    Quantity("b", "semi-axis b", "mm", ".4f"): 1e3 * float(right.C_b[side]) * 225.0 ** (1 / 3),
+                    Quantity("p0", "pole pressure", "MPa", ".1f"): 1e-6 * float(right.pressure(np.array(225.0))[side]),
                 }
             )
     return Section(
@@ -79,21 +75,10 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
                     "The right values use I⁻¹ II and exact elliptic integrals with the same groove radius.",
                 )
             ),
-            Table("hertz-B1", "Table B.1: printed, as printed, right", COLUMNS, rows),
-            Table(
+            Table.of("hertz-B1", "Table B.1: printed, as printed, right", rows),
+            Table.of(
                 "hertz-grooves",
                 "What the faults and the groove radius do to the Hertz constant, and the contact at 225 N",
-                (
-                    Column("groove", "groove", "", "s"),
-                    Column("side", "side", "", "s"),
-                    Column("right", "C, right", "m/N^(2/3)", "g5"),
-                    Column("faulty", "C, as printed", "m/N^(2/3)", "g5"),
-                    Column("error", "as printed against right", "%", ".1f"),
-                    Column("approach", "approach", "µm", ".3f"),
-                    Column("a", "semi-axis a", "mm", ".4f"),
-                    Column("b", "semi-axis b", "mm", ".4f"),
-                    Column("p0", "pole pressure", "MPa", ".1f"),
-                ),
                 constants,
             ),
         ),

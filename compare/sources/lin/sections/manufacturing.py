@@ -14,7 +14,7 @@ from rollbench.comparison.sections.finding_table import printed_table
 from rollbench.comparison.sources.lin.evidence.errors_4_3_2 import SCREWS, readings, section_4_3_2, spread, unloaded
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import Errors, Scene
-from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
+from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 
 def equivalent_errors(scene: Scene) -> Panel:
@@ -39,7 +39,7 @@ def equivalent_errors(scene: Scene) -> Panel:
 def section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report."""
     panels = [equivalent_errors(study.scene("lin-pitch-4p1"))]
-    rows: list[dict[str, Cell]] = []
+    rows: list[Row] = []
     for screw, label in SCREWS.items():
         step(f"pitch and roundness errors on the screw of {label}")
         curves = []
@@ -48,45 +48,33 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
             curves.append(loads(f"{kind} error", study.solve(scene), 0, emphasis=True))
             for reading, variant in readings(scene):
                 r = study.solve(variant)
+                third = r.load[:, [1, 2]]
                 rows.append(
                     {
                         "screw": label,
                         "error": kind,
                         "reading": reading,
-                        "max": float(r.load[:, 0].max()),
-                        "min": float(r.load[:, 0].min()),
-                        "spread": spread(r),
-                        "lost": int(unloaded(r).sum()),
-                        "third": int((r.load[:, [1, 2]] > 0.0).any(axis=1).sum()),
-                        "third_max": float(r.load[:, [1, 2]].max()),
+                        Quantity("max", "max SL", "N", ".1f"): float(r.load[:, 0].max()),
+                        Quantity("min", "min SL", "N", ".1f"): float(r.load[:, 0].min()),
+                        Quantity("spread", "st. dev. / mean", "", ".3f"): spread(r),
+                        Quantity("lost", "balls without contact", "", "s"): int(unloaded(r).sum()),
+                        Quantity("third", "balls with a third contact", "", "s"): int((third > 0.0).any(axis=1).sum()),
+                        Quantity("third_max", "largest third contact", "N", ".1f"): float(third.max()),
                         "status": r.status,
                     }
                 )
         bare = replace(study.scene(f"lin-pitch-{screw}"), errors=Errors())
         curves.append(loads("no errors", study.solve(bare), 0))
         panels.append(Panel(f"screw of {label}, 1000 N: SL", "ball", "contact load / N", tuple(curves), integer_x=True))
-    columns = (
-        Column("screw", "screw", "", "s"),
-        Column("error", "error", "", "s"),
-        Column("reading", "reading", "", "s"),
-        Column("max", "max SL", "N", ".1f"),
-        Column("min", "min SL", "N", ".1f"),
-        Column("spread", "st. dev. / mean", "", ".3f"),
-        Column("lost", "balls without contact", "", "s"),
-        Column("third", "balls with a third contact", "", "s"),
-        Column("third_max", "largest third contact", "N", ".1f"),
-        Column("status", "status", "", "s"),
-    )
     return Section(
         "manufacturing",
         "Steering gear (4.2), pitch against roundness errors (4.3.2)",
         (
             printed_table("manufacturing-claims", "Section 4.3.2: printed and computed", study.once(section_4_3_2)),
             Figure("manufacturing-loads", "Errors and load distribution", tuple(panels), "", 3),
-            Table(
+            Table.of(
                 "manufacturing-readings",
                 "How the findings depend on what is not printed",
-                columns,
                 rows,
                 "The source's statement of two-point contact needs clearance in the grooves, which it does not give.",
             ),

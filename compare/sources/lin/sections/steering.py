@@ -13,7 +13,7 @@ from rollbench.comparison.sources.lin.evidence import lash_4_2_1 as tests
 from rollbench.comparison.sources.lin.evidence import steering_maps as maps
 from rollbench.comparison.sources.lin.evidence.steering_4_2 import RACK, REACH, SCREW, rack, section_4_2
 from rollbench.meshes.parts import Scene
-from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
+from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 ABOUT = (
     "Lash is the displacement of the screw under a force that goes from one sense to the other: axial, of its end along "
@@ -29,25 +29,6 @@ ABOUT = (
 #: Note of the table of layouts.
 SENSE = (
     "A pinion that holds the rack against tilting keeps the far side force from the nut, whose sense then does not count."
-)
-LASH_COLUMNS = (
-    Column("changed", "changed", "", "s"),
-    Column("diameter", "outer diameter", "mm", ".0f"),
-    Column("position", "nut's centre", "mm", ".0f"),
-    Column("reach", "force from the nut", "mm", ".0f"),
-    Column("restraint", "screw's left end", "", "s"),
-    Column("axial", "axial", "%", ".2f"),
-    Column("least", "conical, least direction", "%", ".1f"),
-    Column("most", "conical, largest direction", "%", ".1f"),
-    Column("ordered", "axial below conical", "", "s"),
-)
-RATIO_COLUMNS = (
-    Column("hold", "pinion", "", "s"),
-    Column("sense", "side forces", "", "s"),
-    Column("offset", "bearing from the nut's centre", "mm", ".0f"),
-    Column("pinion", "pinion at", "mm", ".0f"),
-    Column("screw", "ball screw", "", ".2f"),
-    Column("bearing", "bearing", "", ".2f"),
 )
 
 
@@ -80,19 +61,19 @@ def _micro(values: list[float]) -> list[float]:
     return [1e6 * v for v in values]
 
 
-def lash_rows(scene: Scene) -> list[dict[str, Cell]]:
+def lash_rows(scene: Scene) -> list[Row]:
     """Differences over what is not printed."""
     return [
         {
             "changed": p.changed,
-            "diameter": 1e3 * p.diameter,
-            "position": 1e3 * p.position,
-            "reach": 1e3 * p.reach,
-            "restraint": p.restraint,
-            "axial": p.found.axial,
-            "least": min(p.found.conical),
-            "most": max(p.found.conical),
-            "ordered": _ordered(p.found),
+            Quantity("diameter", "outer diameter", "mm", ".0f"): 1e3 * p.diameter,
+            Quantity("position", "nut's centre", "mm", ".0f"): 1e3 * p.position,
+            Quantity("reach", "force from the nut", "mm", ".0f"): 1e3 * p.reach,
+            Quantity("restraint", "screw's left end", "", "s"): p.restraint,
+            Quantity("axial", "axial", "%", ".2f"): p.found.axial,
+            Quantity("least", "conical, least direction", "%", ".1f"): min(p.found.conical),
+            Quantity("most", "conical, largest direction", "%", ".1f"): max(p.found.conical),
+            Quantity("ordered", "axial below conical", "", "s"): _ordered(p.found),
         }
         for p in maps.lash_map(scene)
     ]
@@ -135,16 +116,16 @@ def _layouts(points: list[maps.RatioPoint]) -> dict[tuple[str, bool], list[maps.
     return out
 
 
-def ratio_rows(points: list[maps.RatioPoint]) -> list[dict[str, Cell]]:
+def ratio_rows(points: list[maps.RatioPoint]) -> list[Row]:
     """Ratios of every layout."""
     return [
         {
-            "hold": p.hold,
-            "sense": "opposed" if p.opposed else "alike",
-            "offset": 1e3 * p.offset,
-            "pinion": 1e3 * p.pinion,
-            "screw": p.screw,
-            "bearing": p.bearing,
+            Quantity("hold", "pinion", "", "s"): p.hold,
+            Quantity("sense", "side forces", "", "s"): "opposed" if p.opposed else "alike",
+            Quantity("offset", "bearing from the nut's centre", "mm", ".0f"): 1e3 * p.offset,
+            Quantity("pinion", "pinion at", "mm", ".0f"): 1e3 * p.pinion,
+            Quantity("screw", "ball screw", "", ".2f"): p.screw,
+            Quantity("bearing", "bearing", "", ".2f"): p.bearing,
         }
         for p in points
     ]
@@ -167,8 +148,8 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
             Text(ABOUT, bullets=True),
             printed_table("steering-gear", "Section 4.2: printed and computed", study.once(section_4_2)),
             figures[0],
-            Table("lash-inputs", "Differences over what is not printed, one thing changed at a time", LASH_COLUMNS, lash),
+            Table.of("lash-inputs", "Differences over what is not printed, one thing changed at a time", lash),
             figures[1],
-            Table("rack-layouts", "Ratios of the steering gear by its layout", RATIO_COLUMNS, ratio_rows(points), SENSE),
+            Table.of("rack-layouts", "Ratios of the steering gear by its layout", ratio_rows(points), SENSE),
         ),
     )

@@ -1,0 +1,86 @@
+"""Quantities of results, described once: key, heading, unit, format, and how to get them from a record in SI units.
+
+The ending of a key says the unit: ``approach_um`` is 1e6 times the attribute ``approach`` in m. JSON, terminal, comparison
+and the tables of the library take them from here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from operator import attrgetter
+from typing import Any, NamedTuple
+
+from rollbench.reports.records import Quantity
+
+
+class Unit(NamedTuple):
+    """A unit for people, its name for pint, and the factor from SI units (1 for percent, hours and revolutions)."""
+
+    text: str
+    pint: str
+    factor: float = 1.0
+
+
+#: How keys of results end; the longest fits first.
+UNITS = {
+    "N_per_um": Unit("N/um", "newton / micrometer", 1e-6),
+    "Nmm": Unit("N mm", "newton * millimeter", 1e3),
+    "Nm": Unit("N m", "newton * meter"),
+    "rad_s": Unit("rad/s", "radian / second"),
+    "percent": Unit("%", "percent"),
+    "million_revolutions": Unit("million revolutions", "1e6 * revolution"),
+    "hours": Unit("h", "hour"),
+    "MPa": Unit("MPa", "megapascal", 1e-6),
+    "mrad": Unit("mrad", "milliradian", 1e3),
+    "deg": Unit("deg", "degree", 180.0 / math.pi),
+    "mW": Unit("mW", "milliwatt", 1e3),
+    "um": Unit("um", "micrometer", 1e6),
+    "mm": Unit("mm", "millimeter", 1e3),
+    "N": Unit("N", "newton"),
+    "W": Unit("W", "watt"),
+}
+
+
+def unit_of(key: str) -> tuple[str, Unit | None]:
+    """Name and unit of a key; no unit where it names none."""
+    ending = next((ending for ending in UNITS if key.endswith(f"_{ending}")), None)
+    return (key, None) if ending is None else (key[: -len(ending) - 1], UNITS[ending])
+
+
+def split_unit(key: str) -> tuple[str, str]:
+    """Words and unit of a key; no unit where it names none.
+
+    >>> split_unit("rigidity_N_per_um"), split_unit("worst_ball")
+    (('rigidity', 'N/um'), ('worst ball', ''))
+    """
+    name, unit = unit_of(key)
+    return name.replace("_", " "), "" if unit is None else unit.text
+
+
+def quantity(key: str, get: str | Callable[[Any], Any] = "", heading: str = "", form: str = "g5") -> Quantity:
+    """A quantity in the unit that its key ends with. get: the attribute of a record that holds it in SI units, or a
+    function of the record; the key without its unit unless given."""
+    name, unit = unit_of(key)
+    taken = get if callable(get) else attrgetter(get or name)
+    factor = 1.0 if unit is None else unit.factor
+    text = "" if unit is None else unit.text
+    return Quantity(key, heading or name.replace("_", " "), text, form, lambda found: _ready(taken(found), factor))
+
+
+def record(quantities: Sequence[Quantity], found: Any) -> dict[str, Any] | None:
+    """The quantities of a record by their keys, ready for JSON; None without a record."""
+    return None if found is None else {q.key: q.value(found) for q in quantities}
+
+
+def number(value: float) -> float | None:
+    """A JSON number: nan and infinity become null, and no zero has a sign."""
+    value = float(value) + 0.0
+    return value if math.isfinite(value) else None
+
+
+def _ready(value: Any, factor: float) -> Any:
+    """A value in its unit: numbers by ``factor``, also those of a mapping; words, truth values and counts as they are."""
+    if isinstance(value, Mapping):
+        return {key: _ready(inner, factor) for key, inner in value.items()}
+    return value if value is None or isinstance(value, str | int) else number(factor * value)

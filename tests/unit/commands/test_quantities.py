@@ -1,0 +1,40 @@
+"""Quantities of results: a key says its unit, the unit its factor from SI."""
+
+import math
+from types import SimpleNamespace
+
+import pytest
+
+from rollbench.comparison.quantities import UNITS, quantity, record
+from rollbench.reports.records import Quantity, Table
+
+#: Units whose values are kept in them: percent, hours and revolutions are no SI.
+KEPT = ("percent", "million_revolutions", "hours")
+
+
+@pytest.mark.parametrize("ending", [ending for ending in UNITS if ending not in KEPT])
+def test_the_factor_of_a_unit_is_that_of_pint(ending):
+    pint = pytest.importorskip("pint")
+    unit = UNITS[ending]
+    assert pint.application_registry.get().Quantity(
+        1.0, unit.pint
+    ).to_base_units().magnitude * unit.factor == pytest.approx(1.0)
+
+
+def test_a_record_is_read_in_the_units_of_its_keys():
+    found = SimpleNamespace(approach=2e-6, tilt=math.pi, ball=3, words="", edge=math.nan, load=None)
+    keys = ("ball", "approach_um", "tilt_deg", "words", "edge_mm", "load_N")
+    expected = {"ball": 3, "approach_um": 2.0, "tilt_deg": 180.0, "words": "", "edge_mm": None, "load_N": None}
+    assert record([quantity(key) for key in keys], found) == expected
+    assert record((), None) is None
+    assert (quantity("peak_pressure_MPa").label, quantity("peak_pressure_MPa").unit) == ("peak pressure", "MPa")
+
+
+def test_rows_say_the_columns_of_their_table():
+    error = Quantity("error", "largest error", "%", ".2f")
+    table = Table.of("t", "t", [{"scene": "a"}, {"scene": "b", error: 1.0}])
+    assert [(q.key, q.label, q.format) for q in table.columns] == [
+        ("scene", "scene", "s"),
+        ("error", "largest error", ".2f"),
+    ]
+    assert table.rows == [{"scene": "a"}, {"scene": "b", "error": 1.0}]
