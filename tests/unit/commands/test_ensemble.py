@@ -63,7 +63,7 @@ def test_fast_path_equals_single_solves(scene, all_sides):
 
 
 def test_two_specimens_have_lever_arms_of_their_own():
-    """Random pitch moves the contact points; two are the fewest that differ. With clearance, one diagonal bears the load."""
+    """Random pitch moves the contact points; two are the fewest that differ; with clearance one diagonal bears."""
     scene = with_errors(1e-6, -8e-6, SL=PITCH, NR=ROUND)
     result = run_ensemble(scene, 2)
     assert result.all_sides == 0
