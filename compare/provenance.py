@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from importlib import resources
 from pathlib import Path
 
+from rollbench.comparison.registration import ROOT, data_files, misprint_files
 from rollbench.reports.manifest import sha256
 
 #: Packages whose sources are part of what a page rests on.
@@ -35,7 +36,7 @@ def commit() -> str:
 
 
 def _source_folder(package: str) -> Path:
-    """Where a folder of the repository, as ``compare/rolling``, stands in the installed package."""
+    """Where a folder of the repository, as ``compare/wings/rolling``, stands in the installed package."""
     first, *rest = package.split("/")
     return Path(str(resources.files("rollbench").joinpath("comparison" if first == "compare" else first, *rest)))
 
@@ -50,14 +51,20 @@ def sources_hash(folders: Sequence[str] = PACKAGES, more: str = "") -> str:
     return sha256("\n".join(lines))
 
 
+def printed_files() -> dict[str, Path]:
+    """Printed data by the name that manifests have: tables, misprints of a source, what the audit holds them against."""
+    found = {f"{name}.toml": path for name, path in data_files("printed").items()}
+    found |= {f"misprints/{path.parent.name}.toml": path for path in misprint_files()}
+    return found | {f"audit/{path.name}": path for pattern in PRINTED for path in ROOT.glob(f"printed/audit/{pattern}")}
+
+
 def inputs(stores: Sequence[Path], scenes: Mapping[str, str]) -> dict[str, str]:
     """SHA-256 of what a report rests on, by name: the sources, the texts of its scenes, printed data, and the files of its
     stores (of several of one name the first store's)."""
     found = {SOURCES: sources_hash()}
     found |= {f"{SCENE}{name}": sha256(text) for name, text in sorted(scenes.items())}
-    printed = Path(str(resources.files("rollbench.comparison") / "printed"))
-    for path in sorted(p for pattern in PRINTED for p in printed.rglob(pattern)):
-        found[f"{DATA}{path.relative_to(printed).as_posix()}"] = sha256(path.read_bytes())
+    for name, path in sorted(printed_files().items()):
+        found[f"{DATA}{name}"] = sha256(path.read_bytes())
     for store in reversed(stores):
         for path in sorted(p for pattern in STORED for p in store.glob(pattern)):
             found[f"{RUN}{path.name}"] = sha256(path.read_bytes())

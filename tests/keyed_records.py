@@ -7,10 +7,10 @@ import typing
 
 import numpy as np
 
-from rollbench.comparison.scenes.kinds.bearing_ball import BearingBallScene
-from rollbench.comparison.scenes.kinds.bearing_pair import BearingPairScene
-from rollbench.comparison.scenes.kinds.linear import LinearChainScene, LinearPairScene
-from rollbench.comparison.scenes.kinds.screw_balls import ScrewPairScene, ScrewRunScene
+from rollbench.comparison.wings.friction.kinds.bearing_ball import BearingBallScene
+from rollbench.comparison.wings.friction.kinds.bearing_pair import BearingPairScene
+from rollbench.comparison.wings.friction.kinds.linear import LinearChainScene, LinearPairScene
+from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewPairScene, ScrewRunScene
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.rolling.bodies import Sizes
 from rollbench.meshes.axis import Assembly

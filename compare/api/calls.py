@@ -16,8 +16,8 @@ from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
-    from rollbench.comparison.scenes.kinds.common import KindScene
-    from rollbench.comparison.sweep.design import Method
+    from rollbench.comparison.wings.friction.kinds.common import KindScene
+    from rollbench.comparison.wings.sweep.design import Method
 
 
 def read(name: str | Path) -> Scene | Assembly | KindScene:
@@ -39,8 +39,8 @@ def solve(scene: Scene | Assembly | str | Path, model: str = "", *, member: int 
     described = _described(scene)
     if isinstance(described, Assembly):
         return _solve_axis(described, model, member)
-    from rollbench.comparison.commands.solve_output import as_json
-    from rollbench.comparison.commands.summary import answers_json
+    from rollbench.comparison.commands.solving.solve_output import as_json
+    from rollbench.comparison.commands.solving.summary import answers_json
     from rollbench.comparison.models.answers import gather
     from rollbench.comparison.models.model_form import estimate
     from rollbench.comparison.models.outside import with_answers
@@ -60,7 +60,7 @@ def solve(scene: Scene | Assembly | str | Path, model: str = "", *, member: int 
 
 def _solve_axis(axis: Assembly, model: str, member: int) -> Solution:
     """A shaft with several rolling sets."""
-    from rollbench.comparison.commands.axis_output import as_json
+    from rollbench.comparison.commands.solving.axis_output import as_json
     from rollbench.comparison.models.axis_answers import gather
     from rollbench.comparison.models.outside import with_answers
     from rollbench.comparison.models.registry import Options, run_model
@@ -78,18 +78,18 @@ def friction(scene: Scene | Assembly | KindScene | str | Path, *, mu: Sequence[f
     mu: coefficients of friction in place of the scene's; model: of the contact loads, refined unless given. The first use
     compiles kernels for some 20 s. Raises InputError.
     """
-    from rollbench.comparison.commands.friction_whole import Choices, solve_scene
+    from rollbench.comparison.wings.friction.whole import Choices, solve_scene
 
     described = _described(scene)
     choices = Choices(model, tuple(mu))
     if isinstance(described, Scene):
         answer = solve_scene(described, choices)
     elif isinstance(described, Assembly):
-        from rollbench.comparison.commands.axis_friction import solve_axis
+        from rollbench.comparison.wings.friction.axis import solve_axis
 
         answer = solve_axis(described, choices)
     else:
-        from rollbench.comparison.commands.friction_kinds import solve_kind
+        from rollbench.comparison.wings.friction.kind_solvers import solve_kind
 
         if choices != Choices():
             raise InputError("friction", "mu, model", "given", f"none for a {described.kind}", "the scene holds its own")
@@ -112,8 +112,9 @@ def compare(
     the best stored reference; all levels where there is none, which takes long); store: folder of the reference's runs.
     Raises InputError, Refusal where no run of the reference converged.
     """
-    from rollbench.comparison.commands.compare_output import answers_of, compared, verdict
-    from rollbench.comparison.commands.study import on_terminal, unconverged
+    from rollbench.comparison.commands.comparing.compare_output import answers_of, compared, verdict
+    from rollbench.comparison.commands.comparing.study import unconverged
+    from rollbench.comparison.commands.printing import on_terminal
     from rollbench.comparison.models.comparison import compared_models, suited
     from rollbench.comparison.reference.estimate import reference
     from rollbench.comparison.reference.jobs import Engine, ensure, plan
@@ -166,7 +167,7 @@ def check(
     max_error: limit in per cent, the scene's own or 7 unless given; loads: CSV file with the columns ball, flank, newton;
     compute: whether runs of the reference that are missing are computed. Raises InputError.
     """
-    from rollbench.comparison.commands.study import on_terminal
+    from rollbench.comparison.commands.printing import on_terminal
     from rollbench.comparison.gate.user import asked, check_scenes
     from rollbench.comparison.gate.verdict import worst_of
     from rollbench.comparison.reference.jobs import Engine
@@ -196,7 +197,8 @@ def mesh_study(
     levels: 1 to this one; spread: modelling choices that are not printed are varied too, on the coarsest level; store:
     folder of the runs, where those that are missing are computed. Raises InputError, Refusal where no run converged.
     """
-    from rollbench.comparison.commands.study import compute_study, on_terminal
+    from rollbench.comparison.commands.comparing.study import compute_study
+    from rollbench.comparison.commands.printing import on_terminal
     from rollbench.comparison.models.mesh_study import closing, level_rows, study_table
     from rollbench.comparison.reference.jobs import Engine
     from rollbench.comparison.reference.store import shipped_store
@@ -225,9 +227,9 @@ def sweep(
     scene: name or file; vary: as ``--vary`` of the command, ``["errors.balls.oversize=0 um:7 um"]``; out: folder of the
     samples (samples.csv) and the summary: what it holds is not solved again. Raises InputError.
     """
-    from rollbench.comparison.commands.study import on_terminal
-    from rollbench.comparison.commands.sweep import solve_sweep, sweep_of
+    from rollbench.comparison.commands.printing import on_terminal
     from rollbench.comparison.reference.jobs import Engine
+    from rollbench.comparison.wings.sweep.command import solve_sweep, sweep_of
 
     found = solve_sweep(sweep_of(str(scene), vary, samples, method, seed, model), Path(out), Engine(), on_terminal)
     return Result(found, "outputs", (f"{found['converged']} of {found['solved']} samples converged: {Path(out)}",))
@@ -257,12 +259,12 @@ def report(
         raise InputError("report", given[0], "given", "without a scene", "leave it out")
     data: dict[str, Any] = {"page": str(folder / "index.html"), "passed": True}
     if scene is not None:
-        from rollbench.comparison.commands.scene_page import make_page
+        from rollbench.comparison.commands.reporting.scene_page import make_page
 
         page = make_page(str(scene), folder, Path(store))
         return Result(data | {"verdict": page.verdict}, "", (page.verdict,))
     from rollbench.comparison.commands.printing import print_answer
-    from rollbench.comparison.commands.report import make_report
+    from rollbench.comparison.commands.reporting.report import make_report
 
     made = make_report(only, folder, store=Path(store), quick=quick, stored=stored, fresh=fresh, everything=everything)
     data["passed"] = print_answer(made) == 0

@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from rollbench.comparison.commands.answer import cell
-from rollbench.comparison.commands.printing import Answer
+from rollbench.comparison.commands.printing import Answer, cell
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.evidence.audit import APART, VERDICTS, Audited, as_stored, audit, changes, counts, trust
 from rollbench.comparison.evidence.left_out import left_out, misprints

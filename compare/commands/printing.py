@@ -12,6 +12,9 @@ from typing import Any
 
 from rollbench.comparison.errors import escaped
 
+#: A column of a table on the terminal: key of the row, heading, format.
+Column = tuple[str, str, str]
+
 
 @dataclass(frozen=True)
 class Answer:
@@ -83,3 +86,17 @@ def _show(parts: Iterable[Any], *, folded: bool) -> None:
 def text_width() -> int:
     """Width of running text: the terminal's, 100 where standard output is none."""
     return shutil.get_terminal_size((100, 24)).columns if sys.stdout.isatty() else 100
+
+
+def on_terminal(text: str) -> None:
+    """A line of progress, on standard error."""
+    print(text, file=sys.stderr, flush=True)
+
+
+def cell(value: Any, form: str) -> str:
+    """A value as text."""
+    if value is None:
+        return "–"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return str(value) if form == "s" else format(value, form)

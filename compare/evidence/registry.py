@@ -6,23 +6,23 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
-from rollbench.comparison.evidence import rotary_linear, screw, steering_4_2
-from rollbench.comparison.evidence.errors_2_4_2 import section_2_4_2
-from rollbench.comparison.evidence.errors_4_3_2 import section_4_3_2
-from rollbench.comparison.evidence.external import bearings, contacts, screws
-from rollbench.comparison.evidence.hertz_b1 import table_b_1
-from rollbench.comparison.evidence.kalker import table_e3
-from rollbench.comparison.evidence.liu import drawn as liu_drawn
-from rollbench.comparison.evidence.liu import given as liu_given
-from rollbench.comparison.evidence.liu import single_error as liu_single
-from rollbench.comparison.evidence.loads_2_4_1 import section_2_4_1
 from rollbench.comparison.evidence.record import Evidence
-from rollbench.comparison.evidence.smith import ball as smith_ball
-from rollbench.comparison.evidence.smith import screw as smith_axis
-from rollbench.comparison.evidence.smith import taper as smith_taper
-from rollbench.comparison.evidence.smith import trials as smith_trials
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import KINDS, Printed, load_table, tables
+from rollbench.comparison.sources.external.evidence import bearings, contacts, screws
+from rollbench.comparison.sources.kalker.evidence import table_e3
+from rollbench.comparison.sources.lin.evidence import rotary_linear, screw, steering_4_2
+from rollbench.comparison.sources.lin.evidence.errors_2_4_2 import section_2_4_2
+from rollbench.comparison.sources.lin.evidence.errors_4_3_2 import section_4_3_2
+from rollbench.comparison.sources.lin.evidence.hertz_b1 import table_b_1
+from rollbench.comparison.sources.lin.evidence.loads_2_4_1 import section_2_4_1
+from rollbench.comparison.sources.liu.evidence import drawn as liu_drawn
+from rollbench.comparison.sources.liu.evidence import given as liu_given
+from rollbench.comparison.sources.liu.evidence import single_error as liu_single
+from rollbench.comparison.sources.smith.evidence import ball as smith_ball
+from rollbench.comparison.sources.smith.evidence import screw as smith_axis
+from rollbench.comparison.sources.smith.evidence import taper as smith_taper
+from rollbench.comparison.sources.smith.evidence import trials as smith_trials
 
 CHAPTER_2 = "tests/literature/test_lin_chapter2.py"
 ROTARY = "tests/literature/test_lin_chapter3_rotary.py"
@@ -70,10 +70,10 @@ class Computation:
 
 #: Why an entry has no scene.
 ELSEWHERE = "another program or machine: shown, not computed"
-SMITH_DATA = "formulas on the document's data: compare/evidence/smith/case.py"
+SMITH_DATA = "formulas on the document's data: compare/sources/smith/evidence/case.py"
 UNEXPLAINED = "printed without what it is computed from: shown, not computed"
 MEASURED = "measured by the source: shown, not computed"
-CATALOGUE = "formulas on the catalogue's data: compare/evidence/external/cases.toml"
+CATALOGUE = "formulas on the catalogue's data: compare/sources/external/cases.toml"
 WORDING = "a formula of the source, judged as printed"
 LIU_SCREW = ("*", ("liu-screw",))
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-from rollbench.comparison.evidence.external.case import PREFIX
 from rollbench.comparison.evidence.record import Evidence
 from rollbench.comparison.evidence.registry import BY_TABLE, evidence
 from rollbench.comparison.gate import closed_forms
@@ -17,8 +16,9 @@ from rollbench.comparison.models.source_start import best_start
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.grid_summary import uncertainty_percent
 from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.rolling.rows import GATED, KNOWN, LIMIT, PAIRS, RINGS, stored_rows, within
 from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.sources.external.evidence.case import PREFIX
+from rollbench.comparison.wings.rolling.rows import GATED, KNOWN, LIMIT, PAIRS, RINGS, stored_rows, within
 
 if TYPE_CHECKING:
     from rich.table import Table

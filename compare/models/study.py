@@ -17,7 +17,7 @@ from rollbench.meshes.parts import SIDES, Scene
 T = TypeVar("T")
 
 if TYPE_CHECKING:
-    from rollbench.comparison.scenes.kinds.common import KindScene
+    from rollbench.comparison.wings.friction.kinds.common import KindScene
     from rollbench.meshes.axis import Assembly
 
 

@@ -8,10 +8,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from functools import cache
-from importlib import resources
 from typing import Any, Literal, cast
 
 from rollbench.comparison.errors import InputError
+from rollbench.comparison.registration import data_files
 
 Class = Literal["hard", "as-printed", "band", "open", "input"]
 CLASSES: tuple[Class, ...] = ("hard", "as-printed", "band", "open", "input")
@@ -62,8 +62,7 @@ class Printed:
 
 def tables() -> list[str]:
     """Names of the shipped tables, sorted."""
-    files = resources.files("rollbench.comparison").joinpath("printed").iterdir()
-    return sorted(f.name.removesuffix(".toml") for f in files if f.name.endswith(".toml"))
+    return list(data_files("printed"))
 
 
 @cache
@@ -72,8 +71,7 @@ def load_table(name: str) -> tuple[Printed, ...]:
     if name not in tables():
         advice = "list the tables with: rollbench list"
         raise InputError("printed tables", "name", f'"{name}"', ", ".join(tables()), advice)
-    text = resources.files("rollbench.comparison").joinpath("printed", f"{name}.toml").read_text(encoding="utf-8")
-    return parse_table(text, name)
+    return parse_table(data_files("printed")[name].read_text(encoding="utf-8"), name)
 
 
 def entry(table: str, key: str) -> Printed:

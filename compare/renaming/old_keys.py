@@ -12,10 +12,10 @@ import numpy as np
 
 from rollbench.comparison.reference.store import BODIES, SCHEMA, versions
 from rollbench.comparison.reference.tasks import plain
-from rollbench.comparison.rolling.runs import BODIES as ROLLING_BODIES
-from rollbench.comparison.rolling.runs import LEVELS, MESHED, QUADRATURES, SOURCE_SIZE
-from rollbench.comparison.rolling.runs import SCHEMA as ROLLING_SCHEMA
-from rollbench.comparison.scenes.kinds.common import KindScene
+from rollbench.comparison.wings.friction.kinds.common import KindScene
+from rollbench.comparison.wings.rolling.runs import BODIES as ROLLING_BODIES
+from rollbench.comparison.wings.rolling.runs import LEVELS, MESHED, QUADRATURES, SOURCE_SIZE
+from rollbench.comparison.wings.rolling.runs import SCHEMA as ROLLING_SCHEMA
 from rollbench.hifi.rolling.balls import NEARLY_RIGID
 from rollbench.meshes.canonical import canonical
 from rollbench.meshes.frozen_defaults import FROZEN

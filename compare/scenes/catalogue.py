@@ -5,18 +5,18 @@ from __future__ import annotations
 import difflib
 import tomllib
 from functools import cache
-from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.printed import printed_data
+from rollbench.comparison.registration import data_files
 from rollbench.comparison.scenes import scene_file
 from rollbench.comparison.scenes.keys import AXIS, FRICTION_ONLY
 from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
-    from rollbench.comparison.scenes.kinds.common import KindScene
+    from rollbench.comparison.wings.friction.kinds.common import KindScene
     from rollbench.meshes.axis import Assembly
 
 Of = TypeVar("Of", bound="KindScene")
@@ -25,8 +25,7 @@ Of = TypeVar("Of", bound="KindScene")
 @cache
 def scene_names() -> tuple[str, ...]:
     """Names of the shipped scenes of all kinds, sorted."""
-    files = resources.files("rollbench.comparison").joinpath("scenes").iterdir()
-    return tuple(sorted(f.name.removesuffix(".toml") for f in files if f.name.endswith(".toml")))
+    return tuple(data_files("scenes"))
 
 
 @cache
@@ -46,7 +45,7 @@ def scene_text(name: str) -> str:
     """Text of a shipped scene. Raises InputError for an unknown name."""
     if name not in scene_names():
         raise _unknown(name)
-    return resources.files("rollbench.comparison").joinpath("scenes", f"{name}.toml").read_text(encoding="utf-8")
+    return data_files("scenes")[name].read_text(encoding="utf-8")
 
 
 @cache

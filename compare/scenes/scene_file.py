@@ -28,7 +28,7 @@ from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
     from rollbench.comparison.scenes.axis_schema import AxisKeys
-    from rollbench.comparison.scenes.kinds.common import KindScene
+    from rollbench.comparison.wings.friction.kinds.common import KindScene
 
 #: Most parts of a dotted key: the reader's time and memory grow with their square.
 MAX_PARTS = 32
@@ -86,7 +86,7 @@ def read_tables(raw: dict[str, Any], origin: str) -> Scene | KindScene | Assembl
         near = difflib.get_close_matches(str(kind), (*WHOLE, *FRICTION_ONLY), n=1, cutoff=0.5)
         advice = f"did you mean {show(near[0])}?" if near else "leave it out for a whole screw or bearing"
         raise SceneError(origin, "kind", show(kind), ", ".join(map(show, (*WHOLE, *FRICTION_ONLY))), advice)
-    from rollbench.comparison.scenes.kinds.table import KINDS
+    from rollbench.comparison.wings.friction.kinds.table import KINDS
 
     of = KINDS[kind]
     try:

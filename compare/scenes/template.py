@@ -62,7 +62,7 @@ def _schema(kind: str) -> dict[str, Any]:
         schema = tidy_schema(SceneKeys)
         left_out = {"circulation"} if kind == "bearing" else set()  # the balls of a ring go round its one turn
         return schema | {"properties": {k: v for k, v in schema["properties"].items() if k not in left_out}}
-    from rollbench.comparison.scenes.kinds.table import KINDS
+    from rollbench.comparison.wings.friction.kinds.table import KINDS
 
     return tidy_schema(KINDS[kind].keys)
 

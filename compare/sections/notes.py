@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Callable, Sequence
-from importlib import resources
 
 from rollbench.comparison.evidence.audit import judge
 from rollbench.comparison.evidence.record import Evidence
 from rollbench.comparison.evidence.registry import evidence
 from rollbench.comparison.models.study import Study
+from rollbench.comparison.registration import ROOT
 from rollbench.lowfi.statics.summary import MODEL_ASSUMPTIONS
 from rollbench.reports.records import Cell, Column, Section, Table, Text
 
@@ -31,11 +31,7 @@ MISPRINTS = (
 
 def misprints(source: str = "lin") -> list[dict[str, Cell]]:
     """Shipped list of misprints and faults of a source, "lin", "smith" or "liu", with the evidence for each."""
-    text = (
-        resources.files("rollbench.comparison")
-        .joinpath("printed", "misprints", f"{source}.toml")
-        .read_text(encoding="utf-8")
-    )
+    text = ROOT.joinpath("sources", source, "misprints.toml").read_text(encoding="utf-8")
     return [dict(row) for row in tomllib.loads(text)["row"]]
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rollbench.lowfi.bearings.load_zone import LoadZone, zone_of_load
-from rollbench.lowfi.bearings.tapered_roller import TaperedBearing
+from rollbench.lowfi.rollers.tapered_roller import TaperedBearing
 from rollbench.meshes.arrays import Array
 
 #: Exponent of the power law q ~ delta^n that spreads the load over the zone (Smith 3.15).

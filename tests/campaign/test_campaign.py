@@ -10,11 +10,11 @@ import pytest
 from tests.helpers import small_screw
 
 from rollbench.comparison.commands.arguments import app
-from rollbench.comparison.commands.stability import captured
-from rollbench.comparison.extremes.campaign import check, files, record, scenes
-from rollbench.comparison.extremes.campaign.draw import scene_text
-from rollbench.comparison.extremes.campaign.part import Part
 from rollbench.comparison.scenes import scene_file
+from rollbench.comparison.wings.extremes.campaign import check, files, record, scenes
+from rollbench.comparison.wings.extremes.campaign.draw import scene_text
+from rollbench.comparison.wings.extremes.campaign.part import Part
+from rollbench.comparison.wings.extremes.command import captured
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.parts import Load, Support
 

@@ -8,15 +8,15 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.literature.entries import check, keys
 
-from rollbench.comparison.commands.friction_whole import coefficients
 from rollbench.comparison.evidence.audit import audit, judge
-from rollbench.comparison.evidence.external import bearings, case, screws
 from rollbench.comparison.evidence.left_out import left_out
 from rollbench.comparison.evidence.registry import evidence
 from rollbench.comparison.gate.gate import band_row, external_rows
 from rollbench.comparison.printed.printed_data import tables
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.scenes.schema import FrictionKeys
+from rollbench.comparison.sources.external.evidence import bearings, case, screws
+from rollbench.comparison.wings.friction.whole import coefficients
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, displacement, of_angle
 from rollbench.lowfi.bearings.sets import equilibrium, lift_off_force, preloaded
 from rollbench.meshes.parts import Friction

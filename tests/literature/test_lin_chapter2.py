@@ -4,8 +4,8 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.literature.entries import check, found, keys
 
-from rollbench.comparison.evidence.loads_2_4_1 import CASES, ratio
-from rollbench.comparison.sections import case3, cases
+from rollbench.comparison.sources.lin.evidence.loads_2_4_1 import CASES, ratio
+from rollbench.comparison.sources.lin.sections import case3, cases
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

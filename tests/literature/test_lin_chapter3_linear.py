@@ -7,8 +7,8 @@ import pytest
 from tests.evidence_study import GROUP
 from tests.literature.entries import check, keys
 
-from rollbench.comparison.evidence.rotary_linear import claim_maps, pair
 from rollbench.comparison.printed.printed_data import load_table
+from rollbench.comparison.sources.lin.evidence.rotary_linear import claim_maps, pair
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

@@ -5,8 +5,9 @@ import pytest
 from tests.evidence_study import GROUP
 from tests.literature.entries import check, found, keys
 
-from rollbench.comparison.evidence import source_cases
-from rollbench.comparison.evidence.rotary_linear import (
+from rollbench.comparison.printed.printed_data import Printed, load_table
+from rollbench.comparison.sources.lin.evidence import source_cases
+from rollbench.comparison.sources.lin.evidence.rotary_linear import (
     AXIAL,
     CASES,
     PRINTED_LAW,
@@ -16,7 +17,6 @@ from rollbench.comparison.evidence.rotary_linear import (
     rotary_value,
     straight_groove,
 )
-from rollbench.comparison.printed.printed_data import Printed, load_table
 from rollbench.lowfi.friction.bearing.rotary import SIDES, inner_torque, solve_ball_as_printed, source_law
 from rollbench.lowfi.friction.contact.ellipse import cubic_factor, linear_error, linear_factor
 

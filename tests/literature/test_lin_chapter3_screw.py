@@ -9,8 +9,9 @@ import pytest
 from tests.evidence_study import GROUP
 from tests.literature.entries import check, keys
 
-from rollbench.comparison.evidence.screw import AMPLITUDES, as_stepped, pair
-from rollbench.comparison.evidence.source_cases import (
+from rollbench.comparison.printed.printed_data import Printed, load_table
+from rollbench.comparison.sources.lin.evidence.screw import AMPLITUDES, as_stepped, pair
+from rollbench.comparison.sources.lin.evidence.source_cases import (
     PAIR_SCENES,
     deviation,
     inferred,
@@ -19,7 +20,6 @@ from rollbench.comparison.evidence.source_cases import (
     plain,
     table_3_6,
 )
-from rollbench.comparison.printed.printed_data import Printed, load_table
 from rollbench.lowfi.friction.screw.pair import BOTH, SHIFTED, Pair, PairResult, implied_load, sliding_speed, solve_pair
 from rollbench.lowfi.friction.screw.run import RunSummary, simulate, summarise
 

@@ -7,9 +7,11 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.literature.entries import check, keys
 
-from rollbench.comparison.evidence.lash_4_2_1 import PATTERNS, places
-from rollbench.comparison.evidence.smith.case import APPLIED
-from rollbench.comparison.evidence.smith.layouts import (
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.sources.lin.evidence.lash_4_2_1 import PATTERNS, places
+from rollbench.comparison.sources.lin.evidence.steering_4_2 import rack, ratios
+from rollbench.comparison.sources.smith.evidence.case import APPLIED
+from rollbench.comparison.sources.smith.evidence.layouts import (
     LAYOUTS,
     SUPPORTED,
     TAPERED,
@@ -19,8 +21,6 @@ from rollbench.comparison.evidence.smith.layouts import (
     by_scene,
     in_series,
 )
-from rollbench.comparison.evidence.steering_4_2 import rack, ratios
-from rollbench.comparison.scenes import catalogue
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

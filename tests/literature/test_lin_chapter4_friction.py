@@ -8,9 +8,9 @@ import pytest
 from tests.evidence_study import GROUP
 from tests.literature.entries import check, keys
 
-from rollbench.comparison.evidence.source_cases import double_row, four_point
 from rollbench.comparison.printed.printed_data import Printed, load_table
 from rollbench.comparison.scenes.catalogue import scene
+from rollbench.comparison.sources.lin.evidence.source_cases import double_row, four_point
 from rollbench.lowfi.friction.bearing.pairs import ALL, DIAGONAL, OTHER, BallRow, TorqueCurve, solve_bearing, torque_curve
 from rollbench.lowfi.friction.screw.errors import Onset, contact_onset, groove_of
 from rollbench.lowfi.statics.static import solve_static

@@ -9,10 +9,10 @@ from tests.evidence_study import GROUP, STUDY
 from tests.literature.entries import check, keys
 
 from rollbench.comparison.evidence.audit import judge
-from rollbench.comparison.evidence.liu import case, drawn, single_error
 from rollbench.comparison.evidence.record import Evidence
 from rollbench.comparison.evidence.registry import evidence
 from rollbench.comparison.printed.printed_data import load_table, tables
+from rollbench.comparison.sources.liu.evidence import case, drawn, single_error
 from rollbench.lowfi.random_errors.chain import calibrated, end_ratio, solve_chain
 from rollbench.lowfi.random_errors.ensemble import percentile, solve_ensemble
 

@@ -38,10 +38,10 @@ def test_table_is_the_report_s() -> None:
 
 
 def test_report_s_tables_are_what_the_models_give_now() -> None:
-    from rollbench.comparison.evidence.choices_2_4_1 import choices
     from rollbench.comparison.models.study import Study
-    from rollbench.comparison.sections.cases import choice_rows
     from rollbench.comparison.sections.reference import case_studies, error_table
+    from rollbench.comparison.sources.lin.evidence.choices_2_4_1 import choices
+    from rollbench.comparison.sources.lin.sections.cases import choice_rows
 
     study = Study()
     for row, old in zip(choice_rows(choices(study)), stored("cases-choices"), strict=True):

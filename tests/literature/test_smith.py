@@ -11,8 +11,8 @@ from rollbench.comparison.evidence.audit import judge
 from rollbench.comparison.evidence.entries import Entries
 from rollbench.comparison.evidence.record import Evidence
 from rollbench.comparison.evidence.registry import evidence
-from rollbench.comparison.evidence.smith import ball, case, screw, taper, trials
 from rollbench.comparison.printed.printed_data import load_table, tables
+from rollbench.comparison.sources.smith.evidence import ball, case, screw, taper, trials
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.angular_contact import contact_parameters
 

@@ -31,7 +31,7 @@ RECORD = Path(__file__).parent / "drawn.json"
 PATIENCE = 1800.0
 #: Most files of nearest tests, those that name the module most often.
 NEAREST = 6
-PHYSICS = ("lowfi", "hifi", "meshes", "compare/models", "compare/reference", "compare/gate", "compare/rolling")
+PHYSICS = ("lowfi", "hifi", "meshes", "compare/models", "compare/reference", "compare/gate", "compare/wings/rolling")
 #: What is no physics there: files, processes, stores, text.
 OTHERS = re.compile(
     r"__init__|jit|leftovers|libraries|private|packed|cache|workers|memory|canonical|frozen|bridge|records|store|sealing|jobs"

@@ -8,7 +8,7 @@ import pytest
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, of_angle
 from rollbench.lowfi.bearings.combined_load import combined
 from rollbench.lowfi.bearings.sets import BearingSet, equilibrium
-from rollbench.lowfi.bearings.tapered_roller import RollerRow, TaperedBearing
+from rollbench.lowfi.rollers.tapered_roller import RollerRow, TaperedBearing
 
 SEEDS = range(12)
 

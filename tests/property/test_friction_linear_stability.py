@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from rollbench.comparison.evidence import source_cases
+from rollbench.comparison.sources.lin.evidence import source_cases
 from rollbench.lowfi.friction.linear.bearing import LinearBearing, deviations
 from rollbench.lowfi.friction.linear.chain import ChainResult, prepare, solve_linear_chain
 from rollbench.lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads

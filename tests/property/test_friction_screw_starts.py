@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.evidence.source_cases import plain, table_3_6
+from rollbench.comparison.sources.lin.evidence.source_cases import plain, table_3_6
 from rollbench.lowfi.friction.screw.coupled import Guess
 from rollbench.lowfi.friction.screw.pair import Pair, PairResult, solve_pair
 

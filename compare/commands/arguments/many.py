@@ -54,7 +54,7 @@ def sweep(
     workers
         Processes at the same time; 1 here, or what the cluster has, unless given.
     """
-    from rollbench.comparison.commands.sweep import run_sweep, sweep_of
+    from rollbench.comparison.wings.sweep.command import run_sweep, sweep_of
 
     what = sweep_of(scene, vary, samples, method, seed, model)
     return print_answer(run_sweep(what, out, engine(backend, scheduler, workers, tls)), as_json)

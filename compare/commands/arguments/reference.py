@@ -53,15 +53,15 @@ def mesh_study(
     workers
         Runs at the same time, each of 1 to 3 GB; 1 here, or what the cluster has, unless given.
     """
-    from rollbench.comparison.commands.rolling_choices import all_rolling, known_bodies, refuse_options
-    from rollbench.comparison.commands.study import run_mesh_study
+    from rollbench.comparison.commands.comparing.study import run_mesh_study
     from rollbench.comparison.system import need_packages
+    from rollbench.comparison.wings.rolling.choices import all_rolling, known_bodies, refuse_options
 
     rolling = all_rolling(scenes)
     bodies = known_bodies(bodies, rolling=rolling)
     if rolling:
         need_packages("scikit-fem")
-        from rollbench.comparison.commands.rolling import run_rolling_study
+        from rollbench.comparison.wings.rolling.commands import run_rolling_study
 
         refuse_options({"--spread": spread})
         where = engine(backend, scheduler, workers, tls)
@@ -120,16 +120,16 @@ def compare(
     workers
         Runs at the same time, each of 1 to 3 GB; 1 here, or what the cluster has, unless given.
     """
-    from rollbench.comparison.commands.rolling_choices import all_rolling, known_bodies, refuse_options
-    from rollbench.comparison.commands.study import parse_levels, run_compare
+    from rollbench.comparison.commands.comparing.study import parse_levels, run_compare
     from rollbench.comparison.system import need_packages
+    from rollbench.comparison.wings.rolling.choices import all_rolling, known_bodies, refuse_options
 
     wanted = None if levels is None else parse_levels(levels)
     rolling = all_rolling(scenes)
     bodies = known_bodies(bodies, rolling=rolling)
     if rolling:
         need_packages("scikit-fem")
-        from rollbench.comparison.commands.rolling import run_rolling_compare
+        from rollbench.comparison.wings.rolling.commands import run_rolling_compare
 
         refuse_options({"--model": model is not None, "--balls": balls})
         where = engine(backend, scheduler, workers, tls)
@@ -189,7 +189,7 @@ def export(
     from rollbench.comparison.scenes import catalogue
 
     if deck:
-        from rollbench.comparison.commands.deck import DeckChoices, run_deck
+        from rollbench.comparison.wings.crosscheck.export_deck import DeckChoices, run_deck
 
         if part or format or level != 1 or ball is not None:
             raise InputError(
@@ -232,8 +232,8 @@ def crosscheck(
     store
         Folder of the reference's runs, besides those shipped; computed where none is stored.
     """
-    from rollbench.comparison.commands.crosscheck import run_crosscheck
     from rollbench.comparison.reference.jobs import Engine
+    from rollbench.comparison.wings.crosscheck.command import run_crosscheck
 
     where = Engine(cache=cache_folder())
     found = run_crosscheck(scene, run=run, fresh=fresh, data=data, work=work, store=store, engine=where)

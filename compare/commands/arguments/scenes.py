@@ -32,7 +32,7 @@ def list_(*, trace: Flag = False, table: Word = "", as_json: Json = False) -> No
 @app.command
 def schema() -> None:
     """Print the JSON Schema of a scene file, of all kinds."""
-    from rollbench.comparison.scenes.kinds.table import json_schema
+    from rollbench.comparison.wings.friction.kinds.table import json_schema
 
     print_json(json_schema())
 
@@ -129,11 +129,11 @@ def solve(
         Exit code 1 where a line WARNING stands above the answers: pressure, preload, static safety or rotations beyond
         what the models mean.
     """
-    from rollbench.comparison.commands.solve import run_solve
-    from rollbench.comparison.commands.solve_choices import Choices
+    from rollbench.comparison.commands.solving.solve import run_solve
+    from rollbench.comparison.commands.solving.solve_choices import Choices
 
     if members is not None:
-        from rollbench.comparison.commands import members as ensembles
+        from rollbench.comparison.commands.solving import members as ensembles
         from rollbench.comparison.reference.jobs import Engine
 
         if stiffness_at or strict or any(file is not None for file in (matrix, curve, loads_csv)):
@@ -187,8 +187,8 @@ def friction(
         Exit code 1 where a line WARNING stands above the answers: pressure, preload, static safety or rotations beyond
         what the models mean, or a play that nobody stated.
     """
-    from rollbench.comparison.commands.friction import run_friction
-    from rollbench.comparison.commands.friction_whole import Choices
+    from rollbench.comparison.wings.friction.solve import run_friction
+    from rollbench.comparison.wings.friction.whole import Choices
 
     choices = Choices(model, tuple(mu or ()), member, condensed)
     return print_answer(run_friction(scene, choices, balls=balls, time_limit=time_limit, strict=strict), as_json)
@@ -207,7 +207,7 @@ def condense(scene: str, *, out: Path | None = None, level: int = 1) -> int:
     level
         Mesh level, 1 (coarse) to 3.
     """
-    from rollbench.comparison.commands.condense import run_condense
+    from rollbench.comparison.commands.comparing.condense import run_condense
     from rollbench.comparison.scenes import catalogue
 
     return print_answer(run_condense(catalogue.scene(scene), scene, out, level, cache=cache_folder()))

@@ -72,14 +72,14 @@ def report(
         from rollbench.comparison.system import need_packages
 
         need_packages("matplotlib")  # which the next line imports
-        from rollbench.comparison.commands.verify import run_page
+        from rollbench.comparison.commands.reporting.verify import run_page
 
         given = {"--only": only, "--quick": quick, "--stored": stored, "--fresh": fresh, "--scheduler": scheduler}
         for name, value in given.items():
             if value:
                 raise InputError("command line", name, str(value), "without a scene", "leave it out")
         return print_answer(run_page(scene, out, store, against))
-    from rollbench.comparison.commands.report import make_report
+    from rollbench.comparison.commands.reporting.report import make_report
 
     where = engine(backend, scheduler, workers or (2 if scheduler is None else None), tls)
     kinds = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything}
@@ -101,7 +101,7 @@ def verify(report: Path, /, *, store: Path = Path("rollbench-reference")) -> int
     from rollbench.comparison.system import need_packages
 
     need_packages("matplotlib")  # which the next line imports
-    from rollbench.comparison.commands.verify import run_verify
+    from rollbench.comparison.commands.reporting.verify import run_verify
 
     return print_answer(run_verify(report, store))
 
@@ -160,7 +160,7 @@ def check(
     csv
         Also write them as CSV.
     """
-    from rollbench.comparison.commands.check import Files, run_check, run_shipped
+    from rollbench.comparison.commands.comparing.check import Files, run_check, run_shipped
     from rollbench.comparison.gate.user import asked
     from rollbench.comparison.reference.jobs import Engine
 
@@ -219,7 +219,7 @@ def stability(
         File to write the campaign's counts or the survey's record to, for the report's table; an interrupted campaign goes
         on from what it left there, and a survey does not solve the scenes again that this file answers.
     """
-    from rollbench.comparison.commands.stability import run_campaign, run_drawn, run_stability
+    from rollbench.comparison.wings.extremes.command import run_campaign, run_drawn, run_stability
 
     if survey is not None:
         if random is not None or seed != 1 or model or files or kills:
@@ -239,6 +239,6 @@ def stability(
 @app.command
 def bench(*, as_json: Json = False) -> int:
     """Measure run times as ratios to the source's formulation in the same process."""
-    from rollbench.comparison.commands.bench import run_bench_command
+    from rollbench.comparison.wings.bench.command import run_bench_command
 
     return print_answer(run_bench_command(), as_json)

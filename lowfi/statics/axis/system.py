@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.bearings.roller_slices import middles
-from rollbench.lowfi.bearings.tapered_roller import TaperedBearing
+from rollbench.lowfi.rollers.roller_slices import middles
+from rollbench.lowfi.rollers.tapered_roller import TaperedBearing
 from rollbench.lowfi.statics.axis.structure import Structure, structure_of
 from rollbench.lowfi.statics.problem import Problem, flank_rows, hertz_C, pack_geometry
 from rollbench.lowfi.statics.records import AxisArrays, AxisBalls, AxisRollers, AxisState
@@ -228,7 +228,7 @@ def tapered(row: RollerRow) -> TaperedBearing:
 
 def _roller_set(one: RollingSet, row: RollerRow, structure: Structure, first: int) -> RollerSet:
     """Slices of a row on the generators of the cup, along whose normal cone and cup approach; race and rib together give
-    the cone the same line of action (`lowfi.bearings.tapered_roller`)."""
+    the cone the same line of action (`lowfi.rollers.tapered_roller`)."""
     n, bearing = structure.nodes.size, tapered(row)
     inner = int(np.abs(structure.nodes - one.position).argmin())
     outer = -1 if one.housing is None else structure.row[one.housing]

@@ -10,7 +10,7 @@ from tests.helpers import ALL_BUT_AXIAL, relative, small_screw
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow
 from rollbench.lowfi.bearings.combined_load import combined
 from rollbench.lowfi.bearings.sets import BearingSet, equilibrium
-from rollbench.lowfi.bearings.tapered_roller import RollerRow as ThrustRow
+from rollbench.lowfi.rollers.tapered_roller import RollerRow as ThrustRow
 from rollbench.lowfi.statics.axis.mount import mount
 from rollbench.lowfi.statics.axis.proof import opening_motion
 from rollbench.lowfi.statics.axis.refined import ASSUMPTIONS, solve_refined

@@ -8,7 +8,7 @@ from tests.axes import ROLLERS, assembly, bearing, double_nut, nut
 from tests.helpers import relative
 
 from rollbench.lowfi import jit
-from rollbench.lowfi.bearings.line_contact import LineLaw
+from rollbench.lowfi.rollers.line_contact import LineLaw
 from rollbench.lowfi.statics.axis.solve import iterate, prepare
 from rollbench.lowfi.statics.axis.system import build, tapered
 from rollbench.lowfi.statics.kernel import axis, axis_matrix, ball, rollers, skyline

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from rollbench.lowfi.bearings.line_contact import LineLaw, between_races, half_width, pressure
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
+from rollbench.lowfi.rollers.line_contact import LineLaw, between_races, half_width, pressure
 
 YOUNG, POISSON = 207e9, 0.3
 MODULUS = contact_modulus(YOUNG, POISSON, YOUNG, POISSON)

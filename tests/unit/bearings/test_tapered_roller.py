@@ -10,10 +10,10 @@ from scipy.special import beta, gamma
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.combined_load import azimuths, by_load_zone, combined, state_at
 from rollbench.lowfi.bearings.load_zone import load_zone, zone_of_load
-from rollbench.lowfi.bearings.roller_slices import SlicedRow, approach_of, circular_crown, middles, slice_state, sliced
 from rollbench.lowfi.bearings.sets import equilibrium, preloaded
-from rollbench.lowfi.bearings.tapered_roller import RollerRow, TaperedBearing, roller_contacts
 from rollbench.lowfi.hertz import contact_modulus
+from rollbench.lowfi.rollers.roller_slices import SlicedRow, approach_of, circular_crown, middles, slice_state, sliced
+from rollbench.lowfi.rollers.tapered_roller import RollerRow, TaperedBearing, roller_contacts
 
 B = TaperedBearing(16, 8.38e-3, 12.4e-3, np.radians(30.8), np.radians(4.0), 207e9, 0.3, 5e-3)
 THRUST = 9e3

@@ -10,12 +10,14 @@ from types import SimpleNamespace
 
 import pytest
 
-from rollbench.comparison.costs import bench, chain_bench, startup, timing
-from rollbench.comparison.costs.bench import run_bench
-from rollbench.comparison.costs.prepared import Energy, Source
-from rollbench.comparison.costs.startup import command_line_job
+from rollbench.comparison.costs import timing
 from rollbench.comparison.costs.timing import Job, timed
 from rollbench.comparison.scenes.catalogue import scene as shipped
+from rollbench.comparison.sources.liu import bench as chain_bench
+from rollbench.comparison.wings.bench import bench, startup
+from rollbench.comparison.wings.bench.bench import run_bench
+from rollbench.comparison.wings.bench.prepared import Energy, Source
+from rollbench.comparison.wings.bench.startup import command_line_job
 from rollbench.lowfi.jit import code_folder
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from rollbench.comparison.commands.compare_output import (
+from rollbench.comparison.commands.comparing.compare_output import (
     ANSWERS,
     Comparison,
     answers_json,

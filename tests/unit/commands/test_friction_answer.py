@@ -10,16 +10,16 @@ import pytest
 from tests.helpers import ALL_BUT_AXIAL, small_screw
 
 from rollbench.comparison import cli
-from rollbench.comparison.commands import friction as friction_answer
 from rollbench.comparison.commands import printing
-from rollbench.comparison.commands.answer import as_table, increase
-from rollbench.comparison.commands.friction import run_friction, solve_friction
-from rollbench.comparison.commands.friction_band import feedback_warnings
-from rollbench.comparison.commands.friction_whole import Choices, solve_scene
 from rollbench.comparison.commands.printing import Answer, print_answer
 from rollbench.comparison.errors import InputError, SceneError
 from rollbench.comparison.reference.store import key_of
 from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.comparison.wings.friction import solve as friction_answer
+from rollbench.comparison.wings.friction.answer import as_table, increase
+from rollbench.comparison.wings.friction.band import feedback_warnings
+from rollbench.comparison.wings.friction.solve import run_friction, solve_friction
+from rollbench.comparison.wings.friction.whole import Choices, solve_scene
 from rollbench.lowfi.friction.whole import feedback as ball_feedback
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.parts import BallErrors, Errors, Friction, Motion, Time

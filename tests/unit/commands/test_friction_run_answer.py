@@ -8,9 +8,9 @@ import pytest
 from tests.friction_runs import MU, TURN, crowded, setting, sparse
 from tests.helpers import small_screw
 
-from rollbench.comparison.commands.friction_run import Run, judged, run_data, run_lines
-from rollbench.comparison.commands.friction_whole import Choices, solve_scene
 from rollbench.comparison.errors import InputError
+from rollbench.comparison.wings.friction.run import Run, judged, run_data, run_lines
+from rollbench.comparison.wings.friction.whole import Choices, solve_scene
 from rollbench.lowfi.friction.screw.steps import StepError
 from rollbench.lowfi.friction.whole.run import simulate
 from rollbench.meshes.parts import Time

@@ -7,15 +7,16 @@ import numpy as np
 import pytest
 
 from rollbench.comparison.cli import main
-from rollbench.comparison.commands import report, report_first
-from rollbench.comparison.commands.report_first import CHECKED, COSTLY, LEVEL, LiveCheck, kept_parts, live_check
-from rollbench.comparison.commands.report_parts import PARTS
+from rollbench.comparison.commands.reporting import first as report_first
+from rollbench.comparison.commands.reporting import report
+from rollbench.comparison.commands.reporting.first import CHECKED, COSTLY, LEVEL, LiveCheck, kept_parts, live_check
+from rollbench.comparison.commands.reporting.parts import PARTS
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.store import Run, load, shipped_store
 from rollbench.comparison.reference.tasks import Task
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.sections import rolling
 from rollbench.comparison.sections.loaded_screw import loaded_screw
+from rollbench.comparison.sources.kalker import section as rolling
 from rollbench.reports.records import Section
 
 

@@ -6,12 +6,12 @@ from contextlib import contextmanager
 
 import pytest
 
-from rollbench.comparison.commands import report_halves
-from rollbench.comparison.commands.report_halves import Made, build, make, split
-from rollbench.comparison.commands.report_parts import PARTS, Part
+from rollbench.comparison.commands.reporting import halves as report_halves
+from rollbench.comparison.commands.reporting.halves import Made, build, make, split
+from rollbench.comparison.commands.reporting.parts import PARTS, Part
 from rollbench.comparison.models.study import Study
 
-ASIDE, OWN = Part("crosscheck", "crosscheck", beside=True), Part("tolerances", "tolerances")
+ASIDE, OWN = Part("crosscheck", "wings.crosscheck.section", beside=True), Part("tolerances", "wings.sweep.section")
 
 
 def test_what_is_timed_and_one_core_make_one_process(monkeypatch):

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import pytest
 
-from rollbench.comparison.commands import report_moved
-from rollbench.comparison.commands.report_moved import checked, moved, tables
-from rollbench.comparison.commands.verify import run_verify
+from rollbench.comparison.commands.reporting import moved as report_moved
+from rollbench.comparison.commands.reporting.moved import checked, moved, tables
+from rollbench.comparison.commands.reporting.verify import run_verify
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.provenance import SCENE, inputs
 from rollbench.comparison.scenes import catalogue

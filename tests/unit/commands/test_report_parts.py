@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from rollbench.comparison.commands import report
-from rollbench.comparison.commands.report import save_model_form, wanted_parts
-from rollbench.comparison.commands.report_parts import PARTS
+from rollbench.comparison.commands.reporting import report
+from rollbench.comparison.commands.reporting.parts import PARTS
+from rollbench.comparison.commands.reporting.report import save_model_form, wanted_parts
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models import ladder, model_form
 from rollbench.comparison.models.study import Study
@@ -17,7 +17,7 @@ from rollbench.comparison.reference.store import shipped_store
 def test_every_part_has_a_module_with_a_section():
     assert len({part.name for part in PARTS}) == len(PARTS)
     for part in PARTS:
-        assert callable(import_module(f"rollbench.comparison.sections.{part.module}").section)
+        assert callable(import_module(f"rollbench.comparison.{part.module}").section)
 
 
 def test_wanted_parts():

@@ -5,12 +5,13 @@ import json
 import pytest
 
 from rollbench.comparison.cli import app
-from rollbench.comparison.commands import rolling, rolling_choices
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.reference.jobs import Engine
-from rollbench.comparison.rolling import runs
-from rollbench.comparison.rolling.rows import RollingRow, uncertainty, within
 from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.wings.rolling import choices as rolling_choices
+from rollbench.comparison.wings.rolling import commands as rolling
+from rollbench.comparison.wings.rolling import runs
+from rollbench.comparison.wings.rolling.rows import RollingRow, uncertainty, within
 from rollbench.hifi.rolling.bodies import Sizes
 
 

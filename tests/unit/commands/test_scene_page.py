@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from rollbench.comparison.commands import scene_page, verify
 from rollbench.comparison.commands.arguments import app
+from rollbench.comparison.commands.reporting import scene_page, verify
 from rollbench.comparison.errors import InputError
 from rollbench.reports.scene_page import read_page, render, sha256, without_manifest
 

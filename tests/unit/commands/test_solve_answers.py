@@ -17,9 +17,9 @@ import pytest
 from scipy.io import mmread
 
 from rollbench.comparison.cli import main
-from rollbench.comparison.commands.compare_output import compared
-from rollbench.comparison.commands.matrix_files import dmig, market
-from rollbench.comparison.commands.summary import answers_json, block, entries
+from rollbench.comparison.commands.comparing.compare_output import compared
+from rollbench.comparison.commands.solving.matrix_files import dmig, market
+from rollbench.comparison.commands.solving.summary import answers_json, block, entries
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.models.answers import Answers, gather, tangent_of
 from rollbench.comparison.models.loading import lift_off, preload, solve_scaled

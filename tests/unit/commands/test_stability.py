@@ -5,7 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.extremes.static import (
+from rollbench.comparison.scenes.body_checks import geometry_faults
+from rollbench.comparison.scenes.catalogue import scene as shipped
+from rollbench.comparison.wings.extremes.static import (
     BACKENDS,
     BALANCE,
     CONVERGED,
@@ -22,8 +24,6 @@ from rollbench.comparison.extremes.static import (
     shaft_scaled,
     table,
 )
-from rollbench.comparison.scenes.body_checks import geometry_faults
-from rollbench.comparison.scenes.catalogue import scene as shipped
 from rollbench.lowfi.compliance.bodies import LADDER
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.problem import nominal_hertz

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from rollbench.comparison.cli import main
-from rollbench.comparison.commands.checked import Checked
+from rollbench.comparison.commands.reporting.checked import Checked
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.scenes.catalogue import scene_text
@@ -156,7 +156,7 @@ def test_nothing_needs_what_only_unix_has(tmp_path):
     program = f"""
 import sys
 sys.modules["fcntl"] = sys.modules["resource"] = None
-import rollbench.comparison.crosscheck.calculix
+import rollbench.comparison.wings.crosscheck.calculix
 from rollbench.comparison.cli import main
 main({[*words, "--out", str(tmp_path / "sweep")]!r})
 """
@@ -165,7 +165,7 @@ main({[*words, "--out", str(tmp_path / "sweep")]!r})
 
 
 def test_a_page_whose_folder_cannot_be_made_is_refused_before_any_work(tmp_path, monkeypatch, capsys):
-    from rollbench.comparison.commands import scene_page
+    from rollbench.comparison.commands.reporting import scene_page
 
     (tmp_path / "file").write_text("")
     monkeypatch.setattr(scene_page, "page_of", lambda *_: pytest.fail("work was done"))

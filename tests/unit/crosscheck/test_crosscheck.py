@@ -8,18 +8,18 @@ import numpy as np
 import pytest
 
 from rollbench.comparison import cli
-from rollbench.comparison.commands import crosscheck as crosscheck_command
-from rollbench.comparison.crosscheck.calculix import digest, read_cvg, read_dat
-from rollbench.comparison.crosscheck.data import BodyMesh, CrossData, CrossRun, load, path_of, save, shipped
-from rollbench.comparison.crosscheck.fit import LENGTHS, element_error, extrapolate
-from rollbench.comparison.crosscheck.rows import agreement, contact_rows, series
-from rollbench.comparison.crosscheck.study import STUDIES, checked_scene, label, run_study, scene_key
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.measure import load_error
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.reference.grid_parts import GridParts
-from rollbench.comparison.sections import crosscheck
+from rollbench.comparison.wings.crosscheck import command as crosscheck_command
+from rollbench.comparison.wings.crosscheck import section as crosscheck
+from rollbench.comparison.wings.crosscheck.calculix import digest, read_cvg, read_dat
+from rollbench.comparison.wings.crosscheck.data import BodyMesh, CrossData, CrossRun, load, path_of, save, shipped
+from rollbench.comparison.wings.crosscheck.fit import LENGTHS, element_error, extrapolate
+from rollbench.comparison.wings.crosscheck.rows import agreement, contact_rows, series
+from rollbench.comparison.wings.crosscheck.study import STUDIES, checked_scene, label, run_study, scene_key
 
 DAT = """
  displacements (vx,vy,vz) for set BALL1_WEAK and time  0.1000000E+01
@@ -269,9 +269,9 @@ def test_only_checked_scenes_are_known():
 
 
 def test_a_study_runs_every_deck(tmp_path: Path, monkeypatch):
-    from rollbench.comparison.crosscheck import calculix as ccx
-    from rollbench.comparison.crosscheck import study as crosscheck_study
-    from rollbench.comparison.crosscheck.deck import DeckOptions
+    from rollbench.comparison.wings.crosscheck import calculix as ccx
+    from rollbench.comparison.wings.crosscheck import study as crosscheck_study
+    from rollbench.comparison.wings.crosscheck.deck import DeckOptions
 
     def solved(text: str, _: Path):
         names = [x.split("SLAVE=")[1].split(",")[0] for x in text.splitlines() if x.startswith("*CONTACT PRINT")]
@@ -294,8 +294,8 @@ def test_a_study_runs_every_deck(tmp_path: Path, monkeypatch):
 
 
 def test_decks_whose_results_are_stored_are_not_solved_again(tmp_path: Path, monkeypatch):
-    from rollbench.comparison.crosscheck import study as crosscheck_study
-    from rollbench.comparison.crosscheck.deck import DeckOptions, build_deck
+    from rollbench.comparison.wings.crosscheck import study as crosscheck_study
+    from rollbench.comparison.wings.crosscheck.deck import DeckOptions, build_deck
 
     solved, made = [], build_deck(checked_scene("two-balls"), DeckOptions(0.7, 0.9))
     monkeypatch.setattr(crosscheck_study, "build_deck", lambda *_: made)

@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 from tests.fe_meshes import cube
 
 from rollbench.comparison import cli
-from rollbench.comparison.commands.deck import DeckChoices, run_deck
-from rollbench.comparison.crosscheck.calculix import find_ccx, run_calculix
-from rollbench.comparison.crosscheck.deck import DeckOptions, build_deck, without_turning
-from rollbench.comparison.crosscheck.deck_cut import cut_scene, parse_balls
-from rollbench.comparison.crosscheck.nut import check_nut, load_nut, save_nut
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.wings.crosscheck.calculix import find_ccx, run_calculix
+from rollbench.comparison.wings.crosscheck.deck import DeckOptions, build_deck, without_turning
+from rollbench.comparison.wings.crosscheck.deck_cut import cut_scene, parse_balls
+from rollbench.comparison.wings.crosscheck.export_deck import DeckChoices, run_deck
+from rollbench.comparison.wings.crosscheck.nut import check_nut, load_nut, save_nut
 from rollbench.meshes.deck import Contact, Deck, DeckBody, RigidSection, element_faces, number, outer_faces, write
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import FourierTerm, Material

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.evidence import source_cases
+from rollbench.comparison.sources.lin.evidence import source_cases
 from rollbench.lowfi.friction.linear.chain import CREEP, prepare, second_state, solve_linear_chain
 from rollbench.lowfi.friction.linear.kernel import band, coupled, energy, newton, path
 from rollbench.lowfi.friction.linear.loads import balanced_loads

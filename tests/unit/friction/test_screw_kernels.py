@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.evidence.source_cases import inferred, plain, table_3_6
+from rollbench.comparison.sources.lin.evidence.source_cases import inferred, plain, table_3_6
 from rollbench.lowfi.friction.screw.arrays import groove_arrays
 from rollbench.lowfi.friction.screw.chain import Chain, Search, solve_chain
 from rollbench.lowfi.friction.screw.groove import ScrewGroove

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from rollbench.comparison.evidence.source_cases import lin_3_4_4
+from rollbench.comparison.sources.lin.evidence.source_cases import lin_3_4_4
 from rollbench.lowfi.friction.screw.motion import ball_motion
 from rollbench.lowfi.friction.screw.run import RunResult, deviation, groups, run_cell, simulate, summarise
 

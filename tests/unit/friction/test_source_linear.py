@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.evidence import source_cases
-from rollbench.lowfi.as_source.chain import balance, blocks, closing_in, solve_by_root
-from rollbench.lowfi.as_source.linear import linear_balls, linear_law, linear_pair_by_root, solve_linear_by_root
+from rollbench.comparison.sources.lin.evidence import source_cases
+from rollbench.lowfi.friction.as_source.chain import balance, blocks, closing_in, solve_by_root
+from rollbench.lowfi.friction.as_source.linear import linear_balls, linear_law, linear_pair_by_root, solve_linear_by_root
 from rollbench.lowfi.friction.contact.laws import Coulomb, Sigmoid
 from rollbench.lowfi.friction.linear.bearing import deviations
 from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.evidence.source_cases import inferred, lin_3_4_4, plain, table_3_6
-from rollbench.lowfi.as_source import run as source_run
-from rollbench.lowfi.as_source import screw as source_screw
-from rollbench.lowfi.as_source.chain import solve_by_root
-from rollbench.lowfi.as_source.loads import Places, contact_forces, first_place, loads_by_root
-from rollbench.lowfi.as_source.run import simulate_by_root
-from rollbench.lowfi.as_source.screw import rolling, screw_balls, screw_pair_by_root, state_of
+from rollbench.comparison.sources.lin.evidence.source_cases import inferred, lin_3_4_4, plain, table_3_6
+from rollbench.lowfi.friction.as_source import run as source_run
+from rollbench.lowfi.friction.as_source import screw as source_screw
+from rollbench.lowfi.friction.as_source.chain import solve_by_root
+from rollbench.lowfi.friction.as_source.loads import Places, contact_forces, first_place, loads_by_root
+from rollbench.lowfi.friction.as_source.run import simulate_by_root
+from rollbench.lowfi.friction.as_source.screw import rolling, screw_balls, screw_pair_by_root, state_of
 from rollbench.lowfi.friction.screw.load import settle_load
 from rollbench.lowfi.friction.screw.motion import source_law
 from rollbench.lowfi.friction.screw.pair import solve_pair

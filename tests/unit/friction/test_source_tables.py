@@ -5,14 +5,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.costs import friction_bench
-from rollbench.comparison.costs.friction_bench import FrictionJob, against_source
-from rollbench.comparison.evidence.source_cases import inferred, plain
-from rollbench.comparison.extremes.friction_balls import screw_ball
-from rollbench.comparison.extremes.friction_chains import chain_group, linear_chain, linear_pair, patchy_chain, screw_pairs
-from rollbench.comparison.extremes.tally import BALLS, MU, SOURCE_BALLS, UNLOADED, Tally
-from rollbench.lowfi.as_source.chain import SourceMotion
-from rollbench.lowfi.as_source.starts import from_linear_starts, from_pair_starts, shaken
+from rollbench.comparison.sources.lin import bench as friction_bench
+from rollbench.comparison.sources.lin.bench import FrictionJob, against_source
+from rollbench.comparison.sources.lin.evidence.source_cases import inferred, plain
+from rollbench.comparison.sources.lin.extremes.balls import screw_ball
+from rollbench.comparison.sources.lin.extremes.chains import (
+    chain_group,
+    linear_chain,
+    linear_pair,
+    patchy_chain,
+    screw_pairs,
+)
+from rollbench.comparison.sources.lin.extremes.tally import BALLS, MU, SOURCE_BALLS, UNLOADED, Tally
+from rollbench.lowfi.friction.as_source.chain import SourceMotion
+from rollbench.lowfi.friction.as_source.starts import from_linear_starts, from_pair_starts, shaken
 from rollbench.lowfi.friction.contact.motion import balance_by_root, least_dissipation
 from rollbench.lowfi.friction.screw.pair import solve_pair
 

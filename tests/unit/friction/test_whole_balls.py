@@ -8,7 +8,7 @@ from scipy.special import ellipe
 from tests.helpers import ALL_BUT_AXIAL, small_screw, solved, with_ingredients
 from tests.whole_screws import AXIAL, MU, scene_of, single, state
 
-from rollbench.comparison.evidence.source_cases import four_point, table_3_6
+from rollbench.comparison.sources.lin.evidence.source_cases import four_point, table_3_6
 from rollbench.lowfi.friction.bearing.pairs import solve_bearing
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import ball_motion

@@ -9,7 +9,7 @@ from scipy.interpolate import CubicSpline
 from tests.friction_runs import MU, TURN, WAVES, crowded, setting, sparse
 from tests.helpers import FLANK_ERRORS, small_screw, solved
 
-from rollbench.comparison.evidence.source_cases import lin_3_4_4
+from rollbench.comparison.sources.lin.evidence.source_cases import lin_3_4_4
 from rollbench.lowfi.compliance.bodies import REFINED
 from rollbench.lowfi.friction.screw.chain import Chain, solve_chain
 from rollbench.lowfi.friction.screw.load import settle_load

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.commands.summary import loads_json
+from rollbench.comparison.commands.solving.summary import loads_json
 from rollbench.comparison.measure import load_error
 from rollbench.comparison.scenes import catalogue
 from rollbench.lowfi.statics.nominal import nominal_contacts

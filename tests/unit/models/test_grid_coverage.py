@@ -3,8 +3,6 @@
 import numpy as np
 import pytest
 
-from rollbench.comparison.crosscheck.data import load, shipped
-from rollbench.comparison.crosscheck.fit import extrapolate
 from rollbench.comparison.models import total_uncertainty
 from rollbench.comparison.models.answers import load_answers
 from rollbench.comparison.models.grid_coverage import MANY, coverage, experience, levelled, share_of
@@ -15,6 +13,8 @@ from rollbench.comparison.reference.grid_parts import moving, read
 from rollbench.comparison.reference.levels import LEVELS
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.sections.reference_mesh import coverage_table, shared_text
+from rollbench.comparison.wings.crosscheck.data import load, shipped
+from rollbench.comparison.wings.crosscheck.fit import extrapolate
 from rollbench.meshes.loads import mean_load
 
 pytestmark = pytest.mark.xdist_group("grid_coverage")

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.extremes.static import BACKENDS
 from rollbench.comparison.models.comparison import compared_models, from_result, suited
 from rollbench.comparison.models.ladder import RUNGS
 from rollbench.comparison.models.model_form import estimate
 from rollbench.comparison.models.registry import DEFAULT, MODELS, Options, run_model
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.wings.extremes.static import BACKENDS
 
 QUIET = Options(discretisation=False, engine="interpreted")
 

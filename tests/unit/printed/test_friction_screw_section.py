@@ -10,17 +10,18 @@ import numpy as np
 import pytest
 from tests.evidence_study import GROUP, STUDY
 
-from rollbench.comparison.costs import friction_bench
-from rollbench.comparison.evidence import assumptions_3_4, screw
 from rollbench.comparison.evidence.audit import judge
 from rollbench.comparison.evidence.registry import evidence
-from rollbench.comparison.evidence.source_cases import lin_3_4_4
-from rollbench.comparison.extremes import friction as friction_stability
-from rollbench.comparison.extremes import friction_balls, friction_chains
-from rollbench.comparison.extremes.tally import BALLS, Record, Tally
 from rollbench.comparison.printed.printed_data import load_table
-from rollbench.comparison.sections import friction_screw
-from rollbench.lowfi.as_source.run import simulate_by_root
+from rollbench.comparison.sources.lin import bench as friction_bench
+from rollbench.comparison.sources.lin.evidence import assumptions_3_4, screw
+from rollbench.comparison.sources.lin.evidence.source_cases import lin_3_4_4
+from rollbench.comparison.sources.lin.extremes import balls as friction_balls
+from rollbench.comparison.sources.lin.extremes import chains as friction_chains
+from rollbench.comparison.sources.lin.extremes import items as friction_stability
+from rollbench.comparison.sources.lin.extremes.tally import BALLS, Record, Tally
+from rollbench.comparison.sources.lin.sections import friction_screw
+from rollbench.lowfi.friction.as_source.run import simulate_by_root
 from rollbench.lowfi.friction.linear.chain import solve_linear_chain
 from rollbench.lowfi.friction.screw.chain import solve_chain
 from rollbench.reports.figures import draw

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from tests.evidence_study import GROUP, STUDY
 
-from rollbench.comparison.evidence import rotary_linear, source_cases
 from rollbench.comparison.evidence.audit import judge
 from rollbench.comparison.evidence.registry import evidence
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import load_table
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.scenes.scene_file import scene_hash
-from rollbench.comparison.sections import friction
 from rollbench.comparison.sections.notes import assumptions
+from rollbench.comparison.sources.lin.evidence import rotary_linear, source_cases
+from rollbench.comparison.sources.lin.sections import friction
 from rollbench.reports.figures import draw
 from rollbench.reports.records import Figure, Section, Table
 

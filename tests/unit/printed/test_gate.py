@@ -49,7 +49,7 @@ def test_a_stiffness_off_by_20_per_cent_fails(monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_a_wrong_printed_digit_fails() -> None:
-    from rollbench.comparison.evidence.hertz_b1 import table_b_1
+    from rollbench.comparison.sources.lin.evidence.hertz_b1 import table_b_1
 
     found = table_b_1(Study())[3]
     assert gate.evidence_row(found, 7.0).passed

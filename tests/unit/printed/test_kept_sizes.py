@@ -6,9 +6,9 @@ import re
 import pytest
 
 from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.rolling import kept_sizes
-from rollbench.comparison.rolling.body_sizes import NAMES, Variant, variants
-from rollbench.comparison.rolling.kept_sizes import LIVE, sizes
+from rollbench.comparison.wings.rolling import kept_sizes
+from rollbench.comparison.wings.rolling.body_sizes import NAMES, Variant, variants
+from rollbench.comparison.wings.rolling.kept_sizes import LIVE, sizes
 
 
 @pytest.fixture

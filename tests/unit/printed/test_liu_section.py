@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 from tests.evidence_study import GROUP, STUDY
 
-from rollbench.comparison.evidence.liu import bodies
 from rollbench.comparison.evidence.registry import evidence
 from rollbench.comparison.gate.gate import evidence_row
 from rollbench.comparison.printed.printed_data import load_table
-from rollbench.comparison.sections import liu, notes
+from rollbench.comparison.sections import notes
+from rollbench.comparison.sources.liu import section as liu
+from rollbench.comparison.sources.liu.evidence import bodies
 from rollbench.reports.figures import draw
 from rollbench.reports.records import Figure, Table
 

@@ -6,21 +6,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.evidence.rolling_proof import AS_RUNS, BY_GRID, RESOLVED, Proof
 from rollbench.comparison.gate import gate
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.rolling import changes as rolling_changes
-from rollbench.comparison.rolling import from_rest as rolling_from_rest
-from rollbench.comparison.rolling import rows as rolling_rows
-from rollbench.comparison.rolling.body_sizes import NAMES, SCENES, Variant, variants
-from rollbench.comparison.rolling.changes import Change, changes
-from rollbench.comparison.rolling.from_rest import Series, from_rest
-from rollbench.comparison.rolling.kept_sizes import FILE, Sizes
-from rollbench.comparison.rolling.patches import PatchField
-from rollbench.comparison.rolling.rows import KNOWN
-from rollbench.comparison.rolling.runs import FINITE, LEVELS
-from rollbench.comparison.sections import rolling
+from rollbench.comparison.sources.kalker import section as rolling
+from rollbench.comparison.sources.kalker.proof import AS_RUNS, BY_GRID, RESOLVED, Proof
+from rollbench.comparison.wings.rolling import changes as rolling_changes
+from rollbench.comparison.wings.rolling import from_rest as rolling_from_rest
+from rollbench.comparison.wings.rolling import rows as rolling_rows
+from rollbench.comparison.wings.rolling.body_sizes import NAMES, SCENES, Variant, variants
+from rollbench.comparison.wings.rolling.changes import Change, changes
+from rollbench.comparison.wings.rolling.from_rest import Series, from_rest
+from rollbench.comparison.wings.rolling.kept_sizes import FILE, Sizes
+from rollbench.comparison.wings.rolling.patches import PatchField
+from rollbench.comparison.wings.rolling.rows import KNOWN
+from rollbench.comparison.wings.rolling.runs import FINITE, LEVELS
 from rollbench.reports.figures import draw_map
 from rollbench.reports.records import PressureMap, Text
 

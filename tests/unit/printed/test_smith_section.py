@@ -8,11 +8,12 @@ from tests.evidence_study import GROUP, STUDY
 
 from rollbench.comparison.evidence.entries import Entries
 from rollbench.comparison.evidence.registry import evidence
-from rollbench.comparison.evidence.smith import case
 from rollbench.comparison.gate.gate import evidence_row
 from rollbench.comparison.printed.printed_data import load_table
 from rollbench.comparison.scenes import units
-from rollbench.comparison.sections import notes, smith
+from rollbench.comparison.sections import notes
+from rollbench.comparison.sources.smith import section as smith
+from rollbench.comparison.sources.smith.evidence import case
 from rollbench.reports.figures import draw
 from rollbench.reports.records import Figure, Table
 

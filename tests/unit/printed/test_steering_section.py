@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from rollbench.comparison.evidence import lash_4_2_1 as lash
-from rollbench.comparison.evidence import steering_maps as maps
-from rollbench.comparison.evidence.steering_4_2 import REACH, at_angle, rack, ratios
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.sections import steering
+from rollbench.comparison.sources.lin.evidence import lash_4_2_1 as lash
+from rollbench.comparison.sources.lin.evidence import steering_maps as maps
+from rollbench.comparison.sources.lin.evidence.steering_4_2 import REACH, at_angle, rack, ratios
+from rollbench.comparison.sources.lin.sections import steering
 from rollbench.reports.figures import draw
 
 SCENE = catalogue.scene("lin-nominal-4p1")

@@ -84,7 +84,7 @@ def test_command(capsys):
     rows = json.loads(capsys.readouterr().out)
     assert len(rows) == len(TRACES)
     (row,) = (r for r in rows if (r["table"], r["key"]) == ("lin-3.2", "F_IR_II"))
-    assert row["computation"] == "rollbench.comparison.evidence.rotary_linear:table_3_2"
+    assert row["computation"] == "rollbench.comparison.sources.lin.evidence.rotary_linear:table_3_2"
     assert row["scenes"] == ["lin-rotary-2-printed", "lin-rotary-2"]
     assert row["test"] == "tests/literature/test_lin_chapter3_rotary.py::test_entry[lin-3.2:F_IR_II]"
     app(["list", "--trace"], result_action="return_value")

@@ -129,9 +129,9 @@ def test_a_cluster_is_used_by_all_its_workers_or_as_many_as_asked(scheduler, tmp
 
 
 def test_a_sweep_on_a_cluster_gives_the_same_numbers(scheduler, tmp_path):
-    from rollbench.comparison.commands.sweep import sweep_of  # not above, as dask
     from rollbench.comparison.reference.jobs import Engine
-    from rollbench.comparison.sweep.run import run_samples
+    from rollbench.comparison.wings.sweep.command import sweep_of  # not above, as dask
+    from rollbench.comparison.wings.sweep.run import run_samples
 
     sweep = sweep_of("two-balls", ["errors.balls.oversize=4 um:7 um"], 12, "lhs", 1, "lin")
     here, there = (

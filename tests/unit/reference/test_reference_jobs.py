@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from tests.reference_records import bodies_of, run_of
 
-from rollbench.comparison.commands import study
-from rollbench.comparison.commands.compare_output import levels_text
-from rollbench.comparison.commands.study import code_of, parse_levels, unconverged
+from rollbench.comparison.commands.comparing import study
+from rollbench.comparison.commands.comparing.compare_output import levels_text
+from rollbench.comparison.commands.comparing.study import code_of, parse_levels, unconverged
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.gate.verdict import Limits, judge
 from rollbench.comparison.models import comparison
@@ -181,7 +181,7 @@ def test_wrong_levels_are_refused(text: str) -> None:
 
 
 def test_what_a_report_computes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from rollbench.comparison.commands.report import Source, compute_references
+    from rollbench.comparison.commands.reporting.report import Source, compute_references
 
     asked: list[list[Task]] = []
     monkeypatch.setattr(jobs, "ensure", lambda tasks, *_, **_named: asked.append(list(tasks)))

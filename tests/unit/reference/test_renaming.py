@@ -12,9 +12,9 @@ from rollbench.comparison.reference.store import ARRAYS, Run, bodies_path, load,
 from rollbench.comparison.renaming import __main__ as program
 from rollbench.comparison.renaming import old_keys
 from rollbench.comparison.renaming.files import ALONE, DAMAGED, TAKEN, UNKNOWN, rename
-from rollbench.comparison.rolling import runs
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.scenes.catalogue import scene_text
+from rollbench.comparison.wings.rolling import runs
 from rollbench.meshes.condensed import geometry_digest, load_condensed
 from rollbench.meshes.parts import Scene
 

@@ -8,7 +8,7 @@ from tests.shipped_texts import changed
 from rollbench.comparison.errors import InputError, SceneError
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.scenes.keys import tidy_schema
-from rollbench.comparison.scenes.kinds.table import KINDS
+from rollbench.comparison.wings.friction.kinds.table import KINDS
 
 COULOMB = 'law = "coulomb"'
 CASES = {  # name: (scene, changes, key, value as found, a part of range or advice)

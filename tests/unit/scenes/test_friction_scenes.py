@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from tests.shipped_texts import axis_names, changed
 
-from rollbench.comparison.commands.friction import run_friction
-from rollbench.comparison.commands.friction_kinds import solve_kind
-from rollbench.comparison.commands.friction_whole import Choices
-from rollbench.comparison.commands.left_out import left_out_of_kind
 from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.scenes.kinds.bearing_ball import BearingBallScene
-from rollbench.comparison.scenes.kinds.linear import LinearScene
-from rollbench.comparison.scenes.kinds.table import KINDS
+from rollbench.comparison.wings.friction.kind_solvers import solve_kind
+from rollbench.comparison.wings.friction.kinds.bearing_ball import BearingBallScene
+from rollbench.comparison.wings.friction.kinds.linear import LinearScene
+from rollbench.comparison.wings.friction.kinds.table import KINDS
+from rollbench.comparison.wings.friction.left_out import left_out_of_kind
+from rollbench.comparison.wings.friction.solve import run_friction
+from rollbench.comparison.wings.friction.whole import Choices
 from rollbench.lowfi.friction.bearing.rotary import SIDES, Bearing, solve_ball, solve_ball_as_printed, source_law
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain

@@ -6,14 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.commands.friction import run_friction
-from rollbench.comparison.commands.friction_kinds import solve_kind
-from rollbench.comparison.commands.friction_whole import Choices
 from rollbench.comparison.errors import SceneError
-from rollbench.comparison.evidence.source_cases import double_row, four_point, inferred, lin_3_4_4, plain
 from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.scenes.kinds.bearing_pair import BearingPairScene
-from rollbench.comparison.scenes.kinds.screw_balls import ScrewPairScene, ScrewRunScene
+from rollbench.comparison.sources.lin.evidence.source_cases import double_row, four_point, inferred, lin_3_4_4, plain
+from rollbench.comparison.wings.friction.kind_solvers import solve_kind
+from rollbench.comparison.wings.friction.kinds.bearing_pair import BearingPairScene
+from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewPairScene, ScrewRunScene
+from rollbench.comparison.wings.friction.solve import run_friction
+from rollbench.comparison.wings.friction.whole import Choices
 from rollbench.lowfi.friction.bearing.pairs import (
     ALL,
     DIAGONAL,

@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import pytest
 
-from rollbench.comparison.crosscheck.study import STUDIES
 from rollbench.comparison.errors import SceneError
 from rollbench.comparison.models.comparison import REFERENCED
 from rollbench.comparison.models.ladder import CATALOGUE, CHANGED, DEEP, UNSEEN
 from rollbench.comparison.reference.store import key_of
 from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.comparison.wings.crosscheck.study import STUDIES
 
 
 def test_roles_group_the_scenes_of_the_report():

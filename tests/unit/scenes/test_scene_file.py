@@ -13,10 +13,10 @@ from rollbench.comparison.errors import InputError, SceneError
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.scenes.catalogue import scene_text
 from rollbench.comparison.scenes.keys import FRICTION_ONLY
-from rollbench.comparison.scenes.kinds.screw_balls import ScrewRunScene
-from rollbench.comparison.scenes.kinds.table import KINDS
 from rollbench.comparison.scenes.schema import SceneKeys
 from rollbench.comparison.scenes.template import template
+from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewRunScene
+from rollbench.comparison.wings.friction.kinds.table import KINDS
 from rollbench.meshes.parts import SIDES
 
 NAMES = catalogue.whole_names()

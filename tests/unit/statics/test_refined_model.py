@@ -206,7 +206,7 @@ def test_an_expected_error_holds_the_share_that_it_says() -> None:
 
 def test_a_bearing_with_a_closed_form_gets_no_invented_error() -> None:
     """Two opposite balls in rigid rings: the model is exact (Hertz alone), and nothing like it was compared."""
-    from rollbench.comparison.commands.solve_output import as_json, as_table
+    from rollbench.comparison.commands.solving.solve_output import as_json, as_table
     from rollbench.comparison.gate.closed_forms import two_opposite_balls
 
     found, closed = two_opposite_balls(catalogue.scene("lin-case1"))

@@ -8,7 +8,7 @@ import pytest
 from scipy.optimize import brentq
 from tests.helpers import small_screw, solved, with_ingredients
 
-from rollbench.comparison.commands.solve_output import as_json, as_table
+from rollbench.comparison.commands.solving.solve_output import as_json, as_table
 from rollbench.comparison.errors import Refusal
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.scenes import catalogue

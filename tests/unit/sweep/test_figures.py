@@ -1,9 +1,9 @@
 """Figures of a sweep: what stands on their axes."""
 
-from rollbench.comparison.sections.sweep_figures import figures, of_summary
-from rollbench.comparison.sections.tolerances import short
-from rollbench.comparison.sweep.keys import read_vary
-from rollbench.comparison.sweep.stored import TOLERANCES, stored
+from rollbench.comparison.wings.sweep.figures import figures, of_summary
+from rollbench.comparison.wings.sweep.keys import read_vary
+from rollbench.comparison.wings.sweep.section import short
+from rollbench.comparison.wings.sweep.stored import TOLERANCES, stored
 from rollbench.reports.figures import draw, drawing
 from rollbench.reports.records import Figure, Panel, Series
 

@@ -3,7 +3,7 @@ import pytest
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.scenes.like import double_nut_like, scene_like
-from rollbench.comparison.sweep.keys import Vary, changed, displaced, read_vary
+from rollbench.comparison.wings.sweep.keys import Vary, changed, displaced, read_vary
 
 
 def test_forms():

@@ -9,7 +9,6 @@ from contextlib import suppress
 
 import pytest
 
-from rollbench.comparison.commands.sweep import run_sweep, sweep_of
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.answers import ONE_TURN, gather
 from rollbench.comparison.models.axis_answers import gather as axis_gather
@@ -17,11 +16,12 @@ from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.scenes import scene_file
 from rollbench.comparison.scenes.catalogue import scene_text
-from rollbench.comparison.sweep import run as sweeping
-from rollbench.comparison.sweep import sample as sampling
-from rollbench.comparison.sweep import store
-from rollbench.comparison.sweep.sample import solve_sample
-from rollbench.comparison.sweep.summary import summary
+from rollbench.comparison.wings.sweep import run as sweeping
+from rollbench.comparison.wings.sweep import sample as sampling
+from rollbench.comparison.wings.sweep import store
+from rollbench.comparison.wings.sweep.command import run_sweep, sweep_of
+from rollbench.comparison.wings.sweep.sample import solve_sample
+from rollbench.comparison.wings.sweep.summary import summary
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.meshes.parts import SIDES, Motion
 
@@ -33,8 +33,8 @@ import os, random, signal, sys, time
 from pathlib import Path
 from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.sweep import run as sweeping, store
-from rollbench.comparison.sweep.keys import read_vary
+from rollbench.comparison.wings.sweep import run as sweeping, store
+from rollbench.comparison.wings.sweep.keys import read_vary
 
 folder, kills, workers = Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
 sweeping.BATCHES = 1  # so long that workers are in the midst of theirs when their run is killed

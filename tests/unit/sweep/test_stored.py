@@ -4,11 +4,11 @@ import pytest
 
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.scenes.scene_file import scene_hash
-from rollbench.comparison.sections import tolerances
-from rollbench.comparison.sweep.keys import read_vary
-from rollbench.comparison.sweep.sample import solve_sample
-from rollbench.comparison.sweep.stored import TOLERANCES, command, stored
-from rollbench.comparison.sweep.summary import MAIN
+from rollbench.comparison.wings.sweep import section as tolerances
+from rollbench.comparison.wings.sweep.keys import read_vary
+from rollbench.comparison.wings.sweep.sample import solve_sample
+from rollbench.comparison.wings.sweep.stored import TOLERANCES, command, stored
+from rollbench.comparison.wings.sweep.summary import MAIN
 
 FOUND = stored(TOLERANCES)
 KEYS = read_vary(FOUND["vary"])

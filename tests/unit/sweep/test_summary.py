@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from rollbench.comparison.sweep.keys import read_vary
-from rollbench.comparison.sweep.outputs import OUTPUTS
-from rollbench.comparison.sweep.run import Sweep
-from rollbench.comparison.sweep.summary import MAIN, indices, main_effects, statistics, summary
+from rollbench.comparison.wings.sweep.keys import read_vary
+from rollbench.comparison.wings.sweep.outputs import OUTPUTS
+from rollbench.comparison.wings.sweep.run import Sweep
+from rollbench.comparison.wings.sweep.summary import MAIN, indices, main_effects, statistics, summary
 
 KEYS = read_vary(["a=-3.141592653589793:3.141592653589793", "b=-3.141592653589793:3.141592653589793",
                   "c=-3.141592653589793:3.141592653589793"])  # fmt: skip

@@ -1,0 +1,1 @@
+"""Models beside the 3D reference: compare, check, mesh-study, condense."""

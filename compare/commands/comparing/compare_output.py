@@ -1,0 +1,284 @@
+"""What ``rollbench compare`` says of a scene: a verdict, answers beside the reference's, a table of models, files."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rollbench.comparison.commands.solving.solve_output import expected_json, number
+from rollbench.comparison.commands.solving.summary import contacts_json, loads_json
+from rollbench.comparison.measure import LoadError, error_percent, load_error
+from rollbench.comparison.models.answers import LoadAnswers, load_answers, unloaded_place
+from rollbench.comparison.models.comparison import Loads, from_result, from_run, options_for, reference_answers, solved
+from rollbench.comparison.models.loading import solve_scaled
+from rollbench.comparison.models.model_form import ModelForm, Point, estimate, shipped_points
+from rollbench.comparison.models.registry import DEFAULT, MODELS, Model
+from rollbench.comparison.models.total_uncertainty import Total, total
+from rollbench.comparison.reference.estimate import Reference
+from rollbench.comparison.reference.grid_summary import uncertainty_percent
+from rollbench.comparison.reference.levels import SOURCE_LEVEL
+from rollbench.comparison.reference.store import load
+from rollbench.comparison.writing import replace_file, write_figure
+from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.meshes.helix import lead_angle
+from rollbench.meshes.loads import mean_load
+from rollbench.meshes.parts import SIDES, Scene
+from rollbench.reports.cells import harmless
+from rollbench.reports.records import Figure, Panel, Series
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+COLUMNS = ("model", "max err %", "at", "RMS %", "max N", "mean N", "MPa", "uz um", "s")
+
+
+#: Answers of the block: name with unit, where `answers_of` has the value, its format.
+ANSWERS = (
+    ("largest contact load / N", ("loads", "max_N"), ".1f"),
+    ("mean contact load / N", ("loads", "mean_N"), ".1f"),
+    ("axial displacement / um", ("axial", "displacement_um"), ".3f"),
+    ("axial load over it / (N/um)", ("axial", "rigidity_N_per_um"), ".1f"),
+    ("peak pressure / MPa", ("worst_contact", "pressure_MPa"), ".0f"),
+    ("approach of its contact / um", ("worst_contact", "approach_um"), ".3f"),
+    ("larger semi-axis / mm", ("worst_contact", "semi_axis_a_mm"), ".4f"),
+    ("ellipse to edge of groove / deg", ("truncation", "margin_deg"), ".2f"),
+    ("static safety", ("static_safety", "factor"), ".2f"),
+    ("life L10 / million revolutions", ("life", "L10_million_revolutions"), ".1f"),
+)
+
+
+@dataclass(frozen=True)
+class Beside:
+    """A model beside the reference: its answer, its errors (None for the reference itself), what its loads answer, axial
+    displacement [m] of the screw at the nut's centre from its place without loads, axial force [N] of it on the nut, and
+    how many contacts the nominal screw loads."""
+
+    answer: Loads
+    error: LoadError | None
+    found: LoadAnswers
+    displacement: float
+    force: float
+    contacts: int
+
+    @property
+    def label(self) -> str:
+        """Name for tables."""
+        return self.answer.model
+
+    @property
+    def pressure(self) -> float:
+        """Pole pressure [Pa] of the worst contact."""
+        return 0.0 if self.found.worst is None else self.found.worst.pressure
+
+
+def beside(scene: Scene, answer: Loads, found: Reference | None, start: float = 0.0) -> Beside:
+    """An answer beside a reference, or by itself; start: the axial place [m] without loads."""
+    angle = np.radians(answer.angle)
+    moved = float(np.interp(scene.nut.position, answer.stations, answer.line[:, 2])) if answer.stations.size else np.nan
+    error = None if found is None else load_error(answer.load, found.load, found.contacts)
+    pull = np.where(answer.load > 0.0, answer.load * np.sin(angle), 0.0).sum(axis=0) * np.cos(lead_angle(scene.track))
+    contacts = nominal_contacts(scene)
+    return Beside(answer, error, load_answers(scene, answer.load, angle), moved - start, float(pull[0] - pull[1]), contacts)
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Models and coarser meshes beside the reference of a scene; the reference itself; the error that was to be expected of
+    the model that the verdict speaks of; what the comparison is uncertain by; start: axial place [m] of the screw without
+    loads by that model, from which the displacements of the reference are counted too."""
+
+    models: tuple[Beside, ...]
+    itself: Beside
+    expected: ModelForm | None
+    total: Total
+    start: float = 0.0
+
+    @property
+    def spoken(self) -> Beside:
+        """What the verdict speaks of: the default model, or else the first."""
+        return next((b for b in self.models if b.label == DEFAULT), self.models[0])
+
+
+def compared(scene: Scene, models: Sequence[Model], found: Reference, stores: Sequence[Path]) -> Comparison:
+    """Models, coarser meshes and the source's mesh beside the reference. Raises InputError for a model that cannot be
+    run."""
+    answers, expected, starts = [], {}, {}
+    for model in models:
+        result, seconds = solved(model, scene, found, stores)
+        answers.append(from_result(result, seconds))
+        bare = solve_scaled(scene, 0.0, model.name, options_for(model, scene, found, stores, "interpreted"))
+        starts[answers[-1].model] = unloaded_place(scene, bare)
+        if result.converged:
+            expected[model.name] = estimate(scene, result, others_than(scene))
+    others = reference_answers(found, load(scene, SOURCE_LEVEL, stores=tuple(stores)))
+    answers += [answer for answer in others if not is_itself(answer, found)]
+    shared = starts.get(DEFAULT, next(iter(starts.values()), 0.0))  # of the reference no run without loads is stored
+    each = tuple(beside(scene, answer, found, starts.get(answer.model, shared)) for answer in answers)
+    itself = beside(scene, from_run(found.best, "3D reference"), None, shared)
+    whole = Comparison(each, itself, None, total(scene, found), shared)
+    return replace(whole, expected=expected.get(whole.spoken.label))
+
+
+def others_than(scene: Scene) -> list[Point]:
+    """Compared points of other scenes: what is measured here is not to be expected of itself."""
+    return [point for point in shipped_points() if point.scene != scene.name]
+
+
+def answers_of(b: Beside) -> dict[str, Any]:
+    """What the loads of a model or of the reference answer, as JSON has it; null where there is no such answer."""
+    stiff = b.force / b.displacement if b.displacement * b.force > 0.0 else None
+    axial = {"force_N": number(b.force), "displacement_um": number(1e6 * b.displacement)}
+    axial["rigidity_N_per_um"] = None if stiff is None else number(1e-6 * stiff)
+    return {"loads": loads_json(b.answer.load, b.contacts), "axial": axial, **contacts_json(b.found)}
+
+
+def answers_json(whole: Comparison, found: Reference) -> dict[str, Any]:
+    """Verdict, levels and uncertainty of the reference, error expected and measured, answers of models and reference."""
+    error, expected = whole.spoken.error, whole.expected
+    return {
+        "scene": found.scene,
+        "verdict": verdict(whole, found),
+        "levels": [run.level for run in found.runs],
+        "uncertainty_percent": uncertainty_percent(found),
+        "reference_status": found.unsettled or "converged",
+        "uncertainty": whole.total.as_json(),
+        "model": whole.spoken.label,
+        "expected_error_percent": None if expected is None else expected.percent,
+        **expected_json(expected, "expected_{}_error_percent"),
+        "measured_error_percent": None if error is None else error.max_percent,
+        "answers": {b.label: answers_of(b) for b in (whole.itself, *whole.models)},
+    }
+
+
+def answers_table(whole: Comparison) -> RenderableType:
+    """Ten answers of the model that the verdict speaks of beside those of the reference."""
+    from rich.table import Table
+
+    own, reference = answers_of(whole.spoken), answers_of(whole.itself)
+    out = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    for k, name in enumerate(("answer", whole.spoken.label, "3D reference", "difference / %")):
+        out.add_column(name, justify="left" if k == 0 else "right", no_wrap=True)
+    for name, (group, key), form in ANSWERS:
+        value, ref = (None if side[group] is None else side[group][key] for side in (own, reference))
+        off = None if value is None or not ref else float(error_percent(value, ref))
+        cells = ((value, form), (ref, form), (off, "+.2f"))
+        out.add_row(name, *("–" if x is None else format(x, f) for x, f in cells))
+    return out
+
+
+def start_lines(whole: Comparison) -> list[str]:
+    """From where displacements are counted, where that is not the nominal place."""
+    if not whole.start:
+        return []
+    return [
+        f"displacements: from the place without loads, by {whole.spoken.label} {1e6 * whole.start:.3g} um from the nominal "
+        "one, which the reference's are counted from too"
+    ]
+
+
+def is_itself(answer: Loads, found: Reference) -> bool:
+    """Whether an answer is the run that it would be compared with."""
+    return answer.model == f"3D level {found.best.level}"
+
+
+def levels_text(found: Reference, total: Total) -> str:
+    """Levels of the reference and what it is uncertain by, in words."""
+    levels = ", ".join(str(run.level) for run in found.runs)
+    rest = f" ({found.unsettled}, which is added)" if found.unsettled else ""
+    return f"3D reference on level{'s' * (len(found.runs) > 1)} {levels}, {total.text}{rest}"
+
+
+def verdict(whole: Comparison, found: Reference) -> str:
+    """The first sentence: the error of the default model, or of the first one, what was to be expected, and what the
+    comparison is uncertain by."""
+    own, e, reference = whole.spoken, whole.spoken.error, levels_text(found, whole.total)
+    if e is None:
+        return reference
+    where = f" (ball {e.ball} {e.side})" if e.ball else ""
+    return (
+        f"{own.label} is off by {e.max_percent:.2f} % of the mean load on the worst contact{where}, "
+        f"{e.rms_percent:.2f} % RMS{_expected(whole.expected)}, and by {e.own_max_percent:.2f} % of a contact's own load; "
+        f"{reference}"
+    )
+
+
+def _expected(worth: ModelForm | None) -> str:
+    """What was to be expected, as an insertion."""
+    if worth is None:
+        return ""
+    if worth.percent is None:
+        return " (expected: not covered by earlier comparisons)"
+    return f" (expected: {worth.percent:.2f} %, {worth.rms_percent:.2f} % RMS)"
+
+
+def _cells(b: Beside) -> list[str]:
+    e, held = b.error, b.answer.load[b.answer.load > 0.0]
+    errors = ["", "", ""] if e is None else [f"{e.max_percent:.2f}", f"{e.ball} {e.side}".strip(), f"{e.rms_percent:.2f}"]
+    return [
+        b.label,
+        *errors,
+        f"{held.max(initial=0.0):.1f}",
+        f"{mean_load(held, b.contacts):.1f}",
+        f"{1e-6 * b.pressure:.0f}",
+        f"{1e6 * b.displacement:.3f}",
+        "" if b.answer.seconds is None else f"{b.answer.seconds:.{0 if b.answer.seconds >= 10.0 else 2}f}",
+    ]
+
+
+def table(models: Sequence[Beside], itself: Beside) -> RenderableType:
+    """One row for each model, the reference first; narrower than 80 columns."""
+    from rich.table import Table
+
+    out = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0))
+    for k, name in enumerate(COLUMNS):
+        out.add_column(name, justify="left" if k == 0 else "right", no_wrap=True)
+    for b in (itself, *models):
+        out.add_row(*_cells(b))
+    return out
+
+
+def contact_rows(scene: Scene, models: Sequence[Beside], found: Reference) -> list[dict[str, Any]]:
+    """One row for each contact: loads [N] of reference, its uncertainty, and of the models."""
+    rows = []
+    loaded = (found.load > 0.0) | np.any([b.answer.load > 0.0 for b in models], axis=0)
+    for i, s in zip(*np.nonzero(loaded), strict=True):
+        row: dict[str, Any] = {"scene": scene.name, "ball": int(i) + 1, "side": SIDES[int(s)]}
+        row |= {"reference_N": float(found.load[i, s])}
+        row |= {"uncertainty_N": float(found.uncertainty[i, s])}
+        rows.append(row | {f"{b.label}_N": float(b.answer.load[i, s]) for b in models})
+    return rows
+
+
+def load_figure(name: str, models: Sequence[Beside], found: Reference) -> Figure:
+    """Loads over the balls, a panel for each flank of the screw that carries load."""
+    panels = []
+    for s in (0, 1):
+        if not (found.load[:, s] > 0.0).any():
+            continue
+        balls = list(range(1, found.load.shape[0] + 1))
+        value = found.load[:, s]
+        bar = found.uncertainty[:, s]
+        ends = (value - bar).tolist(), (value + bar).tolist()
+        series = [Series("3D reference", balls, value.tolist(), "line+markers", emphasis=True, bars=ends)]
+        series += [Series(b.label, balls, b.answer.load[:, s].tolist(), "line") for b in models if b.label in MODELS]
+        panels.append(Panel(f"screw's flank {SIDES[s]}", "ball", "contact load / N", series, integer_x=True))
+    return Figure(name, "Contact loads: prediction beside reference", panels)
+
+
+def write_files(scene: Scene, models: Sequence[Beside], found: Reference, store: Path) -> str:
+    """Write the contacts as CSV and the figure as SVG into the store; a line that says so."""
+    rows = contact_rows(scene, models, found)
+    text = io.StringIO()
+    writer = csv.DictWriter(text, list(rows[0]))
+    writer.writeheader()
+    writer.writerows({k: harmless(v) if isinstance(v, str) else v for k, v in row.items()} for row in rows)
+    stem = store / f"{scene.name}-compare"
+    replace_file(Path(f"{stem}.csv"), text.getvalue())
+    figure = write_figure(Path(f"{stem}.svg"), load_figure("compare-loads", models, found))
+    return f"wrote {stem}.csv (every contact) and {figure}"

@@ -1,0 +1,1 @@
+"""The validation report, the page of one scene, and what checks them."""

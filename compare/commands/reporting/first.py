@@ -1,0 +1,111 @@
+"""The first report of a machine: what it leaves out and what brings that back, and one shipped run computed anew."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+from rollbench.comparison.commands.reporting.parts import Part
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.reference.computing import compute
+from rollbench.comparison.reference.store import load
+from rollbench.comparison.reference.tasks import Task
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.system import cores, gmsh_fault
+from rollbench.meshes.libraries import EXTRAS, MESHING, PICTURES, install
+from rollbench.meshes.loads import mean_load
+from rollbench.reports.offscreen import fault as drawing_fault
+from rollbench.reports.records import FieldPicture, LoadedScrew, Section
+
+#: Sections that take most of a report's time: they come with ``--all``, with ``--fresh``, and by name.
+COSTLY = frozenset({"pictures", "friction", "friction-screw", "verification", "stability", "timing"})
+#: Scene and level of the shipped run that is computed anew: a quarter of a minute on one core.
+CHECKED, LEVEL = "unseen-four-point", 1
+#: Largest difference [% of the mean load] that another processor's round-off explains.
+AGREES = 1e-3
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """Sections or files that a report leaves out, why, and the command that brings them back."""
+
+    names: tuple[str, ...]
+    why: str
+    remedy: str
+
+    def line(self) -> str:
+        """The same as one line."""
+        return f"left out: {', '.join(self.names)}: {self.why}; {self.remedy}"
+
+
+def kept_parts(parts: Sequence[Part], *, named: bool, everything: bool) -> tuple[list[Part], list[LeftOut]]:
+    """Sections that can be made here, and those left out: costly ones unless named or everything is asked for, those that
+    mesh where gmsh cannot be loaded."""
+    left: list[LeftOut] = []
+    out = {part.name for part in parts if part.name in COSTLY} if not (named or everything) else set()
+    if out:
+        names = tuple(part.name for part in parts if part.name in out)
+        left.append(LeftOut(names, "they take most of the time", "rollbench report --all makes them too"))
+    meshing = [part for part in parts if (part.meshes or part.meshed) and part.name not in out]
+    fault = gmsh_fault() if meshing else ""
+    if fault:
+        names = tuple(f"{part.name} ({part.meshed})" if part.meshed else part.name for part in meshing)
+        left.append(LeftOut(names, f"gmsh cannot be loaded ({fault})", install(MESHING, PICTURES)))
+        out |= {part.name for part in meshing if part.meshes}
+    return [part for part in parts if part.name not in out], left
+
+
+def lacking(sections: Iterable[Section]) -> list[LeftOut]:
+    """What a report leaves out because a package that nothing else needs is not installed, and the 3D pictures of its
+    sections where this machine cannot draw them."""
+    left = [
+        LeftOut((what,), f"{name} is not installed", remedy)
+        for name, (what, remedy) in EXTRAS.items()
+        if find_spec(name) is None
+    ]
+    if any(isinstance(item, LoadedScrew | FieldPicture) for section in sections for item in section.items) and (
+        why := drawing_fault()
+    ):
+        left.append(LeftOut(("3D pictures",), why.split(";")[0].removeprefix("3D picture: "), install(PICTURES)))
+    return left
+
+
+@dataclass(frozen=True)
+class LiveCheck:
+    """A shipped run computed anew: scene, level, largest difference of a contact load [% of the mean load], seconds."""
+
+    scene: str
+    level: int
+    percent: float
+    seconds: float
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the difference is round-off."""
+        return self.percent <= AGREES
+
+    def line(self) -> str:
+        """The same as one line."""
+        verdict = "agrees" if self.agrees else "DOES NOT AGREE"
+        return (
+            f"live check: {self.scene}, level {self.level}, computed anew in {self.seconds:.0f} s, {verdict} with the "
+            f"shipped run: contact loads differ by up to {self.percent:.1g} % of the mean load"
+        )
+
+
+def live_check(stores: Sequence[Path] | None, step: Callable[[str], None]) -> LiveCheck | None:
+    """Compute one stored run anew, without any cache; None where no store has it under this machine's key."""
+    scene = catalogue.scene(CHECKED)
+    stored = load(scene, LEVEL, stores=stores)
+    if stored is None:
+        return None
+    start = perf_counter()
+    (run,) = compute(Task((scene,), LEVEL, processes=cores()), step)
+    mean = mean_load(stored.load)
+    percent = float(np.abs(error_percent(run.load, stored.load, mean)).max()) if run.status == "converged" else float("inf")
+    return LiveCheck(CHECKED, LEVEL, percent, perf_counter() - start)

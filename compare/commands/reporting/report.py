@@ -1,0 +1,230 @@
+"""Regenerates the validation report: runs the models, fills the records, writes the page."""
+
+from __future__ import annotations
+
+import datetime
+import platform
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from time import perf_counter
+
+from rollbench.comparison import __version__
+from rollbench.comparison.commands.printing import Answer
+from rollbench.comparison.commands.reporting import moved as report_moved
+from rollbench.comparison.commands.reporting.first import kept_parts, lacking, live_check
+from rollbench.comparison.commands.reporting.halves import build, split
+from rollbench.comparison.commands.reporting.parts import PARTS, SECTIONS, Part
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.provenance import commit, inputs
+from rollbench.comparison.reference.jobs import Engine
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.scenes.scene_file import scene_hash
+from rollbench.comparison.system import gmsh_fault, libraries, machine, need_packages
+from rollbench.comparison.writing import need_writable
+from rollbench.reports.records import Report
+
+Step = Callable[[str], None]
+
+
+def provenance() -> dict[str, str]:
+    """What was run where: version, date, machine, library versions."""
+    packages = ("numpy", "scipy", "numba", "gmsh", "scikit-fem", "pymetis", "matplotlib", "pyvista")
+    return {
+        "rollbench": f"{__version__}, commit {commit()}",
+        "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        "machine": f"{machine()}, {platform.system()}",
+        "Python": platform.python_version(),
+        "libraries": libraries(packages),
+        "source": "Lin (2019), doctoral thesis: chapters 2 and 3, appendices B to G, section 4.3; Smith (1994), thesis; "
+        "Liu et al. (2025), Lubricants 13, 57",
+    }
+
+
+class Progress:
+    """Lines on the terminal: which section, which step, how long it took."""
+
+    def __init__(self, total: int) -> None:
+        """Start counting sections out of ``total``."""
+        self.total, self.count = total, 0
+        self.start = perf_counter()
+
+    def section(self, name: str) -> None:
+        """Announce a section."""
+        self.count += 1
+        print(f"[{self.count}/{self.total}] {name} ({perf_counter() - self.start:.1f} s)", flush=True)
+
+    def step(self, text: str) -> None:
+        """Announce a step of the section."""
+        print(f"      {text}", flush=True)
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where the runs of the 3D reference come from: folders, computed now or stored, coarse meshes only, anew even where
+    the folder holds them."""
+
+    stores: tuple[Path, ...] | None
+    engine: Engine
+    compute: bool = True
+    quick: bool = False
+    fresh: bool = False
+
+
+def compute_references(study: Study, source: Source, step: Step) -> None:
+    """Compute the runs that the report needs and ``source`` does not hold yet."""
+    from rollbench.comparison.models.comparison import REFERENCED
+    from rollbench.comparison.models.modelling import REFINED, VARIED
+    from rollbench.comparison.reference.expected import expected
+    from rollbench.comparison.reference.jobs import all_variants, ensure, plan, refinements
+    from rollbench.comparison.reference.levels import LEVELS, STUDIED
+
+    if not source.compute or source.stores is None:
+        return
+    from rollbench.comparison.models.ladder import DEEP, UNSEEN
+    from rollbench.comparison.sources.liu.evidence.bodies import SOLID, SOLID_LEVELS
+    from rollbench.comparison.wings.crosscheck.study import STUDIES
+
+    scenes = [study.scene(name) for name in REFERENCED]
+    if source.quick:
+        tasks = plan(scenes[:2], (min(LEVELS),))
+    else:
+        tasks = plan(scenes, STUDIED, source=True, ablate=True)
+        for name in VARIED:
+            tasks += plan([study.scene(name)], (), (*all_variants(), *(refinements() if name == REFINED else ())))
+        tasks += plan([study.scene(name) for name in (*UNSEEN, *STUDIES)], STUDIED)
+        tasks += plan([study.scene(name) for name in DEEP], (max(LEVELS),))
+        if source.fresh:  # not shipped: they take longer than the rest of a first report
+            tasks += plan([study.scene(name) for name in SOLID], SOLID_LEVELS)
+        tasks.sort(key=lambda task: -expected(task).seconds)
+    ensure(tasks, source.stores[0], source.engine, step, source.stores[1:], fresh=source.fresh)
+    if not source.quick:
+        keep_experience(source.stores)
+
+
+def keep_experience(stores: Sequence[Path]) -> None:
+    """Write what all compared scenes tell of one another into the first store: parts of the discretisation that a scene's
+    own levels do not show, and the modelling choices."""
+    from rollbench.comparison.models import total_uncertainty
+    from rollbench.comparison.models.grid_coverage import experience
+    from rollbench.comparison.models.modelling import VARIED, combined, varied
+    from rollbench.comparison.models.study import Study
+    from rollbench.comparison.reference import grid_parts
+
+    study = Study(stores)
+    known = experience(study)
+    if known is not None:
+        grid_parts.save(stores[0], known)
+    found = [combined(study.scene(name), varied(study.scene(name), stores)) for name in VARIED]
+    if all(found):
+        total_uncertainty.save(stores[0], {m.scene: total_uncertainty.choices_of(m) for m in found if m is not None})
+
+
+def wanted_parts(only: Sequence[str], *, quick: bool = False) -> list[Part]:
+    """Sections asked for; all if none, but for the long ones of a quick report. Raises InputError for a bad name."""
+    for name in only:
+        if name not in SECTIONS:
+            raise InputError("command line", "--only", f'"{name}"', ", ".join(SECTIONS), "name a section")
+    return [part for part in PARTS if (part.name in only if only else not (quick and part.long))]
+
+
+def save_model_form(study: Study) -> None:
+    """Write what the model-form estimate rests on into the report's own store, for ``rollbench solve`` to read once it is
+    shipped; nothing without references or without a store."""
+    from rollbench.comparison.models.ladder import ladder, points
+    from rollbench.comparison.models.model_form import save_points
+
+    rungs = study.once(ladder)
+    if rungs and study.stores:
+        save_points(study.stores[0], points(study, rungs))
+
+
+def make_report(
+    only: Sequence[str],
+    out: Path,
+    *,
+    quick: bool = False,
+    stored: bool = False,
+    store: Path = Path("rollbench-reference"),
+    engine: Engine | None = None,
+    fresh: bool = False,
+    everything: bool = False,
+    against: Path | None = None,
+) -> Answer:
+    """Run, draw and write the report; exit code 1 where the live check does not agree.
+
+    quick: coarsest meshes of the 3D reference only; stored: the runs that come with the package; store: folder in which
+    computed runs are kept, so that an interrupted report goes on; fresh: compute them even if it holds them; everything:
+    the costly sections too; against: an earlier report, to list what moved. Raises InputError for a bad section name or
+    folder.
+    """
+    need_packages("matplotlib", "scikit-fem")
+    before = None if against is None else report_moved.tables(against)
+    wanted = wanted_parts(only, quick=quick)
+    if fresh and stored:
+        raise InputError("command line", "--fresh", "also --stored", "one of both", "leave --stored out to compute")
+    from rollbench.reports.html import check_target, write
+
+    try:
+        check_target(out)
+    except (ValueError, OSError) as error:
+        raise _bad_folder(out, error) from None
+    need_writable(out / "index.html")
+    wanted, missed = kept_parts(wanted, named=bool(only), everything=everything or fresh)
+    meshing = not gmsh_fault()
+    from rollbench.comparison.reference.store import shipped_store
+
+    own = (store,) if fresh or quick else (store, shipped_store())
+    source = Source(None if stored else own, engine or Engine(), not stored and meshing, quick, fresh)
+    runs = any(part.runs for part in wanted)
+    checking = runs and meshing and not (only or stored or fresh or quick)
+    study = Study(source.stores, quick=quick, timed=everything or fresh, cache=source.engine.cache)
+    aside, others = split(wanted, study)
+    progress = Progress(len(others) + bool(aside) + runs + checking + 1)
+    start = perf_counter()
+    if runs:
+        progress.section("runs of the 3D reference")
+        compute_references(study, source, progress.step)
+    checked = None
+    if checking:
+        progress.section("one shipped run computed anew")
+        checked = live_check((shipped_store(),), progress.step)
+    made = build(aside, others, progress.section, progress.step, study, save_model_form)
+    progress.section("drawing and writing")
+    facts, texts = provenance(), {name: catalogue.scene_text(name) for name in study.used}
+    facts["computed in"] = f"{perf_counter() - start:.0f} s"
+    computed = "computed, coarse meshes only" if quick else "computed" if fresh else "of the package where their key holds"
+    facts["3D reference"] = "stored runs of the package" if stored or not meshing else computed
+    missed += lacking(made.values())
+    if missed:
+        facts["left out"] = "; ".join(gap.line().removeprefix("left out: ") for gap in missed)
+    if checked is not None:
+        facts["live check"] = checked.line().removeprefix("live check: ")
+    left_out = ", ".join(part.name for part in PARTS if part.long)
+    report = Report(
+        title="rollbench validation report",
+        subtitle="Low-order models of ball screws and bearings against printed numbers and a 3D contact reference"
+        + (f" (quick run: coarse meshes, cases 1 and 2 only, without {left_out})" if quick else "")
+        + "".join(f" ({gap.line()})" for gap in missed),
+        provenance=facts,
+        sections=[made[part.name] for part in wanted],
+        scene_hashes={name: scene_hash(text) for name, text in texts.items()},
+        origin={**facts, "inputs": inputs(study.stores or (shipped_store(),), texts)},
+    )
+    try:
+        page = write(report, out, partial(progress.step))
+    except (ValueError, OSError) as error:
+        raise _bad_folder(out, error) from None
+    parts = [*([] if checked is None else [checked.line()]), *(gap.line() for gap in missed)]
+    if before is not None:
+        parts += [*report_moved.moved(before, report_moved.tables(page.parent))] or ["nothing moved"]
+    parts.append(f"report: {page} ({perf_counter() - start:.0f} s)")
+    return Answer(parts=parts, code=0 if checked is None or checked.agrees else 1)
+
+
+def _bad_folder(out: Path, error: Exception) -> InputError:
+    return InputError(
+        str(out), "--out", str(error), "a folder that is new, empty or an earlier report", "choose another folder"
+    )

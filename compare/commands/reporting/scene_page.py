@@ -1,0 +1,267 @@
+"""``rollbench report SCENE``: one page on a scene that may be sent to a customer."""
+
+from __future__ import annotations
+
+import datetime
+import platform
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rollbench.comparison import __version__
+from rollbench.comparison.commands.solving.solve_output import as_json
+from rollbench.comparison.commands.solving.summary import answers_json, entries
+from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.models.answers import Answers, gather, tangent_of
+from rollbench.comparison.models.comparison import from_result
+from rollbench.comparison.models.model_form import FILE, ModelForm, estimate
+from rollbench.comparison.models.registry import DEFAULT, Options, run_model
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.models.u_val import QUANTITIES, Validated, validated
+from rollbench.comparison.provenance import SOURCES, commit, sources_hash
+from rollbench.comparison.reference.estimate import Reference
+from rollbench.comparison.reference.store import path_in, shipped_store
+from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.comparison.sections.applicability import range_figure, range_table
+from rollbench.comparison.sections.loaded_screw import loaded_screw
+from rollbench.comparison.system import libraries
+from rollbench.comparison.writing import need_writable, replace_file
+from rollbench.lowfi.statics.problem import nominal_hertz
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.statics.tangent import Tangent
+from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
+from rollbench.reports.manifest import sha256
+from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
+from rollbench.reports.scene_page import ScenePage
+
+LIBRARIES = ("numpy", "scipy", "numba")
+
+
+def make_page(name: str, out: Path, store: Path) -> ScenePage:
+    """Solve a scene by the default model, set it beside a stored reference where there is one, and write the page.
+
+    Raises InputError for a scene of another kind and a folder that holds what no report wrote, Refusal where
+    the scene does not solve.
+    """
+    from rollbench.reports.html import check_target
+    from rollbench.reports.scene_page import render
+
+    try:
+        check_target(out)
+    except (ValueError, OSError) as error:
+        allowed = "a folder that is new, empty or an earlier report"
+        raise InputError(str(out), "--out", str(error), allowed, "choose another folder") from None
+    need_writable(out / "index.html")
+    page = page_of(name, (store, shipped_store()))
+    replace_file(out / "index.html", render(page))
+    return page
+
+
+def page_of(name: str, stores: Sequence[Path]) -> ScenePage:
+    """The page of a scene. Raises InputError and Refusal as `make_page`."""
+    study = Study(stores)
+    scene = study.scene(name)
+    options = Options()
+    result = run_model(scene, DEFAULT, options)
+    if not result.converged:
+        raise Refusal(name, "scene", result.status, "see: rollbench solve")
+    found = gather(scene, result, DEFAULT, options)
+    worth = estimate(scene, result)
+    tangent = tangent_of(scene, scene.nut.position, DEFAULT, options)
+    reference = study.reference(name)
+    judged = [v for q in QUANTITIES if (v := validated(study, name, DEFAULT, q, from_result(result))) is not None]
+    speed = None if scene.motion is None else scene.motion.speed
+    text = _scene_text(name)
+    sections = (
+        _loads(scene, result, reference),
+        _stiffness(found, tangent),
+        _error(scene, worth, judged, reference),
+        _notes(result),
+    )
+    return ScenePage(
+        scene.title,
+        f"{scene.name}: contact loads, stiffness, pressure, friction and life by rollbench, model {DEFAULT}",
+        verdict(found, worth, judged, reference),
+        [(label, told) for label, told in entries(scene, result, found, worth, speed) if label != "assumed"],
+        _picture(scene, result),
+        sections,
+        _provenance(name, scene, text, reference),
+        text,
+        as_json(scene, result, worth, answers_json(scene, result, found)),
+        _files(scene, reference, stores),
+    )
+
+
+def verdict(found: Answers, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None) -> str:
+    """The answer in one sentence: worst pressure and safety, and how far they may be trusted."""
+    worst, safety = found.loads.worst, found.loads.safety
+    if worst is None or safety is None:
+        return "No contact carries load."
+    text = (
+        f"The most pressed contact (ball {worst.ball} {worst.side}) carries {worst.force:.0f} N at "
+        f"{1e-6 * worst.pressure:.0f} MPa, static safety {safety.factor:.2g}"
+    )
+    if judged and reference is not None:
+        v = judged[0]
+        bar = f"u_val {v.combined:.2f} %" if np.isfinite(v.combined) else "one mesh level, so without its uncertainty"
+        bar += f"; {reference.unsettled}" if reference.unsettled else ""
+        return (
+            f"{text}; measured against the 3D reference, loads are off by up to {abs(v.error):.2f} % of their mean ({bar})."
+        )
+    if worth.percent is None:
+        return f"{text}; the error of these loads is not covered by what was compared with the 3D reference."
+    return f"{text}; an error of up to {worth.percent:.1f} % of the mean load is to be expected of scenes like it."
+
+
+def _loads(scene: Scene, result: StaticResult, reference: Reference | None) -> Section:
+    """Figure and table of all contacts with their pressures."""
+    balls = [float(k + 1) for k in range(result.load.shape[0])]
+    panels = []
+    pressure = 1e-6 * nominal_hertz(scene).pressure(result.load)
+    for s, side in enumerate(SIDES[:2]):
+        if not (result.load[:, s] > 0.0).any():
+            continue
+        series = [Series(DEFAULT, balls, result.load[:, s].tolist(), "line+markers", emphasis=True)]
+        if reference is not None:
+            own, bar = reference.load[:, s], reference.uncertainty[:, s]
+            ends = (own - bar).tolist(), (own + bar).tolist()
+            series.append(Series("3D reference", balls, own.tolist(), "markers", bars=ends))
+        panels.append(Panel(f"screw's flank {side}", "ball", "contact load / N", tuple(series), zero=True, integer_x=True))
+    rows: list[dict[str, Cell]] = []
+    for i, s in zip(*np.nonzero(result.load > 0.0), strict=True):
+        row: dict[str, Cell] = {"ball": int(i) + 1, "side": SIDES[int(s)], "load": float(result.load[i, s])}
+        row |= {"angle": float(np.degrees(result.contact_angle[i, s])), "pressure": float(pressure[i, s])}
+        row["reference"] = None if reference is None else float(reference.load[i, s])
+        rows.append(row)
+    columns = [
+        Column("ball", "ball", "", "g4"),
+        Column("side", "flank", "", "s"),
+        Column("load", "load", "N", ".1f"),
+        Column("angle", "contact angle", "deg", ".2f"),
+        Column("pressure", "peak pressure", "MPa", ".0f"),
+    ]
+    if reference is not None:
+        columns.insert(3, Column("reference", "3D reference", "N", ".1f"))
+    items: list[Figure | Table] = [Figure("loads", "Contact loads, ball by ball", tuple(panels))] if panels else []
+    items.append(Table("contacts", "Every loaded contact", columns, rows, "Peak pressure: Hertz, error-free radii."))
+    return Section("loads", "Loads and pressures", items)
+
+
+def _stiffness(found: Answers, tangent: Tangent) -> Section:
+    """Rigidities by formulas and by the model, and the tangent stiffness at the nut."""
+    three = found.rigidities
+    names = (
+        "contacts alone (R_b/t), formula at the nominal contact angle",
+        "contacts and bodies (R_nu), formula at the nominal contact angle",
+        "this model, secant (R_nu,ar)",
+        "this model, tangent at this load",
+    )
+    values = (None,) * 3 if three is None else (three.contacts, three.bodies, three.unequal)
+    rows: list[dict[str, Cell]] = [
+        {"name": name, "value": None if value is None else 1e-6 * value}
+        for name, value in zip(names, (*values, found.tangent), strict=True)
+    ]
+    columns = (Column("name", "axial rigidity", "", "s"), Column("value", "", "N/um", "g4"))
+    first = Table("rigidity", "Axial rigidities: formulas of ISO 3408-4, and of this model", columns, rows)
+    if tangent.status != "converged":
+        return Section("stiffness", "Stiffness", (first, Text((f"Tangent stiffness: {tangent.status}.",))))
+    cells: list[dict[str, Cell]] = [
+        {"freedom": name, **{other: float(tangent.matrix[i, k]) for k, other in enumerate(FREEDOMS)}}
+        for i, name in enumerate(FREEDOMS)
+    ]
+    matrix = (Column("freedom", "force or moment", "", "s"), *(Column(name, name, "", "g4") for name in FREEDOMS))
+    note = "Screw at the nut's centre, tangent; rows and columns in N, N m, m and rad."
+    return Section("stiffness", "Stiffness", (first, Table("tangent", "Stiffness 6 x 6", matrix, cells, note)))
+
+
+def _error(scene: Scene, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None) -> Section:
+    """Measured error with u_val where a reference is stored, expected error, and where the scene lies."""
+    from rollbench.comparison.commands.solving.solve_output import model_form_text
+
+    items: list[Text | Table | Figure] = []
+    if judged and reference is not None:
+        levels = ", ".join(str(run.level) for run in reference.runs)
+        rows: list[dict[str, Cell]] = [
+            {
+                "quantity": v.quantity,
+                "error": v.error,
+                "grid": v.grid,
+                "choices": v.choices,
+                "inputs": v.inputs,
+                "u": v.combined,
+            }
+            for v in judged
+        ]
+        columns = (
+            Column("quantity", "quantity", "", "s"),
+            Column("error", "error", "%", "+.2f"),
+            Column("grid", "grid", "%", ".2f"),
+            Column("choices", "modelling choices", "%", ".2f"),
+            Column("inputs", "input tolerances", "%", ".2f"),
+            Column("u", "u_val", "%", ".2f"),
+        )
+        note = (
+            f"Against the 3D reference on mesh levels {levels}. Contact loads: the worst contact, in per cent of the mean "
+            "load. u_val combines the three by the root of the sum of squares (ASME V&V 20); choices of the reference were "
+            "varied on other scenes unless this is one of them."
+        )
+        items.append(Table("measured", "Measured error and its uncertainty", columns, rows, note))
+    else:
+        items.append(Text(("Not measured: no run of the 3D reference is stored for this scene (rollbench mesh-study).",)))
+    told = model_form_text(worth)
+    items.append(Text((told[:1].upper() + told[1:] + ".",)))
+    try:
+        items += [range_table(scene), range_figure(scene)]
+    except ValueError as error:
+        items.append(Text((f"The scene cannot be placed among the compared ones: {error}.",)))
+    return Section("error", "How far these numbers may be trusted", items)
+
+
+def _notes(result: StaticResult) -> Section:
+    """Warnings, assumptions, what is left out."""
+    items: list[Text | Table | Figure] = []
+    for head, lines in (("Warning", result.warnings), ("Assumed", result.assumed), ("Left out", result.left_out)):
+        if lines:
+            items.append(Text(tuple(f"{head}: {line}" for line in lines), bullets=True))
+    return Section("assumptions", "Assumptions", items)
+
+
+def _picture(scene: Scene, result: StaticResult) -> Any:
+    held = result.load > 0.0
+    arrows = result.contact_point[held], (result.force_direction * result.load[..., None])[held]
+    caption = "Balls are coloured by their load; arrows are the contact forces on them."
+    return loaded_screw(scene, ("picture", "The scene under load"), result.load, arrows, caption)
+
+
+def _scene_text(name: str) -> str:
+    return catalogue.scene_text(name) if name in catalogue.scene_names() else scene_file.read_text(name)
+
+
+def _files(scene: Scene, reference: Reference | None, stores: Sequence[Path]) -> dict[str, str]:
+    """SHA-256 of the sources, of the points of the estimate, and of every run of the reference that was used."""
+    out = {SOURCES: sources_hash()}
+    paths = [shipped_store() / FILE]
+    for run in () if reference is None else reference.runs:
+        paths += [p for store in stores if (p := path_in(store, scene, run)).exists()][:1]
+    return out | {path.name: sha256(path.read_bytes()) for path in paths if path.exists()}
+
+
+def _provenance(name: str, scene: Scene, text: str, reference: Reference | None) -> dict[str, str]:
+    out = {
+        "scene": f"{Path(name).name}, SHA-256 {sha256(text)}",
+        "rollbench": f"{__version__}, commit {commit()}",
+        "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        "libraries": libraries(LIBRARIES),
+        "Python": f"{platform.python_version()}, {platform.system()} {platform.machine()}",
+        "model": f"{DEFAULT}; nothing in it is fitted to a 3D solution",
+    }
+    if reference is not None:
+        runs = "; ".join(
+            f"level {r.level} of {r.date}, rollbench {r.versions.get('rollbench', '?')}" for r in reference.runs
+        )
+        out["3D reference"] = runs
+    if scene.source:
+        out["source"] = scene.source
+    return out

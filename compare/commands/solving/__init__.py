@@ -1,0 +1,1 @@
+"""One scene by a low-order model: answers, members, curves, files."""

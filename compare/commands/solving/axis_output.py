@@ -1,0 +1,223 @@
+"""A shaft with several rolling sets as one JSON object, and as tables to read."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rollbench.comparison.commands.printing import Column, cell
+from rollbench.comparison.commands.solving.axis_summary import set_summary, stiffness_json, whole_summary
+from rollbench.comparison.commands.solving.solve_output import equilibrium_json, number, per_side, solver_json, solver_lines
+from rollbench.comparison.models.axis_answers import AxisAnswers, SetAnswers
+from rollbench.comparison.models.registry import random_errors
+from rollbench.lowfi.statics.result import AxisResult, HousingResult, SetResult
+from rollbench.lowfi.warned import above
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import FREEDOMS, SIDES
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+#: Units of the six motions in results, and factors to them.
+MOTION = (("ux_um", 1e6), ("uy_um", 1e6), ("uz_um", 1e6), ("rx_mrad", 1e3), ("ry_mrad", 1e3), ("rz_mrad", 1e3))
+SET_COLUMNS: tuple[Column, ...] = (
+    ("set", "set", "s"),
+    ("name", "name", "s"),
+    ("kind", "kind", "s"),
+    ("z_mm", "z mm", ".2f"),
+    ("fx", "Fx N", ".2f"),
+    ("fy", "Fy N", ".2f"),
+    ("fz", "Fz N", ".2f"),
+    ("largest_N", "largest load N", ".2f"),
+    ("loaded", "loaded", "s"),
+    ("axial", "axial N/um", ".2f"),
+    ("x", "along x N/um", ".2f"),
+    ("y", "along y N/um", ".2f"),
+)
+
+
+def _set(i: int, s: SetResult, found: SetAnswers | None) -> dict[str, Any]:
+    loads = s.loads
+    return {
+        "set": i + 1,
+        "name": s.of.name,
+        "kind": s.of.kind,
+        "position_mm": number(1e3 * s.of.position),
+        "housing": s.of.housing,
+        "offset_um": number(1e6 * s.of.offset),
+        "force_on_shaft_N": [number(x) for x in s.force],
+        "moment_on_shaft_Nm": [number(x) for x in s.moment],
+        "largest_load_N": number(loads.max(initial=0.0)),
+        "loaded": int((loads > 0.0).sum()) if np.isfinite(loads).all() else None,
+        "outer_motion": {name: number(f * x) for (name, f), x in zip(MOTION, s.outer, strict=True)},
+        "stiffness": [[number(x) for x in row] for row in s.stiffness],
+        "summary": set_summary(s, found),
+    }
+
+
+def ball_rows(result: AxisResult) -> list[dict[str, Any]]:
+    """One row per ball, numbered from 1 in each set."""
+    return [
+        {
+            "set": k + 1,
+            "index": i + 1,
+            "azimuth_deg": number(math.degrees(s.balls.azimuth[i])),
+            "z_mm": number(1e3 * s.balls.z[i]),
+            "load_N": per_side(s.balls.load[i]),
+            "contact_angle_deg": per_side(np.degrees(s.balls.contact_angle[i])),
+        }
+        for k, s in enumerate(result.sets)
+        if s.balls is not None
+        for i in range(s.balls.z.size)
+    ]
+
+
+def roller_rows(result: AxisResult) -> list[dict[str, Any]]:
+    """One row per roller, numbered from 1 in each set."""
+    return [
+        {
+            "set": k + 1,
+            "index": i + 1,
+            "azimuth_deg": number(math.degrees(azimuth)),
+            "load_N": number(load),
+            "largest_line_load_N_mm": number(1e-3 * s.line_loads[i].max()),
+        }
+        for k, s in enumerate(result.sets)
+        if s.roller_azimuth is not None and s.roller_load is not None and s.line_loads is not None
+        for i, (azimuth, load) in enumerate(zip(s.roller_azimuth, s.roller_load, strict=True))
+    ]
+
+
+def _housing(h: HousingResult) -> dict[str, Any]:
+    return {
+        "name": h.name,
+        "motion": {name: number(f * x) for (name, f), x in zip(MOTION, h.motion, strict=True)},
+        "frame_force_N": [number(x) for x in h.wrench[:3]],
+        "frame_moment_Nm": [number(x) for x in h.wrench[3:]],
+        "residual": number(h.residual),
+    }
+
+
+def as_json(assembly: Assembly, result: AxisResult, found: AxisAnswers | None = None, member: int = 0) -> dict[str, Any]:
+    """The result as a JSON-ready object in the keys of a single set's; rows of balls and rollers begin with their set, sums
+    of a set are in ``sets``; found: what else stands in the summaries."""
+    own = (None,) * len(result.sets) if found is None else found.sets
+    return {
+        "scene": assembly.name,
+        "kind": assembly.kind,
+        "model": result.model,
+        "member": member if random_errors(assembly) else None,
+        "status": result.status,
+        "sets": [_set(i, s, x) for i, (s, x) in enumerate(zip(result.sets, own, strict=True))],
+        "balls": ball_rows(result),
+        "rollers": roller_rows(result),
+        "summary": whole_summary(result, found),
+        "housings": [_housing(h) for h in result.housings],
+        "stiffness": stiffness_json(result),
+        "centreline": [
+            {"z_mm": number(1e3 * z), "ux_um": number(1e6 * u[0]), "uy_um": number(1e6 * u[1]), "uz_um": number(1e6 * u[2])}
+            for z, u in zip(result.centreline_z, result.centreline, strict=True)
+        ],
+        "equilibrium": equilibrium_json(result.equilibrium),
+        "solver": solver_json(result.solver),
+        "model_form": None,
+        "assumed": list(result.assumed),
+        "left_out": list(result.left_out),
+        "warning": above(result.warnings) or None,
+        "warnings": list(result.warnings),
+    }
+
+
+def as_table(assembly: Assembly, result: AxisResult, *, block: str = "", balls: bool = True) -> list[RenderableType]:
+    """The result for the terminal: block of answers, sets, balls and rollers where asked for, housings, stiffness, solver,
+    assumptions."""
+    parts: list[Any] = [
+        f"{assembly.name}, {len(assembly.sets)} sets, model {result.model}: {result.status}",
+        assembly.title,
+        *(["", line] if (line := above(result.warnings)) else []),
+        *(["", block, ""] if block else []),
+    ]
+    if result.sets and result.converged:
+        parts += [_table("sets: force on the shaft, stiffness of the set alone", SET_COLUMNS, _set_rows(result))]
+        parts += _element_tables(result) if balls else []
+    for h in result.housings if result.converged else ():
+        moved = ", ".join(
+            f"{n.split('_')[0]} {f * x:.4g} {n.split('_')[1]}" for (n, f), x in zip(MOTION, h.motion, strict=True)
+        )
+        held = ", ".join(f"{x:.5g}" for x in h.wrench[:3])
+        parts.append(f"{h.name}: {moved}; the frame holds it with ({held}) N; balance {h.residual:.1e}")
+    parts += _stiffness_lines(result)
+    e, s = result.equilibrium, result.solver
+    if e is not None:
+        parts.append(f"balance of the shaft: force {e.force_residual:.1e}, moment {e.moment_residual:.1e} (relative)")
+    parts += solver_lines(s)
+    headed = ("warning", result.warnings), ("note", s.notes), ("assumed", result.assumed), ("left out", result.left_out)
+    for heading, lines in headed:
+        parts += [f"{heading}: {line}" for line in lines]
+    return parts
+
+
+def _set_rows(result: AxisResult) -> list[dict[str, Any]]:
+    rows = []
+    for i, s in enumerate(result.sets):
+        K, loads = 1e-6 * np.diag(s.stiffness), s.loads
+        rows.append(
+            {"set": i + 1, "name": s.of.name, "kind": s.of.kind, "z_mm": 1e3 * s.of.position}
+            | dict(zip(("fx", "fy", "fz"), map(float, s.force), strict=True))
+            | {"largest_N": float(loads.max(initial=0.0)), "loaded": int((loads > 0.0).sum())}
+            | {"axial": float(K[2]), "x": float(K[0]), "y": float(K[1])}
+        )
+    return rows
+
+
+def _element_tables(result: AxisResult) -> list[RenderableType]:
+    """Balls by set and index, with the sides that carry load; rollers."""
+    out = []
+    rows = ball_rows(result)
+    shown = [s for s in SIDES if any((r["load_N"][s] or 0.0) > 0.0 for r in rows)]
+    if rows and shown:
+        columns: list[Column] = [("set", "set", "s"), ("index", "ball", "s"), ("azimuth_deg", "azimuth deg", ".2f")]
+        for side in shown:
+            columns += [(f"{side} N", f"{side} N", ".3f"), (f"{side} deg", "angle deg", ".3f")]
+        flat = [
+            r | {f"{s} N": r["load_N"][s] for s in shown} | {f"{s} deg": r["contact_angle_deg"][s] for s in shown}
+            for r in rows
+        ]
+        out.append(_table("balls", columns, flat))
+    rollers = roller_rows(result)
+    if rollers:
+        names = (("set", "set", "s"), ("index", "roller", "s"), ("azimuth_deg", "azimuth deg", ".2f"))
+        more = (("load_N", "load N", ".3f"), ("largest_line_load_N_mm", "largest N/mm", ".3f"))
+        out.append(_table("rollers", (*names, *more), rollers))
+    return out
+
+
+def _stiffness_lines(result: AxisResult) -> list[str]:
+    if result.stiffness is None:
+        return []
+    d = np.diag(result.stiffness)
+    words = [f"{n} {1e-6 * x:.5g} N/um" for n, x in zip(FREEDOMS[:3], d[:3], strict=True) if np.isfinite(x)]
+    words += [f"{n} {1e-3 * x:.5g} kN m/rad" for n, x in zip(FREEDOMS[3:], d[3:], strict=True) if np.isfinite(x)]
+    with np.errstate(all="ignore"):
+        free = np.isfinite(d)
+        C = np.linalg.inv(result.stiffness[np.ix_(free, free)])
+    alone = dict(zip(np.array(FREEDOMS)[free], 1.0 / np.diag(C), strict=True))
+    lone = [f"{n} {1e-6 * alone[n]:.5g} N/um" for n in FREEDOMS[:3] if n in alone]
+    return [
+        f"tangent stiffness of the whole, {result.stiffness_at}, the other freedoms held: {', '.join(words)}",
+        f"the same, the other freedoms following: {', '.join(lone)}",
+    ]
+
+
+def _table(title: str, columns: Sequence[Column], rows: Sequence[dict[str, Any]]) -> RenderableType:
+    from rich.table import Table
+
+    table = Table(title=title, title_justify="left")
+    for _, heading, _ in columns:
+        table.add_column(heading, justify="right")
+    for row in rows:
+        table.add_row(*(cell(row[name], form) for name, _, form in columns))
+    return table

@@ -1,0 +1,98 @@
+"""The answers on several rolling sets as JSON, in the keys of a single set, and as a block of lines."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rollbench.comparison.commands.solving.solve_output import number, summary
+from rollbench.comparison.commands.solving.summary import contact_entries, contacts_json, entry, loads_json, preload_json
+from rollbench.comparison.models.axis_answers import AxisAnswers, SetAnswers
+from rollbench.lowfi.bearings.axis import lost_motion
+from rollbench.lowfi.statics.result import AxisResult, SetResult
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import FREEDOMS
+
+
+def stiffness_json(result: AxisResult) -> dict[str, Any] | None:
+    """The stiffness of the whole in the keys of a single set's; null where a freedom is held."""
+    if result.stiffness is None:
+        return None
+    station = None if result.station is None else number(1e3 * result.station)
+    matrix = [[number(x) for x in row] for row in result.stiffness]
+    own = {"station_mm": station, "status": result.status, "freedoms": list(FREEDOMS), "matrix": matrix}
+    return {"at": result.stiffness_at, **own}
+
+
+def set_summary(s: SetResult, found: SetAnswers | None) -> dict[str, Any]:
+    """Summary of one set; empty for rollers."""
+    if s.balls is None or not np.isfinite(s.balls.load).all():
+        return {}
+    data: dict[str, Any] = {"sides": summary(s.balls.load)}
+    if found is None:
+        return data
+    data |= {"loads": loads_json(s.balls.load), **contacts_json(found.loads), "preload": None}
+    if found.preload is not None:
+        data["preload"] = preload_json(found.preload)
+    return data
+
+
+def whole_summary(result: AxisResult, found: AxisAnswers | None) -> dict[str, Any]:
+    """Summary of the whole: sides over all sets, what the set of the worst contact says with its number, axial answers."""
+    loads = [s.balls.load for s in result.sets if s.balls is not None]
+    if not loads or not result.converged:
+        return {}
+    data: dict[str, Any] = {"sides": summary(np.concatenate(loads))}
+    if found is None:
+        return data
+    K = None if result.stiffness is None else result.stiffness[2, 2]
+    data["axial"] = {
+        "force_N": number(found.force),
+        "displacement_um": None if found.displacement is None else number(1e6 * found.displacement),
+        "rigidity_N_per_um": number(1e-6 * found.force / found.displacement) if found.displacement else None,
+        "tangent_N_per_um": None if K is None else number(1e-6 * K),
+        "lost_motion_um_per_100N": None if K is None or K <= 0.0 else number(1e6 * lost_motion(100.0, K)),
+    }
+    data["stiffness"] = stiffness_json(result)
+    i = worst(found)
+    if i is not None:
+        own = set_summary(result.sets[i], found.sets[i])
+        data |= {"worst_set": i + 1} | {k: own[k] for k in own if k not in ("sides", "preload")}
+    return data
+
+
+def worst(found: AxisAnswers) -> int | None:
+    """Number (from 0) of the set of balls with the highest pressure."""
+    pressures = [-1.0 if s is None or s.loads.worst is None else s.loads.worst.pressure for s in found.sets]
+    return int(np.argmax(pressures)) if max(pressures, default=-1.0) > 0.0 else None
+
+
+def block(assembly: Assembly, result: AxisResult, found: AxisAnswers, width: int) -> str:
+    """Labelled entries, no line wider than ``width``: axial answers, then what the worst set's contacts say, preloads."""
+    data = whole_summary(result, found)
+    axial = data.get("axial")
+    lines = []
+    if axial is not None:
+        moved = axial["displacement_um"]
+        text = f"{axial['force_N']:.5g} N on shaft and housings"
+        text += "" if moved is None else f", {result.stiffness_at} moves by {moved:.4g} um from where it is without loads"
+        rigid = axial["tangent_N_per_um"]
+        lines.append(("axial", text if rigid is None else f"{text}; tangent rigidity {rigid:.5g} N/um"))
+        lost = axial["lost_motion_um_per_100N"]
+        if lost is not None:
+            lines.append(
+                ("lost", f"{lost:.3g} um of motion for every 100 N of friction that reverses, by elasticity alone")
+            )
+    if "worst_set" in data:
+        name = assembly.sets[data["worst_set"] - 1].name
+        speed = None if assembly.motion is None else assembly.motion.speed
+        lines += [(label, f"{name}: {text}") for label, text in contact_entries(data, speed)]
+    held = [
+        f"{s.of.name} {own.preload.mean:.1f} N a contact, {own.preload.axial:.0f} N along the axis"
+        for s, own in zip(result.sets, found.sets, strict=True)
+        if own is not None and own.preload is not None and own.preload.loaded
+    ]
+    lines.append(("preload", "; ".join(held) or "no contact of balls carries load when the loads are away"))
+    lines.append(("assumed", f"{len(result.assumed)} statements, {len(result.left_out)} things left out: listed below"))
+    return "\n".join(entry(label, text, width) for label, text in lines)

@@ -1,0 +1,183 @@
+"""``rollbench solve SCENE --members N``: bands and distributions of a scene with random errors."""
+
+from __future__ import annotations
+
+import csv
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rollbench.comparison.commands.printing import Answer, on_terminal
+from rollbench.comparison.commands.solving.solve_output import number
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.models.axis_members import OF_SET, WHOLE, AxisMembers, columns, run_axis_members, with_seed
+from rollbench.comparison.models.members import KEPT, Bands, Members, run_members, statistics
+from rollbench.comparison.models.registry import DEFAULT
+from rollbench.comparison.reference.jobs import Engine
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.scenes.scene_file import whole
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import SIDES, Scene
+
+Row = Callable[[int, str, Array], None]
+
+
+def run(
+    name: str, model: str, count: int, *, csv_out: Path | None, seed: int | None, engine: Engine, balls: bool = False
+) -> Answer:
+    """Solve, write one CSV row a member as they come (balls: show the bands of every ball too); exit code 1 where none
+    converged. Raises InputError."""
+    described = catalogue.any_scene(name)
+    if seed is not None and not 0 <= seed < 2**62:
+        raise InputError("command line", "--seed", str(seed), f"0 to {2**62 - 1}", "leave it out for the scene's")
+    found: Members | AxisMembers
+    if isinstance(described, Assembly):
+        parts = described if seed is None else with_seed(described, seed)
+        with _rows(csv_out, columns(parts)) as row:
+            found = run_axis_members(parts, model, count, engine, on_terminal, row)
+    else:
+        scene = whole(described, name)
+        if seed is not None:
+            scene = replace(scene, errors=replace(scene.errors, seed=seed))
+        with _rows(csv_out, [*KEPT]) as row:
+            found = run_members(scene, model or DEFAULT, count, engine, on_terminal, row)
+    shown = [*as_table(found, balls=balls), *([f"{csv_out}: one row a member"] if csv_out else [])]
+    return Answer(as_json(found), shown, 0 if len(found.failed) < count else 1)
+
+
+@contextmanager
+def _rows(path: Path | None, names: Sequence[str]) -> Iterator[Row]:
+    """What writes a member's row to the file, which takes its name only when it is whole."""
+    if path is None:
+        yield lambda *_: None
+        return
+    part = path.with_name(f".{path.name}.part")
+    try:
+        with part.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.writer(file)
+            writer.writerow(["member", "status", *names])
+
+            def row(member: int, status: str, kept: Array) -> None:
+                writer.writerow([member, status, *("" if np.isnan(v) else repr(float(v)) for v in kept)])
+
+            yield row
+        os.replace(part, path)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(str(path), "--csv", reason, "a file that can be written", "check the path") from None
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def as_json(found: Members | AxisMembers) -> dict[str, Any]:
+    """JSON-ready: statistics of what is kept, failures, bands of every contact that any member loads. Of several sets,
+    their statistics stand in ``sets``, and rows of ``balls`` begin with their set."""
+    counts: dict[str, Any] = {"members": len(found.kept), "converged": len(found.kept) - len(found.failed)}
+    counts["failed"] = [{"member": m, "status": s} for m, s in sorted(found.failed.items())]
+    rows = _balls(found.bands)
+    if isinstance(found, Members):
+        head = {"scene": found.scene.name, "model": found.model, "seed": found.scene.errors.seed}
+        kept = {"statistics": {key: statistics(found.kept[:, k]) for k, key in enumerate(KEPT)}}
+        own = [x for one in rows for x in one]
+    else:
+        head = {"scene": found.assembly.name, "model": found.model, "seed": _seeds(found.assembly)}
+        kept = {"statistics": {key: statistics(found.kept[:, k]) for k, key in enumerate(WHOLE)}}
+        counts["sets"] = _sets(found)
+        own = [
+            {"set": i + 1, **x}
+            for i, place in enumerate(found.balls)
+            if place is not None
+            for one in rows[place]
+            for x in one
+        ]
+        for row in own:
+            place = found.balls[row["set"] - 1]
+            row["index"] -= 0 if place is None else place.start
+    return {**head, **counts, **kept, "band_resolution_N": number(found.bands.width), "balls": own}
+
+
+def _seeds(assembly: Assembly) -> list[int | None]:
+    return [s.parts.errors.seed if isinstance(s.parts, Scene) else None for s in assembly.sets]
+
+
+def _sets(found: AxisMembers) -> list[dict[str, Any]]:
+    """Statistics of each set."""
+    parts = np.split(found.kept[:, len(WHOLE) :], len(found.assembly.sets), axis=1)
+    return [
+        {"set": i + 1, "name": s.name, "statistics": {key: statistics(own[:, k]) for k, key in enumerate(OF_SET)}}
+        for i, (s, own) in enumerate(zip(found.assembly.sets, parts, strict=True))
+    ]
+
+
+def _balls(bands: Bands) -> list[list[dict[str, Any]]]:
+    """Rows of the loaded contacts of every ball."""
+    quantiles = {level: bands.quantile(level) for level in (0.05, 0.5, 0.95)}
+    return [
+        [
+            {
+                "index": i + 1,
+                "side": side,
+                "without_random_errors_N": number(bands.nominal[i, s]),
+                "mean_N": number(bands.mean[i, s]),
+                "standard_deviation_N": number(bands.deviation[i, s]),
+                "smallest_N": number(bands.smallest[i, s]),
+                **{f"quantile_{level:g}_N": number(q[i, s]) for level, q in quantiles.items()},
+                "largest_N": number(bands.largest[i, s]),
+                "loaded_share": number(bands.loaded[i, s]),
+            }
+            for s, side in enumerate(SIDES)
+            if bands.largest[i, s] > 0.0
+        ]
+        for i in range(bands.nominal.shape[0])
+    ]
+
+
+def _statistics(title: str, headings: Mapping[str, str], rows: Mapping[str, dict[str, Any] | None]) -> Any:
+    from rich.table import Table
+
+    table = Table(title=title, title_justify="left")
+    table.add_column("")
+    for heading in ("mean", "standard error", "deviation", "smallest", "5 %", "median", "95 %", "99 %", "largest"):
+        table.add_column(heading, justify="right")
+    for key, own in rows.items():
+        if own is None:
+            continue
+        q = {row["level"]: f"{row['value']:.4g} ({row['low']:.4g} to {row['high']:.4g})" for row in own["quantiles"]}
+        first = (f"{own[k]:.4g}" for k in ("mean", "standard_error", "standard_deviation", "smallest"))
+        table.add_row(headings[key], *first, q[0.05], q[0.5], q[0.95], q[0.99], f"{own['largest']:.4g}")
+    return table
+
+
+def as_table(found: Members | AxisMembers, *, balls: bool = False) -> list[Any]:
+    """The same for the terminal: statistics, and, where asked for, the bands of every ball."""
+    data = as_json(found)
+    several = isinstance(found, AxisMembers)
+    parts: list[Any] = [
+        f"{data['scene']}, model {data['model']}, seed {data['seed']}: {data['members']} members, {data['converged']} "
+        f"converged, {1e3 * found.seconds / data['members']:.3g} ms a member"
+    ]
+    parts += [f"member {row['member']}: {row['status']}" for row in data["failed"][:5]]
+    headings = WHOLE if several else KEPT
+    tables = [_statistics("members (in brackets: 95 % interval of the quantile)", headings, data["statistics"])]
+    tables += [_statistics(f"set {s['set']}, {s['name']}", OF_SET, s["statistics"]) for s in data.get("sets", [])]
+    stiffness = "in equilibrium, where it is asked for" if several else "tangent, by 0.1 % more load"
+    parts += [*tables, f"life: ISO/TS 16281 equivalent loads, raceways equally strong; stiffness: {stiffness}"]
+    return [*parts, _bands(data, found.bands.width) if balls else "bands of every ball: --balls"]
+
+
+def _bands(data: dict[str, Any], width: float) -> Any:
+    from rich.table import Table
+
+    table = Table(title=f"bands of the contact loads / N (to {width:.2g} N)", title_justify="left")
+    keys = list(data["balls"][0]) if data["balls"] else []
+    for key in (key for key in keys if key != "quantile_0.5_N"):
+        table.add_column(key.removesuffix("_N").replace("_", " "), justify="right")
+    for row in data["balls"]:
+        table.add_row(*(v if isinstance(v, str) else f"{v:.4g}" for k, v in row.items() if k != "quantile_0.5_N"))
+    return table

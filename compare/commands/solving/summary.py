@@ -1,0 +1,322 @@
+"""The answers of a solved scene as a block of eleven entries, aligned and no wider than asked, and as JSON."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rollbench.comparison.commands.solving.solve_output import MODEL_FORM, model_form_text, number
+from rollbench.comparison.models.answers import Answers, LoadAnswers
+from rollbench.comparison.models.loading import Preload
+from rollbench.comparison.models.model_form import ModelForm
+from rollbench.lowfi.rating.contacts import ALLOWED
+from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.statics.validity import DENT_PRESSURE
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.loads import counted, mean_load
+from rollbench.meshes.parts import SIDES, Scene
+
+if TYPE_CHECKING:
+    from rollbench.lowfi.friction.whole.state import FrictionState
+
+
+#: Width of the labels of the block.
+LABEL = 10
+
+
+def loads_json(load: Array, contacts: int = 0) -> dict[str, Any] | None:
+    """Worst ball, mean and extremes of the loaded contacts ``(n, 4)`` [N]; None without load. contacts: see
+    `meshes.loads.mean_load`."""
+    held = load > 0.0
+    if not held.any():
+        return None
+    own = load[held]
+    i, s = np.unravel_index(int(load.argmax()), load.shape)
+    return {
+        "worst_ball": int(i) + 1,
+        "worst_side": SIDES[int(s)],
+        "max_N": number(own.max()),
+        "mean_N": number(mean_load(load, contacts)),
+        "min_N": number(own.min()),
+        "loaded_contacts": int(own.size),
+        "contacts_in_mean": counted(load, contacts),
+        "balls_without_load": int((~held.any(axis=1)).sum()),
+    }
+
+
+def contacts_json(found: LoadAnswers) -> dict[str, Any]:
+    """Worst contact, truncation, static safety, life and ratings; null where there is none."""
+    w, t, s, life, rated = found.worst, found.reach, found.safety, found.life, found.ratings
+    return {
+        "worst_contact": None
+        if w is None
+        else {
+            "ball": w.ball,
+            "side": w.side,
+            "force_N": number(w.force),
+            "contact_angle_deg": number(math.degrees(w.angle)),
+            "approach_um": number(1e6 * w.approach),
+            "semi_axis_a_mm": number(1e3 * w.a),
+            "semi_axis_b_mm": number(1e3 * w.b),
+            "pressure_MPa": number(1e-6 * w.pressure),
+        },
+        "truncation": None
+        if t is None
+        else {
+            "ball": t.ball,
+            "side": t.side,
+            "edge": t.edge,
+            "contact_angle_deg": number(math.degrees(t.angle)),
+            "ellipse_half_width_deg": number(math.degrees(t.half)),
+            "edge_angle_deg": number(math.degrees(t.limit)),
+            "margin_deg": number(math.degrees(t.margin)),
+            "contacts_cut": t.cut,
+        },
+        "static_safety": None
+        if s is None
+        else {
+            "factor": number(s.factor),
+            "permanent_over_diameter": number(s.permanent),
+            "allowed_over_diameter": ALLOWED,
+            "allowed_pressure_MPa": 1e-6 * DENT_PRESSURE,
+        },
+        "life": None
+        if life is None
+        else {
+            "L10_million_revolutions": number(life.revolutions),
+            "raceways_million_revolutions": {k: number(v) for k, v in life.raceways.items()},
+            "rating_as_computed_N": number(life.rating),
+            "equivalent_load_N": number(life.equivalent),
+            "standard": life.standard,
+        },
+        "ratings": None
+        if rated is None
+        else {
+            "dynamic_N": number(rated.dynamic),
+            "static_N": number(rated.static),
+            "direction": "axial" if rated.axial else "radial",
+            "dynamic_standard": rated.dynamic_standard,
+            "static_standard": rated.static_standard,
+        },
+        "rating_refused": found.words or None,
+    }
+
+
+def preload_json(held: Preload) -> dict[str, Any]:
+    """What contacts carry without the loads of the scene."""
+    return {
+        "mean_N": number(held.mean),
+        "max_N": number(held.largest),
+        "axial_N": number(held.axial),
+        "loaded_contacts": held.loaded,
+    }
+
+
+def answers_json(scene: Scene, result: StaticResult, found: Answers) -> dict[str, Any]:
+    """All answers: forces in N, displacements in um, rigidities in N/um."""
+    three, held, lift, life = found.rigidities, found.preload, found.lift, found.loads.life
+    state = found.friction
+    data = contacts_json(found.loads)
+    if life is not None and scene.motion is not None and scene.motion.speed:
+        data["life"]["L10_hours"] = number(life.hours(scene.motion.speed))
+    return {
+        "loads": loads_json(result.load, nominal_contacts(scene)),
+        "axial": {
+            "force_N": number(found.force),
+            "displacement_um": number(1e6 * found.displacement),
+            "rigidity_N_per_um": None if three is None or three.unequal is None else number(1e-6 * three.unequal),
+            "tangent_N_per_um": None if found.tangent is None else number(1e-6 * found.tangent),
+            "tangent_words": found.tangent_words or None,
+        },
+        "rigidities_N_per_um": None
+        if three is None
+        else {
+            "contacts_alone": number(1e-6 * three.contacts),
+            "with_bodies": None if three.bodies is None else number(1e-6 * three.bodies),
+            "with_unequal_loads": None if three.unequal is None else number(1e-6 * three.unequal),
+        },
+        **data,
+        "preload": None if held is None else preload_json(held),
+        "contact_lost": None
+        if lift is None
+        else {
+            "load_factor": None if lift.factor is None else number(lift.factor),
+            "axial_force_N": None if lift.factor is None else number(lift.axial),
+            "ball": lift.ball or None,
+            "side": lift.side or None,
+            "words": lift.words or None,
+        },
+        "friction": None if state is None else _friction_json(state),
+        "friction_words": found.friction_words or None,
+    }
+
+
+def _friction_json(state: FrictionState) -> dict[str, Any]:
+    from rollbench.comparison.wings.friction.output import sums
+
+    return sums(state, None)
+
+
+def block(
+    scene: Scene, result: StaticResult, found: Answers, worth: ModelForm | None, width: int, speed: float | None = None
+) -> str:
+    """Eleven labelled entries, no line wider than ``width`` (40 or more); speed: of the turning part [rad/s], for hours."""
+    return "\n".join(entry(label, text, width) for label, text in entries(scene, result, found, worth, speed))
+
+
+def entries(
+    scene: Scene, result: StaticResult, found: Answers, worth: ModelForm | None, speed: float | None = None
+) -> tuple[tuple[str, str], ...]:
+    """The eleven entries of the block: label and sentence."""
+    data = answers_json(scene, result, found)
+    return (
+        ("loads", _loads(data)),
+        ("axial", _axial(data)),
+        *contact_entries(data, speed)[1:4],
+        ("preload", _preload(data)),
+        ("friction", _friction(data)),
+        ("life", _life(data, speed)),
+        ("ratings", _ratings(data)),
+        ("error", "not estimated" if worth is None else model_form_text(worth).removeprefix(MODEL_FORM).lstrip(": ")),
+        ("assumed", f"{len(result.assumed)} statements, {len(result.left_out)} things left out: listed below"),
+    )
+
+
+def contact_entries(data: dict[str, Any], speed: float | None) -> tuple[tuple[str, str], ...]:
+    """Labels and texts of what contacts alone say: loads, worst contact, ellipses, static safety, life, ratings."""
+    return (
+        ("loads", _loads(data)),
+        ("contact", _contact(data)),
+        ("ellipse", _ellipse(data)),
+        ("static", _static(data)),
+        ("life", _life(data, speed)),
+        ("ratings", _ratings(data)),
+    )
+
+
+def entry(label: str, text: str, width: int) -> str:
+    """A label and its text, wrapped with a hanging indent."""
+    return textwrap.fill(
+        text, max(width, 40), initial_indent=f"{label:<{LABEL}}", subsequent_indent=" " * LABEL, break_on_hyphens=False
+    )
+
+
+def _loads(data: dict[str, Any]) -> str:
+    d = data["loads"]
+    if d is None:
+        return "no contact carries load"
+    lost = f"; {d['balls_without_load']} balls without load" if d["balls_without_load"] else ""
+    if d["contacts_in_mean"] != d["loaded_contacts"]:
+        lost += f"; the mean is their sum over the {d['contacts_in_mean']} contacts that the screw without errors loads"
+    return (
+        f"ball {d['worst_ball']} {d['worst_side']} carries most, {d['max_N']:.1f} N; mean {d['mean_N']:.1f} N, least "
+        f"{d['min_N']:.1f} N of {d['loaded_contacts']} loaded contacts{lost}"
+    )
+
+
+def _axial(data: dict[str, Any]) -> str:
+    d, three = data["axial"], data["rigidities_N_per_um"]
+    text = f"{d['displacement_um']:.3g} um under {d['force_N']:.5g} N at the nut's centre"
+    if three is None:
+        return f"{text}; no rigidity without axial load"
+    why = f"; no tangent: {d['tangent_words']}" if d["tangent_words"] else ""
+    return f"{text}; {_rigidities(three, d['tangent_N_per_um'])}{why}"
+
+
+def _rigidities(three: dict[str, Any], tangent: float | None) -> str:
+    """The model's own rigidity, and those of formulas, which take another contact angle: no one bounds another."""
+
+    def known(*named: tuple[str, float | None]) -> str:
+        return ", ".join(f"{name} {value:.4g}" for name, value in named if value is not None)
+
+    own = known(("secant", three["with_unequal_loads"]), ("tangent", tangent))
+    formulas = known(("contacts alone", three["contacts_alone"]), ("contacts and bodies", three["with_bodies"]))
+    return f"rigidity in N/um: {own or 'none'} by this model; {formulas} by formulas at the nominal contact angle"
+
+
+def _contact(data: dict[str, Any]) -> str:
+    d = data["worst_contact"]
+    if d is None:
+        return "none"
+    return (
+        f"worst on ball {d['ball']} {d['side']}: {d['pressure_MPa']:.0f} MPa, approach {d['approach_um']:.3g} um, "
+        f"semi-axes {d['semi_axis_a_mm']:.3g} x {d['semi_axis_b_mm']:.3g} mm, angle {d['contact_angle_deg']:.1f} deg"
+    )
+
+
+def _ellipse(data: dict[str, Any]) -> str:
+    d = data["truncation"]
+    if d is None:
+        return data["rating_refused"] or "none"
+    where = f"ball {d['ball']} {d['side']}"
+    ends = f"ellipse {d['contact_angle_deg']:.1f} +- {d['ellipse_half_width_deg']:.1f} deg, {d['edge']} at"
+    if d["contacts_cut"]:
+        return (
+            f"TRUNCATED on {d['contacts_cut']} contacts, most on {where}: {ends} {d['edge_angle_deg']:.1f} deg, "
+            f"{-d['margin_deg']:.1f} deg beyond"
+        )
+    return f"inside all grooves; nearest to an edge on {where}: {ends} {d['edge_angle_deg']:.1f} deg"
+
+
+def _static(data: dict[str, Any]) -> str:
+    d = data["static_safety"]
+    if d is None:
+        return "none"
+    return (
+        f"safety {d['factor']:.3g} on the worst contact's load against {d['allowed_pressure_MPa']:.0f} MPa (ISO 76); "
+        f"lasting dent {d['permanent_over_diameter']:.1e} of the ball's diameter, 1e-4 allowed (Palmgren)"
+    )
+
+
+def _preload(data: dict[str, Any]) -> str:
+    d, lost = data["preload"], data["contact_lost"]
+    if d is None:
+        return "not known: the scene does not solve without its loads"
+    if not d["loaded_contacts"]:
+        return "none: no contact carries load when the scene's loads are away"
+    text = f"{d['mean_N']:.1f} N a contact, {d['axial_N']:.0f} N along the axis, without the scene's loads"
+    if lost is None:
+        return text
+    if lost["load_factor"] is None:
+        return f"{text}; first contact lost: {lost['words']}"
+    axial = f" ({lost['axial_force_N']:.0f} N axial)" if lost["axial_force_N"] else ""
+    where = f"ball {lost['ball']} {lost['side']}"
+    return f"{text}; first contact lost at {lost['load_factor']:.3g} times the loads{axial}, {where}"
+
+
+def _friction(data: dict[str, Any]) -> str:
+    d = data["friction"]
+    if d is None:
+        return f"not computed: {data['friction_words']}"
+    text = f"torque {d['friction_torque_Nmm']:.4g} N mm"
+    if d["efficiency_forward_percent"] is None:
+        return text
+    back = d["efficiency_backward_percent"]
+    backward = "self-locking" if back is None else f"{back:.1f} % with it"
+    return f"{text}; efficiency {d['efficiency_forward_percent']:.1f} % against the load, {backward}"
+
+
+def _life(data: dict[str, Any], speed: float | None) -> str:
+    d = data["life"]
+    if d is None:
+        return f"not rated: {data['rating_refused'] or 'no load'}"
+    hours = f" ({d['L10_hours']:.3g} h)" if speed and "L10_hours" in d else ""
+    return (
+        f"L10 {d['L10_million_revolutions']:.4g} million revolutions{hours} of this load distribution, equivalent load "
+        f"{d['equivalent_load_N']:.0f} N, rating {d['rating_as_computed_N']:.0f} N as computed by "
+        f"{d['standard']}, not a maker's"
+    )
+
+
+def _ratings(data: dict[str, Any]) -> str:
+    d = data["ratings"]
+    if d is None:
+        return f"none: {data['rating_refused']}"
+    return (
+        f"C {d['dynamic_N']:.0f} N ({d['dynamic_standard']}), C0 {d['static_N']:.0f} N ({d['static_standard']}), both "
+        f"{d['direction']}, as computed of these parts, not a maker's"
+    )

@@ -1,0 +1,1 @@
+"""Other programs, makers' catalogues and textbooks."""

@@ -1,0 +1,100 @@
+"""Single contacts of other programs: Hertz's constants, and rolling with creepage and spin on half spaces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from rollbench.comparison.evidence.record import Evidence, Sheet
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.sources.external.evidence.case import assembly, given, inputs
+from rollbench.hifi.rolling.patch import hertz_patch
+from rollbench.hifi.rolling.verification import Creep, steady, steady_by_cells
+from rollbench.lowfi.bearings.angular_contact import curvatures, of_angle
+from rollbench.lowfi.hertz import contact_modulus, hertz_constants
+from rollbench.meshes.parts import Scene
+
+#: Cells of CONTACT's grid along each axis, and its width over the contact's.
+EXAMPLE_CELLS, EXAMPLE_MARGIN = 44, 1.1
+
+
+def ball_of_bearing(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+    """One ball of NSK's screw-support bearing at the quoted load and contact angle."""
+    sheet = Sheet("external-nsk")
+    parts = assembly("nsk-25bswz01").sets[0].parts
+    assert isinstance(parts, Scene)
+    d, steel, track = 2.0 * parts.balls.radius, parts.nut.material, parts.track
+    grooves = (parts.screw.groove_radius / d, parts.nut.groove_radius / d)
+    young, poisson = steel.youngs_modulus, steel.poissons_ratio
+    bearing = of_angle(1, d, 2.0 * track.pitch_radius, grooves, track.contact_angle, young, poisson)
+    angle = np.arccos(inputs()["nsk"]["cosine"])
+    sheet.number("angle", float(np.degrees(angle)))
+    modulus = contact_modulus(young, poisson, young, poisson)
+    inner, outer = (hertz_constants(*pair, modulus) for pair in curvatures(bearing, np.array(angle)))
+    cube = float(np.cbrt(given("nsk", "normal_load", "force")))
+    sheet.number("approach_outer", 1e6 * float(outer.C) * cube**2)
+    sheet.number("approach_inner", 1e6 * float(inner.C) * cube**2)
+    sheet.number("a_outer", 1e3 * float(outer.C_a) * cube)
+    sheet.number("b_outer", 1e3 * float(outer.C_b) * cube)
+    return sheet.evidence()
+
+
+def sphere(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+    """Elastic sphere on a rigid plane."""
+    sheet = Sheet("external-vm63")
+    radius = given("vm63", "radius", "length")
+    modulus = given("vm63", "youngs_modulus", "pressure") / (1.0 - inputs()["vm63"]["poissons_ratio"] ** 2)
+    found = hertz_constants(np.array(1.0 / radius), np.array(1.0 / radius), modulus)
+    sheet.number("radius", 1e3 * float(found.C_a) * float(np.cbrt(given("vm63", "force", "force"))))
+    return sheet.evidence()
+
+
+def _example() -> tuple[float, tuple[float, float], float, float]:
+    """Load [N], relative radii [m], Young's modulus [Pa] and Poisson's ratio of CONTACT's example."""
+    poisson, shear = inputs()["contact"]["poissons_ratio"], given("contact", "shear_modulus", "pressure")
+    radii = (given("contact", "along", "length"), given("contact", "across", "length"))
+    return given("contact", "force", "force"), radii, 2.0 * shear * (1.0 + poisson), poisson
+
+
+@dataclass(frozen=True)
+class Example:
+    """CONTACT's example as computed: lateral force over mu P and moment [N mm]; cells in contact, and of them those that
+    stick; power of friction at 1 m/s [W]."""
+
+    lateral: float
+    moment: float
+    cells: int
+    sticking: int
+    power: float
+
+
+@lru_cache(maxsize=8)
+def example(cells: int, *, by_cells: bool = False) -> Example:
+    """CONTACT's example on a grid of so many cells along each axis; by_cells: discretised as by CONTACT."""
+    case, touch = inputs()["contact"], _example()
+    creep, mu = Creep(0.0, case["creep_across"], case["spin"]), case["friction"]
+    if by_cells:
+        found = steady_by_cells(hertz_patch(*touch, (cells, cells), margin=EXAMPLE_MARGIN), creep, mu)
+    else:
+        found = steady(hertz_patch(*touch, (cells, cells)), creep, mu)
+    sticking = int(np.count_nonzero(found.friction.stick[0]))
+    return Example(float(found.force[1]) / (mu * touch[0]), 1e3 * found.moment, len(found.patch.at), sticking, found.loss)
+
+
+def rolling(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+    """CONTACT's example with lateral creepage and spin: Hertz's part, and the force and moment of exact half spaces."""
+    sheet, (load, radii, young, poisson) = Sheet("external-contact"), _example()
+    modulus = contact_modulus(young, poisson, young, poisson)
+    hertz = hertz_constants(np.array(1.0 / radii[0]), np.array(1.0 / radii[1]), modulus)
+    cube = float(np.cbrt(load))
+    sheet.number("a", 1e3 * float(hertz.C_a) * cube)
+    sheet.number("b", 1e3 * float(hertz.C_b) * cube)
+    sheet.number("approach", 1e3 * float(hertz.C) * cube**2)
+    sheet.number("pressure", 1e-6 * float(hertz.pressure(np.array(load))))
+    own, other = example(EXAMPLE_CELLS, by_cells=True), example(EXAMPLE_CELLS)
+    for key in ("lateral", "moment"):
+        note = f"by CONTACT's differences over one cell; by those of rolling in 3D {getattr(other, key):.4g}"
+        sheet.number(key, getattr(own, key), note)
+    return sheet.evidence()

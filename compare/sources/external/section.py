@@ -1,0 +1,130 @@
+"""External evidence in the report: other programs, makers' catalogues and textbooks, computed beside published values."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from rollbench.comparison.evidence.audit import judge
+from rollbench.comparison.evidence.record import Evidence
+from rollbench.comparison.evidence.registry import BY_TABLE, evidence
+from rollbench.comparison.models.ladder import UNSEEN
+from rollbench.comparison.models.registry import DEFAULT
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import entry
+from rollbench.comparison.sections.finding_table import printed_table
+from rollbench.comparison.sources.external.evidence import bearings, screws
+from rollbench.comparison.sources.external.evidence.case import PREFIX, assumptions
+from rollbench.comparison.sources.external.rigidity_stages import stages_table
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import Scene
+from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
+
+#: Titles of the tables.
+TITLES = {
+    "external-masta": "A deep-groove bearing by MASTA",
+    "external-nsk": "One ball of a screw-support bearing by NSK's programs",
+    "external-harris": "The 218 bearing of the textbooks, recomputed",
+    "external-sjovall": "Load zone of half the circumference",
+    "external-contact": "Contact with creepage and spin by CONTACT",
+    "external-vm63": "Sphere on a rigid plane, Ansys's verification case 63",
+    "external-snfa": "A catalogue of SNFA that holds its contact angles",
+    "external-gmn": "Preloaded pairs of a series of GMN",
+    "external-thk": "Ball nuts of THK and HIWIN",
+}
+#: Names of their sources in the figure.
+SOURCES = {
+    "external-masta": "MASTA",
+    "external-nsk": "NSK's programs",
+    "external-harris": "textbooks, 218 bearing",
+    "external-sjovall": "Sjövall, load zone",
+    "external-contact": "CONTACT",
+    "external-vm63": "Ansys, case 63",
+    "external-snfa": "SNFA",
+    "external-gmn": "GMN",
+    "external-thk": "THK and HIWIN",
+}
+
+
+def summary(found: Sequence[Evidence]) -> str:
+    """How many entries come out, in one sentence."""
+    told = [e for e in found if e.printed.cls != "open"]
+    good = sum(e.agrees is True for e in told)
+    of = Counter(judge(e)[0] for e in told)
+    return (
+        f"{good} of {len(told)} published values and claims come out: {of['reproduced']} to the digits that the same "
+        f"theory must give, {of['band']} within a band whose origin is stated, {of['identity']} by arithmetic on what is "
+        f"printed, {of['only as printed']} only if the catalogue's simplification is repeated. "
+        f"{len(found) - len(told)} more are shown and left open, because what they rest on is not printed."
+    )
+
+
+def assumed_table(study: Study) -> Table:
+    """What was inferred or chosen to run each case."""
+    rows: list[dict[str, Cell]] = []
+    for name, thing in study.used.items():
+        if name.startswith(PREFIX) and isinstance(thing, Scene | Assembly):
+            rows += [{"case": name, "assumed": text} for text in thing.assumed]
+    for name, texts in assumptions().items():
+        rows += [{"case": PREFIX + name, "assumed": text} for text in texts]
+    columns = (Column("case", "case or scene", "", "s"), Column("assumed", "inferred or chosen to run it", "", "s"))
+    return Table("external-assumed", "What was inferred to run the external cases", columns, rows)
+
+
+def agreement_figure(found: Sequence[Evidence]) -> Figure:
+    """Error of every number of class hard and band against the published one, in its own order."""
+    series = []
+    start = 0
+    for table in dict.fromkeys(e.printed.table for e in found):
+        own = [e for e in found if e.printed.table == table and e.printed.cls in ("hard", "band")]
+        errors = [e.error_percent for e in own if e.error_percent is not None]
+        x = [float(start + k + 1) for k in range(len(errors))]
+        start += len(errors)
+        if errors:
+            series.append(Series(SOURCES[table], x, errors, "markers"))
+    panel = Panel("computed against published", "entry", "error / %", tuple(series), integer_x=True)
+    caption = "Numbers of class hard and band; claims and open entries are in the tables."
+    return Figure("external-errors", "Error against published values", (panel,), caption, columns=1)
+
+
+def catalogue_rows(study: Study) -> list[tuple[str, float, dict[str, float | None]]]:
+    """Catalogue sizes: name, axial load [N], rigidities [N/um] by what they count, the catalogue's among them."""
+    out: list[tuple[str, float, dict[str, float | None]]] = []
+    for size in (*screws.THK, *screws.HIWIN):
+        name = screws.scene_name(size)
+        scene = study.scene(name)
+        force = scene.loads[0].force[2]
+        alone, bodies = screws.stages(scene, force)
+        solved = screws.unequal(study, name, DEFAULT)
+        printed = entry("external-thk", f"rigidity_{size}").value
+        unequal = 1e-6 * solved if solved else None
+        own = {"contacts": 1e-6 * alone, "bodies": 1e-6 * bodies, "unequal": unequal, "printed": printed}
+        out.append((name, force, own))
+    return out
+
+
+def section(study: Study, step: Callable[[str], None]) -> Section:
+    """Section of the report."""
+    step("values of other programs, makers and textbooks")
+    tables = [name for name in BY_TABLE if name.startswith(PREFIX)]
+    found = evidence(study, *tables)
+    step("three rigidities of ball nuts")
+    rigid = stages_table(study, catalogue_rows(study), UNSEEN)
+    inferred = float(np.round(bearings.gmn_rms_percent(), 2))
+    text = (
+        "Values that neither this project nor the sources of its models made: other programs, makers' catalogues, "
+        "textbooks. Each is a row of the gate by its class, with what was inferred to run it.",
+        summary(found),
+        f"With one conformity inferred for the whole series, the rigidities of GMN's catalogue come out to {inferred:g} % "
+        "RMS; one of them is a slip of the catalogue.",
+    )
+    items: tuple[Text | Figure | Table, ...] = (
+        Text(text),
+        agreement_figure(found),
+        *(printed_table(name, TITLES[name], [e for e in found if e.printed.table == name]) for name in tables),
+        rigid,
+        assumed_table(study),
+    )
+    return Section("external", "External evidence: other programs, catalogues, textbooks", items)

@@ -1,0 +1,1 @@
+"""Lin (2019), doctoral thesis."""

@@ -1,0 +1,242 @@
+"""Lin 3.4 and 4.3 under varied assumptions: readings of Table 3.7, the whole run, bearings of Table 4.2, errors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+from math import degrees, radians
+
+import numpy as np
+
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import entry
+from rollbench.comparison.sources.lin.evidence.screw import (
+    AMPLITUDES,
+    ANGLES,
+    ENDS,
+    IDLE,
+    SCREWS,
+    SHORT,
+    THETA,
+    cut,
+    increase,
+    onset,
+    screw_run,
+    settled,
+    variation,
+)
+from rollbench.comparison.sources.lin.evidence.source_cases import (
+    double_row,
+    four_point,
+    inferred,
+    inferred_oversize,
+    lin_3_4_4,
+    plain,
+    table_3_6,
+)
+from rollbench.lowfi.friction.as_source.run import simulate_by_root
+from rollbench.lowfi.friction.bearing.pairs import DIAGONAL, OTHER, BallRow, BearingCase, torque_curve
+from rollbench.lowfi.friction.screw.groove import Mode
+from rollbench.lowfi.friction.screw.motion import Coupling
+from rollbench.lowfi.friction.screw.pair import SHIFTED, Pair, PairMap, implied_load, oversize_map, solve_pair
+from rollbench.lowfi.friction.screw.run import Run, RunResult, RunSummary, groups, simulate, summarise
+from rollbench.reports.records import Cell
+
+#: Labels of rows that the introduction quotes.
+AS_TEXT, UNCOUPLED = "text as it stands, friction moves the balls", "loads not coupled to friction"
+AS_CASE, SOURCE_RULE = "as the case study", "the source's rule of contact"
+#: Oversizes [m] and axial loads [N] of the maps of a pair.
+OVERSIZE, AXIAL = tuple(np.linspace(-1e-6, 3e-6, 17)), (25.0, 50.0, 100.0, 200.0)
+
+
+def oversize_text() -> str:
+    """The inferred oversize in words."""
+    return f"{1e6 * inferred_oversize():g} µm"
+
+
+def oversized() -> str:
+    """Label of the inferred reading."""
+    return f"{oversize_text()} oversize, not coupled"
+
+
+def readings() -> list[tuple[str, str, Callable[[float], Pair]]]:
+    """Readings of Table 3.7: kind, what is assumed, the pair of a theta [rad]."""
+
+    def wide(make: Callable[[float], Pair], **changes: object) -> Callable[[float], Pair]:
+        return lambda theta: replace(make(theta), **changes)  # type: ignore[arg-type]
+
+    radial = wide(plain, free="r", force=(100.0,), coupling="none")
+    half, more = 0.5 * inferred_oversize(), 1.5 * inferred_oversize()
+    size = oversize_text()
+    one, faulty = (1.0, 0.0, 0.0, 0.0), table_3_6(hertz="as printed")
+    return [
+        ("plain", AS_TEXT, plain),
+        ("plain, varied", UNCOUPLED, wide(plain, coupling="none")),
+        ("plain, varied", "friction moves balls and screw", wide(plain, coupling="ball and screw")),
+        ("plain, varied", "50 N radially on each ball, not coupled", radial),
+        ("inferred", oversized(), inferred),
+        ("inferred, varied", f"{size}, friction moves the balls", wide(inferred, coupling="ball")),
+        ("inferred, varied", f"{size}, friction moves balls and screw", wide(inferred, coupling="ball and screw")),
+        ("inferred, varied", "half the oversize", wide(inferred, oversize=half)),
+        ("inferred, varied", "one and a half times the oversize", wide(inferred, oversize=more)),
+        ("inferred, varied", f"{size}, 25 N instead of 50 N", wide(inferred, force=(25.0,))),
+        ("inferred, varied", f"{size}, 100 N instead of 50 N", wide(inferred, force=(100.0,))),
+        ("inferred, varied", f"{size}, theta on one contact of the screw", wide(inferred, pattern=(one, one))),
+        ("inferred, varied", f"{size}, screw's groove shifted sideways", wide(inferred, pattern=(SHIFTED, SHIFTED))),
+        ("inferred, varied", f"{size}, Hertz constants of Table B.1", wide(inferred, groove=faulty)),
+    ]
+
+
+def reading_rows() -> list[dict[str, Cell]]:
+    """Table 3.7 in each reading: force [N], increase [%], a ball's load [N], error of the force [%]."""
+    rows = list[dict[str, Cell]]()
+    for kind, label, make in readings():
+        row: dict[str, Cell] = {"kind": kind, "reading": label}
+        good = True
+        for case, theta in THETA.items():
+            r = solve_pair(make(radians(theta)))
+            row |= {
+                f"force_{case}": r.force,
+                f"increase_{case}": increase(r),
+                f"load_{case}": float(r.load.mean()),
+                f"error_{case}": float(error_percent(r.force, entry("lin-3.7", f"force_{case}").value or np.nan)),
+            }
+            good = good and r.converged
+        rows.append(row | {"status": "converged" if good else "not converged"})
+    return rows
+
+
+def implied_contact_load() -> float:
+    """Contact load [N] of a ball that the printed force and increase of case a imply together."""
+    force, more = (entry("lin-3.7", f"{what}_a").value or np.nan for what in ("force", "increase"))
+    return implied_load(inferred(radians(THETA["a"])), force, 1e-2 * more)
+
+
+@cache
+def pair_map(case: str, coupling: Coupling) -> PairMap:
+    """Force and increase of a case of Table 3.7 over ``OVERSIZE`` and ``AXIAL``."""
+    return oversize_map(replace(inferred(radians(THETA[case])), coupling=coupling), np.array(OVERSIZE), np.array(AXIAL))
+
+
+def run_changes() -> list[tuple[str, str, dict[str, object]]]:
+    """What is varied in the whole run: assumption, label of its value, changes of the run."""
+    changes: list[tuple[str, str, dict[str, object]]] = [("theta", "3°, 7.2° of the nut a step", {})]
+    changes += [("theta", f"{a:g}°", {"amplitude": radians(a)}) for a in (1.0, 2.0, 2.5, 4.0)]
+    changes += [("axial force", f"{f:g} N", {"force": (f,)}) for f in (500.0, 3000.0)]
+    changes += [("oversize", f"{o:g} µm", {"oversize": 1e-6 * o}) for o in (0.0, 1.0, 2.5)]
+    changes += [
+        ("oversize and coupling", "0 µm, friction moves balls and screw", {"oversize": 0.0, "coupling": "ball and screw"}),
+        ("coupling", f"{oversize_text()}, friction moves balls and screw", {"coupling": "ball and screw"}),
+        ("phase of theta", "90°", {"phase": 0.5 * np.pi}),
+        ("phase of theta", "180°", {"phase": np.pi}),
+        ("pattern", "groove shifted sideways", {"pattern": SHIFTED}),
+        ("first ball", "an eighth of a distance back", {"first": 0.375}),
+        ("return tube", "one ball long", {"tube": table_3_6().pair.spacing}),
+        ("time step", "3.6° of the nut", {"steps": 100}),
+    ]
+    return changes
+
+
+def summary_row(label: str, value: str, r: RunResult) -> dict[str, Cell]:
+    """Row of the sensitivity table."""
+    s: RunSummary = summarise(r)
+    touches = s.largest > 0.0
+    return {
+        "assumption": label,
+        "value": value,
+        "largest": 100.0 * s.largest,
+        "at": s.at if touches else None,
+        "none_at": s.none_at if touches and np.isfinite(s.none_at) else None,
+        "groups": s.groups,
+        "variation": 100.0 * variation(r),
+        "torque": 1e3 * float(settled(r).mean()),
+        "steps": f"{int(r.converged.sum())} of {r.converged.size}",
+    }
+
+
+def source_run_row(run: Run) -> dict[str, Cell]:
+    """The same run by the method of the source: motions without contact decide what touches, gaps may become negative."""
+    r = simulate_by_root(run)
+    ratio, touching = r.ball_torque / r.groove_torque, r.ball_force > 0.0
+    top, angle = int(np.argmax(ratio)), np.degrees(r.nut_angle)
+    later = np.flatnonzero(~touching.any(axis=1) & (np.arange(angle.size) > top))
+    torque = r.groove_torque[1:]
+    overlap = 100.0 * r.overlap / run.groove.pair.spacing
+    return {
+        "assumption": SOURCE_RULE,
+        "value": f"as the case study, 3°; balls overlap in {r.overlapping} steps, by up to {overlap:.1f} % of their size",
+        "largest": 100.0 * float(ratio[top]),
+        "at": float(angle[top]),
+        "none_at": float(angle[later[0]]) if later.size else None,
+        "groups": int(np.max(groups(touching))),
+        "variation": 100.0 * float(np.ptp(torque) / torque.mean()),
+        "torque": 1e3 * float(torque.mean()),
+        "steps": f"{len(r.status) - r.failures} of {len(r.status)}",
+    }
+
+
+def run_rows() -> list[dict[str, Cell]]:
+    """The whole run as the case study, by the source's rule of contact, and with one assumption changed at a time."""
+    names = [f"theta of {a:g}°" for a in AMPLITUDES]
+    rows = [
+        summary_row(AS_CASE, f"{n}, {oversize_text()}, {screw_run(a).run.steps} steps", screw_run(a))
+        for n, a in zip(names, AMPLITUDES, strict=True)
+    ]
+    rows.append(source_run_row(lin_3_4_4()))
+    rows += [summary_row(name, value, simulate(lin_3_4_4(**(SHORT | new)))) for name, value, new in run_changes()]
+    return rows
+
+
+def bearing_cases() -> list[tuple[str, str, BearingCase]]:
+    """Bearings of 4.3.1 under varied assumptions."""
+    face = (BallRow(-6e-3, DIAGONAL), BallRow(6e-3, OTHER))
+    four = four_point(tilt=True)
+    faulty: Mode = "as printed"
+    out = [("four-point", "tilt free, no clearance", four), ("four-point", "tilt held", four_point(tilt=False))]
+    out += [
+        ("four-point", f"ball {100 * p:.0f} % of a distance off the load's plane", replace(four, phase=p))
+        for p in (0.25, 0.5)
+    ]
+    out += [("four-point", f"clearance {1e6 * c:g} µm", replace(four, clearance=c)) for c in (-1e-6, 2e-6, 5e-6)]
+    out += [
+        ("four-point", "Hertz constants as Table B.1", replace(four, groove=replace(four.groove, hertz=faulty))),
+        ("four-point", "force 2 mm off the middle", replace(four, arm=2e-3)),
+        ("double row", "tilt free, back to back", double_row(tilt=True)),
+        ("double row", "tilt held", double_row(tilt=False)),
+        ("double row", "tilt free, face to face", double_row(tilt=True, rows=face)),
+    ]
+    return out
+
+
+def bearing_rows() -> list[dict[str, Cell]]:
+    """Bearings of Table 4.2: torque [N mm] without angle, ratio of torques over ranges of the load's angle."""
+    rows = list[dict[str, Cell]]()
+    for bearing, label, case in bearing_cases():
+        found = torque_curve(case, ANGLES)
+        row: dict[str, Cell] = {"bearing": bearing, "assumption": label, "torque": 1e3 * float(found.torque[0])}
+        row |= {f"to_{end:g}": cut(found, end) for end in ENDS}
+        upto = found.angle <= radians(18.0) * (1.0 + 1e-12)
+        status = "converged" if found.converged.all() else "not converged"
+        rows.append(row | {"four": int(found.four[upto].max()), "status": status})
+    return rows
+
+
+def onset_rows(study: Study) -> list[dict[str, Cell]]:
+    """4.3.2: how soon balls meet, by kind of error and by how unloaded balls move."""
+    rows = list[dict[str, Cell]]()
+    for errors in SCREWS:
+        for idle in IDLE:
+            o = onset(study, errors, idle)
+            rows.append(
+                {
+                    "errors": errors,
+                    "idle": idle,
+                    "lost": int((o.loaded == 0.0).sum()),
+                    "meet": f"{int(np.isfinite(o.meeting).sum())} of {o.meeting.size}",
+                    "first": degrees(o.first) if np.isfinite(o.first) else None,
+                    "status": "converged" if o.converged else "not converged",
+                }
+            )
+    return rows

@@ -1,0 +1,238 @@
+"""Extreme cases of pairs and chains of balls, in a linear bearing and in a ball screw, and of a bearing with clearance."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from math import radians
+
+import numpy as np
+
+from rollbench.comparison.sources.lin.evidence.rotary_linear import LINEAR, VERTICAL
+from rollbench.comparison.sources.lin.evidence.source_cases import four_point, inferred, plain, table_3_6
+from rollbench.comparison.sources.lin.extremes.tally import (
+    ANGLES,
+    BALLS,
+    CHAIN_STARTS,
+    CLEARANCE,
+    FAR_START,
+    LOADS,
+    MU,
+    NEAR_START,
+    NO_FORCE,
+    RHO,
+    SMALL,
+    SOURCE_BALLS,
+    UNLOADED,
+    Record,
+    Tally,
+)
+from rollbench.lowfi.friction.as_source.starts import from_linear_starts, from_pair_starts, from_screw_starts
+from rollbench.lowfi.friction.bearing.pairs import solve_bearing
+from rollbench.lowfi.friction.linear.bearing import LinearBearing, deviations
+from rollbench.lowfi.friction.linear.chain import Chain, prepare, solve_linear_chain
+from rollbench.lowfi.friction.linear.loads import balanced_loads
+from rollbench.lowfi.friction.linear.pair import pair_state
+from rollbench.lowfi.friction.screw.chain import Chain as ScrewChain
+from rollbench.lowfi.friction.screw.chain import ChainMotion, solve_chain
+from rollbench.lowfi.friction.screw.pair import Pair, solve_pair
+from rollbench.meshes.arrays import Array
+
+
+@dataclass(frozen=True)
+class LinearCase:
+    """Balls of a linear bearing, all in reach: contact angles [rad] and loads [N], (N, 4)."""
+
+    bearing: LinearBearing
+    angles: Array
+    loads: Array
+
+    def chain(self) -> Chain:
+        """Prepared for the chain solver."""
+        return prepare(self.bearing, self.angles, self.loads)
+
+
+def chain_group(
+    group: str,
+    cases: Sequence[LinearCase],
+    model: str = "linear pair",
+    starts: int = CHAIN_STARTS,
+    most: int = 200,
+    note: str = "",
+) -> Record:
+    """Chains of the linear bearing from their own start and random ones; the source's method from starts at the same
+    distance.
+
+    starts: random ones; most: balls up to which the source's method is tried.
+    """
+    rng, tally = np.random.default_rng(2), Tally()
+    for case in cases:
+        tally.cases += 1
+        c = case.chain()
+        first = solve_linear_chain(c).ball_force
+        for k in range(starts + 1):
+            r = solve_linear_chain(c, None if k == 0 else c.problem.nominal * rng.uniform(-3.0, 3.0, (c.count, 3)))
+            apart = float(np.max(np.abs(r.ball_force - first))) / (c.scale or 1.0)
+            tally.add(r.status == "converged", r.power, r.loss, apart)
+        if c.count > most:
+            continue
+        for found in from_linear_starts(case.bearing, case.angles, case.loads, rng, starts, FAR_START):
+            tally.theirs(found, first, c.scale)
+    return tally.record(group, model, note)
+
+
+def linear_pair(
+    theta: float, rho: float, vertical: float = VERTICAL, mu: float = LINEAR.mu, speed: float = LINEAR.speed
+) -> LinearCase:
+    """Linear pair; theta [deg], side force ratio, load [N], friction coefficient, speed [m/s]."""
+    bearing = replace(LINEAR, mu=mu, mu_balls=mu, speed=speed)
+    return LinearCase(bearing, *pair_state(bearing, radians(theta), rho, vertical, loads="elastic"))
+
+
+def chain_state(count: int) -> tuple[Array, Array]:
+    """Contact angles [rad] and loads [N], (N, 4), of a linear chain with deviations and side forces at random."""
+    rng = np.random.default_rng(count)
+    angles = LINEAR.contact_angle + deviations(np.radians(rng.uniform(-3.0, 3.0, count)))
+    return angles, balanced_loads(angles, VERTICAL, rng.uniform(-0.6, 0.6, count))
+
+
+def linear_chain(count: int, mu: float = LINEAR.mu) -> LinearCase:
+    """Linear chain with deviations and side forces at random, every neighbour in reach; mu of grooves and balls."""
+    return LinearCase(replace(LINEAR, mu=mu, mu_balls=mu), *chain_state(count))
+
+
+def patchy_chain(count: int, mu: float) -> LinearCase:
+    """The same with loads out of balance, none at some of the contacts: given loads, not those of a carriage."""
+    case, rng = linear_chain(count, mu), np.random.default_rng(1000 + count)
+    loads = case.loads * rng.uniform(0.2, 1.8, case.loads.shape)
+    return replace(case, loads=np.where(rng.uniform(size=loads.shape) < UNLOADED, 0.0, loads))
+
+
+def relieved_pair(share: float) -> LinearCase:
+    """Linear pair whose balls nearly lose a diagonal: side force ratio 1 - share."""
+    return linear_pair(2.0, -1.0 + share)
+
+
+def screw_pairs(group: str, pairs: Sequence[Pair], note: str = "") -> Record:
+    """Pairs of a screw: loads and motion in agreement; then the chain at these loads from random starts."""
+    rng, tally = np.random.default_rng(3), Tally()
+    for p in pairs:
+        tally.cases += 1
+        r = solve_pair(p)
+        m = r.touching.motion
+        tally.add(r.converged, m.input_power, m.loss, 0.0)
+        load = r.touching.load
+        chain = ScrewChain(p.groove, load.force, p.groove.normals(load.angle), np.array([0.0, np.inf]))
+        restart(tally, chain, m, rng, FAR_START)
+        bound = p.groove.mu * float(r.load.max())
+        for found in from_pair_starts(p, r, rng, CHAIN_STARTS, FAR_START):
+            tally.theirs(found, m.ball_force[:1], bound)
+    return tally.record(group, "screw pair", note)
+
+
+def restart(tally: Tally, chain: ScrewChain, first: ChainMotion, rng: np.random.Generator, off: float) -> None:
+    """The chain of a screw from motions off by up to ``off`` and any forces, against what was found before."""
+    bound = chain.groove.mu * float(chain.force.sum(axis=1).max())
+    size = np.maximum(first.ball_force, NO_FORCE * bound)
+    for _ in range(CHAIN_STARTS):
+        q = first.q * rng.uniform(1.0 - off, 1.0 + off, first.q.shape)
+        m = solve_chain(chain, (q, size * rng.uniform(0.0, 2.0, size.size)))
+        apart = float(np.max(np.abs(m.ball_force - first.ball_force))) / bound
+        tally.add(m.converged, m.input_power, m.loss, apart)
+        tally.restarts += 1
+        tally.direct += m.from_start
+
+
+def screw_chain_state(count: int) -> tuple[Array, Array, Array]:
+    """Loads [N] and contact angles [rad], (N, 4), and slack (N,) [rad/s] at random; the chain is open at its end."""
+    g, rng = table_3_6(), np.random.default_rng(count)
+    force = rng.uniform(20.0, 60.0, (count, 4))
+    angle = g.contact_angle + np.radians(rng.uniform(-3.0, 3.0, (count, 4)))
+    slack = np.where(rng.uniform(size=count) < 0.7, 0.0, rng.uniform(0.0, 0.05, count))
+    return force, angle, np.append(slack[:-1], np.inf)
+
+
+def screw_chain(count: int) -> ScrewChain:
+    """Chain of a screw with loads, angles and gaps at random, cut open at its end."""
+    g, (force, angle, slack) = table_3_6(), screw_chain_state(count)
+    return ScrewChain(g, force, g.normals(angle), slack)
+
+
+def screw_chains() -> Record:
+    """Chains of a screw of several sizes."""
+    rng, tally = np.random.default_rng(4), Tally()
+    for count in BALLS:
+        tally.cases += 1
+        chain = screw_chain(count)
+        m = solve_chain(chain)
+        tally.add(m.converged, m.input_power, m.loss, 0.0)
+        restart(tally, chain, m, rng, NEAR_START)
+        bound = chain.groove.mu * float(chain.force.sum(axis=1).max())
+        for found in from_screw_starts(chain, screw_chain_state(count)[1], m, rng, CHAIN_STARTS, NEAR_START):
+            tally.theirs(found, m.ball_force[:-1], bound)
+    return tally.record("chains", f"screw, {', '.join(map(str, BALLS))} balls")
+
+
+def bearing_clearance() -> Record:
+    """Whole four-point bearing of Table 4.2 with clearance: loads and motions."""
+    tally = Tally()
+    for c, tilt in product(CLEARANCE, (False, True)):
+        tally.cases += 1
+        s = solve_bearing(four_point(clearance=c, tilt=tilt), radians(12.0))
+        tally.add(s.converged, s.input_power, float(s.loss.sum()), 0.0)
+    return tally.record("clearance to 10 µm", "four-point bearing, 9 balls", "one start each")
+
+
+def chain_rows() -> list[Record]:
+    """Pairs and chains."""
+    two = radians(2.0)
+    base, few = inferred(two), f"one random start; source up to {SOURCE_BALLS} balls"
+    return [
+        chain_group("rho to ±0.999, theta to ±5°", [linear_pair(t, r) for t, r in product(ANGLES, RHO)]),
+        chain_group("mu 0.001 to 0.5", [linear_pair(2.0, r, VERTICAL, m) for r, m in product((-0.6, -0.999), MU)]),
+        chain_group("loads 1e-3 to 1e5 N", [linear_pair(2.0, r, f) for r, f in product((-0.6, -0.999), LOADS)]),
+        chain_group("two-point transition", [relieved_pair(10.0**-k) for k in range(1, 13)]),
+        chain_group("zero speed", [linear_pair(2.0, -0.6, speed=0.0)]),
+        chain_group("chains", [linear_chain(n) for n in BALLS], f"linear, {', '.join(map(str, BALLS))} balls"),
+        chain_group(
+            "chains, mu 0.001 to 0.5",
+            [linear_chain(n, m) for n, m in product(BALLS, MU)],
+            f"linear, {', '.join(map(str, BALLS))} balls",
+            1,
+            SOURCE_BALLS,
+            few,
+        ),
+        chain_group(
+            "chains, mu 0.001 to 0.5",
+            [patchy_chain(n, m) for n, m in product(BALLS, MU)],
+            "the same, a quarter of the contacts unloaded",
+            1,
+            SOURCE_BALLS,
+            few,
+        ),
+        screw_pairs("theta to ±5°", [inferred(radians(t)) for t in ANGLES]),
+        screw_pairs("mu 0.001 to 0.5", [replace(base, groove=table_3_6(mu=m)) for m in MU]),
+        screw_pairs("loads 1e-3 to 1e5 N", [replace(base, force=(f,)) for f in LOADS]),
+        screw_pairs(
+            "two-point transition",
+            [replace(base, oversize=o) for o in 1e-6 * np.linspace(0.8, 1.1, 13)],
+            "oversize 0.8 to 1.1 µm",
+        ),
+        screw_pairs(
+            "clearance to 10 µm",
+            [replace(plain(two), oversize=-c, coupling="none") for c in CLEARANCE],
+            "loads not coupled",
+        ),
+        screw_pairs(
+            "clearance to 10 µm", [replace(plain(two), oversize=-c) for c in CLEARANCE], "friction moves the balls"
+        ),
+        screw_pairs(
+            "small loads and clearance",
+            [replace(plain(two), oversize=-c, force=(f,)) for c, f in product(CLEARANCE[1:], SMALL)],
+            "friction moves the balls; 1e-3 to 0.3 N, 1 to 10 µm",
+        ),
+        screw_pairs("zero speed", [replace(base, groove=table_3_6(nut_speed=0.0))]),
+        screw_chains(),
+        bearing_clearance(),
+    ]

@@ -1,0 +1,134 @@
+"""Geometric errors: the cases of Lin 2.4.2, alone and combined, random ones as ensembles with bands."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from rollbench.comparison.measure import load_error
+from rollbench.comparison.models.ensemble import EnsembleResult
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.sections.curves import loads
+from rollbench.comparison.sections.finding_table import printed_table
+from rollbench.comparison.sources.lin.evidence.errors_2_4_2 import section_2_4_2
+from rollbench.comparison.sources.lin.evidence.loads_2_4_1 import ratio
+from rollbench.meshes.parts import SIDES
+from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Table
+
+
+def band(label: str, ensemble: EnsembleResult, side: int) -> Series:
+    """Band from the 5th to the 95th percentile of a side's loads over the ball number."""
+    low, high = np.percentile(ensemble.loads[:, :, side], [5.0, 95.0], axis=0)
+    balls = [float(i + 1) for i in range(low.size)]
+    return Series(label, balls, [float(x) for x in low], "band", [float(x) for x in high])
+
+
+def section(study: Study, step: Callable[[str], None]) -> Section:
+    """Section of the report."""
+    step("profile and pitch errors")
+    base, profile, pitch = (study.solve(n) for n in ("lin-case1", "lin-profile", "lin-pitch"))
+    ensembles = {}
+    for name in ("lin-random", "lin-combined"):
+        step(f"{study.scene(name).members} drawn screws of {name}")
+        ensembles[name] = study.ensemble(name)
+    random, combined = ensembles["lin-random"], ensembles["lin-combined"]
+    one, all_three = study.solve("lin-random"), study.solve("lin-combined")
+    left = Panel(
+        "one kind of error at a time, SL = NR",
+        "ball",
+        "contact load / N",
+        (
+            loads("no errors (case 1)", base, 0, emphasis=True),
+            loads("profile errors", profile, 0),
+            loads("pitch errors", pitch, 0),
+            loads("random ball radii, one draw", one, 0),
+            band("random, 5 to 95 %", random, 0),
+        ),
+        integer_x=True,
+    )
+    right = Panel(
+        "all three together",
+        "ball",
+        "contact load / N",
+        (
+            loads("SL, one draw", all_three, 0, emphasis=True),
+            loads("SR, one draw", all_three, 1),
+            band("SL, 5 to 95 %", combined, 0),
+            band("SR, 5 to 95 %", combined, 1),
+        ),
+        integer_x=True,
+    )
+    columns = (
+        Column("scene", "scene", "", "s"),
+        Column("members", "drawn screws", "", "s"),
+        Column("side", "side", "", "s"),
+        Column("low", "largest load, 5 %", "N", ".1f"),
+        Column("mid", "median", "N", ".1f"),
+        Column("high", "95 %", "N", ".1f"),
+        Column("ratio", "max/min, median", "", ".3f"),
+        Column("lost", "balls without load, mean", "", ".2f"),
+        Column("bad", "not converged", "", "s"),
+    )
+    rows: list[dict[str, Cell]] = []
+    for name, e in ensembles.items():
+        for s in (0, 1):
+            largest = e.loads[:, :, s].max(axis=1)
+            low, mid, high = np.percentile(largest, [5, 50, 95])
+            ratios = [ratio(load[:, s]) for load in e.loads]
+            rows.append(
+                {
+                    "scene": name,
+                    "members": len(e.loads),
+                    "side": SIDES[s],
+                    "low": float(low),
+                    "mid": float(mid),
+                    "high": float(high),
+                    "ratio": float(np.median(ratios)) if s == 0 else None,
+                    "lost": float((e.loads[:, :, s] == 0.0).sum(axis=1).mean()),
+                    "bad": sum(x != "converged" for x in e.statuses),
+                }
+            )
+    changes: list[dict[str, Cell]] = []
+    for name in ("lin-case2", "lin-profile", "lin-pitch", "lin-random", "lin-combined"):
+        r = study.solve(name)
+        e2 = load_error(r.load, base.load)
+        changes.append(
+            {
+                "scene": name,
+                "max": float(r.load.max()),
+                "ratio": ratio(r.load[:, 0]),
+                "change": e2.max_percent,
+                "rms": e2.rms_percent,
+                "ball": f"{e2.ball} {e2.side}",
+                "third": int((r.load[:, 1] > 0).sum()),
+            }
+        )
+    return Section(
+        "errors",
+        "Geometric errors (2.4.2)",
+        (
+            printed_table("errors-claims", "Section 2.4.2: printed and computed", study.once(section_2_4_2)),
+            Figure(
+                "errors-loads",
+                "Load distribution with geometric errors",
+                (left, right),
+                f"Bands: 5th to 95th percentile per ball, {len(random.loads)} and {len(combined.loads)} drawn screws.",
+            ),
+            Table(
+                "errors-changes",
+                "Change against case 1 (random ones: the draw of the shipped seed)",
+                (
+                    Column("scene", "scene", "", "s"),
+                    Column("max", "largest load", "N", ".1f"),
+                    Column("ratio", "max/min on SL", "", ".3f"),
+                    Column("change", "largest change", "% of mean", ".2f"),
+                    Column("rms", "RMS change", "% of mean", ".2f"),
+                    Column("ball", "at ball", "", "s"),
+                    Column("third", "balls loaded on SR", "", "s"),
+                ),
+                changes,
+            ),
+            Table("errors-bands", "Random errors as ensembles", columns, rows),
+        ),
+    )

@@ -1,0 +1,174 @@
+"""Lash tests and steering gear (Lin 4.2): curves, and the printed results as functions of what is not printed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import entry
+from rollbench.comparison.sections.finding_table import printed_table
+from rollbench.comparison.sources.lin.evidence import lash_4_2_1 as tests
+from rollbench.comparison.sources.lin.evidence import steering_maps as maps
+from rollbench.comparison.sources.lin.evidence.steering_4_2 import RACK, REACH, SCREW, rack, section_4_2
+from rollbench.meshes.parts import Scene
+from rollbench.reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
+
+ABOUT = (
+    "Lash is the displacement of the screw under a force that goes from one sense to the other: axial, of its end along "
+    "the axis; conical, across the screw at a distance from the nut. The difference of four ball patterns is (largest - "
+    "smallest)/smallest of the peak-to-peak displacements at 200 N: the source does not define it.",
+    "With every open input the axial tests differ less than the conical ones in most directions, and than the largest of "
+    "them in all; the numbers move with the distance of the force and the restraint of the screw by more than they differ "
+    "from the printed ones.",
+    "Rack: the printed ratios are functions of the pinion's place and restraint, of the sense of the two side forces and "
+    "of the bearing's place. Several layouts come near one of them or both: they are not identifiable, and no layout is "
+    "chosen by them.",
+)
+#: Note of the table of layouts.
+SENSE = (
+    "A pinion that holds the rack against tilting keeps the far side force from the nut, whose sense then does not count."
+)
+LASH_COLUMNS = (
+    Column("changed", "changed", "", "s"),
+    Column("diameter", "outer diameter", "mm", ".0f"),
+    Column("position", "nut's centre", "mm", ".0f"),
+    Column("reach", "force from the nut", "mm", ".0f"),
+    Column("restraint", "screw's left end", "", "s"),
+    Column("axial", "axial", "%", ".2f"),
+    Column("least", "conical, least direction", "%", ".1f"),
+    Column("most", "conical, largest direction", "%", ".1f"),
+    Column("ordered", "axial below conical", "", "s"),
+)
+RATIO_COLUMNS = (
+    Column("hold", "pinion", "", "s"),
+    Column("sense", "side forces", "", "s"),
+    Column("offset", "bearing from the nut's centre", "mm", ".0f"),
+    Column("pinion", "pinion at", "mm", ".0f"),
+    Column("screw", "ball screw", "", ".2f"),
+    Column("bearing", "bearing", "", ".2f"),
+)
+
+
+def lash_figure(scene: Scene) -> Figure:
+    """Curves of both tests for the four patterns, and the conical one over the direction of its force."""
+    force = np.linspace(-tests.FORCE, tests.FORCE, 17)
+    around = np.linspace(0.0, 180.0, 13)
+    newtons, degrees = [float(f) for f in force], [float(d) for d in around]
+    axial, conical, peaks = [], [], []
+    for pattern in tests.PATTERNS:
+        screw = tests.with_balls(scene, pattern)
+        axial.append(Series(pattern, newtons, _micro(tests.axial_curve(screw, newtons)), "line"))
+        conical.append(Series(pattern, newtons, _micro(tests.conical_curve(screw, newtons, 0.0, REACH)), "line"))
+        own = [tests.conical(screw, float(np.radians(d)), REACH) for d in degrees]
+        peaks.append(Series(pattern, degrees, _micro(own), "line"))
+    spread = [tests.difference([s.y[k] for s in peaks]) for k in range(len(degrees))]
+    flat = tests.difference([s.y[-1] - s.y[0] for s in axial])
+    both = (Series("conical", degrees, spread, "line"), Series("axial", degrees, [flat] * len(degrees), "line"))
+    at = f"{1e3 * REACH:.0f} mm from the nut"
+    panels = (
+        Panel("axial test", "axial force / N", "displacement / µm", axial),
+        Panel("conical test, force along x", f"lateral force {at} / N", "displacement / µm", conical),
+        Panel("conical test", "direction of the force / deg", "peak to peak / µm", peaks, zero=True),
+        Panel("difference of the patterns", "direction of the force / deg", "difference / %", both, zero=True),
+    )
+    return Figure("lash", "Lash of one screw with its balls in four patterns", panels, ABOUT[0])
+
+
+def _micro(values: list[float]) -> list[float]:
+    return [1e6 * v for v in values]
+
+
+def lash_rows(scene: Scene) -> list[dict[str, Cell]]:
+    """Differences over what is not printed."""
+    return [
+        {
+            "changed": p.changed,
+            "diameter": 1e3 * p.diameter,
+            "position": 1e3 * p.position,
+            "reach": 1e3 * p.reach,
+            "restraint": p.restraint,
+            "axial": p.found.axial,
+            "least": min(p.found.conical),
+            "most": max(p.found.conical),
+            "ordered": _ordered(p.found),
+        }
+        for p in maps.lash_map(scene)
+    ]
+
+
+def _ordered(found: tests.Lash) -> str:
+    """In how many of the directions the axial tests differ less."""
+    count = sum(found.axial < x for x in found.conical)
+    return f"{count} of {len(found.conical)} directions"
+
+
+def rack_figure(points: list[maps.RatioPoint]) -> Figure:
+    """Ratios over the pinion's station for every layout, with the printed ones; largest loads over the angle."""
+    gear = rack()
+    panels = []
+    for key, words in (("screw", "ball screw"), ("bearing", "four-point bearing")):
+        printed = entry("lin-4.2.1", f"ratio_{key}").value or np.nan
+        stations = [1e3 * z for z in maps.PINIONS]
+        series = [Series("printed", stations, [printed] * len(stations), "line", emphasis=True)]
+        for (hold, opposed), own in _layouts(points).items():
+            label = hold + (", side forces opposed" if opposed else "")
+            series.append(Series(label, stations, [getattr(p, key) for p in own], "line"))
+        panels.append(Panel(words, "pinion at / mm", "largest load, 18 deg over 0 deg", series, zero=True))
+    loads = maps.over_angles(gear)
+    for k, words in enumerate(("ball screw", "four-point bearing")):
+        values = [own[k] for own in loads]
+        panels.append(
+            Panel(words, "tie-rod angle / deg", "largest load / N", (Series("as shipped", maps.ANGLES, values),), zero=True)
+        )
+    caption = f"{ABOUT[2]} Bearing in the plane of the nut's centre."
+    return Figure("rack", "Steering gear: loads over angle, ratios over the pinion's place", panels, caption)
+
+
+def _layouts(points: list[maps.RatioPoint]) -> dict[tuple[str, bool], list[maps.RatioPoint]]:
+    """Points with the bearing at the nut's centre by restraint and sense."""
+    out: dict[tuple[str, bool], list[maps.RatioPoint]] = {}
+    for p in points:
+        if p.offset == 0.0:
+            out.setdefault((p.hold, p.opposed), []).append(p)
+    return out
+
+
+def ratio_rows(points: list[maps.RatioPoint]) -> list[dict[str, Cell]]:
+    """Ratios of every layout."""
+    return [
+        {
+            "hold": p.hold,
+            "sense": "opposed" if p.opposed else "alike",
+            "offset": 1e3 * p.offset,
+            "pinion": 1e3 * p.pinion,
+            "screw": p.screw,
+            "bearing": p.bearing,
+        }
+        for p in points
+    ]
+
+
+def section(study: Study, step: Callable[[str], None]) -> Section:
+    """Section of the report."""
+    step("lash tests")
+    scene = study.scene(SCREW)
+    study.uses((RACK,))
+    figures = [lash_figure(scene)]
+    lash = lash_rows(scene)
+    step("steering gear")
+    points = list(maps.ratio_map(rack()))
+    figures.append(rack_figure(points))
+    return Section(
+        "steering",
+        "Lash tests and steering gear (Lin 4.2)",
+        (
+            Text(ABOUT, bullets=True),
+            printed_table("steering-gear", "Section 4.2: printed and computed", study.once(section_4_2)),
+            figures[0],
+            Table("lash-inputs", "Differences over what is not printed, one thing changed at a time", LASH_COLUMNS, lash),
+            figures[1],
+            Table("rack-layouts", "Ratios of the steering gear by its layout", RATIO_COLUMNS, ratio_rows(points), SENSE),
+        ),
+    )

@@ -1,0 +1,1 @@
+"""Liu et al. (2025), Lubricants 13, 57."""

@@ -1,0 +1,113 @@
+"""Liu, sections 2, 3 and 4.1: inputs, the algorithm, the experiment, Mei's model."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import cos, degrees, sin
+
+import numpy as np
+
+from rollbench.comparison.evidence.entries import Entries
+from rollbench.comparison.evidence.record import Evidence
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.sources.liu.evidence import case
+from rollbench.lowfi.random_errors.chain import Chain, end_ratio, solve_chain
+from rollbench.lowfi.random_errors.elimination import solve_by_elimination
+from rollbench.lowfi.random_errors.ensemble import draw_errors
+from rollbench.meshes.helix import lead_angle
+
+#: Drawn screws on which the two algorithms are compared, or that are solved one by one.
+FEW = 20
+
+
+def section_2(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+    """Section 2.1 and Table 2."""
+    e = Entries("liu-2")
+    scene = case.liu_screw()
+    track, balls, angle, lead = scene.track, scene.balls, scene.track.contact_angle, lead_angle(scene.track)
+    mm = {"R": track.pitch_radius, "D": 2.0 * balls.radius, "P_h": track.lead, "r": scene.screw.groove_radius}
+    e.numbers({key: 1e3 * value for key, value in mm.items()})
+    steel = {"E": 1e-9 * balls.material.youngs_modulus, "nu": balls.material.poissons_ratio}
+    e.numbers({"alpha_0": degrees(angle), "M": float(scene.ball_count), **steel})
+    e.number("lead_angle", degrees(lead), "from pitch and radius")
+    parts = [e.printed(key) for key in ("v_2pi", "ball_error", "profile_error")]
+    e.numbers(dict(zip(("v_2pi", "ball_error", "profile_error"), parts, strict=True)))
+    right = parts[0] * sin(angle) * cos(lead) + parts[1] + parts[2]
+    e.number("range", right, as_printed=sum(parts))
+    e.numbers({f"e_{h}": float(h) for h in case.LOADS})
+    e.claim("plus_or_minus", False, "the plus sign draws in [e, 3 e], the minus sign in [-e, e]")
+    return e.evidence()
+
+
+def loosest_agreement() -> tuple[int, int, float]:
+    """Of ``FEW`` screws of +-2 um at 500 N: those with the same active set by both algorithms; most rounds of the
+    elimination; largest difference of a load over the largest load."""
+    errors = draw_errors(case.SEED, 0, FEW, case.balls(), 2e-6)
+    same, rounds, worst = 0, 0, 0.0
+    for e in errors:
+        ours, other = solve_chain(case.screw(), e, 500.0), solve_by_elimination(case.screw(), e, 500.0)
+        same += int(other.converged and np.array_equal(ours.load > 0.0, other.load > 0.0))
+        rounds = max(rounds, other.rounds)
+        worst = max(worst, float(np.abs(ours.load - other.load).max() / ours.load.max()))
+    return same, rounds, worst
+
+
+def section_3(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+    """Section 3."""
+    e = Entries("liu-3")
+    steps = max(solve_chain(case.screw(), x, 500.0).iterations for x in draw_errors(case.SEED, 0, FEW, case.balls(), 2e-6))
+    same, rounds, worst = loosest_agreement()
+    e.claim(
+        "newton",
+        False,
+        f"on the convex energy at most {steps} steps for {FEW} screws at 500 N; the elimination's loaded balls are "
+        f"the same in {same} of {FEW}, in up to {rounds} rounds, loads to {worst:.0e}",
+    )
+    loaded = {f: case.sample(2, "loaded", f) for f in (500.0, 1000.0, 1500.0, 2000.0)}
+    share = float(np.mean(loaded[2000.0] == case.balls()))
+    e.claim("all_2000", share >= case.UNLIKELY, f"probability {share:.3f}")
+    for key, load in (("unloaded_1500", 1500.0), ("unloaded_500", 500.0)):
+        sample = case.balls() - loaded[load]
+        e.number(key, float(np.median(sample)), case.place_in(sample, e.printed(key), 0.0)[1])
+    exactly = {f: float(np.mean(loaded[f] == case.balls() - 1)) for f in (1000.0, 1500.0)}
+    e.words("caption_1000", "probability of exactly one: {:.3f} at 1000 N, {:.3f} at 1500 N".format(*exactly.values()))
+    e.numbers({"load": e.printed("load"), "free_length": e.printed("free_length")})
+    ratio = case.sample(3, "smallest", 3000.0) / case.sample(3, "largest", 3000.0)
+    low, high = np.quantile(ratio, [case.UNLIKELY, 1.0 - case.UNLIKELY])
+    e.claim("uniform_3000", low > 0.5, f"smallest over largest load {low:.2f} to {high:.2f} (central 99 %) at 3000 N")
+    medians = [float(np.median(case.sample(3, "stiffness", f))) / 1e8 for f in case.LOADS[3]]
+    words = ", ".join(f"{v:.2f}" for v in medians)
+    e.claim("falls", bool(np.all(np.diff(medians) < 0.0)), f"{words} 1e8 N/m from 100 to 5000 N (medians, ±3 um)")
+    return e.evidence()
+
+
+def mei() -> Chain:
+    """Mei's model as the source uses it: 45 deg, the compliance of the source's own model."""
+    return replace(case.screw(), law="constant")
+
+
+def mei_deviations(chain: Chain, errors: np.ndarray[tuple[int], np.dtype[np.float64]]) -> tuple[float, float]:
+    """Largest deviation of a chain's loads from Mei's at 5000 N [%], over Mei's load and over the chain's."""
+    own = solve_chain(chain, errors, case.calibration_load()).load
+    other = solve_chain(replace(chain, law="constant"), errors, case.calibration_load()).load
+    return float(100.0 * np.abs(1.0 - own / other).max()), float(100.0 * np.abs(other / own - 1.0).max())
+
+
+def section_4_1(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+    """Section 4.1."""
+    e, load = Entries("liu-4.1"), case.calibration_load()
+    area = 1e6 * case.implied_area(26.0)
+    words = f"compliance of a segment {case.screw().compliance:.4g} m/N"
+    words += f": with 26 balls a turn, areas in series 1/(1/A_n + 1/A_s) = {area:.0f} mm2"
+    e.number("ratio", end_ratio(case.screw(), load), words)
+    exact = end_ratio(replace(case.screw("exact"), law="constant"), load)
+    e.number("ratio_mei", end_ratio(mei(), load), f"beside the exact contact angle it would be {exact:.4f}")
+    zero = np.zeros(case.balls())
+    found = [x for law in ("implicit", "exact") for x in mei_deviations(case.screw(law), zero)]
+    e.number("deviation", found[0], "implicit {:.2f} of Mei's, {:.2f} of its own load; exact {:.2f}, {:.2f}".format(*found))
+    less = solve_chain(mei(), zero, load).load - case.single(0.0, load).load
+    e.claim("smaller", bool(np.all(less > 0.0)), f"by {less.min():.2f} to {less.max():.2f} N")
+    errors = draw_errors(case.SEED, 0, FEW, case.balls(), 2e-6)
+    worst = [mei_deviations(case.screw(), x)[0] for x in errors]
+    e.claim("deviation_errors", max(worst) <= 2.875, f"{min(worst):.2f} to {max(worst):.2f} % in {FEW} drawn screws")
+    return e.evidence()

@@ -1,0 +1,1 @@
+"""Smith (1994), thesis on ball screws and their bearings."""

@@ -1,0 +1,1 @@
+"""Speed: what solves cost, against the source's formulation."""

@@ -1,0 +1,98 @@
+"""Run times: ratios to the source's formulation in the same process, with seconds, and the times that the source
+reports."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+
+from rollbench.comparison.costs.timing import Job
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import entry, load_table
+from rollbench.comparison.sources.lin.bench import jobs
+from rollbench.comparison.sources.liu.bench import jobs as chain_jobs
+from rollbench.comparison.wings.bench.axis_bench import jobs as axis_jobs
+from rollbench.comparison.wings.bench.bench import run_bench
+from rollbench.reports.records import Cell, Column, Section, Table, Text
+
+
+def friction_table(step: Callable[[str], None]) -> Table:
+    """Friction and ball motion against their targets."""
+    step("friction")
+    rows: list[dict[str, Cell]] = [asdict(row) | {"reached": "yes" if row.reached else "no"} for row in jobs(5)]
+    columns = (
+        Column("name", "job", "", "s"),
+        Column("seconds", "seconds", "s", "g3"),
+        Column("target", "target", "s", "g3"),
+        Column("reached", "reached", "", "s"),
+        Column("ratio", "ratio", "", "g3"),
+        Column("note", "what is included", "", "s"),
+    )
+    return Table("timing-friction", "Friction and ball motion, compiled", columns, rows)
+
+
+def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
+    """Section of the report, with its headlines."""
+    done = [*run_bench(step), *chain_jobs(5), *axis_jobs(5)]
+    rows: list[dict[str, Cell]] = [asdict(job) for job in done]
+    printed: list[dict[str, Cell]] = [
+        {"label": p.label, "printed": p.printed, "unit": p.unit, "class": p.cls, "remark": p.remark}
+        for p in load_table("lin-2.2")
+    ]
+    reported = entry("lin-2.2", "time_proposed_1")
+    return Section(
+        "timing",
+        "Run times",
+        (
+            Text(
+                (
+                    "Ratios are seconds of the source's formulation, run in the same process on the same task, over those "
+                    f"of the solver here. The source reports {reported.printed} s for case 1 on its machine and in its "
+                    "language; that is shown below, not compared.",
+                )
+            ),
+            Table(
+                "timing-jobs",
+                "Jobs",
+                (
+                    Column("job", "job", "", "s"),
+                    Column("seconds", "seconds", "s", "g3"),
+                    Column("ratio", "ratio", "", "g3"),
+                    Column("unknowns", "unknowns", "", "s"),
+                    Column("peak_MB", "peak memory", "MB", ".0f"),
+                    Column("note", "what is included", "", "s"),
+                ),
+                rows,
+            ),
+            friction_table(step),
+            Table(
+                "timing-printed",
+                "Table 2.2 as printed",
+                (
+                    Column("label", "quantity", "", "s"),
+                    Column("printed", "printed", "", "s"),
+                    Column("unit", "unit", "", "s"),
+                    Column("class", "class", "", "s"),
+                    Column("remark", "remark", "", "s"),
+                ),
+                printed,
+            ),
+        ),
+        headline(done),
+    )
+
+
+def headline(done: Sequence[Job]) -> tuple[tuple[str, str], ...]:
+    """Seconds of case 1, and the ratios to the source's Newton."""
+    by_name = {job.job: job for job in done}
+    lines = []
+    for name, label in (
+        ("cold solve, case 1", "source's Newton from a good guess over the energy solver"),
+        ("cold solve, no guess", "source's Newton by load steps over the energy solver"),
+    ):
+        job = by_name[name]
+        if name == "cold solve, case 1" and job.seconds is not None:
+            lines.append(("cold solve of case 1", f"{1e6 * job.seconds:.0f} µs"))
+        if job.ratio is not None:
+            lines.append((label, f"{job.ratio:.0f} times"))
+    return tuple(lines)

@@ -1,0 +1,96 @@
+"""The command ``rollbench crosscheck``: the 3D reference against another program, contact by contact."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from rollbench.comparison.commands.printing import Answer, on_terminal
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.reference.estimate import Reference, reference
+from rollbench.comparison.reference.jobs import Engine, ensure, plan
+from rollbench.comparison.reference.levels import LEVELS
+from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison.system import need_gmsh
+from rollbench.comparison.wings.crosscheck import nut
+from rollbench.comparison.wings.crosscheck.data import CrossData, load, save, shipped
+from rollbench.comparison.wings.crosscheck.rows import ContactRow, agreement, columns, contact_rows
+from rollbench.comparison.wings.crosscheck.study import STUDIES, checked_scene, run_study, scene_key
+from rollbench.meshes.parts import Scene
+
+
+def run_crosscheck(
+    name: str, *, run: bool, fresh: bool, data: Path | None, work: Path, store: Path, engine: Engine
+) -> Answer:
+    """A scene's contact loads by the 3D reference and by CalculiX.
+
+    run: solve the decks with CalculiX first that have no stored result (fresh: all of them) and rewrite the results in the
+    folder ``data`` (None: that of the package); work: folder of the decks; store: folder of the reference's runs, computed
+    where none is stored.
+    Raises InputError for a scene without results, results of another scene of that name, and where CalculiX fails.
+    """
+    scene, folder = checked_scene(name), data or shipped()
+    written = []
+    if run:
+        need_gmsh()
+        kept = None if fresh else load(folder, scene.name)
+        stored_runs = kept.runs if kept is not None and kept.key == scene_key(scene.name) else ()
+        written.append(f"wrote {save(folder, run_study(scene, work, on_terminal, stored_runs))}")
+        if scene.name == nut.SCENE and (fresh or nut.load_nut(folder) is None):
+            written.append(f"wrote {nut.save_nut(folder, nut.check_nut(scene, work, key=scene_key(scene.name)))}")
+    found = stored(folder, scene)
+    ours = _ours(scene, store, engine)
+    rows = contact_rows(found, ours)
+    agreed = agreement(scene.name, rows)
+    alone = nut.load_nut(folder)
+    sentence = [alone.sentence()] if alone is not None and alone.key == scene_key(scene.name) else []
+    answer = {"scene": scene.name, "agreement": agreed, "contacts": [r.cells() for r in rows]}
+    return Answer(answer, [*written, _table(scene, rows), agreed, *sentence])
+
+
+def stored(folder: Path, scene: Scene) -> CrossData:
+    """Results of a scene. Raises InputError where there are none, or they belong to another scene of its name."""
+    found = load(folder, scene.name)
+    if found is None:
+        raise InputError(scene.name, "crosscheck", "no stored results", ", ".join(STUDIES), "solve it: --run")
+    if found.key != scene_key(scene.name):
+        raise InputError(
+            scene.name, "crosscheck", "results of another scene", "results of this scene", "solve it anew: --run"
+        )
+    return found
+
+
+def _ours(scene: Scene, store: Path, engine: Engine) -> Reference:
+    stores = (store, shipped_store())
+    found = reference(scene, stores)
+    if found is None:
+        ensure(plan([scene], tuple(LEVELS)), store, engine, on_terminal, stores)
+        found = reference(scene, stores)
+    if found is None:
+        raise InputError(
+            scene.name,
+            "3D reference",
+            "no converged run",
+            "a scene whose contact problem has a solution",
+            "see the status of the runs in the store",
+        )
+    return found
+
+
+def _table(scene: Scene, rows: Sequence[ContactRow]) -> Any:
+    from rich.table import Table
+
+    out = Table(title=f"{scene.name}: contact loads, CalculiX extrapolated; every mesh: --json", title_justify="left")
+    own = columns()
+    for column in own:
+        head = "\n".join((*column.label.split(", "), *([column.unit] if column.unit else ())))
+        out.add_column(head, justify="left" if column.key == "side" else "right")
+    for row in rows:
+        cells = row.cells()
+        out.add_row(*(_text(cells.get(c.key), c.format) for c in own))
+    return out
+
+
+def _text(value: Any, form: str) -> str:
+    return "–" if value is None else format(value, form)

@@ -1,0 +1,123 @@
+"""The 3D reference against another program: contact by contact, each at its meshes, with both errors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.reference.estimate import Reference
+from rollbench.comparison.wings.crosscheck.data import CrossData, CrossRun
+from rollbench.comparison.wings.crosscheck.fit import Extrapolation, extrapolate
+from rollbench.meshes.parts import SIDES
+from rollbench.reports.records import Cell, Column
+
+#: Agreement aimed at, in per cent of the mean load.
+TARGET = 0.5
+
+
+@dataclass(frozen=True)
+class ContactRow:
+    """One contact: ball (from 1), side, loads [N] of the reference by level and of the other program by deck, the
+    reference's finest and the other's extrapolated, their uncertainties and differences in per cent of the
+    mean load of the reference."""
+
+    ball: int
+    side: str
+    levels: Mapping[int, float]
+    decks: Mapping[str, float]
+    ours: float
+    ours_percent: float
+    theirs: float
+    theirs_percent: float
+    difference: float
+
+    def cells(self) -> dict[str, Cell]:
+        """The row of a table."""
+        cells: dict[str, Cell] = {"ball": str(self.ball), "side": self.side}
+        cells |= {f"level {k}": v for k, v in self.levels.items()}
+        cells |= dict(self.decks)
+        return cells | {
+            "ours": self.ours,
+            "ours_percent": self.ours_percent,
+            "theirs": self.theirs,
+            "theirs_percent": self.theirs_percent,
+            "difference": self.difference,
+        }
+
+
+def series(data: CrossData) -> list[CrossRun]:
+    """The runs with small displacements and the contact stiffness of most, fewest nodes first."""
+    own = [r for r in data.runs if not r.nlgeom]
+    alike = [sum(r.stiffness == one.stiffness for r in own) for one in own]
+    most = own[int(np.argmax(alike))].stiffness
+    return sorted((r for r in own if r.stiffness == most), key=lambda r: r.nodes)
+
+
+def deck_label(run: CrossRun) -> str:
+    """Short name of a deck in a series: elements across the short half axis, growth, half or equal balls."""
+    return f"b/h {run.b_over_h:g}, g {run.growth:g}" + ", half" * run.half + ", equal balls" * run.alike
+
+
+def contact_rows(data: CrossData, ours: Reference, limit: Extrapolation | None = None) -> list[ContactRow]:
+    """Rows of all contacts that either program finds loaded."""
+    limit = limit or extrapolate(data.runs)
+    best = ours.load
+    mean = ours.mean
+    rows = []
+    for i, s in zip(*np.nonzero((best > 0.0) | (limit.load > 1e-3 * mean)), strict=True):
+        own = float(error_percent(ours.uncertainty[i, s], 0.0, mean))
+        rows.append(
+            ContactRow(
+                int(i) + 1,
+                SIDES[s],
+                {r.level: float(r.load[i, s]) for r in ours.runs},
+                {deck_label(r): float(r.load[i, s]) for r in series(data)},
+                float(best[i, s]),
+                own,
+                float(limit.load[i, s]),
+                float(error_percent(limit.uncertainty[i, s], 0.0, mean)),
+                float(error_percent(best[i, s], limit.load[i, s], mean)),
+            )
+        )
+    return rows
+
+
+PLACE = (Column("ball", "ball", "", "s"), Column("side", "side", "", "s"))
+
+
+def columns() -> list[Column]:
+    """Columns of the comparison: the reference's finest level, the other program extrapolated."""
+    return [
+        *PLACE,
+        Column("ours", "reference", "N", ".2f"),
+        Column("ours_percent", "uncertainty, reference", "% of mean", ".2f"),
+        Column("theirs", "CalculiX", "N", ".2f"),
+        Column("theirs_percent", "uncertainty, CalculiX", "% of mean", ".2f"),
+        Column("difference", "difference", "% of mean", "+.2f"),
+    ]
+
+
+def mesh_columns(data: CrossData, ours: Reference) -> list[Column]:
+    """Columns of the loads on every mesh of both programs."""
+    return [
+        *PLACE,
+        *(Column(f"level {r.level}", f"reference, level {r.level}", "N", ".2f") for r in ours.runs),
+        *(Column(deck_label(r), f"CalculiX, {deck_label(r)}", "N", ".2f") for r in series(data)),
+    ]
+
+
+def agreement(name: str, rows: Sequence[ContactRow]) -> str:
+    """Sentence on the worst and RMS difference, and on whether they are more than both programs' uncertainties."""
+    worst = max(rows, key=lambda r: abs(r.difference))
+    rms = float(np.sqrt(np.mean([r.difference**2 for r in rows])))
+    met = "within" if abs(worst.difference) <= TARGET else "NOT within"
+    theirs = max(r.theirs_percent for r in rows)
+    beyond = sum(abs(r.difference) > np.hypot(r.theirs_percent, r.ours_percent) for r in rows)
+    return (
+        f"{name}: the 3D reference differs from CalculiX by at most {worst.difference:+.2f} % of the mean load (ball "
+        f"{worst.ball} {worst.side}; RMS {rms:.2f} %), {met} {TARGET} %; CalculiX's own uncertainty is up to "
+        f"{theirs:.2f} %, and {beyond} of {len(rows)} contacts differ by more than both uncertainties."
+    )

@@ -1,0 +1,129 @@
+"""The 3D reference checked by another program: contact loads of two small scenes by CalculiX, on whole bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from rollbench.comparison.measure import error_percent, load_error
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.reference.estimate import Reference
+from rollbench.comparison.wings.crosscheck.data import CrossData, load, shipped
+from rollbench.comparison.wings.crosscheck.fit import Extrapolation, extrapolate, mesh_of
+from rollbench.comparison.wings.crosscheck.nut import load_nut
+from rollbench.comparison.wings.crosscheck.rows import agreement, columns, contact_rows, mesh_columns
+from rollbench.comparison.wings.crosscheck.study import STUDIES, scene_key
+from rollbench.meshes.loads import mean_load
+from rollbench.reports.records import Cell, Column, Section, Table, Text
+
+ABOUT = (
+    "CalculiX solves two small scenes on whole bodies, without sockets, patches, condensation or beams: ten-node "
+    "tetrahedra, surface-to-surface contact by a linear pressure-overclosure law, balls free, oversize in the geometry. "
+    "A deck is what "
+    "rollbench export SCENE --deck ccx writes; rollbench crosscheck SCENE --run solves them all anew. Shared with the "
+    "reference are the exact surfaces and gmsh; elements, integration, contact and solver are not."
+)
+EXTRAPOLATED = (
+    "One mesh of another program proves nothing: element size h at the contacts and growth g of the elements away from "
+    "them are refined together, and all contacts of all meshes fitted at once by F0 + A e + B / k. With the size of "
+    "elements over the distance in which a contact's field changes there, (h + g d) / (c + d), and the field's energy "
+    "spread evenly over x = c / (c + d), e is the mean of (x h / c + (1 - x) g)^p over x. Order p (2 to 4) and the length "
+    "c over the short half axis are common to all contacts; B is from two runs on one mesh with two contact stiffnesses k. "
+    "A mesh counts by its e: what the law leaves out and what meshes of one size differ by shrink with it. The uncertainty "
+    "of a contact is the change of its limit over all orders and lengths that fit it nearly as well as the best (two "
+    "standard deviations), joined with two standard errors and a tenth of what is extrapolated. Of a ring pair that the "
+    "plane through its balls parts into mirror images some runs mesh one half; equal balls have one mesh in runs named so."
+)
+NUT = (
+    "The nut alone, by the reference's elements and by CalculiX on the same cells: forces of 1 kN on one contact after the "
+    "other, the corners of its faces a rigid section."
+)
+
+
+def run_table(data: CrossData) -> Table:
+    """Every run: choices, meshes, effort, and what the weak springs and the last correction change."""
+    rows: list[dict[str, Cell]] = []
+    base = {(mesh_of(r), r.stiffness): r for r in data.runs if not r.nlgeom}
+    for run in data.runs:
+        mean = mean_load(run.load)
+        twin = base.get((mesh_of(run), run.stiffness))
+        rows.append(
+            {
+                "across": run.b_over_h,
+                "fine": 1e3 * run.fine,
+                "growth": run.growth,
+                "stiffness": 1e-9 * run.stiffness,
+                "large": "large" if run.nlgeom else "small",
+                "bodies": "half" if run.half else "equal balls" if run.alike else "whole",
+                "nodes": run.nodes,
+                "cells": sum(m.cells for m in run.meshes),
+                "jacobian": min(m.smallest for m in run.meshes),
+                "iterations": run.iterations,
+                "seconds": run.seconds,
+                "sum": float(run.load.sum()),
+                "weak": float(error_percent(run.weak, 0.0, mean)),
+                "loose": float(error_percent(run.unbalanced, 0.0, mean)),
+                "large_change": load_error(run.load, twin.load).max_percent if run.nlgeom and twin else None,
+            }
+        )
+    heads = (
+        Column("across", "b/h at mean load", "", ".1f"),
+        Column("fine", "h", "mm", ".3f"),
+        Column("growth", "growth", "", ".2f"),
+        Column("stiffness", "contact stiffness", "N/mm3", "g2"),
+        Column("large", "displacements", "", "s"),
+        Column("bodies", "bodies", "", "s"),
+        Column("nodes", "nodes", "", "s"),
+        Column("cells", "tetrahedra", "", "s"),
+        Column("jacobian", "smallest scaled Jacobian", "", ".2f"),
+        Column("iterations", "iterations", "", "s"),
+        Column("seconds", "processor time", "s", ".0f"),
+        Column("sum", "sum of loads", "N", ".1f"),
+        Column("weak", "weak spring of a ball", "% of mean", "g2"),
+        Column("loose", "unbalanced force of a ball", "% of mean", "g2"),
+        Column("large_change", "change by large displacements", "% of mean", ".3f"),
+    )
+    first = data.runs[0]
+    note = (
+        f"{first.program}, {first.date}; meshes by gmsh {data.gmsh} and rollbench {data.rollbench}. Processor time of one "
+        "thread. The weak spring keeps a ball from sliding along its track; it stands for no support."
+    )
+    return Table(f"crosscheck-runs-{data.scene}", f"{data.scene}: runs of CalculiX", heads, rows, note)
+
+
+def contact_tables(data: CrossData, ours: Reference, limit: Extrapolation) -> list[Table]:
+    """Every contact by both programs, CalculiX extrapolated; and on every mesh of either."""
+    rows = contact_rows(data, ours, limit)
+    heads = mesh_columns(data, ours)
+    ends, each = ([{c.key: r.cells()[c.key] for c in own} for r in rows] for own in (columns(), heads))
+    fixed = f" Not varied: {', '.join(limit.fixed)}." if limit.fixed else ""
+    note = (
+        f"{agreement(data.scene, rows)} Order {limit.order:.2f}, length {limit.length:.2f} short half axes, RMS misfit "
+        f"{limit.misfit:.2f} N; in CalculiX's finest run elements add up to {abs(limit.by_elements).max():.2f} N, the "
+        f"contact law up to {abs(limit.by_stiffness).max():.2f} N.{fixed}"
+    )
+    meshes = "CalculiX's columns are the runs of the most alike contact law."
+    return [
+        Table(f"crosscheck-{data.scene}", f"{data.scene}: contact loads, CalculiX extrapolated", columns(), ends, note),
+        Table(f"crosscheck-meshes-{data.scene}", f"{data.scene}: contact loads on every mesh", heads, each, meshes),
+    ]
+
+
+def section(study: Study, step: Callable[[str], None], folder: Path | None = None) -> Section:
+    """Section of the report; folder: of CalculiX's results (None: those of the package)."""
+    items: list[Text | Table] = [Text((ABOUT, EXTRAPOLATED))]
+    for name in STUDIES:
+        step(f"{name}: the 3D reference and CalculiX")
+        data, ours = load(folder or shipped(), name), study.reference(name)
+        if data is None or data.key != scene_key(name):
+            items.append(Text((f"{name}: no results of CalculiX are stored for the present scene.",)))
+            continue
+        if ours is None:
+            items.append(Text((f"{name}: no run of the 3D reference was found.",)))
+        else:
+            items += contact_tables(data, ours, extrapolate(data.runs))
+        items.append(run_table(data))
+    alone = load_nut(folder or shipped())
+    if alone is not None and alone.key == scene_key(alone.scene):
+        items.append(Text((NUT, alone.sentence())))
+    return Section("crosscheck", "The 3D reference checked by another program", tuple(items))

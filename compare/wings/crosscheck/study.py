@@ -1,0 +1,136 @@
+"""The decks by which CalculiX checks a scene, and its answers as records."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import tomllib
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from rollbench.comparison import __version__
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.wings.crosscheck.calculix import Outcome, digest, run_calculix
+from rollbench.comparison.wings.crosscheck.data import BodyMesh, CrossData, CrossRun
+from rollbench.comparison.wings.crosscheck.deck import DeckOptions, Made, build_deck
+from rollbench.meshes.deck import UNITS, write
+from rollbench.meshes.libraries import version
+from rollbench.meshes.parts import SIDES, Scene
+
+#: Unit of the decks.
+UNIT = "mm"
+
+
+def _choices(*rows: tuple[float, float, float], half: bool = False, alike: bool = False) -> list[DeckOptions]:
+    """Rows of elements across, growth and stiffness [N/mm3]."""
+    return [DeckOptions(b, g, 1e9 * k, half=half, alike=alike) for b, g, k in rows]
+
+
+#: Decks of every scene that is checked. Element size at the contacts and growth are varied one by one on coarse meshes, and
+#: refined together (b/h times growth 0.48) on halves and on balls of one mesh; contact stiffness, large displacements.
+STUDIES: dict[str, list[DeckOptions]] = {
+    "two-balls": [
+        *_choices(
+            (0.6, 0.8, 2e8),
+            (0.8, 0.6, 2e8),
+            (1.2, 0.4, 2e8),
+            (1.1, 0.6, 2e8),
+            (1.5, 0.6, 2e8),
+            (1.1, 0.8, 2e8),
+            (0.8, 0.4, 2e8),
+            (0.8, 0.6, 1e9),
+        ),
+        DeckOptions(0.6, 0.8, 2e17, nlgeom=True),
+        *_choices((0.6, 0.8, 2e8), (0.8, 0.6, 2e8), (1.2, 0.4, 2e8), (1.6, 0.3, 2e8), (1.92, 0.25, 2e8), half=True),
+    ],
+    "lin-case1-cut": [
+        *_choices((0.8, 0.8, 2e8), (1.1, 0.8, 2e8), (0.8, 0.6, 2e8), (1.1, 0.6, 2e8), (0.8, 0.8, 1e9)),
+        *_choices((1.2, 0.4, 2e8), alike=True),
+    ],
+}
+
+
+def label(options: DeckOptions) -> str:
+    """Name of a deck's folder."""
+    tail = "-nlgeom" * options.nlgeom + "-half" * options.half + "-alike" * options.alike
+    return f"bh{options.b_over_h:g}-g{options.growth:g}-k{1e-9 * options.stiffness:g}{tail}"
+
+
+def scene_key(name: str) -> str:
+    """Digest of what a shipped scene says, its remarks left out: results of another state of it do not count."""
+    said = {k: v for k, v in tomllib.loads(catalogue.scene_text(name)).items() if k not in ("source", "assumed")}
+    return hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def checked_scene(name: str) -> Scene:
+    """One of the shipped scenes that are checked. Raises InputError for others."""
+    if name not in STUDIES:
+        raise InputError("command line", "scene", name, ", ".join(STUDIES), "choose one of these")
+    return catalogue.scene(name)
+
+
+def run_study(scene: Scene, work: Path, step: Callable[[str], None], stored: Sequence[CrossRun] = ()) -> CrossData:
+    """Solve all decks of a scene with CalculiX, one after the other, in folders of their own below ``work``.
+
+    A deck whose result is there or among the ``stored`` runs is not solved again: decks count as equal by their digests.
+    Raises InputError where CalculiX is missing or fails.
+    """
+    runs, known = [], {r.deck: r for r in stored}
+    for options in STUDIES[scene.name]:
+        made = build_deck(scene, options)
+        text = write(made.deck, UNIT)
+        if digest(text) in known:
+            runs.append(known[digest(text)])
+            step(f"{label(options)}: stored")
+            continue
+        try:
+            outcome = run_calculix(text, work / scene.name / label(options))
+            runs.append(record(made, options, digest(text), outcome))
+        except ValueError as error:
+            raise InputError(
+                scene.name, label(options), str(error), "a deck that CalculiX solves", "see its folder"
+            ) from None
+        step(f"{label(options)}: {made.deck.node_count} nodes, {outcome.iterations} iterations, {outcome.seconds:.0f} s")
+    return CrossData(scene.name, scene_key(scene.name), __version__, version("gmsh") or "", tuple(runs))
+
+
+def record(made: Made, options: DeckOptions, deck: str, outcome: Outcome) -> CrossRun:
+    """A run as it is stored. Raises ValueError where a contact is missing."""
+    both = np.array([2.0, 0.0, 2.0]) if options.half else np.ones(3)  # with its mirror image
+    forces = {c.slave: both * c.force for c in outcome.contacts}
+    count = len(made.expected)
+    load, resultant = np.zeros((count, len(SIDES))), np.zeros((count, 3))
+    for contact in made.deck.contacts:
+        if contact.slave not in forces:
+            raise ValueError(f"CalculiX printed no force of {contact.slave}")
+        ball, side = contact.slave.removeprefix("BALL").split("_")
+        load[int(ball) - 1, SIDES.index(side)] = np.linalg.norm(forces[contact.slave])
+        resultant[int(ball) - 1] += forces[contact.slave]
+    spring = options.spring * UNITS[UNIT].length
+    held = np.zeros((count, 3))
+    for i in range(count):
+        held[i] = both * spring * np.sum(list(outcome.moved[f"BALL{i + 1}_WEAK"].values()), axis=0)
+    loose = np.linalg.norm(resultant - held, axis=1)  # what is printed acts on the slave, the ball
+    return CrossRun(
+        options.b_over_h,
+        options.growth,
+        options.stiffness,
+        options.spring,
+        options.nlgeom,
+        made.fine,
+        deck,
+        tuple(BodyMesh(b.name, len(b.points), len(b.cells), made.quality[b.name]) for b in made.deck.bodies),
+        load,
+        float(np.linalg.norm(held, axis=1).max()),
+        float(loose.max()),
+        outcome.iterations,
+        outcome.correction,
+        outcome.seconds,
+        outcome.date,
+        f"CalculiX {outcome.version}",
+        options.half,
+        options.alike,
+    )

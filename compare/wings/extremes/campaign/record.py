@@ -1,0 +1,99 @@
+"""Counts of a campaign as a record: run, printed, kept in a file, read again for the report."""
+
+from __future__ import annotations
+
+import datetime
+import json
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from rollbench.comparison import __version__
+from rollbench.comparison.errors import one_line
+from rollbench.comparison.wings.extremes.campaign import files, scenes
+from rollbench.comparison.wings.extremes.campaign.commanded import Command
+from rollbench.comparison.wings.extremes.campaign.part import Part
+
+Record = dict[str, Any]
+
+
+def run_campaign(
+    seed: int,
+    count: int,
+    model: str,
+    mutated: int,
+    kills: int,
+    progress: Callable[[int, int, str], None] | None = None,
+    part: Part | None = None,
+    command: Command | None = None,
+) -> Record:
+    """A campaign of ``count`` scenes, ``mutated`` scene files and half as many stored ones, and ``kills``.
+
+    JSON-ready: command, day, counts by verdict, all bad outcomes, seconds of the scenes (median and largest). part: what an
+    interrupted one has left, and where this one leaves its outcomes; command: the command line, through which every scene
+    goes too, as text and as JSON.
+    """
+    known, keep = (None, None) if part is None else (part.outcomes, part.add)
+    outcomes = scenes.judge_scenes(seed, count, model, progress, known, keep, command)
+    broken = [*files.scenes(seed, mutated), *files.stored(seed, mutated // 2), *files.kills(seed, kills)]
+    seconds = sorted(o.seconds for o in outcomes)
+    extra = f" --files {mutated}" * bool(mutated) + f" --kills {kills}" * bool(kills)
+    bad = [
+        {"scene": o.number, "verdict": o.verdict, "words": one_line(o.words, 400)}
+        for o in outcomes
+        if o.verdict in scenes.BAD
+    ]
+    bad += [{"file": o.kind, "verdict": o.verdict, "words": one_line(o.words, 400)} for o in broken if not o.good]
+    return {
+        "command": f"rollbench stability --random {count} --seed {seed} --model {model}{extra}",
+        "version": __version__,
+        "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"),
+        "seed": seed,
+        "model": model,
+        "scenes": scenes.tally(outcomes),
+        "files": files.tally(broken),
+        "seconds": {"median": seconds[len(seconds) // 2], "largest": seconds[-1]},
+        "bad": bad,
+    }
+
+
+def lines(found: Record) -> list[str]:
+    """The record in words."""
+    out = [found["command"]]
+    out += [f"scenes {verdict}: {count}" for verdict, count in found["scenes"].items()]
+    out += [f"{kind} {verdict}: {count}" for kind, row in found["files"].items() for verdict, count in row.items()]
+    return out + [f"BAD: {bad}" for bad in found["bad"]]
+
+
+def text(found: Record, path: Path) -> str:
+    """Text of a file of records, one for each command, with this one added to what ``path`` holds."""
+    others = [r for r in read(path) if r["command"] != found["command"]]
+    return json.dumps([*others, found], indent=1, ensure_ascii=False) + "\n"
+
+
+def read(path: Path) -> list[Record]:
+    """Records of a file; none where there is none, or it holds something else."""
+    try:
+        records = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return []
+    good = isinstance(records, list) and all(
+        isinstance(r, dict) and {"command", "scenes", "files", "bad"} <= set(r) for r in records
+    )
+    return records if good else []
+
+
+def shipped() -> list[Record]:
+    """Records that come with the package."""
+    return read(Path(__file__).with_name("campaign.json"))
+
+
+def rows(records: Sequence[Record]) -> list[dict[str, Any]]:
+    """Rows of the report's table: what was run, with how many, and what came of it."""
+    out = []
+    for r in records:
+        for verdict, count in r["scenes"].items():
+            out.append({"command": r["command"], "what": "scenes", "outcome": verdict, "count": count})
+        for kind, row in r["files"].items():
+            out += [{"command": r["command"], "what": kind, "outcome": v, "count": n} for v, n in row.items()]
+    return out

@@ -1,0 +1,131 @@
+"""The command ``rollbench stability``."""
+
+from __future__ import annotations
+
+import io
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import redirect_stdout
+from dataclasses import asdict
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rollbench.comparison.commands.printing import Answer
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.wings.extremes.rows import tally, wide_rows
+from rollbench.comparison.wings.extremes.static import FORMULATIONS, Attempt, failures, table
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+
+def run_stability(*, as_json: bool) -> Answer:
+    """Run the table; as_json: progress on a terminal only. Exit code 1 where our solver fails on any case, else 0."""
+
+    def progress(done: int, total: int, case: str) -> None:
+        if sys.stderr.isatty() or not as_json:
+            line = f"[{done}/{total}] {case}"
+            sys.stderr.write(f"\r\033[K{line}" if sys.stderr.isatty() else f"{line}\n")
+
+    rows = table(progress)
+    if sys.stderr.isatty():
+        sys.stderr.write("\r\033[K")
+    bad = failures(rows)
+    data = {"failures": len(bad), "rows": [asdict(r) for r in rows]}
+    return Answer(data, _parts(rows, bad), 1 if bad else 0)
+
+
+def _parts(rows: Sequence[Attempt], bad: Sequence[Attempt]) -> Iterator[RenderableType]:
+    from rich.table import Table as Terminal
+
+    out = Terminal(title="stability: cases by formulations", title_justify="left")
+    for heading in ("case", *FORMULATIONS, "residual"):
+        out.add_column(heading, justify="right" if heading == "residual" else "left")
+    for line in wide_rows(rows):
+        residual = line["residual"]
+        out.add_row(
+            str(line["case"]), *(str(line[f]) for f in FORMULATIONS), "–" if residual is None else f"{residual:.1e}"
+        )
+    yield out
+    for name, (solved, tried, total) in tally(rows).items():
+        yield f"{name}: {solved} of {tried} tried ({total} cases)"
+    for row in bad:
+        yield f"FAILED: {row.case}: {row.status}; expected: {row.expected}"
+
+
+def captured(run: Callable[[list[str]], Any], tokens: list[str]) -> tuple[int, str]:
+    """Exit code of a command and what it prints on standard output; 2 and its line where it refuses its input."""
+    out = io.StringIO()
+    try:
+        with redirect_stdout(out):
+            code = int(run(tokens))
+    except InputError as error:
+        return 2, str(error)
+    return code, out.getvalue()
+
+
+def run_campaign(
+    count: int, seed: int, model: str, files: int, kills: int, keep: Path | None, run: Callable[[list[str]], Any]
+) -> Answer:
+    """Run a campaign: its counts and every bad outcome; exit code 1 where there is any. With ``keep``, an interrupted
+    one goes on from the lines beside that file. run: runs a command of these tokens and returns its exit code.
+
+    Raises InputError for counts and seeds out of range, an unknown model, and a file that cannot be written.
+    """
+    from rollbench.comparison.models.registry import MODELS
+    from rollbench.comparison.wings.extremes.campaign import record
+    from rollbench.comparison.wings.extremes.campaign.part import Part
+    from rollbench.comparison.writing import need_writable, replace_file
+
+    whole = (("--random", count, 1, 1_000_000), ("--seed", seed, 0, 2**31), ("--files", files, 0, 100_000))
+    for name, value, low, high in (*whole, ("--kills", kills, 0, 10_000)):
+        if not low <= value <= high:
+            raise InputError("command line", name, str(value), f"{low} to {high}", "choose a number in that range")
+    if model not in MODELS or model == "condensed":
+        names = ", ".join(name for name in MODELS if name != "condensed")
+        raise InputError("command line", "--model", model, names, "see: rollbench list")
+    if keep is not None:
+        need_writable(keep)
+
+    def progress(done: int, total: int, text: str) -> None:
+        if sys.stderr.isatty():
+            sys.stderr.write(f"\r\033[K[{done}/{total}] {text}")
+
+    part = None if keep is None else Part(keep.with_name(f"{keep.name}.{model}-{seed}.part"), seed, model)
+    if part is not None and part.outcomes:
+        sys.stderr.write(f"{len(part.outcomes)} scenes of an interrupted campaign are known\n")
+    found = record.run_campaign(seed, count, model, files, kills, progress, part, partial(captured, run))
+    if sys.stderr.isatty():
+        sys.stderr.write("\r\033[K")
+    if keep is not None:
+        replace_file(keep, record.text(found, keep))
+    if part is not None:
+        part.path.unlink(missing_ok=True)
+    return Answer(found, record.lines(found), 1 if found["bad"] else 0)
+
+
+def run_drawn(count: int, folder: Path, workers: int, keep: Path | None) -> Answer:
+    """Run the survey of drawn screws: its errors and every scene without an answer; exit code 1 where there is any, else 0.
+
+    Raises InputError for counts out of range, a folder that is no survey's, and a file that cannot be written.
+    """
+    from rollbench.comparison.commands.printing import on_terminal
+    from rollbench.comparison.commands.wrapping import aligned
+    from rollbench.comparison.wings.extremes.survey import run
+    from rollbench.comparison.wings.extremes.survey.draw import SCENES, SEED
+    from rollbench.comparison.writing import need_writable, replace_file
+
+    if not 1 <= count <= SCENES:
+        raise InputError("command line", "--survey", str(count), f"1 to {SCENES}", "choose a number in that range")
+    if keep is not None:
+        need_writable(keep)
+    records = run.run_survey(SEED, count, folder, workers, on_terminal, keep)
+    bad = run.unanswered(records)
+    if keep is not None:
+        replace_file(keep, run.text(SEED, records))
+    found = run.summary(records)
+    parts: list[Any] = [aligned(found)] if found else []
+    parts.append(f"{len(records) - len(bad)} of {len(records)} scenes have an answer")
+    parts += [f"scene {r['number']}: {r['status']}" for r in bad]
+    return Answer({"scenes": records, "without_answer": len(bad)}, parts, 1 if bad else 0)

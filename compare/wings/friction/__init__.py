@@ -1,0 +1,1 @@
+"""Friction and ball motion of whole screws and bearings, and the scenes that only friction solves."""

@@ -1,0 +1,121 @@
+"""An answer of ``rollbench friction``: JSON-ready values, tables and lines, and how they look on the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rollbench.comparison.commands.printing import Column, cell
+from rollbench.comparison.commands.solving.solve_output import number
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.wings.friction.left_out import left_out_of_kind
+from rollbench.lowfi.warned import above
+from rollbench.meshes.arrays import Array
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+    from rollbench.comparison.wings.friction.kinds.common import KindScene
+
+#: Dissipation over that of full sliding below which it is an artefact of regularisation and round-off.
+NOTHING = 1e-6
+#: Share of a loss by which two computations of it differ without a cause.
+ROUND_OFF = 1e-9
+
+
+@dataclass(frozen=True)
+class FrictionAnswer:
+    """A solved scene: JSON-ready values, tables (title, headings, rows) and lines, whether everything converged; tables of
+    every ball of a whole screw, which are shown where asked for."""
+
+    data: dict[str, Any]
+    tables: Sequence[tuple[str, Sequence[Column], Sequence[dict[str, Any]]]]
+    lines: Sequence[str]
+    converged: bool
+    ball_tables: Sequence[tuple[str, Sequence[Column], Sequence[dict[str, Any]]]] = ()
+
+    @property
+    def warning(self) -> str:
+        """The line above the answers, or nothing."""
+        return above(self.data.get("warnings", ()))
+
+
+def head(scene: KindScene, status: str, converged: bool, coupling: str | None = None) -> dict[str, Any]:
+    """What every answer of a kind holds; coupling: of friction to loads, of a screw."""
+    named = {"scene": scene.name, "title": scene.title, "kind": scene.kind}
+    return named | {
+        "status": status,
+        "converged": converged,
+        "assumed": list(scene.assumed),
+        "left_out": left_out_of_kind(scene.kind, coupling),
+    }
+
+
+def by_side(sides: Sequence[str], values: Array) -> dict[str, Any]:
+    """Values (n,) by the names of their contacts."""
+    return {side: number(v) for side, v in zip(sides, values, strict=True)}
+
+
+def load_row(sides: Sequence[str], force: Array, angle: Array) -> dict[str, Any]:
+    """Contact loads [N] and angles [rad], (n,), of a ball; no angle without load."""
+    loaded = np.where(force > 0.0, np.degrees(angle), np.nan)
+    return {"load_N": by_side(sides, force), "contact_angle_deg": by_side(sides, loaded)}
+
+
+def flat_ball(sides: Sequence[str], row: dict[str, Any]) -> dict[str, Any]:
+    """A ball's row for the terminal: loads and rotations each in a column of their own."""
+    flat = row | {f"{side} N": row["load_N"][side] for side in sides}
+    return flat | {f"omega {n}": w for n, w in zip("xyz", row["rotation_rad_s"], strict=True)}
+
+
+def energy(power: float, loss: float, bound: float) -> dict[str, Any]:
+    """Input power against dissipation [W]; no percentage where less than ``NOTHING`` of full sliding is lost."""
+    off = number(float(error_percent(power, loss))) if loss > NOTHING * bound else None
+    return {
+        "input_power_W": number(power),
+        "loss_W": number(loss),
+        "balance_W": number(power - loss),
+        "balance_percent": off,
+    }
+
+
+def increase(loss: float, apart: float, bound: float) -> float | None:
+    """Increase of losses by ball-to-ball contact [%], zero where it is round-off; None where the balls apart lose next to
+    nothing."""
+    if not apart > NOTHING * bound:
+        return None
+    return 0.0 if abs(loss - apart) <= ROUND_OFF * apart else number(float(error_percent(loss, apart)))
+
+
+def energy_line(values: dict[str, Any]) -> str:
+    """The energy balance in words."""
+    power, loss, off = (
+        cell(values[k], f) for k, f in (("input_power_W", ".6g"), ("loss_W", ".6g"), ("balance_percent", "+.1e"))
+    )
+    return f"energy: input power {power} W, dissipation {loss} W ({off} %)"
+
+
+def as_table(answer: FrictionAnswer, *, balls: bool = False) -> list[RenderableType]:
+    """The answer for the terminal: results in a few lines, tables, warnings, assumptions."""
+    from rich.table import Table
+
+    data = answer.data
+    drawn = "" if data.get("member") is None else f", member {data['member']} of its random errors"
+    parts: list[Any] = [f"{data['scene']}{drawn}, {data['kind']}: {data['status']}", data["title"]]
+    parts += [*filter(None, [answer.warning]), *answer.lines]
+    for title, columns, rows in [*answer.tables, *(answer.ball_tables if balls else ())]:
+        table = Table(title=title, title_justify="left")
+        for _, heading, _ in columns:
+            table.add_column(heading, justify="right")
+        for row in rows:
+            table.add_row(*(cell(row[name], form) for name, _, form in columns))
+        parts += ["", table]
+    parts += [""] if answer.tables else []
+    if answer.ball_tables and not balls:
+        parts.append("motion, loads and losses of every ball: --balls")
+    for heading, key in (("warning", "warnings"), ("assumed", "assumed"), ("left out", "left_out")):
+        parts += [f"{heading}: {line}" for line in data.get(key, ()) if getattr(line, "brief", "") != line]
+    return parts

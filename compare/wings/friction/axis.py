@@ -1,0 +1,200 @@
+"""``rollbench friction`` of a shaft with several rolling sets: the friction of each, and the torque of the shaft."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from rollbench.comparison.commands.printing import Column
+from rollbench.comparison.commands.solving.solve_output import number
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.models.axis_answers import gather
+from rollbench.comparison.models.outside import with_answers
+from rollbench.comparison.models.registry import run_model
+from rollbench.comparison.wings.friction.answer import NOTHING, FrictionAnswer
+from rollbench.comparison.wings.friction.output import (
+    BALL_COLUMNS,
+    ball_rows,
+    flat_rows,
+    left_out,
+    loss_rows,
+    static_only,
+    sums,
+    warnings_of,
+)
+from rollbench.comparison.wings.friction.whole import (
+    COMPILING,
+    NO_SPEED,
+    ONE_TURN,
+    Choices,
+    coefficients,
+    settled,
+    status_of,
+)
+from rollbench.lowfi.friction.whole.state import FrictionState, friction_state, will_compile
+from rollbench.lowfi.jit import cached
+from rollbench.lowfi.statics.result import AxisResult, SetResult
+from rollbench.lowfi.warned import Warned
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import Friction, Motion, Scene
+
+#: What the friction of a shaft does not hold besides that of its sets.
+ROLLERS = "friction of tapered rollers: races, ribs and cage (Smith 3.29 needs the maker's factor)"
+SET_COLUMNS: tuple[Column, ...] = (
+    ("set", "set", "s"),
+    ("name", "name", "s"),
+    ("friction_torque_Nmm", "friction torque N mm", ".5g"),
+    ("drag_torque_Nmm", "drag torque N mm", ".5g"),
+    ("axial_load_N", "axial load N", ".5g"),
+    ("driving_torque_on_screw_Nmm", "torque on the shaft N mm", ".5g"),
+    ("loss_W", "loss W", ".5g"),
+)
+Solved = list[tuple[int, SetResult, FrictionState]]
+
+
+def solve_axis(assembly: Assembly, choices: Choices) -> FrictionAnswer:
+    """Loads by the chosen model, then friction of every set of balls. Raises InputError for choices that do not fit."""
+    if choices.condensed is not None or choices.member or len(choices.mu) > 1:
+        given = "--condensed, --member, or several --mu"
+        raise InputError("command line", given, f"with {assembly.name}", "one set on the shaft", "leave them out")
+    friction = _coefficient(assembly, choices.mu)
+    motion = assembly.motion or Motion(ONE_TURN)
+    if motion.turns != "screw":
+        raise InputError(
+            assembly.name, "motion.turns", '"nut"', '"screw"', "several outer parts stand while the shaft turns"
+        )
+    result = run_model(assembly, choices.model)
+    head = {"scene": assembly.name, "title": assembly.title, "kind": assembly.kind, "model": result.model}
+    if not result.converged:
+        said = {"assumed": list(assembly.assumed), "left_out": [], "warnings": []}
+        return FrictionAnswer(
+            head | {"status": f"contact loads: {result.status}", "converged": False} | said, [], [], False
+        )
+    result = with_answers(assembly, result, gather(assembly, result))
+    solved = _states(result, friction, motion)
+    drag = _drag(assembly, result.model, friction, motion)
+    return _answer(head, assembly, result, (friction, motion, solved, drag))
+
+
+def _coefficient(assembly: Assembly, mu: Sequence[float]) -> Friction:
+    """The coefficient of the command line, or the scene's."""
+    first = next((s.parts for s in assembly.sets if isinstance(s.parts, Scene)), None)
+    if first is None:
+        advice = "give the shaft a set of balls: rollers have none"
+        raise InputError(assembly.name, "sets", "rollers only", "a set of balls", advice)
+    return coefficients(replace(first, name=assembly.name, friction=assembly.friction), mu)[0]
+
+
+def _states(result: AxisResult, friction: Friction, motion: Motion) -> Solved:
+    """Friction of every set of balls, with its number."""
+    out: Solved = []
+    for i, s in enumerate(result.sets):
+        if s.balls is None or not isinstance(s.of.parts, Scene):
+            continue
+        if will_compile(s.of.parts, friction) and not cached():
+            sys.stderr.write(COMPILING)
+        out.append((i, s, friction_state(s.of.parts, s.balls, friction, motion)))
+    return out
+
+
+def _drag(assembly: Assembly, model: str, friction: Friction, motion: Motion) -> dict[int, float]:
+    """Friction torque [N m] of each set without the loads on shaft and housings, where it is known."""
+    idle = tuple(replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in assembly.housings)
+    result = run_model(replace(assembly, loads=(), housings=idle), model)
+    if not result.converged:
+        return {}
+    return {i: state.torque.friction for i, _, state in _states(result, friction, motion) if settled(state)}
+
+
+def _set_row(i: int, s: SetResult, state: FrictionState, drag: float | None) -> dict[str, Any]:
+    return {"set": i + 1, "name": s.of.name} | sums(state, drag) | {"loss_W": number(state.torque.power)}
+
+
+def _answer(
+    head: dict[str, str], assembly: Assembly, result: AxisResult, found: tuple[Friction, Motion, Solved, dict[int, float]]
+) -> FrictionAnswer:
+    friction, motion, solved, drag = found
+    rows = [_set_row(i, s, state, drag.get(i)) for i, s, state in solved]
+    balls = [{"set": i + 1} | row for i, s, state in solved if s.balls for row in ball_rows(s.balls, state)]
+    losses = [{"set": i + 1} | row for i, _, state in solved for row in loss_rows(state)]
+    good = all(settled(state) for _, _, state in solved)
+    failed = next((x for x in solved if not settled(x[2])), None)
+    torque, power = _sum(solved, drag), _energy(solved)
+    without = any(s.balls is None for s in result.sets)
+    warnings = static_only(result.warnings)
+    for _, s, state in solved:
+        if isinstance(s.of.parts, Scene):
+            own = warnings_of(s.of.parts, friction, state, ())
+            warnings += [w.of(s.of.name) if isinstance(w, Warned) else f"{s.of.name}: {w}" for w in own]
+    data = head | {
+        "status": "converged" if failed is None else f"{failed[1].of.name}: {status_of(failed[2])}",
+        "converged": good,
+        "law": "coulomb",
+        "friction": {"screw": friction.screw, "nut": friction.nut},
+        "motion": {"turns": motion.turns, "speed_rad_s": number(motion.speed)},
+        "sets": rows,
+        "balls": balls,
+        "torque": torque,
+        "losses": {"total_W": number(sum(x.torque.power for _, _, x in solved)), "by_contact_W": losses},
+        "energy": power,
+        "assumed": [
+            *friction.assumed,
+            *(() if assembly.motion else (NO_SPEED,)),
+            *assembly.assumed,
+            *(f"contact loads: {x}" for x in result.assumed if x not in assembly.assumed),
+        ],
+        "left_out": [*left_out(friction), *((ROLLERS,) if without else ())],
+        "warnings": warnings,
+    }
+    flat = [{"set": b["set"]} | f for b, f in zip(balls, flat_rows(balls), strict=True)]
+    every = [("per ball", (("set", "set", "s"), *BALL_COLUMNS), flat)]
+    lines = [
+        f"friction torque of all sets {torque['friction_torque_Nmm']:.6g} N mm; torque that drives the shaft "
+        f"{torque['driving_torque_on_screw_Nmm']:+.6g} N mm about +z at {motion.speed:.6g} rad/s",
+        _energy_line(power),
+    ]
+    return FrictionAnswer(data, [("sets", SET_COLUMNS, rows)], lines, good, every)
+
+
+def _energy(solved: Solved) -> dict[str, Any]:
+    """Powers [W] of all sets together: what the contacts take and lose, what the shaft's torque and the axial loads of the
+    sets put in; efficiency where one of these two drives the other."""
+    torques = [x.torque for _, _, x in solved]
+    turning = float(np.sum([t.on_screw * t.speed for t in torques]))
+    along = float(np.sum([t.load * t.ratio * t.speed for t in torques]))
+    taken, lost = (float(np.sum([getattr(t, name) for t in torques])) for name in ("input_power", "power"))
+    driving, driven = max(turning, along), min(turning, along)
+    return {
+        "input_power_W": number(taken),
+        "loss_W": number(lost),
+        "balance_W": number(taken - lost),
+        "axial_load_power_W": number(along),
+        "torque_power_W": number(turning),
+        "efficiency_percent": number(-100.0 * driven / driving) if driven < -NOTHING * driving else None,
+    }
+
+
+def _energy_line(values: dict[str, Any]) -> str:
+    """The powers in words."""
+    part = values["efficiency_percent"]
+    by = "the torque" if values["torque_power_W"] > values["axial_load_power_W"] else "the axial load"
+    taken = values["input_power_W"] if values["loss_W"] else 0.0  # else round-off
+    worth = "no power leaves the shaft" if part is None else f"{by} drives with an efficiency of {part:.2f} %"
+    return (
+        f"energy: contacts take {taken:.6g} W, lose {values['loss_W']:.6g} W, difference "
+        f"{values['balance_W']:.1e} W; {worth}"
+    )
+
+
+def _sum(solved: Solved, drag: dict[int, float]) -> dict[str, Any]:
+    """Torques [N mm] of all sets together."""
+    known = len(drag) == len(solved)
+    return {
+        "friction_torque_Nmm": number(1e3 * float(np.sum([x.torque.friction for _, _, x in solved]))),
+        "drag_torque_Nmm": number(1e3 * sum(drag.values())) if known else None,
+        "driving_torque_on_screw_Nmm": number(1e3 * float(np.sum([x.torque.on_screw for _, _, x in solved]))),
+    }

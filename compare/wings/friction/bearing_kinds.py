@@ -1,0 +1,278 @@
+"""Solves friction scenes of rotary bearings: one ball, and a four-point against a double-row bearing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from rollbench.comparison.commands.printing import cell
+from rollbench.comparison.commands.solving.solve_output import number
+from rollbench.comparison.wings.friction.answer import NOTHING, FrictionAnswer, by_side, energy, energy_line, head, load_row
+from rollbench.comparison.wings.friction.kinds.bearing_ball import BearingBallScene
+from rollbench.comparison.wings.friction.kinds.bearing_pair import BearingPairScene
+from rollbench.comparison.wings.friction.kinds.common import KindScene
+from rollbench.comparison.wings.friction.screw_kinds import screw_warnings, sliding
+from rollbench.lowfi.friction.bearing.module_load import ModuleLoad
+from rollbench.lowfi.friction.bearing.pairs import BearingCase, BearingState, free_motion, solve_bearing
+from rollbench.lowfi.friction.bearing.rotary import (
+    SIDES,
+    ball_contacts,
+    bearing_load,
+    inner_torque,
+    motion_problem,
+    source_law,
+)
+from rollbench.lowfi.friction.contact.ellipse import Contacts
+from rollbench.lowfi.friction.contact.laws import Regularised
+from rollbench.lowfi.friction.contact.motion import (
+    Motion,
+    Problem,
+    balance_by_root,
+    balance_by_sharpening,
+    least_dissipation,
+    without_friction,
+)
+from rollbench.lowfi.statics.validity import size_warnings
+from rollbench.meshes.arrays import Array
+
+
+def ball_motion(scene: BearingBallScene, problem: Problem) -> Motion:
+    """Motion under the scene's law: least dissipation for Coulomb, else a root of the balance begun there."""
+    first = least_dissipation(problem)
+    if scene.law == "coulomb":
+        return first
+    if scene.law == "regularised":
+        return balance_by_root(problem, Regularised(scene.creep), first.q)
+    law = source_law(scene.bearing, scene.sharpness, scene.map_step)
+    found = balance_by_root(problem, law, first.q)
+    return found if found.status == "exact" else balance_by_sharpening(problem, law, first.q)
+
+
+def ball_status(loaded: bool, balanced: bool, motion: str) -> str:
+    """How the scene of one ball ended, in words."""
+    if not loaded:
+        return "no contact: nothing presses the ball"
+    if not balanced:
+        return "no balance of the loads found"
+    return "no balance of friction found" if motion == "failed" else "converged"
+
+
+def ball_row(load: ModuleLoad, at: Contacts, motion: Motion) -> dict[str, Any]:
+    """The ball; x of a contact lies across its groove, z along it. Loads and friction lie in planes of symmetry."""
+    orbit, omega_x, omega_y = motion.q
+    f = motion.friction
+    return (
+        {"index": 1}
+        | load_row(SIDES, load.force, load.angle)
+        | {
+            "semi_axis_across_um": by_side(SIDES, 1e6 * at.a),
+            "semi_axis_along_um": by_side(SIDES, 1e6 * at.b),
+            "orbit_rad_s": number(orbit),
+            "rotation_rad_s": [number(omega_x), number(omega_y), 0.0],
+            "sliding_mm_s": {s: [number(v) for v in 1e3 * row[:2]] for s, row in zip(SIDES, motion.motion, strict=True)},
+            "spin_rad_s": by_side(SIDES, motion.motion[:, 2]),
+            "friction_N": {s: [number(v) for v in row] for s, row in zip(SIDES, f.force, strict=True)},
+            "moment_Nmm": by_side(SIDES, 1e3 * f.moment),
+            "loss_mW": by_side(SIDES, 1e3 * f.loss),
+            "at_rest": {s: bool(r) for s, r in zip(SIDES, motion.rest, strict=True)},
+        }
+    )
+
+
+def contact_rows(ball: dict[str, Any]) -> list[dict[str, Any]]:
+    """The loaded contacts of a ball for the terminal."""
+    size = ("load_N", "contact_angle_deg", "semi_axis_across_um", "semi_axis_along_um")
+    rows = []
+    for side in (s for s in SIDES if ball["load_N"][s] > 0.0):
+        row = {name: ball[name][side] for name in (*size, "spin_rad_s", "moment_Nmm", "loss_mW", "at_rest")}
+        rows.append({"side": side, "slide": ball["sliding_mm_s"][side][1], "along": ball["friction_N"][side][1]} | row)
+    return rows
+
+
+CONTACT_COLUMNS = (
+    ("side", "contact", "s"),
+    ("load_N", "force N", ".4f"),
+    ("contact_angle_deg", "angle deg", ".4f"),
+    ("semi_axis_across_um", "a um", ".1f"),
+    ("semi_axis_along_um", "b um", ".1f"),
+    ("slide", "sliding mm/s", ".4f"),
+    ("spin_rad_s", "spin rad/s", ".4f"),
+    ("along", "friction N", ".5f"),
+    ("moment_Nmm", "moment N mm", ".5f"),
+    ("loss_mW", "loss mW", ".4f"),
+    ("at_rest", "at rest", "s"),
+)
+
+
+def solve_ball(scene: KindScene) -> FrictionAnswer:
+    """Loads, motion, losses and torque of one ball."""
+    assert isinstance(scene, BearingBallScene)
+    b = scene.bearing
+    load = bearing_load(b, scene.force, scene.displacement, scene.hertz)
+    rough = replace(b, mu=b.mu or 1.0)
+    at = ball_contacts(rough, load, scene.hertz)
+    motion = ball_motion(scene, motion_problem(rough, load, at))
+    if b.mu == 0.0:
+        motion = without_friction(motion)
+    held = load.force > 0.0
+    converged = bool(held.any()) and load.converged and motion.status != "failed"
+    ball, torque, speed = ball_row(load, at, motion), inner_torque(b, load, motion), b.speed
+    power = energy(torque * speed, motion.loss, float(at.strength.sum()) * abs(speed) * b.pitch_radius)
+    by_loss = number(1e3 * motion.loss / abs(speed)) if speed != 0.0 else None
+    data = head(scene, ball_status(bool(held.any()), load.converged, motion.status), converged) | {
+        "law": scene.law,
+        "hertz": "nominal" if scene.hertz == "right" else scene.hertz,
+        "coupled": False,
+        "balls": [ball],
+        "load_sum_N": number(load.force.sum()),
+        "torque": {"friction_torque_Nmm": by_loss, "driving_torque_on_screw_Nmm": number(1e3 * torque)},
+        "energy": power,
+        "solver": {
+            "load_imbalance_N": number(load.imbalance),
+            "friction_imbalance_N": number(motion.imbalance),
+            "load_steps": load.steps,
+            "motion_steps": motion.steps,
+            "motion": motion.status,
+        },
+        "warnings": size_warnings(at.a[held], b.ball_radius),
+    }
+    return FrictionAnswer(data, [("per contact", CONTACT_COLUMNS, contact_rows(ball))], ball_lines(data), converged)
+
+
+def ball_lines(data: dict[str, Any]) -> list[str]:
+    """The results of one ball in a few lines."""
+    (ball,), torque, solver = data["balls"], data["torque"], data["solver"]
+    by_loss = torque["friction_torque_Nmm"]
+    return [
+        f"sum of contact forces {data['load_sum_N']:.6g} N, torque that turns the inner ring "
+        f"{torque['driving_torque_on_screw_Nmm']:.6g} N mm"
+        + ("" if by_loss is None else f" (dissipation over speed: {by_loss:.6g} N mm)"),
+        "ball: orbit {:.6g} rad/s, omega_x {:.6g} rad/s, omega_y {:.6g} rad/s".format(
+            ball["orbit_rad_s"], *ball["rotation_rad_s"][:2]
+        ),
+        energy_line(data["energy"]),
+        f"solver: loads out of balance by {solver['load_imbalance_N']:.1e} N, friction by "
+        f"{solver['friction_imbalance_N']:.1e} N",
+        f"law {data['law']}, Hertz constants {data['hertz']}; loads do not depend on friction",
+    ]
+
+
+# --- bearings in pairs
+
+
+def bearing_states(case: BearingCase, angle: Array) -> list[BearingState]:
+    """States of a bearing at load angles (n,) [rad], each the start of the next."""
+    states: list[BearingState] = []
+    for a in angle:
+        states.append(solve_bearing(case, float(a), states[-1] if states else None))
+    return states
+
+
+def rubs(case: BearingCase, state: BearingState) -> bool:
+    """Whether friction spends more than round-off."""
+    return float(state.loss.sum()) > NOTHING * sliding(case.groove, state.load.force)
+
+
+def bearing_data(case: BearingCase, states: list[BearingState]) -> dict[str, Any]:
+    """A bearing's torques [N mm] over the angles and the largest over the smallest."""
+    torque = [1e3 * s.torque for s in states]
+    all_rub = all(rubs(case, s) for s in states)
+    return {
+        "friction_torque_Nmm": [number(t) for t in torque],
+        "balls_beyond_two_contacts": [int(np.sum(s.points > 2)) for s in states],
+        "largest_over_smallest": number(max(torque) / min(torque)) if all_rub else None,
+        "converged": [s.converged for s in states],
+    }
+
+
+def loose(scene: BearingPairScene) -> list[str]:
+    """Motions of an inner ring that the force drives and no contact resists, by bearing and load angle."""
+    out = []
+    for name, case in (("four-point", scene.four_point), ("double row", scene.double_row)):
+        for angle in scene.angle:
+            free = free_motion(case, float(angle))
+            if free:
+                where = f"load at {np.degrees(angle):.4g} deg"
+                out.append(f"{name} bearing, {where}: {free}: no contact resists it, and the force drives it")
+    return out
+
+
+def solve_bearings(scene: KindScene) -> FrictionAnswer:
+    """Friction torque of both bearings over the angle of the load; the energy is the mean over all states."""
+    assert isinstance(scene, BearingPairScene)
+    case, angle = scene.four_point, [number(a) for a in np.degrees(scene.angle)]
+    common = {
+        "law": "coulomb",
+        "hertz": "nominal" if case.groove.hertz == "right" else case.groove.hertz,
+        "coupled": False,
+        "force_N": number(case.force),
+        "tilt": case.tilt,
+        "load_angle_deg": angle,
+    }
+    mechanisms = loose(scene)
+    if mechanisms:
+        more = f" (and {len(mechanisms) - 1} more)" if len(mechanisms) > 1 else ""
+        status = f"no equilibrium: {mechanisms[0]}{more}"
+        return FrictionAnswer(head(scene, status, False) | common | {"warnings": []}, [], [], False)
+    return _bearing_answer(scene, common)
+
+
+def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> FrictionAnswer:
+    cases = scene.four_point, scene.double_row
+    both = [bearing_states(case, scene.angle) for case in cases]
+    four, double = (bearing_data(case, states) for case, states in zip(cases, both, strict=True))
+    good = [f and d for f, d in zip(four["converged"], double["converged"], strict=True)]
+    status = "converged" if all(good) else f"{good.count(False)} of {len(good)} load angles did not converge"
+    ratios = [number(f.torque / d.torque) if rubs(cases[1], d) else None for f, d in zip(*both, strict=True)]
+    states = [(c, s) for c, one in zip(cases, both, strict=True) for s in one]
+    power, loss, bound = (
+        float(np.mean(v))
+        for v in (
+            [s.input_power for _, s in states],
+            [s.loss.sum() for _, s in states],
+            [sliding(c.groove, s.load.force) for c, s in states],
+        )
+    )
+    spent = energy(power, loss, bound)
+    large = [
+        f"{name}: {w}"
+        for name, c, one in zip(("four-point", "double row"), cases, both, strict=True)
+        for w in screw_warnings(c.groove, np.stack([s.load.force for s in one]))
+    ]
+    solver = {"load_imbalance_N": number(max(s.load.left for _, s in states))}
+    data = head(scene, status, all(good)) | common | {"four_point": four, "double_row": double}
+    data |= {"four_over_double": ratios, "energy": spent, "solver": solver, "warnings": large}
+    columns = zip(
+        common["load_angle_deg"],
+        four["friction_torque_Nmm"],
+        double["friction_torque_Nmm"],
+        ratios,
+        four["balls_beyond_two_contacts"],
+        good,
+        strict=True,
+    )
+    rows = [dict(zip((name for name, _, _ in BEARING_COLUMNS), row, strict=True)) for row in columns]
+    return FrictionAnswer(data, [("over the load's angle", BEARING_COLUMNS, rows)], bearing_lines(data), all(good))
+
+
+def bearing_lines(data: dict[str, Any]) -> list[str]:
+    """The results of both bearings in a few lines."""
+    four, double = (cell(data[name]["largest_over_smallest"], ".5g") for name in ("four_point", "double_row"))
+    return [
+        f"largest over smallest torque: four-point {four}, double row {double}",
+        f"mean {energy_line(data['energy'])}",
+        f"solver: loads out of balance by {data['solver']['load_imbalance_N']:.1e} N",
+        f"law coulomb, Hertz constants {data['hertz']}, inner ring {'free to tilt' if data['tilt'] else 'held upright'}",
+    ]
+
+
+BEARING_COLUMNS = (
+    ("angle", "load angle deg", ".4g"),
+    ("four", "four-point N mm", ".5g"),
+    ("double", "double row N mm", ".5g"),
+    ("over", "four-point over double row", ".4g"),
+    ("beyond", "balls of the four-point beyond two contacts", "d"),
+    ("converged", "converged", "s"),
+)

@@ -1,0 +1,23 @@
+"""Which function solves a friction scene of which kind."""
+
+from __future__ import annotations
+
+from rollbench.comparison.wings.friction.answer import FrictionAnswer
+from rollbench.comparison.wings.friction.bearing_kinds import solve_ball, solve_bearings
+from rollbench.comparison.wings.friction.kinds.common import KindScene
+from rollbench.comparison.wings.friction.linear_kinds import solve_linear
+from rollbench.comparison.wings.friction.screw_kinds import solve_run, solve_screw_pair
+
+SOLVERS = {
+    "bearing ball": solve_ball,
+    "bearing pair": solve_bearings,
+    "linear pair": solve_linear,
+    "linear chain": solve_linear,
+    "screw pair": solve_screw_pair,
+    "screw run": solve_run,
+}
+
+
+def solve_kind(scene: KindScene) -> FrictionAnswer:
+    """Solve a scene of a kind that only friction solves."""
+    return SOLVERS[scene.kind](scene)

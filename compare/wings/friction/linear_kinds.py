@@ -1,0 +1,179 @@
+"""Solves friction scenes of linear bearings: two or more balls, apart and in reach of each other."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rollbench.comparison.commands.printing import Column
+from rollbench.comparison.commands.solving.solve_output import number
+from rollbench.comparison.errors import Refusal
+from rollbench.comparison.wings.friction.answer import (
+    NOTHING,
+    FrictionAnswer,
+    energy,
+    energy_line,
+    flat_ball,
+    head,
+    increase,
+    load_row,
+)
+from rollbench.comparison.wings.friction.kinds.common import KindScene
+from rollbench.comparison.wings.friction.kinds.linear import LinearScene
+from rollbench.lowfi.friction.linear.bearing import CONTACTS, directions
+from rollbench.lowfi.friction.linear.chain import ANOTHER, ChainResult, prepare, second_state, solve_linear_chain
+from rollbench.lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads
+from rollbench.lowfi.statics.validity import size_warnings
+from rollbench.meshes.arrays import Array
+
+#: Force out of balance over the largest up to which loads count as solved.
+BALANCED = 1e-8
+#: Balls from which loading the compiled kernels pays.
+LONG = 60
+
+
+def linear_loads(scene: LinearScene) -> tuple[Array, Array, float]:
+    """Contact angles (N, 4) [rad] and loads (N, 4) [N], and the largest force out of balance over the vertical one.
+
+    Loads equal on each diagonal are an approximation of the source: their imbalance is reported, not judged.
+    """
+    if scene.distribution == "elastic":
+        try:
+            force, angles = elastic_loads(scene.bearing, scene.angles, scene.vertical, scene.side)
+        except ArithmeticError as error:
+            advice = 'loads whose balance exists, or distribution = "balanced"'
+            raise Refusal(scene.name, "load", str(error), advice) from error
+    elif scene.distribution == "balanced":
+        angles, force = scene.angles, balanced_loads(scene.angles, scene.vertical, scene.side)
+    else:
+        rows = diagonal_loads(scene.vertical, scene.side, scene.bearing.contact_angle)
+        angles, force = scene.angles, rows
+    pushes = force[..., None] * directions(angles)
+    carriage = scene.vertical * np.stack([scene.side, -np.ones_like(scene.side)], axis=-1)
+    left = np.stack([pushes.sum(axis=1), pushes[:, 2:].sum(axis=1) + carriage])
+    return angles, force, float(np.abs(left).max()) / scene.vertical
+
+
+def ball_rows(
+    scene: LinearScene, angles: Array, force: Array, apart: ChainResult, near: ChainResult
+) -> list[dict[str, Any]]:
+    """One row per ball; the motion is that of balls in reach of each other, but for what is called apart."""
+    rows = []
+    for k in range(force.shape[0]):
+        row: dict[str, Any] = {"index": k + 1, "side_force_ratio": number(scene.side[k])}
+        row |= load_row(CONTACTS, force[k], angles[k])
+        for name, r in (("apart", apart), ("touching", near)):
+            row[f"velocity_{name}_mm_s"] = number(1e3 * r.velocity[k])
+            moving = scene.bearing.speed != 0.0
+            row[f"deviation_{name}_percent"] = number(100.0 * r.deviation[k]) if moving else None
+        row["rotation_rad_s"] = [*(number(w) for w in near.rotation[k]), 0.0]
+        row["groove_loss_mW"] = number(1e3 * near.groove_loss[k].sum())
+        rows.append(row)
+    return rows
+
+
+def pair_rows(scene: LinearScene, near: ChainResult) -> list[dict[str, Any]]:
+    """One row per pair of neighbours."""
+    return [
+        {
+            "balls": f"{k + 1}-{k + 2}",
+            "gap_um": number(1e6 * gap),
+            "force_N": number(near.ball_force[k]),
+            "loss_mW": number(1e3 * near.ball_loss[k]),
+        }
+        for k, gap in enumerate(scene.gap)
+    ]
+
+
+def solve_linear(scene: KindScene) -> FrictionAnswer:
+    """Motion and forces of two or more balls, apart and in reach of each other."""
+    assert isinstance(scene, LinearScene)
+    angles, force, left = linear_loads(scene)
+    chains = [prepare(scene.bearing, angles, force, touching) for touching in (False, scene.gap <= 0.0)]
+    fast = force.shape[0] > LONG
+    apart, near = (solve_linear_chain(chain, fast=fast) for chain in chains)
+    second = second_state(chains[1], near, fast) if near.status == "converged" else None
+    loads_good = scene.distribution == "diagonal" or left <= BALANCED
+    converged = loads_good and all(r.status == "converged" for r in (apart, near))
+    balls, pairs = ball_rows(scene, angles, force, apart, near), pair_rows(scene, near)
+    bound = scene.bearing.mu * float(force.sum()) * abs(scene.bearing.speed)
+    spent, rise = energy(near.power, near.loss, bound), increase(near.loss, apart.loss, bound)
+    ball_loss = float(near.ball_loss.sum())
+    semi = np.asarray(scene.bearing.hertz().C_a * np.cbrt(force))
+    data = head(scene, near.status if loads_good else "no balance of the loads found", converged) | {
+        "law": "coulomb",
+        "distribution": scene.distribution,
+        "coupled": False,
+        "balls": balls,
+        "pairs": pairs,
+        "drive_N": number(near.drive),
+        "drive_apart_N": number(apart.drive),
+        "loss_apart_W": number(apart.loss),
+        "friction_increase_percent": rise,
+        "second_state": None if second is None else second_json(near, second),
+        "ball_to_ball_percent": number(100.0 * ball_loss / apart.loss) if apart.loss > NOTHING * bound else None,
+        "ball_to_ball_loss_W": number(ball_loss),
+        "energy": spent,
+        "solver": {
+            "load_imbalance": number(left),
+            "residual": number(near.residual),
+            "lag": number(near.lag),
+            "iterations": near.iterations,
+        },
+        "warnings": [*size_warnings(semi, scene.bearing.ball_radius), *jam_warnings(near, second)],
+    }
+    tables = [
+        ("per ball", BALL_COLUMNS, [flat_ball(CONTACTS, row) for row in balls]),
+        ("between balls", PAIR_COLUMNS, pairs),
+    ]
+    return FrictionAnswer(data, [t for t in tables if t[2]], linear_lines(data), converged)
+
+
+def second_json(near: ChainResult, second: ChainResult) -> dict[str, Any]:
+    """Another state of the chain: force on the carriage, and pairs that press otherwise, with their forces."""
+    apart = np.abs(second.ball_force - near.ball_force)
+    other = np.flatnonzero(apart > ANOTHER * apart.max())
+    pairs = [{"balls": f"{k + 1}-{k + 2}", "force_N": number(second.ball_force[k])} for k in other]
+    return {"drive_N": number(second.drive), "pairs": pairs}
+
+
+def jam_warnings(near: ChainResult, second: ChainResult | None) -> list[str]:
+    """What to say where balls may also stand in another, jammed state."""
+    if second is None:
+        return []
+    most, own = second.ball_force.max(), near.ball_force.max()
+    return [
+        f"friction between balls allows a second state: they press on each other by up to {most:.4g} N instead of "
+        f"{own:.4g} N, and the carriage needs {second.drive:.6g} N instead of {near.drive:.6g} N; how it got there decides"
+    ]
+
+
+def linear_lines(data: dict[str, Any]) -> list[str]:
+    """The results in a few lines."""
+    rise, solver = data["friction_increase_percent"], data["solver"]
+    return [
+        f"force on the carriage {data['drive_N']:.6g} N, {data['drive_apart_N']:.6g} N with the balls apart"
+        + ("" if rise is None else f": ball-to-ball contact changes it by {rise:+.4g} %"),
+        energy_line(data["energy"]),
+        f"solver: loads out of balance by {solver['load_imbalance']:.1e} of the vertical force, friction by "
+        f"{solver['residual']:.1e} of its bound",
+        f"law coulomb, loads {data['distribution']}; loads do not depend on friction",
+    ]
+
+
+BALL_COLUMNS: tuple[Column, ...] = (
+    ("index", "ball", "s"),
+    *((f"{c} N", f"{c} N", ".3f") for c in CONTACTS),
+    ("velocity_apart_mm_s", "v apart mm/s", ".5f"),
+    ("deviation_apart_percent", "epsilon apart %", ".4f"),
+    ("velocity_touching_mm_s", "v mm/s", ".5f"),
+    *((f"omega {n}", f"omega_{n} rad/s", ".4f") for n in "xy"),
+    ("groove_loss_mW", "groove loss mW", ".5f"),
+)
+PAIR_COLUMNS: tuple[Column, ...] = (
+    ("balls", "balls", "s"),
+    ("gap_um", "gap um", ".3f"),
+    ("force_N", "force N", ".4f"),
+    ("loss_mW", "loss mW", ".5f"),
+)

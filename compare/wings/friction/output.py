@@ -1,0 +1,290 @@
+"""Friction of a whole screw or bearing as rows and lines: JSON-ready values, columns and sentences for the terminal."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from rollbench.comparison.commands.printing import Column
+from rollbench.comparison.commands.solving.solve_output import number
+from rollbench.comparison.wings.friction.answer import increase
+from rollbench.comparison.wings.friction.left_out import BESIDES, WHOLE
+from rollbench.lowfi.friction.whole.feedback import JAMMED
+from rollbench.lowfi.friction.whole.heathcote import WIDE
+from rollbench.lowfi.friction.whole.losses import CAUSES
+from rollbench.lowfi.friction.whole.state import FrictionState
+from rollbench.lowfi.friction.whole.torque import ScrewTorque
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.statics.validity import contact_warnings
+from rollbench.lowfi.warned import Warned
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import SIDES, Friction, Motion, Scene
+
+
+def left_out(friction: Friction) -> list[str]:
+    """What the result for a scene's instant does not hold."""
+    return [*WHOLE, *BESIDES[friction.coupling]]
+
+
+def jam_words(state: FrictionState) -> str:
+    """What is known of second, jammed states of balls at a high coefficient of friction."""
+    start = "at this coefficient of friction a ball may have a second, jammed state"
+    if state.second is None:
+        along = "without lead friction runs along the grooves and moves no ball across them"
+        why = along if state.torque.ratio == 0.0 else 'it takes friction that moves balls in grooves, coupling = "ball"'
+        return f"{start}; none was searched for: {why}"
+    if not state.second:
+        return f"{start}; none was found from four displaced starts of every ball"
+    numbers = ", ".join(str(k + 1) for k in state.second[:8])
+    return f"{len(state.second)} balls have a second, jammed state: {numbers}; this is the one that rolls on"
+
+
+def slip_warnings(part: float) -> list[str]:
+    """What to say where Heathcote slip, left out, would add much to the losses."""
+    return [f"the contacts are so wide that {slip_words(part)}"] if part > WIDE else []
+
+
+def slip_words(part: float) -> str:
+    """What Heathcote slip, left out, would add to the losses."""
+    return f"their curvature (Heathcote slip, left out) would raise friction by {100.0 * part:.2g} %"
+
+
+def neighbour_data(state: FrictionState) -> dict[str, Any]:
+    """Forces between balls that touch, and what they do to the friction torque."""
+    n, t = state.neighbours, state.torque
+    if n is None:
+        return {}
+    return {
+        "pairs": n.touching,
+        "smallest_gap_um": number(1e6 * n.least),
+        "force_on_next_N": [number(f) for f in n.force],
+        "loss_W": number(n.power),
+        "friction_torque_change_percent": increase(t.power, state.bare.power, 0.0),
+    }
+
+
+def _sides(values: Array) -> dict[str, Any]:
+    return {side: number(v) for side, v in zip(SIDES, values, strict=True)}
+
+
+def _vectors(values: Array) -> dict[str, Any]:
+    return {side: [number(v) for v in row] for side, row in zip(SIDES, values, strict=True)}
+
+
+def ball_rows(result: StaticResult, state: FrictionState) -> list[dict[str, Any]]:
+    """One row per ball, named as in a static result; the x and z of a contact lie across and along its groove."""
+    at, f = state.at, state.balls
+    angle = np.degrees(np.where(at.force > 0.0, at.angle, np.nan))
+    return [
+        {
+            "index": i + 1,
+            "azimuth_deg": number(math.degrees(result.azimuth[i])),
+            "z_mm": number(1e3 * result.z[i]),
+            "load_N": _sides(at.force[i]),
+            "contact_angle_deg": _sides(angle[i]),
+            "orbit_rad_s": number(f.orbit[i]),
+            "rotation_rad_s": [number(w) for w in f.rotation[i]],
+            "closing_mm_s": number(1e3 * state.closing[i]),
+            "sliding_mm_s": _vectors(1e3 * f.motion[i, :, :2]),
+            "spin_rad_s": _sides(f.motion[i, :, 2]),
+            "friction_N": _vectors(f.force[i]),
+            "moment_Nmm": _sides(1e3 * f.moment[i]),
+            "loss_mW": _sides(1e3 * f.loss[i].sum(axis=1)),
+            "at_rest": {s: bool(r) for s, r in zip(SIDES, f.rest[i], strict=True)},
+            "status": f.status[i],
+        }
+        for i in range(at.force.shape[0])
+    ]
+
+
+def flat_rows(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The rows of the balls for the terminal."""
+    out = []
+    for row in rows:
+        flat = {k: row[k] for k in ("index", "azimuth_deg", "orbit_rad_s", "closing_mm_s")}
+        flat |= {f"omega {n}": w for n, w in zip("xyz", row["rotation_rad_s"], strict=True)}
+        for side in SIDES:
+            held = row["load_N"][side] > 0.0
+            flat |= {f"{side} N": row["load_N"][side] if held else None}
+            flat |= {f"{side} mW": row["loss_mW"][side] if held else None}
+        out.append(flat)
+    return out
+
+
+BALL_COLUMNS: tuple[Column, ...] = (
+    ("index", "ball", "s"),
+    ("azimuth_deg", "azimuth deg", ".2f"),
+    ("orbit_rad_s", "orbit rad/s", ".6g"),
+    *((f"omega {n}", f"omega_{n}", ".5g") for n in "xyz"),
+    ("closing_mm_s", "closing mm/s", ".3g"),
+    *((f"{s} N", f"{s} N", ".2f") for s in SIDES),
+    *((f"{s} mW", f"{s} mW", ".4g") for s in SIDES),
+)
+LOSS_COLUMNS: tuple[Column, ...] = (
+    ("contact", "contact", "s"),
+    ("loss_W", "loss W", ".5g"),
+    *((name, f"{name.replace('_', ' ')} W", ".4g") for name in CAUSES),
+)
+
+
+def loss_rows(state: FrictionState) -> list[dict[str, Any]]:
+    """Losses [W] of all balls by contact and cause, the sum last."""
+    table = state.balls.loss.sum(axis=0)
+    named = [*zip(SIDES, table, strict=True), ("sum", table.sum(axis=0))]
+    return [
+        {"contact": name, "loss_W": number(row.sum())} | {c: number(v) for c, v in zip(CAUSES, row, strict=True)}
+        for name, row in named
+    ]
+
+
+def _percent(part: float) -> float | None:
+    return number(100.0 * part)
+
+
+def sums(state: FrictionState, drag: float | None) -> dict[str, Any]:
+    """Torques [N mm] about +z, axial load, efficiencies; null where the scene has none."""
+    t = state.torque
+    screw, ideal = t.translating, t.ratio != 0.0
+    forward, backward = t.efficiency
+    return {
+        "friction_torque_Nmm": number(1e3 * t.friction),
+        "friction_torque_on_screw_Nmm": number(-math.copysign(1e3 * t.friction, t.speed)),
+        "friction_torque_on_nut_Nmm": number(math.copysign(1e3 * t.friction, t.speed)),
+        "drag_torque_Nmm": None if drag is None else number(1e3 * drag),
+        "axial_load_N": number(t.load) if screw or not ideal else 0.0,
+        "driving_torque_on_screw_Nmm": number(1e3 * t.on_screw),
+        "driving_torque_on_nut_Nmm": number(-1e3 * t.on_screw),
+        "load_moves": moves(t),
+        "forward_torque_Nmm": number(1e3 * t.forward) if screw else None,
+        "backward_torque_Nmm": number(1e3 * t.backward) if screw else None,
+        "efficiency_forward_percent": _percent(forward),
+        "efficiency_backward_percent": None if t.locking else _percent(backward),
+        "self_locking": t.locking if screw else None,
+    }
+
+
+def moves(torque: ScrewTorque) -> str | None:
+    """Whether the scene's motion goes against the axial load or with it."""
+    if not torque.translating:
+        return None
+    return "with the load" if torque.load * torque.ratio * torque.speed > 0.0 else "against the load"
+
+
+def mu_row(friction: Friction, state: FrictionState, drag: float | None) -> dict[str, Any]:
+    """The sums for one pair of coefficients."""
+    found = sums(state, drag)
+    names = (
+        "friction_torque_Nmm",
+        "drag_torque_Nmm",
+        "forward_torque_Nmm",
+        "backward_torque_Nmm",
+        "efficiency_forward_percent",
+        "efficiency_backward_percent",
+        "self_locking",
+    )
+    return {"screw": friction.screw, "nut": friction.nut} | {name: found[name] for name in names}
+
+
+def mu_columns(kind: str) -> tuple[Column, ...]:
+    """Columns over the coefficient of friction."""
+    first: tuple[Column, ...] = (
+        ("screw", "coefficient", ".4g"),
+        ("friction_torque_Nmm", "friction torque N mm", ".5g"),
+        ("drag_torque_Nmm", "drag torque N mm", ".5g"),
+    )
+    if kind == "bearing":
+        return first
+    return (
+        *first,
+        ("forward_torque_Nmm", "forward N mm", ".6g"),
+        ("backward_torque_Nmm", "backward N mm", ".6g"),
+        ("efficiency_forward_percent", "efficiency forward %", ".2f"),
+        ("efficiency_backward_percent", "backward %", ".2f"),
+        ("self_locking", "self-locking", "s"),
+    )
+
+
+def static_only(warnings: Sequence[str]) -> list[str]:
+    """Warnings without those of pressure and size, which are made anew: friction changes the loads."""
+    return [w for w in warnings if not (isinstance(w, Warned) and w.kind in ("pressure", "size"))]
+
+
+def warnings_of(scene: Scene, friction: Friction, state: FrictionState, static: Sequence[str]) -> list[str]:
+    """Where the result leaves the range in which it holds."""
+    at = state.at
+    loaded = at.force > 0.0
+    notes = static_only(static)
+    notes += contact_warnings(np.where(loaded, at.pressure, 0.0), np.where(loaded, at.a, 0.0), scene.balls.radius)
+    if max(friction.screw, friction.nut) >= JAMMED:
+        notes.append(jam_words(state))
+    two = (loaded.sum(axis=1) == 2) & (state.balls.power > 0.0)
+    if two.any() and state.torque.ratio != 0.0 and not state.coupled:
+        notes.append(
+            f"{int(two.sum())} balls touch two flanks only: friction pushes them across the groove, up to "
+            f"{state.torque.tilt:.2g} of their load, onto other contact angles or a third flank; without coupling the "
+            "friction torque may be too small by a factor of two or more"
+        )
+    unsure = state.balls.status.count("regularised")
+    if unsure:
+        notes.append(f"{unsure} balls have a contact on the verge of slip: their friction balances to 1e-6 only")
+    return notes
+
+
+def _torque_lines(t: ScrewTorque, drag: tuple[float | None, str]) -> list[str]:
+    inner = "inner ring" if t.ratio == 0.0 else "screw"
+    without = "unknown: " + drag[1] if drag[0] is None else f"{1e3 * drag[0]:.6g} N mm" + f" ({drag[1]})" * bool(drag[1])
+    outer = "outer ring" if t.ratio == 0.0 else "nut"
+    lines = [
+        f"friction torque {1e3 * t.friction:.6g} N mm against the turning of {inner} in {outer}; drag torque without loads "
+        f"{without}"
+    ]
+    if t.ratio == 0.0:
+        return lines
+    if not t.translating:
+        return [*lines, "no axial load: no efficiency"]
+    forward, backward = t.efficiency
+    lines.append(
+        f"axial load on the screw {t.load:.6g} N; torque against it {1e3 * t.forward:.6g} N mm "
+        f"(efficiency {100.0 * forward:.2f} %)"
+    )
+    if t.locking:
+        lines.append(f"self-locking: the load alone cannot drive it, {-1e3 * t.backward:.6g} N mm more are needed")
+    else:
+        held = f"{1e3 * t.backward:.6g} N mm (efficiency {100.0 * backward:.2f} %)"
+        lines.append(f"torque that holds it back where the load drives {held}")
+    return lines
+
+
+def lines_of(motion: Motion, state: FrictionState, drag: tuple[float | None, str]) -> list[str]:
+    """The results in a few lines."""
+    t = state.torque
+    inner = "inner ring" if t.ratio == 0.0 else "screw"
+    part = inner if motion.turns == "screw" else "outer ring" if t.ratio == 0.0 else "nut"
+    lines = _torque_lines(t, drag)
+    moving = f" and moves {moves(t)}" if t.translating else ""
+    lines.append(
+        f"the {part} turns at {motion.speed:.6g} rad/s{moving}; torque on the {inner} "
+        f"{1e3 * t.on_screw:+.6g} N mm about +z, the opposite on the other part"
+    )
+    taken = t.input_power if t.power else 0.0  # else round-off
+    lines.append(
+        f"energy: contacts take {taken:.6g} W (forces and moments about the axis), lose {t.power:.6g} W "
+        f"(sum over contacts), difference {t.input_power - t.power:.1e} W"
+    )
+    if state.neighbours is not None:
+        n = state.neighbours
+        lines.append(
+            f"{n.touching} pairs of neighbours touch, with up to {n.force.max(initial=0.0):.4g} N; between balls "
+            f"{n.power:.4g} W are lost; without them the friction torque is {1e3 * state.bare.friction:.6g} N mm"
+        )
+    elif t.ratio != 0.0 and t.friction != 0.0:
+        how = "friction moves the balls in their grooves" if state.coupled else "loads are those without friction"
+        without = f"; without this feedback the friction torque is {1e3 * state.bare.friction:.6g} N mm" * state.coupled
+        lines.append(
+            f"{how}: it pulls the screw along its axis with {t.pull:.4g} N and a ball across its path with up to "
+            f"{t.tilt:.3g} of its largest load{without}"
+        )
+    return lines

@@ -1,0 +1,267 @@
+"""Solves friction scenes of a ball screw: two balls, and a whole screw in time."""
+
+from __future__ import annotations
+
+from math import degrees
+from typing import Any
+
+import numpy as np
+
+from rollbench.comparison.commands.printing import Column, cell
+from rollbench.comparison.commands.solving.solve_output import number
+from rollbench.comparison.wings.friction.answer import (
+    NOTHING,
+    FrictionAnswer,
+    energy,
+    energy_line,
+    flat_ball,
+    head,
+    increase,
+    load_row,
+)
+from rollbench.comparison.wings.friction.kinds.common import KindScene
+from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewPairScene, ScrewRunScene
+from rollbench.comparison.wings.friction.run import error_data
+from rollbench.lowfi.friction.screw.groove import ScrewGroove
+from rollbench.lowfi.friction.screw.pair import PairResult, solve_pair
+from rollbench.lowfi.friction.screw.run import RunResult, checked, groups, summarise
+from rollbench.lowfi.friction.screw.steps import StepError
+from rollbench.lowfi.statics.validity import size_warnings
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import SIDES
+
+#: Overlap of neighbours [rad] that is round-off.
+TOUCHING = 1e-9
+
+
+#: Error of the steps of a run, as a fraction of its mean torque, beyond which it is warned of.
+STEP_GOAL = 0.01
+
+
+def sliding(groove: ScrewGroove, force: Array) -> float:
+    """Dissipation [W] if all contacts slid at the full speed of the bodies; inf at rest: all of it is round-off."""
+    if groove.speed == 0.0:
+        return np.inf
+    return groove.mu * float(force.sum()) * abs(groove.speed) * groove.radius
+
+
+def screw_warnings(groove: ScrewGroove, force: Array) -> list[str]:
+    """Warn of contacts that are large against the ball; forces (..., 4) [N]."""
+    return list(size_warnings((groove.constants.C_a * np.cbrt(force)).ravel(), groove.ball_radius))
+
+
+# --- two balls
+
+
+def pair_rows(r: PairResult) -> list[dict[str, Any]]:
+    """One row per ball and state."""
+    rows = []
+    for state, chain in (("apart", r.free), ("touching", r.touching)):
+        for k in range(2):
+            q, loss = chain.motion.q[k], chain.motion.groove_loss[k]
+            rows.append(
+                {"index": k + 1, "state": state}
+                | load_row(SIDES, chain.load.force[k], chain.load.angle[k])
+                | {
+                    "orbit_rad_s": number(q[0]),
+                    "rotation_rad_s": [number(w) for w in q[1:]],
+                    "groove_loss_mW": number(1e3 * loss.sum()),
+                }
+            )
+    return rows
+
+
+def pair_status(r: PairResult) -> str:
+    """How a pair ended, in words."""
+    if r.converged:
+        return "converged"
+    if all(c.load.converged and c.motion.converged for c in (r.free, r.touching)):
+        return "loads and friction do not agree"
+    return "no balance of the loads or of friction found"
+
+
+def solve_screw_pair(scene: KindScene) -> FrictionAnswer:
+    """Forces, losses and what contact adds to friction for two balls of a ball screw."""
+    assert isinstance(scene, ScrewPairScene)
+    pair = scene.pair
+    r = solve_pair(pair)
+    m, apart, rows, chains = r.touching.motion, r.free.motion.loss, pair_rows(r), (r.free, r.touching)
+    bound, ball_loss = sliding(pair.groove, r.touching.load.force), float(m.ball_loss.sum())
+    spent, rise = energy(m.input_power, m.loss, bound), increase(m.loss, apart, bound)
+    between = {"balls": "1-2", "gap_um": 0.0, "force_N": number(r.force), "loss_mW": number(1e3 * ball_loss)}
+    solver = {
+        "load_imbalance_N": number(max(c.load.left for c in chains)),
+        "friction_imbalance_N": number(max(c.motion.left for c in chains)),
+        "feedback_change_N": number(max(c.change for c in chains)) if pair.coupling != "none" else 0.0,
+        "rounds": max(c.rounds for c in chains),
+    }
+    data = head(scene, pair_status(r), r.converged, pair.coupling) | {
+        "law": "coulomb",
+        "hertz": hertz_word(pair.groove),
+        "coupling": pair.coupling,
+        "coupled": pair.coupling != "none",
+        "deviation_deg": [number(degrees(t)) for t in pair.theta],
+        "oversize_um": number(1e6 * pair.oversize),
+        "balls": rows,
+        "pairs": [between | {"closing_apart_rad_s": number(r.closing)}],
+        "load_sum_N": [number(f) for f in r.load],
+        "loss_apart_W": number(apart),
+        "friction_increase_percent": rise,
+        "ball_to_ball_percent": number(100.0 * ball_loss / apart) if apart > NOTHING * bound else None,
+        "ball_to_ball_loss_W": number(ball_loss),
+        "energy": spent,
+        "solver": solver,
+        "warnings": screw_warnings(pair.groove, r.touching.load.force),
+    }
+    return FrictionAnswer(
+        data, [("per ball", PAIR_COLUMNS, [flat_ball(SIDES, row) for row in rows])], pair_lines(data), r.converged
+    )
+
+
+def pair_lines(data: dict[str, Any]) -> list[str]:
+    """The results of two balls in a few lines."""
+    (pair,), rise, solver = data["pairs"], data["friction_increase_percent"], data["solver"]
+    return [
+        f"ball-to-ball force {pair['force_N']:.6g} N, loss there {data['ball_to_ball_loss_W']:.6g} W"
+        + ("" if rise is None else f"; contact changes all losses by {rise:+.4g} %"),
+        f"when apart the balls close in at {pair['closing_apart_rad_s']:.6g} rad/s of azimuth",
+        energy_line(data["energy"]),
+        f"solver: loads out of balance by {solver['load_imbalance_N']:.1e} N, friction by "
+        f"{solver['friction_imbalance_N']:.1e} N, {solver['rounds']} rounds",
+        f"law coulomb, Hertz constants {data['hertz']}, coupling of friction to loads: {data['coupling']}",
+    ]
+
+
+def hertz_word(groove: ScrewGroove) -> str:
+    """Hertz constants as a scene names them."""
+    return "nominal" if groove.hertz == "right" else groove.hertz
+
+
+PAIR_COLUMNS: tuple[Column, ...] = (
+    ("index", "ball", "s"),
+    ("state", "state", "s"),
+    *((f"{s} N", f"{s} N", ".3f") for s in SIDES),
+    ("orbit_rad_s", "orbit rad/s", ".6f"),
+    *((f"omega {n}", f"omega_{n} rad/s", ".4f") for n in "xyz"),
+    ("groove_loss_mW", "groove loss mW", ".5f"),
+)
+
+
+# --- a whole screw
+
+
+def order_kept(r: RunResult) -> bool:
+    """Whether no ball ever passes or overlaps the next one, the last and the first included."""
+    ahead = np.diff(np.column_stack([r.azimuth, r.azimuth[:, 0] + r.run.ring]), axis=1)
+    return bool(min(ahead.min(), r.spacing.min()) >= r.run.groove.pair.spacing - TOUCHING)
+
+
+def run_summary(r: RunResult) -> dict[str, Any]:
+    """What happens in the run: nut angles [deg], torques [N mm], gaps [um], shares [%] of the grooves' torque."""
+    s, touch, nut = summarise(r), np.any(r.contact, axis=1), np.degrees(r.nut_angle)
+    met = bool(touch.any())
+    closing, radius = r.closing_torque, r.run.groove.radius
+    return {
+        "largest_ball_to_groove_percent": number(100.0 * s.largest),
+        "largest_at_deg": number(s.at) if met else None,
+        "contact_begins_deg": number(nut[np.argmax(touch)]) if met else None,
+        "contact_ends_deg": number(s.none_at) if met else None,
+        "largest_groups": s.groups,
+        "mean_torque_Nmm": number(1e3 * r.torque.mean()),
+        "mean_groove_torque_Nmm": number(1e3 * r.groove_torque.mean()),
+        "mean_ball_torque_Nmm": number(1e3 * (r.ball_torque + closing).mean()),
+        "mean_closing_torque_Nmm": number(1e3 * closing.mean()),
+        "groove_variation_percent": number(100.0 * s.groove_variation),
+        "largest_ball_force_N": number(r.ball_force.max()),
+        "order_kept": order_kept(r),
+        "smallest_gap_um": number(1e6 * radius * r.gap.min()),
+        "occupation_percent": number(100.0 * r.run.occupation),
+    }
+
+
+def run_series(r: RunResult) -> dict[str, list[Any]]:
+    """Time series, one entry per step; time and nut angle at its start."""
+    speed, radius = r.run.groove.speed, r.run.groove.radius
+    values = {
+        "time_s": r.nut_angle / speed,
+        "nut_angle_deg": np.degrees(r.nut_angle),
+        "groove_torque_Nmm": 1e3 * r.groove_torque,
+        "ball_torque_Nmm": 1e3 * (r.ball_torque + r.closing_torque),
+        "ball_to_groove_percent": 100.0 * r.ratio,
+        "largest_ball_force_N": r.ball_force.max(axis=1),
+        "smallest_gap_um": 1e6 * radius * r.gap.min(axis=1),
+        "balance_percent": 100.0 * r.imbalance,
+    }
+    counts = {"contacts": r.contact.sum(axis=1), "groups": groups(r.contact)}
+    out: dict[str, list[Any]] = {name: [number(v) for v in row] for name, row in values.items()}
+    out |= {name: [int(v) for v in row] for name, row in counts.items()}
+    return out | {"converged": [bool(v) for v in r.converged]}
+
+
+def step_warnings(error: StepError | None) -> list[str]:
+    """What to say of a run whose steps are too long, or whose error is not known."""
+    if error is None:
+        return ["the error of the steps is not known: take an even number of steps"]
+    if error.small(STEP_GOAL):
+        return []
+    return [f"the error of the steps is some {100.0 * error.torque:.2g} % of the mean torque: take more steps"]
+
+
+def solve_run(scene: KindScene) -> FrictionAnswer:
+    """Contacts, torques and energy of a whole screw in time."""
+    assert isinstance(scene, ScrewRunScene)
+    run = scene.run
+    r, error = checked(run)
+    failed, speed = int(np.sum(~r.converged)), abs(run.groove.speed)
+    status = "converged" if failed == 0 else f"{failed} of {run.steps} steps did not converge"
+    loss = r.torque * speed
+    bound = sliding(run.groove, r.load) / run.steps
+    spent = energy(float((loss * (1.0 + r.imbalance)).mean()), float(loss.mean()), bound)
+    known = spent["balance_percent"] is not None
+    spent["largest_step_balance_percent"] = number(100.0 * np.abs(r.imbalance).max()) if known else None
+    summary = run_summary(r)
+    data = head(scene, status, failed == 0, run.coupling) | {
+        "law": "coulomb",
+        "hertz": hertz_word(run.groove),
+        "coupling": run.coupling,
+        "coupled": run.coupling != "none",
+        "ball_count": run.count,
+        "steps": run.steps,
+        "duration_s": number(run.duration),
+        "amplitude_deg": number(degrees(run.amplitude)),
+        "oversize_um": number(1e6 * run.oversize),
+        "summary": summary,
+        "energy": spent,
+        "series": run_series(r),
+        "solver": {"failed_steps": failed, "feedback_change_N": number(r.change.max()) if run.coupling != "none" else 0.0},
+        "step_error": None if error is None else error_data(error, STEP_GOAL),
+        "warnings": [*screw_warnings(run.groove, r.load), *step_warnings(error)],
+    }
+    lines = [
+        f"{run.count} balls, {run.steps} steps over {run.duration:.6g} s, nut turns by "
+        f"{degrees(speed * run.duration):.6g} deg on the screw",
+        energy_line(spent) + f", at most {cell(spent['largest_step_balance_percent'], '.1e')} % in a step",
+        f"solver: {failed} of {run.steps} steps failed",
+        f"law coulomb, Hertz constants {data['hertz']}, coupling of friction to loads: {run.coupling}",
+    ]
+    shown = [{"quantity": label, "value": cell(summary[name], form)} for name, label, form in RUN_LINES]
+    return FrictionAnswer(data, [("summary", RUN_COLUMNS, shown)], lines, failed == 0)
+
+
+RUN_COLUMNS = (("quantity", "quantity", "s"), ("value", "value", "s"))
+RUN_LINES = (
+    ("largest_ball_to_groove_percent", "largest torque by ball-to-ball contact over the grooves' %", ".4g"),
+    ("largest_at_deg", "nut angle of it deg", ".4g"),
+    ("contact_begins_deg", "nut angle where contact begins deg", ".4g"),
+    ("contact_ends_deg", "nut angle of the first step without contact after the largest deg", ".4g"),
+    ("largest_groups", "groups of touching balls at most", "d"),
+    ("mean_torque_Nmm", "mean torque N mm", ".5g"),
+    ("mean_groove_torque_Nmm", "of ball to groove N mm", ".5g"),
+    ("mean_ball_torque_Nmm", "of ball to ball N mm", ".5g"),
+    ("mean_closing_torque_Nmm", "of which by gaps that close N mm", ".3g"),
+    ("groove_variation_percent", "variation of the grooves' torque %", ".4g"),
+    ("largest_ball_force_N", "largest ball-to-ball force N", ".5g"),
+    ("order_kept", "order of balls kept", "s"),
+    ("smallest_gap_um", "smallest gap um", ".3g"),
+    ("occupation_percent", "loaded track filled by all balls %", ".4g"),
+)

@@ -1,0 +1,48 @@
+"""``rollbench friction``: whole screws and bearings, several sets on one shaft, and the kinds that only friction solves."""
+
+from __future__ import annotations
+
+import sys
+
+from rollbench.comparison.commands.printing import Answer
+from rollbench.comparison.errors import InputError, one_line
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.watch import checked, watched
+from rollbench.comparison.wings.friction.answer import FrictionAnswer, as_table
+from rollbench.comparison.wings.friction.whole import COMPILING, Choices, coefficients, solve_scene
+from rollbench.lowfi.friction.whole.state import will_compile
+from rollbench.lowfi.jit import cached
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import Scene
+
+
+def run_friction(
+    name: str, choices: Choices, *, balls: bool = False, time_limit: float | None = None, strict: bool = False
+) -> Answer:
+    """Solve a shipped scene or a file of any kind; balls: also the table of every ball. Exit code 1 where it did not
+    converge, the limit of time [s] ended it, or, if ``strict``, a line WARNING stands above the answers.
+    Raises InputError."""
+    with watched(f"{one_line(name)}, friction", checked(time_limit)):
+        found = solve_friction(name, choices)
+    code = 1 if not found.converged or (strict and found.warning) else 0
+    return Answer(found.data | {"warning": found.warning or None}, as_table(found, balls=balls), code, folded=True)
+
+
+def solve_friction(name: str, choices: Choices) -> FrictionAnswer:
+    """Solve a shipped scene or a file of any kind. Raises InputError."""
+    scene = catalogue.any_scene(name)
+    if isinstance(scene, Scene):
+        if any(will_compile(scene, pair) for pair in coefficients(scene, choices.mu)) and not cached():
+            sys.stderr.write(COMPILING)
+        return solve_scene(scene, choices)
+    if choices != Choices() and not isinstance(scene, Assembly):
+        advice = "leave them out: such a scene holds its own loads and coefficients"
+        given = "--model, --mu, --member or --condensed"
+        raise InputError("command line", given, f"with {name}", "with the scene of a whole screw or bearing", advice)
+    if isinstance(scene, Assembly):
+        from rollbench.comparison.wings.friction.axis import solve_axis
+
+        return solve_axis(scene, choices)
+    from rollbench.comparison.wings.friction.kind_solvers import solve_kind
+
+    return solve_kind(scene)

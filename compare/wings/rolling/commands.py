@@ -1,0 +1,161 @@
+"""``rollbench compare`` and ``rollbench mesh-study`` for scenes of rolling balls."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from rollbench.comparison.commands.printing import Answer, on_terminal
+from rollbench.comparison.commands.wrapping import aligned
+from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.reference.jobs import Engine
+from rollbench.comparison.reference.parallel import as_done
+from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.wings.friction.kinds.common import KindScene
+from rollbench.comparison.wings.rolling.names import HALF_SPACE
+from rollbench.comparison.wings.rolling.rows import UNSTATED, RollingRow, load_state, rows, uncertainty
+from rollbench.comparison.wings.rolling.runs import LEVELS, SOURCE_LEVEL, SOURCE_SIZE, RollingRun, compute, load, save
+
+
+def runs_of(
+    scene: KindScene, levels: Sequence[int], store: Path, engine: Engine, *, fresh: bool, bodies: str = HALF_SPACE
+) -> list[RollingRun]:
+    """Runs of the levels in order, stored ones where there are; each is stored when it is done.
+
+    Raises Refusal for a scene that is beyond the 3D model, and where a run did not converge.
+    """
+    stores = (store, shipped_store())
+    found = {} if fresh else {k: run for k in levels if (run := load(scene, k, stores, bodies)) is not None}
+    missing = [k for k in levels if k not in found]
+    jobs = [(compute, (scene, k, bodies, engine.processes)) for k in missing]
+    for number, run in as_done(jobs, engine.backend, engine.scheduler, engine.workers):
+        save(store, scene, run)
+        found[missing[number]] = run
+        on_terminal(f"{scene.name}: level {run.level}, {run.shape[0]} x {run.shape[1]} cells, {run.all_seconds:.1f} s")
+    bad = next((found[k] for k in levels if not found[k].converged), None)
+    if bad is not None:
+        raise Refusal(scene.name, f"level {bad.level}", bad.status, "try another level")
+    return [found[k] for k in levels]
+
+
+def known_levels(levels: Sequence[int]) -> list[int]:
+    """The levels as they are. Raises InputError for one that rolling balls do not have."""
+    other = [k for k in levels if k not in LEVELS]
+    if other:
+        got = ", ".join("source" if k == SOURCE_LEVEL else str(k) for k in other)
+        advice = "mesh-study --source-mesh shows the source's size"
+        raise InputError("command line", "--levels", got, f"1 to {len(LEVELS)} for scenes of friction", advice)
+    return list(levels)
+
+
+def run_rolling_compare(
+    names: Sequence[str],
+    levels: tuple[int, ...] | None,
+    store: Path,
+    engine: Engine,
+    *,
+    fresh: bool,
+    bodies: str = HALF_SPACE,
+) -> Answer:
+    """Low-order models beside the 3D model of rolling; all its levels unless given."""
+    wanted = known_levels(levels or tuple(LEVELS))
+    out: list[RollingRow] = []
+    for name in names:
+        scene = catalogue.any_scene(name)
+        assert isinstance(scene, KindScene)
+        found = runs_of(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
+        beside = None if bodies == HALF_SPACE else runs_of(scene, wanted[-1:], store, Engine(), fresh=False)[0]
+        out += rows(scene, found, beside)
+    shown = dict.fromkeys(row.scene for row in out)
+    tables = (_table(name, [row for row in out if row.scene == name]) for name in shown)
+    return Answer({"rows": [finite(row.as_json()) for row in out]}, tables)
+
+
+def finite(row: dict[str, Any]) -> dict[str, Any]:
+    """A row without infinity."""
+    return {k: None if isinstance(v, float) and abs(v) == float("inf") else v for k, v in row.items()}
+
+
+def _table(name: str, own: Sequence[RollingRow]) -> Any:
+    from rich.table import Table
+
+    state = f" ({own[0].load_state} load state{UNSTATED})" if own[0].load_state else ""
+    table = Table(title=f"{name}{state}: low-order model against the 3D model of rolling", title_justify="left")
+    for column in (
+        "quantity",
+        "low-order",
+        "3D",
+        "+-",
+        "error %",
+        "+- %",
+        "printed",
+        "ANSYS",
+        "3D flat",
+        "3D rigid",
+        "3D half space",
+    ):
+        table.add_column(column, justify="left" if column == "quantity" else "right")
+
+    def cell(value: float | None, form: str = ".5g") -> str:
+        return "–" if value is None or abs(value) == float("inf") else format(value, form)
+
+    for row in own:
+        table.add_row(
+            f"{row.quantity} [{row.unit}]",
+            cell(row.low),
+            cell(row.reference),
+            cell(row.uncertainty, ".2g"),
+            cell(row.error_percent, ".2f"),
+            cell(row.uncertainty_percent, ".2f"),
+            cell(row.printed),
+            cell(row.printed_ansys),
+            cell(row.flat),
+            cell(row.rigid),
+            cell(row.half_space),
+        )
+    table.caption = f"3D: {own[0].seconds:.2f} s on the finest grid; low-order: {1e3 * own[0].low_seconds:.2f} ms"
+    return table
+
+
+def run_rolling_study(
+    names: Sequence[str], levels: int, store: Path, engine: Engine, *, source: bool, fresh: bool, bodies: str = HALF_SPACE
+) -> Answer:
+    """Every quantity on every grid, as it is and on top of the rigid limit, and its uncertainty from them all."""
+    if not 1 <= levels <= len(LEVELS):
+        raise InputError("command line", "--levels", str(levels), f"1 to {len(LEVELS)}", "three levels give a scatter")
+    out: list[dict[str, Any]] = []
+    for name in names:
+        scene = catalogue.any_scene(name)
+        assert isinstance(scene, KindScene)
+        wanted = [*([SOURCE_LEVEL] if source and scene.kind in SOURCE_SIZE else []), *range(1, levels + 1)]
+        runs = runs_of(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
+        grids = [run for run in runs if run.level != SOURCE_LEVEL]
+        for key in runs[-1].values:
+            share = finite({"uncertainty": uncertainty(grids, key)})
+            out += [study_row(scene.name, run, key) | share for run in runs]
+    return Answer(out, _study_parts(out))
+
+
+def _study_parts(out: Sequence[dict[str, Any]]) -> Iterator[Any]:
+    for name in dict.fromkeys(row["scene"] for row in out):
+        rows_of = [{k: v for k, v in row.items() if k != "scene"} for row in out if row["scene"] == name]
+        yield from (f"mesh study of {name}", "", aligned(rows_of, ".6g"))
+
+
+def study_row(name: str, run: RollingRun, key: str) -> dict[str, Any]:
+    """A quantity on a grid: with limit and elasticity apart, and the grid's own number."""
+    return {
+        "scene": name,
+        "load_state": load_state(name),
+        "quantity": key,
+        "level": "source" if run.level == SOURCE_LEVEL else str(run.level),
+        "cells": f"{run.shape[0]} x {run.shape[1]}",
+        "value": run.values[key],
+        "grid_alone": run.elastic[key],
+        "elasticity": run.elastic[key] - run.near_rigid[key],
+        "rigid_limit": run.limit[key],
+        "energy_lost_percent": 100.0 * run.upwind,
+        "seconds": run.seconds,
+    }

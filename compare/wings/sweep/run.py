@@ -1,0 +1,134 @@
+"""A whole sweep: what is missing is solved batch by batch, side by side where asked, and every sample is stored."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from rollbench.comparison import __version__
+from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.models.registry import AXIS_MODELS, MODELS
+from rollbench.comparison.reference import parallel
+from rollbench.comparison.reference.jobs import Engine
+from rollbench.comparison.scenes import scene_file
+from rollbench.comparison.wings.sweep import store
+from rollbench.comparison.wings.sweep.design import Method, points, values
+from rollbench.comparison.wings.sweep.keys import Vary, changed, displaced
+from rollbench.comparison.wings.sweep.sample import REFUSED, solve_batch, solve_sample
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly
+
+Step = Callable[[str], None]
+#: From this many samples on the compiled kernels are used: by the size of the design, so that it is always the same.
+COMPILE_FROM = 500
+#: Samples that are tried before anything is stored: where each is refused for the same reason, nothing else is.
+FIRST = 10
+#: Most samples of a job, least number of jobs a worker, and seconds between two messages.
+LARGEST_BATCH, BATCHES, PULSE = 50, 20, 2.0
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """What is swept: text of the scene and the name that errors give it, varied keys, design and model."""
+
+    text: str
+    origin: str
+    keys: tuple[Vary, ...]
+    samples: int
+    method: Method = "sobol"
+    seed: int = 0
+    model: str = "refined"
+
+    def places(self) -> Array:
+        """Places of all samples in the unit cube, ``(m, d)``."""
+        return points(self.method, self.keys, self.samples, self.seed)
+
+    def header(self) -> dict[str, Any]:
+        """All that the records depend on."""
+        return {
+            "rollbench": __version__,
+            "scene": self.origin,
+            "text": self.text,
+            "vary": [vary.text for vary in self.keys],
+            "samples": self.samples,
+            "method": self.method,
+            "seed": self.seed,
+            "model": self.model,
+        }
+
+    def check(self) -> None:
+        """Raise InputError for an unknown model, a key that a scene does not have, or values out of its range."""
+        raw = scene_file.read_toml(self.text, self.origin)
+        scene = scene_file.read_tables(raw, self.origin)
+        known = AXIS_MODELS if isinstance(scene, Assembly) else tuple(name for name in MODELS if name != "condensed")
+        if self.model not in known:
+            raise InputError("command line", "--model", self.model, ", ".join(known), "see: rollbench list")
+        if not isinstance(scene, Assembly):
+            scene_file.whole(scene, self.origin)
+        for vary in self.keys:
+            for value in vary.ends:
+                scene_file.keys_of(changed(raw, [vary], [value]), self.origin)
+
+
+def run_samples(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[int, store.Record]:
+    """Records of all samples by number; what the folder holds already is not solved again.
+
+    Raises InputError for what cannot be swept, a folder that holds something else, and workers that are lost.
+    """
+    sweep.check()
+    places = sweep.places()
+    if not store.load(folder):
+        _try_first(sweep, places)
+    for path, other in displaced(scene_file.read_toml(sweep.text, sweep.origin), sweep.keys):
+        step(f"{path} takes the place of the scene's {other}")
+    store.open_folder(folder, sweep.header())
+    with store.taken_over(folder) as token:
+        have = store.load(folder)
+        left = [n for n in range(len(places)) if n not in have]
+        step(f"{len(places)} samples, {len(have)} stored in {folder}, {len(left)} to solve")
+        if left:
+            _solve_missing(sweep, folder, engine, step, (token, places, left))
+            have = store.load(folder)
+    return have
+
+
+def _try_first(sweep: Sweep, places: Array) -> None:
+    """Raise InputError where the first samples are all refused for one reason."""
+    reasons = set()
+    for place in places[:FIRST]:
+        found = solve_sample(sweep.text, sweep.origin, sweep.keys, values(sweep.keys, place), sweep.model, "interpreted")
+        reasons.add(found.get("reason"))
+        if None in reasons or len(reasons) > 1:
+            return
+    few = f"each of the first {min(FIRST, len(places))} samples is refused for one reason, the last one so"
+    said = found["status"].removeprefix(f"{REFUSED}: ")
+    raise Refusal(sweep.origin, "--vary", f"{few}: {said}", "vary other keys, or other ranges")
+
+
+def _solve_missing(sweep: Sweep, folder: Path, engine: Engine, step: Step, work: tuple[str, Array, list[int]]) -> None:
+    token, places, left = work
+    kernels = "compiled" if len(places) >= COMPILE_FROM else "interpreted"
+    what = (sweep.text, sweep.origin, sweep.keys, sweep.model, kernels)
+    size = max(1, min(LARGEST_BATCH, len(left) // (BATCHES * (engine.workers or 1))))
+    batches = [left[k : k + size] for k in range(0, len(left), size)]
+    jobs: list[parallel.Job] = [
+        (solve_batch, (str(folder.resolve()), token, what, [(n, values(sweep.keys, places[n])) for n in batch]))
+        for batch in batches
+    ]
+    writer = store.Writer(folder, token)
+    start = said = perf_counter()
+    done = failed = 0
+    for _, (records, stored) in parallel.as_done(jobs, engine.backend, engine.scheduler, engine.workers):
+        if not stored:
+            for record in records:
+                writer.append(record)
+        done += len(records)
+        failed += sum(record["status"] != "converged" for record in records)
+        now = perf_counter()
+        if now - said > PULSE or done == len(left):
+            said, spent = now, now - start
+            ahead = f", about {spent * (len(left) - done) / done:.0f} s left" if 0 < done < len(left) else ""
+            step(f"[{done}/{len(left)}] {failed} failed: {spent:.0f} s{ahead}")

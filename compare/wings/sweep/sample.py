@@ -1,0 +1,86 @@
+"""One sample of a sweep: the scene with other values, solved, and the few numbers that are kept."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from threadpoolctl import threadpool_limits
+
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.models.registry import Options, run_model
+from rollbench.comparison.scenes import scene_file
+from rollbench.comparison.wings.sweep import store
+from rollbench.comparison.wings.sweep.keys import Vary, changed
+from rollbench.comparison.wings.sweep.outputs import axis_outputs, outputs
+from rollbench.meshes.axis import Assembly
+
+CONVERGED, REFUSED = "converged", "refused"
+_NUMBER = re.compile(r"[0-9][0-9.]*(e[+-]?[0-9]+)?")
+#: Balls on one shaft from which a sample by plain Python takes seconds.
+AXIS_COMPILED = 40
+
+
+@lru_cache(maxsize=8)
+def _tables(text: str, origin: str) -> dict[str, Any]:
+    return scene_file.read_toml(text, origin)
+
+
+def solve_sample(
+    text: str, origin: str, keys: Sequence[Vary], values: Sequence[Any], model: str, engine: str
+) -> dict[str, Any]:
+    """Status and outputs of one sample; a scene or model that refuses the values is a status, with its reason."""
+    try:
+        scene = scene_file.read_tables(changed(_tables(text, origin), keys, values), origin)
+        if isinstance(scene, Assembly):
+            return _solve_axis(scene, model, engine)
+        scene = scene_file.whole(scene, origin)
+        options = Options(discretisation=False, engine=engine)
+        result = run_model(scene, model, options)
+        kept = outputs(scene, result, model, options) if result.converged else {}
+        return {"status": result.status, **kept}
+    except InputError as error:
+        reason = _NUMBER.sub("#", f"{error.key}: {error.allowed or error.value}")  # the range depends on the sample
+        return {"status": f"{REFUSED}: {error}", "reason": reason}
+
+
+def _solve_axis(assembly: Assembly, model: str, engine: str) -> dict[str, Any]:
+    """Status and outputs of several sets on one shaft; from `AXIS_COMPILED` balls on always by compiled kernels."""
+    kernels = "compiled" if assembly.ball_count >= AXIS_COMPILED else engine
+    result = run_model(assembly, model, Options(engine=kernels))
+    if not result.converged:
+        return {"status": result.status}
+    return {"status": CONVERGED, **axis_outputs(assembly, result, kernels)}
+
+
+def solve_batch(
+    folder: str, token: str, sweep: tuple[str, str, tuple[Vary, ...], str, str], batch: list[tuple[int, list[Any]]]
+) -> tuple[list[store.Record], bool]:
+    """Records of the samples (number, values) of a batch, and whether they were appended to the folder here.
+
+    A worker that does not see the run's folder sends them back unstored; one whose run is over stops.
+    sweep: text and origin of the scene, keys, model, engine.
+    """
+    own = Path(folder)
+    text, origin, keys, model, engine = sweep
+    here = store.current(own, token)
+    found: list[store.Record] = []
+    with threadpool_limits(1, "blas"):
+        if not here:
+            return [_record(n, v, solve_sample(text, origin, keys, v, model, engine)) for n, v in batch], False
+        with store.working(own):
+            writer = store.Writer(own, token)
+            for number, values in batch:
+                if not store.current(own, token):
+                    break
+                record = _record(number, values, solve_sample(text, origin, keys, values, model, engine))
+                writer.append(record)
+                found.append(record)
+    return found, True
+
+
+def _record(number: int, values: Sequence[Any], solved: dict[str, Any]) -> store.Record:
+    return {"sample": number, "values": list(values), **solved}

@@ -1,0 +1,87 @@
+"""Tolerances of case 3: which of ball grade, pitch, roundness and misalignment matters most for the largest load."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.wings.sweep.figures import of_summary
+from rollbench.comparison.wings.sweep.keys import Vary, read_vary
+from rollbench.comparison.wings.sweep.stored import TOLERANCES, command, stored
+from rollbench.comparison.wings.sweep.summary import MAIN
+from rollbench.reports.records import Cell, Column, Section, Table, Text
+
+#: What the keys are called here, by the beginning of their path.
+WORDS = {
+    "errors.balls.sigma": "ball grade: standard deviation of the ball radius",
+    "errors.SL.pitch": "pitch: standard deviation of its amplitudes, once a turn, all flanks",
+    "errors.SL.roundness": "roundness: standard deviation of its amplitudes, twice a turn, all flanks",
+    "supports[1].displace.ux": "misalignment: offset of the right end",
+    "errors.seed": "luck: which screw of these tolerances",
+}
+
+
+def short(vary: Vary) -> str:
+    """A key in one or two words."""
+    return words(vary).partition(":")[0]
+
+
+def words(vary: Vary) -> str:
+    """A key in words."""
+    return next((text for start, text in WORDS.items() if vary.key.startswith(start)), vary.name)
+
+
+def effects(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[dict[str, Cell]]:
+    """A row a key, that of the largest total index first: mean of the largest load over the range, Sobol indices."""
+    own = found["indices"]["outputs"][MAIN]
+    rows: list[dict[str, Cell]] = []
+    for vary in sorted(keys, key=lambda v: -own[v.key]["total"]):
+        means = [g["mean"] for g in found["main_effects"][vary.key]]
+        row = own[vary.key]
+        rows.append(
+            {
+                "key": words(vary),
+                "range": "any" if vary.key == "errors.seed" else f"{vary.low:g} to {vary.high:g} {vary.unit}",
+                "low": min(means),
+                "high": max(means),
+                **{name: row[name] for name in ("first", "total")},
+                **{f"{name}_band": f"{row[f'{name}_low']:.2f} to {row[f'{name}_high']:.2f}" for name in ("first", "total")},
+            }
+        )
+    return rows
+
+
+def section(study: Study, step: Callable[[str], None]) -> Section:
+    """Section of the report."""
+    step("stored sweep of tolerances")
+    found = stored(TOLERANCES)
+    study.uses((found["scene"].removesuffix(".toml"),))
+    keys = read_vary(found["vary"])
+    rows = effects(keys, found)
+    load = found["outputs"][MAIN]
+    luck = next(row for row in rows if row["range"] == "any")
+    first, second = [row for row in rows if row is not luck][:2]
+    text = (
+        f"{found['converged']} of {found['solved']} screws converged. Their largest contact load is {load['mean']:.0f} N "
+        f"on average and {load['quantile_0.95']:.0f} N in one of twenty. What matters most for it is {first['key']} (total "
+        f"index {first['total']:.2f}), then {second['key']} ({second['total']:.2f}); which screw of the same "
+        f"tolerances it is has {luck['total']:.2f}.",
+        "The ranges are assumed, each from nothing to what is common: the source has no tolerances. The indices are shares "
+        "of the variance over these ranges: the first alone, the total with all that it does together with others; their "
+        f"{100 * found['indices']['confidence']:g} % intervals come from resampling the design.",
+        f"Computed by: {command(found)}; its summary.json is stored.",
+    )
+    columns = (
+        Column("key", "key", "", "s"),
+        Column("range", "range", "", "s"),
+        Column("low", "smallest mean of the largest load", "N", "g4"),
+        Column("high", "largest mean", "N", "g4"),
+        Column("first", "first index", "", ".2f"),
+        Column("first_band", "interval of the first", "", "s"),
+        Column("total", "total index", "", ".2f"),
+        Column("total_band", "interval of the total", "", "s"),
+    )
+    table = Table("tolerances", "Effect of each tolerance on the largest contact load", columns, rows)
+    figures = of_summary("tolerances", keys, found, short)
+    return Section("tolerances", "Tolerances of case 3: which matters most", (Text(text), table, *figures))

@@ -1,0 +1,1 @@
+"""The source's own formulations of friction, as printed."""
