@@ -11,8 +11,10 @@ import numpy as np
 from pydantic import Field
 
 from rollbench.comparison.scenes.fault import Fault, mm
-from rollbench.comparison.scenes.keys import Azimuth, BallSizeKeys, Duration, HelixKeys, MotionKeys, Table, Turns
+from rollbench.comparison.scenes.key_checks import time_faults
+from rollbench.comparison.scenes.keys import Azimuth, BallSizeKeys, HelixKeys, MotionKeys, Table, Turns
 from rollbench.comparison.scenes.quantity import Quantity, key
+from rollbench.comparison.scenes.schema import TimeKeys
 from rollbench.comparison.wings.friction.kinds.common import (
     AxialLoad,
     Body,
@@ -31,6 +33,7 @@ from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.pair import Pair
 from rollbench.lowfi.friction.screw.run import Run
+from rollbench.meshes.parts import Motion, Time
 
 Share = Annotated[float, Quantity("number", -1, 1, 1)]
 Pattern = Annotated[list[Share], Field(min_length=4, max_length=4)]
@@ -89,13 +92,11 @@ class ClosedTrackKeys(Table):
     first_ball: Part = key("place of the first ball at the start, as part of the distance between balls", 0.5, 0.5)
 
 
-class RunTimeKeys(Table):
-    """Steps in time."""
+class RunTimeKeys(TimeKeys):
+    """A run in time. Give angle or duration."""
 
-    duration: Duration = key("time simulated", example="2 s")
-    steps: Annotated[int, Field(ge=1, le=100_000)] = key("number of equal steps", example=200)
     rounds: Annotated[int, Field(ge=1, le=100)] = key(
-        "rounds of loads and friction in a step; one: loads with the friction of the step before", 1, 1
+        "rounds of loads and friction at an instant; one: loads with the friction of the instant before", 1, 1
     )
 
 
@@ -123,7 +124,7 @@ class ScrewRunKeys(ScrewBallKeys):
     balls: RunBallKeys = key("balls of the closed track")
     circulation: ClosedTrackKeys = key("return of the balls", ClosedTrackKeys(), {"return_tube": "5.6 mm"})
     angles: RunAngleKeys = key("contact angles")
-    time: RunTimeKeys = key("steps in time")
+    time: RunTimeKeys = key("run in time", example={"duration": "2 s"})
 
 
 @dataclass(frozen=True)
@@ -140,6 +141,7 @@ class ScrewRunScene(KindScene):
 
     kind: ClassVar[str] = "screw run"
     run: Run
+    time: Time
 
 
 # --- what a scene may not describe
@@ -206,7 +208,8 @@ def _run_faults(keys: ScrewRunKeys) -> Iterator[Fault]:
     if count > most:
         advice = "the balls need some free length on the track: fewer balls, more turns or a return tube"
         yield Fault(("balls.count",), f"2 to {most} on this track" if most > 1 else "a longer track", advice)
-    if count * keys.time.steps > MOST:
+    yield from time_faults(keys.time)
+    if keys.time.steps is not None and count * keys.time.steps > MOST:
         advice = "results of all steps are kept: take fewer steps, or fewer balls"
         yield Fault(("time.steps",), f"1 to {MOST // count} with {count} balls", advice)
 
@@ -253,14 +256,15 @@ def run_record(keys: KindKeys, name: str) -> ScrewRunScene:
     """The scene of faultless keys."""
     assert isinstance(keys, ScrewRunKeys)
     groove, a = _screw_groove(keys), keys.angles
+    time = Time(**keys.time.model_dump(exclude={"rounds"}))
     run = Run(
         groove,
         keys.balls.count,
         keys.balls.turns,
         (keys.load.force,),
         FREE[keys.load.direction],
-        keys.time.duration,
-        keys.time.steps,
+        time.span(Motion(keys.motion.speed)),
+        time.steps or 1,
         keys.errors.balls.oversize,
         a.amplitude,
         a.cycles_per_turn,
@@ -271,4 +275,4 @@ def run_record(keys: KindKeys, name: str) -> ScrewRunScene:
         keys.friction.coupling,
         keys.time.rounds,
     )
-    return ScrewRunScene(*head_of(keys, name), run)
+    return ScrewRunScene(*head_of(keys, name), run, time)
