@@ -15,10 +15,10 @@ from tests.helpers import small_screw
 from tests.mutants import draw
 
 from rollbench.comparison.gate import closed_forms
-from rollbench.comparison.rolling import runs
-from rollbench.comparison.rolling.changes import PATHS
 from rollbench.comparison.scenes.catalogue import scene as shipped
 from rollbench.comparison.scenes.catalogue import shipped as any_shipped
+from rollbench.comparison.wings.rolling import runs
+from rollbench.comparison.wings.rolling.changes import PATHS
 from rollbench.hifi.rolling import friction
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.groove_map import GrooveMap
