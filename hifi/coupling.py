@@ -137,8 +137,7 @@ def mounted_screw(setup: Setup, scene: Scene, leave_out: frozenset[str] = frozen
     if not leave_out & {"3D shaft", "patch coupling"} or full.rigid:
         return mount(full, scene, setup.section)
     counts = _mode_counts(setup, True)
-    own = [s for s in setup.sides if s < 2]
-    stations = np.repeat(setup.layout.z, len(own))
+    stations = np.repeat(setup.layout.z, len(counts))
     beam = beam_stretch(setup.screw.rigid, stations, full, setup.section)
     m = full.modes
     F = beam.F.copy()

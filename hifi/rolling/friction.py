@@ -184,17 +184,16 @@ class _System:
         return f
 
 
-def _descend(system: _System, q: list[Array], y: Array, eps: float, *, elastic: bool) -> tuple[list[Array], Array, int]:
+def _descend(system: _System, q: list[Array], y: Array, eps: float, *, elastic: bool) -> tuple[list[Array], Array]:
     """Newton's method at one creeping speed, damped where the residual would grow."""
     scale = max(float(c.bound.max()) for c in system.contacts)
-    count = 0
 
     def size(q: list[Array], y: Array) -> float:
         lefts = [_residual(c, v, y, eps, elastic) for c, v in zip(system.contacts, q, strict=True)]
         return float(sum(v @ v for v in lefts) ** 0.5 + np.linalg.norm(system.unbalanced(q, y)))
 
     now = size(q, y)
-    for count in range(1, STEPS + 1):  # noqa: B007
+    for _ in range(STEPS):
         parts = [_smooth(c, v, y, eps, elastic) for c, v in zip(system.contacts, q, strict=True)]
         dq, dy = system.step(parts, q, y)
         t = 1.0
@@ -209,7 +208,7 @@ def _descend(system: _System, q: list[Array], y: Array, eps: float, *, elastic: 
         (q, y), now = trial, new
         if now <= 1e-6 * scale:
             break
-    return q, y, count
+    return q, y
 
 
 def _residual(c: Contact, q: Array, y: Array, eps: float, elastic: bool) -> Array:
@@ -260,7 +259,7 @@ def solve_rigid(
     forces, last = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts], y
     for part in path:
         last = y
-        forces, y, _ = _descend(system, forces, y, part * speed, elastic=False)
+        forces, y = _descend(system, forces, y, part * speed, elastic=False)
     left = float(np.abs(system.unbalanced(forces, y)).max()) / max(float(c.bound.sum()) for c in contacts)
     if not left <= RIGID:
         raise ValueError(f"rigid bodies are out of balance by {left:.1e} of a contact's friction")
@@ -289,19 +288,17 @@ def solve_friction(
         if found.converged:
             return found
     speed = max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
-    start, count = y.copy(), 0
+    start = y.copy()
     forces = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts]
     for part in path:
-        forces, y, used = _descend(system, forces, y, part * speed, elastic=False)
-        count += used
+        forces, y = _descend(system, forces, y, part * speed, elastic=False)
     found = _settle(system, forces, y)
     if found.converged:
         return found
     y = start
     forces = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts]
     for part in path:
-        forces, y, used = _descend(system, forces, y, part * speed, elastic=True)
-        count += used
+        forces, y = _descend(system, forces, y, part * speed, elastic=True)
         if part > SHARPEST:
             continue
         found = _settle(system, [v.copy() for v in forces], y)

@@ -152,13 +152,16 @@ def free_state(shaft: Shaft) -> tuple[Array, Array]:
     """Nodal motions ``(6 n,)`` by loads and prescribed displacements: the rigid one that these displacements are, or zero
     where they strain the beam, and what is beyond it. Round-off of a rigid motion that was solved for would strain it."""
     problem, held = shaft.problem, shaft.problem.fixed
-    rigid, prescribed = rigid_transport(problem.nodes - problem.nodes[shaft.pin]), np.where(held, problem.prescribed, 0.0)
-    moved = rigid @ np.linalg.lstsq(rigid[held], prescribed[held])[0]
-    given = np.where(held, prescribed - moved, 0.0).ravel()
-    if np.abs(given).max() > 1e-12 * np.abs(prescribed).max():
-        moved, given = np.zeros_like(moved), prescribed.ravel()
-    loads = problem.load.ravel() - (shaft.times(given) if np.any(given) else 0.0)
-    return moved.ravel(), given + shaft.solve(loads[:, None])[:, 0]
+    given = np.where(held, shaft.problem.prescribed, 0.0)
+    moved, loads = np.zeros_like(given), problem.load.ravel()
+    if given.any():
+        rigid = rigid_transport(problem.nodes - problem.nodes[shaft.pin])
+        nearest = rigid @ np.linalg.lstsq(rigid[held], given[held])[0]
+        rest = np.where(held, given - nearest, 0.0)
+        if np.abs(rest).max() <= 1e-12 * np.abs(given).max():
+            moved, given = nearest, rest
+        loads = loads - shaft.times(given.ravel())
+    return moved.ravel(), given.ravel() + shaft.solve(loads[:, None])[:, 0]
 
 
 def rigid_nodes(shaft: Shaft) -> Array:

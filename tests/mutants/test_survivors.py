@@ -7,6 +7,7 @@ import json
 import tomllib
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,6 +16,10 @@ from tests.mutants import draw
 
 from rollbench.comparison.gate import closed_forms
 from rollbench.comparison.scenes.catalogue import scene as shipped
+from rollbench.comparison.scenes.catalogue import shipped as any_shipped
+from rollbench.comparison.wings.rolling import runs
+from rollbench.comparison.wings.rolling.changes import PATHS
+from rollbench.hifi.rolling import friction
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout, layout_at
@@ -97,6 +102,25 @@ def test_gaps_do_not_depend_on_whole_turns_of_azimuths(hand):
     assert sorted(map(sorted, wrapped[1].tolist())) == sorted(map(sorted, straight[1].tolist()))
 
 
+def test_the_limit_of_rigid_bodies_is_the_mean_of_its_quadratures_and_their_distance_its_spread(monkeypatch):
+    state = SimpleNamespace(
+        converged=True, status="converged", upwind=0.0, power=1.0, residual=0.0, seconds=0.0, contacts=()
+    )
+    monkeypatch.setattr(runs, "solve_rolling", lambda *_: state)
+    monkeypatch.setattr(runs, "solve_rigid_rolling", lambda _, quadrature, **__: quadrature)
+    monkeypatch.setattr(runs, "measures", lambda _, apart, __: {"force 1-2 N": 1.0 if apart is state else float(apart)})
+    run = runs.compute(any_shipped("lin-pair-a"), 1)
+    ends = sorted(runs.QUADRATURES)
+    assert run.limit["force 1-2 N"] == pytest.approx(0.5 * (ends[0] + ends[1]), rel=1e-12)
+    assert run.limit_spread["force 1-2 N"] == ends[1] - ends[0]
+
+
+def test_the_path_by_threes_falls_by_threes_as_far_as_any():
+    path = np.array(PATHS["by threes"])
+    np.testing.assert_allclose(path[:-1] / path[1:], 3.0, rtol=1e-12)
+    assert path[-1] <= friction.PATH[-1]
+
+
 @pytest.mark.parametrize("mutant", MUTANTS, ids=lambda m: m["name"])
 def test_mutants_are_of_the_present_sources(mutant):
     """A list that no longer fits the sources would try nothing."""
@@ -141,7 +165,7 @@ def test_a_record_of_drawn_mutants_goes_on_and_tries_survivors_again(tmp_path, m
 def test_the_kept_record_of_drawn_mutants_reaches_the_goal():
     every = json.loads(draw.RECORD.read_text(encoding="utf-8"))
     found = [word for own in every.values() for word in own.values()]
-    assert len(found) >= 40
+    assert len(found) >= 60
     assert set(found) - {"killed", "killed by a later test", "survives"} == {
         w for w in found if w.startswith("equivalent: ")
     }

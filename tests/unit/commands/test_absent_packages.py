@@ -45,9 +45,11 @@ CASES = [
     ("gmsh", PAGE, 0, "index.html"),
     ("gmsh", EXPORT, 2, "pip install gmsh"),
     ("meshio", EXPORT, 2, "meshio"),
-    ("pymetis", ("compare", "lin-case1-cut", "--levels", "1", "--store", "runs"), 2, "pymetis is not installed"),
+    ("pymetis", ("compare", "lin-case1-cut", "--levels", "1", "--fresh", "--store", "runs"), 2, "pymetis is not installed"),
+    ("pymetis", CHECK, 0, "1 pass"),
     ("pyvista", PAGE, 0, "index.html"),
-    ("numba", ("friction", "two-balls", "--mu", "0.1"), 0, "kernels are interpreted"),
+    ("numba", ("friction", "two-balls", "--mu", "0.1"), 0, "friction"),
+    ("numba", ("solve", "external-thk-bnf-3205-5", "--model", "lin"), 0, "kernels are interpreted"),
     ("numba", SWEEP, 0, "figures (SVG)"),
 ]
 

@@ -62,6 +62,14 @@ def test_fast_path_equals_single_solves(scene, all_sides):
     assert_same_loads(scene, result, 6)
 
 
+def test_two_specimens_have_lever_arms_of_their_own():
+    """Random pitch moves the contact points; two are the fewest that differ; with clearance one diagonal bears."""
+    scene = with_errors(1e-6, -8e-6, SL=PITCH, NR=ROUND)
+    result = run_ensemble(scene, 2)
+    assert result.all_sides == 0
+    assert_same_loads(scene, result, 2)
+
+
 @pytest.mark.parametrize("distribution", ["normal", "uniform"])
 def test_many_specimens_are_those_drawn_one_by_one(distribution):
     scene = with_errors(3e-6, 1e-6, distribution, SL=PITCH, NR=ROUND, SR=SideErrors(profile=(1e-6,)))

@@ -170,6 +170,20 @@ def test_condensed_bodies_are_those_of_the_whole_mesh(small, meshes):
     np.testing.assert_allclose(found["ball"], wanted, rtol=0, atol=1e-10 * np.abs(wanted).max())
 
 
+def test_a_screw_without_its_3d_shaft_does_not_depend_on_which_flanks_bear(small):
+    """The same bodies with their flanks named SR and NL."""
+    named = {
+        "screw": replace(small.screw, modes={1: small.screw.modes[0]}),
+        "nut": replace(small.nut, modes={2: small.nut.modes[3]}),
+    }
+    other = replace(small, sides=(1, 2), **named)
+    one, two = (coupling.mounted_screw(s, small.scene, frozenset({"3D shaft"})) for s in (small, other))
+    np.testing.assert_array_equal(one.G, two.G)
+    shaft = coupling.mounted_screw(small, small.scene).G
+    assert one.G.shape == shaft.shape
+    assert not np.allclose(one.G, shaft, rtol=1e-6, atol=0.0)
+
+
 def test_contact_loads_are_those_of_the_whole_mesh(small, meshes):
     """Two balls, both bodies, same mesh, each contact's own compliance exchanged as submodels ask for, the grid's wave left
     in: loads with nothing condensed agree to 1e-10."""
