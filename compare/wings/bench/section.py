@@ -9,31 +9,15 @@ from dataclasses import asdict
 from rollbench.comparison.costs.timing import Job
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import entry, load_table
-from rollbench.comparison.sources.lin.bench import jobs
-from rollbench.comparison.sources.liu.bench import jobs as chain_jobs
+from rollbench.comparison.registration import offered
 from rollbench.comparison.wings.bench.axis_bench import jobs as axis_jobs
 from rollbench.comparison.wings.bench.bench import run_bench
 from rollbench.reports.records import Cell, Column, Section, Table, Text
 
 
-def friction_table(step: Callable[[str], None]) -> Table:
-    """Friction and ball motion against their targets."""
-    step("friction")
-    rows: list[dict[str, Cell]] = [asdict(row) | {"reached": "yes" if row.reached else "no"} for row in jobs(5)]
-    columns = (
-        Column("name", "job", "", "s"),
-        Column("seconds", "seconds", "s", "g3"),
-        Column("target", "target", "s", "g3"),
-        Column("reached", "reached", "", "s"),
-        Column("ratio", "ratio", "", "g3"),
-        Column("note", "what is included", "", "s"),
-    )
-    return Table("timing-friction", "Friction and ball motion, compiled", columns, rows)
-
-
 def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
     """Section of the report, with its headlines."""
-    done = [*run_bench(step), *chain_jobs(5), *axis_jobs(5)]
+    done = [*run_bench(step), *(job for added in offered("timing jobs") for job in added()), *axis_jobs(5)]
     rows: list[dict[str, Cell]] = [asdict(job) for job in done]
     printed: list[dict[str, Cell]] = [
         {"label": p.label, "printed": p.printed, "unit": p.unit, "class": p.cls, "remark": p.remark}
@@ -64,7 +48,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG0
                 ),
                 rows,
             ),
-            friction_table(step),
+            *(table for added in offered("timing") for table in added(step)),
             Table(
                 "timing-printed",
                 "Table 2.2 as printed",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from rollbench.comparison.models.study import Study
-from rollbench.comparison.sources.lin.extremes.items import table_section_items
+from rollbench.comparison.registration import offered
 from rollbench.comparison.wings.extremes.campaign.record import rows as campaign_rows
 from rollbench.comparison.wings.extremes.campaign.record import shipped
 from rollbench.comparison.wings.extremes.rows import tally, wide_rows
@@ -104,7 +104,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG0
                 summary,
             ),
             Table("stability-cases", "Case by case", columns, wide_rows(rows)),
-            *table_section_items(),
+            *(item for added in offered("stability") for item in added()),
             Text(
                 (
                     "Random extreme screws and bearings, mutated files and killed processes, each outcome judged by "

@@ -5,10 +5,10 @@ import json
 import pytest
 
 from rollbench.comparison.cli import app
+from rollbench.comparison.commands.comparing import kinds as rolling_choices
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.wings.rolling import choices as rolling_choices
 from rollbench.comparison.wings.rolling import commands as rolling
 from rollbench.comparison.wings.rolling import runs
 from rollbench.comparison.wings.rolling.rows import RollingRow, uncertainty, within

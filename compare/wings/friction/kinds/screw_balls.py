@@ -12,19 +12,17 @@ from pydantic import Field
 
 from rollbench.comparison.scenes.fault import Fault, mm
 from rollbench.comparison.scenes.keys import Azimuth, BallSizeKeys, Duration, HelixKeys, MotionKeys, Table, Turns
+from rollbench.comparison.scenes.kinds import KindKeys, KindScene, head_of
 from rollbench.comparison.scenes.quantity import Quantity, key
 from rollbench.comparison.wings.friction.kinds.common import (
     AxialLoad,
     Body,
     Gap,
-    KindKeys,
-    KindScene,
     RubbingKeys,
     SectionKeys,
     Theta,
     body_faults,
     elastic,
-    head_of,
     material_faults,
 )
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
