@@ -98,10 +98,11 @@ class Trace:
 def traces(table: str = "") -> Iterator[Trace]:
     """Every printed entry of one shipped table, or of all, in order. Raises InputError for an unknown table."""
     for name in [table] if table else tables():
+        own = by_table().get(name)
+        rows = load_table(name)
         if name not in by_table() and name not in not_computed():
             continue  # its wing is absent
-        own = by_table().get(name)
-        for row in load_table(name):
+        for row in rows:
             printed = row.claim or f"{row.printed} {row.unit}".rstrip()
             if own is None:
                 yield Trace(name, row.key, printed, row.cls, (), not_computed()[name], "none", "")

@@ -35,6 +35,7 @@ ORDER = (
     "tolerances",
     "friction",
     "friction-screw",
+    "rolling",
     "smith",
     "liu",
     "external",
