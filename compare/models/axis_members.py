@@ -33,7 +33,7 @@ WHOLE = {
 }
 OF_SET = {
     "largest_load_N": "largest load / N",
-    "mean_load_N": "mean loaded contact / N",
+    "mean_load_N": "mean load of those above 1 % of the largest / N",
     "axial_force_N": "axial force on the shaft / N",
     "lost_contacts": "contacts lost",
     "relative_life": "life over that without random errors",

@@ -23,15 +23,16 @@ from rollbench.comparison.models.loading import scaled
 from rollbench.comparison.models.registry import MODELS, Options, run_model
 from rollbench.comparison.reference import parallel
 from rollbench.comparison.reference.jobs import Engine
+from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import without_draws
-from rollbench.meshes.loads import BARELY
+from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
 
 #: What is kept of each member: key and heading.
 KEPT = {
     "largest_load_N": "largest contact load / N",
-    "mean_load_N": "mean loaded contact / N",
+    "mean_load_N": "mean contact load / N",
     "stiffness_N_per_um": "stiffness along the load / (N/um)",
     "lost_contacts": "contacts lost against no random errors",
     "relative_life": "life over that without random errors",
@@ -136,8 +137,8 @@ def solve_block(scene: Scene, model: str, engine: str, nominal: Array, first: in
     loaded = loads > 0.0
     with np.errstate(divide="ignore", invalid="ignore"):
         life = (life_sum(loads) / life_sum(nominal)) ** (-1.0 / SYSTEM)
-        bearing = loads > BARELY * loads.max(axis=(1, 2), keepdims=True)
-        mean = np.nansum(loads, axis=(1, 2)) / bearing.sum(axis=(1, 2))
+    contacts = nominal_contacts(scene)
+    mean = np.array([mean_load(load, contacts) for load in loads])
     lost = (~loaded & (nominal > 0.0)).sum(axis=(1, 2)).astype(float)
     kept = np.column_stack([loads.max(axis=(1, 2)), mean, stiffness, lost, life, residuals])
     kept[~good] = np.nan

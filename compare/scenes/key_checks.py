@@ -9,7 +9,7 @@ from rollbench.comparison.scenes.catalogue_faults import catalogue_faults
 from rollbench.comparison.scenes.circuits import ball_total
 from rollbench.comparison.scenes.fault import TOLERANCE, Fault, mm
 from rollbench.comparison.scenes.keys import MAX_BALLS, GrooveKeys
-from rollbench.comparison.scenes.schema import BallKeys, FrictionKeys, SceneKeys
+from rollbench.comparison.scenes.schema import BallKeys, FrictionKeys, SceneKeys, TimeKeys
 from rollbench.meshes.partition import MERGE
 
 
@@ -39,10 +39,13 @@ def _circuit_choice_faults(keys: SceneKeys) -> Iterator[Fault]:
         if found.gap is not None and found.filling is not None:
             allowed, advice = "either gap or filling", "they say the same: leave one out"
             yield Fault(("circulation.gap",), allowed, advice, "both")
-    if time is not None and time.steps is not None and time.steps % 4:
-        advice = f"the run is repeated with half and a quarter of its steps: write e.g. steps = {4 * round(time.steps / 4)}"
-        yield Fault(("time.steps",), "a multiple of 4", advice)
-    if time is not None and (time.angle is None) == (time.duration is None):
+    if time is not None:
+        yield from time_faults(time)
+
+
+def time_faults(time: TimeKeys) -> Iterator[Fault]:
+    """A run of two lengths or none."""
+    if (time.angle is None) == (time.duration is None):
         value = "neither" if time.angle is None else "both"
         advice = 'write angle = "360 deg", or duration = "1 s"'
         yield Fault(("time.angle", "time"), "either angle or duration", advice, value)

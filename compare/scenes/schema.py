@@ -283,10 +283,12 @@ class TimeKeys(Table):
 
     angle: Travel | None = key("angle that the part that turns covers", None, "360 deg")
     duration: Duration | None = key("duration (or angle)", None, "1 s")
-    steps: Annotated[int, Field(ge=4, le=100_000)] | None = key(
-        "number of steps; left out: as many as keep the error of the steps below goal", None, 200
+    steps: Annotated[int, Field(ge=1, le=100_000)] | None = key(
+        "number of steps, from 4; left out: as many as keep the errors of the steps below goal", None, 200
     )
-    goal: StepGoal = key("error of the steps that is small enough, as a part of the mean friction torque", 0.01, 0.01)
+    goal: StepGoal = key(
+        "largest error of the steps, as a part of the mean friction torque: beyond it the run has not converged", 0.01, 0.01
+    )
     output: Literal["balls", "torque"] = key(
         "histories in the JSON result: of torque and balls, or of torque", "balls", "balls"
     )

@@ -21,7 +21,7 @@ from rollbench.lowfi.statics.records import Outcome
 from rollbench.lowfi.statics.result import SolverReport, StaticResult
 from rollbench.lowfi.statics.selection import all_clear, all_sides, choose_sides, describe_left_out
 from rollbench.lowfi.statics.settle import Contacts, Flanks, follow_hertz, follow_profile, lost, uneven
-from rollbench.lowfi.statics.shaft import flank_loads, node_motions
+from rollbench.lowfi.statics.shaft import flank_loads, node_forces, node_motions
 from rollbench.lowfi.statics.solved import SolvedState
 from rollbench.lowfi.statics.static import (
     ACCEPTED,
@@ -299,7 +299,7 @@ def solved_state(elastic: Elastic) -> SolvedState:
     centre, contact, shifts = contacts_of(elastic)
     nodal = np.zeros((problem.nodes.size, 6))
     if problem.basis is None:
-        nodal = (elastic.shaft.times(motion.ravel()) - problem.load.ravel() - by_flanks).reshape(-1, 6)
+        nodal = node_forces(elastic.shaft, by_flanks) - problem.load - by_flanks.reshape(-1, 6)
     if elastic.flanks.squeeze is not None:
         motion = elastic.flanks.squeeze.with_inside(motion, pushes, problem.fixed)
     held = np.where(problem.fixed, nodal, 0.0)

@@ -141,19 +141,24 @@ def flank_response(shaft: Shaft, used: list[int]) -> tuple[Array, Array, Array]:
         loads[dof[pick // 2].T, np.arange(pick.size)] = rows[pick // 2, pick % 2].T
         q = shaft.solve(loads)
         G[:, pick] = np.einsum("cak,ckp->cap", rows, q[dof]).reshape(2 * count, pick.size)
-    own = free_state(shaft)
+    own = np.add(*free_state(shaft))
     rigid = rigid_nodes(shaft)
     v0 = np.einsum("cak,ck->ca", rows, own[dof]).ravel()
     R = np.einsum("cak,ckp->cap", rows, rigid[dof]).reshape(2 * count, -1)
     return 0.5 * (G + G.T), v0, R
 
 
-def free_state(shaft: Shaft) -> Array:
-    """Nodal motions ``(6 n,)`` by loads and prescribed displacements alone."""
-    problem = shaft.problem
-    given = np.where(problem.fixed, problem.prescribed, 0.0).ravel()
+def free_state(shaft: Shaft) -> tuple[Array, Array]:
+    """Nodal motions ``(6 n,)`` by loads and prescribed displacements: the rigid one that these displacements are, or zero
+    where they strain the beam, and what is beyond it. Round-off of a rigid motion that was solved for would strain it."""
+    problem, held = shaft.problem, shaft.problem.fixed
+    rigid, prescribed = rigid_transport(problem.nodes - problem.nodes[shaft.pin]), np.where(held, problem.prescribed, 0.0)
+    moved = rigid @ np.linalg.lstsq(rigid[held], prescribed[held])[0]
+    given = np.where(held, prescribed - moved, 0.0).ravel()
+    if np.abs(given).max() > 1e-12 * np.abs(prescribed).max():
+        moved, given = np.zeros_like(moved), prescribed.ravel()
     loads = problem.load.ravel() - (shaft.times(given) if np.any(given) else 0.0)
-    return np.asarray(given + shaft.solve(loads[:, None])[:, 0])
+    return moved.ravel(), given + shaft.solve(loads[:, None])[:, 0]
 
 
 def rigid_nodes(shaft: Shaft) -> Array:
@@ -170,8 +175,14 @@ def node_motions(shaft: Shaft, loads: Array, amplitudes: Array) -> Array:
         q = np.where(problem.fixed, problem.prescribed, 0.0)
         q[0, ~problem.fixed[0]] = amplitudes
         return q
-    q = free_state(shaft) + shaft.solve(loads[:, None])[:, 0]
-    return np.asarray((q + rigid_nodes(shaft) @ amplitudes).reshape(-1, 6))
+    moved, bent = free_state(shaft)
+    q = bent + shaft.solve(loads[:, None])[:, 0]
+    return np.asarray((moved + q + rigid_nodes(shaft) @ amplitudes).reshape(-1, 6))
+
+
+def node_forces(shaft: Shaft, loads: Array) -> Array:
+    """Forces and moments ``(n, 6)`` [N, N m] that the beam takes at its nodes when it moves as `node_motions` says."""
+    return shaft.times(free_state(shaft)[1] + shaft.solve(loads[:, None])[:, 0]).reshape(-1, 6)
 
 
 def flank_loads(problem: Problem, forces: Array, used: list[int]) -> Array:

@@ -161,6 +161,6 @@ def squeezed(shaft: Shaft, used: Sequence[int], stretches: Sequence[Stretch], st
     M = np.linalg.inv(np.eye(W) + 0.5 * (B + B.T) @ H)
     feel, by_forces = (D.T + A.T @ H) @ M, A - B @ D
     added = A.T @ D + feel @ by_forces
-    given = S @ free_state(shaft) - warm
+    given = S @ free_state(shaft)[1] - warm
     moved = feel @ given + inside.T @ problem.load.ravel()
     return Squeeze(0.5 * (added + added.T), moved, S, feel, X @ H @ M, D + H @ M @ by_forces, H @ M @ given, inside)

@@ -107,6 +107,7 @@ def equilibrium(solved: SolvedState, points: Array, on_ball: Array) -> Equilibri
         float(np.abs(applied_force).max()),
         float(np.abs(contact_force).max()),
         float(np.abs(reaction_force).max()),
+        float(np.abs(nodal[:, 3:]).max()) / scene.track.pitch_radius,  # supports may twist against one another alone
         float(force.max(initial=0.0)),
         solved.scale,
     )

@@ -21,7 +21,7 @@ from rollbench.comparison.sources.lin.evidence.source_cases import (
     table_3_6,
 )
 from rollbench.lowfi.friction.screw.pair import BOTH, SHIFTED, Pair, PairResult, implied_load, sliding_speed, solve_pair
-from rollbench.lowfi.friction.screw.run import RunSummary, simulate, summarise
+from rollbench.lowfi.friction.screw.run import RunSummary, equal_steps, summarise
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
@@ -137,7 +137,7 @@ def test_hertz_constants_of_the_source_change_little() -> None:
 def run_summary(amplitude: float, phase: float = 0.0) -> RunSummary:
     if phase == 0.0:
         return summarise(as_stepped(amplitude))
-    return summarise(simulate(lin_3_4_4(amplitude=np.radians(amplitude), phase=phase)))
+    return summarise(equal_steps(lin_3_4_4(amplitude=np.radians(amplitude), phase=phase)))
 
 
 def test_occupation_means_no_volume_of_the_tube() -> None:
@@ -176,7 +176,7 @@ def test_times_of_3_4_4_are_open_because_nothing_tried_gives_them(key: str, name
 def test_without_oversize_only_coupled_friction_makes_contact() -> None:
     """Two contacts leave the balls' speeds nearly alike; the third contact that friction brings makes them differ."""
     short = {"oversize": 0.0, "steps": 70, "duration": 0.7}
-    assert not simulate(lin_3_4_4(**short)).contact.any()
-    coupled = simulate(lin_3_4_4(coupling="ball and screw", **short))
+    assert not equal_steps(lin_3_4_4(**short)).contact.any()
+    coupled = equal_steps(lin_3_4_4(coupling="ball and screw", **short))
     assert coupled.contact.any()
     assert summarise(coupled).groove_variation > 0.1

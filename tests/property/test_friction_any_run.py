@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.friction_runs import WAVES, crowded, setting, sparse
 
-from rollbench.lowfi.friction.whole.run import simulate
+from rollbench.lowfi.friction.screw.travel import simulate
 from rollbench.meshes.parts import BallErrors, Circulation, Friction, Motion
 
 
@@ -39,11 +39,13 @@ def test_energy_order_and_forces(seed):
     assert np.abs(h.imbalance).max() < (1e-8 if friction.screw == friction.nut else 1e-7)
     losses = h.torque * abs(h.advance[0])
     assert np.abs(h.torque_balance / losses).max() < (1e-8 if friction.screw == friction.nut else 1e-7)
-    assert h.axial == pytest.approx(np.full(h.steps, scene.loads[0].force[2]), rel=1e-8)
-    for track, own in zip(h.balls.tracks, h.balls.bounds, strict=True):
+    assert h.axial == pytest.approx(np.full(h.time.size, scene.loads[0].force[2]), rel=1e-8)
+    for track, own in zip(h.setting.balls.tracks, h.setting.balls.bounds, strict=True):
         gap, force = h.gap[:, own], h.ball_force[:, own]
         assert gap.min() >= 0.0
-        assert gap.sum(axis=1) == pytest.approx(np.full(h.steps, track.ring - h.balls.spacing[own].sum()), abs=1e-9)
+        assert gap.sum(axis=1) == pytest.approx(
+            np.full(h.time.size, track.ring - h.setting.balls.spacing[own].sum()), abs=1e-9
+        )
         assert force.min() >= 0.0
         assert np.max(gap[force > 0.0], initial=0.0) < 1e-9
     assert np.all(h.load[~h.loaded] == 0.0)

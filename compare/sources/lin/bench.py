@@ -28,12 +28,12 @@ from rollbench.lowfi.friction.linear.pair import solve_pair as solve_linear_pair
 from rollbench.lowfi.friction.screw.motion import ROUNDS, ball_motion, ball_motion_by_root
 from rollbench.lowfi.friction.screw.motion import source_law as screw_law
 from rollbench.lowfi.friction.screw.pair import Pair, solve_pair
-from rollbench.lowfi.friction.screw.run import simulate
+from rollbench.lowfi.friction.screw.run import equal_steps
+from rollbench.lowfi.friction.screw.travel import simulate
 from rollbench.lowfi.friction.whole.balls import balls_of
 from rollbench.lowfi.friction.whole.contacts import contacts_of
 from rollbench.lowfi.friction.whole.losses import ball_friction
 from rollbench.lowfi.friction.whole.run import Setting
-from rollbench.lowfi.friction.whole.run import simulate as simulate_scene
 from rollbench.lowfi.jit import CONTACT, kernels
 from rollbench.lowfi.statics.again import AGAIN, ContactLoads
 from rollbench.lowfi.statics.static import solve_static
@@ -193,7 +193,7 @@ def screw_ratio(pair: Pair, ours: float, repeats: int) -> tuple[float | None, st
 def run_jobs(repeats: int) -> Iterator[FrictionJob]:
     """The whole screw over 200 steps; the source's method over the first of them."""
     run = lin_3_4_4()
-    seconds = timed(lambda: simulate(run), max(1, repeats // 5))
+    seconds = timed(lambda: equal_steps(run), max(1, repeats // 5))
     note = f"{run.steps} steps, {run.count} balls, theta of 3 deg, loads not coupled"
     begin = perf_counter()
     found = simulate_by_root(run, SOURCE_STEPS)
@@ -208,7 +208,7 @@ def run_jobs(repeats: int) -> Iterator[FrictionJob]:
     note += f"; its rule (3.77) lets balls overlap in {found.overlapping} of these"
     yield FrictionJob("whole screw", seconds, WHOLE, theirs / seconds, note)
     agreed = replace(run, coupling="ball and screw", rounds=ROUNDS)
-    seconds = timed(lambda: simulate(agreed), max(1, repeats // 5))
+    seconds = timed(lambda: equal_steps(agreed), max(1, repeats // 5))
     note = "the same, friction moves balls and screw, to agreement of loads and friction in every step; the source's "
     yield FrictionJob("whole screw, coupled", seconds, WHOLE, None, note + "root finding is here for given loads only")
 
@@ -224,10 +224,8 @@ def whole_jobs(repeats: int) -> Iterator[FrictionJob]:
     balls = balls_of(scene, friction, drive, drawn)
     for model, loads in AGAIN.items():
         setting = Setting(scene, friction, drive, drawn, balls, partial(_compiled, loads, scene))
-        simulate_scene(setting, 0.01, 2)
-        seconds = (
-            timed(partial(simulate_scene, setting, SOURCE_STEPS / RUN_STEPS, SOURCE_STEPS), 1) * RUN_STEPS / SOURCE_STEPS
-        )
+        simulate(setting, 0.01, 2)
+        seconds = timed(partial(simulate, setting, SOURCE_STEPS / RUN_STEPS, SOURCE_STEPS), 1) * RUN_STEPS / SOURCE_STEPS
         note = f"{RUN_STEPS} steps of {scene.ball_count} balls, loads solved in every one by the model {model}; time of "
         note += f"{SOURCE_STEPS} steps times {RUN_STEPS / SOURCE_STEPS:g}; {NO_SOURCE}"
         yield FrictionJob(f"{scene.name} over a turn, {model}", seconds, WHOLE, None, note)

@@ -21,21 +21,17 @@ from rollbench.comparison.wings.friction.answer import (
     load_row,
 )
 from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewPairScene, ScrewRunScene
-from rollbench.comparison.wings.friction.run import error_data
+from rollbench.comparison.wings.friction.run import judged, run_data, run_lines
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.pair import PairResult, solve_pair
-from rollbench.lowfi.friction.screw.run import RunResult, checked, groups, summarise
-from rollbench.lowfi.friction.screw.steps import StepError
+from rollbench.lowfi.friction.screw.run import summarise
+from rollbench.lowfi.friction.screw.travel import History, resolved
 from rollbench.lowfi.statics.validity import size_warnings
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES
 
 #: Overlap of neighbours [rad] that is round-off.
 TOUCHING = 1e-9
-
-
-#: Error of the steps of a run, as a fraction of its mean torque, beyond which it is warned of.
-STEP_GOAL = 0.01
 
 
 def sliding(groove: ScrewGroove, force: Array) -> float:
@@ -150,102 +146,95 @@ PAIR_COLUMNS: tuple[Column, ...] = (
 # --- a whole screw
 
 
-def order_kept(r: RunResult) -> bool:
+def order_kept(h: History) -> bool:
     """Whether no ball ever passes or overlaps the next one, the last and the first included."""
-    ahead = np.diff(np.column_stack([r.azimuth, r.azimuth[:, 0] + r.run.ring]), axis=1)
-    return bool(min(ahead.min(), r.spacing.min()) >= r.run.groove.pair.spacing - TOUCHING)
+    ahead = np.diff(np.column_stack([h.ends, h.ends[:, 0] + h.setting.ring]), axis=1)
+    return bool(ahead.min() >= h.setting.groove.pair.spacing - TOUCHING)
 
 
-def run_summary(r: RunResult) -> dict[str, Any]:
+def run_summary(h: History) -> dict[str, Any]:
     """What happens in the run: nut angles [deg], torques [N mm], gaps [um], shares [%] of the grooves' torque."""
-    s, touch, nut = summarise(r), np.any(r.contact, axis=1), np.degrees(r.nut_angle)
+    s, touch, nut = summarise(h), np.any(h.contact, axis=1), np.degrees(h.nut_angle)
     met = bool(touch.any())
-    closing, radius = r.closing_torque, r.run.groove.radius
+    torques = {
+        "mean_torque_Nmm": h.torque,
+        "mean_groove_torque_Nmm": h.groove_torque,
+        "mean_ball_torque_Nmm": h.ball_torque + h.closing_torque,
+        "mean_closing_torque_Nmm": h.closing_torque,
+    }
     return {
         "largest_ball_to_groove_percent": number(100.0 * s.largest),
         "largest_at_deg": number(s.at) if met else None,
         "contact_begins_deg": number(nut[np.argmax(touch)]) if met else None,
         "contact_ends_deg": number(s.none_at) if met else None,
+        "contact_ends_within_deg": number(degrees(abs(h.setting.groove.speed) * h.span / h.steps)) if met else None,
         "largest_groups": s.groups,
-        "mean_torque_Nmm": number(1e3 * r.torque.mean()),
-        "mean_groove_torque_Nmm": number(1e3 * r.groove_torque.mean()),
-        "mean_ball_torque_Nmm": number(1e3 * (r.ball_torque + closing).mean()),
-        "mean_closing_torque_Nmm": number(1e3 * closing.mean()),
+        **{name: number(1e3 * h.mean(values)) for name, values in torques.items()},
         "groove_variation_percent": number(100.0 * s.groove_variation),
-        "largest_ball_force_N": number(r.ball_force.max()),
-        "order_kept": order_kept(r),
-        "smallest_gap_um": number(1e6 * radius * r.gap.min()),
-        "occupation_percent": number(100.0 * r.run.occupation),
+        "largest_ball_force_N": number(h.ball_force.max()),
+        "order_kept": order_kept(h),
+        "smallest_gap_um": number(1e6 * h.setting.groove.radius * h.gap.min()),
+        "occupation_percent": number(100.0 * h.setting.occupation),
     }
 
 
-def run_series(r: RunResult) -> dict[str, list[Any]]:
-    """Time series, one entry per step; time and nut angle at its start."""
-    speed, radius = r.run.groove.speed, r.run.groove.radius
+def run_series(h: History) -> dict[str, list[Any]]:
+    """Time series, one entry per piece of a step; time and nut angle in its middle."""
     values = {
-        "time_s": r.nut_angle / speed,
-        "nut_angle_deg": np.degrees(r.nut_angle),
-        "groove_torque_Nmm": 1e3 * r.groove_torque,
-        "ball_torque_Nmm": 1e3 * (r.ball_torque + r.closing_torque),
-        "ball_to_groove_percent": 100.0 * r.ratio,
-        "largest_ball_force_N": r.ball_force.max(axis=1),
-        "smallest_gap_um": 1e6 * radius * r.gap.min(axis=1),
-        "balance_percent": 100.0 * r.imbalance,
+        "time_s": h.time,
+        "nut_angle_deg": np.degrees(h.nut_angle),
+        "groove_torque_Nmm": 1e3 * h.groove_torque,
+        "ball_torque_Nmm": 1e3 * (h.ball_torque + h.closing_torque),
+        "ball_to_groove_percent": 100.0 * h.ratio,
+        "largest_ball_force_N": h.ball_force.max(axis=1),
+        "smallest_gap_um": 1e6 * h.setting.groove.radius * h.gap.min(axis=1),
+        "balance_percent": 100.0 * h.imbalance,
     }
-    counts = {"contacts": r.contact.sum(axis=1), "groups": groups(r.contact)}
     out: dict[str, list[Any]] = {name: [number(v) for v in row] for name, row in values.items()}
-    out |= {name: [int(v) for v in row] for name, row in counts.items()}
-    return out | {"converged": [bool(v) for v in r.converged]}
-
-
-def step_warnings(error: StepError | None) -> list[str]:
-    """What to say of a run whose steps are too long, or whose error is not known."""
-    if error is None:
-        return ["the error of the steps is not known: take an even number of steps"]
-    if error.small(STEP_GOAL):
-        return []
-    return [f"the error of the steps is some {100.0 * error.torque:.2g} % of the mean torque: take more steps"]
+    out |= {"contacts": h.contact.sum(axis=1).tolist(), "groups": h.groups.tolist()}
+    return out | {"converged": h.converged.tolist()}
 
 
 def solve_run(scene: KindScene) -> FrictionAnswer:
     """Contacts, torques and energy of a whole screw in time."""
     assert isinstance(scene, ScrewRunScene)
-    run = scene.run
-    r, error = checked(run)
-    failed, speed = int(np.sum(~r.converged)), abs(run.groove.speed)
-    status = "converged" if failed == 0 else f"{failed} of {run.steps} steps did not converge"
-    loss = r.torque * speed
-    bound = sliding(run.groove, r.load) / run.steps
-    spent = energy(float((loss * (1.0 + r.imbalance)).mean()), float(loss.mean()), bound)
+    run, time = scene.run, scene.time
+    in_time = judged(*resolved(run, run.duration, time.steps, time.goal), time)
+    h, speed = in_time.history, abs(run.groove.speed)
+    bound = sliding(run.groove, h.load) / h.time.size
+    loss = h.torque * speed
+    spent = energy(h.mean(loss * (1.0 + h.imbalance)), h.mean(loss), bound)
     known = spent["balance_percent"] is not None
-    spent["largest_step_balance_percent"] = number(100.0 * np.abs(r.imbalance).max()) if known else None
-    summary = run_summary(r)
-    data = head(scene, status, failed == 0, run.coupling) | {
+    spent["largest_step_balance_percent"] = number(100.0 * np.abs(h.imbalance).max()) if known else None
+    summary, failed = run_summary(h), int(np.sum(~h.converged))
+    found = run_data(in_time)
+    data = head(scene, in_time.status, in_time.converged, run.coupling) | {
         "law": "coulomb",
         "hertz": hertz_word(run.groove),
         "coupling": run.coupling,
         "coupled": run.coupling != "none",
         "ball_count": run.count,
-        "steps": run.steps,
+        "steps": h.steps,
         "duration_s": number(run.duration),
         "amplitude_deg": number(degrees(run.amplitude)),
         "oversize_um": number(1e6 * run.oversize),
         "summary": summary,
         "energy": spent,
-        "series": run_series(r),
-        "solver": {"failed_steps": failed, "feedback_change_N": number(r.change.max()) if run.coupling != "none" else 0.0},
-        "step_error": None if error is None else error_data(error, STEP_GOAL),
-        "warnings": [*screw_warnings(run.groove, r.load), *step_warnings(error)],
+        "series": run_series(h),
+        "solver": {"failed_steps": failed, "feedback_change_N": number(h.change.max()) if run.coupling != "none" else 0.0},
+        "step_error": found["step_error"],
+        "run": found,
+        "warnings": screw_warnings(run.groove, h.load),
     }
     lines = [
-        f"{run.count} balls, {run.steps} steps over {run.duration:.6g} s, nut turns by "
-        f"{degrees(speed * run.duration):.6g} deg on the screw",
-        energy_line(spent) + f", at most {cell(spent['largest_step_balance_percent'], '.1e')} % in a step",
-        f"solver: {failed} of {run.steps} steps failed",
+        f"{run.count} balls over {run.duration:.6g} s",
+        *run_lines(in_time),
+        energy_line(spent) + f", at most {cell(spent['largest_step_balance_percent'], '.1e')} % at an instant",
+        f"solver: {failed} of {h.time.size} instants failed",
         f"law coulomb, Hertz constants {data['hertz']}, coupling of friction to loads: {run.coupling}",
     ]
     shown = [{"quantity": label, "value": cell(summary[name], form)} for name, label, form in RUN_LINES]
-    return FrictionAnswer(data, [("summary", RUN_COLUMNS, shown)], lines, failed == 0)
+    return FrictionAnswer(data, [("summary", RUN_COLUMNS, shown)], lines, in_time.converged)
 
 
 RUN_COLUMNS = (("quantity", "quantity", "s"), ("value", "value", "s"))
@@ -253,7 +242,8 @@ RUN_LINES = (
     ("largest_ball_to_groove_percent", "largest torque by ball-to-ball contact over the grooves' %", ".4g"),
     ("largest_at_deg", "nut angle of it deg", ".4g"),
     ("contact_begins_deg", "nut angle where contact begins deg", ".4g"),
-    ("contact_ends_deg", "nut angle of the first step without contact after the largest deg", ".4g"),
+    ("contact_ends_deg", "nut angle of the first instant without contact after the largest deg", ".4g"),
+    ("contact_ends_within_deg", "known to one step of deg", ".4g"),
     ("largest_groups", "groups of touching balls at most", "d"),
     ("mean_torque_Nmm", "mean torque N mm", ".5g"),
     ("mean_groove_torque_Nmm", "of ball to groove N mm", ".5g"),

@@ -122,7 +122,7 @@ def solve_scene(scene: Scene, choices: Choices) -> FrictionAnswer:
 
 def _with_run(answer: FrictionAnswer, run: Run) -> FrictionAnswer:
     """The answer for the scene's instant with the run in time after it."""
-    data = answer.data | {"run": run_data(run), "warnings": [*answer.data["warnings"], *run.warnings]}
+    data = answer.data | {"run": run_data(run)}
     good = answer.converged and run.converged
     if answer.converged and not good:
         data |= {"status": f"run in time: {run.status}"}

@@ -13,6 +13,7 @@ from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.registration import offered
 from rollbench.lowfi.rating.life import life
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force
+from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
@@ -22,7 +23,7 @@ from rollbench.meshes.parts import SIDES, Friction, Motion, Scene
 #: What is kept of a solved sample: key and heading.
 OUTPUTS = {
     "largest_load_N": "largest contact load / N",
-    "mean_load_N": "mean loaded contact / N",
+    "mean_load_N": "mean contact load / N",
     "loaded_contacts": "loaded contacts",
     "idle_balls": "balls without load",
     "displacement_um": "displacement at the load / um",
@@ -45,7 +46,7 @@ def outputs(scene: Scene, result: StaticResult, model: str, options: Options) ->
     held = preload(scene, bare) if bare.converged else None
     force, moved = axial_force(result), axial_displacement(scene, result) - unloaded_place(scene, bare)
     return {
-        **_of_loads([("", load)]),
+        **_of_loads([("", load)], nominal_contacts(scene)),
         "displacement_um": _displacement(scene, result),
         "largest_approach_um": _approach(result),
         "rigidity_N_per_um": _rigidity(force, moved),
@@ -79,8 +80,8 @@ def axis_outputs(assembly: Assembly, result: AxisResult, engine: str) -> dict[st
     }
 
 
-def _of_loads(sets: list[tuple[str, Array]]) -> dict[str, Any]:
-    """What the loads ``(n, 4)`` [N] of all sets say, with the words that say which set."""
+def _of_loads(sets: list[tuple[str, Array]], contacts: int = 0) -> dict[str, Any]:
+    """What the loads ``(n, 4)`` [N] of all sets say, with the words that say which set; contacts: see `mean_load`."""
     every = np.concatenate([load[load > 0.0] for _, load in sets]) if sets else np.zeros(0)
     at = ""
     if every.size:
@@ -89,7 +90,7 @@ def _of_loads(sets: list[tuple[str, Array]]) -> dict[str, Any]:
         at = f"{name}{ball + 1} {SIDES[side]}"
     return {
         "largest_load_N": float(every.max(initial=0.0)),
-        "mean_load_N": mean_load(every),
+        "mean_load_N": mean_load(every, contacts),
         "loaded_contacts": int(every.size),
         "idle_balls": sum(int(np.count_nonzero(~(load > 0.0).any(axis=1))) for _, load in sets),
         "at": at,

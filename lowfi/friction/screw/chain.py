@@ -131,9 +131,14 @@ class ChainMotion:
     from_start: bool = False
 
     @property
+    def losses(self) -> tuple[float, float, float]:
+        """Dissipation [W] in the grooves, between balls that slide, and of gaps that close."""
+        return float(self.groove_loss.sum()), float(self.ball_loss.sum()), float(self.closing_loss.sum())
+
+    @property
     def loss(self) -> float:
         """Total dissipation [W]."""
-        return float(self.groove_loss.sum() + self.ball_loss.sum() + self.closing_loss.sum())
+        return sum(self.losses)
 
 
 def parts_of(count: int) -> BalanceParts:

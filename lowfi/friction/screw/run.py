@@ -1,12 +1,11 @@
-"""A whole ball screw in time: recirculating balls that engage and part (Lin 3.4.4), by implicit non-smooth steps.
+"""A whole ball screw in time: recirculating balls that engage and part (Lin 3.4.4), between a rigid screw and a rigid nut.
 
-Over a step the gap of neighbours obeys 0 <= F, 0 <= gap + rate dt, F (gap + rate dt) = 0, so that balls keep their
-order and never overlap. The track is a ring: the loaded turns of the nut and a return tube of given length.
+The track is a ring: the loaded turns of the nut and a return tube of given length. See ``travel``.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,13 +15,14 @@ from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.load import Cell, screw_rows
 from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.pair import BOTH
-from rollbench.lowfi.friction.screw.steps import StepError, step_error
+from rollbench.lowfi.friction.screw.travel import History, Instant, Place, Track, simulate, to_arc_end
 from rollbench.meshes.arrays import Array
 
 
 @dataclass(frozen=True)
 class Run:
-    """A run of ``steps`` over ``duration`` [s]; SI. From ``oversize`` on, assumptions that the source does not print.
+    """A run over ``duration`` [s], in ``steps`` steps by the scheme "equal"; SI. A setting of ``travel``, azimuths on the
+    screw. From ``oversize`` on, assumptions that the source does not print.
 
     force: on the screw along its free translations ``free`` [N]; amplitude [rad], cycles per turn and phase [rad] of
     the deviation theta of the contact angles, times pattern (SL, SR, NL, NR), over the azimuth on the screw; tube:
@@ -37,7 +37,7 @@ class Run:
     force: tuple[float, ...]
     free: str
     duration: float
-    steps: int
+    steps: int = 1
     oversize: float = 0.0
     amplitude: float = 0.0
     cycles: float = 2.0
@@ -56,6 +56,26 @@ class Run:
             raise ValueError("more balls than the track holds")
 
     @property
+    def grooves(self) -> ScrewGroove:
+        """The grooves in motion."""
+        return self.groove
+
+    @property
+    def tracks(self) -> tuple[Track]:
+        """The one closed track."""
+        return (Track(0, 2.0 * np.pi * self.turns, self.ring, self.groove.pair.spacing, slice(0, self.count)),)
+
+    @property
+    def spacing(self) -> Array:
+        """Azimuth (N,) by which the next ball is ahead where both touch [rad]."""
+        return np.full(self.count, self.groove.pair.spacing)
+
+    @property
+    def number(self) -> NDArray[np.int64]:
+        """Numbers (N,) of the balls."""
+        return np.arange(self.count)
+
+    @property
     def ring(self) -> float:
         """Length of the closed track [rad]."""
         return 2.0 * np.pi * self.turns + self.tube
@@ -70,57 +90,36 @@ class Run:
         along = np.mod(azimuth - nut_angle + np.pi * self.turns, self.ring)
         return along + nut_angle - np.pi * self.turns, along < 2.0 * np.pi * self.turns
 
+    def begin(self) -> Place:
+        """Evenly spread balls."""
+        azimuth = self.ring * (np.arange(self.count) + self.first) / self.count - np.pi * self.turns
+        gap = np.full(self.count, self.ring / self.count - self.groove.pair.spacing)
+        return Place(azimuth, gap, np.full(self.count, self.groove.nominal_orbit - self.groove.screw_speed), None)
 
-@dataclass(frozen=True)
-class RunResult:
-    """Arrays over T = steps, N balls; ball k pushes ball k + 1, the last one the first.
+    def to_end(self, azimuth: Array, omega: Array, time: float) -> float:
+        """Time [s] until a ball passes an end of the nut's turns; inf where it meets the same there as at the other end."""
+        if self.tube == 0.0 and (self.amplitude == 0.0 or (self.cycles * self.turns).is_integer()):
+            return np.inf
+        speed, arc = self.groove.speed, 2.0 * np.pi * self.turns
+        along = np.mod(azimuth - speed * time + 0.5 * arc, self.ring)
+        return to_arc_end(along, omega - speed, arc, self.ring)
 
-    nut_angle (T,) [rad]; azimuth (T, N) unwrapped, at the start of each step; gap (T, N) [rad] at its end; ball_force
-    (T, N) [N]; omega (T, N) [rad/s]; load (T, N, 4) [N]; torques (T,) [N m] of grooves, of ball-to-ball sliding and of
-    closing gaps; imbalance (T,): input power less losses, relative; change (T,): of friction fed back to loads [N];
-    converged (T,): loads and motion, and with more than one round that they agree.
-    """
-
-    run: Run
-    nut_angle: Array
-    azimuth: Array
-    gap: Array
-    ball_force: Array
-    omega: Array
-    load: Array
-    groove_torque: Array
-    ball_torque: Array
-    closing_torque: Array
-    imbalance: Array
-    change: Array
-    converged: NDArray[np.bool_]
-
-    @property
-    def torque(self) -> Array:
-        """Friction torque (T,) [N m] (Figure 3.25)."""
-        return np.asarray(self.groove_torque + self.ball_torque + self.closing_torque)
-
-    @property
-    def good(self) -> bool:
-        """Whether every step converged."""
-        return bool(self.converged.all())
-
-    @property
-    def contact(self) -> NDArray[np.bool_]:
-        """Which neighbours touch, (T, N): the dots of Figure 3.24."""
-        return np.asarray(self.ball_force > 0.0)
-
-    @property
-    def spacing(self) -> Array:
-        """Angular distance (T, N) of ball k + 1 from ball k at the end of each step [rad] (Figure 3.24)."""
-        return self.gap + self.run.groove.pair.spacing
-
-    @property
-    def ratio(self) -> Array:
-        """Torque by ball-to-ball contact over that of the grooves, (T,); nan without friction."""
-        groove = self.groove_torque
-        part = self.ball_torque + self.closing_torque
-        return np.divide(part, groove, out=np.full_like(groove, np.nan), where=groove > 0.0)
+    def instant(self, azimuth: Array, time: float, slack: Array, memory: CoupledChain | None) -> Instant:
+        """Loads and motions at azimuths (N,) on the screw; memory: the solution before."""
+        there, loaded = self.place(azimuth, self.groove.speed * time)
+        near = coupled_chain(run_cell(self, there, loaded), slack, self.coupling, memory, self.rounds)
+        m = near.motion
+        return Instant(
+            omega=m.q[:, 0] - self.groove.screw_speed,
+            ball_force=m.ball_force,
+            load=near.load.force,
+            loaded=loaded,
+            losses=m.losses,
+            input_power=m.input_power,
+            converged=m.converged and near.load.converged and (near.converged or self.rounds == 1),
+            memory=near,
+            change=near.change,
+        )
 
 
 def deviation(run: Run, azimuth: Array) -> Array:
@@ -145,55 +144,9 @@ def run_cell(run: Run, azimuth: Array, loaded: NDArray[np.bool_]) -> Cell:
     )
 
 
-@dataclass
-class _Log:
-    rows: dict[str, list[Array | float | bool]] = field(default_factory=dict)
-
-    def add(self, **values: Array | float | bool) -> None:
-        """Append one step."""
-        for key, value in values.items():
-            self.rows.setdefault(key, []).append(value)
-
-
-def simulate(run: Run) -> RunResult:
-    """Run from evenly spread balls. Gaps stay >= 0 and sum up to the free length of the ring, at every step."""
-    g, n, dt = run.groove, run.count, run.duration / run.steps
-    azimuth = run.ring * (np.arange(n) + run.first) / n - np.pi * run.turns
-    gap = np.full(n, run.ring / n - g.pair.spacing)
-    near: CoupledChain | None = None
-    log = _Log()
-    for k in range(run.steps):
-        nut_angle = g.speed * dt * k
-        there, loaded = run.place(azimuth, nut_angle)
-        near = coupled_chain(run_cell(run, there, loaded), gap / dt, run.coupling, near, run.rounds)
-        m, omega = near.motion, near.motion.q[:, 0] - g.screw_speed
-        # never less than zero but for round-off
-        gap = np.maximum(gap + dt * (np.roll(omega, -1) - omega), 0.0)
-        log.add(
-            nut_angle=nut_angle,
-            azimuth=azimuth,
-            gap=gap,
-            ball_force=m.ball_force,
-            omega=omega,
-            load=near.load.force,
-            groove_torque=float(m.groove_loss.sum()) / abs(g.speed),
-            ball_torque=float(m.ball_loss.sum()) / abs(g.speed),
-            closing_torque=float(m.closing_loss.sum()) / abs(g.speed),
-            imbalance=m.input_power / m.loss - 1.0 if m.loss > 0.0 else 0.0,
-            change=near.change,
-            converged=m.converged and near.load.converged and (near.converged or run.rounds == 1),
-        )
-        azimuth = azimuth + dt * omega
-    return RunResult(run, **{key: np.array(rows) for key, rows in log.rows.items()})
-
-
-def checked(run: Run) -> tuple[RunResult, StepError | None]:
-    """The run at its own steps with their error, from runs of half and a quarter of them; None for an odd number."""
-    coarse = [simulate(replace(run, steps=run.steps // k)) for k in (4, 2) if run.steps % k == 0]
-    found = simulate(run)
-    if not coarse or not all(r.good for r in (*coarse, found)):
-        return found, None
-    return found, step_error([r.torque for r in (*coarse, found)])
+def equal_steps(run: Run) -> History:
+    """The run in its own equal steps, the source's scheme, from evenly spread balls."""
+    return simulate(run, run.duration, run.steps, "equal")
 
 
 @dataclass(frozen=True)
@@ -209,12 +162,7 @@ class RunSummary:
     groove_variation: float
 
 
-def groups(contact: NDArray[np.bool_]) -> Array:
-    """Number of groups of touching balls (T,) on the closed track, from contacts (T, N)."""
-    return np.asarray(np.sum(contact & ~np.roll(contact, 1, axis=1), axis=1) + np.all(contact, axis=1))
-
-
-def summarise(result: RunResult) -> RunSummary:
+def summarise(result: History) -> RunSummary:
     """The statements of 3.4.4 as numbers."""
     angle = np.degrees(result.nut_angle)
     top = int(np.argmax(result.ratio))
@@ -224,6 +172,6 @@ def summarise(result: RunResult) -> RunSummary:
         largest=float(result.ratio[top]),
         at=float(angle[top]),
         none_at=float(angle[later[0]]) if later.size else float("nan"),
-        groups=int(np.max(groups(result.contact))),
-        groove_variation=float(np.ptp(torque) / torque.mean()) if torque.mean() > 0.0 else float("nan"),
+        groups=int(np.max(result.groups)),
+        groove_variation=float(np.ptp(torque) / result.mean(torque)) if result.mean(torque) > 0.0 else float("nan"),
     )

@@ -1,34 +1,47 @@
-"""How far a run in time is from converged steps: the torque at halved steps, and how many steps keep that below a goal.
+"""How far a run in time is from converged steps: its torques at halved steps, and how many steps keep errors below a goal.
 
-Quantity: the friction torque over the angle, in the mean of its absolute difference. Contacts between balls, and balls that
-enter the loaded arc, make it jump; the time of a jump is wrong by a part of a step, so that the largest difference would
-not fall at all, while the mean one falls with the step.
+Quantities: the friction torque over the angle, in the mean of its absolute difference, its mean, its largest and its least
+value, and the largest share of ball-to-ball contact in it. All errors are parts of the mean torque, that of the share is a
+difference of shares.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Protocol, TypeVar
 
 import numpy as np
 
 from rollbench.meshes.arrays import Array
 
-#: Least order that is believed; the ones of jumps and of smooth motion.
-LOWEST, OF_JUMPS, SMOOTH = 0.5, 1.0, 2.0
-#: Most steps of a run, and the error beyond which its result is refused, as a part of the mean torque.
-MOST, REFUSED = 20_000, 0.1
+#: Orders of smooth motion and of jumps; factor of the change between levels where no order is seen, and the order below
+#: which Richardson's extrapolation has that factor too.
+SMOOTH, OF_JUMPS, UNCLEAR = 2.0, 1.0, 10.0
+LEAST = float(np.log2(1.0 + 1.0 / UNCLEAR))
+#: Safety factor on an extrapolated error.
+SAFETY = 1.25
+#: Most steps of a run.
+MOST = 20_000
 #: Change between levels, as a part of the mean torque, below which its ratios are round-off and tell no order.
 ROUND_OFF = 1e-9
 
 
 class Stepped(Protocol):
-    """A run: friction torque (T,) [N m] at the middles of equal steps, and whether every step converged."""
+    """A run: mean friction torque of each of equal steps (T,), torques by name [N m], the largest share of ball-to-ball
+    contact in them (nan: there is none), and whether every step converged."""
 
     @property
-    def torque(self) -> Array:
+    def per_step(self) -> Array:
         """Friction torque (T,) [N m]."""
+
+    @property
+    def torques(self) -> Mapping[str, float]:
+        """Torques by name [N m]."""
+
+    @property
+    def share(self) -> float:
+        """Largest share of ball-to-ball contact."""
 
     @property
     def good(self) -> bool:
@@ -39,85 +52,111 @@ R = TypeVar("R", bound=Stepped)
 
 
 @dataclass(frozen=True)
-class StepError:
-    """Estimated errors by finite steps, as parts of the mean friction torque.
+class Observed:
+    """Error of one quantity, a part of the mean torque; order seen over three levels, nan where the change is round-off,
+    and used, nan where none is clear."""
 
-    torque: mean absolute error of the torque over the run; mean: error of its mean; order: observed over three levels, nan
-    where there are fewer or the change is round-off; used: order that the estimates take; steps: of the levels solved.
-    """
-
-    torque: float
-    mean: float
-    order: float
-    used: float
-    steps: tuple[int, ...]
-
-    def small(self, goal: float) -> bool:
-        """Whether the error is at most ``goal``."""
-        return self.torque <= goal
+    error: float
+    order: float = float("nan")
+    used: float = SMOOTH
 
     @property
-    def refused(self) -> bool:
-        """Whether it is too large to use the run."""
-        return not self.torque <= REFUSED
+    def unclear(self) -> bool:
+        """Whether no order is seen."""
+        return bool(np.isnan(self.used))
 
 
-def change(coarse: Array, fine: Array) -> tuple[float, float]:
-    """Mean absolute difference of torques (T,) and (2 T,), these in means of two steps, and difference of the means."""
-    both = fine.reshape(-1, 2).mean(axis=1)
-    return float(np.mean(np.abs(both - coarse))), float(abs(fine.mean() - coarse.mean()))
+@dataclass(frozen=True)
+class StepError:
+    """Estimated errors by finite steps: of ``torque`` over the angle, of torques by name and of ``share``; steps of the
+    levels."""
+
+    quantities: dict[str, Observed]
+    steps: tuple[int, ...]
+
+    @property
+    def torque(self) -> float:
+        """Mean absolute error of the torque over the run."""
+        return self.quantities["torque"].error
+
+    @property
+    def largest(self) -> float:
+        """The largest error of all quantities."""
+        return max(q.error for q in self.quantities.values())
+
+    @property
+    def unclear(self) -> tuple[str, ...]:
+        """Quantities of which no order is seen."""
+        return tuple(name for name, q in self.quantities.items() if q.unclear)
+
+    def small(self, goal: float) -> bool:
+        """Whether every error is at most ``goal``."""
+        return self.largest <= goal
 
 
-def step_error(levels: list[Array]) -> StepError:
-    """Error of the last of two or more runs, each with twice the steps of the one before (Richardson's extrapolation).
+def change(coarse: Array, fine: Array) -> float:
+    """Mean absolute difference of torques (T,) and (T',), T' >= T: means of the finer one over the coarser steps."""
+    at = np.arange(coarse.size + 1) * (fine.size / coarse.size)
+    work = np.interp(at, np.arange(fine.size + 1), np.concatenate([[0.0], np.cumsum(fine)]))
+    return float(np.mean(np.abs(np.diff(work) * (coarse.size / fine.size) - coarse)))
 
-    Where the order observed over three levels is that of smooth motion (2, within 0.5), the change between the last two
-    over 2^2 - 1. Otherwise jumps rule, whose errors fall irregularly: the larger one of that change and half of the one
-    before, over 2^p - 1, p the order observed but at most 1. Levels may agree on a wrong time of a jump by chance: the
-    estimate is never below the torque's largest jump for half a step.
+
+def observed(before: float, last: float, jumps: bool = False) -> Observed:
+    """Error from the changes of a quantity between three levels, each with half the steps of the one before.
+
+    Richardson's extrapolation by the order seen, at most that of smooth motion, and where ``jumps`` are possible that of
+    jumps unless it is near the former. Changes that grow, keep their size, or turn their sign tell no order: the error is
+    then UNCLEAR times the largest of them.
     """
-    steps = tuple(t.size for t in levels)
-    size = abs(float(levels[-1].mean()))
-    last, mean = change(levels[-2], levels[-1])
+    most = max(abs(before), abs(last), abs(before + last))
+    if most <= ROUND_OFF:
+        return Observed(most)
+    order = float(np.log2(max(abs(before), 1e-300) / max(abs(last), 1e-300)))
+    if before * last < 0.0 or order < LEAST:
+        return Observed(UNCLEAR * most, order, float("nan"))
+    used = min(order, SMOOTH if not jumps or order > SMOOTH - 0.5 else OF_JUMPS)
+    return Observed(SAFETY * max(abs(last), abs(before) / 2.0**used) / (2.0**used - 1.0), order, used)
+
+
+def step_error(levels: Sequence[Stepped]) -> StepError | None:
+    """Errors of the last of three runs, each with twice the steps of the one before; None for fewer.
+
+    Levels may agree by chance on a wrong time of a jump in the torque: its error is never below the largest jump between
+    two steps for half a step.
+    """
+    steps = tuple(level.per_step.size for level in levels[-3:])
+    if len(steps) < 3 or not steps[0] < steps[1] < steps[2]:
+        return None
+    one, two, three = (level.per_step for level in levels[-3:])
+    size = abs(float(three.mean()))
     if size == 0.0:
-        return StepError(0.0, 0.0, float("nan"), OF_JUMPS, steps)
-    order, before = float("nan"), (0.0, 0.0)
-    if len(levels) > 2 and last > ROUND_OFF * size:
-        before = change(levels[-3], levels[-2])
-        order = float(np.log2(max(before[0], 1e-300) / last))
-    used = OF_JUMPS if np.isnan(order) else float(np.clip(order, LOWEST, OF_JUMPS))
-    if abs(order - SMOOTH) < 0.5:
-        used, before = SMOOTH, (0.0, 0.0)
-    scale = size * (2.0**used - 1.0)
-    least = 0.5 * float(np.abs(np.diff(levels[-1])).max(initial=0.0)) / (steps[-1] * size)
-    torque, average = max(last, 0.5 * before[0]) / scale, max(mean, 0.5 * before[1]) / scale
-    return StepError(max(torque, least), max(average, least), order, used, steps)
+        return StepError({"torque": Observed(0.0)}, steps)
+    over = observed(change(one, two) / size, change(two, three) / size, jumps=True)
+    least = 0.5 * float(np.abs(np.diff(three)).max(initial=0.0)) / (steps[-1] * size)
+    found = {"torque": replace(over, error=max(over.error, least))}
+    numbers = [{name: value / size for name, value in x.torques.items()} | {"share": x.share} for x in levels[-3:]]
+    for name, value in numbers[-1].items():
+        if not np.isnan(value):
+            found[name] = observed(numbers[1][name] - numbers[0][name], value - numbers[1][name])
+    return StepError(found, steps)
 
 
 def solve_steps(simulate: Callable[[int], R], steps: int | None, first: int, goal: float) -> tuple[R, StepError | None]:
-    """The run at given steps, a multiple of 4, with those at half and a quarter of them; without, at doubled steps until
-    the error is small.
+    """The run at given steps, with about half and a quarter of them; without, at doubled steps until the errors are small.
 
-    first: steps to begin with where none are given. No error (None) where a run ended early.
+    first: steps to begin with where none are given. No error (None) where a run ended early, or for fewer than four steps.
     """
     if steps is not None:
-        counts = [steps // 4, steps // 2, steps]
+        counts = sorted({max(1, steps // 4), max(1, steps // 2), steps})
     else:
         counts = [first * 2**k for k in range(20) if first * 2**k <= MOST]
-    if not counts or counts[0] * (4 if steps is not None else 1) not in (steps, first):
-        raise ValueError("steps must be a multiple of 4")
-    levels: list[Array] = []
-    found: R | None = None
+    levels: list[R] = []
     error: StepError | None = None
     for count in counts:
-        found = simulate(count)
-        if not found.good:
-            return found, None
-        levels.append(found.torque)
-        if len(levels) > 2 or (len(levels) == 2 and steps is None):
-            error = step_error(levels)
-            if steps is None and len(levels) > 2 and error.small(goal):
-                break
-    if found is None:
-        raise ValueError("need at least one step")
-    return found, error
+        levels.append(simulate(count))
+        if not levels[-1].good:
+            return levels[-1], None
+        error = step_error(levels)
+        if steps is None and error is not None and error.small(goal):
+            break
+    return levels[-1], error

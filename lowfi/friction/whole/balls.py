@@ -34,17 +34,22 @@ class Balls:
     spacing: Array
     grooves: SceneGrooves
 
+    @property
+    def circuits(self) -> list[tuple[Circuit, slice]]:
+        """The circuits with the slices of their balls."""
+        return list(zip(self.tracks, self.bounds, strict=True))
+
     def gaps(self, azimuth: Array) -> Array:
         """Gaps (N,) [rad] to the next ball of the circuit at azimuths (N,)."""
         out = np.empty_like(azimuth)
-        for track, own in zip(self.tracks, self.bounds, strict=True):
+        for track, own in self.circuits:
             out[own] = np.diff(azimuth[own], append=azimuth[own.start] + track.ring)
         return np.asarray(out - self.spacing)
 
     def place(self, azimuth: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Azimuths (N,) on the helix of start 1 folded into the circuits, and which balls are on a loaded arc."""
         folded, loaded = np.empty_like(azimuth), np.zeros(azimuth.size, dtype=bool)
-        for track, own in zip(self.tracks, self.bounds, strict=True):
+        for track, own in self.circuits:
             along = np.mod(azimuth[own] - track.first, track.ring)
             folded[own], loaded[own] = track.first + along, along < track.arc
         return folded, loaded

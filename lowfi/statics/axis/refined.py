@@ -20,7 +20,7 @@ from rollbench.lowfi.statics.axis.system import BallSet, build, set_contacts, se
 from rollbench.lowfi.statics.records import AxisState, Outcome
 from rollbench.lowfi.statics.result import AxisResult, SolverReport
 from rollbench.lowfi.statics.settle import Flanks, follow_hertz, follow_profile, uneven
-from rollbench.lowfi.statics.shaft import flank_loads, node_motions
+from rollbench.lowfi.statics.shaft import flank_loads, node_forces, node_motions
 from rollbench.lowfi.statics.static import MAX_ITERATIONS, NO_LOADS, ROUND_OFF, Engine
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS
 from rollbench.meshes.arrays import Array
@@ -177,7 +177,7 @@ def state_of(elastic: ElasticAxis) -> tuple[AxisState, Array]:
     loads = structure.load.copy()
     loads[:n] += by_flanks.reshape(-1, 6)
     loads[n:] += on_outer.reshape(-1, 6)
-    taken = np.concatenate([shaft.times(q[:n].ravel()), h.stiffness @ outer]).reshape(-1, 6)
+    taken = np.concatenate([node_forces(shaft, by_flanks), (h.stiffness @ outer).reshape(-1, 6)])
     held = np.where(structure.fixed, taken - loads, 0.0)
     slices = np.zeros((system.slices.drop.size, 2))
     elastic.engine.roller_forces(system.slices, q, slices, np.zeros_like(q))

@@ -9,7 +9,8 @@ from scipy.interpolate import CubicSpline
 
 from rollbench.comparison.sources.lin.evidence.source_cases import lin_3_4_4
 from rollbench.lowfi.friction.screw.motion import ball_motion
-from rollbench.lowfi.friction.screw.run import RunResult, deviation, groups, run_cell, simulate, summarise
+from rollbench.lowfi.friction.screw.run import deviation, equal_steps, run_cell, summarise
+from rollbench.lowfi.friction.screw.travel import History, groups
 
 pytestmark = pytest.mark.xdist_group("whole run of the source")
 
@@ -17,8 +18,8 @@ THREE = np.radians(3.0)
 
 
 @cache
-def result(**changes) -> RunResult:
-    return simulate(lin_3_4_4(**changes))
+def result(**changes) -> History:
+    return equal_steps(lin_3_4_4(**changes))
 
 
 CASES = {
@@ -33,7 +34,7 @@ CASES = {
 @pytest.mark.parametrize("name", CASES)
 def test_balls_keep_their_order_and_never_overlap(name: str) -> None:
     r = result(**CASES[name])
-    run = r.run
+    run = r.setting
     assert r.converged.all()
     assert r.gap.min() >= 0.0
     free = run.ring - run.count * run.groove.pair.spacing
@@ -55,14 +56,14 @@ def test_force_only_where_the_gap_is_closed(name: str) -> None:
 def test_without_deviation_nothing_touches() -> None:
     r = result(amplitude=0.0, steps=20, duration=0.2)
     assert not r.contact.any()
-    assert np.ptp(r.omega) < 1e-6 * r.run.groove.speed
+    assert np.ptp(r.omega) < 1e-6 * r.setting.groove.speed
     assert np.all(r.ball_torque == 0.0)
 
 
 def test_free_balls_follow_their_speeds() -> None:
     """While nothing touches, each ball's azimuth is the integral of its own speed over theta: separate quadrature."""
     run = lin_3_4_4(amplitude=np.radians(0.5), steps=400, duration=0.4)
-    r = simulate(run)
+    r = equal_steps(run)
     assert not r.contact.any()
     angles = np.linspace(-0.5, 0.5, 9)
     loads = np.median(r.load.reshape(-1, 4), axis=0)
@@ -103,25 +104,25 @@ def test_balls_in_the_tube_bear_no_load() -> None:
     r = result(**CASES["tube"])
     idle = r.load.sum(axis=2) == 0.0
     assert 0 < idle.sum() < 0.1 * idle.size
-    _, loaded = zip(*(r.run.place(a, n) for a, n in zip(r.azimuth, r.nut_angle, strict=True)), strict=True)
+    _, loaded = zip(*(r.setting.place(a, n) for a, n in zip(r.azimuth, r.nut_angle, strict=True)), strict=True)
     assert np.array_equal(~np.array(loaded), idle)
 
 
 def test_axial_force_is_carried() -> None:
     r = result()
-    g = r.run.groove
+    g = r.setting.groove
     push = np.array([1.0, -1.0, 0.0, 0.0])
     total = np.sum(r.load * push, axis=(1, 2)) * np.sin(g.contact_angle) * np.cos(g.lead_angle)
-    assert total == pytest.approx(np.full(r.run.steps, 1500.0), rel=0.03)  # angles turn by a few degrees
+    assert total == pytest.approx(np.full(r.setting.steps, 1500.0), rel=0.03)  # angles turn by a few degrees
 
 
 def test_reversed_motion_and_mirrored_pattern() -> None:
     """Half a turn about x swaps left and right, order and direction: the same torque."""
     run = lin_3_4_4(steps=40, duration=0.4)
-    one = simulate(run)
+    one = equal_steps(run)
     g = run.groove
     back = replace(run, groove=replace(g, nut_speed=-g.nut_speed), force=(-1500.0,), amplitude=-run.amplitude)
-    two = simulate(back)
+    two = equal_steps(back)
     assert one.contact.any()
     assert two.torque == pytest.approx(one.torque, rel=1e-6)
     assert two.ball_force[:, ::-1] == pytest.approx(np.roll(one.ball_force, 1, axis=1), abs=1e-5)

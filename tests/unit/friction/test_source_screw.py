@@ -15,7 +15,7 @@ from rollbench.lowfi.friction.as_source.screw import rolling, screw_balls, screw
 from rollbench.lowfi.friction.screw.load import settle_load
 from rollbench.lowfi.friction.screw.motion import source_law
 from rollbench.lowfi.friction.screw.pair import solve_pair
-from rollbench.lowfi.friction.screw.run import Run, run_cell, simulate
+from rollbench.lowfi.friction.screw.run import Run, equal_steps, run_cell
 
 TWO = np.radians(2.0)
 
@@ -125,7 +125,7 @@ def test_reach_decides_on_contact():
 def test_run_is_ours_until_balls_meet_and_near_it_after():
     """Ours meets at the end of a step, the source's after it has overlapped: places differ by part of a step."""
     run = few_balls(steps=24)
-    ours, found = simulate(run), simulate_by_root(run)
+    ours, found = equal_steps(run), simulate_by_root(run)
     assert found.failures == 0
     meets = int(np.argmax(ours.contact.any(axis=1)))
     assert 5 < meets < 22

@@ -15,7 +15,6 @@ from rollbench.lowfi.friction.whole import feedback
 from rollbench.lowfi.friction.whole.contacts import contacts_of
 from rollbench.lowfi.friction.whole.feedback import feed_back, seats
 from rollbench.lowfi.friction.whole.losses import ball_friction
-from rollbench.lowfi.friction.whole.run import simulate
 from rollbench.lowfi.friction.whole.torque import about_axis, sum_up
 from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.meshes.parts import Friction, Motion
@@ -128,11 +127,14 @@ def test_feedback_mirrors_reverses_and_leaves_rings_alone():
 def test_feedback_settles_where_a_flank_hardly_bears(degrees):
     """The pitch error leaves a flank of one ball with less than a hundredth of its load: its friction turns far at once."""
     scene = catalogue.scene("lin-pitch-4p1")
-    h = simulate(setting(scene, COUPLED, TURN), 2.0 * np.radians(degrees) / TURN.speed, 1)
-    assert h.good, h.status
-    assert np.degrees(h.turned) == pytest.approx([degrees])
-    assert h.axial == pytest.approx([scene.loads[0].force[2]], rel=1e-6)
-    light = np.sort(h.load[0], axis=1)[:, 0] / h.load[0].sum(axis=1)
+    s, time = setting(scene, COUPLED, TURN), np.radians(degrees) / TURN.speed
+    place = s.begin()
+    still = np.full(place.gap.size, np.inf)
+    first = s.instant(place.azimuth, 0.0, still, place.memory)
+    found = s.instant(place.azimuth + time * first.omega, time, place.gap / (2.0 * time), first.memory)
+    assert found.converged
+    assert found.axial == pytest.approx(scene.loads[0].force[2], rel=1e-6)
+    light = np.sort(found.load, axis=1)[:, 0] / found.load.sum(axis=1)
     assert np.any((light > 0.0) & (light < 0.01))
 
 

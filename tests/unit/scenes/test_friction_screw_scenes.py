@@ -26,13 +26,14 @@ from rollbench.lowfi.friction.bearing.pairs import (
 )
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.pair import SHIFTED, Pair, solve_pair
-from rollbench.lowfi.friction.screw.run import Run, simulate, summarise
+from rollbench.lowfi.friction.screw.run import Run, summarise
+from rollbench.lowfi.friction.screw.travel import simulate
 
 THETA = {"a": 2.0, "b": 3.0}
 PAIRS = [f"lin-screw-pair-{case}{end}" for case in THETA for end in ("", "-inferred")]
 NAMES = [*PAIRS, "lin-screw-run", "lin-bearing-pairs"]
 #: Few steps of the run, up to the first contacts.
-SHORT = (("steps = 200", "steps = 10"), ('duration = "2 s"', 'duration = "300 ms"'))
+SHORT = (("steps = 200", "steps = 40"), ('duration = "2 s"', 'duration = "300 ms"'))
 FEW = (
     (', "4 deg", "6 deg", "8 deg", "10 deg", "12 deg", "14 deg",\n', ",\n"),
     ('"18 deg", "20 deg", "22 deg", "24 deg", "26 deg", "28 deg", "30 deg"', '"18 deg"'),
@@ -153,7 +154,7 @@ def test_run_scene_is_the_library_s():
     theirs = lin_3_4_4()
     close(scene.run, theirs)
     answer = solve_kind(loaded("lin-screw-run", *SHORT))
-    r = simulate(lin_3_4_4(steps=10, duration=0.3))
+    r = simulate(lin_3_4_4(), 0.3, 40)
     s, found = summarise(r), answer.data["summary"]
     assert answer.converged
     assert r.contact.any()
@@ -164,12 +165,14 @@ def test_run_scene_is_the_library_s():
     assert found["contact_begins_deg"] == pytest.approx(begins)
     parts = found["mean_groove_torque_Nmm"], found["mean_ball_torque_Nmm"]
     assert sum(parts) == pytest.approx(found["mean_torque_Nmm"], rel=1e-12)
-    assert found["mean_torque_Nmm"] == pytest.approx(1e3 * r.torque.mean(), rel=1e-8)
+    assert found["mean_torque_Nmm"] == pytest.approx(1e3 * r.torques["mean"], rel=1e-8)
     assert found["order_kept"] is True
     assert found["smallest_gap_um"] >= 0.0
     assert abs(answer.data["energy"]["balance_percent"]) < 1e-8
     series = answer.data["series"]
-    assert {len(row) for row in series.values()} == {10}
+    assert {len(row) for row in series.values()} == {r.time.size}
+    assert answer.data["run"]["torque"]["mean_Nmm"] == found["mean_torque_Nmm"]
+    assert answer.data["run"]["over_angle"]["groove_Nmm"] == series["groove_torque_Nmm"]
     assert series["groove_torque_Nmm"] == pytest.approx(1e3 * r.groove_torque, rel=1e-8)
     assert series["contacts"] == r.contact.sum(axis=1).tolist()
 

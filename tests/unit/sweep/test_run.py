@@ -201,12 +201,19 @@ def test_rigidity_preload_torque_and_life_are_those_of_solve_and_friction():
     assert bare["torque_Nmm"] is None, "no coefficient in the scene"
 
 
+def test_the_mean_load_of_a_sample_is_that_of_solve():
+    text = scene_text("lin-pitch-2p1")
+    found = solve_sample(text, "lin-pitch-2p1.toml", (), (), "lin", "interpreted")
+    load = run_model(scene_file.loads(text, "lin-pitch-2p1.toml"), "lin", Options(discretisation=False)).load
+    assert found["mean_load_N"] == pytest.approx(load.sum() / 64, rel=1e-12), "errors load 76 contacts"
+
+
 def test_several_sets_have_the_same_outputs():
     found = solve_sample(scene_text("double-nut"), "double-nut.toml", (), (), "lin", "compiled")
     assembly = scene_file.read(scene_text("double-nut"), "double-nut.toml")
     answers = axis_gather(assembly, run_model(assembly, "lin"))
     assert found["rigidity_N_per_um"] == pytest.approx(1e-6 * answers.force / answers.displacement, rel=1e-6)
-    assert found["preload_N"] == pytest.approx(max(abs(s.preload[3]) for s in answers.sets), rel=1e-6)
+    assert found["preload_N"] == pytest.approx(max(abs(s.preload.axial) for s in answers.sets), rel=1e-6)
     assert found["life_million_revolutions"] == pytest.approx(min(s.loads.life.revolutions for s in answers.sets), rel=1e-6)
     assert found["torque_Nmm"] > 0.0
 

@@ -47,7 +47,8 @@ def test_every_computation_says_which_wings_it_needs():
 
 def test_a_solve_loads_no_wing_whose_answer_it_does_not_print(tmp_path):
     code = (
-        "import sys\nfrom rollbench.comparison.cli import main\ntry:\n    main(['solve', 'two-balls'])\nexcept SystemExit:\n"
+        "import sys\nfrom rollbench.comparison.cli import main\n"
+        "try:\n    main(['solve', 'two-balls'])\nexcept SystemExit:\n"
         "    print(*(name for name in sys.modules if name.startswith('rollbench')), file=sys.stderr)"
     )
     done = subprocess.run(
@@ -69,7 +70,7 @@ def test_a_solve_loads_no_wing_whose_answer_it_does_not_print(tmp_path):
 def without(wing, tmp_path):
     """A copy of the tree without the folders of a wing."""
     tree = tmp_path / "tree"
-    kept = shutil.ignore_patterns("__pycache__", ".git", "validation", "tests", ".venv", "*cache*")
+    kept = shutil.ignore_patterns("__pycache__", ".git", "validation", "tests", ".venv")
     tree.mkdir()
     for name in (".import", "compare", "hifi", "lowfi", "meshes", "reports"):
         shutil.copytree(ROOT / name, tree / name, symlinks=True, ignore=None if name == ".import" else kept)

@@ -41,7 +41,8 @@ from rollbench.lowfi.friction.bearing.pairs import DIAGONAL, OTHER, BallRow, Bea
 from rollbench.lowfi.friction.screw.groove import Mode
 from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.pair import SHIFTED, Pair, PairMap, implied_load, oversize_map, solve_pair
-from rollbench.lowfi.friction.screw.run import Run, RunResult, RunSummary, groups, simulate, summarise
+from rollbench.lowfi.friction.screw.run import Run, RunSummary, equal_steps, summarise
+from rollbench.lowfi.friction.screw.travel import History, groups
 from rollbench.reports.records import Cell
 
 #: Labels of rows that the introduction quotes.
@@ -139,7 +140,7 @@ def run_changes() -> list[tuple[str, str, dict[str, object]]]:
     return changes
 
 
-def summary_row(label: str, value: str, r: RunResult) -> dict[str, Cell]:
+def summary_row(label: str, value: str, r: History) -> dict[str, Cell]:
     """Row of the sensitivity table."""
     s: RunSummary = summarise(r)
     touches = s.largest > 0.0
@@ -181,11 +182,11 @@ def run_rows() -> list[dict[str, Cell]]:
     """The whole run as the case study, by the source's rule of contact, and with one assumption changed at a time."""
     names = [f"theta of {a:g}°" for a in AMPLITUDES]
     rows = [
-        summary_row(AS_CASE, f"{n}, {oversize_text()}, {screw_run(a).run.steps} steps", screw_run(a))
+        summary_row(AS_CASE, f"{n}, {oversize_text()}, {screw_run(a).steps} steps", screw_run(a))
         for n, a in zip(names, AMPLITUDES, strict=True)
     ]
     rows.append(source_run_row(lin_3_4_4()))
-    rows += [summary_row(name, value, simulate(lin_3_4_4(**(SHORT | new)))) for name, value, new in run_changes()]
+    rows += [summary_row(name, value, equal_steps(lin_3_4_4(**(SHORT | new)))) for name, value, new in run_changes()]
     return rows
 
 

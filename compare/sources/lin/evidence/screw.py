@@ -28,8 +28,9 @@ from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewPairScene
 from rollbench.lowfi.friction.bearing.pairs import TorqueCurve, torque_curve
 from rollbench.lowfi.friction.screw.errors import Onset, contact_onset
 from rollbench.lowfi.friction.screw.pair import PairResult, implied_load, solve_pair
-from rollbench.lowfi.friction.screw.run import RunResult, simulate, summarise
-from rollbench.lowfi.friction.screw.steps import StepError, solve_steps
+from rollbench.lowfi.friction.screw.run import equal_steps, summarise
+from rollbench.lowfi.friction.screw.steps import StepError
+from rollbench.lowfi.friction.screw.travel import History, resolved
 from rollbench.meshes.arrays import Array
 
 #: Deviations theta [deg] of the cases of Table 3.7, and amplitudes [deg] of the runs, which 3.4.4 does not print.
@@ -56,32 +57,28 @@ def pair(case: str, reading: Literal["plain", "inferred"]) -> PairResult:
 
 
 @cache
-def screw_run(amplitude: float) -> RunResult:
+def screw_run(amplitude: float) -> History:
     """The whole screw of 3.4.4 in steps chosen by their error (``stepped``); amplitude [deg] of theta."""
     return stepped(amplitude)[0]
 
 
 @cache
-def stepped(amplitude: float) -> tuple[RunResult, StepError | None]:
+def stepped(amplitude: float) -> tuple[History, StepError | None]:
     """The run with as many steps as keep their error below ``STEP_GOAL``, and that error."""
-    return solve_steps(lambda steps: _in_steps(amplitude, steps), None, lin_3_4_4().steps, STEP_GOAL)
-
-
-def as_stepped(amplitude: float) -> RunResult:
-    """The run over the source's 200 steps."""
-    return _in_steps(amplitude, lin_3_4_4().steps)
+    run = source_cases.run_of(amplitude)
+    return resolved(run, run.duration, None, STEP_GOAL)
 
 
 @cache
-def _in_steps(amplitude: float, steps: int) -> RunResult:
-    """That run, amplitude [deg] of theta, in that many steps of its period."""
-    return simulate(replace(source_cases.run_of(amplitude), steps=steps))
+def as_stepped(amplitude: float) -> History:
+    """The run over the source's 200 steps, loads and motions at the start of each."""
+    return equal_steps(source_cases.run_of(amplitude))
 
 
 @cache
-def loose_run() -> RunResult:
+def loose_run() -> History:
     """The same with 3 degrees, without oversize, friction moving balls and screw."""
-    return simulate(replace(source_cases.run_of(3.0), oversize=0.0, coupling="ball and screw"))
+    return equal_steps(replace(source_cases.run_of(3.0), oversize=0.0, coupling="ball and screw"))
 
 
 @cache
@@ -171,18 +168,18 @@ def _both(as_text: float, oversized: float) -> str:
     return f"plain reading {as_text:.4g}, inferred reading {oversized:.4g}"
 
 
-def settled(r: RunResult) -> Array:
+def settled(r: History) -> Array:
     """Torque of the grooves [N m] after the first step, whose loads are computed without friction."""
     return r.groove_torque[1:]
 
 
-def variation(r: RunResult) -> float:
+def variation(r: History) -> float:
     """Largest less smallest torque of the grooves over its mean, from the second step on."""
     torque = settled(r)
     return float(np.ptp(torque) / torque.mean())
 
 
-def engages_again(r: RunResult) -> bool:
+def engages_again(r: History) -> bool:
     """Whether contact begins, ends and begins again."""
     touch = np.asarray(np.any(r.contact, axis=1), dtype=bool).reshape(-1)
     changes = touch[np.flatnonzero(np.diff(touch.astype(int)))[:3] + 1]
@@ -192,10 +189,10 @@ def engages_again(r: RunResult) -> bool:
 def steps_in_words(amplitude: float) -> str:
     """How many steps the run takes, their error, and what the source's own number of steps would give."""
     (found, error), base = stepped(amplitude), as_stepped(amplitude)
-    size = "unknown" if error is None else f"{100.0 * error.torque:.2g} %"
+    size = "unknown" if error is None else f"{100.0 * error.largest:.2g} %"
     few = 100.0 * summarise(base).largest
     return (
-        f"in {found.run.steps} steps, whose error is {size} of the mean torque; the source's {base.run.steps} steps give "
+        f"in {found.steps} steps, whose error is {size} of the mean torque; the source's {base.steps} steps give "
         f"{few:.1f} %"
     )
 

@@ -13,7 +13,8 @@ from rollbench.comparison.sources.lin.evidence.screw import ANGLES, THETA, curve
 from rollbench.comparison.sources.lin.evidence.source_cases import inferred
 from rollbench.lowfi.friction.bearing.pairs import TorqueCurve
 from rollbench.lowfi.friction.screw.motion import Coupling
-from rollbench.lowfi.friction.screw.run import Run, RunResult, deviation, groups, summarise
+from rollbench.lowfi.friction.screw.run import Run, deviation, summarise
+from rollbench.lowfi.friction.screw.travel import History
 from rollbench.meshes.arrays import Array
 from rollbench.reports.records import Figure, Panel, Series
 
@@ -25,9 +26,9 @@ END = 18.0
 DOTS = 66
 
 
-def torque_panel(title: str, r: RunResult) -> Panel:
+def torque_panel(title: str, r: History) -> Panel:
     """Torque of a run against time, split (Figure 3.25)."""
-    time = numbers(r.nut_angle, 1.0 / r.run.groove.speed)
+    time = numbers(r.nut_angle, 1.0 / r.setting.groove.speed)
     parts = (("ball-to-groove", r.groove_torque), ("ball-to-ball", r.ball_torque + r.closing_torque), ("sum", r.torque))
     curves = [Series(name, time, numbers(v, 1e3), "line", emphasis=name == "sum") for name, v in parts]
     return Panel(title, "time / s", "torque / N mm", curves, zero=True)
@@ -40,35 +41,37 @@ def theta_panel(case: Run) -> Panel:
     return Panel("deviation θ over the loaded turns", "azimuth / deg", "θ / deg", (curve,))
 
 
-def contact_panels(r: RunResult) -> tuple[Panel, Panel]:
+def contact_panels(r: History) -> tuple[Panel, Panel]:
     """Places of touching neighbours and their groups over time (Figure 3.24)."""
-    along = np.degrees(np.mod(r.azimuth - r.nut_angle[:, None] + np.pi * r.run.turns, r.run.ring))
+    along = np.degrees(np.mod(r.azimuth - r.nut_angle[:, None] + np.pi * r.setting.turns, r.setting.ring))
     some = r.contact & (np.arange(r.nut_angle.size) % max(1, r.nut_angle.size // DOTS) == 0)[:, None]
     step, ball = np.nonzero(some)
-    time = r.nut_angle / r.run.groove.speed
+    time = r.nut_angle / r.setting.groove.speed
     dots = Series("touching", numbers(time[step]), numbers(along[step, ball]), "markers")
     pairs = Series("touching pairs", numbers(time), numbers(r.contact.sum(axis=1)), "line")
-    found = Series("groups", numbers(time), numbers(groups(r.contact)), "line")
+    found = Series("groups", numbers(time), numbers(r.groups), "line")
     return (
         Panel(f"contacts in the nut, {amplitude(r)}", "time / s", "place along the nut's track / deg", (dots,)),
         Panel(f"touching pairs and groups, {amplitude(r)}", "time / s", "number", (pairs, found), zero=True),
     )
 
 
-def amplitude(r: RunResult) -> str:
+def amplitude(r: History) -> str:
     """Amplitude of the deviation of a run, in words."""
-    return f"θ of {np.degrees(r.run.amplitude):g}°"
+    return f"θ of {np.degrees(r.setting.amplitude):g}°"
 
 
 def run_figure() -> Figure:
     """Figures 3.23 to 3.25."""
     three, two, open_grooves = screw_run(3.0), screw_run(2.0), loose_run()
     panels = (
-        theta_panel(three.run),
-        torque_panel(f"torque, {amplitude(three)}, {1e6 * three.run.oversize:g} µm", three),
-        torque_panel(f"torque, {amplitude(two)}, {1e6 * two.run.oversize:g} µm", two),
+        theta_panel(three.setting),
+        torque_panel(f"torque, {amplitude(three)}, {1e6 * three.setting.oversize:g} µm", three),
+        torque_panel(f"torque, {amplitude(two)}, {1e6 * two.setting.oversize:g} µm", two),
         *contact_panels(three),
-        torque_panel(f"torque, {amplitude(open_grooves)}, {1e6 * open_grooves.run.oversize:g} µm, coupled", open_grooves),
+        torque_panel(
+            f"torque, {amplitude(open_grooves)}, {1e6 * open_grooves.setting.oversize:g} µm, coupled", open_grooves
+        ),
     )
     high, low = summarise(three), summarise(two)
     caption = (

@@ -11,9 +11,11 @@ import numpy as np
 from pydantic import Field
 
 from rollbench.comparison.scenes.fault import Fault, mm
-from rollbench.comparison.scenes.keys import Azimuth, BallSizeKeys, Duration, HelixKeys, MotionKeys, Table, Turns
+from rollbench.comparison.scenes.key_checks import time_faults
+from rollbench.comparison.scenes.keys import Azimuth, BallSizeKeys, HelixKeys, MotionKeys, Table, Turns
 from rollbench.comparison.scenes.kinds import KindKeys, KindScene, head_of
 from rollbench.comparison.scenes.quantity import Quantity, key
+from rollbench.comparison.scenes.schema import TimeKeys
 from rollbench.comparison.wings.friction.kinds.common import (
     AxialLoad,
     Body,
@@ -29,6 +31,7 @@ from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.pair import Pair
 from rollbench.lowfi.friction.screw.run import Run
+from rollbench.meshes.parts import Motion, Time
 
 Share = Annotated[float, Quantity("number", -1, 1, 1)]
 Pattern = Annotated[list[Share], Field(min_length=4, max_length=4)]
@@ -87,13 +90,11 @@ class ClosedTrackKeys(Table):
     first_ball: Part = key("place of the first ball at the start, as part of the distance between balls", 0.5, 0.5)
 
 
-class RunTimeKeys(Table):
-    """Steps in time."""
+class RunTimeKeys(TimeKeys):
+    """A run in time. Give angle or duration."""
 
-    duration: Duration = key("time simulated", example="2 s")
-    steps: Annotated[int, Field(ge=1, le=100_000)] = key("number of equal steps", example=200)
     rounds: Annotated[int, Field(ge=1, le=100)] = key(
-        "rounds of loads and friction in a step; one: loads with the friction of the step before", 1, 1
+        "rounds of loads and friction at an instant; one: loads with the friction of the instant before", 1, 1
     )
 
 
@@ -121,7 +122,7 @@ class ScrewRunKeys(ScrewBallKeys):
     balls: RunBallKeys = key("balls of the closed track")
     circulation: ClosedTrackKeys = key("return of the balls", ClosedTrackKeys(), {"return_tube": "5.6 mm"})
     angles: RunAngleKeys = key("contact angles")
-    time: RunTimeKeys = key("steps in time")
+    time: RunTimeKeys = key("run in time", example={"duration": "2 s"})
 
 
 @dataclass(frozen=True)
@@ -138,6 +139,7 @@ class ScrewRunScene(KindScene):
 
     kind: ClassVar[str] = "screw run"
     run: Run
+    time: Time
 
 
 # --- what a scene may not describe
@@ -204,7 +206,8 @@ def _run_faults(keys: ScrewRunKeys) -> Iterator[Fault]:
     if count > most:
         advice = "the balls need some free length on the track: fewer balls, more turns or a return tube"
         yield Fault(("balls.count",), f"2 to {most} on this track" if most > 1 else "a longer track", advice)
-    if count * keys.time.steps > MOST:
+    yield from time_faults(keys.time)
+    if keys.time.steps is not None and count * keys.time.steps > MOST:
         advice = "results of all steps are kept: take fewer steps, or fewer balls"
         yield Fault(("time.steps",), f"1 to {MOST // count} with {count} balls", advice)
 
@@ -251,14 +254,15 @@ def run_record(keys: KindKeys, name: str) -> ScrewRunScene:
     """The scene of faultless keys."""
     assert isinstance(keys, ScrewRunKeys)
     groove, a = _screw_groove(keys), keys.angles
+    time = Time(**keys.time.model_dump(exclude={"rounds"}))
     run = Run(
         groove,
         keys.balls.count,
         keys.balls.turns,
         (keys.load.force,),
         FREE[keys.load.direction],
-        keys.time.duration,
-        keys.time.steps,
+        time.span(Motion(keys.motion.speed)),
+        time.steps or 1,
         keys.errors.balls.oversize,
         a.amplitude,
         a.cycles_per_turn,
@@ -269,4 +273,4 @@ def run_record(keys: KindKeys, name: str) -> ScrewRunScene:
         keys.friction.coupling,
         keys.time.rounds,
     )
-    return ScrewRunScene(*head_of(keys, name), run)
+    return ScrewRunScene(*head_of(keys, name), run, time)

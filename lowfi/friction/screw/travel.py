@@ -1,0 +1,354 @@
+"""Balls that travel round closed tracks in time: loads and motions instant after instant, neighbours that meet and part.
+
+Over a step the gap of neighbours obeys 0 <= F, 0 <= gap + rate dt, F (gap + rate dt) = 0 (Lin 3.4.4): balls keep their
+order and never overlap. Torques jump where a ball enters or leaves the loaded arc, or meets its neighbour, and are smooth
+between these events. The scheme "located" ends a step at each event, takes a short piece on either side of it, so that the
+torque before and after it is seen, and is of second order (midpoint rule). "equal" is the source's: equal steps, loads and
+motions at their start, of first order, with the time of an event wrong by a part of a step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
+from typing import Any, Literal, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rollbench.lowfi.friction.screw.path import HelicalMotion
+from rollbench.lowfi.friction.screw.steps import StepError, solve_steps
+from rollbench.meshes.arrays import Array, Mask
+
+Scheme = Literal["located", "equal"]
+#: Length of the pieces before and after an event, least length of a piece, as parts of a step; most pieces of a step.
+SHORT, TINY, PIECES = 1e-2, 1e-6, 100
+#: Gap [rad] up to which neighbours touch.
+CLOSED = 1e-10
+#: Rate of closing over the largest speed of a ball that no pair reaches.
+FASTEST = 10.0
+#: Steps to begin with: per ball diameter travelled, least and most.
+STEPS_PER_PITCH, FIRST_STEPS = 2.0, (8, 400)
+
+
+class Track(NamedTuple):
+    """One closed track: start from 0, loaded arc, whole length, distance of touching nominal balls [rad], its balls."""
+
+    start: int
+    arc: float
+    ring: float
+    spacing: float
+    balls: slice
+
+
+class Place(NamedTuple):
+    """Where N balls are: azimuths and gaps to the next ball of the track (N,) [rad], speeds (N,) [rad/s]; memory: what the
+    setting begins its next solution from."""
+
+    azimuth: Array
+    gap: Array
+    omega: Array
+    memory: Any
+
+
+@dataclass(frozen=True)
+class Instant:
+    """Loads and motions of N balls at one instant, SI; fields as in ``History``, losses [W] in place of torques."""
+
+    omega: Array
+    ball_force: Array
+    load: Array
+    loaded: Mask
+    losses: tuple[float, float, float]
+    input_power: float
+    converged: bool
+    memory: Any
+    change: float = 0.0
+    axial: float = float("nan")
+    on_screw: float = float("nan")
+
+
+class Setting(Protocol):
+    """What stays the same over a run."""
+
+    @property
+    def grooves(self) -> HelicalMotion:
+        """Nominal grooves in motion."""
+
+    @property
+    def tracks(self) -> Sequence[Track]:
+        """The closed tracks; their balls in order."""
+
+    @property
+    def spacing(self) -> Array:
+        """Azimuth (N,) by which the next ball is ahead where both touch [rad]."""
+
+    @property
+    def number(self) -> NDArray[np.int64]:
+        """Numbers (N,) of the balls in the scene, -1 for those that begin in the return."""
+
+    def begin(self) -> Place:
+        """Where the balls are at the start."""
+
+    def to_end(self, azimuth: Array, omega: Array, time: float) -> float:
+        """Time [s] until a ball at azimuths (N,) passes an end of its loaded arc at speeds omega (N,); inf for none."""
+
+    def instant(self, azimuth: Array, time: float, slack: Array, memory: Any) -> Instant | str:
+        """Loads and motions; slack (N,): see ``AnyChain``. In words why, where no loads are found."""
+
+
+@dataclass(frozen=True)
+class History:
+    """Arrays over T pieces of ``steps`` equal steps, N balls; SI. Ball k pushes the next one of its track.
+
+    time (T,): where loads and motions are solved, lasts (T,): length of the piece, step (T,): number of its step; azimuth
+    (T, N), unwrapped, and loaded (T, N) there; gap (T, N) [rad] at the end of the piece; ball_force (T, N); omega (T, N):
+    speed in the frame of the azimuths; load (T, N, 4): contact forces; torques (T,) [N m] of grooves, of ball-to-ball
+    sliding and of closing gaps: the losses per angle; axial, on_screw (T,): external axial load on the screw, and torque
+    about +z that drives it, nan where the setting has none; imbalance (T,): power taken in less losses, over the losses;
+    change (T,): of friction fed back to loads [N]; converged (T,). status: of the whole run, in words.
+    """
+
+    setting: Any
+    span: float
+    steps: int
+    time: Array
+    lasts: Array
+    step: NDArray[np.int64]
+    azimuth: Array
+    loaded: Mask
+    gap: Array
+    ball_force: Array
+    omega: Array
+    load: Array
+    groove_torque: Array
+    ball_torque: Array
+    closing_torque: Array
+    axial: Array
+    on_screw: Array
+    imbalance: Array
+    change: Array
+    converged: Mask
+    status: str
+
+    @cached_property
+    def torque(self) -> Array:
+        """Friction torque (T,) [N m] (Figure 3.25)."""
+        return np.asarray(self.groove_torque + self.ball_torque + self.closing_torque)
+
+    def mean(self, values: Array) -> float:
+        """Mean over the run of values (T,)."""
+        return float(np.sum(self.lasts * values) / np.sum(self.lasts))
+
+    @property
+    def begun(self) -> int:
+        """Number of steps that were begun and solved, at least in parts."""
+        return int(self.step[-1]) + 1 if self.step.size else 0
+
+    @cached_property
+    def per_step(self) -> Array:
+        """Mean friction torque of every step that was begun [N m]."""
+        return np.asarray(np.bincount(self.step, self.lasts * self.torque) / np.bincount(self.step, self.lasts))
+
+    @cached_property
+    def torques(self) -> dict[str, float]:
+        """Mean, largest and least friction torque [N m]."""
+        return {"mean": self.mean(self.torque), "largest": float(self.torque.max()), "least": float(self.torque.min())}
+
+    @property
+    def share(self) -> float:
+        """Largest torque by ball-to-ball contact over that of the grooves; nan without friction."""
+        return float(self.ratio.max())
+
+    @property
+    def nut_angle(self) -> Array:
+        """Angle (T,) by which the nut has turned on the screw [rad]."""
+        return np.asarray(self.setting.grooves.speed * self.time)
+
+    @property
+    def turned(self) -> Array:
+        """Angle (T,) by which the part that turns has turned [rad]."""
+        return np.asarray(np.abs(self.nut_angle))
+
+    @property
+    def angles(self) -> tuple[float, float]:
+        """Angles [rad] by which the part that turns has turned at the run's end, and was to turn."""
+        speed = abs(self.setting.grooves.speed)
+        return speed * float(self.lasts.sum()), speed * self.span
+
+    @property
+    def complete(self) -> bool:
+        """Whether the run reached its end."""
+        return bool(abs(float(self.lasts.sum()) - self.span) <= TINY * self.span)
+
+    @property
+    def good(self) -> bool:
+        """Whether every instant converged."""
+        return self.status == "converged"
+
+    @property
+    def ends(self) -> Array:
+        """Azimuths (T, N) of the balls at the end of each piece, unwrapped [rad]."""
+        return np.asarray(self.setting.begin().azimuth + np.cumsum(self.lasts[:, None] * self.omega, axis=0))
+
+    @property
+    def contact(self) -> Mask:
+        """Which neighbours touch, (T, N): the dots of Figure 3.24."""
+        return np.asarray(self.ball_force > 0.0)
+
+    @property
+    def spacing(self) -> Array:
+        """Angular distance (T, N) to the next ball at the end of each piece [rad] (Figure 3.24)."""
+        return np.asarray(self.gap + self.setting.spacing)
+
+    @cached_property
+    def groups(self) -> Array:
+        """Number of groups of touching balls (T,)."""
+        return np.asarray(sum(groups(self.contact[:, track.balls]) for track in self.setting.tracks))
+
+    @cached_property
+    def ratio(self) -> Array:
+        """Torque by ball-to-ball contact over that of the grooves, (T,); nan without friction."""
+        groove, between = self.groove_torque, self.ball_torque + self.closing_torque
+        return np.divide(between, groove, out=np.full_like(groove, np.nan), where=groove > 0.0)
+
+    @property
+    def advance(self) -> tuple[float, float]:
+        """Angular speed of the screw against the nut [rad/s], and its speed along the axis without end play [m/s]."""
+        turning = -self.setting.grooves.speed
+        return turning, self.setting.grooves.ratio * turning
+
+    @property
+    def torque_balance(self) -> Array:
+        """Torque times speed and axial load times advance less all losses (T,) [W]: zero but for round-off."""
+        turning, along = self.advance
+        return np.asarray(self.on_screw * turning + self.axial * along - self.torque * abs(turning))
+
+
+def groups(contact: Mask) -> Array:
+    """Number of groups of touching balls (T,) on a closed track, from contacts (T, N)."""
+    return np.asarray(np.sum(contact & ~np.roll(contact, 1, axis=1), axis=1) + np.all(contact, axis=1))
+
+
+def to_arc_end(along: Array, rate: Array, arc: float, ring: float) -> float:
+    """Time [s] until a ball at places (N,) along a ring, 0 to its length, passes an end of the loaded arc, 0 to ``arc``."""
+    forward = np.where(along < arc, arc, ring) - along
+    distance = np.where(rate > 0.0, forward, along - np.where(along > arc, arc, 0.0))
+    return float(np.divide(distance, np.abs(rate), out=np.full_like(rate, np.inf), where=rate != 0.0).min())
+
+
+def _to_meeting(place: Place, tracks: Sequence[Track]) -> float:
+    """Time [s] until neighbours meet that are apart."""
+    least = np.inf
+    for track in tracks:
+        gap, omega = place.gap[track.balls], place.omega[track.balls]
+        closing = omega - np.roll(omega, -1)
+        meets = (gap > CLOSED) & (closing > 0.0)
+        least = min(least, float(np.min(gap[meets] / closing[meets], initial=np.inf)))
+    return least
+
+
+def _piece(left: float, step: float, event: float, after: bool) -> tuple[float, bool]:
+    """Length of the next piece of a step of which ``left`` remains, and whether an event ends it; after: one ended the last
+    piece."""
+    short = SHORT * step
+    limit = min(short, left) if after else left
+    if event >= limit:
+        piece, ends = limit, False
+    elif event > 2.0 * short:
+        piece, ends = event - short, False
+    else:
+        piece, ends = max(event, TINY * step), True
+    return (left, ends) if left - piece < TINY * step else (piece, ends)
+
+
+@dataclass
+class _Log:
+    rows: dict[str, list[Any]] = field(default_factory=dict)
+
+    def add(self, **values: object) -> None:
+        """Append one piece."""
+        for key, value in values.items():
+            self.rows.setdefault(key, []).append(value)
+
+    def history(self, setting: Setting, span: float, steps: int, status: str) -> History:
+        """The arrays of all pieces."""
+        given = ("setting", "span", "steps", "status")
+        rows = {f.name: np.array(self.rows.get(f.name, [])) for f in fields(History) if f.name not in given}
+        found = History(setting, span, steps, status=status, **rows)
+        if status != "converged" or found.converged.all():
+            return found
+        first = np.degrees(found.turned[np.argmin(found.converged)])
+        return replace(found, status=f"no balance of friction found at {first:.6g} deg")
+
+
+def simulate(setting: Setting, span: float, steps: int, scheme: Scheme = "located") -> History:
+    """Run over ``span`` [s] in ``steps`` equal steps, these cut at events or not. Ends early where loads are not found.
+
+    Gaps stay >= 0 and sum up to the free length of their ring.
+    """
+    if steps < 1 or not span > 0.0:
+        raise ValueError("need steps >= 1 and a duration above zero")
+    dt, place, log, located = span / steps, setting.begin(), _Log(), scheme == "located"
+    speed = abs(setting.grooves.speed)
+    if located:
+        first = setting.instant(place.azimuth, 0.0, np.full(place.gap.size, np.inf), place.memory)
+        if not isinstance(first, str):  # speeds of the first half step
+            place = place._replace(omega=first.omega, memory=first.memory)
+    for k in range(steps):
+        left, after, count = dt, False, 0
+        while left > 0.0:
+            piece, begin, count = left, k * dt + (dt - left), count + 1
+            if located and count < PIECES:
+                event = min(setting.to_end(place.azimuth, place.omega, begin), _to_meeting(place, setting.tracks))
+                piece, after = _piece(left, dt, event, after)
+            ahead = 0.5 * piece if located else 0.0
+            azimuth, time = place.azimuth + ahead * place.omega, begin + ahead
+            slack = place.gap / piece
+            if located:
+                slack = np.where(slack > FASTEST * np.abs(place.omega).max(), np.inf, slack)
+            found = setting.instant(azimuth, time, slack, place.memory)
+            if isinstance(found, str):
+                return log.history(setting, span, steps, f"at {np.degrees(speed * time):.6g} deg: {found}")
+            place = _moved(setting, place, found, piece)
+            loss = sum(found.losses)
+            log.add(
+                time=time,
+                lasts=piece,
+                step=k,
+                azimuth=azimuth,
+                loaded=found.loaded,
+                gap=place.gap,
+                ball_force=found.ball_force,
+                omega=found.omega,
+                load=found.load,
+                groove_torque=found.losses[0] / speed,
+                ball_torque=found.losses[1] / speed,
+                closing_torque=found.losses[2] / speed,
+                axial=found.axial,
+                on_screw=found.on_screw,
+                imbalance=(found.input_power - loss) / loss if loss > 0.0 else found.input_power,
+                change=found.change,
+                converged=found.converged,
+            )
+            left -= piece
+    return log.history(setting, span, steps, "converged")
+
+
+def resolved(setting: Setting, span: float, steps: int | None, goal: float) -> tuple[History, StepError | None]:
+    """The run over ``span`` [s] with the errors of its steps; steps that are not given are chosen so that no error is above
+    ``goal``, a part of the mean friction torque."""
+    pitches = abs(float(setting.begin().omega[0])) * span / setting.tracks[0].spacing
+    first = int(np.clip(np.ceil(STEPS_PER_PITCH * pitches), *FIRST_STEPS))
+    return solve_steps(lambda count: simulate(setting, span, count), steps, first, goal)
+
+
+def _moved(setting: Setting, place: Place, found: Instant, piece: float) -> Place:
+    """Where the balls are after a piece with the speeds found."""
+    gap = np.empty_like(place.gap)
+    for track in setting.tracks:
+        omega = found.omega[track.balls]
+        # never less than zero but for round-off
+        gap[track.balls] = np.maximum(place.gap[track.balls] + piece * (np.roll(omega, -1) - omega), 0.0)
+    return Place(place.azimuth + piece * found.omega, gap, found.omega, found.memory)
