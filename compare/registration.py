@@ -26,8 +26,9 @@ ORDER = ("lin", "smith", "kalker", "liu", "external")
 @cache
 def data_files(folder: str) -> dict[str, Path]:
     """Shipped TOML files by name without ending, sorted: those of ``compare/FOLDER`` and of every source's folder of that
-    name."""
-    found = (*ROOT.glob(f"{folder}/*.toml"), *ROOT.glob(f"sources/*/{folder}/*.toml"))
+    name, with those in a folder in there that is named as a wing, where this is there."""
+    places = (folder, f"sources/*/{folder}", *(f"sources/*/{folder}/{wing}" for wing in registered()))
+    found = (path for place in places for path in ROOT.glob(f"{place}/*.toml"))
     return {path.stem: path for path in sorted(found, key=lambda path: path.stem)}
 
 
