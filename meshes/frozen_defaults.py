@@ -94,7 +94,7 @@ FROZEN: dict[str, dict[str, str | None]] = {
         "lead_offset": "0",
     },
     "FourierTerm": {"harmonic": None, "sin": "0", "cos": "0", "sigma": "0"},
-    "Friction": {"screw": None, "nut": None, "assumed": "()", "coupling": '"none"', "balls": "None"},
+    "Friction": {"screw": None, "nut": None, "assumed": "()", "feedback": "True", "balls": "None", "neighbours": "False"},
     "GateLimits": {"max_error": "None", "rms_error": "None"},
     "Housing": {"name": None, "at": None, "fixed": "()", "stiffness": "None", "force": "(0, 0, 0)", "moment": "(0, 0, 0)"},
     "Ingredients": {
@@ -240,7 +240,7 @@ FROZEN: dict[str, dict[str, str | None]] = {
         "hertz": '"right"',
     },
     "ScrewPairScene": {"name": None, "title": None, "source": None, "assumed": None, "pair": None},
-    "ScrewRunScene": {"name": None, "title": None, "source": None, "assumed": None, "run": None},
+    "ScrewRunScene": {"name": None, "title": None, "source": None, "assumed": None, "run": None, "time": None},
     "Segment": {"start": None, "end": None, "diameter": None, "bore": "0"},
     "Settings": {
         "b_over_h": "4",

@@ -229,16 +229,17 @@ class Solid:
 class Friction:
     """Coulomb coefficients of the balls on the grooves of screw and nut; ``assumed``: where they come from.
 
-    coupling: whether friction moves each ball across its grooves (``"ball"``, the default of scene files and commands
-    too), leaves the contact loads alone (``"none"``), or leaves them alone while neighbouring balls that touch push each
-    other (``"balls"``); balls: coefficient from ball to ball, ``None`` for the larger one of the grooves.
+    feedback: whether friction moves each ball across its grooves, or leaves the contact loads alone; neighbours: whether
+    balls that touch push each other at the scene's instant (in a run in time they always do); balls: coefficient from ball
+    to ball, ``None`` for the larger one of the grooves.
     """
 
     screw: float
     nut: float
     assumed: tuple[str, ...] = ()
-    coupling: Literal["none", "ball", "balls"] = "ball"
+    feedback: bool = True
     balls: float | None = None
+    neighbours: bool = False
 
     @property
     def between_balls(self) -> float:

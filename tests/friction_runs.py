@@ -13,7 +13,7 @@ from rollbench.lowfi.statics.again import beam_loads
 from rollbench.meshes.errors import draw
 from rollbench.meshes.parts import BallErrors, Circulation, Errors, FourierTerm, Friction, Motion, SideErrors
 
-MU, TURN = Friction(0.1, 0.1, coupling="none"), Motion(10.0)
+MU, TURN = Friction(0.1, 0.1, feedback=False), Motion(10.0)
 SIZES = BallErrors(oversize=4e-6, listed=((2, 2e-6), (4, -2e-6), (5, 1.5e-6)))
 WAVES = Errors(
     balls=SIZES, SL=SideErrors(pitch=(FourierTerm(2.0, 2e-6),)), NR=SideErrors(roundness=(FourierTerm(1.0, 1e-6, 2e-6),))

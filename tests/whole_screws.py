@@ -10,7 +10,7 @@ from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import Balls, Friction, Load, Material, Motion, Nut, Scene, Screw, Track
 
-MU, TURN = Friction(0.1, 0.1, coupling="none"), Motion(10.0)
+MU, TURN = Friction(0.1, 0.1, feedback=False), Motion(10.0)
 AXIAL = (0.0, 0.0, 800.0)
 
 

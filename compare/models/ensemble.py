@@ -20,9 +20,9 @@ from rollbench.lowfi.statics.problem import Problem, build, distances, hertz_C, 
 from rollbench.lowfi.statics.records import MemberArrays, MemberStates
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.selection import all_clear, all_sides, choose_sides
+from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.lowfi.statics.shape import motion_matrices
 from rollbench.lowfi.statics.static import (
-    ACCEPTED,
     Engine,
     Prepared,
     iterate,

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 Step = Callable[[str], None]
 
 #: How often patches are enlarged where a contact reaches their rim, by what, and in how many such steps at a time at most.
-ENLARGE, BEYOND, LARGER = 2, 1.2, 4
+ENLARGE, BEYOND, LARGER = 3, 1.2, 4
 #: Share by which a patch must grow to be built again.
 GROWN = 5e-3
 
@@ -64,7 +64,8 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
         full = [k for k, run in enumerate(runs) if run.status == AT_RIM]
         if not full:
             break
-        larger, why = enlarged(setup, [scenes[k] for k in full], [runs[k] for k in full])
+        left = max(0, ENLARGE - 1 - attempt)
+        larger, why = enlarged(setup, [scenes[k] for k in full], [runs[k] for k in full], left)
         if larger is None or attempt == ENLARGE:
             for k in full:
                 runs[k] = replace(runs[k], status=f"a contact reaches the rim of its patch: {why}")
@@ -75,11 +76,15 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
     return runs, condensed_bodies(setup, task.level) if good and with_bodies(task) else None
 
 
-def enlarged(setup: Setup, scenes: Sequence[Scene], runs: Sequence[Run]) -> tuple[Settings | None, str]:
+def enlarged(setup: Setup, scenes: Sequence[Scene], runs: Sequence[Run], left: int) -> tuple[Settings | None, str]:
     """Settings with patches for the loads that were found, or None where that changes no patch; a text with both
-    numbers."""
+    numbers.
+
+    Patches grow by a step; where ``left`` steps would leave them shorter than the contacts reach along the groove, as its
+    lead sets these askew, they are at once as long as those need.
+    """
     from rollbench.hifi.meshing.expected import hertz_units
-    from rollbench.hifi.meshing.fit import patch_lines, socket_size
+    from rollbench.hifi.meshing.fit import patch_lines, reach_along, socket_size
 
     def zone(settings: Settings) -> tuple[float, float]:
         """Half widths [m] of the contact zone."""
@@ -91,16 +96,22 @@ def enlarged(setup: Setup, scenes: Sequence[Scene], runs: Sequence[Run]) -> tupl
     def mm(lengths: tuple[float, float]) -> str:
         return f"{1e3 * lengths[0]:.3g} mm across and {1e3 * lengths[1]:.3g} mm along the groove"
 
-    needs = np.zeros(2)
+    m, needs, askew = setup.map, np.zeros(2), 0.0
     for scene, run in zip(scenes, runs, strict=True):
-        size = np.cbrt(run.load)
-        shift = np.nan_to_num(np.abs(np.radians(run.angle) - setup.map.beta)) * setup.map.radius
+        size, angle = np.cbrt(run.load), np.where(run.load > 0.0, np.radians(run.angle), m.beta)
         units = hertz_units(scene)
         across, along = (size * np.array([getattr(unit, name) for unit in units]) for name in ("semi_x", "semi_y"))
-        needs = np.maximum(needs, [float((across + shift).max()), float(along.max())])
+        needs = np.maximum(needs, [float((across + np.abs(angle - m.beta) * m.radius).max()), float(along.max())])
+        askew = max(askew, *(reach_along(m, s, angle[:, s], across[:, s], along[:, s]) for s in setup.sides))
     has, reach = zone(setup.settings), np.array(setup.settings.reach)
     words = f"by the loads found it needs {mm((float(needs[0]), float(needs[1])))}, the patch has {mm(has)}"
-    refused = ""
+    refused, wide = "", max(float(reach[0]), float(needs[0]))
+    longer = replace(setup.settings, reach=(wide, askew))
+    try:
+        if zone(replace(longer, reach=(wide, BEYOND**left * float(reach[1]))))[1] < askew <= zone(longer)[1]:
+            return longer, f"{words}, askew {1e3 * askew:.3g} mm along it"
+    except ValueError as error:
+        refused = f"; a larger one is refused: {error}"
     # a small step may be less than a cell, a large one more than there is room for: then the largest that fits
     for factor in (*(BEYOND**power for power in range(1, LARGER + 1)), *np.linspace(BEYOND, 1.0, 41)[1:-1]):
         a, b = np.maximum(factor * reach, 0.0 if refused else needs).tolist()

@@ -56,6 +56,9 @@ def friction_choice_faults(friction: FrictionKeys | None) -> Iterator[Fault]:
     if friction is not None and friction.coefficient is None and None in (friction.screw, friction.nut):
         advice = "write e.g. coefficient = 0.1, or a coefficient for each groove, screw and nut"
         yield Fault(("friction.coefficient",), "0 to 2", advice, "nothing")
+    if friction is not None and friction.coupling and friction.model_fields_set & {"feedback", "neighbours"}:
+        advice = "coupling is the former key of feedback and neighbours: leave it out"
+        yield Fault(("friction.coupling",), "either the former key or the two new ones", advice, "both")
 
 
 def _kind_faults(keys: SceneKeys) -> Iterator[Fault]:

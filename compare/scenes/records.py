@@ -92,7 +92,14 @@ def friction_of(keys: FrictionKeys) -> Friction:
     screw, nut = (keys.coefficient if own is None else own for own in (keys.screw, keys.nut))
     if screw is None or nut is None:  # choice_faults has refused this
         raise AssertionError("a groove without a coefficient")
-    return Friction(screw, nut, tuple(map(escaped, keys.assumed)), keys.coupling, keys.balls)
+    assumed, feedback, neighbours = tuple(map(escaped, keys.assumed)), keys.feedback, keys.neighbours
+    if keys.coupling is not None:
+        feedback, neighbours = keys.coupling == "ball", keys.coupling == "balls"
+        assumed += (
+            f'The former key coupling = "{keys.coupling}" is read as feedback = {str(feedback).lower()}, '
+            f"neighbours = {str(neighbours).lower()}.",
+        )
+    return Friction(screw, nut, assumed, feedback, keys.balls, neighbours)
 
 
 def material_of(own: MaterialKeys | None, default: MaterialKeys) -> Material:

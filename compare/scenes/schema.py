@@ -255,11 +255,19 @@ class FrictionKeys(Table):
     screw: Coefficient | None = key("coefficient on the screw's groove, where it is another", None)
     nut: Coefficient | None = key("coefficient on the nut's groove, where it is another", None)
     balls: Coefficient | None = key("coefficient from ball to ball, where it is not the larger one of the grooves", None)
-    coupling: Literal["none", "ball", "balls"] = key(
-        "whether friction moves each ball across its grooves, at the axial load it carries, or leaves the loads alone; "
-        '"balls": leaves the loads alone, and neighbours that touch push each other (a run in time always lets them)',
-        Friction.coupling,
-        "none",
+    feedback: bool = key(
+        "whether friction moves each ball across its grooves, at the axial load it carries, or leaves the loads alone",
+        Friction.feedback,
+        False,
+    )
+    neighbours: bool = key(
+        "whether neighbours that touch push each other at the scene's instant (a run in time always lets them)",
+        Friction.neighbours,
+        True,
+    )
+    coupling: Literal["none", "ball", "balls"] | None = key(
+        'former key: "none" is feedback = false, "ball" feedback = true, "balls" feedback = false and neighbours = true',
+        None,
     )
     assumed: Annotated[list[Sentence], Field(max_length=100)] = key(
         "sentences on where the coefficients come from", [], ["Grease-lubricated steel, assumed."]

@@ -15,13 +15,15 @@ from rollbench.meshes.ball_body import BallSocket, ball_depth, ball_points
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.sockets import ZONE, SocketSize, fitted_socket
+from rollbench.meshes.sockets import ZONE, SocketSize, fitted_socket, socket_centre
 from rollbench.meshes.solid import Dimensions
 
 #: Half width of the contact zone over the expected reach of the contacts, across and along the groove.
 MARGIN = (1.15, 1.2)
 #: How much smaller cells are at most where there is hardly room for the contact.
 TIGHT = 4.0
+#: Points around an ellipse that say how far it reaches.
+AROUND = 73
 
 
 def patch_lines(settings: Settings, width: tuple[float, float], deep: float) -> tuple[Lines, tuple[float, float]]:
@@ -60,6 +62,19 @@ def socket_size(
         settings.reach,
     )
     return replace(size, cuts=settings.cuts)
+
+
+def reach_along(m: GrooveMap, side: int, angle: Array, across: Array, along: Array) -> float:
+    """How far contacts reach from their nominal middle along the lines of azimuth of a patch, over the pitch radius [m].
+
+    angle ``(n,)`` [rad], semi-axes across and along the groove ``(n,)`` [m]. An ellipse lies across its helix, a patch's
+    lines at constant azimuth: by the lead angle the ends of the long axis are ahead and behind.
+    """
+    turn = np.linspace(0.0, 2.0 * np.pi, AROUND)
+    gamma = angle[:, None] + across[:, None] / float(m.radius[side]) * np.cos(turn)
+    r, _, psi = m.unroll(*m.section(side, gamma, np.array(m.radius[side])))
+    ahead = psi - socket_centre(m, side)[2] + along[:, None] * np.sin(turn) / np.hypot(r, m.rg)
+    return float(m.R * np.abs(ahead).max(initial=0.0))
 
 
 def ball_place(

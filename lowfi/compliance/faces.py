@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -40,17 +41,29 @@ from rollbench.meshes.section import BeamSection
 REACH = 7.0
 #: Distances of the cuts from the groove's middle over the ball's radius; the first one is at the groove's edge.
 CUTS = (0.0, 1.2, 1.6, 2.4, 4.0, REACH)
-#: Elements of a loaded flank (half as many of the others) and in depth; longest element of a land over the ball's radius.
-MESH = (4, 4)
+#: Longest element of a land over the ball's radius.
 LAND = 0.9
 #: First element in depth over the ball's radius.
 FIRST = 0.3
-#: Highest harmonic times the ball's radius over that of the contacts: it does not feel the nearest cut; step between two;
-#: highest of those that a half space continues, times the patch's width.
-HIGHEST, STEP = 4.0, 1.5
+#: Step between two harmonics; highest of those that a half space continues, times the patch's width.
+STEP = 1.5
 TAIL = 2.6
 #: Difference of two patches, over their largest load, that does not count.
 SAME = 1e-3
+
+
+class Patch(NamedTuple):
+    """How finely a flank is loaded: the patch's standard deviation over the ball's radius, elements of a loaded flank (half
+    as many of the others) and in depth, highest harmonic times the ball's radius over that of the contacts."""
+
+    width: float
+    mesh: tuple[int, int]
+    highest: float
+
+
+#: Far from a face, where only curvature counts below the patch; and beside one, as near as a contact's own size, which has
+#: the mean square of its long axis.
+FAR, BESIDE_FACE = Patch(NARROW, (4, 4), 4.0), Patch(0.07, (8, 6), 12.0)
 
 
 @dataclass(frozen=True)
@@ -104,17 +117,26 @@ def near_face(
 
     held_radii: between which [m] a face is held, if it is; near: whether a contact has a face within reach.
     """
-    grid, cuts = grooved_grid(flank)
-    cuts = cuts if near else cuts[-1:]
-    z = grid.z[:, 0]
-    gain = less_smooth(flank, smooth, grid, cuts, smooth.held, held_radii)
-    if smooth.held in ("section", "low", "high", "both"):
-        beams = [less_smooth_beam(flank, smooth, section, (float(z[0]), float(z[cut]))) for cut in cuts]
-        gain[1, :2] -= np.stack(beams, axis=-1)
-    far = both_ways(gain[1, ..., -1])
+
+    def gains(finer: Patch, last: slice) -> tuple[Array, Grid, Array]:
+        """Gains of the cuts, the body, and the distances of the cuts."""
+        grid, cuts = grooved_grid(flank, finer.mesh)
+        cuts, z = cuts[last], grid.z[:, 0]
+        gain = less_smooth(flank, smooth, grid, cuts, held_radii, finer)
+        if smooth.held in ("section", "low", "high", "both"):
+            beams = [less_smooth_beam(flank, smooth, section, (float(z[0]), float(z[cut]))) for cut in cuts]
+            gain[1, :2] -= np.stack(beams, axis=-1)
+        return gain, grid, z[cuts]
+
+    whole, grid, distance = gains(FAR, slice(-1, None))
+    far = both_ways(whole[1, ..., -1])
     own = float(far[:, 0, 0].sum()) + finer(flank, half_lead(flank, grid), len(far) - 1)
     own -= half_space(NARROW * flank.map.ball, flank.material)
-    return NearFace(z[cuts], gain - gain[..., -1:], flank.contact()[1], with_tail(flank, far), own)
+    if near:
+        gain, _, distance = gains(BESIDE_FACE, slice(None))
+    else:
+        gain = whole
+    return NearFace(distance, gain - gain[..., -1:], flank.contact()[1], with_tail(flank, far), own)
 
 
 def both_ways(waves: Array) -> Array:
@@ -153,15 +175,17 @@ def less_smooth_beam(flank: Flank, smooth: Tube, section: BeamSection, ends: tup
 
 
 def less_smooth(
-    flank: Flank, smooth: Tube, grid: Grid, cuts: Sequence[int], fixing: str, held_radii: tuple[float, float]
+    flank: Flank, smooth: Tube, grid: Grid, cuts: Sequence[int], held_radii: tuple[float, float], finer: Patch
 ) -> Array:
     """Motions of the true flanks less those of the smooth body, each by its own patch, as `cut_motions`."""
-    true = true_loads(flank, grid, cuts)
+    width = finer.width * flank.map.ball
+    true = true_loads(flank, grid, cuts, width)
     r_ends, line = radial_ends(smooth)
     plain = tube_grid(r_ends, grid.z[::2, 0])
     loads = smooth_loads(flank, plain, line, cuts, smooth.width)
-    return cut_motions(flank, grid, cuts, held_radii, fixing, true, NARROW * flank.map.ball) - cut_motions(
-        flank, plain, cuts, (0.0, np.inf), fixing, loads, smooth.width, smooth.layer
+    n = harmonics_to(finer.highest * flank.contact()[0] / flank.map.ball, STEP)
+    return cut_motions(flank, grid, cuts, n, held_radii, smooth.held, true, width) - cut_motions(
+        flank, plain, cuts, n, (0.0, np.inf), smooth.held, loads, smooth.width, smooth.layer
     )
 
 
@@ -172,14 +196,14 @@ def half_lead(flank: Flank, grid: Grid) -> Grid:
     return Grid(grid.r[part], grid.z[part])
 
 
-def grooved_grid(flank: Flank) -> tuple[Grid, list[int]]:
+def grooved_grid(flank: Flank, mesh: tuple[int, int]) -> tuple[Grid, list[int]]:
     """A body with its grooves from its clamped end to the furthest face, the middle of the loaded groove at z = 0, and
     those of its lines in z where it is cut."""
     ball, reach = flank.map.ball, REACH * flank.map.ball
-    r, z = turn(flank, MESH[0], LAND * ball * np.array([0.25, 0.6, *np.arange(1.2, flank.half / (LAND * ball))]))
-    edge = float(z[z.size // 2 + 2 * MESH[0]])
+    r, z = turn(flank, mesh[0], LAND * ball * np.array([0.25, 0.6, *np.arange(1.2, flank.half / (LAND * ball))]))
+    edge = float(z[z.size // 2 + 2 * mesh[0]])
     more = max(0, int(np.ceil((reach / flank.half - 1.0) / 2.0)))
-    next_r, next_z = turn(flank, MESH[0] // 2, LAND * ball * np.arange(1.0, flank.half / (LAND * ball)))
+    next_r, next_z = turn(flank, mesh[0] // 2, LAND * ball * np.arange(1.0, flank.half / (LAND * ball)))
     shift = 2.0 * flank.half * np.arange(1.0, more + 1.0)[:, None]
     r = np.concatenate([np.tile(next_r[:-1], more), r, np.tile(next_r[1:], more)])
     z = np.concatenate([(next_z[:-1] - shift[::-1]).ravel(), z, (next_z[1:] + shift).ravel()])
@@ -187,8 +211,8 @@ def grooved_grid(flank: Flank) -> tuple[Grid, list[int]]:
     r, z = r[z.size - 1 - last : last + 1], z[z.size - 1 - last : last + 1]
     faces = np.arange(0, z.size, 2)[z[::2] > edge - 0.01 * ball]
     cuts = sorted({int(faces[np.abs(z[faces] - x * ball).argmin()]) for x in CUTS})
-    power = np.log(abs(flank.land - flank.far) / (FIRST * ball)) / np.log(MESH[1])
-    share = refine_lines(1.0 - np.linspace(1.0, 0.0, MESH[1] + 1) ** max(power, 1.0))
+    power = np.log(abs(flank.land - flank.far) / (FIRST * ball)) / np.log(mesh[1])
+    share = refine_lines(1.0 - np.linspace(1.0, 0.0, mesh[1] + 1) ** max(power, 1.0))
     inner, outer = (np.full_like(r, flank.far), r) if flank.screw else (r, np.full_like(r, flank.far))
     depth = share if flank.screw else (1.0 - share)[::-1]
     radii = inner[:, None] + depth * (outer - inner)[:, None]
@@ -205,14 +229,14 @@ def turn(flank: Flank, count: int, ends: Array) -> tuple[Array, Array]:
     return np.append(r[:0:-1], r), np.append(-z[:0:-1], z)
 
 
-def true_loads(flank: Flank, grid: Grid, cuts: Sequence[int]) -> Array:
-    """Unit loads ``(f, cuts, nodes of the grid, 3)`` on the flanks of `pressed`."""
+def true_loads(flank: Flank, grid: Grid, cuts: Sequence[int], width: float) -> Array:
+    """Unit loads ``(f, cuts, nodes of the grid, 3)`` on the flanks of `pressed`, of patches of ``width`` [m]."""
     line = grid.shape[1] - 1 if flank.screw else 0
     normals = flank_normals(grid, line)
     places, directions = pressed(flank, grid.z[0, 0])
     out = np.zeros((len(places), len(cuts), *grid.shape, 3))
     for away, (place, along) in enumerate(zip(places, directions, strict=True)):
-        share = flank_weights(grid, line, place, NARROW * flank.map.ball)[0]
+        share = flank_weights(grid, line, place, width)[0]
         for k, cut in enumerate(cuts):
             own = share[: cut + 1, None] * normals[: cut + 1] * np.sign(normals[: cut + 1] @ along)[:, None]
             out[away, k, : cut + 1, line, ::2] = own / share[: cut + 1].sum()
@@ -246,24 +270,25 @@ def cut_motions(
     flank: Flank,
     grid: Grid,
     cuts: Sequence[int],
+    n: Array,
     held_radii: tuple[float, float],
     fixing: str,
     loads: Array,
     width: float,
     layer: Layer | None = None,
 ) -> Array:
-    """Motions ``(2, n, 2, f, cuts)`` [m/N] of patches of ``width`` [m] in every harmonic of a body cut at lines ``cuts``:
-    its face free or held at these radii [m]; motion of the flank pressed towards it or of the other one, by loads on f.
+    """Motions ``(2, n, 2, f, cuts)`` [m/N] of patches of ``width`` [m] in every harmonic to the last of ``n``, at which
+    they are sampled, of a body cut at lines ``cuts``: its face free or held at these radii [m]; motion of the flank pressed
+    towards it or of the other one, by loads on f.
 
     fixing: see `Tube`; "bore" and "outer" hold that surface too.
     """
-    columns, radius = grid.shape[1], flank.contact()[0]
+    columns = grid.shape[1]
     body = Body(grid, flank.material.youngs_modulus, flank.material.poissons_ratio, layer)
     held = np.zeros((*grid.shape, 3), dtype=bool)
     held[0] = True
     held[:, 0 if fixing == "bore" else -1 if fixing == "outer" else slice(0, 0)] = True
     beyond = body.rows()[:, :, 0, :, 0]
-    n = harmonics_to(HIGHEST * radius / flank.map.ball, STEP)
     count = len(loads)
     found = np.empty((n.size, 2, 2, count, len(cuts)))
     distinct, of = distinct_loads(loads, cuts)
@@ -290,7 +315,7 @@ def cut_motions(
             for face, moves in enumerate((np.full(line.size, True), (r < held_radii[0]) | (r > held_radii[1]))):
                 values[face, ..., k] = work + g[moves, :2].T @ np.linalg.solve(S[np.ix_(moves, moves)], g[moves])
     whole = every_harmonic(n, found)
-    shares = patch_shares(np.arange(float(len(whole))), width, radius)
+    shares = patch_shares(np.arange(float(len(whole))), width, flank.contact()[0])
     return np.moveaxis(whole * shares[:, None, None, None, None], 1, 0)
 
 

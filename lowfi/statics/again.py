@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,8 +15,8 @@ from rollbench.lowfi.statics import elastic, static
 from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild, one_thread
 from rollbench.lowfi.statics.problem import Problem, distances
 from rollbench.lowfi.statics.selection import all_sides, choose_sides
-from rollbench.lowfi.statics.settle import contact_angles
-from rollbench.lowfi.statics.static import ACCEPTED, Engine, Unheld, pick_engine, round_off_bound, verdict
+from rollbench.lowfi.statics.settle import contact_angles, verdict
+from rollbench.lowfi.statics.static import Engine, Unheld, pick_engine, round_off_bound, unheld
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.errors import Specimen
 from rollbench.meshes.helix import BallLayout
@@ -45,7 +46,7 @@ def beam_loads(scene: Scene, drawn: Specimen, layout: BallLayout, engine: Engine
     if isinstance(solved, Unheld):
         return _none(solved.problem.C, solved.status)
     prepared, outcome = solved.prepared, solved.outcome
-    status = verdict(outcome, round_off_bound(prepared, outcome.scale), prepared.problem)
+    status = verdict(outcome, round_off_bound(prepared, outcome.scale), partial(unheld, prepared.problem))
     return _loads(prepared.force, prepared.normal, prepared.problem.C, status)
 
 
@@ -78,7 +79,7 @@ def solved_system(
     if isinstance(solved, Unheld):
         return solved.problem, solved.status
     system, outcome = solved.elastic, solved.outcome
-    return system, verdict(outcome, max(elastic.round_off(system, outcome.scale), ACCEPTED), system.problem)
+    return system, verdict(outcome, elastic.round_off(system, outcome.scale), partial(unheld, system.problem))
 
 
 #: How the models of a static run find loads again and again, by name.

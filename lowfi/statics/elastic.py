@@ -7,34 +7,23 @@ with a pluggable origin (`lowfi.compliance.bodies`, or a condensed 3D model read
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from rollbench.lowfi import jit
 from rollbench.lowfi.compliance.bodies import REFINED, Backend, idealised
 from rollbench.lowfi.compliance.imported import Condensed
 from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild, one_thread
 from rollbench.lowfi.statics.mechanism import Mechanism, free_motions
 from rollbench.lowfi.statics.records import Outcome
-from rollbench.lowfi.statics.result import SolverReport, StaticResult
+from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.selection import all_clear, all_sides, choose_sides, describe_left_out
-from rollbench.lowfi.statics.settle import Contacts, Flanks, follow_hertz, follow_profile, lost, uneven
+from rollbench.lowfi.statics.settle import NO_LOADS, Contacts, Flanks, lost, report_of, settled, verdict
 from rollbench.lowfi.statics.shaft import flank_loads, node_forces, node_motions
 from rollbench.lowfi.statics.solved import SolvedState
-from rollbench.lowfi.statics.static import (
-    ACCEPTED,
-    NO_LOADS,
-    PIN_SHOWN,
-    ROUND_OFF,
-    Engine,
-    Unheld,
-    pick_engine,
-    pin,
-    verdict,
-    with_other_pin,
-)
+from rollbench.lowfi.statics.static import PIN_SHOWN, ROUND_OFF, Engine, Unheld, pick_engine, pin, unheld, with_other_pin
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS, assemble_result, failed_result
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimen, specimen
@@ -42,11 +31,13 @@ from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
 
+#: Formulation of a solution with elastic bodies.
+CONDENSED = "convex energy, elastic bodies condensed to the contacts"
 #: A flank that was left out counts as touching when it comes this near [m].
 MARGIN = 0.2e-6
 
 
-def iterate(elastic: Elastic, *, start: bool = True) -> Outcome:
+def iterate(elastic: Elastic, start: bool = True) -> Outcome:
     """Solve from the linear start, or from the present state."""
     bodies, contacts, state, options = elastic.bodies, elastic.contacts, elastic.state, elastic.options
     if start:
@@ -134,22 +125,14 @@ def untouched(elastic: Elastic) -> bool:
     return bool(all_clear(p[None], shift[None], problem.geometry[None], force, problem.use, MARGIN)[0])
 
 
-def solve_with_hertz(elastic: Elastic) -> Outcome:
-    """Solve, and where the scene asks for Hertz at the actual geometry, update the constants until they settle."""
-    outcome, problem = iterate(elastic), elastic.problem
-    if problem.scene.ingredients.hertz != "actual":
-        return outcome
+def settle(elastic: Elastic, build: Rebuild | None = None) -> tuple[Elastic, Outcome]:
+    """Solve, and follow the contacts (`lowfi.statics.settle.settled`), lever arms on uneven flanks where ``build`` makes
+    the problem anew; the problem that was solved, and its outcome."""
 
-    def again() -> Outcome:
+    def iterated(start: bool) -> Outcome:
         if elastic.pair is not None:
-            elastic.contacts.pair[:, 4] = problem.C[:, list(elastic.pair)].sum(axis=1)
-        return iterate(elastic, start=False)
-
-    return follow_hertz(outcome, lambda: [Contacts(problem, contacts_of(elastic)[1])], again)
-
-
-def solve_on_profile(elastic: Elastic, outcome: Outcome, build: Rebuild) -> tuple[Elastic, Outcome]:
-    """The problem and outcome with lever arms that follow uneven profiles (`lowfi.statics.settle.follow_profile`)."""
+            elastic.contacts.pair[:, 4] = elastic.problem.C[:, list(elastic.pair)].sum(axis=1)
+        return iterate(elastic, start)
 
     def flanks() -> list[Flanks]:
         centre, contact, shift = contacts_of(elastic)
@@ -157,13 +140,18 @@ def solve_on_profile(elastic: Elastic, outcome: Outcome, build: Rebuild) -> tupl
 
     def rebuild(more: list[Array]) -> Outcome:
         nonlocal elastic
-        old, elastic = elastic, build(more[0])
+        old = elastic
+        elastic = elastic if build is None else build(more[0])
         elastic.problem.C[:] = old.problem.C
         for new_state, old_state in zip(elastic.state, old.state, strict=True):
             new_state[:] = old_state
-        return iterate(elastic, start=False)
+        return iterate(elastic, False)
 
-    outcome = follow_profile(outcome, flanks, rebuild)
+    def contacts() -> list[Contacts]:
+        return [Contacts(elastic.problem, contacts_of(elastic)[1])]
+
+    hertz = elastic.problem.scene.ingredients.hertz
+    outcome = settled(iterated, contacts, flanks, None if build is None else rebuild, hertz)
     return elastic, outcome
 
 
@@ -190,9 +178,7 @@ def solve_sides(rebuild: Rebuild) -> Solution | Unheld:
             return Unheld(problem, mechanism)
         held, elastic = rebuild.pinned(pin(problem, mechanism))
         prepared_at = perf_counter()
-        outcome = solve_with_hertz(elastic)
-        if uneven(problem):
-            elastic, outcome = solve_on_profile(elastic, outcome, held)
+        elastic, outcome = settle(elastic, held)
         if np.array_equal(rebuild.use, all_sides(scene)) or (outcome.status == 0 and untouched(elastic)):
             return Solution(elastic, outcome, held, mechanism, notes, prepared_at)
         notes = ("two of the four sides may touch in the solution without them: solved again with all four",)
@@ -246,25 +232,14 @@ def _solve(
     elastic, outcome, mechanism, rebuild = solved.elastic, solved.outcome, solved.mechanism, solved.rebuild
     problem = elastic.problem
     bound = round_off(elastic, outcome.scale)
+    status = verdict(outcome, bound, partial(unheld, problem))
     if outcome.status in NO_LOADS:
-        return failed_result(problem, name, verdict(outcome, bound, problem), perf_counter() - start)
-    report = SolverReport(
-        iterations=outcome.iterations,
-        evaluations=outcome.evaluations,
-        residual=outcome.residual,
-        seconds=perf_counter() - start,
-        unknowns=elastic.state.phi.size + elastic.state.a.size,
-        elements=problem.nodes.size - 1,
-        engine="compiled" if jit.is_compiled(kernels.__name__) else "interpreted",
-        formulation="convex energy, elastic bodies condensed to the contacts",
-        round_off_bound=bound,
-        setup_seconds=solved.prepared_at - start,
-        notes=solved.notes,
-    )
+        return failed_result(problem, name, status, perf_counter() - start)
+    system = CONDENSED, elastic.state.phi.size + elastic.state.a.size, problem.nodes.size - 1
+    report = report_of(outcome, kernels, (start, solved.prepared_at), system, bound, solved.notes)
     left = (*describe_left_out(problem, mechanism, everything=everything), *_cut(elastic))
     source = idealised(backend, scene) if condensed is None else (condensed.describe(),)
     assumed = (*ELASTIC_ASSUMPTIONS, *source, *elastic.assumed)
-    status = verdict(outcome, max(bound, ACCEPTED), problem)
     result = assemble_result(solved_state(elastic), name, status, report, left, assumed)
     if (
         result.equilibrium is not None
@@ -274,7 +249,7 @@ def _solve(
     ):
         again = pin(problem, mechanism, True)
         other = replace(rebuild, held=(again.fixed, again.prescribed, again.pins))()
-        found = solve_with_hertz(other)
+        other, found = settle(other)
         result = with_other_pin(result, mechanism, None if lost(found) else contacts_of(other)[1][..., 0])
     return result
 

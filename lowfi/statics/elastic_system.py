@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 from threadpoolctl import ThreadpoolController
 
 from rollbench.lowfi.compliance.bodies import (
@@ -35,6 +36,9 @@ from rollbench.meshes.parts import Scene
 
 #: Largest number of balls: compliance between all contacts is formed whole, so memory and set-up grow as its square.
 LARGEST = 250
+#: Share of a contact's tangent compliance that Hertz's law may lend to the bodies: it falls with the force's cube root, and
+#: is left positive up to 64 times the typical force.
+LENT = 0.25
 #: Number of balls from which on the bodies' soft modes serve the solution, instead of a dense factor.
 MODES_FROM = 24
 
@@ -128,17 +132,40 @@ def of_both(G: Array, used: NDArray[np.bool_], N: int) -> Array:
     return full
 
 
-def positive(G: Array) -> tuple[Array, float]:
-    """G without its negative eigenvalues, which would make the energy concave, and the largest one cut away [m/N]."""
+def positive(G: Array, normals: Array, tangent: float) -> tuple[Array, Array, float]:
+    """G ``(2 n, 2 n)`` without negative eigenvalues, which would make the energy concave; what it was lent along the
+    contacts' ``normals`` ``(n, 2)`` to that end ``(n,)`` [m/N], and the largest negative one cut away for all that [m/N].
+
+    Beside a held face a body adds less than nothing to a contact's motion. Where that is no more than `LENT` of the
+    ``tangent`` compliance of a contact [m/N], its own law has it less what it lent, and nothing is lost.
+    """
+    lent = np.zeros(len(G) // 2)
+    if _is_positive(G):
+        return G, lent, 0.0
+    lam, V = np.linalg.eigh(G)
+    lacks = np.einsum("ia,iajb,jb->ij", normals, ((V * np.minimum(lam, 0.0)) @ V.T).reshape(lent.size, 2, -1, 2), normals)
+    lent = np.minimum(np.abs(lacks).sum(axis=1), LENT * tangent)
+    G = G + block_diag(*(lent[:, None, None] * normals[:, :, None] * normals[:, None, :]))
+    if _is_positive(G):
+        return G, lent, 0.0
+    lam, V = np.linalg.eigh(G)
+    return (V * np.maximum(lam, 0.0)) @ V.T, lent, max(0.0, float(-lam.min()))
+
+
+def _is_positive(G: Array) -> bool:
     if G.size == 0:
-        return G, 0.0
+        return True
     bump = 1e-10 * float(np.trace(G)) / len(G)
     try:
         np.linalg.cholesky(G + max(bump, 1e-300) * np.eye(len(G)))
     except np.linalg.LinAlgError:
-        lam, V = np.linalg.eigh(G)
-        return (V * np.maximum(lam, 0.0)) @ V.T, float(-lam.min())
-    return G, 0.0
+        return False
+    return True
+
+
+def normals_of(geometry: Array) -> Array:
+    """Unit vectors of contacts ``(..., 2)`` from the geometry of flanks (`lowfi.statics.kernel.flanks`)."""
+    return np.asarray(geometry[..., :2] / np.maximum(geometry[..., 2:3], 1e-30))
 
 
 def typical_axes(problem: Problem, force: float) -> tuple[float, float]:
@@ -184,13 +211,19 @@ def flanks_of(
         if condensed is not None:
             own = condensed.correct(scene, layout, sides, own, backend)
         G.append(own)
+    normals, tangent = normals_of(problem.geometry), contact_compliance(problem, force)
     if pair is not None:
-        first, clipped = positive(G[0] + G[1])
+        first, lent, clipped = positive(G[0] + G[1], normals[:, pair[0]], tangent)
+        e[:, pair[0]] -= lent
         second, d = np.zeros((0, 0)), 2
         s = pair[0] % 2
         start, free = v0[:, s], R[:, s]
     else:
-        (first, low), (second, high) = (positive(of_both(G[k], problem.use[2 * k : 2 * k + 2], N)) for k in range(2))
+        (first, on_screw, low), (second, on_nut, high) = (
+            positive(of_both(G[k], problem.use[side], N), normals[:, side].reshape(-1, 2), tangent)
+            for k, side in enumerate((slice(0, 2), slice(2, 4)))
+        )
+        e -= np.concatenate([on_screw.reshape(N, 2), on_nut.reshape(N, 2)], axis=1)
         clipped, d = max(low, high), 8
         start, free = np.zeros((N, 4, 2)), np.zeros((N, 4, 2, R.shape[3]))
         start[:, :2], free[:, :2] = v0, R
@@ -202,7 +235,7 @@ def flanks_of(
         shaft.work,
         e,
         h,
-        clipped / contact_compliance(problem, force),
+        clipped / tangent,
         (G[0], G[1], v0, R),
         squeeze,
     )
@@ -287,7 +320,7 @@ def ready(
 
 def spring_rows(problem: Problem, pair: tuple[int, int] | None, stiffness: float) -> Array:
     """Linear springs between opposite flanks, ``(N, 1, 2)`` for one pair or ``(N, 2, 8)``."""
-    w = problem.geometry[..., :2] / np.maximum(problem.geometry[..., 2:3], 1e-30)
+    w = normals_of(problem.geometry)
     root = np.sqrt(stiffness)
     if pair is not None:
         return np.ascontiguousarray(root * w[:, pair[0], None, :])

@@ -98,6 +98,10 @@ class Solved(Answering):
         """Whether the loads may be used."""
         return self.status == "converged"
 
+    def of_balls(self) -> tuple[StaticResult, ...]:
+        """Contacts of each set of balls."""
+        return ()
+
     def answers(self) -> Self:
         """Itself where it converged, else `without_answers`."""
         return self if self.converged else self.without_answers()
@@ -128,6 +132,10 @@ class StaticResult(Solved):
         "force_direction",
         "centre_shift",
     )
+
+    def of_balls(self) -> tuple[StaticResult, ...]:
+        """Itself: the contacts of the one set."""
+        return (self,)
 
 
 @dataclass(frozen=True)
@@ -189,6 +197,10 @@ class AxisResult(Solved):
     station: float | None = None
     stiffness: Array | None = None
     ANSWERS: ClassVar[tuple[str, ...]] = (*Solved.ANSWERS, "sets", "housings")
+
+    def of_balls(self) -> tuple[StaticResult, ...]:
+        """Contacts of each set of balls."""
+        return tuple(s.balls for s in self.sets if s.balls is not None)
 
     def without_answers(self) -> Self:
         """The result without loads, motions, stiffness and balance."""

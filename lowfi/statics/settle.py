@@ -4,14 +4,24 @@ contact angle, and lever arms on uneven flanks. The same for one set and several
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from time import perf_counter
+from types import ModuleType
 from typing import NamedTuple
 
 import numpy as np
 
+from rollbench.lowfi import jit
 from rollbench.lowfi.statics.problem import SIGNS, Problem, actual_hertz
 from rollbench.lowfi.statics.records import Outcome
+from rollbench.lowfi.statics.result import SolverReport
 from rollbench.meshes.arrays import Array
 
+#: Outcomes of the kernels (`lowfi.statics.kernel.newton`).
+CONVERGED, ITERATIONS, NOT_HELD, SINGULAR = range(4)
+#: Outcomes without a usable state.
+NO_LOADS = (NOT_HELD, SINGULAR)
+#: Relative residual at which a solution counts as converged.
+ACCEPTED = 1e-10
 #: Relative residual of a run above which its constants or lever arms are not followed any further.
 LOST = 1e-6
 #: Runs for the constants and for the arms, and the change (relative, or [m]) at which they have settled.
@@ -41,7 +51,68 @@ def contact_angles(normal: Array) -> Array:
 
 def lost(outcome: Outcome) -> bool:
     """Whether a run found no state that changed constants or lever arms could start from."""
-    return outcome.status not in (0, 1) or outcome.residual > LOST
+    return outcome.status in NO_LOADS or outcome.residual > LOST
+
+
+def settled(
+    iterate: Callable[[bool], Outcome],
+    contacts: Callable[[], Sequence[Contacts]],
+    flanks: Callable[[], Sequence[Flanks]],
+    rebuild: Callable[[list[Array]], Outcome] | None,
+    hertz: str,
+) -> Outcome:
+    """Solve from the start, and follow the contacts by Hertz' constants where ``hertz`` is "actual", and by lever arms on
+    uneven flanks where there is a ``rebuild``; iterate: from the linear start (True) or the present state. Of all sets; for
+    the rest see ``follow_hertz`` and ``follow_profile``."""
+    outcome = iterate(True)
+    if hertz == "actual":
+        outcome = follow_hertz(outcome, contacts, lambda: iterate(False))
+    if rebuild is not None and any(uneven(problem) for problem, _ in contacts()):
+        outcome = follow_profile(outcome, flanks, rebuild)
+    return outcome
+
+
+def verdict(outcome: Outcome, bound: float, unheld: Callable[[], str], far: bool = False) -> str:
+    """Status sentence of a solver outcome; bound: relative residual that double precision cannot get below; unheld: says by
+    a linear program whether what moves without limit is held; far: the state is so far away that it says so of it too."""
+    good = outcome.residual <= max(ACCEPTED, bound) and outcome.status in (CONVERGED, ITERATIONS)
+    if good and not far:
+        return "converged"
+    if outcome.status == NOT_HELD:
+        return unheld()
+    if far and (said := unheld()).startswith("not held"):
+        return said
+    if good:
+        return "converged"
+    if outcome.status == SINGULAR:
+        return "stopped: the stiffness matrix is not positive definite"
+    return f"not converged: relative residual {outcome.residual:.1e} after {outcome.iterations} iterations"
+
+
+def report_of(
+    outcome: Outcome,
+    kernels: ModuleType,
+    times: tuple[float, float],
+    system: tuple[str, int, int],
+    bound: float,
+    notes: tuple[str, ...],
+) -> SolverReport:
+    """How a solution came about. times: when it began, and when its system was ready (`time.perf_counter`); system: its
+    formulation, unknowns and beam elements; bound: see ``verdict``."""
+    formulation, unknowns, elements = system
+    return SolverReport(
+        iterations=outcome.iterations,
+        evaluations=outcome.evaluations,
+        residual=outcome.residual,
+        seconds=perf_counter() - times[0],
+        unknowns=unknowns,
+        elements=elements,
+        engine="compiled" if jit.is_compiled(kernels.__name__) else "interpreted",
+        formulation=formulation,
+        round_off_bound=bound,
+        setup_seconds=times[1] - times[0],
+        notes=notes,
+    )
 
 
 def follow_hertz(outcome: Outcome, contacts: Callable[[], Sequence[Contacts]], again: Callable[[], Outcome]) -> Outcome:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from time import perf_counter
 from types import ModuleType
 from typing import Literal, NamedTuple
@@ -15,7 +16,7 @@ from rollbench.lowfi.statics.mechanism import Mechanism, free_motions
 from rollbench.lowfi.statics.problem import Problem, build, distances, tightest
 from rollbench.lowfi.statics.proof import opening_motion, words_of
 from rollbench.lowfi.statics.records import BeamArrays, BeamContacts, BeamOptions, BeamSlopes, BeamState, Outcome
-from rollbench.lowfi.statics.result import SolverReport, StaticResult
+from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.selection import (
     all_sides,
     choose_sides,
@@ -24,7 +25,7 @@ from rollbench.lowfi.statics.selection import (
     shifts_of_beam,
     touched_sides,
 )
-from rollbench.lowfi.statics.settle import Contacts, Flanks, follow_hertz, follow_profile, lost, uneven
+from rollbench.lowfi.statics.settle import NO_LOADS, Contacts, Flanks, lost, report_of, settled, verdict
 from rollbench.lowfi.statics.solved import SolvedState
 from rollbench.lowfi.statics.summary import assemble_result, failed_result, model_assumptions
 from rollbench.meshes.arrays import Array, Mask
@@ -35,13 +36,11 @@ from rollbench.meshes.parts import FREEDOMS, Scene
 
 Engine = Literal["auto", "interpreted", "compiled"]
 
-#: Relative residual that the solver drives for, and the one at which it counts as converged.
-TOLERANCE, ACCEPTED = 1e-14, 1e-10
+#: Relative residual that the solver drives for.
+TOLERANCE = 1e-14
 MAX_ITERATIONS = 3000
 #: Relative round-off of a force by that of the motions in its contacts: some operations of each.
 ROUND_OFF = 8.0 * float(np.finfo(float).eps)
-#: Kernel statuses whose state is none that the screw takes: it moved without limit, or no step could be found.
-NO_LOADS = (2, 3)
 #: Above this many balls the compiled engine pays even for a single solve.
 COMPILE_ABOVE = 120
 #: The same where flanks are no arcs: every contact is a search for its place on the profile.
@@ -163,7 +162,7 @@ def _lift(problem: Problem) -> Array:
     return q
 
 
-def iterate(prepared: Prepared, *, start: bool = True) -> Outcome:
+def iterate(prepared: Prepared, start: bool = True) -> Outcome:
     """Solve from the linear start (or from the present state)."""
     solve = prepared.engine.start_and_solve if start else prepared.engine.solve_beam
     outcome: Outcome = solve(prepared.beam, prepared.contacts, prepared.state, prepared.options, prepared.history)
@@ -233,9 +232,7 @@ def solve_sides(
             return Unheld(problem, mechanism)
         prepared = prepare(pin(problem, mechanism), kernels)
         prepared_at = perf_counter()
-        outcome = solve_with_hertz(prepared)
-        if uneven(problem):
-            outcome = solve_on_profile(prepared, outcome, layout, everything=everything, refine=refine)
+        outcome = settle(prepared, everything=everything, refine=refine)
         touched = touched_sides(kernels, prepared.problem, prepared.state.q, prepared.state.p, prepared.force)
         if (outcome.status == 0 and not np.any(touched & ~use)) or np.array_equal(use, all_sides(scene)):
             return Solution(prepared, outcome, mechanism, use, notes, prepared_at)
@@ -271,22 +268,12 @@ def solve_static(
         return failed_result(solved.problem, "lin", solved.status, perf_counter() - start)
     prepared, outcome, mechanism, use = solved.prepared, solved.outcome, solved.mechanism, solved.use
     problem = prepared.problem
-    status = verdict(outcome, round_off_bound(prepared, outcome.scale), problem)
+    bound = round_off_bound(prepared, outcome.scale)
+    status = verdict(outcome, bound, partial(unheld, problem))
     if outcome.status in NO_LOADS:
         return failed_result(problem, "lin", status, perf_counter() - start)
-    report = SolverReport(
-        iterations=outcome.iterations,
-        evaluations=outcome.evaluations,
-        residual=outcome.residual,
-        seconds=perf_counter() - start,
-        unknowns=problem.unknowns,
-        elements=problem.nodes.size - 1,
-        engine="compiled" if jit.is_compiled(kernels.__name__) else "interpreted",
-        formulation="convex energy",
-        round_off_bound=round_off_bound(prepared, outcome.scale),
-        setup_seconds=solved.prepared_at - start,
-        notes=solved.notes,
-    )
+    system = "convex energy", problem.unknowns, problem.nodes.size - 1
+    report = report_of(outcome, kernels, (start, solved.prepared_at), system, bound, solved.notes)
     left_out = describe_left_out(problem, mechanism, everything=everything)
     result = assemble_result(solved_state(prepared), "lin", status, report, left_out, model_assumptions(scene))
     if (
@@ -298,7 +285,7 @@ def solve_static(
         other = prepare(
             pin(build(scene, drawn, layout, use, everything=everything, refine=refine), mechanism, True), kernels
         )
-        found = solve_with_hertz(other)
+        found = settle(other, profile=False)
         result = with_other_pin(result, mechanism, other.force if not lost(found) else None)
     if discretisation and result.converged:
         result = with_discretisation(scene, result, engine=engine, member=member, drawn=drawn)
@@ -354,48 +341,28 @@ def pin(problem: Problem, mechanism: Mechanism, other: bool = False) -> Problem:
     return replace(problem, fixed=fixed, prescribed=prescribed, pins=chosen)
 
 
-def solve_with_hertz(prepared: Prepared) -> Outcome:
-    """Solve, and where the scene asks for Hertz at the actual geometry, update the constants until they settle."""
-    outcome, problem = iterate(prepared), prepared.problem
-    if problem.scene.ingredients.hertz != "actual":
-        return outcome
-    return follow_hertz(
-        outcome, lambda: [Contacts(problem, prepared.state.contact)], lambda: iterate(prepared, start=False)
-    )
+def settle(prepared: Prepared, *, everything: bool = False, refine: int = 1, profile: bool = True) -> Outcome:
+    """Solve, and follow the contacts (`lowfi.statics.settle.settled`); profile: lever arms on uneven flanks too."""
 
-
-def solve_on_profile(prepared: Prepared, outcome: Outcome, layout: BallLayout, *, everything: bool, refine: int) -> Outcome:
-    """The outcome with lever arms that follow uneven profiles (`lowfi.statics.settle.follow_profile`)."""
+    def contacts() -> list[Contacts]:
+        return [Contacts(prepared.problem, prepared.state.contact)]
 
     def flanks() -> list[Flanks]:
-        problem, moved = prepared.problem, np.zeros((layout.z.size, 4, 2))
+        problem, moved = prepared.problem, np.zeros((prepared.problem.layout.z.size, 4, 2))
         moved[:, :2] = flank_motions(problem, prepared.state.q)
         return [Flanks(problem, prepared.state.contact, prepared.state.p, moved)]
 
     def rebuild(more: list[Array]) -> Outcome:
-        problem = prepared.problem
-        rebuilt = build(
-            problem.scene, problem.drawn, layout, problem.use, everything=everything, refine=refine, more=more[0]
-        )
-        rebuilt = replace(rebuilt, fixed=problem.fixed, prescribed=problem.prescribed, pins=problem.pins)
-        rebuilt.C[:] = problem.C
+        p = prepared.problem
+        rebuilt = build(p.scene, p.drawn, p.layout, p.use, everything=everything, refine=refine, more=more[0])
+        rebuilt = replace(rebuilt, fixed=p.fixed, prescribed=p.prescribed, pins=p.pins)
+        rebuilt.C[:] = p.C
         prepared.problem = rebuilt
         prepared.contacts = prepared.contacts._replace(B=rebuilt.B, geometry=rebuilt.geometry)
         return iterate(prepared, start=False)
 
-    return follow_profile(outcome, flanks, rebuild)
-
-
-def verdict(outcome: Outcome, bound: float, problem: Problem) -> str:
-    """Status sentence of a solver outcome."""
-    code, residual = outcome.status, outcome.residual
-    if residual <= max(ACCEPTED, bound) and code in (0, 1):
-        return "converged"
-    if code == 2:
-        return unheld(problem)
-    if code == 3:
-        return "stopped: the stiffness matrix is not positive definite"
-    return f"not converged: relative residual {residual:.1e} after {outcome.iterations} iterations"
+    hertz = prepared.problem.scene.ingredients.hertz
+    return settled(partial(iterate, prepared), contacts, flanks, rebuild if profile else None, hertz)
 
 
 def unheld(problem: Problem) -> str:

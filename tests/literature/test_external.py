@@ -117,9 +117,9 @@ def test_double_nut_of_contacts_alone(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_friction_moves_balls_wherever_nothing_else_is_said():
     """One default: of the record, of scene files, of the command, and so of the maker's worked example of drag torque."""
-    assert Friction(0.1, 0.1).coupling == Friction.coupling == FrictionKeys.model_fields["coupling"].default == "ball"
+    assert Friction(0.1, 0.1).feedback is Friction.feedback is FrictionKeys.model_fields["feedback"].default is True
     nut = catalogue.scene("external-thk-bnf-3205-5")
-    assert [f.coupling for f in coefficients(replace(nut, friction=None), (0.1,))] == ["ball"]
+    assert [f.feedback for f in coefficients(replace(nut, friction=None), (0.1,))] == [True]
     found = next(e for e in audit(STUDY, "external-thk") if e.name == "external-thk:drag")
     assert found.found.value == pytest.approx(941.0, rel=2e-3)
     assert "1.09 times the printed torque" in found.reason

@@ -23,7 +23,7 @@ def random_scene(rng):
         circulation = Circulation(turns=turns, returning=int(rng.integers(4)), filling=float(rng.uniform(0.5, 0.9)))
         scene = replace(scene, circulation=circulation, errors=replace(WAVES, balls=sizes, seed=int(rng.integers(1000))))
     friction = Friction(
-        *(float(v) for v in rng.choice([0.01, 0.1, 0.3], 2)), balls=float(rng.choice([0.0, 0.1, 0.2])), coupling="none"
+        *(float(v) for v in rng.choice([0.01, 0.1, 0.3], 2)), balls=float(rng.choice([0.0, 0.1, 0.2])), feedback=False
     )
     motion = Motion(float(rng.choice([-20.0, 1.0, 300.0])), ("screw", "nut")[rng.integers(2)])
     return scene, friction, motion

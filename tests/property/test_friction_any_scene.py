@@ -61,7 +61,7 @@ def mirrored(scene):
 def test_energy_and_reversal(scene, screw, nut, motion):
     result = solve_static(scene)
     assume(result.converged)
-    friction = Friction(screw, nut, coupling="none")
+    friction = Friction(screw, nut, feedback=False)
     found = friction_state(scene, result, friction, motion)
     t = found.torque
     assert found.balls.converged, found.balls.status
@@ -80,7 +80,7 @@ def test_feedback_settles_and_keeps_the_axial_load(scene, screw, nut, motion):
     """Two-point contact under high friction too, where plain rounds run to and fro."""
     result = solve_static(scene)
     assume(result.converged and scene.track.lead != 0.0)
-    found = friction_state(scene, result, Friction(screw, nut, coupling="ball"), motion)
+    found = friction_state(scene, result, Friction(screw, nut, feedback=True), motion)
     assert not found.unsettled
     assert found.change < 1e-6
     assert found.torque.load == pytest.approx(found.bare.load, abs=1e-6 * found.torque.carried)
@@ -92,7 +92,7 @@ def test_feedback_settles_and_keeps_the_axial_load(scene, screw, nut, motion):
 def test_mirror(scene, mu, motion):
     result, other = solve_static(scene), mirrored(scene)
     assume(result.converged)
-    friction = Friction(mu, mu, coupling="none")
+    friction = Friction(mu, mu, feedback=False)
     one = friction_state(scene, result, friction, motion)
     two = friction_state(other, solve_static(other), friction, replace(motion, speed=-motion.speed))
     assert two.torque.friction == pytest.approx(one.torque.friction, rel=1e-6)

@@ -14,6 +14,7 @@ from rollbench.comparison.errors import InputError
 def stability(
     *,
     random: int | None = None,
+    axes: int | None = None,
     seed: int = 1,
     model: Word = "",
     files: int = 0,
@@ -34,6 +35,8 @@ def stability(
     ----------
     random
         Number of random extreme scenes.
+    axes
+        In place of --random: number of random axes, one to five sets of balls or rollers on one shaft.
     seed
         Seed of the campaign; scene K of a seed is the same whatever else is run.
     model
@@ -55,15 +58,18 @@ def stability(
     from rollbench.comparison.wings.extremes.command import run_campaign, run_drawn, run_stability
 
     if survey is not None:
-        if random is not None or seed != 1 or model or files or kills:
-            given = "--random, --seed, --model, --files, --kills"
+        if random is not None or axes is not None or seed != 1 or model or files or kills:
+            given = "--random, --axes, --seed, --model, --files, --kills"
             raise InputError("command line", given, "given", "without --survey", "its scenes are always the same")
         return print_answer(run_drawn(survey, out, workers, keep), as_json)
-    if random is None:
+    if random is not None and axes is not None:
+        raise InputError("command line", "--axes", str(axes), "without --random", "run one campaign after the other")
+    count = random if axes is None else axes
+    if count is None:
         if seed != 1 or model or files or kills or keep is not None:
             raise InputError(
-                "command line", "--seed, --model, --files, --kills, --keep", "given", "with --random", "add it"
+                "command line", "--seed, --model, --files, --kills, --keep", "given", "with --random or --axes", "add it"
             )
         return print_answer(run_stability(as_json=as_json), as_json)
     run = partial(app, exit_on_error=False, print_error=False, result_action="return_value")
-    return print_answer(run_campaign(random, seed, model or "lin", files, kills, keep, run), as_json)
+    return print_answer(run_campaign(count, seed, model or "lin", files, kills, keep, run, axes=axes is not None), as_json)

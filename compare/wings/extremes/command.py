@@ -66,24 +66,35 @@ def captured(run: Callable[[list[str]], Any], tokens: list[str]) -> tuple[int, s
 
 
 def run_campaign(
-    count: int, seed: int, model: str, files: int, kills: int, keep: Path | None, run: Callable[[list[str]], Any]
+    count: int,
+    seed: int,
+    model: str,
+    files: int,
+    kills: int,
+    keep: Path | None,
+    run: Callable[[list[str]], Any],
+    *,
+    axes: bool = False,
 ) -> Answer:
     """Run a campaign: its counts and every bad outcome; exit code 1 where there is any. With ``keep``, an interrupted
-    one goes on from the lines beside that file. run: runs a command of these tokens and returns its exit code.
+    one goes on from the lines beside that file. run: runs a command of these tokens and returns its exit code; axes: scenes
+    are several sets on one shaft.
 
     Raises InputError for counts and seeds out of range, an unknown model, and a file that cannot be written.
     """
-    from rollbench.comparison.models.registry import MODELS
+    from rollbench.comparison.models.registry import AXIS_MODELS, MODELS
     from rollbench.comparison.wings.extremes.campaign import record
     from rollbench.comparison.wings.extremes.campaign.part import Part
     from rollbench.comparison.writing import need_writable, replace_file
 
-    whole = (("--random", count, 1, 1_000_000), ("--seed", seed, 0, 2**31), ("--files", files, 0, 100_000))
+    option = "--axes" if axes else "--random"
+    whole = ((option, count, 1, 1_000_000), ("--seed", seed, 0, 2**31), ("--files", files, 0, 100_000))
     for name, value, low, high in (*whole, ("--kills", kills, 0, 10_000)):
         if not low <= value <= high:
             raise InputError("command line", name, str(value), f"{low} to {high}", "choose a number in that range")
-    if model not in MODELS or model == "condensed":
-        names = ", ".join(name for name in MODELS if name != "condensed")
+    known = AXIS_MODELS if axes else tuple(name for name in MODELS if name != "condensed")
+    if model not in known:
+        names = ", ".join(known)
         raise InputError("command line", "--model", model, names, "see: rollbench list")
     if keep is not None:
         need_writable(keep)
@@ -92,10 +103,10 @@ def run_campaign(
         if sys.stderr.isatty():
             sys.stderr.write(f"\r\033[K[{done}/{total}] {text}")
 
-    part = None if keep is None else Part(keep.with_name(f"{keep.name}.{model}-{seed}.part"), seed, model)
+    part = None if keep is None else Part(keep.with_name(f"{keep.name}{option}.{model}-{seed}.part"), seed, model)
     if part is not None and part.outcomes:
         sys.stderr.write(f"{len(part.outcomes)} scenes of an interrupted campaign are known\n")
-    found = record.run_campaign(seed, count, model, files, kills, progress, part, partial(captured, run))
+    found = record.run_campaign(seed, count, model, files, kills, progress, part, partial(captured, run), axes)
     if sys.stderr.isatty():
         sys.stderr.write("\r\033[K")
     if keep is not None:

@@ -27,7 +27,8 @@ from rollbench.lowfi.compliance.bodies import LADDER
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.problem import build
 from rollbench.lowfi.statics.result import StaticResult
-from rollbench.lowfi.statics.static import ACCEPTED, solve_static
+from rollbench.lowfi.statics.settle import ACCEPTED
+from rollbench.lowfi.statics.static import solve_static
 from rollbench.lowfi.statics.summary import BALANCE
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen

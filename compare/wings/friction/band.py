@@ -124,5 +124,5 @@ def feedback_warnings(state: FrictionState) -> list[str]:
         return []
     return [
         f"friction that moves the balls across their grooves raises the torque {found / alone:.2g} times, from "
-        f'{1e3 * alone:.4g} to {1e3 * found:.4g} N mm; without that: coupling = "none"'
+        f"{1e3 * alone:.4g} to {1e3 * found:.4g} N mm; without that: feedback = false"
     ]

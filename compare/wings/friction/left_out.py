@@ -18,12 +18,16 @@ WHOLE = (
     "ripple: the work of loads that change as balls roll over errors, and enter and leave the loaded track",
     "torques of a second, jammed state of a ball, which may exist at high coefficients of friction (seen from 0.3 on)",
 )
-#: What coupling leaves out besides, by its word.
+#: What an instant leaves out besides, by whether friction feeds back and whether neighbours push.
 BESIDES = {
-    "none": ("friction that moves a ball across its grooves", "contact between balls at the scene's instant"),
-    "ball": ("contact between balls at the scene's instant",),
-    "balls": (
+    (False, False): ("friction that moves a ball across its grooves", "contact between balls at the scene's instant"),
+    (True, False): ("contact between balls at the scene's instant",),
+    (False, True): (
         "friction, and forces between balls, that move a ball across its grooves",
+        "forces between balls in the balance of contact loads",
+    ),
+    (True, True): (
+        "forces between balls, and what they change of friction, that move a ball across its grooves",
         "forces between balls in the balance of contact loads",
     ),
 }

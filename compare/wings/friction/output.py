@@ -26,7 +26,7 @@ from rollbench.meshes.parts import SIDES, Friction, Motion, Scene
 
 def left_out(friction: Friction) -> list[str]:
     """What the result for a scene's instant does not hold."""
-    return [*WHOLE, *BESIDES[friction.coupling]]
+    return [*WHOLE, *BESIDES[friction.feedback, friction.neighbours]]
 
 
 def jam_words(state: FrictionState) -> str:
@@ -34,7 +34,7 @@ def jam_words(state: FrictionState) -> str:
     start = "at this coefficient of friction a ball may have a second, jammed state"
     if state.second is None:
         along = "without lead friction runs along the grooves and moves no ball across them"
-        why = along if state.torque.ratio == 0.0 else 'it takes friction that moves balls in grooves, coupling = "ball"'
+        why = along if state.torque.ratio == 0.0 else "it takes friction that moves balls in grooves, feedback = true"
         return f"{start}; none was searched for: {why}"
     if not state.second:
         return f"{start}; none was found from four displaced starts of every ball"
@@ -224,7 +224,7 @@ def warnings_of(scene: Scene, friction: Friction, state: FrictionState, static: 
     if two.any() and state.torque.ratio != 0.0 and not state.coupled:
         notes.append(
             f"{int(two.sum())} balls touch two flanks only: friction pushes them across the groove, up to "
-            f"{state.torque.tilt:.2g} of their load, onto other contact angles or a third flank; without coupling the "
+            f"{state.torque.tilt:.2g} of their load, onto other contact angles or a third flank; without feedback the "
             "friction torque may be too small by a factor of two or more"
         )
     unsure = state.balls.status.count("regularised")

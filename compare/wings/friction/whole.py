@@ -78,9 +78,9 @@ def coefficients(scene: Scene, mu: Sequence[float]) -> list[Friction]:
         if not 0.0 <= value <= MOST:
             raise InputError("command line", "--mu", str(value), f"0 to {MOST:g}", "a usual one is 0.1")
     if mu:
-        coupling = Friction.coupling if scene.friction is None else scene.friction.coupling
+        given = Friction(0.0, 0.0) if scene.friction is None else scene.friction
         said = ("The coefficient of friction is that of the command line.",)
-        return [Friction(value, value, said, coupling) for value in mu]
+        return [Friction(value, value, said, given.feedback, neighbours=given.neighbours) for value in mu]
     if scene.friction is None:
         advice = "add a [friction] table with e.g. coefficient = 0.1, or write --mu 0.1 on the command line"
         raise InputError(scene.name, "friction", "nothing", "a coefficient of friction", advice)
@@ -111,7 +111,7 @@ def solve_scene(scene: Scene, choices: Choices) -> FrictionAnswer:
     try:
         states = [friction_state(scene, result, pair, motion, choices.member) for pair in pairs]
     except ValueError as error:  # balls that overlap by their random sizes
-        raise Refusal(scene.name, "balls", str(error), 'spread the balls, or take coupling = "ball"') from error
+        raise Refusal(scene.name, "balls", str(error), "spread the balls, or take neighbours = false") from error
     bare = result if not loaded(scene) else run_model(replace(scene, loads=()), model, options)
     drags = drag_torques(scene, states, pairs, bare, options)
     answer = _answer(scene, result, head, (pairs, states, drags), Solved(scene, model, options, pairs[0], motion, bare))
@@ -190,7 +190,7 @@ def status_of(state: FrictionState) -> str:
         return f"no balance of friction found on {len(failed)} balls: {', '.join(failed[:8])}"
     if state.unsettled:
         numbers = ", ".join(str(k + 1) for k in state.unsettled[:8])
-        return f'friction and place do not agree on {len(state.unsettled)} balls: {numbers}; see coupling = "none"'
+        return f"friction and place do not agree on {len(state.unsettled)} balls: {numbers}; see feedback = false"
     return "converged" if state.loaded else "converged: no contact carries load, so that nothing rubs"
 
 

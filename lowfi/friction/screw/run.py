@@ -37,7 +37,7 @@ class Run:
     force: tuple[float, ...]
     free: str
     duration: float
-    steps: int = 1
+    steps: int
     oversize: float = 0.0
     amplitude: float = 0.0
     cycles: float = 2.0

@@ -50,7 +50,7 @@ class Seats:
 
 def feeds_back(scene: Scene, friction: Friction) -> bool:
     """Whether friction moves balls in their grooves: it is asked for, there is friction, and a lead."""
-    return friction.coupling == "ball" and scene.track.lead != 0.0 and max(friction.screw, friction.nut) > 0.0
+    return friction.feedback and scene.track.lead != 0.0 and max(friction.screw, friction.nut) > 0.0
 
 
 def seats(at: StaticContacts, C: Array, reach: Array, centre: Array) -> Seats:

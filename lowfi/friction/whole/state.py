@@ -50,29 +50,30 @@ class FrictionState:
 
 def will_compile(scene: Scene, friction: Friction) -> bool:
     """Whether so many balls are solved that the kernels are compiled, unless machine code lies on disk (``cached``)."""
-    often = feeds_back(scene, friction) or friction.coupling == "balls"
+    often = feeds_back(scene, friction) or friction.neighbours
     return scene.ball_count > (COUPLED_ABOVE if often else COMPILE_ABOVE)
 
 
 def friction_state(scene: Scene, result: StaticResult, friction: Friction, drive: Drive, member: int = 0) -> FrictionState:
-    """Friction of a solved scene, fed back on the places of the balls where ``friction.coupling`` says so.
+    """Friction of a solved scene, fed back on the places of the balls and with neighbours that push each other where
+    ``friction`` says so. Both: neighbours push at the loads that each ball's own friction leaves, as in a run in time.
 
     Friction of a ring runs along its groove and moves no ball. Arguments as for ``contacts_of`` and ``ball_friction``,
     which say what they refuse.
     """
     at = contacts_of(scene, result, member)
     coupled = feeds_back(scene, friction)
-    pushed = friction.coupling == "balls"
+    pushed = friction.neighbours
     fast = will_compile(scene, friction) or loaded(CONTACT) or ((coupled or pushed) and cached())
     balls = ball_friction(scene, at, friction, drive, fast)
     torque = bare = sum_up(scene, at, balls, drive)
     unsettled: tuple[int, ...] = ()
     second: tuple[int, ...] | None
-    change, second = 0.0, None
+    change, second, at_back = 0.0, None, at
     if coupled:
         place = seats_of(scene, result, at, member)
         there, back = (feed_back(scene, at, place, friction, d, fast) for d in (drive, reverse(drive)))
-        still, at, balls = at, there.at, there.friction
+        still, at, at_back, balls = at, there.at, back.at, there.friction
         torque = replace(sum_up(scene, at, balls, drive, coupled=True), reverse_power=back.friction.power)
         change = max(there.change, back.change)
         unsettled = tuple(int(k) for k in np.flatnonzero(there.failed | back.failed))
@@ -80,9 +81,10 @@ def friction_state(scene: Scene, result: StaticResult, friction: Friction, drive
             second = second_states(scene, place, still, there, friction, drive, fast)
     touching: Neighbours | None = None
     if pushed:
-        touching, back_again = (neighbours(scene, at, friction, d, member, fast) for d in (drive, reverse(drive)))
+        both = ((at, drive), (at_back, reverse(drive)))
+        touching, back_again = (neighbours(scene, contacts, friction, d, member, fast) for contacts, d in both)
         balls = touching.balls
-        found = sum_up(scene, at, balls, drive)
+        found = sum_up(scene, at, balls, drive, coupled=coupled)
         torque = replace(found, power=found.power + touching.power, reverse_power=back_again.balls.power + back_again.power)
     closing = closing_speeds(scene, at, balls, drive)
     return FrictionState(at, balls, torque, closing, bare, unsettled, change, coupled, touching, second)

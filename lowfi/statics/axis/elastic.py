@@ -26,6 +26,7 @@ from rollbench.lowfi.statics.elastic_system import (
     MODES_FROM,
     by_ball,
     contact_compliance,
+    normals_of,
     positive,
     spring_rows,
     typical_axes,
@@ -222,8 +223,14 @@ def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticAxis:
             "bodies keep apart: use the model lin"
         )
     rigid_rings = np.zeros((4 * rollers.count,) * 2)
-    first, low = positive(beam[np.ix_(order, order)] + block_diag(*(p[0][0] for p in parts), rigid_rings))
-    second, high = positive(flat @ housings.solve(flat.T) + block_diag(*(p[0][1] for p in parts), rigid_rings))
+    compliance = min(contact_compliance(b.problem, x) for b, x in zip(system.balls, forces, strict=True))
+    normals = np.concatenate([normals_of(system.contacts.geometry), np.zeros((rollers.count, 4, 2))])
+    (first, on_inner, low), (second, on_outer, high) = (
+        positive(G + block_diag(*(p[0][k] for p in parts), rigid_rings), n.reshape(-1, 2), compliance)
+        for k, (G, n) in enumerate(
+            ((beam[np.ix_(order, order)], normals[:, :2]), (flat @ housings.solve(flat.T), normals[:, 2:]))
+        )
+    )
     v0, k = np.zeros((N, 4, 2)), shaft.work.size
     R = np.zeros((N, 4, 2, k + housings.work.size))
     v0[:, :2], R[:, :2, :, :k] = moved[order].reshape(N, 2, 2), rigid[order].reshape(N, 2, 2, -1)
@@ -235,7 +242,7 @@ def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticAxis:
     local = np.zeros((balls, 4, 3))
     for b, p in zip(system.balls, parts, strict=True):
         local[b.balls, :, 0], local[b.balls, :, 2], local[b.balls, :, 1] = p[1], p[2], p[3]
-    compliance = min(contact_compliance(b.problem, x) for b, x in zip(system.balls, forces, strict=True))
+    local[..., 0] -= np.concatenate([on_inner.reshape(N, 2), on_outer.reshape(N, 2)], axis=1)[:balls]
     modes = [soft_modes(G, compliance) if N >= MODES_FROM else np.zeros((0, 0)) for G in (first, second)]
     work = np.concatenate([shaft.work, housings.work])
     bodies = Bodies(first, second, R.reshape(N, 8, -1), v0.reshape(N, 8), work, modes[0], modes[1])

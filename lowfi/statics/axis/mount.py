@@ -7,32 +7,38 @@ from dataclasses import replace
 
 import numpy as np
 
+from rollbench.lowfi.statics.axis.structure import stands
 from rollbench.lowfi.statics.axis.system import tapered
 from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.lowfi.statics.result import AxisResult
-from rollbench.lowfi.statics.static import ACCEPTED
+from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
+from rollbench.meshes.axis import Assembly, Housing, Joint, RollerRow, RollingSet, diagonal
+from rollbench.meshes.parts import FREEDOMS
 
-#: Relative error of a preload that is enough, and steps that are tried.
-ERROR, STEPS = 1e-12, 60
-#: Step of the differences that make the slope, in logarithms: an e-th part of a depth.
+#: Corrections of the shifts that are tried at most.
+STEPS = 12
+#: Step of the differences that make the slope, as a part of the shift that closes a row.
 DIFFERENCE = 1e-3
 #: Part of the slope's largest singular value below which a direction is noise: forces are known to ``ACCEPTED``, so that
 #: differences of their logarithms over ``DIFFERENCE`` are known to this. Nuts that press one another carry one force: the
-#: slope then has no other direction, and the depths stay as far apart as they began.
+#: slope then has no other direction.
 NOISE = ACCEPTED / DIFFERENCE
 #: Relative errors of a preload that are told, and that are a failure.
 TOLD, FAILED = 1e-8, 1e-4
+#: Springs [N/m, N m] that tie an outer part to a housing that moves, in all but the axis.
+TIED = diagonal((1e12, 1e12, 0.0, 1e9, 1e9, 1e9))
 
 
 def mount(assembly: Assembly, solve: Callable[[Assembly], AxisResult]) -> tuple[Assembly, tuple[str, ...], str]:
     """The assembly with its preloads by force as offsets: those at which each such set carries its force, without loads
     and before the shaft warms.
 
-    Newton's method on the axial forces of these sets by their offsets, logarithms of both: a law of a power is a line. The
-    slope follows the secants of moves that are longer than the differences it began with: shorter ones hold more noise.
-    Returns the assembly, notes, and words for preloads that are not met (else empty).
+    The energy is convex in the shifts too: outer parts that slide along the axis and are pushed by their preloads come to
+    rest where these are met, or at none, which the solution then proves. Where a housing moves, to which they are only
+    tied, Newton's method on the logarithms of the forces corrects their shifts. Parts that may be moved all together are
+    moved as far one way as the other.
+    Returns the assembly, notes, and a status for preloads that are not met (else empty).
     """
     which = [i for i, s in enumerate(assembly.sets) if s.preload > 0.0]
     if not which:
@@ -41,35 +47,66 @@ def mount(assembly: Assembly, solve: Callable[[Assembly], AxisResult]) -> tuple[
     bare = replace(assembly, loads=(), housings=idle, thermal_strain=0.0)
     goal = np.log([assembly.sets[i].preload for i in which])
 
-    def excess(depth: Array) -> Array:
-        found = solve(_shifted(bare, which, np.exp(depth)))
+    def excess(shift: Array) -> Array:
+        found = solve(_shifted(bare, which, shift))
         forces = np.array([abs(found.sets[i].force[2]) for i in which]) if found.converged else np.zeros(len(which))
         return np.asarray(np.log(np.where(forces > 0.0, forces, np.nan)) - goal)
 
-    depth = np.log([2.0 * closing(assembly.sets[i]) for i in which])
-    value = excess(depth)
-    slope = np.column_stack([(excess(depth + DIFFERENCE * e) - value) / DIFFERENCE for e in np.eye(len(which))])
+    pushed, status = _pushed(bare, which, solve)
+    if pushed is None:
+        kind, _, why = status.partition(": ")
+        return assembly, (), f"{kind}: preloads by force are not met at mounting: {why}"
+    ways = np.array([-1.0 if assembly.sets[i].thrust == "+z" else 1.0 for i in which])
+    shift = pushed - ways * float((ways * pushed).mean())
+    value = excess(shift) if len(which) > 1 else np.array([np.nan])
+    if not float(np.abs(value).max()) < DIFFERENCE:  # the axis is held where it is
+        shift = pushed
+        value = excess(shift)
+    steps, slope = np.diag([DIFFERENCE * closing(assembly.sets[i]) for i in which]), np.zeros((0, 0))
     for _ in range(STEPS):
-        if not np.isfinite(value).all() or not np.isfinite(slope).all():
-            break
         worst = float(np.abs(value).max())
-        if worst <= ERROR:
+        if not worst > ACCEPTED:
             break
-        move = np.clip(np.linalg.lstsq(slope, -value, rcond=NOISE)[0], -1.0, 1.0)
-        new = excess(depth + move)
-        if worst < ACCEPTED and not float(np.abs(new).max()) < worst:
+        if not slope.size:
+            slope = np.column_stack([(excess(shift + e) - value) / e.sum() for e in steps])
+        if not np.isfinite(slope).all():
+            break
+        move = np.linalg.lstsq(slope, -value, rcond=NOISE)[0]
+        new = excess(shift + move)
+        if not float(np.abs(new).max()) < worst:
             break  # the forces are not known any better
-        if float(np.abs(move).max()) > DIFFERENCE:
-            slope = slope + np.outer(new - value - slope @ move, move) / float(move @ move)
-        depth, value = depth + move, new
-    shift = np.exp(depth)
+        shift, value = shift + move, new
     words = ", ".join(f"{assembly.sets[i].name} {1e6 * d:.5g} um" for i, d in zip(which, shift, strict=True))
     note = f"preload by force: before loading, outer parts are moved against their rows by {words}"
     worst = float(np.abs(value).max())
     if not worst < TOLD:
         note += f"; the forces are off by {100.0 * worst:.1e} %"
-    failed = "" if worst < FAILED else f"preloads by force are not met, off by {100.0 * worst:.2g} %: {words}"
-    return _shifted(assembly, which, shift), (note,), failed
+    failed = f"not converged: preloads by force are not met, off by {100.0 * worst:.2g} %: {words}"
+    return _shifted(assembly, which, shift), (note,), "" if worst < FAILED else failed
+
+
+def _pushed(bare: Assembly, which: Sequence[int], solve: Callable[[Assembly], AxisResult]) -> tuple[Array | None, str]:
+    """Shifts [m] against their rows of outer parts that slide along the axis, pushed by their preloads; None where they
+    come to no rest, and the status of that solution."""
+    sets, joints, bodies = list(bare.sets), list(bare.joints), {h.name: h for h in bare.housings}
+    seats: list[tuple[str, str | None, float]] = []
+    for i in which:
+        one = sets[i]
+        push, seat = -one.preload if one.thrust == "+z" else one.preload, f"outer part of {one.name}"
+        sliding = tuple((f, 0.0) for f in FREEDOMS if f != "uz")
+        on = None if one.housing is None or stands(bodies[one.housing]) else bodies[one.housing]
+        if on is not None:
+            sliding = ()
+            joints.append(Joint(seat, on.name, one.position, TIED))
+            bodies[on.name] = replace(on, force=(0.0, 0.0, on.force[2] - push))
+        bodies[seat] = Housing(seat, one.position, sliding, None, (0.0, 0.0, push))
+        sets[i] = replace(one, housing=seat, preload=0.0)
+        seats.append((seat, None if on is None else on.name, np.sign(push)))
+    found = solve(replace(bare, sets=tuple(sets), joints=tuple(joints), housings=tuple(bodies.values())))
+    if not found.converged:
+        return None, found.status
+    moved = {h.name: float(h.motion[2]) for h in found.housings}
+    return np.array([way * (moved[seat] - (moved[on] if on else 0.0)) for seat, on, way in seats]), found.status
 
 
 def closing(one: RollingSet) -> float:

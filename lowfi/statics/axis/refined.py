@@ -3,25 +3,27 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from time import perf_counter
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from rollbench.lowfi import jit
 from rollbench.lowfi.compliance.bodies import REFINED, Backend
 from rollbench.lowfi.statics.axis.elastic import ElasticAxis, ready
 from rollbench.lowfi.statics.axis.loose import loose_motions, pinned
 from rollbench.lowfi.statics.axis.mount import mount
-from rollbench.lowfi.statics.axis.solve import axis_verdict, engine_for, solve_assembly
+from rollbench.lowfi.statics.axis.proof import unheld
+from rollbench.lowfi.statics.axis.solve import engine_for, far_off, solve_assembly
 from rollbench.lowfi.statics.axis.stiffness import asked_row, inverse, rigid_rows
 from rollbench.lowfi.statics.axis.summary import Ending, assemble_axis, failed_axis
 from rollbench.lowfi.statics.axis.system import BallSet, build, set_contacts, set_flanks, with_arms
+from rollbench.lowfi.statics.elastic import CONDENSED
 from rollbench.lowfi.statics.records import AxisState, Outcome
-from rollbench.lowfi.statics.result import AxisResult, SolverReport
-from rollbench.lowfi.statics.settle import Flanks, follow_hertz, follow_profile, uneven
+from rollbench.lowfi.statics.result import AxisResult
+from rollbench.lowfi.statics.settle import NO_LOADS, Contacts, Flanks, report_of, settled, verdict
 from rollbench.lowfi.statics.shaft import flank_loads, node_forces, node_motions
-from rollbench.lowfi.statics.static import MAX_ITERATIONS, NO_LOADS, ROUND_OFF, Engine
+from rollbench.lowfi.statics.static import MAX_ITERATIONS, ROUND_OFF, Engine
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
@@ -59,7 +61,7 @@ def _solve(assembly: Assembly, engine: Engine, member: int, backend: Backend, na
     start = perf_counter()
     mounted, notes, unmet = mount(assembly, lambda other: _solve(other, engine, member, backend, name))
     if unmet:
-        return failed_axis(assembly, name, f"not converged: {unmet}", perf_counter() - start, ASSUMPTIONS)
+        return failed_axis(assembly, name, unmet, perf_counter() - start, ASSUMPTIONS)
     kernels = engine_for(assembly, engine)
     system = build(mounted, member)
     loose = loose_motions(system)
@@ -67,26 +69,15 @@ def _solve(assembly: Assembly, engine: Engine, member: int, backend: Backend, na
         return failed_axis(assembly, name, f"not held: {loose.text}", perf_counter() - start, ASSUMPTIONS)
     elastic = ready(pinned(system, loose), backend, kernels)
     prepared_at = perf_counter()
-    elastic, outcome = solve_settled(elastic, backend)
+    elastic, outcome = settle(elastic, backend)
     system = elastic.system
     bound = round_off(elastic, outcome.scale)
-    status = axis_verdict(outcome, bound, system)
+    state, held = state_of(elastic)
+    status = verdict(outcome, bound, partial(unheld, system), far_off(state.q, system))
     if outcome.status in NO_LOADS:
         return failed_axis(assembly, name, status, perf_counter() - start, ASSUMPTIONS)
-    report = SolverReport(
-        iterations=outcome.iterations,
-        evaluations=outcome.evaluations,
-        residual=outcome.residual,
-        seconds=perf_counter() - start,
-        unknowns=elastic.state.phi.size + elastic.state.a.size,
-        elements=system.structure.nodes.size - 1,
-        engine="compiled" if jit.is_compiled(kernels.__name__) else "interpreted",
-        formulation="convex energy, elastic bodies condensed to the contacts",
-        round_off_bound=bound,
-        setup_seconds=prepared_at - start,
-        notes=notes,
-    )
-    state, held = state_of(elastic)
+    size = CONDENSED, elastic.state.phi.size + elastic.state.a.size, system.structure.nodes.size - 1
+    report = report_of(outcome, kernels, (start, prepared_at), size, bound, notes)
     S = ball_roots(elastic)
     sets = [own_stiffness(elastic, i, b, S) for i, b in enumerate(system.balls)]
     whole = elastic_stiffness(elastic, S)
@@ -96,13 +87,19 @@ def _solve(assembly: Assembly, engine: Engine, member: int, backend: Backend, na
     return assemble_axis(elastic.system, state, ending)
 
 
-def solve_settled(elastic: ElasticAxis, backend: Backend) -> tuple[ElasticAxis, Outcome]:
-    """Solve, and follow the contacts by Hertz' constants and lever arms where the assembly asks for it."""
-    elastic.engine.start_forces(elastic.bodies, elastic.state, elastic.springs, elastic.options)
-    outcome = iterate(elastic)
-    if elastic.system.assembly.ingredients.hertz == "actual":
-        contacts = set_contacts(elastic.system, elastic.state.contact)
-        outcome = follow_hertz(outcome, lambda: contacts, lambda: iterate(elastic))
+def settle(elastic: ElasticAxis, backend: Backend) -> tuple[ElasticAxis, Outcome]:
+    """Solve, and follow the contacts (`lowfi.statics.settle.settled`)."""
+
+    def iterated(start: bool) -> Outcome:
+        arrays = elastic.bodies, elastic.contacts, elastic.state
+        if start:
+            elastic.engine.start_forces(elastic.bodies, elastic.state, elastic.springs, elastic.options)
+        history = np.zeros(MAX_ITERATIONS + 1)
+        found: Outcome = elastic.engine.solve_forces(*arrays, elastic.options, elastic.arms, history)
+        return found
+
+    def contacts() -> list[Contacts]:
+        return set_contacts(elastic.system, elastic.state.contact)
 
     def flanks() -> list[Flanks]:
         return set_flanks(elastic.system, state_of(elastic)[0], flank_shifts(elastic))
@@ -112,18 +109,10 @@ def solve_settled(elastic: ElasticAxis, backend: Backend) -> tuple[ElasticAxis, 
         old, elastic = elastic, ready(with_arms(elastic.system, more), backend, elastic.engine)
         for new, known in zip(elastic.state, old.state, strict=True):
             new[:] = known
-        return iterate(elastic)
+        return iterated(False)
 
-    if any(uneven(b.problem) for b in elastic.system.balls):
-        outcome = follow_profile(outcome, flanks, rebuild)
+    outcome = settled(iterated, contacts, flanks, rebuild, elastic.system.assembly.ingredients.hertz)
     return elastic, outcome
-
-
-def iterate(elastic: ElasticAxis) -> Outcome:
-    """Solve from the present state."""
-    arrays = elastic.bodies, elastic.contacts, elastic.state
-    found: Outcome = elastic.engine.solve_forces(*arrays, elastic.options, elastic.arms, np.zeros(MAX_ITERATIONS + 1))
-    return found
 
 
 def rigid_rings(assembly: Assembly) -> tuple[str, ...]:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from time import perf_counter
 from types import ModuleType
 
 import numpy as np
 
-from rollbench.lowfi import jit
 from rollbench.lowfi.statics.axis.loose import loose_motions, pinned
 from rollbench.lowfi.statics.axis.mount import mount
 from rollbench.lowfi.statics.axis.proof import unheld
@@ -19,10 +19,13 @@ from rollbench.lowfi.statics.axis.system import System, build, placed, set_conta
 from rollbench.lowfi.statics.axis.typical import typical
 from rollbench.lowfi.statics.records import AxisSlopes, AxisState, BeamOptions, Outcome
 from rollbench.lowfi.statics.result import AxisResult, SolverReport
-from rollbench.lowfi.statics.settle import follow_hertz, follow_profile, uneven
-from rollbench.lowfi.statics.static import ACCEPTED, MAX_ITERATIONS, NO_LOADS, ROUND_OFF, TOLERANCE, Engine, pick_engine
+from rollbench.lowfi.statics.settle import NO_LOADS, Contacts, Flanks, report_of, settled, verdict
+from rollbench.lowfi.statics.static import MAX_ITERATIONS, ROUND_OFF, TOLERANCE, Engine, pick_engine
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
+
+#: Motion over the largest pitch radius, and rotation, from which on a linear program says whether contacts hold the loads.
+FAR = 0.1
 
 
 @dataclass
@@ -37,15 +40,9 @@ class Prepared:
     scale: float = 0.0
 
 
-def axis_verdict(outcome: Outcome, bound: float, system: System) -> str:
-    """Status sentence of a solver outcome. A shaft that runs away is called unheld only with a proof."""
-    if outcome.residual <= max(ACCEPTED, bound) and outcome.status in (0, 1):
-        return "converged"
-    if outcome.status == 2:
-        return unheld(system)
-    if outcome.status == 3:
-        return "stopped: the stiffness matrix is not positive definite"
-    return f"not converged: relative residual {outcome.residual:.1e} after {outcome.iterations} iterations"
+def far_off(q: Array, system: System) -> bool:
+    """Whether rows go so far by their motions q (r, 6) that contacts may hold by a curvature that linear motions lack."""
+    return not float((np.abs(q) / np.repeat([system.arm, 1.0], 3)).max()) <= FAR
 
 
 def prepare(system: System, engine: ModuleType, *, tolerance: float = TOLERANCE) -> Prepared:
@@ -88,7 +85,7 @@ def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int =
     start = perf_counter()
     mounted, notes, unmet = mount(assembly, lambda other: solve_assembly(other, engine=engine, member=member))
     if unmet:
-        return failed_axis(assembly, "lin", f"not converged: {unmet}", perf_counter() - start)
+        return failed_axis(assembly, "lin", unmet, perf_counter() - start)
     kernels = engine_for(assembly, engine)
     places = placed(mounted, member)
     uses = likely_sides(mounted, places)
@@ -99,28 +96,18 @@ def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int =
             return failed_axis(assembly, "lin", f"not held: {loose.text}", perf_counter() - start)
         prepared = prepare(pinned(system, loose), kernels)
         ready = perf_counter()
-        outcome = solve_settled(prepared)
+        outcome = settle(prepared)
         if complete(uses, mounted) or (outcome.status == 0 and clear(prepared.system, prepared.state)):
             break
         uses = all_sides(mounted)
         notes = (*notes, "flanks that load or offsets should open touch in the solution: solved again with all of them")
     bound = round_off(prepared, outcome.scale)
-    status = axis_verdict(outcome, bound, system)
+    far = far_off(prepared.state.q, system)
+    status = verdict(outcome, bound, partial(unheld, system), far)
     if outcome.status in NO_LOADS:
         return failed_axis(assembly, "lin", status, perf_counter() - start)
-    report = SolverReport(
-        iterations=outcome.iterations,
-        evaluations=outcome.evaluations,
-        residual=outcome.residual,
-        seconds=perf_counter() - start,
-        unknowns=int(np.count_nonzero(~prepared.system.structure.fixed)),
-        elements=system.structure.nodes.size - 1,
-        engine="compiled" if jit.is_compiled(kernels.__name__) else "interpreted",
-        formulation="convex energy",
-        round_off_bound=bound,
-        setup_seconds=ready - start,
-        notes=notes,
-    )
+    size = "convex energy", int(np.count_nonzero(~prepared.system.structure.fixed)), system.structure.nodes.size - 1
+    report = report_of(outcome, kernels, (start, ready), size, bound, notes)
     return assemble_axis(prepared.system, prepared.state, _ending(prepared, status, report, loose.text))
 
 
@@ -142,23 +129,23 @@ def engine_for(assembly: Assembly, engine: Engine) -> ModuleType:
     return pick_engine(engine, (assembly.ball_count + slices // 4) * (1 + preloads))
 
 
-def solve_settled(prepared: Prepared) -> Outcome:
-    """Solve, and follow the contacts by Hertz' constants and lever arms where the assembly asks for it."""
-    outcome = iterate(prepared)
+def settle(prepared: Prepared) -> Outcome:
+    """Solve, and follow the contacts (`lowfi.statics.settle.settled`)."""
 
-    def again() -> Outcome:
-        return iterate(prepared, start=False)
+    def iterated(start: bool) -> Outcome:
+        return iterate(prepared, start=start)
 
-    if prepared.system.assembly.ingredients.hertz == "actual":
-        outcome = follow_hertz(outcome, lambda: set_contacts(prepared.system, prepared.state.contact), again)
-    if any(uneven(b.problem) for b in prepared.system.balls):
+    def rebuild(more: list[Array]) -> Outcome:
+        prepared.system = with_arms(prepared.system, more)
+        return iterated(False)
 
-        def rebuild(more: list[Array]) -> Outcome:
-            prepared.system = with_arms(prepared.system, more)
-            return again()
+    def contacts() -> list[Contacts]:
+        return set_contacts(prepared.system, prepared.state.contact)
 
-        outcome = follow_profile(outcome, lambda: set_flanks(prepared.system, prepared.state), rebuild)
-    return outcome
+    def flanks() -> list[Flanks]:
+        return set_flanks(prepared.system, prepared.state)
+
+    return settled(iterated, contacts, flanks, rebuild, prepared.system.assembly.ingredients.hertz)
 
 
 def round_off(prepared: Prepared, scale: float) -> float:

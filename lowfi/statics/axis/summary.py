@@ -14,9 +14,9 @@ from rollbench.lowfi.statics.axis.system import BallSet, RollerSet, System, move
 from rollbench.lowfi.statics.problem import SIGNS
 from rollbench.lowfi.statics.records import AxisState
 from rollbench.lowfi.statics.result import AxisResult, Equilibrium, HousingResult, SetResult, SolverReport, StaticResult
+from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.lowfi.statics.shape import rigid_transport
 from rollbench.lowfi.statics.solved import SolvedState
-from rollbench.lowfi.statics.static import ACCEPTED
 from rollbench.lowfi.statics.summary import (
     BALANCE,
     MODEL_ASSUMPTIONS,

@@ -234,7 +234,7 @@ def test_a_scene_that_is_not_held_ends_with_its_mechanism():
 
 def test_two_point_contact_on_a_helix_is_warned_of():
     def warned(**options):
-        scene = replace(small_screw(force=(0.0, 0.0, 300.0), **options), friction=Friction(0.1, 0.1, coupling="none"))
+        scene = replace(small_screw(force=(0.0, 0.0, 300.0), **options), friction=Friction(0.1, 0.1, feedback=False))
         notes = answer(scene).data["warnings"]
         return any("two flanks only" in line for line in notes)
 
@@ -248,7 +248,7 @@ def test_balls_that_do_not_settle_are_named_and_leave_no_drag(monkeypatch):
     found = answer(mine())
     assert not found.converged
     assert found.data["status"].startswith("friction and place do not agree on 20 balls: 1, 2")
-    assert 'coupling = "none"' in found.data["status"]
+    assert "feedback = false" in found.data["status"]
     assert (found.data["torque"]["drag_torque_Nmm"], found.data["drag_unknown"]) == (None, "no balance of friction found")
     assert found.data["feedback"]["unsettled_balls"] == 20
 
@@ -263,7 +263,7 @@ def test_compiling_is_said_where_it_happens(monkeypatch, tmp_path, capsys):
 
 
 def test_flanks_without_contact_have_no_angle():
-    scene = replace(small_screw(force=(0.0, 0.0, 300.0)), friction=Friction(0.1, 0.1, coupling="none"))
+    scene = replace(small_screw(force=(0.0, 0.0, 300.0)), friction=Friction(0.1, 0.1, feedback=False))
     ball = answer(scene).data["balls"][0]
     open_ = [side for side, load in ball["load_N"].items() if load == 0.0]
     assert len(open_) == 2
@@ -277,10 +277,28 @@ def test_large_pressure_is_warned_of():
     assert any("ISO 76" in line for line in large)
 
 
+@pytest.mark.parametrize(
+    ("word", "feedback", "neighbours"), [("none", False, False), ("ball", True, False), ("balls", False, True)]
+)
+def test_the_former_key_is_read_and_its_new_names_are_said(word, feedback, neighbours):
+    found = mine(("nut = 0.07", f'nut = 0.07\ncoupling = "{word}"')).friction
+    assert (found.feedback, found.neighbours) == (feedback, neighbours)
+    new = f"feedback = {str(feedback).lower()}, neighbours = {str(neighbours).lower()}"
+    assert found.assumed[-1] == f'The former key coupling = "{word}" is read as {new}.'
+
+
+def test_feedback_and_neighbours_are_two_keys():
+    found = mine(("nut = 0.07", "nut = 0.07\nfeedback = true\nneighbours = true")).friction
+    assert (found.feedback, found.neighbours) == (True, True)
+    plain = mine().friction
+    assert (plain.feedback, plain.neighbours) == (True, False)
+
+
 BAD = {
     "range": (("coefficient = 0.06", "coefficient = 2.5"), "friction.coefficient: got 2.5; allowed: 0 to 2"),
     "no coefficient": (("coefficient = 0.06\n", ""), "friction.coefficient: got nothing"),
     "coupling": (("nut = 0.07", 'coupling = "screw"'), 'friction.coupling: got "screw"; allowed: "none", "ball"'),
+    "former and new key": (("nut = 0.07", 'coupling = "ball"\nfeedback = true'), "friction.coupling: got both"),
     "unit": (('"1500 rpm"', '"1500 Hz"'), "motion.speed: got .*rpm"),
     "at rest": (('"1500 rpm"', '"0 rpm"'), "motion.speed: got .*any angular speed but zero"),
     "nothing to run over": (("[motion]", "[time]\nsteps = 20\n[motion]"), "time: got .*either angle or duration"),
@@ -341,16 +359,16 @@ def test_files_and_names_go_to_the_solver_that_knows_them(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("lead", "coupling", "words"),
+    ("lead", "feedback", "words"),
     [
-        (20e-3, "ball", ("from four displaced starts",)),
-        (20e-3, "none", ("none was searched for", 'coupling = "ball"')),
-        (0.0, "ball", ("none was searched for", "along the grooves")),
+        (20e-3, True, ("from four displaced starts",)),
+        (20e-3, False, ("none was searched for", "feedback = true")),
+        (0.0, True, ("none was searched for", "along the grooves")),
     ],
 )
-def test_second_states_that_were_not_searched_for_are_not_said_to_be_absent(lead, coupling, words):
+def test_second_states_that_were_not_searched_for_are_not_said_to_be_absent(lead, feedback, words):
     scene = small_screw(3, 0.7, lead=lead, force=(0.0, 0.0, 300.0), screw="rigid")
-    found = answer(replace(scene, friction=Friction(0.4, 0.4, coupling=coupling), motion=Motion(3.0)))
+    found = answer(replace(scene, friction=Friction(0.4, 0.4, feedback=feedback), motion=Motion(3.0)))
     note = next(n for n in found.data["warnings"] if "jammed" in n)
     assert all(word in note for word in words)
     assert (found.data["solver"]["second_states"] is None) is ("none was searched for" in note)
@@ -377,7 +395,7 @@ def test_member_draws_the_specimen_of_loads_and_friction():
 
 def test_friction_and_motion_leave_static_keys_alone():
     plain = catalogue.scene("bearing-9")
-    rubbing = replace(plain, friction=Friction(0.1, 0.2, coupling="none"), motion=Motion(3.0, "nut"), time=Time(angle=1.0))
+    rubbing = replace(plain, friction=Friction(0.1, 0.2, feedback=False), motion=Motion(3.0, "nut"), time=Time(angle=1.0))
     assert rubbing != plain
     assert "friction=Friction(" in repr(rubbing)
     assert key_of(rubbing, "", {}, (0, 3)) == key_of(plain, "", {}, (0, 3))
@@ -385,24 +403,24 @@ def test_friction_and_motion_leave_static_keys_alone():
 
 def test_tables_are_read_in_si_units():
     scene = mine()
-    assert scene.friction == Friction(0.06, 0.07, ("Grease, by experience.",), "ball")
+    assert scene.friction == Friction(0.06, 0.07, ("Grease, by experience.",), True)
     assert scene.motion == Motion(pytest.approx(50.0 * np.pi), "nut")
-    assert mine(("nut = 0.07\n", "")).friction == Friction(0.06, 0.06, ("Grease, by experience.",), "ball")
+    assert mine(("nut = 0.07\n", "")).friction == Friction(0.06, 0.06, ("Grease, by experience.",), True)
     other = mine(("nut = 0.07", "screw = 0")).friction
     assert (other.screw, other.nut) == (0.0, 0.06)
 
 
 def test_what_is_wrong_with_a_contact_is_told_once_and_as_solve_tells_it():
     """Warnings of size and pressure are those of the state with friction; the contact loads' own are not repeated."""
-    hard = replace(small_screw(8, force=(0.0, 0.0, 60e3)), friction=Friction(0.1, 0.1, coupling="none"))
+    hard = replace(small_screw(8, force=(0.0, 0.0, 60e3)), friction=Friction(0.1, 0.1, feedback=False))
     static = solve_static(hard).warnings
-    for coupling in ("none", "ball"):
-        scene = replace(hard, friction=replace(hard.friction, coupling=coupling))
+    for feedback in (False, True):
+        scene = replace(hard, friction=replace(hard.friction, feedback=feedback))
         found = solve_scene(scene, Choices(model="lin")).data["warnings"]
         for head in ("contact ellipse too large", "contact pressure too high"):
             (once,) = (line for line in found if line.startswith(head))
             (other,) = (line for line in static if line.startswith(head))
-            assert coupling == "ball" or once == other
+            assert feedback or once == other
 
 
 def test_a_scene_that_states_no_play_says_what_play_does():

@@ -14,7 +14,7 @@ from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.meshes.helix import groove_radii
 from rollbench.meshes.parts import Friction, Motion
 
-MU, TURN = Friction(0.1, 0.1, coupling="none"), Motion(10.0)
+MU, TURN = Friction(0.1, 0.1, feedback=False), Motion(10.0)
 
 
 def test_pressure_sums_up_to_one_with_its_second_moment():

@@ -13,7 +13,7 @@ from rollbench.meshes.parts import BallErrors, Friction, Motion
 
 #: Against this motion the balls of ``touching`` close up; with it they part.
 TURN = Motion(-10.0)
-PUSH = Friction(0.1, 0.1, coupling="balls")
+PUSH = Friction(0.1, 0.1, feedback=False, neighbours=True)
 
 
 def touching(oversize=4e-6, apart=0.0, **options):
@@ -89,7 +89,7 @@ def test_smooth_balls_touch_without_loss_between_them():
 def test_without_groove_friction_nothing_is_lost():
     scene = touching()
     at = friction_state(scene, solved(scene), PUSH, TURN).at
-    found = neighbours(scene, at, Friction(0.0, 0.0, coupling="balls"), TURN)
+    found = neighbours(scene, at, Friction(0.0, 0.0, feedback=False, neighbours=True), TURN)
     assert found.power == 0.0
     assert found.balls.power == 0.0
 
@@ -99,7 +99,33 @@ def test_flat_grooves_have_their_long_axis_along_the_path_for_chains_too():
     flat = 40.0 * scene.balls.radius
     scene = replace(scene, screw=replace(scene.screw, groove_radius=flat), nut=replace(scene.nut, groove_radius=flat))
     result = solved(scene)
-    alone, found = (friction_state(scene, result, f, TURN) for f in (replace(PUSH, coupling="none"), PUSH))
+    alone, found = (friction_state(scene, result, f, TURN) for f in (replace(PUSH, neighbours=False), PUSH))
     assert not alone.at.across.all()
     assert found.balls.force == pytest.approx(alone.balls.force, abs=1e-5 * np.abs(alone.balls.force).max())
     assert found.balls.orbit == pytest.approx(alone.balls.orbit, rel=1e-6)
+
+
+def test_neighbours_push_at_the_loads_that_friction_leaves():
+    """Both together: loads of the feedback alone, forces between balls, power in is all that is lost."""
+    scene = touching()
+    result = solved(scene)
+    moved = friction_state(scene, result, replace(PUSH, feedback=True, neighbours=False), TURN)
+    found = friction_state(scene, result, replace(PUSH, feedback=True), TURN)
+    still = friction_state(scene, result, PUSH, TURN)
+    assert found.coupled
+    assert np.array_equal(found.at.force, moved.at.force)
+    assert np.abs(found.at.force - still.at.force).max() > 1e-3 * still.at.force.max()
+    assert found.neighbours.force.max() > 0.0
+    assert found.torque.input_power == pytest.approx(found.torque.power, rel=1e-6)
+    assert found.torque.power > moved.torque.power
+
+
+def test_balls_apart_with_feedback_move_as_by_it_alone():
+    scene = touching(apart=3e-6)
+    result = solved(scene)
+    moved = friction_state(scene, result, replace(PUSH, feedback=True, neighbours=False), TURN)
+    found = friction_state(scene, result, replace(PUSH, feedback=True), TURN)
+    assert found.neighbours.touching == 0
+    assert found.torque.power == pytest.approx(moved.torque.power, rel=1e-5)
+    assert found.torque.reverse_power == pytest.approx(moved.torque.reverse_power, rel=1e-5)
+    assert found.torque.load == pytest.approx(moved.torque.load, rel=1e-6)

@@ -76,7 +76,7 @@ def test_feedback_on_a_ball_is_that_of_the_coupled_solver(mu, oversize, load):
     assert t.input_power == pytest.approx(t.power, rel=1e-8)
 
 
-COUPLED = Friction(0.1, 0.1, (), "ball")
+COUPLED = Friction(0.1, 0.1, (), True)
 
 
 @pytest.mark.parametrize("name", [n for n in SCENES if n != "ring"])
@@ -119,7 +119,7 @@ def test_feedback_mirrors_reverses_and_leaves_rings_alone():
     assert (back.power, back.reverse_power) == pytest.approx((one.reverse_power, one.power), rel=1e-9)
     assert (back.forward, back.backward) == pytest.approx((one.forward, one.backward), rel=1e-6)
     assert not state(SCENES["ring"](), COUPLED).coupled
-    assert not state(scene, Friction(0.0, 0.0, (), "ball")).coupled
+    assert not state(scene, Friction(0.0, 0.0, (), True)).coupled
 
 
 @pytest.mark.slow
@@ -139,7 +139,7 @@ def test_feedback_settles_where_a_flank_hardly_bears(degrees):
 
 
 def test_second_states_are_those_that_differ_and_settle(monkeypatch):
-    scene, mu = small_screw(3, 0.7, force=(0.0, 0.0, 300.0), screw="rigid"), Friction(0.4, 0.4, coupling="ball")
+    scene, mu = small_screw(3, 0.7, force=(0.0, 0.0, 300.0), screw="rigid"), Friction(0.4, 0.4, feedback=True)
     result = solved(scene)
     at = contacts_of(scene, result)
     place = feedback.seats_of(scene, result, at)

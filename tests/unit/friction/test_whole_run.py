@@ -74,7 +74,7 @@ def test_power_in_is_dissipation_at_every_instant(name, motion):
     assert np.abs(h.imbalance).max() < 1e-8
 
 
-@pytest.mark.parametrize("friction", [MU, Friction(0.1, 0.1, coupling="ball")], ids=["loads given", "balls moved"])
+@pytest.mark.parametrize("friction", [MU, Friction(0.1, 0.1, feedback=True)], ids=["loads given", "balls moved"])
 @pytest.mark.parametrize("motion", [TURN, Motion(-3.0, "nut")], ids=["screw", "nut"])
 @pytest.mark.parametrize("name", SCENES)
 def test_torque_times_speed_is_load_times_advance_and_losses(name, motion, friction):
@@ -89,10 +89,10 @@ def test_torque_times_speed_is_load_times_advance_and_losses(name, motion, frict
     np.testing.assert_allclose(h.on_screw * turning, losses - h.axial * along, atol=1e-8 * losses.min(), rtol=0.0)
 
 
-@pytest.mark.parametrize("friction", [MU, Friction(0.1, 0.1, coupling="ball")], ids=["loads given", "balls moved"])
+@pytest.mark.parametrize("friction", [MU, Friction(0.1, 0.1, feedback=True)], ids=["loads given", "balls moved"])
 def test_loads_carry_what_the_scene_applies_at_every_instant(friction):
     h = run("balls that meet", friction)
-    assert h.axial == pytest.approx(np.full(h.time.size, 700.0), rel=1e-4 if friction.coupling == "ball" else 1e-9)
+    assert h.axial == pytest.approx(np.full(h.time.size, 700.0), rel=1e-4 if friction.feedback else 1e-9)
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -169,8 +169,8 @@ def test_turning_nut_is_a_turning_screw_seen_from_it():
 
 
 def test_without_friction_nothing_is_lost_and_balls_move_as_with_little():
-    free = run("balls that meet", Friction(0.0, 0.0, coupling="none"))
-    little = run("balls that meet", Friction(1e-7, 1e-7, coupling="none"))
+    free = run("balls that meet", Friction(0.0, 0.0, feedback=False))
+    little = run("balls that meet", Friction(1e-7, 1e-7, feedback=False))
     assert free.good
     assert np.all(free.torque == 0.0)
     assert np.all(free.ball_force == 0.0)
@@ -234,7 +234,7 @@ def test_given_loads_move_balls_as_in_the_source_s_module(clearance):
     slack[-1] = np.inf
     expected = solve_chain(Chain(g, loads.force, g.normals(loads.angle), slack))
     scene, at = contacts_of_groove(g, loads.force, loads.angle, azimuth)
-    friction, drive = Friction(g.mu, g.mu, coupling="none"), Motion(g.nut_speed, "nut")
+    friction, drive = Friction(g.mu, g.mu, feedback=False), Motion(g.nut_speed, "nut")
     found = chain_motion(scene, at, slack, friction, drive, grooves_of(scene, friction, drive))
     assert expected.ball_force.max() > 0.1
     assert found.ball_force == pytest.approx(expected.ball_force, rel=1e-8, abs=1e-10 * expected.ball_force.max())

@@ -14,7 +14,7 @@ from rollbench.meshes.parts import Friction, Motion
 
 @pytest.mark.parametrize("name", SCENES)
 @pytest.mark.parametrize(
-    "friction", [MU, Friction(0.05, 0.15, coupling="none"), Friction(0.2, 0.01, coupling="none")], ids=str
+    "friction", [MU, Friction(0.05, 0.15, feedback=False), Friction(0.2, 0.01, feedback=False)], ids=str
 )
 def test_power_in_is_dissipation(name, friction):
     scene = SCENES[name]()
@@ -51,7 +51,7 @@ def test_forward_and_backward_frame_the_ideal_torque():
 
 def test_small_lead_and_preload_lock_the_screw():
     scene = small_screw(6, 0.9, lead=8e-3, oversize=8e-6, force=(0.0, 0.0, 30.0))
-    t = state(scene, Friction(0.2, 0.2, coupling="none")).torque
+    t = state(scene, Friction(0.2, 0.2, feedback=False)).torque
     assert t.locking
     assert t.backward < 0.0
     assert t.efficiency[0] < 0.5
@@ -93,19 +93,19 @@ def test_left_hand_is_the_mirrored_right_hand(oversize):
 
 def test_without_friction_the_load_does_all_the_work():
     scene = two_starts()
-    free, rough = state(scene, Friction(0.0, 0.0, coupling="none")), state(scene)
+    free, rough = state(scene, Friction(0.0, 0.0, feedback=False)), state(scene)
     t = free.torque
     assert t.power == 0.0
     assert t.friction == 0.0
     assert t.efficiency == (1.0, 1.0)
     assert t.on_screw == pytest.approx(-t.ratio * t.load, rel=1e-12)
     assert np.allclose(free.balls.orbit, rough.balls.orbit, rtol=1e-12), "the limit of small equal coefficients"
-    half = state(scene, Friction(0.05, 0.05, coupling="none")).torque
+    half = state(scene, Friction(0.05, 0.05, feedback=False)).torque
     assert half.friction == pytest.approx(0.5 * rough.torque.friction, rel=1e-12)
 
 
 def test_one_rough_groove_carries_the_ball_along_and_loses_nothing():
-    found = state(two_starts(), Friction(0.0, 0.2, coupling="none"))
+    found = state(two_starts(), Friction(0.0, 0.2, feedback=False))
     assert found.torque.power == pytest.approx(0.0, abs=1e-12)
     assert found.balls.converged
 

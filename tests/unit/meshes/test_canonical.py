@@ -19,7 +19,7 @@ from rollbench.meshes.parts import Errors, Scene
 RECORDS = keyed_records()
 FIELDS = [(name, field) for name, record in RECORDS.items() for field in names(record)]
 #: Fields whose default was changed on purpose since they were frozen: scenes that rely on it have another key since.
-CHANGED = {("Friction", "coupling")}  # 0.5.0: the scenes' default is the record's
+CHANGED: set[tuple[str, str]] = set()
 
 
 @pytest.mark.parametrize("name", sorted(RECORDS))

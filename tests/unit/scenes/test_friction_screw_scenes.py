@@ -177,6 +177,24 @@ def test_run_scene_is_the_library_s():
     assert series["contacts"] == r.contact.sum(axis=1).tolist()
 
 
+def test_a_run_takes_the_keys_of_a_whole_screw_in_time():
+    """An angle in place of a duration, and steps chosen by a goal."""
+    chosen = loaded("lin-screw-run", ('duration = "2 s"\nsteps = 200', 'angle = "60 deg"\ngoal = 0.02'))
+    assert chosen.run.duration == pytest.approx(1.0 / 6.0)
+    found = solve_kind(chosen)
+    error = found.data["run"]["step_error"]
+    assert found.converged
+    assert error["small"] is True
+    assert error["goal_percent"] == 2.0
+    assert found.data["steps"] == error["steps"][-1]
+
+
+def test_four_steps_have_not_converged():
+    found = solve_kind(loaded("lin-screw-run", ("steps = 200", "steps = 4")))
+    assert not found.converged
+    assert found.data["status"].startswith("not converged in the step: the error of 4 steps is some ")
+
+
 def test_run_without_contact_says_nothing_of_where():
     found = solve_kind(loaded("lin-screw-run", *SHORT, ('"3 deg"', '"0 deg"'))).data["summary"]
     assert found["largest_ball_to_groove_percent"] == 0.0

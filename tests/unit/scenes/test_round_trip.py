@@ -86,7 +86,7 @@ def to_toml(scene: Scene) -> str:
     if scene.friction is not None:
         f = scene.friction
         lines.append(f"[friction]\ncoefficient = {f.screw!r}\nnut = {f.nut!r}\nassumed = {json.dumps(f.assumed)}")
-        lines.append(f'coupling = "{f.coupling}"')
+        lines.append(f"feedback = {str(f.feedback).lower()}\nneighbours = {str(f.neighbours).lower()}")
         lines += [] if f.balls is None else [f"balls = {f.balls!r}"]
     if scene.motion is not None:
         lines.append(f'[motion]\nspeed = "{scene.motion.speed!r} rad/s"\nturns = "{scene.motion.turns}"')

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.comparison.errors import InputError
-from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.statics.result import Solved
 from rollbench.meshes.parts import SIDES
 
 #: Tokens of a command to its exit code and what it prints; the line that it refuses with for exit code 2.
@@ -21,7 +21,7 @@ Command = Callable[[list[str]], tuple[int, str]]
 SAME = 1e-5
 
 
-def misstated(text: str, model: str, found: StaticResult | InputError, command: Command) -> str:
+def misstated(text: str, model: str, found: Solved | InputError, command: Command) -> str:
     """What ``rollbench solve`` says of a scene file otherwise than the model did, in words; empty where all agree."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "campaign.toml"
@@ -39,7 +39,7 @@ def misstated(text: str, model: str, found: StaticResult | InputError, command: 
     return f"the text says {number[0]}" if number else _in_json(data, found)
 
 
-def _in_json(text: str, found: StaticResult) -> str:
+def _in_json(text: str, found: Solved) -> str:
     try:
         data = json.loads(text, parse_constant=_refuse)
     except ValueError as error:
@@ -47,8 +47,9 @@ def _in_json(text: str, found: StaticResult) -> str:
     if data["status"] != found.status:
         return f"the JSON's status is {data['status']}"
     rows = [[row["load_N"][side] for side in SIDES] for row in data["balls"]]
-    load = np.array(rows, dtype=float)  # null becomes nan
-    if not np.allclose(load, found.load, rtol=0.0, atol=SAME * float(np.nanmax(found.load, initial=0.0)), equal_nan=True):
+    load = np.array(rows, dtype=float).reshape(-1, 4)  # null becomes nan
+    known = np.concatenate([np.zeros((0, 4)), *(b.load for b in found.of_balls())])
+    if not np.allclose(load, known, rtol=0.0, atol=SAME * float(np.nanmax(known, initial=0.0)), equal_nan=True):
         return "the JSON's loads are others"
     return ""
 

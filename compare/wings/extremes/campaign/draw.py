@@ -14,14 +14,14 @@ def scene_text(seed: int, number: int) -> str:
     """TOML text of scene ``number`` of a campaign; the same for the same seed and number, whatever was drawn before."""
     rng = np.random.default_rng([seed, number])
     ring = rng.random() < 0.4
-    ball = _log(rng, 0.3e-3, 10e-3)
-    count = round(_log(rng, 3, MOST))
+    ball = log_uniform(rng, 0.3e-3, 10e-3)
+    count = round(log_uniform(rng, 3, MOST))
     angle = np.radians(rng.uniform(0.5, 60.0))
     pitch, lead, starts, turns, room = _path(rng, ring, ball, count)
     count -= count % starts
     count = max(starts, count)
-    tight = rng.choice([0.0, 1.0, -1.0]) * _log(rng, 1e-8, 30e-6)
-    grooves = [ball * (1.0 + _log(rng, 5e-3, 0.2)) for _ in range(2)]
+    tight = rng.choice([0.0, 1.0, -1.0]) * log_uniform(rng, 1e-8, 30e-6)
+    grooves = [ball * (1.0 + log_uniform(rng, 5e-3, 0.2)) for _ in range(2)]
     nut = max(1.15 * room + 2.5 * ball, 4.0 * ball)
     length = nut * rng.uniform(1.0, 8.0)
     position = rng.uniform(nut / 2.0, length - nut / 2.0)
@@ -48,7 +48,8 @@ def scene_text(seed: int, number: int) -> str:
     )
 
 
-def _log(rng: np.random.Generator, low: float, high: float) -> float:
+def log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
+    """A value between two, its logarithm uniform."""
     return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
 
@@ -60,7 +61,7 @@ def _path(rng: np.random.Generator, ring: bool, ball: float, count: int) -> tupl
         return pitch, 0.0, 1, 1.0, 0.0
     starts = int(rng.choice([1, 1, 2, 3]))
     own = max(1, count // starts)
-    pitch = ball * _log(rng, 3.0, 25.0)
+    pitch = ball * log_uniform(rng, 3.0, 25.0)
     lead = starts * 2.0 * ball * rng.uniform(1.15, 4.0)
     turns = own * spacing / float(np.hypot(2.0 * pi * pitch, lead))
     return pitch, lead, starts, turns, turns * lead + lead
@@ -70,12 +71,12 @@ def _errors(rng: np.random.Generator) -> str:
     """Random balls, pitch and roundness, on a third of the scenes each; uneven flanks on a tenth."""
     text = ""
     if rng.random() < 0.3:
-        text += f'sigma = "{1e6 * _log(rng, 1e-8, 2e-6):.4g} um"\n'
+        text += f'sigma = "{1e6 * log_uniform(rng, 1e-8, 2e-6):.4g} um"\n'
     for side in ("SL", "NR"):
         if rng.random() < 0.3:
             text += (
                 f"[errors.{side}]\npitch = [{{ harmonic = {rng.choice([0.5, 1, 2, 7])}, "
-                f'sin = "{1e6 * _log(rng, 1e-7, 2e-5):.4g} um" }}]\n'
+                f'sin = "{1e6 * log_uniform(rng, 1e-7, 2e-5):.4g} um" }}]\n'
             )
             if rng.random() < 0.3:
                 text += f'profile = ["{rng.normal():.3g} um", "{rng.normal():.3g} um"]\n'
@@ -100,7 +101,7 @@ def _supports(rng: np.random.Generator, length: float) -> str:
 
 def _loads(rng: np.random.Generator, length: float, pitch: float) -> str:
     """Nothing, axial, radial, a moment, or all of it."""
-    kind, size = rng.choice(["none", "axial", "radial", "moment", "all", "all"]), _log(rng, 1e-3, 1e5)
+    kind, size = rng.choice(["none", "axial", "radial", "moment", "all", "all"]), log_uniform(rng, 1e-3, 1e5)
     if kind == "none":
         return ""
     force, moment = np.zeros(3), np.zeros(3)

@@ -12,6 +12,8 @@ from rollbench.comparison import __version__
 from rollbench.comparison.errors import one_line
 from rollbench.comparison.wings.extremes.campaign import files, scenes
 from rollbench.comparison.wings.extremes.campaign.commanded import Command
+from rollbench.comparison.wings.extremes.campaign.draw import scene_text
+from rollbench.comparison.wings.extremes.campaign.draw_axes import axis_text
 from rollbench.comparison.wings.extremes.campaign.part import Part
 
 Record = dict[str, Any]
@@ -26,15 +28,17 @@ def run_campaign(
     progress: Callable[[int, int, str], None] | None = None,
     part: Part | None = None,
     command: Command | None = None,
+    axes: bool = False,
 ) -> Record:
-    """A campaign of ``count`` scenes, ``mutated`` scene files and half as many stored ones, and ``kills``.
+    """A campaign of ``count`` scenes of one set, or of several on one shaft (``axes``), ``mutated`` scene files and half as
+    many stored ones, and ``kills``.
 
     JSON-ready: command, day, counts by verdict, all bad outcomes, seconds of the scenes (median and largest). part: what an
     interrupted one has left, and where this one leaves its outcomes; command: the command line, through which every scene
     goes too, as text and as JSON.
     """
     known, keep = (None, None) if part is None else (part.outcomes, part.add)
-    outcomes = scenes.judge_scenes(seed, count, model, progress, known, keep, command)
+    outcomes = scenes.judge_scenes(seed, count, model, progress, known, keep, command, axis_text if axes else scene_text)
     broken = [*files.scenes(seed, mutated), *files.stored(seed, mutated // 2), *files.kills(seed, kills)]
     seconds = sorted(o.seconds for o in outcomes)
     extra = f" --files {mutated}" * bool(mutated) + f" --kills {kills}" * bool(kills)
@@ -45,7 +49,7 @@ def run_campaign(
     ]
     bad += [{"file": o.kind, "verdict": o.verdict, "words": one_line(o.words, 400)} for o in broken if not o.good]
     return {
-        "command": f"rollbench stability --random {count} --seed {seed} --model {model}{extra}",
+        "command": f"rollbench stability {'--axes' if axes else '--random'} {count} --seed {seed} --model {model}{extra}",
         "version": __version__,
         "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"),
         "seed": seed,
