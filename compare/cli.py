@@ -13,7 +13,7 @@ from types import FrameType
 
 from cyclopts import CycloptsError
 
-from rollbench.comparison.commands.arguments import app
+from rollbench.comparison.commands.arguments import commands
 from rollbench.comparison.commands.printing import OutputLost, writing
 from rollbench.comparison.errors import InputError, one_line
 
@@ -59,7 +59,10 @@ def main(tokens: list[str] | None = None) -> None:
         if getattr(sys, name) is None:  # closed by the caller: nobody reads it
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 - for the life of the process
     try:
-        code = app(tokens, exit_on_error=False, print_error=False, result_action="return_value")
+        asked = sys.argv[1:] if tokens is None else tokens
+        code = commands(asked[0] if asked else "")(
+            asked, exit_on_error=False, print_error=False, result_action="return_value"
+        )
         with writing():
             sys.stdout.flush()
     except InputError as error:

@@ -7,9 +7,14 @@ is imported before it is called. Where a folder is absent, or one that it needs,
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cache
-from importlib import resources
+from importlib import import_module, resources
 from pathlib import Path
+from typing import Any
+
+from rollbench.comparison.errors import InputError
 
 #: The folder of this package.
 ROOT = Path(str(resources.files("rollbench.comparison")))
@@ -21,8 +26,9 @@ ORDER = ("lin", "smith", "kalker", "liu", "external")
 @cache
 def data_files(folder: str) -> dict[str, Path]:
     """Shipped TOML files by name without ending, sorted: those of ``compare/FOLDER`` and of every source's folder of that
-    name."""
-    found = (*ROOT.glob(f"{folder}/*.toml"), *ROOT.glob(f"sources/*/{folder}/*.toml"))
+    name, with those in a folder in there that is named as a wing, where this is there."""
+    places = (folder, f"sources/*/{folder}", *(f"sources/*/{folder}/{wing}" for wing in registered()))
+    found = (path for place in places for path in ROOT.glob(f"{place}/*.toml"))
     return {path.stem: path for path in sorted(found, key=lambda path: path.stem)}
 
 
@@ -30,3 +36,106 @@ def misprint_files() -> list[Path]:
     """Lists of misprints, one a source, in the order of the sources."""
     found = {path.parent.name: path for path in ROOT.glob("sources/*/misprints.toml")}
     return [found[name] for name in (*ORDER, *sorted(found.keys() - set(ORDER))) if name in found]
+
+
+@dataclass(frozen=True)
+class Part:
+    """A section of the report by name: its module in ``compare``; long: left out of a quick report; runs: shows
+    runs of the 3D reference; meshes: needs gmsh; meshed: what of it needs gmsh, where the rest does not; appendix: stands
+    after the others; beside: may be made by a second process; needs: wings without which it is left out."""
+
+    name: str
+    module: str
+    long: bool = False
+    runs: bool = False
+    meshes: bool = False
+    meshed: str = ""
+    appendix: bool = False
+    beside: bool = False
+    needs: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Registration:
+    """What a wing or a source adds. Modules are named below ``rollbench.comparison``, functions as ``module:function``.
+
+    folders: of the repository, which belong to it beside its own; needs: wings without which it is not there; commands:
+    module by name of the command, which adds it to the command line; kinds: record of ``scenes.kinds.Kind`` by kind of
+    scene; parts: sections of the report; functions: by a name of `HOOKS`.
+    """
+
+    folders: tuple[str, ...] = ()
+    needs: tuple[str, ...] = ()
+    commands: Mapping[str, str] = field(default_factory=dict)
+    kinds: Mapping[str, str] = field(default_factory=dict)
+    parts: tuple[Part, ...] = ()
+    functions: Mapping[str, str] = field(default_factory=dict)
+
+
+#: What the core asks of wings and sources, by name: what it calls, and what that returns.
+HOOKS = {
+    "bench": "(): jobs of rollbench bench",
+    "computations": "no function: the tuple of `evidence.registry.Computation` of a source",
+    "deck": "(program, unit, balls, b over h, growth, stiffness, scene, file): the answer of rollbench export --deck",
+    "drawn friction": "(state): JSON-ready sums of a state of friction",
+    "friction": "(scene, result, options): state of friction of a static result, or None and why",
+    "friction of a scene": "(scene, coefficients, model): JSON-ready answer on a scene of any kind",
+    "gate": "(study, largest error): rows of the gate",
+    "references": "(fresh): names of scenes and mesh levels whose runs the report shows",
+    "rolling compare": "(names, levels, store, engine, fresh, bodies): the answer of rollbench compare on rolling balls",
+    "rolling study": "(names, levels, store, engine, source, fresh, bodies): the same of rollbench mesh-study",
+    "circuit faults": "(scene): faults of a circulation that cannot be built",
+    "stability": "(): texts and tables for the report's section on stability",
+    "sweep": "(scene, vary, samples, method, model, seed, folder): JSON-ready summary of a sweep",
+    "timing": "(step): tables for the report's section on run times",
+    "timing jobs": "(): further jobs of that section",
+    "torque": "(sets with results, friction, motion, options): friction torque of all sets [N mm], or None",
+}
+
+
+@cache
+def registered() -> Mapping[str, Registration]:
+    """Registrations by name: those of wings, sorted, then of sources in their order; without what is absent, or needs what
+    is."""
+    found: dict[str, Registration] = {}
+    for place in ("wings", "sources"):
+        names = {path.parent.name for path in ROOT.glob(f"{place}/*/registration.py")}
+        for name in (*(name for name in ORDER if name in names), *sorted(names - set(ORDER))):
+            one = import_module(f"{__package__}.{place}.{name}.registration").REGISTRATION
+            if all(ROOT.parent.joinpath(folder).is_dir() for folder in one.folders):
+                found[name] = one
+    while absent := [name for name, one in found.items() if not set(one.needs) <= found.keys()]:
+        for name in absent:
+            del found[name]
+    return found
+
+
+def load(function: str) -> Any:
+    """What ``module:name`` says, imported now."""
+    module, _, name = function.partition(":")
+    return getattr(import_module(f"{__package__}.{module}"), name)
+
+
+def offered(hook: str) -> list[Any]:
+    """The functions of a name of `HOOKS` that wings and sources offer, imported now."""
+    assert hook in HOOKS, hook
+    return [load(one.functions[hook]) for one in registered().values() if hook in one.functions]
+
+
+def needed(hook: str, origin: str, key: str, value: str) -> Any:
+    """The one function of a name of `HOOKS`. Raises InputError, said of a key and its value, where its wing is absent."""
+    found = offered(hook)
+    if not found:
+        raise InputError(origin, key, value, "with the wing that does it", f"install rollbench whole: {hook} is left out")
+    return found[0]
+
+
+def parts(part_of_core: Sequence[Part]) -> list[Part]:
+    """Sections of the report: the core's and those that are added, without those that need an absent wing."""
+    added = [part for one in registered().values() for part in one.parts]
+    return [part for part in (*part_of_core, *added) if set(part.needs) <= registered().keys()]
+
+
+def kinds() -> Mapping[str, str]:
+    """Kinds of scenes that wings add, in their order, and where their record is."""
+    return {kind: where for one in registered().values() for kind, where in one.kinds.items()}

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from rollbench.comparison.api.results import Friction, Judged, Result, Solution
 from rollbench.comparison.errors import InputError
+from rollbench.comparison.registration import needed
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.scenes.scene_file import solvable, whole
 from rollbench.meshes.axis import Assembly
@@ -18,8 +19,7 @@ from rollbench.meshes.parts import Scene
 if TYPE_CHECKING:
     from rollbench.comparison.commands.comparing.compare_output import Comparison
     from rollbench.comparison.reference.estimate import Reference
-    from rollbench.comparison.wings.friction.kinds.common import KindScene
-    from rollbench.comparison.wings.sweep.design import Method
+    from rollbench.comparison.scenes.kinds import KindScene
 
 
 def read(name: str | Path) -> Scene | Assembly | KindScene:
@@ -80,24 +80,9 @@ def friction(scene: Scene | Assembly | KindScene | str | Path, *, mu: Sequence[f
     mu: coefficients of friction in place of the scene's; model: of the contact loads, refined unless given. The first use
     compiles kernels for some 20 s. Raises InputError.
     """
-    from rollbench.comparison.wings.friction.whole import Choices, solve_scene
-
-    described = _described(scene)
-    choices = Choices(model, tuple(mu))
-    if isinstance(described, Scene):
-        answer = solve_scene(described, choices)
-    elif isinstance(described, Assembly):
-        from rollbench.comparison.wings.friction.axis import solve_axis
-
-        answer = solve_axis(described, choices)
-    else:
-        from rollbench.comparison.wings.friction.kind_solvers import solve_kind
-
-        if choices != Choices():
-            raise InputError("friction", "mu, model", "given", f"none for a {described.kind}", "the scene holds its own")
-        answer = solve_kind(described)
-    shown = "torque" if "torque" in answer.data else ""
-    return Friction(answer.data, shown, tuple(answer.data.get("warnings", ())))
+    data = needed("friction of a scene", "friction", "scene", str(scene))(_described(scene), tuple(mu), model)
+    shown = "torque" if "torque" in data else ""
+    return Friction(data, shown, tuple(data.get("warnings", ())))
 
 
 def compare(
@@ -239,7 +224,7 @@ def sweep(
     vary: Sequence[str],
     *,
     samples: int = 256,
-    method: Method = "sobol",
+    method: Literal["sobol", "lhs", "grid"] = "sobol",
     model: str = "",
     seed: int = 0,
     out: str | Path = "rollbench-sweep",
@@ -249,11 +234,7 @@ def sweep(
     scene: name or file; vary: as ``--vary`` of the command, ``["errors.balls.oversize=0 um:7 um"]``; out: folder of the
     samples (samples.csv) and the summary: what it holds is not solved again. Raises InputError.
     """
-    from rollbench.comparison.commands.printing import on_terminal
-    from rollbench.comparison.reference.jobs import Engine
-    from rollbench.comparison.wings.sweep.command import solve_sweep, sweep_of
-
-    found = solve_sweep(sweep_of(str(scene), vary, samples, method, seed, model), Path(out), Engine(), on_terminal)
+    found = needed("sweep", "sweep", "vary", " ".join(vary))(str(scene), vary, samples, method, model, seed, Path(out))
     return Result(found, "outputs", (f"{found['converged']} of {found['solved']} samples converged: {Path(out)}",))
 
 

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.models.registry import AXIS_MODELS, MODELS
 from rollbench.comparison.printed import printed_data
+from rollbench.comparison.registration import kinds
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.keys import AXIS, FRICTION_ONLY, WHOLE
+from rollbench.comparison.scenes.keys import AXIS, WHOLE
 from rollbench.comparison.scenes.scene_file import kind_of
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ def _shipped_json() -> dict[str, dict[str, Any]]:
     """Scenes by kind and models with their titles, printed tables with their number of rows."""
     shipped = {name: catalogue.shipped(name) for name in catalogue.scene_names()}
     return {
-        "scenes": {k: {n: s.title for n, s in shipped.items() if kind_of(s) == k} for k in (*WHOLE, AXIS, *FRICTION_ONLY)},
+        "scenes": {k: {n: s.title for n, s in shipped.items() if kind_of(s) == k} for k in (*WHOLE, AXIS, *kinds())},
         "models": {model.name: model.about for model in MODELS.values()},
         "models of several sets on one shaft": {name: MODELS[name].label for name in AXIS_MODELS},
         "printed_tables": {name: len(printed_data.load_table(name)) for name in catalogue.printed_tables()},

@@ -14,7 +14,7 @@ from importlib import resources
 from typing import Any, Literal
 
 from rollbench.comparison.evidence.record import Evidence, sentences
-from rollbench.comparison.evidence.registry import NOT_COMPUTED, evidence
+from rollbench.comparison.evidence.registry import by_table, evidence, not_computed
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import Printed, load_table, tables
 
@@ -128,8 +128,8 @@ def audit(study: Study, *names: str) -> list[Audited]:
     Raises InputError for an unknown table.
     """
     out = []
-    for name in names or tables():
-        found = [Evidence(row, words=NOT_COMPUTED[name]) for row in load_table(name)] if name in NOT_COMPUTED else None
+    for name in names or [name for name in tables() if name in by_table() or name in not_computed()]:
+        found = [Evidence(row, words=not_computed()[name]) for row in load_table(name)] if name in not_computed() else None
         for one in found if found is not None else evidence(study, name):
             verdict, reason = judge(one)
             out.append(Audited(one, verdict, reason, reference_value(study, f"{name}:{one.printed.key}")))

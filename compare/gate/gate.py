@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from rollbench.comparison.evidence.record import Evidence
-from rollbench.comparison.evidence.registry import BY_TABLE, evidence
+from rollbench.comparison.evidence.registry import evidence
 from rollbench.comparison.gate import closed_forms
 from rollbench.comparison.measure import error_percent, load_error
 from rollbench.comparison.models.comparison import REFERENCED, gate_points, known_exceedances
@@ -15,10 +15,8 @@ from rollbench.comparison.models.registry import DEFAULT
 from rollbench.comparison.models.source_start import best_start
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.grid_summary import uncertainty_percent
-from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison.registration import offered
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.sources.external.evidence.case import PREFIX
-from rollbench.comparison.wings.rolling.rows import GATED, KNOWN, LIMIT, PAIRS, RINGS, stored_rows, within
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -94,23 +92,6 @@ def printed_rows(study: Study, max_error: float) -> list[GateRow]:
     """Every hard or as-printed entry and every input of the printed tables."""
     gated = [e for e in evidence(study) if e.printed.cls in ("hard", "as-printed", "input") and e.agrees is not None]
     return [evidence_row(e, max_error) for e in gated]
-
-
-def external_rows(study: Study) -> list[GateRow]:
-    """Every number and claim of other programs, makers and textbooks that has a band, each within its own: the limit is the
-    end of the band on the value's side. Hard ones are among the printed rows; open ones decide nothing."""
-    tables = [name for name in BY_TABLE if name.startswith(PREFIX)]
-    return [band_row(e) for e in evidence(study, *tables) if e.printed.cls == "band"]
-
-
-def band_row(found: Evidence) -> GateRow:
-    """Row of an entry in a band."""
-    p, value = found.printed, found.compared
-    label, passed = f"{p.place}: {p.claim or p.label}", found.agrees is True
-    if p.value is None or value is None or p.low is None or p.high is None:
-        return GateRow(label, "external, band", None, None, None, None, passed, found.words)
-    limit = abs(float(error_percent(p.high if value >= p.value else p.low, p.value)))
-    return GateRow(label, "external, band", value, p.value, found.error_percent, limit, passed, found.words)
 
 
 def closed_form_rows(study: Study, max_error: float) -> list[GateRow]:
@@ -244,42 +225,15 @@ def source_rows(study: Study, max_error: float) -> list[GateRow]:
     return rows
 
 
-def rolling_rows(study: Study, max_error: float) -> list[GateRow]:
-    """Low-order balls in motion against the stored runs of the 3D model of rolling: ball-to-ball forces and torques.
-
-    A quantity beyond the line passes where the list of known ones names it with its cause, and fails where it names one
-    that is not.
-    """
-    out: list[GateRow] = []
-    stores = study.stores or (shipped_store(),)
-    limit = min(LIMIT, max_error)
-    for name in (*PAIRS, *RINGS):
-        own = [row for row in stored_rows(name, stores) if row.quantity in GATED]
-        if not own:
-            text = f"no stored runs of the 3D model of rolling: run rollbench mesh-study {name}"
-            out.append(GateRow(f"{name}: 3D rolling", "3D rolling", None, None, None, limit, False, text))
-        for row in own:
-            cause = KNOWN.get((name, row.quantity), "")
-            passed = within(row) != bool(cause)
-            state = f", {row.load_state} load state" if row.load_state else ""
-            label = f"{name}: {row.quantity} [{row.unit}] against 3D rolling{state}" + (
-                f" (known: {cause})" if cause else ""
-            )
-            text = f"uncertainty of the 3D model {row.uncertainty:.2g} {row.unit}"
-            out.append(GateRow(label, "3D rolling", row.low, row.reference, row.error_percent, limit, passed, text))
-    return out
-
-
 def run_gate(study: Study, max_error: float) -> list[GateRow]:
     """All rows of the gate."""
     return [
         *printed_rows(study, max_error),
-        *external_rows(study),
         *closed_form_rows(study, max_error),
         *solver_rows(study, max_error),
         *reference_rows(study, max_error),
         *source_rows(study, max_error),
-        *rolling_rows(study, max_error),
+        *(row for rows in offered("gate") for row in rows(study, max_error)),
     ]
 
 

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.models.loading import LiftOff, Preload, lift_off, preload, solve_scaled
 from rollbench.comparison.models.registry import MODELS, Options, blamed, read_condensed
+from rollbench.comparison.registration import offered
 from rollbench.lowfi.compliance.bodies import LADDER, REFINED
-from rollbench.lowfi.jit import cached
 from rollbench.lowfi.rating.contacts import Contact, StaticSafety, Truncation, static_safety, truncation, worst_contact
 from rollbench.lowfi.rating.life import Life, life
 from rollbench.lowfi.rating.rigidity import Rigidities, axial_displacement, axial_force, rigidities
@@ -19,11 +19,7 @@ from rollbench.lowfi.rating.static import Ratings, ratings
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.tangent import Tangent, tangent_stiffness
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.parts import Motion, Scene
-
-if TYPE_CHECKING:
-    from rollbench.lowfi.friction.whole.state import FrictionState
-
+from rollbench.meshes.parts import Scene
 
 #: Ladder step whose bodies give the tangent of a model; the others have none.
 TANGENT_OF = {"lin-source-partition": "lin", "lin-printed-hertz": "lin", "source": "lin"}
@@ -59,7 +55,7 @@ class Answers:
     tangent_words: str
     preload: Preload | None
     lift: LiftOff | None
-    friction: FrictionState | None
+    friction: Any
     friction_words: str
 
 
@@ -133,16 +129,11 @@ def gather(scene: Scene, result: StaticResult, model: str, options: Options) -> 
     return Answers(loads, force, moved, three, slope, why, held, lift, state, words)
 
 
-def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tuple[FrictionState | None, str]:
-    """Friction where the scene gives a coefficient and no kernel has to be compiled for it; else what to do."""
+def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tuple[Any, str]:
+    """State of friction where the scene gives a coefficient and no kernel has to be compiled for it; else what to do."""
     if scene.friction is None:
         return None, "no coefficient in the scene; for one of 0.1: rollbench friction SCENE --mu 0.1"
-    from rollbench.lowfi.friction.whole.state import friction_state, will_compile
-
-    if will_compile(scene, scene.friction) and not cached():
-        return None, "kernels are not compiled yet; rollbench friction SCENE does it, once"
-    try:
-        state = friction_state(scene, result, scene.friction, scene.motion or Motion(ONE_TURN), options.member)
-    except ValueError as error:
-        return None, str(error)
-    return state, ""
+    for friction in offered("friction"):
+        state, words = friction(scene, result, options)
+        return state, words
+    return None, "friction is left out of this installation"

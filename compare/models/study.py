@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -17,7 +18,7 @@ from rollbench.meshes.parts import SIDES, Scene
 T = TypeVar("T")
 
 if TYPE_CHECKING:
-    from rollbench.comparison.wings.friction.kinds.common import KindScene
+    from rollbench.comparison.scenes.kinds import KindScene
     from rollbench.meshes.axis import Assembly
 
 
@@ -112,3 +113,14 @@ def with_groove(scene: Scene, conformity: float) -> Scene:
     """The scene with both groove radii set to ``conformity`` times the ball's diameter."""
     radius = 2.0 * conformity * scene.balls.radius
     return replace(scene, screw=replace(scene.screw, groove_radius=radius), nut=replace(scene.nut, groove_radius=radius))
+
+
+def with_balls(base: Scene, count: int) -> Scene:
+    """The screw of ``base`` with ``count`` balls at the same spacing; nut and screw grow with them [m]."""
+    step = (base.balls.azimuths[-1] - base.balls.azimuths[0]) / (len(base.balls.azimuths) - 1)
+    azimuths = tuple((i - (count - 1) / 2.0) * step for i in range(count))
+    length = max(base.nut.length, base.track.lead * count * step / (2.0 * math.pi) + 14e-3)
+    total = base.screw.length - base.nut.length + length
+    nut = replace(base.nut, length=length, position=total / 2.0)
+    screw = replace(base.screw, length=total)
+    return replace(base, balls=replace(base.balls, azimuths=azimuths), nut=nut, screw=screw)

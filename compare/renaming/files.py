@@ -11,11 +11,11 @@ from pathlib import Path
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.reference import store
+from rollbench.comparison.reference.body_names import HALF_SPACE
 from rollbench.comparison.reference.sealing import unsealed
 from rollbench.comparison.renaming import old_keys
-from rollbench.comparison.wings.friction.kinds.common import KindScene
+from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.wings.rolling import runs
-from rollbench.comparison.wings.rolling.names import HALF_SPACE
 from rollbench.meshes.condensed import geometry_digest, load_condensed
 from rollbench.meshes.parts import Scene
 

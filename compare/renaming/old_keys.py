@@ -12,7 +12,7 @@ import numpy as np
 
 from rollbench.comparison.reference.store import BODIES, SCHEMA, versions
 from rollbench.comparison.reference.tasks import plain
-from rollbench.comparison.wings.friction.kinds.common import KindScene
+from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.wings.rolling.runs import BODIES as ROLLING_BODIES
 from rollbench.comparison.wings.rolling.runs import LEVELS, MESHED, QUADRATURES, SOURCE_SIZE
 from rollbench.comparison.wings.rolling.runs import SCHEMA as ROLLING_SCHEMA

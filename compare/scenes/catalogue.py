@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, TypeVar
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.printed import printed_data
-from rollbench.comparison.registration import data_files
+from rollbench.comparison.registration import data_files, kinds
 from rollbench.comparison.scenes import scene_file
-from rollbench.comparison.scenes.keys import AXIS, FRICTION_ONLY
+from rollbench.comparison.scenes.keys import AXIS
 from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
-    from rollbench.comparison.wings.friction.kinds.common import KindScene
+    from rollbench.comparison.scenes.kinds import KindScene
     from rollbench.meshes.axis import Assembly
 
 Of = TypeVar("Of", bound="KindScene")
@@ -31,7 +31,7 @@ def scene_names() -> tuple[str, ...]:
 @cache
 def whole_names() -> tuple[str, ...]:
     """Names of the shipped whole screws and bearings, sorted: neither axes nor kinds that only friction solves."""
-    return tuple(n for n in scene_names() if tomllib.loads(scene_text(n)).get("kind") not in (AXIS, *FRICTION_ONLY))
+    return tuple(n for n in scene_names() if tomllib.loads(scene_text(n)).get("kind") not in (AXIS, *kinds()))
 
 
 @cache

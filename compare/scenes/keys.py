@@ -52,7 +52,6 @@ SOLIDS = (1e9, 1e12)
 WHOLE = ("ball screw", "bearing")
 #: Several rolling sets on one shaft, which solve and friction take.
 AXIS = "axis"
-FRICTION_ONLY = ("bearing ball", "bearing pair", "linear pair", "linear chain", "screw pair", "screw run")
 
 
 class Table(BaseModel):

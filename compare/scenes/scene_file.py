@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, Any
 from pydantic import ValidationError
 
 from rollbench.comparison.errors import SceneError, escaped
+from rollbench.comparison.registration import kinds
 from rollbench.comparison.scenes.body_checks import contact_faults, geometry_faults
 from rollbench.comparison.scenes.fault import Fault
 from rollbench.comparison.scenes.key_checks import choice_faults
-from rollbench.comparison.scenes.keys import AXIS, FRICTION_ONLY, WHOLE
+from rollbench.comparison.scenes.keys import AXIS, WHOLE
 from rollbench.comparison.scenes.mending import validated
 from rollbench.comparison.scenes.preload import preloaded
 from rollbench.comparison.scenes.records import scene_of
@@ -28,7 +29,7 @@ from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
     from rollbench.comparison.scenes.axis_schema import AxisKeys
-    from rollbench.comparison.wings.friction.kinds.common import KindScene
+    from rollbench.comparison.scenes.kinds import KindScene
 
 #: Most parts of a dotted key: the reader's time and memory grow with their square.
 MAX_PARTS = 32
@@ -84,16 +85,16 @@ def read_tables(raw: dict[str, Any], origin: str) -> Scene | KindScene | Assembl
     if kind is None and FOREIGN & raw.keys() and not bodies:
         name = sorted(FOREIGN & raw.keys())[0]
         advice = f"[{name}] belongs to a kind that only friction solves: name it, as rollbench new FILE --kind KIND does"
-        raise SceneError(origin, "kind", "nothing", ", ".join(map(show, FRICTION_ONLY)), advice)
+        raise SceneError(origin, "kind", "nothing", ", ".join(map(show, kinds())), advice)
     if kind is None or kind in WHOLE:
         return of_tables(raw, origin)
-    if kind not in FRICTION_ONLY:
-        near = difflib.get_close_matches(str(kind), (*WHOLE, *FRICTION_ONLY), n=1, cutoff=0.5)
+    if kind not in kinds():
+        near = difflib.get_close_matches(str(kind), (*WHOLE, *kinds()), n=1, cutoff=0.5)
         advice = f"did you mean {show(near[0])}?" if near else "leave it out for a whole screw or bearing"
-        raise SceneError(origin, "kind", show(kind), ", ".join(map(show, (*WHOLE, *FRICTION_ONLY))), advice)
-    from rollbench.comparison.wings.friction.kinds.table import KINDS
+        raise SceneError(origin, "kind", show(kind), ", ".join(map(show, (*WHOLE, *kinds()))), advice)
+    from rollbench.comparison.scenes.kinds import kind_named
 
-    of = KINDS[kind]
+    of = kind_named(kind)
     try:
         keys = of.keys.model_validate(raw)
     except ValidationError as error:

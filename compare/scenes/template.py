@@ -8,8 +8,10 @@ from importlib import resources
 from typing import Any
 
 from rollbench.comparison.errors import InputError
+from rollbench.comparison.registration import kinds
 from rollbench.comparison.scenes.catalogue import scene_text
-from rollbench.comparison.scenes.keys import FRICTION_ONLY, WHOLE, tidy_schema
+from rollbench.comparison.scenes.keys import WHOLE, tidy_schema
+from rollbench.comparison.scenes.kinds import kind_named
 from rollbench.comparison.scenes.schema import SceneKeys
 from rollbench.comparison.scenes.units import show
 
@@ -44,8 +46,8 @@ def template(kind: str = "ball screw") -> str:
         lines = scene_text(AXES[name]).splitlines()
         kept = [x for x in lines if not x.startswith(("source = ", "assumed = "))]
         return "\n".join(f'title = "My {name}"' if x.startswith("title = ") else x for x in kept) + "\n"
-    if name not in (*WHOLE, *FRICTION_ONLY):
-        allowed = ", ".join(k.replace(" ", "-") for k in (*WHOLE, *AXES, *FRICTION_ONLY))
+    if name not in (*WHOLE, *kinds()):
+        allowed = ", ".join(k.replace(" ", "-") for k in (*WHOLE, *AXES, *kinds()))
         raise InputError("command line", "--kind", kind, allowed, "a whole screw is a ball-screw")
     if name == "ball screw":
         return resources.files("rollbench.comparison").joinpath("template.toml").read_text(encoding="utf-8")
@@ -62,9 +64,7 @@ def _schema(kind: str) -> dict[str, Any]:
         schema = tidy_schema(SceneKeys)
         left_out = {"circulation"} if kind == "bearing" else set()  # the balls of a ring go round its one turn
         return schema | {"properties": {k: v for k, v in schema["properties"].items() if k not in left_out}}
-    from rollbench.comparison.wings.friction.kinds.table import KINDS
-
-    return tidy_schema(KINDS[kind].keys)
+    return tidy_schema(kind_named(kind).keys)
 
 
 def _table(node: Node, defs: Node, values: Node, path: str) -> Iterator[str]:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw
 
-from rollbench.comparison.commands.arguments import app
+from rollbench.comparison.commands.arguments import commands
 from rollbench.comparison.scenes import scene_file
 from rollbench.comparison.wings.extremes.campaign import check, files, record, scenes
 from rollbench.comparison.wings.extremes.campaign.draw import scene_text
@@ -127,7 +127,7 @@ def test_the_judge_holds_loads_to_hertz_law(screw):
 @pytest.mark.parametrize("number", [14, 16, 75])
 def test_scenes_whose_command_ended_in_a_traceback_are_answered(number):
     """A load far below the preload; the tangent stiffness of a bearing of one arc a groove, exact and uneven."""
-    command = partial(captured, partial(app, exit_on_error=False, print_error=False, result_action="return_value"))
+    command = partial(captured, partial(commands(), exit_on_error=False, print_error=False, result_action="return_value"))
     assert scenes.judge(1, number, "lin", command).verdict == scenes.RIGHT
 
 
@@ -180,7 +180,7 @@ def test_scenes_do_not_depend_on_what_was_drawn_before():
 
 def test_scenes_go_through_the_command_line_too():
     """As text and as JSON, and what these say otherwise is a fault."""
-    command = partial(captured, partial(app, exit_on_error=False, print_error=False, result_action="return_value"))
+    command = partial(captured, partial(commands(), exit_on_error=False, print_error=False, result_action="return_value"))
     found = scenes.judge_scenes(7, 12, "lin", command=command)
     assert not [o for o in found if o.verdict in scenes.BAD]
     assert {scenes.RIGHT, scenes.REFUSED} <= {o.verdict for o in found}

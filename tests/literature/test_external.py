@@ -11,11 +11,11 @@ from tests.literature.entries import check, keys
 from rollbench.comparison.evidence.audit import audit, judge
 from rollbench.comparison.evidence.left_out import left_out
 from rollbench.comparison.evidence.registry import evidence
-from rollbench.comparison.gate.gate import band_row, external_rows
 from rollbench.comparison.printed.printed_data import tables
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.scenes.schema import FrictionKeys
 from rollbench.comparison.sources.external.evidence import bearings, case, screws
+from rollbench.comparison.sources.external.gate import band_row, external_rows
 from rollbench.comparison.wings.friction.whole import coefficients
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, displacement, of_angle
 from rollbench.lowfi.bearings.sets import equilibrium, lift_off_force, preloaded
@@ -68,7 +68,7 @@ def test_what_was_inferred_is_said_of_every_scene_and_case() -> None:
 
 
 def test_the_gate_fails_for_a_value_beyond_its_band() -> None:
-    rows = external_rows(STUDY)
+    rows = external_rows(STUDY, 7.0)
     assert len(rows) == 74
     assert all(row.passed for row in rows)
     tilt = next(e for e in evidence(STUDY, "external-masta") if e.printed.key == "tilt")

@@ -1,63 +1,14 @@
-"""Many solutions and many entries: sweep, audit."""
+"""Many entries: audit."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 from cyclopts import Parameter
 
-from rollbench.comparison.commands.arguments.terminal import Json, Tls, Word, app, engine
+from rollbench.comparison.commands.arguments.terminal import Json, app
 from rollbench.comparison.commands.printing import print_answer
-
-
-@app.command
-def sweep(
-    scene: str,
-    *,
-    vary: Annotated[list[str], Parameter(negative="")],
-    samples: int = 256,
-    method: Literal["sobol", "lhs", "grid"] = "sobol",
-    model: Word = "",
-    seed: int = 0,
-    out: Path = Path("rollbench-sweep"),
-    as_json: Json = False,
-    backend: str = "joblib",
-    scheduler: str | None = None,
-    workers: int | None = None,
-    tls: Tls | None = None,
-) -> int:
-    """Solve a scene at many values of its keys; one stored record a sample, an interrupted sweep goes on.
-
-    Parameters
-    ----------
-    scene
-        Name of a shipped scene, or a scene file.
-    vary
-        KEY=A:B or KEY=v1,v2, again for every key: dotted path, lists by [0], units as in the scene, e.g.
-        "loads[0].force[2]=1 kN:5 kN"; KEY+KEY=... gives several keys one value. A range of bare whole numbers gives whole
-        numbers (errors.seed=1:1000).
-    samples
-        How many; sobol takes the nearest n (keys + 2) with n a power of two, grid at most so many.
-    method
-        sobol (with Sobol indices), lhs (Latin hypercube) or grid.
-    model
-        refined unless given; see: rollbench list.
-    seed
-        Seed of the design.
-    out
-        Folder of the records and the summary; what it holds is not solved again.
-    backend
-        joblib (this machine) or dask (a cluster).
-    scheduler
-        Address of the Dask scheduler.
-    workers
-        Processes at the same time; 1 here, or what the cluster has, unless given.
-    """
-    from rollbench.comparison.wings.sweep.command import run_sweep, sweep_of
-
-    what = sweep_of(scene, vary, samples, method, seed, model)
-    return print_answer(run_sweep(what, out, engine(backend, scheduler, workers, tls)), as_json)
 
 
 @app.command

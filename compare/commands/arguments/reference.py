@@ -1,4 +1,4 @@
-"""The 3D reference of scenes, and what goes to other programs: mesh-study, compare, export, crosscheck."""
+"""The 3D reference of scenes, and what goes to other programs: mesh-study, compare, export."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from cyclopts import Parameter
 from rollbench.comparison.commands.arguments.terminal import Flag, Json, Tls, Word, app, cache_folder, engine
 from rollbench.comparison.commands.printing import print_answer
 from rollbench.comparison.errors import InputError
+from rollbench.comparison.registration import needed
 
 
 @app.command(name="mesh-study")
@@ -53,16 +54,15 @@ def mesh_study(
     workers
         Runs at the same time, each of 1 to 3 GB; 1 here, or what the cluster has, unless given.
     """
+    from rollbench.comparison.commands.comparing.kinds import all_of_friction, known_bodies, refuse_options
     from rollbench.comparison.commands.comparing.study import run_mesh_study
     from rollbench.comparison.system import need_packages
-    from rollbench.comparison.wings.rolling.choices import all_rolling, known_bodies, refuse_options
 
-    rolling = all_rolling(scenes)
+    rolling = all_of_friction(scenes)
     bodies = known_bodies(bodies, rolling=rolling)
     if rolling:
         need_packages("scikit-fem")
-        from rollbench.comparison.wings.rolling.commands import run_rolling_study
-
+        run_rolling_study = needed("rolling study", "command line", "scenes", " ".join(scenes))
         refuse_options({"--spread": spread})
         where = engine(backend, scheduler, workers, tls)
         found = run_rolling_study(scenes, levels, store, where, source=source_mesh, fresh=fresh, bodies=bodies)
@@ -120,17 +120,16 @@ def compare(
     workers
         Runs at the same time, each of 1 to 3 GB; 1 here, or what the cluster has, unless given.
     """
+    from rollbench.comparison.commands.comparing.kinds import all_of_friction, known_bodies, refuse_options
     from rollbench.comparison.commands.comparing.study import parse_levels, run_compare
     from rollbench.comparison.system import need_packages
-    from rollbench.comparison.wings.rolling.choices import all_rolling, known_bodies, refuse_options
 
     wanted = None if levels is None else parse_levels(levels)
-    rolling = all_rolling(scenes)
+    rolling = all_of_friction(scenes)
     bodies = known_bodies(bodies, rolling=rolling)
     if rolling:
         need_packages("scikit-fem")
-        from rollbench.comparison.wings.rolling.commands import run_rolling_compare
-
+        run_rolling_compare = needed("rolling compare", "command line", "scenes", " ".join(scenes))
         refuse_options({"--model": model is not None, "--balls": balls})
         where = engine(backend, scheduler, workers, tls)
         return print_answer(run_rolling_compare(scenes, wanted, store, where, fresh=fresh, bodies=bodies), as_json)
@@ -189,52 +188,14 @@ def export(
     from rollbench.comparison.scenes import catalogue
 
     if deck:
-        from rollbench.comparison.wings.crosscheck.export_deck import DeckChoices, run_deck
-
         if part or format or level != 1 or ball is not None:
             raise InputError(
                 "command line", "--deck", deck, "no part, --format, --level or --ball with it", "leave them out"
             )
-        choices = DeckChoices(deck, unit, balls, b_over_h, growth, stiffness)
-        return print_answer(run_deck(catalogue.scene(scene), choices, out))
+        write_deck = needed("deck", "command line", "--deck", deck)
+        return print_answer(write_deck(deck, unit, balls, b_over_h, growth, stiffness, catalogue.scene(scene), out))
     if (unit, balls, b_over_h, growth, stiffness) != ("mm", "", 1.5, 0.4, 2e8):
         raise InputError(
             "command line", "--unit, --balls, --b-over-h, --growth, --stiffness", "given", "with --deck", "add --deck ccx"
         )
     return print_answer(run_export(catalogue.scene(scene), part, format, out, level, cache=cache_folder(), ball=ball))
-
-
-@app.command
-def crosscheck(
-    scene: str,
-    *,
-    run: Flag = False,
-    fresh: Flag = False,
-    data: Path | None = None,
-    work: Path = Path("rollbench-crosscheck"),
-    store: Path = Path("rollbench-reference"),
-    as_json: Json = False,
-) -> int:
-    """Compare the 3D reference with CalculiX, contact by contact: two-balls or lin-case1-cut.
-
-    Parameters
-    ----------
-    scene
-        Name of a shipped scene that was solved by CalculiX.
-    run
-        Solve with CalculiX (ccx) now those of its decks that have no stored result, and rewrite the stored results.
-    fresh
-        With --run: solve all of its decks anew, up to an hour of one core.
-    data
-        Folder of the stored results; that of the package unless given.
-    work
-        Folder of the decks and their results; a deck whose result is there is not solved again.
-    store
-        Folder of the reference's runs, besides those shipped; computed where none is stored.
-    """
-    from rollbench.comparison.reference.jobs import Engine
-    from rollbench.comparison.wings.crosscheck.command import run_crosscheck
-
-    where = Engine(cache=cache_folder())
-    found = run_crosscheck(scene, run=run, fresh=fresh, data=data, work=work, store=store, engine=where)
-    return print_answer(found, as_json)

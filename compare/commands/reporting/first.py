@@ -10,11 +10,11 @@ from time import perf_counter
 
 import numpy as np
 
-from rollbench.comparison.commands.reporting.parts import Part
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.reference.computing import compute
 from rollbench.comparison.reference.store import load
 from rollbench.comparison.reference.tasks import Task
+from rollbench.comparison.registration import Part
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.system import cores, gmsh_fault
 from rollbench.meshes.libraries import EXTRAS, MESHING, PICTURES, install

@@ -13,8 +13,8 @@ from importlib import import_module
 from time import perf_counter
 from typing import Any
 
-from rollbench.comparison.commands.reporting.parts import Part
 from rollbench.comparison.models.study import Study
+from rollbench.comparison.registration import Part
 from rollbench.comparison.system import cores
 from rollbench.meshes.workers import local
 from rollbench.reports.records import Section

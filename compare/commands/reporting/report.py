@@ -15,11 +15,12 @@ from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.commands.reporting import moved as report_moved
 from rollbench.comparison.commands.reporting.first import kept_parts, lacking, live_check
 from rollbench.comparison.commands.reporting.halves import build, split
-from rollbench.comparison.commands.reporting.parts import PARTS, SECTIONS, Part
+from rollbench.comparison.commands.reporting.parts import PARTS, SECTIONS
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.provenance import commit, inputs
 from rollbench.comparison.reference.jobs import Engine
+from rollbench.comparison.registration import Part, offered
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.scenes.scene_file import scene_hash
 from rollbench.comparison.system import gmsh_fault, libraries, machine, need_packages
@@ -84,8 +85,6 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
     if not source.compute or source.stores is None:
         return
     from rollbench.comparison.models.ladder import DEEP, UNSEEN
-    from rollbench.comparison.sources.liu.evidence.bodies import SOLID, SOLID_LEVELS
-    from rollbench.comparison.wings.crosscheck.study import STUDIES
 
     scenes = [study.scene(name) for name in REFERENCED]
     if source.quick:
@@ -94,10 +93,11 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
         tasks = plan(scenes, STUDIED, source=True, ablate=True)
         for name in VARIED:
             tasks += plan([study.scene(name)], (), (*all_variants(), *(refinements() if name == REFINED else ())))
-        tasks += plan([study.scene(name) for name in (*UNSEEN, *STUDIES)], STUDIED)
+        tasks += plan([study.scene(name) for name in UNSEEN], STUDIED)
+        for added in offered("references"):
+            for names, levels in added(source.fresh):
+                tasks += plan([study.scene(name) for name in names], levels)
         tasks += plan([study.scene(name) for name in DEEP], (max(LEVELS),))
-        if source.fresh:  # not shipped: they take longer than the rest of a first report
-            tasks += plan([study.scene(name) for name in SOLID], SOLID_LEVELS)
         tasks.sort(key=lambda task: -expected(task).seconds)
     ensure(tasks, source.stores[0], source.engine, step, source.stores[1:], fresh=source.fresh)
     if not source.quick:

@@ -10,7 +10,6 @@ from rollbench.comparison.commands.solving.solve_output import summary
 from rollbench.comparison.commands.solving.summary import PRELOAD, contact_entries, contacts_json, entry, loads_json
 from rollbench.comparison.models.axis_answers import AxisAnswers, SetAnswers
 from rollbench.comparison.quantities import number, record
-from rollbench.lowfi.bearings.axis import lost_motion
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import FREEDOMS
@@ -51,7 +50,7 @@ def whole_summary(result: AxisResult, found: AxisAnswers | None) -> dict[str, An
         "displacement_um": None if found.displacement is None else number(1e6 * found.displacement),
         "rigidity_N_per_um": number(1e-6 * found.force / found.displacement) if found.displacement else None,
         "tangent_N_per_um": None if K is None else number(1e-6 * K),
-        "lost_motion_um_per_100N": None if K is None or K <= 0.0 else number(1e6 * lost_motion(100.0, K)),
+        "lost_motion_um_per_100N": None if K is None or K <= 0.0 else number(1e6 * 2.0 * 100.0 / K),
     }
     data["stiffness"] = stiffness_json(result)
     i = worst(found)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from rollbench.comparison.commands.solving.solve_output import MODEL_FORM, model
 from rollbench.comparison.models.answers import Answers, LoadAnswers
 from rollbench.comparison.models.model_form import ModelForm
 from rollbench.comparison.quantities import number, quantity, record
+from rollbench.comparison.registration import offered
 from rollbench.lowfi.rating.contacts import ALLOWED
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import StaticResult
@@ -18,10 +19,6 @@ from rollbench.lowfi.statics.validity import DENT_PRESSURE
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import counted, mean_load
 from rollbench.meshes.parts import SIDES, Scene
-
-if TYPE_CHECKING:
-    from rollbench.lowfi.friction.whole.state import FrictionState
-
 
 #: Width of the labels of the block.
 LABEL = 10
@@ -135,15 +132,9 @@ def answers_json(scene: Scene, result: StaticResult, found: Answers) -> dict[str
         **data,
         "preload": record(PRELOAD, found.preload),
         "contact_lost": record(CONTACT_LOST, found.lift),
-        "friction": None if state is None else _friction_json(state),
+        "friction": None if state is None else offered("drawn friction")[0](state),
         "friction_words": found.friction_words or None,
     }
-
-
-def _friction_json(state: FrictionState) -> dict[str, Any]:
-    from rollbench.comparison.wings.friction.output import sums
-
-    return sums(state, None)
 
 
 def block(

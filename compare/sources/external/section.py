@@ -9,7 +9,7 @@ import numpy as np
 
 from rollbench.comparison.evidence.audit import judge
 from rollbench.comparison.evidence.record import Evidence
-from rollbench.comparison.evidence.registry import BY_TABLE, evidence
+from rollbench.comparison.evidence.registry import by_table, evidence
 from rollbench.comparison.models.ladder import UNSEEN
 from rollbench.comparison.models.registry import DEFAULT
 from rollbench.comparison.models.study import Study
@@ -108,7 +108,7 @@ def catalogue_rows(study: Study) -> list[tuple[str, float, dict[str, float | Non
 def section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report."""
     step("values of other programs, makers and textbooks")
-    tables = [name for name in BY_TABLE if name.startswith(PREFIX)]
+    tables = [name for name in by_table() if name.startswith(PREFIX)]
     found = evidence(study, *tables)
     step("three rigidities of ball nuts")
     rigid = stages_table(study, catalogue_rows(study), UNSEEN)

@@ -12,9 +12,9 @@ from threadpoolctl import threadpool_limits
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.printed.printed_data import entry
 from rollbench.comparison.scenes.catalogue import shipped
+from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.sources.external.evidence.contacts import EXAMPLE_CELLS, example
 from rollbench.comparison.sources.kalker.evidence import GRIDS, coefficients
-from rollbench.comparison.wings.friction.kinds.common import KindScene
 from rollbench.comparison.wings.rolling.cases import case_of
 from rollbench.comparison.wings.rolling.runs import LEVELS, QUADRATURES
 from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, place_of, solve_rolling

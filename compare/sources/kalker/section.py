@@ -11,17 +11,17 @@ from numpy.typing import NDArray
 
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study
+from rollbench.comparison.reference.body_names import FINITE
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.scenes.catalogue import shipped
+from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.sources.kalker.proof import AS_RUNS, BY_GRID, RESOLVED, Proof, proofs
 from rollbench.comparison.system import gmsh_fault
-from rollbench.comparison.wings.friction.kinds.common import KindScene
 from rollbench.comparison.wings.rolling.body_sizes import NAMES
 from rollbench.comparison.wings.rolling.changes import Change, changes
 from rollbench.comparison.wings.rolling.from_rest import GAP, Series, from_rest
 from rollbench.comparison.wings.rolling.kept_sizes import Sizes
 from rollbench.comparison.wings.rolling.kept_sizes import sizes as body_sizes
-from rollbench.comparison.wings.rolling.names import FINITE
 from rollbench.comparison.wings.rolling.patches import PatchField, fields
 from rollbench.comparison.wings.rolling.rows import KNOWN, LIMIT, PAIRS, RINGS, RollingRow, load_state, stored_rows, within
 from rollbench.comparison.wings.rolling.runs import LEVELS, SOURCE_LEVEL, RollingRun, load

@@ -19,10 +19,10 @@ from threadpoolctl import threadpool_limits
 
 from rollbench.comparison.costs.timing import Job, launch, timed
 from rollbench.comparison.models.ensemble import ENOUGH, run_ensemble
+from rollbench.comparison.models.study import with_balls
 from rollbench.comparison.scenes.catalogue import scene as shipped
 from rollbench.comparison.wings.bench.prepared import TOLERANCE, Energy, Refined, Source
 from rollbench.comparison.wings.bench.startup import command_line_job, startup_jobs
-from rollbench.comparison.wings.extremes.static import with_balls
 from rollbench.lowfi.as_source import static as lin
 from rollbench.lowfi.compliance.ends import forget
 from rollbench.lowfi.statics.static import solve_static

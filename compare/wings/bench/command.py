@@ -9,11 +9,9 @@ from typing import TYPE_CHECKING
 
 from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.costs.timing import Job
-from rollbench.comparison.sources.lin.bench import jobs as friction_jobs
-from rollbench.comparison.sources.liu.bench import jobs as chain_jobs
+from rollbench.comparison.registration import offered
 from rollbench.comparison.wings.bench.axis_bench import jobs as axis_jobs
 from rollbench.comparison.wings.bench.bench import run_bench
-from rollbench.comparison.wings.rolling.bench import jobs as rolling_jobs
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -22,11 +20,7 @@ if TYPE_CHECKING:
 def run_bench_command() -> Answer:
     """Measure. A job that could not be measured says so in its note."""
     jobs = run_bench(lambda text: print(text, file=sys.stderr, flush=True))
-    jobs += [
-        Job(f"friction: {row.name}", row.seconds, row.ratio, None, None, f"{row.note}; target {row.target:g} s")
-        for row in friction_jobs(5)
-    ]
-    jobs += [*chain_jobs(5), *axis_jobs(5), *rolling_jobs(3)]
+    jobs += [*axis_jobs(5), *(job for added in offered("bench") for job in added())]
     return Answer([asdict(job) for job in jobs], _tables(jobs))
 
 

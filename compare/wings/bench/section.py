@@ -10,31 +10,15 @@ from typing import Any
 from rollbench.comparison.costs.timing import Job
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import entry, load_table
-from rollbench.comparison.sources.lin.bench import jobs
-from rollbench.comparison.sources.liu.bench import jobs as chain_jobs
+from rollbench.comparison.registration import offered
 from rollbench.comparison.wings.bench.axis_bench import jobs as axis_jobs
 from rollbench.comparison.wings.bench.bench import run_bench
 from rollbench.reports.records import Quantity, Row, Section, Table, Text
 
 
-def friction_table(step: Callable[[str], None]) -> Table:
-    """Friction and ball motion against their targets."""
-    step("friction")
-    rows: list[dict[str, Any]] = [asdict(row) | {"reached": "yes" if row.reached else "no"} for row in jobs(5)]
-    columns = (
-        Quantity("name", "job", "", "s"),
-        Quantity("seconds", "seconds", "s", "g3"),
-        Quantity("target", "target", "s", "g3"),
-        Quantity("reached", "reached", "", "s"),
-        Quantity("ratio", "ratio", "", "g3"),
-        Quantity("note", "what is included", "", "s"),
-    )
-    return Table("timing-friction", "Friction and ball motion, compiled", columns, rows)
-
-
 def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
     """Section of the report, with its headlines."""
-    done = [*run_bench(step), *chain_jobs(5), *axis_jobs(5)]
+    done = [*run_bench(step), *(job for added in offered("timing jobs") for job in added()), *axis_jobs(5)]
     rows: list[dict[str, Any]] = [asdict(job) for job in done]
     printed: list[Row] = [
         {
@@ -71,7 +55,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG0
                 ),
                 rows,
             ),
-            friction_table(step),
+            *(table for added in offered("timing") for table in added(step)),
             Table.of("timing-printed", "Table 2.2 as printed", printed),
         ),
         headline(done),

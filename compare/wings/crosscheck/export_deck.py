@@ -61,3 +61,10 @@ def run_deck(scene: Scene, choices: DeckChoices, out: Path | None) -> Answer:
         f"{len(deck.contacts)} contacts; units {UNITS[choices.unit].words}; run it with: ccx -i {out.with_suffix('')}"
     )
     return Answer(parts=[line])
+
+
+def run(
+    program: str, unit: str, balls: str, b_over_h: float, growth: float, stiffness: float, scene: Scene, out: Path | None
+) -> Answer:
+    """The answer of ``rollbench export --deck``: `run_deck` of the options as they come. Raises InputError."""
+    return run_deck(scene, DeckChoices(program, unit, balls, b_over_h, growth, stiffness), out)

@@ -5,13 +5,14 @@ from __future__ import annotations
 import hashlib
 import json
 import tomllib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from rollbench.comparison import __version__
 from rollbench.comparison.errors import InputError
+from rollbench.comparison.reference.levels import STUDIED
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.wings.crosscheck.calculix import Outcome, digest, run_calculix
 from rollbench.comparison.wings.crosscheck.data import BodyMesh, CrossData, CrossRun
@@ -134,3 +135,8 @@ def record(made: Made, options: DeckOptions, deck: str, outcome: Outcome) -> Cro
         options.half,
         options.alike,
     )
+
+
+def references(fresh: bool) -> Iterator[tuple[tuple[str, ...], tuple[int, ...]]]:  # noqa: ARG001 - as every such function
+    """Scenes and levels of the 3D reference that the report sets beside CalculiX."""
+    yield tuple(STUDIES), STUDIED

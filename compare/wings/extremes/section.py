@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from rollbench.comparison.models.study import Study
-from rollbench.comparison.sources.lin.extremes.items import table_section_items
+from rollbench.comparison.registration import offered
 from rollbench.comparison.wings.extremes.campaign.record import rows as campaign_rows
 from rollbench.comparison.wings.extremes.campaign.record import shipped
 from rollbench.comparison.wings.extremes.rows import tally, wide_rows
@@ -95,7 +95,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG0
             ),
             Table.of("stability-summary", "Cases solved", summary),
             Table("stability-cases", "Case by case", columns, wide_rows(rows)),
-            *table_section_items(),
+            *(item for added in offered("stability") for item in added()),
             Text(
                 (
                     "Random extreme screws and bearings, mutated files and killed processes, each outcome judged by "

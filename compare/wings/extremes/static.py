@@ -20,6 +20,7 @@ import numpy as np
 
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.registry import MODELS
+from rollbench.comparison.models.study import with_balls
 from rollbench.comparison.scenes.catalogue import scene as shipped
 from rollbench.lowfi.as_source.static import Start, solve_source
 from rollbench.lowfi.compliance.bodies import LADDER
@@ -135,17 +136,6 @@ def conforming(base: Scene, ratio: float) -> Scene:
     """Groove radii at ``ratio`` times the ball radius."""
     radius = ratio * base.balls.radius
     return replace(base, screw=replace(base.screw, groove_radius=radius), nut=replace(base.nut, groove_radius=radius))
-
-
-def with_balls(base: Scene, count: int) -> Scene:
-    """The screw of ``base`` with ``count`` balls at the same spacing; nut and screw grow with them [m]."""
-    step = (base.balls.azimuths[-1] - base.balls.azimuths[0]) / (len(base.balls.azimuths) - 1)
-    azimuths = tuple((i - (count - 1) / 2.0) * step for i in range(count))
-    length = max(base.nut.length, base.track.lead * count * step / (2.0 * math.pi) + 14e-3)
-    total = base.screw.length - base.nut.length + length
-    nut = replace(base.nut, length=length, position=total / 2.0)
-    screw = replace(base.screw, length=total)
-    return replace(base, balls=replace(base.balls, azimuths=azimuths), nut=nut, screw=screw)
 
 
 def with_lead(base: Scene, lead: float) -> Scene:

@@ -18,7 +18,7 @@ from rollbench.meshes.arrays import Array
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from rollbench.comparison.wings.friction.kinds.common import KindScene
+    from rollbench.comparison.scenes.kinds import KindScene
 
 #: Dissipation over that of full sliding below which it is an artefact of regularisation and round-off.
 NOTHING = 1e-6

@@ -9,10 +9,10 @@ import numpy as np
 
 from rollbench.comparison.commands.printing import cell
 from rollbench.comparison.quantities import number
+from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.wings.friction.answer import NOTHING, FrictionAnswer, by_side, energy, energy_line, head, load_row
 from rollbench.comparison.wings.friction.kinds.bearing_ball import BearingBallScene
 from rollbench.comparison.wings.friction.kinds.bearing_pair import BearingPairScene
-from rollbench.comparison.wings.friction.kinds.common import KindScene
 from rollbench.comparison.wings.friction.screw_kinds import screw_warnings, sliding
 from rollbench.lowfi.friction.bearing.module_load import ModuleLoad
 from rollbench.lowfi.friction.bearing.pairs import BearingCase, BearingState, free_motion, solve_bearing

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.wings.friction.answer import FrictionAnswer
 from rollbench.comparison.wings.friction.bearing_kinds import solve_ball, solve_bearings
-from rollbench.comparison.wings.friction.kinds.common import KindScene
 from rollbench.comparison.wings.friction.linear_kinds import solve_linear
 from rollbench.comparison.wings.friction.screw_kinds import solve_run, solve_screw_pair
 

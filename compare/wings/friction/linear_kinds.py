@@ -9,6 +9,7 @@ import numpy as np
 from rollbench.comparison.commands.printing import Column
 from rollbench.comparison.errors import Refusal
 from rollbench.comparison.quantities import number
+from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.wings.friction.answer import (
     NOTHING,
     FrictionAnswer,
@@ -19,7 +20,6 @@ from rollbench.comparison.wings.friction.answer import (
     increase,
     load_row,
 )
-from rollbench.comparison.wings.friction.kinds.common import KindScene
 from rollbench.comparison.wings.friction.kinds.linear import LinearScene
 from rollbench.lowfi.friction.linear.bearing import CONTACTS, directions
 from rollbench.lowfi.friction.linear.chain import ANOTHER, ChainResult, prepare, second_state, solve_linear_chain

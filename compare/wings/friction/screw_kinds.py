@@ -9,6 +9,7 @@ import numpy as np
 
 from rollbench.comparison.commands.printing import Column, cell
 from rollbench.comparison.quantities import number
+from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.wings.friction.answer import (
     NOTHING,
     FrictionAnswer,
@@ -19,7 +20,6 @@ from rollbench.comparison.wings.friction.answer import (
     increase,
     load_row,
 )
-from rollbench.comparison.wings.friction.kinds.common import KindScene
 from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewPairScene, ScrewRunScene
 from rollbench.comparison.wings.friction.run import judged, run_data, run_lines
 from rollbench.lowfi.friction.screw.groove import ScrewGroove

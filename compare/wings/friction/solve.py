@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import sys
+from typing import Any
 
 from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.errors import InputError, one_line
 from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.watch import checked, watched
 from rollbench.comparison.wings.friction.answer import FrictionAnswer, as_table
 from rollbench.comparison.wings.friction.whole import COMPILING, Choices, coefficients, solve_scene
@@ -46,3 +48,19 @@ def solve_friction(name: str, choices: Choices) -> FrictionAnswer:
     from rollbench.comparison.wings.friction.kind_solvers import solve_kind
 
     return solve_kind(scene)
+
+
+def library(scene: Scene | Assembly | KindScene, mu: tuple[float, ...], model: str) -> dict[str, Any]:
+    """JSON-ready answer on a scene; mu: coefficients in place of the scene's. Raises InputError."""
+    choices = Choices(model, mu)
+    if isinstance(scene, Scene):
+        return solve_scene(scene, choices).data
+    if isinstance(scene, Assembly):
+        from rollbench.comparison.wings.friction.axis import solve_axis
+
+        return solve_axis(scene, choices).data
+    from rollbench.comparison.wings.friction.kind_solvers import solve_kind
+
+    if choices != Choices():
+        raise InputError("friction", "mu, model", "given", f"none for a {scene.kind}", "the scene holds its own")
+    return solve_kind(scene).data

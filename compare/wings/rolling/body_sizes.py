@@ -6,10 +6,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
+from rollbench.comparison.reference.body_names import FINITE
 from rollbench.comparison.scenes.catalogue import shipped
-from rollbench.comparison.wings.friction.kinds.common import KindScene
+from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.wings.rolling.cases import case_of
-from rollbench.comparison.wings.rolling.names import FINITE
 from rollbench.comparison.wings.rolling.runs import BODIES, measures
 from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, solve_rolling
 from rollbench.hifi.rolling.bodies import Sizes

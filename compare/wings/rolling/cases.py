@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from rollbench.comparison.errors import Refusal
+from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.wings.friction.kinds.bearing_ball import BearingBallScene
-from rollbench.comparison.wings.friction.kinds.common import KindScene
 from rollbench.comparison.wings.friction.kinds.linear import LinearScene
 from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewPairScene
 from rollbench.hifi.rolling.balls import Choices, Rolling, without_meetings

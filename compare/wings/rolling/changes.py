@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.comparison.measure import error_percent
+from rollbench.comparison.reference.body_names import FINITE
 from rollbench.comparison.scenes.catalogue import shipped
-from rollbench.comparison.wings.friction.kinds.common import KindScene
+from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.wings.rolling.body_sizes import LINEAR, SCENES, SHAPE, Variant, variants
 from rollbench.comparison.wings.rolling.cases import case_of
 from rollbench.comparison.wings.rolling.from_rest import Series
-from rollbench.comparison.wings.rolling.names import FINITE
 from rollbench.comparison.wings.rolling.rows import stored_rows
 from rollbench.comparison.wings.rolling.runs import LEVELS, load
 from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, Rolling, solve_rolling

@@ -9,12 +9,12 @@ from typing import Any
 from rollbench.comparison.commands.printing import Answer, on_terminal
 from rollbench.comparison.commands.wrapping import aligned
 from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.reference.body_names import HALF_SPACE
 from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.reference.parallel import as_done
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.wings.friction.kinds.common import KindScene
-from rollbench.comparison.wings.rolling.names import HALF_SPACE
+from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.wings.rolling.rows import UNSTATED, RollingRow, load_state, rows, uncertainty
 from rollbench.comparison.wings.rolling.runs import LEVELS, SOURCE_LEVEL, SOURCE_SIZE, RollingRun, compute, load, save
 

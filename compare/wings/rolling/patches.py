@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.comparison.scenes.catalogue import shipped
-from rollbench.comparison.wings.friction.kinds.common import KindScene
+from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.wings.rolling.cases import case_of
 from rollbench.comparison.wings.rolling.runs import LEVELS
 from rollbench.hifi.rolling.balls import Choices, ContactOut, Rolling, hertz_size, solve_rolling

@@ -11,11 +11,11 @@ import numpy as np
 
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.printed.printed_data import entry
+from rollbench.comparison.reference.body_names import HALF_SPACE
 from rollbench.comparison.scenes.catalogue import shipped
-from rollbench.comparison.wings.friction.kinds.common import KindScene
+from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.wings.rolling.kept_sizes import choices_share
 from rollbench.comparison.wings.rolling.low_order import low_order
-from rollbench.comparison.wings.rolling.names import HALF_SPACE
 from rollbench.comparison.wings.rolling.runs import LEVELS, RollingRun, load
 
 #: Factor on the scatter of the grids, as grid convergence indices have it for three grids.

@@ -18,10 +18,10 @@ from time import process_time
 import numpy as np
 
 from rollbench.comparison.errors import Refusal
+from rollbench.comparison.reference.body_names import FINITE, HALF_SPACE
+from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.system import out_of_memory
-from rollbench.comparison.wings.friction.kinds.common import KindScene
 from rollbench.comparison.wings.rolling.cases import Case, case_of
-from rollbench.comparison.wings.rolling.names import FINITE, HALF_SPACE
 from rollbench.comparison.writing import replace_file
 from rollbench.hifi.rolling.balls import (
     NEARLY_RIGID,

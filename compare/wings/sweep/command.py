@@ -116,3 +116,10 @@ def _effects(keys: Sequence[Vary], found: Mapping[str, Any]) -> Any:
 
 def _interval(row: Mapping[str, float], kind: str) -> str:
     return f"{row[kind]:.3f} ({row[f'{kind}_low']:.3f} to {row[f'{kind}_high']:.3f})"
+
+
+def library(
+    scene: str, vary: Sequence[str], samples: int, method: Method, model: str, seed: int, out: Path
+) -> dict[str, Any]:
+    """JSON-ready summary of a sweep, which is written to the folder. Raises InputError."""
+    return solve_sweep(sweep_of(scene, vary, samples, method, seed, model), out, Engine(), on_terminal)

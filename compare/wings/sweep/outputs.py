@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.models.answers import ONE_TURN, unloaded_place
+from rollbench.comparison.models.answers import unloaded_place
 from rollbench.comparison.models.axis_answers import along_axis, axial_load
 from rollbench.comparison.models.loading import preload, scaled, solve_scaled
 from rollbench.comparison.models.registry import Options, run_model
+from rollbench.comparison.registration import offered
 from rollbench.lowfi.rating.life import life
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force
 from rollbench.lowfi.statics.nominal import nominal_contacts
@@ -50,7 +51,9 @@ def outputs(scene: Scene, result: StaticResult, model: str, options: Options) ->
         "largest_approach_um": _approach(result),
         "rigidity_N_per_um": _rigidity(force, moved),
         "preload_N": None if held is None else held.axial,
-        "torque_Nmm": None if scene.friction is None else _torque([(scene, result)], scene.friction, scene.motion, options),
+        "torque_Nmm": None
+        if scene.friction is None
+        else _friction_torque([(scene, result)], scene.friction, scene.motion, options),
         "life_million_revolutions": _life([(scene, load)]),
     }
 
@@ -70,7 +73,9 @@ def axis_outputs(assembly: Assembly, result: AxisResult, engine: str) -> dict[st
         "largest_approach_um": max((_approach(balls) for _, balls in own), default=0.0),
         "rigidity_N_per_um": _rigidity(force, moved - along_axis(assembly, bare)) if bare.converged else None,
         "preload_N": max((abs(float(s.force[2])) for s in bare.sets), default=0.0) if bare.converged else None,
-        "torque_Nmm": None if assembly.friction is None else _torque(own, assembly.friction, assembly.motion, Options()),
+        "torque_Nmm": None
+        if assembly.friction is None
+        else _friction_torque(own, assembly.friction, assembly.motion, Options()),
         "life_million_revolutions": _life([(parts, balls.load) for parts, balls in own]),
     }
 
@@ -111,24 +116,6 @@ def _rigidity(force: float, moved: float) -> float | None:
     return 1e-6 * force / moved if force * moved > 0.0 else None
 
 
-def _torque(
-    sets: list[tuple[Scene, StaticResult]], friction: Friction, motion: Motion | None, options: Options
-) -> float | None:
-    """Friction torque of all sets [N mm]; None where it does not settle, or friction does not take a set."""
-    from rollbench.lowfi.friction.whole.state import friction_state
-
-    total = 0.0
-    for scene, result in sets:
-        try:
-            state = friction_state(scene, result, friction, motion or Motion(ONE_TURN), options.member)
-        except ValueError:
-            return None
-        if not state.balls.converged or state.unsettled:
-            return None
-        total += 1e3 * state.torque.friction
-    return total
-
-
 def _life(sets: list[tuple[Scene, Array]]) -> float | None:
     """Shortest life of the sets [10^6 revolutions]; None without load, or where no rating takes them."""
     try:
@@ -136,3 +123,10 @@ def _life(sets: list[tuple[Scene, Array]]) -> float | None:
     except ValueError:
         return None
     return min((one.revolutions for one in found if one is not None), default=None)
+
+
+def _friction_torque(
+    sets: list[tuple[Scene, StaticResult]], friction: Friction, motion: Motion | None, options: Options
+) -> float | None:
+    """Friction torque of all sets [N mm]; None where it does not settle, or friction does not take a set."""
+    return next((torque(sets, friction, motion, options) for torque in offered("torque")), None)

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from rollbench.comparison.cli import main
-from rollbench.comparison.scenes.keys import FRICTION_ONLY
+from rollbench.comparison.commands.arguments import commands
+from rollbench.comparison.wings.friction.registration import KINDS as FRICTION_ONLY
 
 HEAVY = ("gmsh", "pyvista", "vtk", "vtkmodules", "skfem", "meshio", "matplotlib", "numba")
 
@@ -187,7 +188,6 @@ def test_report_of_one_section(capsys: pytest.CaptureFixture[str], tmp_path: Pat
 
 
 def test_help_begins_with_what_one_starts_with(capsys: pytest.CaptureFixture[str]) -> None:
-    from rollbench.comparison.commands.arguments import app
     from rollbench.comparison.commands.arguments.order import ORDER
 
     _, out, _ = run(capsys, "--help")
@@ -196,7 +196,7 @@ def test_help_begins_with_what_one_starts_with(capsys: pytest.CaptureFixture[str
     assert "rollbench new my.toml --like 40x10" in out
     assert out.index("new ") < out.index("solve ") < out.index("mesh-study ") < out.index("audit ")
     listed = {name for names in ORDER.values() for name in names}
-    assert listed <= {*app}
+    assert listed <= {*commands()}
     _, out, _ = run(capsys, "compare", "--help")
     assert "refined, the default" in " ".join(out.split())
 

@@ -8,8 +8,9 @@ import pytest
 
 from rollbench.comparison.commands.reporting import halves as report_halves
 from rollbench.comparison.commands.reporting.halves import Made, build, make, split
-from rollbench.comparison.commands.reporting.parts import PARTS, Part
+from rollbench.comparison.commands.reporting.parts import PARTS
 from rollbench.comparison.models.study import Study
+from rollbench.comparison.registration import Part
 
 ASIDE, OWN = Part("crosscheck", "wings.crosscheck.section", beside=True), Part("tolerances", "wings.sweep.section")
 

@@ -4,11 +4,11 @@ import json
 
 import pytest
 
-from rollbench.comparison.cli import app
+from rollbench.comparison.commands.arguments import commands
+from rollbench.comparison.commands.comparing import kinds as rolling_choices
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.wings.rolling import choices as rolling_choices
 from rollbench.comparison.wings.rolling import commands as rolling
 from rollbench.comparison.wings.rolling import runs
 from rollbench.comparison.wings.rolling.rows import RollingRow, uncertainty, within
@@ -24,7 +24,7 @@ def _coarse(monkeypatch, tmp_path):
 
 
 def call(capsys, *tokens):
-    code = app([*tokens, "--json"], exit_on_error=False, print_error=False, result_action="return_value")
+    code = commands()([*tokens, "--json"], exit_on_error=False, print_error=False, result_action="return_value")
     return code, json.loads(capsys.readouterr().out)
 
 
@@ -83,12 +83,14 @@ def test_a_grid_is_stored_as_soon_as_it_is_done(tmp_path, monkeypatch):
 )
 def test_options_that_rolling_balls_do_not_have_are_refused(options, word, tmp_path):
     with pytest.raises(InputError, match=word):
-        app(["compare", "lin-pair-a", *options, "--store", str(tmp_path)], exit_on_error=False, print_error=False)
+        commands()(["compare", "lin-pair-a", *options, "--store", str(tmp_path)], exit_on_error=False, print_error=False)
 
 
 def test_the_spread_of_whole_screws_is_refused(tmp_path):
     with pytest.raises(InputError, match="--spread"):
-        app(["mesh-study", "lin-pair-a", "--spread", "--store", str(tmp_path)], exit_on_error=False, print_error=False)
+        commands()(
+            ["mesh-study", "lin-pair-a", "--spread", "--store", str(tmp_path)], exit_on_error=False, print_error=False
+        )
 
 
 def test_the_key_follows_all_that_a_run_depends_on(monkeypatch):
@@ -101,12 +103,12 @@ def test_the_key_follows_all_that_a_run_depends_on(monkeypatch):
 @pytest.mark.parametrize(("name", "word"), [("lin-chain-10", "10 balls"), ("lin-screw-run", "screw run")])
 def test_scenes_beyond_the_model_are_refused_with_the_reason(name, word, tmp_path):
     with pytest.raises(Refusal, match=word):
-        app(["compare", name, "--store", str(tmp_path)], exit_on_error=False, print_error=False)
+        commands()(["compare", name, "--store", str(tmp_path)], exit_on_error=False, print_error=False)
 
 
 def test_whole_screws_and_rolling_balls_are_not_mixed():
     with pytest.raises(InputError, match="name them apart"):
-        rolling_choices.all_rolling(["lin-case1", "lin-pair-a"])
+        rolling_choices.all_of_friction(["lin-case1", "lin-pair-a"])
 
 
 def row(low, reference, bar):
@@ -151,6 +153,6 @@ def test_a_process_that_ends_for_want_of_memory_is_bad_input(monkeypatch):
 
 def test_unknown_bodies_and_a_choice_of_them_under_a_whole_screw_are_refused():
     with pytest.raises(InputError, match="--bodies"):
-        app(["compare", "lin-pair-a", "--bodies", "rubber"], exit_on_error=False, print_error=False)
+        commands()(["compare", "lin-pair-a", "--bodies", "rubber"], exit_on_error=False, print_error=False)
     with pytest.raises(InputError, match="finite bodies"):
-        app(["compare", "lin-case1", "--bodies", "finite"], exit_on_error=False, print_error=False)
+        commands()(["compare", "lin-case1", "--bodies", "finite"], exit_on_error=False, print_error=False)

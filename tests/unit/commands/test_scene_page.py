@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from rollbench.comparison.commands.arguments import app
+from rollbench.comparison.commands.arguments import commands
 from rollbench.comparison.commands.reporting import scene_page, verify
 from rollbench.comparison.errors import InputError
 from rollbench.reports.scene_page import read_page, render, sha256, without_manifest
@@ -81,10 +81,10 @@ def test_a_scene_text_cannot_end_its_block(page) -> None:
 
 def test_verify_by_the_command_line(html: str, tmp_path, capsys) -> None:
     (tmp_path / "index.html").write_text(html, encoding="utf-8")
-    assert app(["verify", str(tmp_path)], result_action="return_value") == 0
+    assert commands()(["verify", str(tmp_path)], result_action="return_value") == 0
     assert "hashes hold: the same inputs and code" in capsys.readouterr().out
     (tmp_path / "index.html").write_text(html.replace("carries", "bears", 1), encoding="utf-8")
-    assert app(["verify", str(tmp_path / "index.html")], result_action="return_value") == 1
+    assert commands()(["verify", str(tmp_path / "index.html")], result_action="return_value") == 1
     assert "changed  page" in capsys.readouterr().out
 
 
@@ -128,9 +128,9 @@ def test_the_same_page_made_again_has_not_moved(html: str, tmp_path, monkeypatch
 @pytest.mark.parametrize("options", [["--quick"], ["--stored"], ["--only", "hertz"]])
 def test_options_of_the_whole_report_are_refused_with_a_scene(options: list[str]) -> None:
     with pytest.raises(InputError, match="without a scene"):
-        app(["report", SCENE, *options], result_action="return_value")
+        commands()(["report", SCENE, *options], result_action="return_value")
 
 
 def test_without_a_scene_a_report_is_set_against_a_report(tmp_path) -> None:
     with pytest.raises(InputError, match="the folder of a report"):
-        app(["report", "--against", str(tmp_path)], result_action="return_value")
+        commands()(["report", "--against", str(tmp_path)], result_action="return_value")

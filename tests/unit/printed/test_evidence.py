@@ -4,7 +4,7 @@ import pytest
 
 from rollbench.comparison.evidence.audit import judge
 from rollbench.comparison.evidence.record import Evidence, Sheet
-from rollbench.comparison.evidence.registry import BY_TABLE, evidence
+from rollbench.comparison.evidence.registry import by_table, evidence
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import entry, load_table
 from rollbench.comparison.sections.finding_table import FAULTS, printed_table
@@ -69,4 +69,4 @@ def test_no_screws_are_drawn_unless_asked_for():
 def test_every_computation_fills_its_own_table_only():
     study = Study(members=0)
     for name in ("lin-B1", "lin-3.1", "lin-G", "lin-4.2"):
-        assert [e.printed for e in BY_TABLE[name].compute(study)] == list(load_table(name))
+        assert [e.printed for e in by_table()[name].compute(study)] == list(load_table(name))

@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.gate import gate
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.sources.kalker import section as rolling
 from rollbench.comparison.sources.kalker.proof import AS_RUNS, BY_GRID, RESOLVED, Proof
 from rollbench.comparison.wings.rolling import changes as rolling_changes
 from rollbench.comparison.wings.rolling import from_rest as rolling_from_rest
+from rollbench.comparison.wings.rolling import gate as gate_rows
 from rollbench.comparison.wings.rolling import rows as rolling_rows
 from rollbench.comparison.wings.rolling.body_sizes import NAMES, SCENES, Variant, variants
 from rollbench.comparison.wings.rolling.changes import Change, changes
@@ -100,17 +100,17 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
 
 @pytest.mark.usefixtures("_low")
 def test_gate_takes_the_rows_in_and_fails_where_the_low_order_model_is_off(monkeypatch):
-    rows = gate.rolling_rows(Study(), 7.0)
+    rows = gate_rows.rolling_rows(Study(), 7.0)
     assert len(rows) == len(LOW)
     assert [row.name for row in rows if not row.passed] == []
     monkeypatch.setitem(LOW, "lin-screw-pair-a", 1.05)
-    assert sum(not row.passed for row in gate.rolling_rows(Study(), 7.0)) == 1
+    assert sum(not row.passed for row in gate_rows.rolling_rows(Study(), 7.0)) == 1
 
 
 @pytest.mark.usefixtures("_low")
 def test_a_known_exceedance_that_is_none_fails(monkeypatch):
     monkeypatch.setitem(KNOWN, ("lin-rotary-2", "torque"), "made up")
-    assert any("made up" in row.name and not row.passed for row in gate.rolling_rows(Study(), 7.0))
+    assert any("made up" in row.name and not row.passed for row in gate_rows.rolling_rows(Study(), 7.0))
 
 
 @pytest.mark.parametrize("name", SCENES)

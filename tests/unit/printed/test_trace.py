@@ -8,13 +8,15 @@ from pathlib import Path
 
 import pytest
 
-from rollbench.comparison.cli import app
+from rollbench.comparison.commands.arguments import commands
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.evidence.registry import BY_TABLE, COMPUTATIONS, NOT_COMPUTED, evidence, traces
+from rollbench.comparison.evidence.registry import by_table, evidence, not_computed, traces
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import load_table, tables
 from rollbench.comparison.scenes import catalogue
 
+BY_TABLE, NOT_COMPUTED = by_table(), not_computed()
+COMPUTATIONS = tuple(BY_TABLE.values())
 ROOT = Path(__file__).parents[3]
 TRACES = list(traces())
 
@@ -80,26 +82,26 @@ def test_evidence_of_a_table_is_in_its_order_and_computed_once():
 
 
 def test_command(capsys):
-    app(["list", "--trace", "--json"], result_action="return_value")
+    commands()(["list", "--trace", "--json"], result_action="return_value")
     rows = json.loads(capsys.readouterr().out)
     assert len(rows) == len(TRACES)
     (row,) = (r for r in rows if (r["table"], r["key"]) == ("lin-3.2", "F_IR_II"))
     assert row["computation"] == "rollbench.comparison.sources.lin.evidence.rotary_linear:table_3_2"
     assert row["scenes"] == ["lin-rotary-2-printed", "lin-rotary-2"]
     assert row["test"] == "tests/literature/test_lin_chapter3_rotary.py::test_entry[lin-3.2:F_IR_II]"
-    app(["list", "--trace"], result_action="return_value")
+    commands()(["list", "--trace"], result_action="return_value")
     assert "F_IR_II" in capsys.readouterr().out
 
 
 def test_one_table_in_a_pipe_breaks_no_name(capsys):
-    app(["list", "--trace", "--table", "smith-5", "--json"], result_action="return_value")
+    commands()(["list", "--trace", "--table", "smith-5", "--json"], result_action="return_value")
     rows = json.loads(capsys.readouterr().out)
     assert [(r["table"], r["key"]) for r in rows] == [("smith-5", row.key) for row in load_table("smith-5")]
     assert {r["key"]: r["no_scene"] for r in rows}["accuracy_ball"] == "measured by the source: shown, not computed"
-    app(["list", "--table", "smith-5"], result_action="return_value")
+    commands()(["list", "--table", "smith-5"], result_action="return_value")
     out = capsys.readouterr().out
     for row in rows:
         assert {row["key"], row["computation"], row["test"].removeprefix("tests/literature/")} <= set(out.split())
         assert row["no_scene"] in out
     with pytest.raises(InputError, match='"smith-7"'):
-        app(["list", "--table", "smith-7"], result_action="return_value")
+        commands()(["list", "--table", "smith-7"], result_action="return_value")

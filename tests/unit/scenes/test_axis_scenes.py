@@ -13,9 +13,9 @@ from rollbench.comparison.errors import InputError, SceneError
 from rollbench.comparison.models.registry import AXIS_MODELS, MODELS, Model, run_model
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.scenes.catalogue import scene_text
+from rollbench.comparison.scenes.kinds import json_schema
 from rollbench.comparison.scenes.template import AXES, template
 from rollbench.comparison.scenes.units import show
-from rollbench.comparison.wings.friction.kinds.table import json_schema
 from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.parts import Scene
 

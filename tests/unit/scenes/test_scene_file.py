@@ -12,11 +12,11 @@ from tests.shipped_texts import axis_names
 from rollbench.comparison.errors import InputError, SceneError
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.scenes.catalogue import scene_text
-from rollbench.comparison.scenes.keys import FRICTION_ONLY
 from rollbench.comparison.scenes.schema import SceneKeys
 from rollbench.comparison.scenes.template import template
 from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewRunScene
 from rollbench.comparison.wings.friction.kinds.table import KINDS
+from rollbench.comparison.wings.friction.registration import KINDS as FRICTION_ONLY
 from rollbench.meshes.parts import SIDES
 
 NAMES = catalogue.whole_names()

@@ -9,10 +9,12 @@ import pytest
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.scenes.keys import AXIS, FRICTION_ONLY, WHOLE, tidy_schema
+from rollbench.comparison.scenes.keys import AXIS, WHOLE, tidy_schema
+from rollbench.comparison.scenes.kinds import json_schema
 from rollbench.comparison.scenes.schema import SceneKeys
 from rollbench.comparison.scenes.template import template
-from rollbench.comparison.wings.friction.kinds.table import KINDS, json_schema
+from rollbench.comparison.wings.friction.kinds.table import KINDS
+from rollbench.comparison.wings.friction.registration import KINDS as FRICTION_ONLY
 
 #: Keys that exclude another key, or that another choice needs.
 EITHER_OR = {"groove_radius", "conformity", "azimuths", "creep", "sharpness", "map_step", "starts", "pitch_diameter"}

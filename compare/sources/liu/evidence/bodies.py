@@ -7,6 +7,7 @@ the bodies' elasticity beyond a beam's.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -116,3 +117,10 @@ def axial_loads(scene: Scene) -> Array:
     errors = 2.0 * (specimen(scene, ball_layout(scene)).ball_radius - scene.balls.radius)
     load = solve_chain(same_screw(scene), errors, scene.loads[0].force[2]).load
     return np.stack([load, np.zeros(load.size), np.zeros(load.size), load], axis=1)
+
+
+def references(fresh: bool) -> Iterator[tuple[tuple[str, ...], tuple[int, ...]]]:
+    """Scenes and levels of the 3D reference that a report computes afresh; they are not shipped, because they take longer
+    than the rest of a first report."""
+    if fresh:
+        yield SOLID, SOLID_LEVELS

@@ -8,15 +8,13 @@ from typing import Annotated, ClassVar, Literal
 
 from rollbench.comparison.scenes.fault import Fault
 from rollbench.comparison.scenes.keys import BallSizeKeys, CoulombKeys, PathKeys, SpeedKeys, Table
+from rollbench.comparison.scenes.kinds import KindKeys, KindScene, head_of
 from rollbench.comparison.scenes.quantity import Quantity, Rate, key
 from rollbench.comparison.wings.friction.kinds.common import (
     Body,
-    KindKeys,
-    KindScene,
     SectionKeys,
     body_faults,
     elastic,
-    head_of,
     material_faults,
     play_faults,
 )

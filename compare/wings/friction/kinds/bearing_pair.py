@@ -12,17 +12,15 @@ from pydantic import Field
 
 from rollbench.comparison.scenes.fault import Fault
 from rollbench.comparison.scenes.keys import BallSizeKeys, CoulombKeys, GrooveKeys, PathKeys, Size, SpeedKeys, Table
+from rollbench.comparison.scenes.kinds import KindKeys, KindScene, head_of
 from rollbench.comparison.scenes.quantity import Quantity, key
 from rollbench.comparison.wings.friction.kinds.common import (
     Body,
     HertzKeys,
-    KindKeys,
-    KindScene,
     Pressing,
     SharedErrorKeys,
     body_faults,
     elastic,
-    head_of,
     material_faults,
 )
 from rollbench.comparison.wings.friction.kinds.screw_balls import hertz_faults

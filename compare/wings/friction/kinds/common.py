@@ -4,23 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Literal
 
-from rollbench.comparison.errors import escaped
 from rollbench.comparison.scenes.fault import Fault, mm
 from rollbench.comparison.scenes.key_checks import groove_choice_faults
 from rollbench.comparison.scenes.keys import (
-    MATERIAL,
     BallSizeKeys,
     Coefficient,
     CoulombKeys,
     GrooveKeys,
-    HeadKeys,
     MaterialKeys,
     OversizeKeys,
     PathKeys,
     Table,
 )
+from rollbench.comparison.scenes.kinds import KindKeys
 from rollbench.comparison.scenes.quantity import Quantity, key
 from rollbench.lowfi.friction.bearing.rotary import Mode
 
@@ -55,13 +53,6 @@ class RubbingKeys(CoulombKeys):
     balls: Coefficient | None = key("coefficient from ball to ball, where it is not that of the grooves", None)
 
 
-class KindKeys(HeadKeys):
-    """What every kind has."""
-
-    kind: str = key("what the scene describes")
-    material: MaterialKeys = key("material of all parts", example=MATERIAL)
-
-
 class SectionKeys(KindKeys):
     """A ring or a screw: one groove section on both parts, one size of balls."""
 
@@ -69,25 +60,6 @@ class SectionKeys(KindKeys):
     nut: GrooveKeys = key("groove of the nut, or of the outer ring; the same section", example={"conformity": 0.54})
     errors: SharedErrorKeys = key("geometric errors", SharedErrorKeys(), {"balls": {"oversize": "1.7 um"}})
     ingredients: HertzKeys = key("parts of the low-order model", HertzKeys(), {"hertz": "nominal"})
-
-
-@dataclass(frozen=True)
-class KindScene:
-    """What the scene of every kind has. ``assumed``: statements about what the source leaves open."""
-
-    kind: ClassVar[str]
-    name: str
-    title: str
-    source: str
-    assumed: tuple[str, ...]
-
-
-Head = tuple[str, str, str, tuple[str, ...]]
-
-
-def head_of(keys: KindKeys, name: str) -> Head:
-    """The first fields of a record: name, title, source, assumptions."""
-    return name, escaped(keys.title), escaped(keys.source), tuple(map(escaped, keys.assumed))
 
 
 def material_faults(material: MaterialKeys) -> Iterator[Fault]:

@@ -12,18 +12,16 @@ from pydantic import Field
 
 from rollbench.comparison.scenes.fault import Fault
 from rollbench.comparison.scenes.keys import BallSizeKeys, ContactAngle, GrooveKeys, Table
+from rollbench.comparison.scenes.kinds import KindKeys, KindScene, head_of
 from rollbench.comparison.scenes.quantity import Quantity, Rate, key
 from rollbench.comparison.wings.friction.kinds.common import (
     Gap,
-    KindKeys,
-    KindScene,
     Pressing,
     RubbingKeys,
     Theta,
     elastic,
     groove_faults,
     groove_radius,
-    head_of,
     material_faults,
 )
 from rollbench.lowfi.friction.linear.bearing import LinearBearing, deviations

@@ -13,20 +13,18 @@ from pydantic import Field
 from rollbench.comparison.scenes.fault import Fault, mm
 from rollbench.comparison.scenes.key_checks import time_faults
 from rollbench.comparison.scenes.keys import Azimuth, BallSizeKeys, HelixKeys, MotionKeys, Table, Turns
+from rollbench.comparison.scenes.kinds import KindKeys, KindScene, head_of
 from rollbench.comparison.scenes.quantity import Quantity, key
 from rollbench.comparison.scenes.schema import TimeKeys
 from rollbench.comparison.wings.friction.kinds.common import (
     AxialLoad,
     Body,
     Gap,
-    KindKeys,
-    KindScene,
     RubbingKeys,
     SectionKeys,
     Theta,
     body_faults,
     elastic,
-    head_of,
     material_faults,
 )
 from rollbench.lowfi.friction.screw.groove import ScrewGroove

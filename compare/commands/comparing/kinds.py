@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from rollbench.comparison.errors import InputError
+from rollbench.comparison.reference.body_names import FINITE, HALF_SPACE
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.wings.friction.kinds.common import KindScene
-from rollbench.comparison.wings.rolling.names import FINITE, HALF_SPACE
+from rollbench.comparison.scenes.kinds import KindScene
 
 
-def all_rolling(names: Sequence[str]) -> bool:
+def all_of_friction(names: Sequence[str]) -> bool:
     """Whether all scenes are of kinds that only friction solves. Raises InputError where some are and some are not."""
     kinds = [isinstance(catalogue.any_scene(name), KindScene) for name in names]
     if any(kinds) and not all(kinds):

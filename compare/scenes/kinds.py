@@ -1,0 +1,73 @@
+"""Kinds of scenes that wings add: what they share, each one's record, and the one JSON Schema of a scene file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, Union
+
+from pydantic import Discriminator, Tag, TypeAdapter
+
+from rollbench.comparison.errors import escaped
+from rollbench.comparison.registration import kinds, load
+from rollbench.comparison.scenes.axis_schema import AxisKeys
+from rollbench.comparison.scenes.fault import Fault
+from rollbench.comparison.scenes.keys import AXIS, MATERIAL, HeadKeys, MaterialKeys, without_null
+from rollbench.comparison.scenes.quantity import key
+from rollbench.comparison.scenes.schema import SceneKeys
+
+
+class KindKeys(HeadKeys):
+    """What every kind has."""
+
+    kind: str = key("what the scene describes")
+    material: MaterialKeys = key("material of all parts", example=MATERIAL)
+
+
+@dataclass(frozen=True)
+class KindScene:
+    """What the scene of every kind has. ``assumed``: statements about what the source leaves open."""
+
+    kind: ClassVar[str]
+    name: str
+    title: str
+    source: str
+    assumed: tuple[str, ...]
+
+
+Head = tuple[str, str, str, tuple[str, ...]]
+
+
+def head_of(keys: KindKeys, name: str) -> Head:
+    """The first fields of a record: name, title, source, assumptions."""
+    return name, escaped(keys.title), escaped(keys.source), tuple(map(escaped, keys.assumed))
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of scene: its keys, what they may not describe, the record of faultless ones."""
+
+    keys: type[KindKeys]
+    faults: Callable[[Any], Iterator[Fault]]
+    record: Callable[[Any, str], KindScene]
+
+
+def kind_named(name: str) -> Kind:
+    """The kind of that name, one of `registration.kinds`."""
+    found: Kind = load(kinds()[name])[name]
+    return found
+
+
+def _tag(value: Any) -> str:
+    found = value.get("kind") if isinstance(value, dict) else getattr(value, "kind", None)
+    if found == AXIS or (isinstance(value, dict) and "sets" in value):
+        return AXIS
+    return str(found) if found in kinds() else "whole"
+
+
+def json_schema() -> dict[str, Any]:
+    """JSON Schema (draft 2020-12) of a scene file of any kind, with description, unit, range and example of every key."""
+    tables = {"whole": SceneKeys} | {name: kind_named(name).keys for name in kinds()} | {AXIS: AxisKeys}
+    every: Any = Annotated[Union[tuple(Annotated[of, Tag(name)] for name, of in tables.items())], Discriminator(_tag)]  # noqa: UP007
+    found: dict[str, Any] = without_null(TypeAdapter[Any](every).json_schema())
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "rollbench scene"} | found

@@ -1,0 +1,8 @@
+"""What other programs, makers and textbooks add."""
+
+from rollbench.comparison.registration import Part, Registration
+
+REGISTRATION = Registration(
+    parts=(Part("external", "sources.external.section", runs=True, needs=("bearings", "friction", "rolling")),),
+    functions={"computations": "sources.external.computations:COMPUTATIONS", "gate": "sources.external.gate:external_rows"},
+)

@@ -1,0 +1,17 @@
+"""What Kalker's table adds."""
+
+from rollbench.comparison.registration import Part, Registration
+
+REGISTRATION = Registration(
+    needs=("rolling",),
+    parts=(
+        Part(
+            "rolling",
+            "sources.kalker.section",
+            meshed="no motion against the static reference, sizes of bodies",
+            beside=True,
+            needs=("bearings",),
+        ),
+    ),
+    functions={"computations": "sources.kalker.computations:COMPUTATIONS"},
+)

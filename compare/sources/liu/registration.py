@@ -1,0 +1,14 @@
+"""What Liu et al. (2025) add."""
+
+from rollbench.comparison.registration import Part, Registration
+
+REGISTRATION = Registration(
+    needs=("random_errors",),
+    parts=(Part("liu", "sources.liu.section"),),
+    functions={
+        "computations": "sources.liu.computations:COMPUTATIONS",
+        "bench": "sources.liu.bench:jobs",
+        "timing jobs": "sources.liu.bench:jobs",
+        "references": "sources.liu.evidence.bodies:references",
+    },
+)

@@ -1,0 +1,9 @@
+"""What Smith (1994) adds."""
+
+from rollbench.comparison.registration import Part, Registration
+
+REGISTRATION = Registration(
+    needs=("bearings",),
+    parts=(Part("smith", "sources.smith.section"),),
+    functions={"computations": "sources.smith.computations:COMPUTATIONS"},
+)

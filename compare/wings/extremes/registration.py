@@ -1,0 +1,9 @@
+"""What the wing of extreme scenes adds."""
+
+from rollbench.comparison.registration import Part, Registration
+
+REGISTRATION = Registration(
+    needs=("sweep",),
+    commands={"stability": "wings.extremes.arguments"},
+    parts=(Part("stability", "wings.extremes.section", long=True),),
+)

@@ -1,0 +1,65 @@
+"""What the core and other wings ask of friction: a state beside static answers, its sums, a torque, faults of circuits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from rollbench.comparison.models.registry import Options
+from rollbench.comparison.scenes.fault import TOLERANCE, Fault, mm
+from rollbench.lowfi.friction.whole.circuit import ONE_TURN, CircuitError, circuits, travel
+from rollbench.lowfi.friction.whole.state import FrictionState, friction_state, will_compile
+from rollbench.lowfi.jit import cached
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.parts import Friction, Motion, Scene
+
+
+def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tuple[FrictionState | None, str]:
+    """Friction of a scene that gives a coefficient, where no kernel has to be compiled for it; else what to do."""
+    assert scene.friction is not None
+    if will_compile(scene, scene.friction) and not cached():
+        return None, "kernels are not compiled yet; rollbench friction SCENE does it, once"
+    try:
+        state = friction_state(scene, result, scene.friction, scene.motion or ONE_TURN, options.member)
+    except ValueError as error:
+        return None, str(error)
+    return state, ""
+
+
+def sums_json(state: FrictionState) -> dict[str, Any]:
+    """Sums of a state as JSON-ready values."""
+    from rollbench.comparison.wings.friction.output import sums
+
+    return sums(state, None)
+
+
+def torque(
+    sets: list[tuple[Scene, StaticResult]], friction: Friction, motion: Motion | None, options: Options
+) -> float | None:
+    """Friction torque of all sets [N mm]; None where it does not settle, or friction does not take a set."""
+    total = 0.0
+    for scene, result in sets:
+        try:
+            state = friction_state(scene, result, friction, motion or ONE_TURN, options.member)
+        except ValueError:
+            return None
+        if not state.balls.converged or state.unsettled:
+            return None
+        total += 1e3 * state.torque.friction
+    return total
+
+
+def circuit_faults(scene: Scene) -> Iterator[Fault]:
+    """Circuits that cannot be built, and runs that leave the screw."""
+    try:
+        circuits(scene)
+    except CircuitError as error:
+        yield Fault(
+            (f"circulation.{error.key}", "circulation", "balls.count", "balls.azimuths"), error.allowed, error.advice
+        )
+    ends = travel(scene) + scene.nut.position
+    half, length = 0.5 * scene.nut.length, scene.screw.length
+    if ends.min() < half - TOLERANCE or ends.max() > length - half + TOLERANCE:
+        allowed = f"the nut on the screw, its centre from {mm(half)} to {mm(length - half)}"
+        advice = f"it would run from {mm(float(ends[0]))} to {mm(float(ends[1]))}: shorten the run or lengthen the screw"
+        yield Fault(("time.angle", "time.duration"), allowed, advice)

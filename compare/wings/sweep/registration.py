@@ -1,0 +1,9 @@
+"""What the wing of sweeps adds."""
+
+from rollbench.comparison.registration import Part, Registration
+
+REGISTRATION = Registration(
+    commands={"sweep": "wings.sweep.arguments"},
+    parts=(Part("tolerances", "wings.sweep.section"),),
+    functions={"sweep": "wings.sweep.command:library"},
+)

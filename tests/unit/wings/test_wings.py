@@ -1,0 +1,105 @@
+"""Wings have one door each: what they register exists, a command loads no other's code, and the core stands without any."""
+
+import os
+import random
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from rollbench.comparison.evidence.registry import computations
+from rollbench.comparison.registration import HOOKS, load, registered
+
+ROOT = Path(__file__).parents[3]
+WINGS = sorted(path.parent.name for path in ROOT.glob("compare/wings/*/registration.py"))
+#: Commands that go with a wing, and those of wings that need it.
+COMMANDS = {"bench": {"bench"}, "crosscheck": {"crosscheck"}, "extremes": {"stability"}, "friction": {"friction"}}
+COMMANDS |= {"sweep": {"sweep", "stability"}, "bearings": set(), "random_errors": set(), "rolling": set()}
+#: Commands of the core that are run without a wing, and their exit codes.
+CORE = (("list",), ("solve", "two-balls"), ("check", "lin-case1", "--no-compute"), ("list", "--trace"), ("schema",))
+
+
+def rollbench(tree, *tokens, cwd):
+    environment = os.environ | {"PYTHONPATH": str(tree / ".import")}
+    command = [sys.executable, "-m", "rollbench", *tokens]
+    return subprocess.run(command, capture_output=True, text=True, env=environment, timeout=250, cwd=cwd)
+
+
+@pytest.mark.parametrize("name", registered())
+def test_what_is_registered_exists(name):
+    one = registered()[name]
+    assert one.functions.keys() <= HOOKS.keys()
+    for function in one.functions.values():
+        assert load(function) is not None
+    for kind, where in one.kinds.items():
+        assert kind in load(where)
+    for part in one.parts:
+        assert callable(load(f"{part.module}:section"))
+
+
+def test_every_computation_says_which_wings_it_needs():
+    for one in computations():
+        assert set(one.needs) <= set(WINGS)
+        assert not one.computed_by or callable(one.compute)
+
+
+def test_a_solve_loads_no_wing_whose_answer_it_does_not_print(tmp_path):
+    code = (
+        "import sys\nfrom rollbench.comparison.cli import main\n"
+        "try:\n    main(['solve', 'two-balls'])\nexcept SystemExit:\n"
+        "    print(*(name for name in sys.modules if name.startswith('rollbench')), file=sys.stderr)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(ROOT / ".import")},
+    )
+    assert "SL" in done.stdout or "N" in done.stdout
+    doors = {"wings", "sources"}
+    loaded = [name for name in done.stderr.split() if name.startswith("rollbench.")]
+    inside = [n for n in loaded if n.split(".")[2:3] and n.split(".")[2] in doors and len(n.split(".")) > 4]
+    assert not [name for name in inside if not name.endswith(".registration")]
+    physics = ("lowfi.friction", "lowfi.bearings", "lowfi.random_errors", "hifi")
+    assert not [name for name in loaded if name.removeprefix("rollbench.").startswith(physics)]
+
+
+def without(wing, tmp_path):
+    """A copy of the tree without the folders of a wing."""
+    tree = tmp_path / "tree"
+    kept = shutil.ignore_patterns("__pycache__", ".git", "validation", "tests", ".venv")
+    tree.mkdir()
+    for name in (".import", "compare", "hifi", "lowfi", "meshes", "reports"):
+        shutil.copytree(ROOT / name, tree / name, symlinks=True, ignore=None if name == ".import" else kept)
+    for folder in (f"compare/wings/{wing}", *registered()[wing].folders):
+        shutil.rmtree(tree / folder)
+    return tree
+
+
+def stands(wing, tmp_path):
+    tree = without(wing, tmp_path)
+    for tokens in CORE:
+        done = rollbench(tree, *tokens, cwd=tmp_path)
+        assert done.returncode == 0, (wing, tokens, done.stderr)
+    shown = rollbench(tree, "--help", cwd=tmp_path).stdout
+    words = {line.split()[1] for line in shown.splitlines() if line.startswith("│ ") and len(line.split()) > 1}
+    assert "solve" in words
+    assert not words & COMMANDS[wing], wing
+    for command in COMMANDS[wing]:
+        assert rollbench(tree, command, "lin-case1", cwd=tmp_path).returncode == 2
+
+
+def test_the_core_stands_without_a_wing_that_is_drawn(tmp_path):
+    seed = random.SystemRandom().randrange(10**6)
+    wing = random.Random(seed).choice(WINGS)
+    print(f"seed {seed}: without {wing}")
+    stands(wing, tmp_path)
+
+
+@pytest.mark.wings
+@pytest.mark.parametrize("wing", WINGS)
+def test_the_core_stands_without(wing, tmp_path):
+    stands(wing, tmp_path)
