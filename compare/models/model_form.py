@@ -39,7 +39,7 @@ SHARE = 0.91
 #: Errors [%] below which all count alike: those of loads are sizes, the others change their sign from scene to scene.
 LEAST = dict.fromkeys(QUANTITIES[:2], 0.05) | dict.fromkeys(QUANTITIES[2:], 0.1)
 #: Weight of a coefficient of one per unit of a feature against the misfit of one scene.
-RIDGE = 4.0
+RIDGE = 2.0
 #: Fewest compared scenes of a kind from which anything is expected.
 FEWEST = 3
 #: How far beyond the compared range of a feature a scene is still like it, in the feature's units.

@@ -73,6 +73,8 @@ def _run(path: Path, scenes: Sequence[Scene], found: Renamed) -> tuple[Path, str
     """A run of the static reference; its bodies first."""
     data = unsealed(path)
     level, variant, settings, sides, made_by = (data[x] for x in ("level", "variant", "settings", "sides", "versions"))
+    if "sets" in settings:  # several sets on one shaft had no run then
+        return path, ""
     bodies = f"bodies-{{}}-level{level}-{{}}.npz"
     for scene in scenes:
         stem = f"{scene.name}-level{level}-{f'{variant}-' if variant else ''}"

@@ -268,6 +268,7 @@ class FrictionKeys(Table):
     coupling: Literal["none", "ball", "balls"] | None = key(
         'former key: "none" is feedback = false, "ball" feedback = true, "balls" feedback = false and neighbours = true',
         None,
+        "ball",
     )
     assumed: Annotated[list[Sentence], Field(max_length=100)] = key(
         "sentences on where the coefficients come from", [], ["Grease-lubricated steel, assumed."]

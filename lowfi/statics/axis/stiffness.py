@@ -54,13 +54,21 @@ def whole_stiffness(system: System, engine: ModuleType, state: AxisState, hessia
     return inverse(compliance, ~system.structure.fixed[row], system.arm)
 
 
-def inverse(compliance: Array, free: NDArray[np.bool_], arm: float) -> Array:
-    """Stiffness (6, 6) of the free freedoms from a compliance, nan for the others; arm [m]: of one size in both units."""
+def inverse(compliance: Array, free: NDArray[np.bool_], arm: float) -> Array | None:
+    """Stiffness (6, 6) of the free freedoms from a compliance, nan for the others; arm [m]: of one size in both units.
+    None for what is no compliance: contacts that carry nothing leave round-off.
+    """
     which = np.flatnonzero(free)
     out = np.full((6, 6), np.nan)
     if which.size:
         size = np.where(which < 3, 1.0, 1.0 / arm)
-        found = np.linalg.inv(compliance[np.ix_(which, which)] / size[:, None] / size[None, :])
+        scaled = compliance[np.ix_(which, which)] / size[:, None] / size[None, :]
+        if not (np.diag(scaled) > 0.0).all():
+            return None
+        try:
+            found = np.linalg.inv(scaled)
+        except np.linalg.LinAlgError:
+            return None
         found = found / size[:, None] / size[None, :]
         out[np.ix_(which, which)] = 0.5 * (found + found.T)
     return out

@@ -185,13 +185,15 @@ def test_speed_is_stated_where_the_scene_gives_none():
 
 
 def test_shipped_case_and_a_bearing_answer(capsys):
-    assert cli.app(["friction", "lin-case3", "--model", "lin", "--json"], result_action="return_value") == 0
+    assert (
+        cli.commands("friction")(["friction", "lin-case3", "--model", "lin", "--json"], result_action="return_value") == 0
+    )
     data = json.loads(capsys.readouterr().out)
     assert data["torque"]["axial_load_N"] == pytest.approx(5000.0, rel=1e-6)
     assert 80.0 < data["torque"]["efficiency_backward_percent"] < data["torque"]["efficiency_forward_percent"] < 95.0
     assert any("Table 3.6" in line for line in data["assumed"])
     command = ["friction", "bearing-9", "--model", "lin", "--mu", "0.1", "--json"]
-    assert cli.app(command, result_action="return_value") == 0
+    assert cli.commands("friction")(command, result_action="return_value") == 0
     data = json.loads(capsys.readouterr().out)
     assert data["kind"] == "bearing"
     assert data["torque"]["efficiency_forward_percent"] is None

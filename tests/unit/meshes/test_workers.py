@@ -23,7 +23,7 @@ with local():
 #: The same, as the command line runs it.
 COMMAND = f"""
 from rollbench.comparison import cli
-cli.app = lambda *_, **__: exec({PARENT!r}, {{"__name__": "jobs"}})
+cli.commands = lambda _: lambda *_, **__: exec({PARENT!r}, {{"__name__": "jobs"}})
 cli.main([])
 """
 

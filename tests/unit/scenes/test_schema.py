@@ -18,7 +18,7 @@ from rollbench.comparison.wings.friction.registration import KINDS as FRICTION_O
 
 #: Keys that exclude another key, or that another choice needs.
 EITHER_OR = {"groove_radius", "conformity", "azimuths", "creep", "sharpness", "map_step", "starts", "pitch_diameter"}
-EITHER_OR |= {"diameter", "filling", "circuit_gap", "arcs"}
+EITHER_OR |= {"diameter", "filling", "circuit_gap", "arcs", "angle"}
 
 
 def test_template_loads_as_case_1():

@@ -96,4 +96,4 @@ def test_a_warning_keeps_its_kind_in_a_copy_of_another_process() -> None:
     assert above((one, one.of("nut 1"), Warned("tilt", "tilted"))) == (
         "WARNING outside what the models mean: rotations of 60 mrad; nut 1: rotations of 60 mrad"
     )
-    assert above((Warned("tilt", "tilted"), "words")) == ""
+    assert above((Warned("tilt", "tilted"),)) == ""
