@@ -73,3 +73,10 @@ def test_a_user_s_screw_stands_before_the_results_of_the_thesis() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     assert text.index("Lin (2019)") < text.index("## Your own screw") < text.index("## A result")
     assert text.index("(SL, SR)") < text.index("--loads")
+
+
+def test_paths_that_contributing_names_exist() -> None:
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    named = {m for m in re.findall(r"`([\w.-]+(?:/[\w.-]+)+/?)`", text) if not m.startswith(".venv")}
+    assert len(named) > 30
+    assert {m for m in named if not any((ROOT / root / m).exists() for root in ("", "compare", "lowfi"))} == set()
