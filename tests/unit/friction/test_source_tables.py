@@ -52,7 +52,9 @@ def test_ratio_only_for_the_same_answer():
 
 @pytest.fixture(scope="module")
 def rows() -> dict[str, FrictionJob]:
-    made = [r for group in (friction_bench.linear_jobs, friction_bench.pair_jobs) for r in group(2)]
+    made = [
+        r for group in (friction_bench.linear_jobs, friction_bench.pair_jobs) for r in group(3)
+    ]  # medians: one slow timing beside other work does not count
     return {r.name: r for r in made}
 
 
@@ -65,7 +67,7 @@ def test_pairs_and_chains_have_ratios_where_the_source_finds_the_answer(rows):
         "screw pair, plain reading",
     ):
         assert rows[name].ratio is not None, name
-        assert rows[name].ratio > 0.0  # its size is for the bench: other work beside the tests makes one timing slow
+        assert rows[name].ratio > 1.0
         assert "ratio: the source's root finding" in rows[name].note
     assert rows["linear chain, 20 balls"].ratio is None
     assert "overlap" in rows["linear chain, 20 balls"].note

@@ -159,11 +159,11 @@ def test_what_is_expected_grows_where_errors_do_and_ends_where_nothing_was_compa
     scene = catalogue.scene("lin-case1")
     result = run_model(scene, "refined", QUIET)
     near = model_form.estimate(scene, result)
-    short = replace(scene, nut=replace(scene.nut, length=0.0475))
+    short = replace(scene, nut=replace(scene.nut, length=0.045))
     further = model_form.estimate(short, result)
     assert near.percent is not None
     assert further.percent is not None
-    assert further.percent > 1.1 * near.percent, "balls close to the nut's faces, which the model sees: 1.17"
+    assert further.percent > 1.3 * near.percent, "balls close to the nut's faces"
     thick = replace(scene, nut=replace(scene.nut, outer_diameter=0.150))
     far = model_form.estimate(thick, result)
     assert (far.percent, far.rms_percent, far.displacement_percent) == (None, None, None)
