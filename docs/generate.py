@@ -106,9 +106,9 @@ def _cell(text: str) -> str:
 def quantities() -> Iterator[str]:
     """Every quantity of the output: from the one file of definitions."""
     yield (
-        "# Quantities\n\nEvery number that `solve`, `compare`, `check`, `mesh-study` and `friction` print has a path in their"
-        " JSON (`--json`) and in Python: `solution[path]`. The ending of a path is its unit. Axes: z along the screw, azimuth"
-        " from x to y about it; a positive axial force pushes the screw to larger z.\n"
+        "# Quantities\n\nEvery number that `solve`, `compare`, `check`, `mesh-study` and `friction` print has a path in"
+        " their JSON (`--json`) and in Python: `solution[path]`. The ending of a path is its unit. Axes: z along the screw,"
+        " azimuth from x to y about it; a positive axial force pushes the screw to larger z.\n"
     )
     text = resources.files("rollbench.comparison").joinpath("definitions.toml").read_text()
     for table in tomllib.loads(text)["table"]:
