@@ -13,11 +13,13 @@ from rollbench.lowfi.statics.supports import Held, contradiction, show
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import beyond_step, specimen
 from rollbench.meshes.helix import ball_layout, lead_angle
-from rollbench.meshes.parts import SIDES, Scene
+from rollbench.meshes.parts import SIDES, Flange, Nut, Scene
 from rollbench.meshes.section import volume_ratio
 
 #: Random ball errors are refused if this many standard deviations would make a ball as large as its groove.
 SIGMAS = 6.0
+#: Least difference of the diameters of a flange's annulus [m].
+SEAT = 1e-4
 #: Largest groove radius, in ball radii: beyond it a groove guides no ball.
 WIDEST = 10.0
 
@@ -46,6 +48,8 @@ def geometry_faults(scene: Scene) -> Iterator[Fault]:
     yield from _station_faults(scene)
     yield from _rigid_faults(scene)
     yield from _solid_faults(scene)
+    if scene.nut.flange is not None:
+        yield from _flange_faults(scene.nut, scene.nut.flange)
     if scene.track.pitch_radius > scene.balls.radius:
         yield from _packing_faults(scene, radii)
     if scene.circulation is not None or scene.time is not None:
@@ -221,6 +225,25 @@ def _solid_faults(scene: Scene) -> Iterator[Fault]:
             yield Fault(("solid.hole_diameter",), f"from {mm(scene.screw.bore)}, below {mm(most)}", advice)
     if solid.screw_held == "bore" and scene.screw.bore <= 0.0:
         yield Fault(("solid.screw_held",), '"ends" for a screw without bore', 'give screw.bore, or write "ends"')
+
+
+def _flange_faults(nut: Nut, flange: Flange) -> Iterator[Fault]:
+    """A flange that the nut hides, one longer than the nut, and an annulus beyond its face."""
+    if flange.diameter <= nut.outer_diameter + SEAT:
+        advice = "a flange stands out from the nut: check diameter against radius"
+        yield Fault(("nut.flange.diameter",), f"above {mm(nut.outer_diameter + SEAT)}", advice)
+        return
+    if flange.thickness + flange.centring > nut.length - TOLERANCE:
+        room = nut.length - (flange.thickness if flange.centring else 0.0)
+        advice = "flange and centring fit lie within the nut's length: shorten them or lengthen the nut"
+        yield Fault(("nut.flange.centring" if flange.centring else "nut.flange.thickness",), f"below {mm(room)}", advice)
+    low, high = (2.0 * r for r in flange.seat)
+    if not nut.outer_diameter - TOLERANCE <= low < flange.diameter - SEAT:
+        allowed = f"{mm(nut.outer_diameter)} to {mm(flange.diameter - SEAT)}"
+        yield Fault(("nut.held.inner_diameter", "nut.flange"), allowed, "the annulus lies on the flange's face")
+    elif not low + SEAT <= high <= flange.diameter + TOLERANCE:
+        allowed = f"{mm(low + SEAT)} to {mm(flange.diameter)}"
+        yield Fault(("nut.held.outer_diameter", "nut.flange"), allowed, "the annulus lies on the flange's face")
 
 
 def _packing_faults(scene: Scene, radii: Array) -> Iterator[Fault]:

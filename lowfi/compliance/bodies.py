@@ -54,7 +54,17 @@ BESIDE = 2.5
 #: Left and right flank of a groove.
 BOTH = (0, 1)
 #: Fixings of the nut by the name of the scene's key.
-HELD = {"left face": "low", "right face": "high", "both faces": "both", "outer surface": "outer"}
+HELD = {
+    "left face": "low",
+    "right face": "high",
+    "both faces": "both",
+    "outer surface": "outer",
+    "flange face": "flange",
+    "flange face and centring": "flange",
+}
+
+#: Those with a beam's clamped end.
+CLAMPED = ("low", "high", "both", "flange")
 
 
 @dataclass(frozen=True)
@@ -229,7 +239,10 @@ def smooth_body(geometry: Scene, screw: bool, backend: Backend) -> Tube:
     width = backend.width * geometry.balls.radius * max(float(np.cos(geometry.track.contact_angle)), LEAST)
     count = int(np.ceil(backend.harmonics * 2.2 * radius / width))
     size = (1.6 * width / backend.mesh, 0.75 * width / backend.mesh)
-    return Tube(bore, outer, ends, held_at(geometry, screw), radius, float(width), count, size, flank.material, layer)
+    flange = None if screw else geometry.nut.flange
+    return Tube(
+        bore, outer, ends, held_at(geometry, screw), radius, float(width), count, size, flank.material, layer, flange
+    )
 
 
 @lru_cache(maxsize=32)
@@ -277,21 +290,29 @@ def kernel_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend,
     rows, stations = motion_rows(x, axes), np.repeat(x[:, 2], 2)
     if tube.held == "section":
         G = G - spring_compliance(tube, x, axes) - clamped(rows, stations, tube.ends, "low", plain)
-    elif tube.held in ("low", "high", "both"):
-        G = G - clamped(rows, stations, tube.ends, tube.held, plain)
+    elif tube.held in CLAMPED:
+        G = G - clamped(rows, stations, *clamp(tube), plain)
     return G
 
 
+def clamp(tube: Tube) -> tuple[tuple[float, float], str]:
+    """Ends [m] of the beam that stands for a nut, and which of them are clamped: a flange holds it at its face, or where
+    its bonded fit ends, and gives way as the smooth body does."""
+    if tube.held != "flange" or tube.flange is None:
+        return tube.ends, tube.held
+    base = tube.flange.stations(*tube.ends)[2 if tube.flange.bonded else 1]
+    return (base, base), "low"
+
+
 def nut_beam(scene: Scene, layout: BallLayout, flanks: Sequence[int] = BOTH) -> Array:
-    """Compliance ``(2 c, 2 c)`` [m/N] of the nut as a Timoshenko tube clamped at its faces; zero if held outside."""
+    """Compliance ``(2 c, 2 c)`` [m/N] of the nut as a Timoshenko tube clamped at its faces, or at its flange; zero if held
+    outside."""
     geometry = geometry_only(scene)
     x, axes = contact_frames(scene, layout, False, flanks)
-    held = held_at(geometry, False)
-    if held not in ("low", "high", "both"):
+    if held_at(geometry, False) not in CLAMPED:
         return np.zeros((2 * len(x),) * 2)
-    half, position = scene.nut.length / 2.0, scene.nut.position
-    section = grooved_section(geometry, False)
-    return clamped(motion_rows(x, axes), np.repeat(x[:, 2], 2), (position - half, position + half), held, section)
+    section, tube = grooved_section(geometry, False), smooth_body(geometry, False, REFINED)
+    return clamped(motion_rows(x, axes), np.repeat(x[:, 2], 2), *clamp(tube), section)
 
 
 @lru_cache(maxsize=32)

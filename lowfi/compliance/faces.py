@@ -123,7 +123,7 @@ def near_face(
         grid, cuts = grooved_grid(flank, finer.mesh)
         cuts, z = cuts[last], grid.z[:, 0]
         gain = less_smooth(flank, smooth, grid, cuts, held_radii, finer)
-        if smooth.held in ("section", "low", "high", "both"):
+        if smooth.held not in ("bore", "outer"):
             beams = [less_smooth_beam(flank, smooth, section, (float(z[0]), float(z[cut]))) for cut in cuts]
             gain[1, :2] -= np.stack(beams, axis=-1)
         return gain, grid, z[cuts]

@@ -207,10 +207,15 @@ class Block:
 class Body:
     """A body of revolution, assembled once for all harmonics."""
 
-    def __init__(self, grid: Grid, young: float, poisson: float, layer: Layer | None = None) -> None:
-        """Find the parts of K of all elements. Raises ValueError for an element turned inside out."""
+    def __init__(
+        self, grid: Grid, young: float, poisson: float, layer: Layer | None = None, solid: NDArray[np.bool_] | None = None
+    ) -> None:
+        """Find the parts of K of all elements; solid: which of them the body fills. Raises ValueError for an element turned
+        inside out."""
         self.grid = grid
         self.elements = np.stack(element_matrices(grid, young, poisson, layer))
+        if solid is not None:
+            self.elements[:, ~solid] = 0.0
 
     def freedoms(self) -> Index:
         """Freedoms of every element, ``(elements, 27)``."""

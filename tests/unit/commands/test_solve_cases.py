@@ -99,3 +99,15 @@ def test_the_library_has_the_same(tmp_path: Path) -> None:
     assert found.converged
     assert found["summary.largest_pressure_MPa"] > 0.0
     assert found.balls().count("ball ") == 3
+
+
+def test_friction_of_all_cases_and_its_mean_over_the_revolutions(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run("friction", written(tmp_path), "--model", "lin", "--json") == 0
+    found = json.loads(capsys.readouterr().out)
+    torques = [one["torque"]["friction_torque_Nmm"] for one in found["cases"]]
+    assert found["summary"]["mean_friction_torque_Nmm"] == pytest.approx(0.75 * torques[0] + 0.25 * torques[1])
+    assert found["summary"]["largest_friction_torque_case"] == "push"
+    assert [one["case"] for one in found["cases"]] == ["balls", "push", "loose"]
+    assert rollbench.friction(written(tmp_path), model="lin").data["cases"][1]["torque"] == found["cases"][1]["torque"]
