@@ -47,6 +47,11 @@ class DutyCycle:
         return self.parts.title
 
     @property
+    def assumed(self) -> tuple[str, ...]:
+        """Of the scene."""
+        return self.parts.assumed
+
+    @property
     def shares(self) -> tuple[float, ...]:
         """Of the revolutions, in order; their sum is 1."""
         return tuple(case.share for case in self.cases)
