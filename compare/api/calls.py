@@ -12,8 +12,8 @@ from rollbench.comparison.api.results import Friction, Judged, Result, Solution
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.registration import needed
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.load_cases import DutyCycle
-from rollbench.comparison.scenes.scene_file import Described, solvable, whole
+from rollbench.comparison.scenes.load_cases import DutyCycle, cases_by_name
+from rollbench.comparison.scenes.scene_file import Described, each_case, solvable, whole
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
@@ -106,6 +106,7 @@ def compare(
     Raises InputError, Refusal where no run of the reference converged.
     """
     from rollbench.comparison.commands.comparing.compare_output import compared, verdict
+    from rollbench.comparison.commands.comparing.compared_cases import together_json
     from rollbench.comparison.commands.comparing.study import named, unconverged
     from rollbench.comparison.commands.printing import on_terminal
     from rollbench.comparison.models.comparison import compared_models, suited
@@ -116,21 +117,28 @@ def compare(
     from rollbench.meshes.cache import default_root
 
     described = _described(scene)
-    own, stores = solvable(described, described.name), (Path(store), shipped_store())
-    chosen = compared_models(tuple(models)) or suited(own)
+    own, stores = each_case(described, described.name), (Path(store), shipped_store())
+    chosen, cases = compared_models(tuple(models)), cases_by_name([described])
+    missing = [x for x in own if levels is not None or not referenced(x, stores)]
     failed = []
-    if levels is not None or not referenced(own, stores):
+    if missing:
         wanted = range(1, (levels or len(LEVELS)) + 1)
-        failed = ensure(plan([own], wanted), stores[0], Engine(cache=default_root()), on_terminal, stores)
-    sets = referenced(own, stores)
-    if not sets:
-        raise unconverged(own.name, failed)
-    pairs = [(one, compared(one.scene, chosen, one.found, stores, one.of)) for one in sets]
+        failed = ensure(plan(missing, wanted), stores[0], Engine(cache=default_root()), on_terminal, stores)
+    pairs = []
+    for x in own:
+        sets = referenced(x, stores)
+        if not sets:
+            raise unconverged(x.name, failed)
+        pairs += [(one, compared(one.scene, chosen or suited(x), one.found, stores, one.of)) for one in sets]
     lines = tuple(verdict(each, one.found) for one, each in pairs)
     told = [_compared_json(each, one.found) | named(one) for one, each in pairs]
-    if isinstance(own, Scene):
+    if isinstance(described, DutyCycle):
+        rows = [row | cases[one.scene.name].keys for row, (one, _) in zip(told, pairs, strict=True)]
+        whole = together_json(described, {one.scene.name: each for one, each in pairs})
+        return Result({"scene": described.name, "summary": whole, "cases": rows}, "summary", lines)
+    if isinstance(described, Scene):
         return Result(told[0], "models", lines)
-    return Result({"scene": own.name, "sets": told}, "sets", lines)
+    return Result({"scene": described.name, "sets": told}, "sets", lines)
 
 
 def _compared_json(each: Comparison, found: Reference) -> dict[str, Any]:
@@ -170,14 +178,12 @@ def check(
     max_error: limit in per cent, the scene's own or 7 unless given; loads: CSV file with the columns ball, flank, newton;
     compute: whether runs of the reference that are missing are computed. Raises InputError.
     """
-    from rollbench.comparison.commands.printing import on_terminal
-    from rollbench.comparison.gate.user import asked, check_scenes
-    from rollbench.comparison.gate.verdict import worst_of
+    from rollbench.comparison.commands.comparing.check import judged_cases, verdicts_json
+    from rollbench.comparison.gate.user import asked
     from rollbench.comparison.reference.jobs import Engine
     from rollbench.meshes.cache import default_root
 
     described = _described(scene)
-    own = solvable(described, described.name)
     what = asked(
         model=model,
         loads=None if loads is None else Path(loads),
@@ -186,10 +192,8 @@ def check(
         store=Path(store),
         compute=compute,
     )
-    verdicts = check_scenes([own], what, Engine(cache=default_root()), on_terminal)
-    gravest = worst_of([v.word for v in verdicts])
-    data = {"verdict": gravest, "passed": gravest == "pass", "verdicts": [v.as_json() for v in verdicts]}
-    return Judged(data, "verdicts", tuple(v.line() for v in verdicts))
+    verdicts = judged_cases([described], [described.name], what, Engine(cache=default_root()))
+    return Judged(verdicts_json([described], verdicts), "verdicts", tuple(v.line() for v in verdicts))
 
 
 def mesh_study(

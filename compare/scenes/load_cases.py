@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 from rollbench.comparison.scenes.fault import Fault, mm
 from rollbench.comparison.scenes.records import load_of
@@ -55,6 +56,25 @@ class DutyCycle:
     def shares(self) -> tuple[float, ...]:
         """Of the revolutions, in order; their sum is 1."""
         return tuple(case.share for case in self.cases)
+
+
+@dataclass(frozen=True)
+class CaseOf:
+    """A load case of a cycle, told by the name of its scene."""
+
+    cycle: DutyCycle
+    case: LoadCase
+
+    @property
+    def keys(self) -> dict[str, Any]:
+        """What every row of the case says of it in JSON."""
+        return {"scene": self.cycle.name, "case": self.case.name, "share": self.case.share}
+
+
+def cases_by_name(described: Iterable[object]) -> dict[str, CaseOf]:
+    """The load cases among what is described, by the names of their scenes."""
+    cycles = [cycle for cycle in described if isinstance(cycle, DutyCycle)]
+    return {case.scene.name: CaseOf(cycle, case) for cycle in cycles for case in cycle.cases}
 
 
 def duty_cycle(scene: Scene, keys: Sequence[CaseKeys]) -> DutyCycle:

@@ -63,6 +63,15 @@ def solvable(scene: Described, origin: str) -> Scene | Assembly:
     return scene if isinstance(scene, Assembly) else whole(scene, origin)
 
 
+def each_case(scene: Described, origin: str) -> list[Scene] | list[Assembly]:
+    """The scenes to be solved for one that is described: one, or that of every load case in order. Raises SceneError as
+    `whole`."""
+    if isinstance(scene, DutyCycle):
+        return [case.scene for case in scene.cases]
+    found = solvable(scene, origin)
+    return [found]  # type: ignore[return-value]
+
+
 def whole(scene: Described, origin: str) -> Scene:
     """The scene, if it is one whole screw or bearing. Raises SceneError naming its kind where it is another."""
     if isinstance(scene, Scene):
