@@ -39,14 +39,17 @@ from rollbench.comparison.scenes.keys import (
     Table,
     Travel,
     Turn,
+    Turning,
     Turns,
 )
-from rollbench.comparison.scenes.quantity import ForceOrShare, Quantity, ShareOfRating, key
-from rollbench.meshes.parts import Friction, NutHeld
+from rollbench.comparison.scenes.quantity import ForceOrShare, Quantity, Rate, ShareOfRating, key
+from rollbench.meshes.parts import Flange, Friction, NutHeld
 
 BallDiameter = Annotated[float, Quantity("length", "0.02 mm", "2 m", "5.556 mm")]
 Gap = Annotated[float, Quantity("number", 0, 1000, 0.5)]
 Preload = Annotated[float | ShareOfRating, ForceOrShare("force", "0 N", "10 MN", "500 N", above=True)]
+Share = Annotated[float, Quantity("number", 0, 1, 0.5)]
+CaseTime = Annotated[float, Rate("time", "0 s", "1000000000 s", "2 s")]
 Percent = Annotated[float, Quantity("number", 0, 100, 7, above=True)]
 
 
@@ -78,6 +81,33 @@ class ScrewKeys(GrooveKeys):
     material: MaterialKeys | None = key("material of this part where it is not [material]", None, MATERIAL)
 
 
+class FlangeKeys(Table):
+    """Flange at an end of the nut, within its length."""
+
+    diameter: Size = key("outer diameter", example="72 mm")
+    thickness: Size = key("thickness", example="11 mm")
+    side: Literal["left", "right"] = key("end of the nut", Flange.side, "right")
+    centring: Bore = key(
+        "length of the nut's outside, from the flange on, that fits the bore of the housing", "0 mm", "10 mm"
+    )
+
+
+class HeldKeys(Table):
+    """Where the nut is held."""
+
+    at: NutHeld | None = key(
+        "surface; the flange's face towards the rest of the nut where there is a flange, else the left face, or the outer "
+        "surface at zero lead (low-order models hold the whole of a face but the flange's)",
+        None,
+        "left face",
+    )
+    inner_diameter: Size | None = key("of the annulus on the flange's face; the nut's if left out", None, "50 mm")
+    outer_diameter: Size | None = key("of the annulus on the flange's face; the flange's if left out", None, "66 mm")
+    centring: Literal["free", "bonded"] = key(
+        "of the flange's face: whether the centring fit lets the nut go, or holds it too", "free", "bonded"
+    )
+
+
 class NutKeys(GrooveKeys):
     """Nut, or outer ring of a bearing; held fixed."""
 
@@ -85,6 +115,8 @@ class NutKeys(GrooveKeys):
     length: Size = key("length", example="54 mm")
     outer_diameter: Size = key("outer diameter", example="48 mm")
     azimuth: Azimuth = key("angle between the axes of nut and screw; turns the nut's errors", "0 deg", "0 deg")
+    flange: FlangeKeys | None = key("flange of a nut with a lead", None, {"diameter": "72 mm", "thickness": "11 mm"})
+    held: HeldKeys = key("where the nut is held", HeldKeys(), {"at": "left face"})
     material: MaterialKeys | None = key("material of this part where it is not [material]", None, MATERIAL)
 
 
@@ -230,11 +262,7 @@ class SolidKeys(Table):
     shaft_diameter: Size | None = key(
         "diameter of the plain shaft beyond the 3D stretch; the homogenised grooved shaft if left out", None, "31 mm"
     )
-    nut_held: NutHeld | None = key(
-        "where the nut is held; its left face, or its outer surface at zero lead (low-order models hold the whole face)",
-        None,
-        "left face",
-    )
+    nut_held: NutHeld | None = key("former key of nut.held.at", None, "left face")
     screw_held: Literal["ends", "bore"] | None = key(
         "whether supports and loads reach the screw through its ends or through a stiff shaft in its bore", None, "ends"
     )
@@ -328,8 +356,31 @@ class GateKeys(Table):
     rms_error: Percent | None = key("limit of the RMS error of the contact loads, in per cent of the mean load", None, 3)
 
 
+class CaseSupportKeys(Table):
+    """Displacements of one of the scene's supports in a case."""
+
+    at: Station = key("station of the support in the scene", example="0 mm")
+    displace: DisplaceKeys = key("values of freedoms that the support holds", example={"ux": "300 um"})
+
+
+class CaseKeys(Table):
+    """One of several load cases of the same parts: what differs from the scene, and its share of the revolutions."""
+
+    name: Sentence = key("name in all results, of letters, digits, . _ and -", example="cutting")
+    share: Share | None = key("part of the revolutions; 0: static check only; all cases together 1", None, 0.5)
+    time: CaseTime | None = key("time in one duty cycle, from which the share follows (with speed)", None, "2 s")
+    speed: Turning | None = key("speed of the part that turns in this case (with time)", None, "600 rpm")
+    loads: Annotated[list[LoadKeys], Field(max_length=1000)] | None = key(
+        "loads in place of the scene's", None, [{"at": "0 mm", "force": ["0 N", "0 N", "5 kN"]}]
+    )
+    supports: Annotated[list[CaseSupportKeys], Field(max_length=1000)] = key(
+        "other displacements of the scene's supports", [], [{"at": "0 mm", "displace": {"ux": "300 um"}}]
+    )
+    oversize: Deviation | None = key("added to every ball's radius in place of the scene's value", None, "3 um")
+
+
 class SceneKeys(HeadKeys):
-    """One load case of one whole ball screw or ball bearing. Lengths, forces and angles are texts with a unit."""
+    """One whole ball screw or bearing in one load case or several. Lengths, forces and angles are texts with a unit."""
 
     kind: Literal["ball screw", "bearing"] | None = key("what is described; by the lead if left out", None, "ball screw")
     role: Literal["", "referenced", "unseen, changed parts", "unseen, catalogue size"] = key(
@@ -350,8 +401,11 @@ class SceneKeys(HeadKeys):
     loads: Annotated[list[LoadKeys], Field(max_length=1000)] = key(
         "loads on the screw", [], [{"at": "0 mm", "force": ["0 N", "0 N", "5 kN"]}]
     )
+    cases: Annotated[list[CaseKeys], Field(max_length=1000)] = key(
+        "load cases of the same parts", [], [{"name": "cutting", "share": 1.0}]
+    )
     ingredients: IngredientKeys = key("parts of the low-order model", IngredientKeys(), {"screw": "rigid"})
-    solid: SolidKeys = key("what only the 3D reference needs", SolidKeys(), {"nut_held": "left face"})
+    solid: SolidKeys = key("what only the 3D reference needs", SolidKeys(), {"nut_groove": "through"})
     friction: FrictionKeys | None = key("friction of balls and grooves", None, {"coefficient": 0.1})
     motion: MotionKeys | None = key("motion of screw and nut", None, {"speed": "600 rpm"})
     circulation: CirculationKeys | None = key("circuits of the balls", None, {"returning": 4, "filling": 0.8})

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterator, Mapping
+from copy import deepcopy
 from importlib import resources
 from typing import Any
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.registration import kinds
 from rollbench.comparison.scenes.catalogue import scene_text
-from rollbench.comparison.scenes.keys import WHOLE, tidy_schema
+from rollbench.comparison.scenes.keys import tidy_schema
 from rollbench.comparison.scenes.kinds import kind_named
+from rollbench.comparison.scenes.names import WHOLE
 from rollbench.comparison.scenes.schema import SceneKeys
 from rollbench.comparison.scenes.units import show
 
@@ -62,8 +64,11 @@ def template(kind: str = "ball screw") -> str:
 def _schema(kind: str) -> dict[str, Any]:
     if kind in WHOLE:
         schema = tidy_schema(SceneKeys)
-        left_out = {"circulation"} if kind == "bearing" else set()  # the balls of a ring go round its one turn
-        return schema | {"properties": {k: v for k, v in schema["properties"].items() if k not in left_out}}
+        if kind == "bearing":  # the balls of a ring go round its one turn, and it has no flange
+            schema = deepcopy(schema)
+            schema["properties"].pop("circulation")
+            schema["$defs"]["NutKeys"]["properties"].pop("flange")
+        return schema
     return tidy_schema(kind_named(kind).keys)
 
 
