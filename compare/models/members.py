@@ -15,37 +15,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import bdtr, bdtrik
-from threadpoolctl import threadpool_limits
 
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.ensemble import run_ensemble, work_of
-from rollbench.comparison.models.loading import scaled
-from rollbench.comparison.models.registry import MODELS, Options, run_model
+from rollbench.comparison.models.member_blocks import Block, contact_loads, places, solve_block, without_random_errors
+from rollbench.comparison.models.registry import MODELS, Options, default_model, random_errors, run_model
 from rollbench.comparison.reference import parallel
 from rollbench.comparison.reference.jobs import Engine
-from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import without_draws
-from rollbench.meshes.loads import mean_load
+from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 
-#: What is kept of each member: key and heading.
-KEPT = {
-    "largest_load_N": "largest contact load / N",
-    "mean_load_N": "mean contact load / N",
-    "stiffness_N_per_um": "stiffness along the load / (N/um)",
-    "lost_contacts": "contacts lost against no random errors",
-    "relative_life": "life over that without random errors",
-    "residual": "relative residual",
-}
-#: Members of a block and from how many on kernels are compiled; part of the load by which stiffness is taken.
-BLOCK, COMPILE_FROM, STEP = 500, 200, 1e-3
+#: Members of a block, and from how many on kernels are compiled.
+BLOCK, COMPILE_FROM = 500, 200
 #: Bins of the histogram of a contact's load, and its end over the largest load without random errors.
 BINS, END = 2000, 10.0
 LEVELS = (0.01, 0.05, 0.5, 0.95, 0.99)
 MOST = 10_000_000
-#: Exponents of the loads of a raceway that turns under the load and of one that does not, and of raceways together.
-TURNING, STANDING, SYSTEM = 3.0, 10.0 / 3.0, 10.0 / 9.0
 
 
 @dataclass(frozen=True)
@@ -72,102 +57,45 @@ class Bands:
 
 @dataclass(frozen=True)
 class Members:
-    """Members of a scene. kept (M, 6) as ``KEPT`` (nan where there is no equilibrium); statuses of those that did not
-    converge, by number; seconds of wall clock."""
+    """Members of a scene. kept (M, k): numbers named by `member_blocks.columns`, nan where there is no equilibrium; statuses
+    of those that did not converge, by number; bands: of the contacts of all sets of balls, one set after the other; balls:
+    the place of each set in them, None for rollers; seconds of wall clock."""
 
-    scene: Scene
+    scene: Scene | Assembly
     model: str
     kept: Array
     failed: dict[int, str]
     bands: Bands
+    balls: tuple[slice | None, ...]
     seconds: float
 
 
-@dataclass(frozen=True)
-class Block:
-    """Loads (k, N, 4) of a block, numbers (k, ...), statuses."""
-
-    loads: Array
-    kept: Array
-    statuses: tuple[str, ...]
-
-
-def life_sum(load: Array) -> Array:
-    """L^(-10/9) of all raceways together, to a factor, from loads (..., N, 4) [N]: ISO/TS 16281, equivalent loads.
-
-    The screw's grooves turn under the load (cubic mean over the balls), the nut's do not (power 10/3); the raceways are
-    taken as equally strong, and every ball's place as equally frequent.
-    """
-    turning = (load[..., :2] ** TURNING).mean(axis=-2) ** (SYSTEM * 3.0 / TURNING)
-    standing = (load[..., 2:] ** STANDING).mean(axis=-2) ** (SYSTEM * 3.0 / STANDING)
-    return np.asarray(turning.sum(axis=-1) + standing.sum(axis=-1))
-
-
-def _solved(scene: Scene, model: str, engine: str, first: int, count: int) -> tuple[Array, tuple[str, ...], Array, Array]:
-    """Loads, statuses, residuals and works of some members."""
-    if model == "lin" and engine == "compiled":
-        result = run_ensemble(scene, count, first)
-        return result.loads, result.statuses, result.residuals, result.works
-    results = [
-        run_model(scene, model, Options(member=m, engine=engine, discretisation=False)) for m in range(first, first + count)
-    ]
-    n = scene.ball_count
-    loads = [r.load if r.converged else np.full((n, 4), np.nan) for r in results]
-    works = [work_of(scene, r) if r.converged else np.nan for r in results]
-    return (
-        np.stack(loads),
-        tuple(r.status for r in results),
-        np.array([r.solver.residual for r in results]),
-        np.array(works),
-    )
-
-
-def solve_block(scene: Scene, model: str, engine: str, nominal: Array, first: int, count: int) -> Block:
-    """Members ``first`` and on of a scene; nominal: loads (N, 4) [N] without random errors."""
-    with threadpool_limits(1, "blas"):
-        loads, statuses, residuals, works = _solved(scene, model, engine, first, count)
-        force = float(sum(np.dot(x.force, x.force) for x in scene.loads))
-        stiffness = np.full(count, np.nan)
-        if force > 0.0:
-            more = _solved(scaled(scene, 1.0 + STEP), model, engine, first, count)[3] / (1.0 + STEP)
-            with np.errstate(divide="ignore", invalid="ignore"):
-                stiffness = 1e-6 * force * STEP / (more - works)
-    good = np.array([s == "converged" for s in statuses])
-    loads[~good] = np.nan
-    loaded = loads > 0.0
-    with np.errstate(divide="ignore", invalid="ignore"):
-        life = (life_sum(loads) / life_sum(nominal)) ** (-1.0 / SYSTEM)
-    contacts = nominal_contacts(scene)
-    mean = np.array([mean_load(load, contacts) for load in loads])
-    lost = (~loaded & (nominal > 0.0)).sum(axis=(1, 2)).astype(float)
-    kept = np.column_stack([loads.max(axis=(1, 2)), mean, stiffness, lost, life, residuals])
-    kept[~good] = np.nan
-    return Block(loads, kept, statuses)
-
-
 def run_members(
-    scene: Scene,
+    scene: Scene | Assembly,
     model: str,
     count: int,
     engine: Engine | None = None,
     step: Callable[[str], None] = lambda _: None,
     row: Callable[[int, str, Array], None] = lambda *_: None,
 ) -> Members:
-    """Solve members 0 to ``count`` - 1 of a scene; ``row`` hears of each, in order: number, status, numbers (6,).
+    """Solve members 0 to ``count`` - 1 of a scene; ``row`` hears of each, in order: number, status, numbers (k,).
 
     Raises InputError for an unknown model, a count out of range, a scene without random errors, or one that has no
     equilibrium without them.
     """
-    engine = engine or Engine()
     _check(scene, model, count)
-    start = perf_counter()
+    start, model = perf_counter(), model or default_model(scene)
     kernels = "compiled" if count >= COMPILE_FROM else "interpreted"
-    bare = run_model(without_draws(scene), model, Options(engine=kernels, discretisation=False))
-    if not bare.converged or not bare.load.max() > 0.0:
+    bare = run_model(without_random_errors(scene), model, Options(engine=kernels, discretisation=False))
+    nominal = contact_loads(bare)
+    if not bare.converged or not nominal.max(initial=0.0) > 0.0:
         reason = bare.status if not bare.converged else "no contact carries load without random errors"
-        raise InputError(scene.name, "scene", reason, "loaded contacts without random errors", "load or preload the screw")
-    bands, kept, failed = gathered(solve_block, (scene, model, kernels, bare.load), bare.load, count, engine, step, row)
-    return Members(scene, model, kept, failed, bands, perf_counter() - start)
+        what = "screw" if isinstance(scene, Scene) else "sets"
+        advice = f"load or preload the {what}"
+        raise InputError(scene.name, "scene", reason, "loaded contacts without random errors", advice)
+    arguments = (scene, model, kernels, nominal)
+    bands, kept, failed = gathered(solve_block, arguments, nominal, count, engine or Engine(), step, row)
+    return Members(scene, model, kept, failed, bands, places(scene), perf_counter() - start)
 
 
 def gathered(
@@ -200,20 +128,17 @@ def gathered(
     return sums.bands(), np.concatenate(rows), failed
 
 
-def check_count(count: int) -> None:
-    """Raises InputError for a number of members that is out of range."""
-    if not 2 <= count <= MOST:
-        raise InputError("command line", "--members", str(count), f"2 to {MOST}", "a thousand give a band of some per cent")
-
-
-def _check(scene: Scene, model: str, count: int) -> None:
-    if model not in MODELS or model == "condensed":
+def _check(scene: Scene | Assembly, model: str, count: int) -> None:
+    one = isinstance(scene, Scene)
+    if one and (model not in MODELS or model == "condensed"):
         allowed = ", ".join(name for name in MODELS if name != "condensed")
         raise InputError("command line", "--model", model, allowed, "see: rollbench list")
-    check_count(count)
-    if not scene.errors.random:
-        advice = "give a sigma to balls, pitch, roundness or profile"
-        raise InputError(scene.name, "errors", "nothing random", "at least one sigma above zero", advice)
+    if not 2 <= count <= MOST:
+        raise InputError("command line", "--members", str(count), f"2 to {MOST}", "a thousand give a band of some per cent")
+    if not random_errors(scene):
+        where, advice = ("errors", "") if one else ("sets[].errors", " of a set")
+        advice = f"give a sigma to balls, pitch, roundness or profile{advice}"
+        raise InputError(scene.name, where, "nothing random", "at least one sigma above zero", advice)
 
 
 def _blocks(

@@ -6,7 +6,6 @@ import csv
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +13,8 @@ import numpy as np
 
 from rollbench.comparison.commands.printing import Answer, on_terminal
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.axis_members import OF_SET, WHOLE, AxisMembers, columns, run_axis_members, with_seed
-from rollbench.comparison.models.members import KEPT, Bands, Members, run_members, statistics
+from rollbench.comparison.models.member_blocks import KEPT, OF_SET, WHOLE, columns, with_seed
+from rollbench.comparison.models.members import Bands, Members, run_members, statistics
 from rollbench.comparison.models.registry import DEFAULT
 from rollbench.comparison.quantities import number
 from rollbench.comparison.reference.jobs import Engine
@@ -36,17 +35,10 @@ def run(
     described = catalogue.any_scene(name)
     if seed is not None and not 0 <= seed < 2**62:
         raise InputError("command line", "--seed", str(seed), f"0 to {2**62 - 1}", "leave it out for the scene's")
-    found: Members | AxisMembers
-    if isinstance(described, Assembly):
-        parts = described if seed is None else with_seed(described, seed)
-        with _rows(csv_out, columns(parts)) as row:
-            found = run_axis_members(parts, model, count, engine, on_terminal, row)
-    else:
-        scene = whole(described, name)
-        if seed is not None:
-            scene = replace(scene, errors=replace(scene.errors, seed=seed))
-        with _rows(csv_out, [*KEPT]) as row:
-            found = run_members(scene, model or DEFAULT, count, engine, on_terminal, row)
+    scene = described if isinstance(described, Assembly) else whole(described, name)
+    scene = scene if seed is None else with_seed(scene, seed)
+    with _rows(csv_out, columns(scene)) as row:
+        found = run_members(scene, model or (DEFAULT if isinstance(scene, Scene) else ""), count, engine, on_terminal, row)
     shown = [*as_table(found, balls=balls), *([f"{csv_out}: one row a member"] if csv_out else [])]
     return Answer(as_json(found), shown, 0 if len(found.failed) < count else 1)
 
@@ -75,20 +67,19 @@ def _rows(path: Path | None, names: Sequence[str]) -> Iterator[Row]:
         part.unlink(missing_ok=True)
 
 
-def as_json(found: Members | AxisMembers) -> dict[str, Any]:
+def as_json(found: Members) -> dict[str, Any]:
     """JSON-ready: statistics of what is kept, failures, bands of every contact that any member loads. Of several sets,
     their statistics stand in ``sets``, and rows of ``balls`` begin with their set."""
     counts: dict[str, Any] = {"members": len(found.kept), "converged": len(found.kept) - len(found.failed)}
     counts["failed"] = [{"member": m, "status": s} for m, s in sorted(found.failed.items())]
     rows = _balls(found.bands)
-    if isinstance(found, Members):
-        head = {"scene": found.scene.name, "model": found.model, "seed": found.scene.errors.seed}
-        kept = {"statistics": {key: statistics(found.kept[:, k]) for k, key in enumerate(KEPT)}}
-        own = [x for one in rows for x in one]
-    else:
-        head = {"scene": found.assembly.name, "model": found.model, "seed": _seeds(found.assembly)}
-        kept = {"statistics": {key: statistics(found.kept[:, k]) for k, key in enumerate(WHOLE)}}
-        counts["sets"] = _sets(found)
+    several = isinstance(found.scene, Assembly)
+    seed = _seeds(found.scene) if isinstance(found.scene, Assembly) else found.scene.errors.seed
+    head = {"scene": found.scene.name, "model": found.model, "seed": seed}
+    kept = {"statistics": {key: statistics(found.kept[:, k]) for k, key in enumerate(WHOLE if several else KEPT)}}
+    own = [x for one in rows for x in one]
+    if isinstance(found.scene, Assembly):
+        counts["sets"] = _sets(found, found.scene)
         own = [
             {"set": i + 1, **x}
             for i, place in enumerate(found.balls)
@@ -106,12 +97,12 @@ def _seeds(assembly: Assembly) -> list[int | None]:
     return [s.parts.errors.seed if isinstance(s.parts, Scene) else None for s in assembly.sets]
 
 
-def _sets(found: AxisMembers) -> list[dict[str, Any]]:
+def _sets(found: Members, assembly: Assembly) -> list[dict[str, Any]]:
     """Statistics of each set."""
-    parts = np.split(found.kept[:, len(WHOLE) :], len(found.assembly.sets), axis=1)
+    parts = np.split(found.kept[:, len(WHOLE) :], len(assembly.sets), axis=1)
     return [
         {"set": i + 1, "name": s.name, "statistics": {key: statistics(own[:, k]) for k, key in enumerate(OF_SET)}}
-        for i, (s, own) in enumerate(zip(found.assembly.sets, parts, strict=True))
+        for i, (s, own) in enumerate(zip(assembly.sets, parts, strict=True))
     ]
 
 
@@ -154,10 +145,10 @@ def _statistics(title: str, headings: Mapping[str, str], rows: Mapping[str, dict
     return table
 
 
-def as_table(found: Members | AxisMembers, *, balls: bool = False) -> list[Any]:
+def as_table(found: Members, *, balls: bool = False) -> list[Any]:
     """The same for the terminal: statistics, and, where asked for, the bands of every ball."""
     data = as_json(found)
-    several = isinstance(found, AxisMembers)
+    several = isinstance(found.scene, Assembly)
     parts: list[Any] = [
         f"{data['scene']}, model {data['model']}, seed {data['seed']}: {data['members']} members, {data['converged']} "
         f"converged, {1e3 * found.seconds / data['members']:.3g} ms a member"

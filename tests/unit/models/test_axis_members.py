@@ -10,8 +10,8 @@ from tests.axes import double_nut, fixed_axis
 
 from rollbench.comparison.cli import main
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.axis_members import columns, contact_loads, run_axis_members, with_seed
-from rollbench.comparison.models.members import life_sum
+from rollbench.comparison.models.member_blocks import columns, contact_loads, life_sum, with_seed
+from rollbench.comparison.models.members import run_members
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.scenes import catalogue
 from rollbench.lowfi.statics.axis.system import placed
@@ -27,7 +27,7 @@ def drawn(parts):
 
 def test_members_are_the_single_solves():
     parts = drawn(fixed_axis((0.0, 0.0, 500.0)))
-    found = run_axis_members(parts, "lin", 3)
+    found = run_members(parts, "lin", 3)
     results = [run_model(parts, "lin", Options(member=m)) for m in range(3)]
     loads = np.stack([contact_loads(r) for r in results])
     np.testing.assert_allclose(found.bands.mean, loads.mean(axis=0), rtol=1e-9, atol=1e-9)
@@ -57,11 +57,11 @@ def test_sets_draw_errors_of_their_own(tmp_path):
 
 def test_nothing_random_is_refused():
     with pytest.raises(InputError, match="nothing random"):
-        run_axis_members(double_nut(), "lin", 3)
+        run_members(double_nut(), "lin", 3)
     with pytest.raises(InputError, match="one set"):
-        run_axis_members(drawn(double_nut()), "mei", 3)
+        run_members(drawn(double_nut()), "mei", 3)
     with pytest.raises(InputError, match="2 to"):
-        run_axis_members(drawn(double_nut()), "lin", 1)
+        run_members(drawn(double_nut()), "lin", 1)
 
 
 def test_the_command_gives_statistics_of_each_set(tmp_path, capsys):

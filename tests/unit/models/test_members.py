@@ -13,7 +13,8 @@ from scipy.stats import binom, norm
 from rollbench.comparison.cli import main
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models import members
-from rollbench.comparison.models.members import KEPT, STEP, life_sum, run_members, statistics
+from rollbench.comparison.models.member_blocks import KEPT, STEP, life_sum
+from rollbench.comparison.models.members import run_members, statistics
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.scenes.catalogue import scene as shipped
