@@ -38,7 +38,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 PACKAGES: dict[str, tuple[str, ...]] = {
     "rollbench.lowfi.statics.kernel": (),
     "rollbench.lowfi.friction.contact.kernel": (),
-    "rollbench.lowfi.friction.linear.kernel": (),
+    "rollbench.lowfi.friction.linear.kernel": ("rollbench.lowfi.friction.contact.kernel",),
     "rollbench.lowfi.friction.screw.kernel": ("rollbench.lowfi.friction.contact.kernel",),
     "rollbench.lowfi.random_errors.kernel": (),
 }

@@ -57,9 +57,9 @@ class Bands:
 
 @dataclass(frozen=True)
 class Members:
-    """Members of a scene. kept (M, k): numbers named by `member_blocks.columns`, nan where there is no equilibrium; statuses
-    of those that did not converge, by number; bands: of the contacts of all sets of balls, one set after the other; balls:
-    the place of each set in them, None for rollers; seconds of wall clock."""
+    """Members of a scene. kept (M, k): numbers named by `member_blocks.columns` (nan where there is no equilibrium);
+    statuses of those that did not converge, by number; bands: of the contacts of all sets of balls, one set after the
+    other; balls: the place of each set in them, None for rollers; seconds of wall clock."""
 
     scene: Scene | Assembly
     model: str

@@ -1,5 +1,6 @@
 """Kernels of friction in a subset of Python that numba compiles; see ``lowfi.jit`` for the two engines."""
 
+from .band import solve_with_pivots
 from .dissipation import dissipation, dissipation_many
 from .minimum import descend, evaluate, speeds_at
 from .motion import least_dissipation, least_dissipation_many
@@ -15,5 +16,6 @@ __all__ = [
     "least_dissipation_many",
     "minimise_energy",
     "press",
+    "solve_with_pivots",
     "speeds_at",
 ]

@@ -8,8 +8,7 @@ from rollbench.lowfi.friction.contact.records import Array
 from rollbench.lowfi.friction.screw.records import BalanceParts, BallArrays, GrooveArrays
 from rollbench.lowfi.jit import kernel
 
-from .band import solve_with_pivots
-from .contacts import evaluate, rubbing
+from .contacts import evaluate, rubbing, solve_with_pivots
 
 #: Half bandwidth with a ball's motion and the force on the next in one block of five.
 HALF = 9

@@ -10,7 +10,7 @@ from rollbench.lowfi.jit import CONTACT, is_compiled, kernel, kernels
 
 _OTHER = kernels(CONTACT, compiled=is_compiled(__name__))  # the kernels of one contact, compiled where these are
 dissipation, evaluate, least_dissipation = _OTHER.dissipation, _OTHER.evaluate, _OTHER.least_dissipation
-hertz_contact = _OTHER.hertz_contact
+hertz_contact, solve_with_pivots = _OTHER.hertz_contact, _OTHER.solve_with_pivots
 
 
 @kernel

@@ -12,8 +12,7 @@ from rollbench.lowfi.friction.screw.records import JointMatrix, JointSystem, Pla
 from rollbench.lowfi.jit import kernel
 
 from .balance import REACH, couple, opening, room
-from .band import solve_with_pivots
-from .contacts import rubbing
+from .contacts import rubbing, solve_with_pivots
 from .place import OWN_COLUMNS, OWN_ROWS, own
 
 #: Unknowns of a ball, half bandwidth.

@@ -1,26 +1,33 @@
-"""Banded linear systems by elimination with row exchange."""
+"""Banded linear systems by elimination with row exchange: friction between balls makes a matrix unsymmetric and, beyond a
+fold, indefinite."""
 
 from rollbench.lowfi.friction.contact.records import Array
 from rollbench.lowfi.jit import kernel
 
 
 @kernel
-def solve_with_pivots(K: Array, x: Array, half: int) -> None:
-    """Overwrites right-hand sides x (n, c) by the solutions, K by its factors; not finite where K is singular.
+def solve_with_pivots(K: Array, x: Array, half: int) -> float:
+    """Overwrites right-hand sides x (n, c) by the solutions, K by its factors; beyond all bounds where K is singular.
 
-    Entry (i, j) of the matrix is K[i, half + j - i]; K (n, 3 half + 1) has room for what row exchange fills in.
+    Entry (i, j) of the matrix is K[i, half + j - i]; K (n, 3 half + 1) has room for what row exchange fills in. Returns the
+    sign of the determinant.
     """
-    n = x.shape[0]
+    n, sign = x.shape[0], 1.0
     for c in range(n):
         low, right, top = min(n, c + half + 1), min(n, c + 2 * half + 1), c
         for r in range(c + 1, low):
             if abs(K[r, half + c - r]) > abs(K[top, half + c - top]):
                 top = r
         if top != c:
+            sign = -sign
             for j in range(c, right):
                 K[c, half + j - c], K[top, half + j - top] = K[top, half + j - top], K[c, half + j - c]
             for q in range(x.shape[1]):
                 x[c, q], x[top, q] = x[top, q], x[c, q]
+        if K[c, half] == 0.0:
+            K[c, half] = 1e-300
+        if K[c, half] < 0.0:
+            sign = -sign
         for r in range(c + 1, low):
             part = K[r, half + c - r] / K[c, half]
             if part != 0.0:
@@ -33,3 +40,4 @@ def solve_with_pivots(K: Array, x: Array, half: int) -> None:
             for j in range(c + 1, min(n, c + 2 * half + 1)):
                 x[c, q] -= K[c, half + j - c] * x[j, q]
             x[c, q] /= K[c, half]
+    return sign
