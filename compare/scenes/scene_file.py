@@ -17,9 +17,9 @@ from rollbench.comparison.registration import kinds
 from rollbench.comparison.scenes.body_checks import contact_faults, geometry_faults
 from rollbench.comparison.scenes.fault import Fault
 from rollbench.comparison.scenes.key_checks import choice_faults
-from rollbench.comparison.scenes.keys import AXIS, WHOLE
 from rollbench.comparison.scenes.load_cases import DutyCycle, case_faults, duty_cycle, of_case
 from rollbench.comparison.scenes.mending import validated
+from rollbench.comparison.scenes.names import AXIS, WHOLE
 from rollbench.comparison.scenes.preload import preloaded
 from rollbench.comparison.scenes.records import scene_of
 from rollbench.comparison.scenes.refusal import refusal, refuse, refuse_keys, spoken

@@ -9,8 +9,9 @@ import pytest
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.scenes.keys import AXIS, WHOLE, tidy_schema
+from rollbench.comparison.scenes.keys import tidy_schema
 from rollbench.comparison.scenes.kinds import json_schema
+from rollbench.comparison.scenes.names import AXIS, WHOLE
 from rollbench.comparison.scenes.schema import SceneKeys
 from rollbench.comparison.scenes.template import template
 from rollbench.comparison.wings.friction.kinds.table import KINDS
