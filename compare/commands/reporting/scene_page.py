@@ -84,9 +84,7 @@ def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path]) -> Scene
         for row in case_rows(data["cases"])
     ]
     told = [(label, text) for label, text in together_entries(whole)]
-    table = Table.of(
-        "cases", "Load cases", rows, "Life of each case by itself; the sections below are of the one named above."
-    )
+    table = Table.of("cases", "Load cases", rows, "Life of each case by itself; what follows is of the worst case.")
     lost = "".join(f" Case {one} has no loads: {status}." for one, status in whole.unsolved.items())
     life_said = dict(told)["life"]
     return replace(

@@ -68,8 +68,8 @@ def run_verify(report: Path, store: Path) -> Answer:
 
 
 def run_page(scene: str, out: Path, store: Path, against: Path | None) -> Answer:
-    """Write the page of a scene, and list what moved against an earlier one; exit code 1 where a load case did not converge.
-    Raises InputError as `make_page`, `read`."""
+    """Write the page of a scene, and list what moved against an earlier one; exit code 1 where a load case did not
+    converge. Raises InputError as `make_page`, `read`."""
     before = None if against is None else read(against)[1]
     page = make_page(scene, out, store)
     parts = [page.verdict, f"page: {out / 'index.html'}"]

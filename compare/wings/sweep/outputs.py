@@ -62,8 +62,8 @@ def outputs(scene: Scene, result: StaticResult, model: str, options: Options) ->
 
 
 def cycle_outputs(cycle: DutyCycle, loads: Sequence[Array], each: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """`OUTPUTS` of load cases: those of the case with the largest contact load, which ``at`` names; but the life over the duty
-    cycle, and the mean torque over its revolutions. loads: of every case [N]; each: its outputs."""
+    """`OUTPUTS` of load cases: those of the case with the largest contact load, which ``at`` names; but the life over the
+    duty cycle, and the mean torque over its revolutions. loads: of every case [N]; each: its outputs."""
     case, worst = max(zip(cycle.cases, each, strict=True), key=lambda pair: float(pair[1]["largest_load_N"]))
     torques = [(share, one["torque_Nmm"]) for share, one in zip(cycle.shares, each, strict=True) if share > 0.0]
     known = all(torque is not None for _, torque in torques)
