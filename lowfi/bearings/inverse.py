@@ -79,5 +79,5 @@ def conformity_of_pair(bearings: AngleRows, preload: Array, rigidity: Array) -> 
         slope = np.where(moved, np.minimum((now - value) / np.where(moved, new - old, 1.0), -0.02), slope)
         old, value = new, now
     if float(np.abs(value).max()) > 1e-6:
-        raise ValueError(f"no conformity of {CONFORMITIES[0]:g} to {CONFORMITIES[1]:g} gives a pair of these balls that rigidity")
+        raise ValueError("no conformity of {:g} to {:g} gives a pair of these balls that rigidity".format(*CONFORMITIES))
     return np.asarray(0.5 + np.exp(old))

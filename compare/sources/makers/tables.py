@@ -48,3 +48,11 @@ def table(name: str) -> Table:
 def tables(prefix: str) -> list[Table]:
     """All files whose name begins so, sorted."""
     return [table(path.stem) for path in sorted(FOLDER.glob(f"{prefix}*.csv"))]
+
+
+def half_step(text: str) -> float:
+    """Half a step of the last digit that is printed other than zero: 5 for ``"2 150"``, 0.005 for ``"0.14"``."""
+    plain = "".join(text.split()).replace(",", ".").lstrip("+-")
+    places = len(plain.partition(".")[2])
+    zeros = 0 if places else len(plain) - len(plain.rstrip("0"))
+    return float(0.5 * 10.0 ** (zeros - places))

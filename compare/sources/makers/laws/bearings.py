@@ -12,8 +12,8 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.sources.makers.outside import Outside
-from rollbench.comparison.sources.makers.tables import Table, table, tables
+from rollbench.comparison.sources.makers.outside import Band, Outside, of_row
+from rollbench.comparison.sources.makers.tables import Table, half_step, table, tables
 from rollbench.lowfi.bearings.inverse import AngleRows, conformity_of_pair, state_under
 from rollbench.lowfi.bearings.sets import PointRow, arrangement, equilibrium
 from rollbench.lowfi.rating.life import rating
@@ -26,21 +26,6 @@ from rollbench.meshes.parts import Scene
 YOUNG, POISSON, CONFORMITY = 207e9, 0.3, 0.52
 #: Exponent of starting torque over the load of a row: the ellipse's axis times the load (Palmgren; Smith 2.33).
 TORQUE = 4.0 / 3.0
-FORMULA = "a formula in disguise"
-MISPRINT = "a misprint"
-
-
-def half_step(text: str) -> float:
-    """Half a step of the last digit that is printed other than zero: 5 for ``"2 150"``, 0.005 for ``"0.14"``."""
-    plain = "".join(text.split()).replace(",", ".").lstrip("+-")
-    places = len(plain.partition(".")[2])
-    zeros = 0 if places else len(plain) - len(plain.rstrip("0"))
-    return float(0.5 * 10.0 ** (zeros - places))
-
-
-def origin_of(source: Table, row: Mapping[str, str], line: str) -> str:
-    """Repository, commit, file and line of a printed number."""
-    return f"{source.head['origin']}, line {row[line]}"
 
 
 # --- sets with equal gaps
@@ -86,29 +71,13 @@ def sets() -> Iterator[Outside]:
             for (quantity, column, unit, power), ratio in zip(OF_SETS, ratios, strict=True):
                 if own == "class" and quantity == "preload":
                     continue
-                step = max(half_step(pair[column]), 0.5 * float(source.head.get(f"{quantity}_step_{cls}", "0")))
-                base = source.number(pair[column])
-                off = step / base
+                half, base = 0.5 * float(source.head.get(f"{quantity}_step_{cls}", "0")), source.number(pair[column])
+                off = max(half_step(pair[column]), half) / base
                 if own == "class":
                     off += power * sum(half_step(r["preload_N"]) / source.number(r["preload_N"]) for r in (row, pair))
-                item = f"{row['bearing']} {cls} {name}"
-                wrong = source.misprinted(f"{item} {quantity}")
-                yield Outside(
-                    quantity,
-                    "set with equal gaps from the pair" if own != "class" else "pair of another preload",
-                    source.head["maker"],
-                    item,
-                    source.head["class"],
-                    origin_of(source, row, "line"),
-                    unit,
-                    source.number(row[column]),
-                    max(half_step(row[column]), 0.5 * float(source.head.get(f"{quantity}_step_{cls}", "0"))),
-                    ratio * base,
-                    ratio * base * (1.0 - off),
-                    ratio * base * (1.0 + off),
-                    counts=not wrong,
-                    why=MISPRINT if wrong else "",
-                )
+                what = (quantity, "sets and preloads from one pair", f"{row['bearing']} {cls} {name}", unit)
+                rounding = max(half_step(row[column]), half)
+                yield of_row(source, row, "line", column, what, Band.within(ratio * base, off), rounding=rounding)
 
 
 # --- bearings from their ratings
@@ -162,9 +131,11 @@ def balls_of(dynamic: float, static: float, pitch: float, angle: float) -> tuple
         return static / (float(of_static(ball / pitch)) * ball**2)
 
     def excess(ball: float) -> float:
-        return float(of_dynamic(ball / pitch)) * count(ball) ** (2.0 / 3.0) * ball**1.8 / dynamic - 1.0
+        computed = float(of_dynamic(ball / pitch)) * count(ball) ** (2.0 / 3.0) * ball**1.8
+        return float(computed / dynamic - 1.0)
 
-    ball = float(brentq(excess, RELATIVE[0] * pitch, RELATIVE[-1] * pitch, rtol=1e-9))
+    low, high = float(RELATIVE[0]), float(RELATIVE[-1])
+    ball = float(brentq(excess, low * pitch, high * pitch, rtol=1e-9))
     return count(ball), ball
 
 
@@ -197,8 +168,9 @@ def ball_bearings() -> Iterator[Outside]:
     moved, stiff = [], []
     for off in (0.0, step, -step):
         conformity = conformity_of_pair(begin, forces[:, -1], 1e6 * (rigid[:, -1] + off))
-        each = [x[:, None] for x in (begin.balls, ball, pitch, conformity, angle)]
-        state = state_under(AngleRows(*each, YOUNG, POISSON), np.column_stack([forces, load[:, -1]]))
+        balls, balls_size, circle, groove, rest = (x[:, None] for x in (begin.balls, ball, pitch, conformity, angle))
+        each = AngleRows(balls, balls_size, circle, groove, rest, YOUNG, POISSON)
+        state = state_under(each, np.column_stack([forces, load[:, -1]]))
         moved.append(1e6 * state.displacement)
         stiff.append(2e-6 * state.stiffness[:, :-1])
     for i, rows in enumerate(own):
@@ -211,61 +183,60 @@ def ball_bearings() -> Iterator[Outside]:
 def _of_bearing(
     source: Table, own: list[Mapping[str, str]], forces: Array, moved: Array, rigid: Array
 ) -> Iterator[Outside]:
-    """Clearances and rigidities of a bearing; forces (p,) [N]; moved (3, p + 1) [um]: at these and under the measuring load,
+    """Clearances and rigidities of a bearing; forces (p,) [N]; moved (3, p + 1) [um]: at these and under the measuring
+    load,
     rigid (3, p) [N/um]: for the rigidity at the heavy preload as printed and at the ends of its rounding."""
     clearance = 2.0 * (moved[:, -1:] - moved[:, :-1])
     for i, row in enumerate(own):
         share = half_step(row["preload_N"]) / forces[i]
-        shared = (source.head["maker"], f"{row['bearing']} {row['preload_class']}", source.head["class"])
-        for quantity, column, unit, values, off, scale in (
-            ("displacement", "clearance_um", "um", clearance[:, i], 4.0 / 3.0 * moved[0, i] * share, 2.0 * moved[0, -1]),
-            ("rigidity", "rigidity_N_per_um", "N/um", rigid[:, i], rigid[0, i] * share / 3.0, 0.0),
-        ):
-            used = row is own[-1] and quantity == "rigidity"
-            yield Outside(
-                quantity,
-                "turning contact angle",
-                *shared,
-                origin_of(source, row, "line_clearance" if quantity == "displacement" else "line_preload"),
-                unit,
-                source.number(row[column]),
-                0.5 if quantity == "displacement" else half_step(row[column]),
-                float(values[0]),
-                float(values.min() - off),
-                float(values.max() + off),
-                float(scale),
-                counts=not used,
-                why="the conformity is taken from it" if used else "",
-            )
+        item, law = f"{row['bearing']} {row['preload_class']}", "bearing whose angle turns"
+        yield of_row(
+            source,
+            row,
+            "line_clearance",
+            "clearance_um",
+            ("displacement", law, item, "um"),
+            Band.of(clearance[:, i], 4.0 / 3.0 * moved[0, i] * share),
+            rounding=0.5,
+            scale=float(2.0 * moved[0, -1]),
+        )
+        yield of_row(
+            source,
+            row,
+            "line_preload",
+            "rigidity_N_per_um",
+            ("rigidity", law, item, "N/um"),
+            Band.of(rigid[:, i], rigid[0, i] * share / 3.0),
+            left="the conformity is taken from it" if row is own[-1] else "",
+        )
 
 
 def _factor(source: Table, row: Mapping[str, str], factor: float) -> Outside:
     """Factor f_0, which is printed beside C and C_0; both ratings rounded."""
     off = factor * sum(half_step(row[key]) / source.number(row[key]) for key in ("Cr_kN", "C0r_kN"))
-    words = (source.head["maker"], row["bearing"], source.head["class"], origin_of(source, row, "line_product"), "")
-    return Outside("rating", "f_0 of ISO 76 from C and C_0", *words, source.number(row["f0"]), 0.05, factor, factor - off, factor + off)
+    what = ("rating", "ISO 281 and ISO 76", f"{row['bearing']} f0", "")
+    return of_row(source, row, "line_product", "f0", what, Band.of((factor,), off))
 
 
 def printed_balls() -> Iterator[Outside]:
-    """C and C_0 of bearings whose balls are printed; their rigidities, which the catalogue has by a formula of its own.
+    """C and C_0 of bearings whose balls are printed.
 
     Band of ratings: pitch diameter within 2 % of the middle of bore and outside diameter, ball diameter rounded.
     """
     source, done = table("snfa-angular"), set[tuple[str, str]]()
     for row in source.rows:
-        angle, ball, pitch, count = radians(float(row["angle_deg"])), 1e-3 * float(row["ball_diameter_mm"]), _middle(row), int(row["balls"])
-        series = "VE" if row["bearing"].startswith("VE") else "S, E"
-        shared = (f"{source.head['maker']}, series {series}", row["bearing"], source.head["class"])
         if (row["bearing"], row["C33_daN"]) in done:
             continue
         done.add((row["bearing"], row["C33_daN"]))
-        off = 2.0 * half_step(row["ball_diameter_mm"]) * 1e-3 / ball
-        of_dynamic, of_static = factors(angle)
-        x = ball / pitch / np.array([1.0, 0.98, 1.02])
-        for law, column, found in (
-            ("C by ISO 281", "C33_daN", 0.1 * of_dynamic(x) * count ** (2.0 / 3.0) * ball**1.8),
-            ("C_0 by ISO 76", "C0_daN", 0.1 * of_static(x) * count * ball**2),
+        ball, count, x = 1e-3 * float(row["ball_diameter_mm"]), int(row["balls"]), 1.0 / np.array([1.0, 0.98, 1.02])
+        off = 2.0 * half_step(row["ball_diameter_mm"]) / float(row["ball_diameter_mm"])
+        of_dynamic, of_static = factors(radians(float(row["angle_deg"])))
+        x *= ball / _middle(row)
+        maker = f"{source.head['maker']}, series {'VE' if row['bearing'].startswith('VE') else 'S, E'}"
+        for column, found in (
+            ("C33_daN", 0.1 * of_dynamic(x) * count ** (2.0 / 3.0) * ball**1.8),
+            ("C0_daN", 0.1 * of_static(x) * count * ball**2),
         ):
-            value = (source.number(row[column]), half_step(row[column]), float(found[0]))
-            band = (float(found.min()) * (1.0 - off), float(found.max()) * (1.0 + off))
-            yield Outside("rating", law, *shared, origin_of(source, row, "line_product"), "daN", *value, *band)
+            what = ("rating", "ISO 281 and ISO 76", f"{row['bearing']} {column.partition('_')[0]}", "daN")
+            band = Band.of(found, off * float(found[0]))
+            yield of_row(source, row, "line_product", column, what, band, maker=maker)

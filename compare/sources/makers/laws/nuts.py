@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
@@ -13,9 +12,8 @@ import numpy as np
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.scenes.circuits import touching_angle
 from rollbench.comparison.scenes.like import BEYOND, STOCK, WALL
-from rollbench.comparison.sources.makers.laws.bearings import MISPRINT, half_step, origin_of
-from rollbench.comparison.sources.makers.outside import Outside
-from rollbench.comparison.sources.makers.tables import Table, table, tables
+from rollbench.comparison.sources.makers.outside import Band, Outside, of_row
+from rollbench.comparison.sources.makers.tables import Table, half_step, table, tables
 from rollbench.lowfi.rating.life import rating
 from rollbench.lowfi.rating.rigidity import body_compliance, slope_of
 from rollbench.lowfi.rating.static import static_rating
@@ -46,7 +44,8 @@ def _base() -> Scene:
 
 @dataclass(frozen=True)
 class Nut:
-    """A nut of a catalogue, lengths in m: ball, pitch diameter, lead, turns of all circuits, whether they are of one turn."""
+    """A nut of a catalogue, lengths in m: ball, pitch diameter, lead, turns of all circuits, whether they are of one
+    turn."""
 
     ball: float
     pitch: float
@@ -135,7 +134,7 @@ def family(source: Table, row: Mapping[str, str]) -> str:
         return f"{maker}, " + ("whole" if row["turns"].startswith("K") else "one-turn") + " recirculation"
     if maker == "THK":
         return f"{maker}, " + ("without preload" if row["type"] == "single nut" else "preloaded")
-    return maker
+    return "TBI, Wangong" if maker in ("TBI", "Wangong") else maker  # whose tables of one series are one
 
 
 # --- laws
@@ -150,22 +149,9 @@ def nut_ratings() -> Iterator[Outside]:
             nut, unit = nut_of(source, row), source.unit("load_unit")
             corners = [(CONFORMITY, 0.5 * sum(nut.filling))] + [(c, x) for c in CONFORMITIES for x in nut.filling]
             found = np.array([of_ratings(nut, *corner) for corner in corners]) / unit
-            for k, (key, law) in enumerate((("C", "C by ISO 3408-5"), ("C0", "C_0 by ISO 3408-5"))):
-                wrong = source.misprinted(f"{row['nut']} {key}")
-                yield Outside(
-                    "rating",
-                    law,
-                    family(source, row),
-                    row["nut"],
-                    source.head["class"],
-                    origin_of(source, row, "line"),
-                    source.head["load_unit"],
-                    source.number(row[key]),
-                    half_step(row[key]),
-                    *(float(x) for x in (found[0, k], found[:, k].min(), found[:, k].max())),
-                    counts=not wrong,
-                    why=MISPRINT if wrong else "",
-                )
+            for k, key in enumerate(("C", "C0")):
+                what = ("rating", "ISO 3408-5", f"{row['nut']} {key}", source.head["load_unit"])
+                yield of_row(source, row, "line", key, what, Band.of(found[:, k]), maker=family(source, row))
 
 
 def share_of_balls(nut: Nut, static: float) -> float:
@@ -185,31 +171,18 @@ def nut_rigidity() -> Iterator[Outside]:
             share = share_of_balls(nut, source.number(row["C0"]) * unit)
             preload = PRELOADED / LOADED * load if row["type"] in source.head.get("preloaded", "-").split(", ") else 0.0
 
-            def secant(conformity: float, filling: float, nut: Nut = nut, load: float = load, held: float = preload) -> float:
+            def secant(
+                conformity: float, filling: float, nut: Nut = nut, load: float = load, held: float = preload
+            ) -> float:
                 start = displacement(nut, conformity, filling, held) if held else 0.0
                 return load / (displacement(nut, conformity, filling, load) - start)
 
             stiff = source.unit("rigidity_unit")
-            ends = [secant(c, x * share) / stiff for c in CONFORMITIES for x in (0.95, 1.05)]
-            middle = secant(CONFORMITY, share) / stiff
-            wrong = source.misprinted(f"{row['nut']} rigidity")
-            yield Outside(
-                "rigidity",
-                "contacts and tubes under 0.3 C",
-                family(source, row),
-                row["nut"],
-                source.head["class"],
-                origin_of(source, row, "line"),
-                source.head["rigidity_unit"],
-                source.number(row["rigidity"]),
-                half_step(row["rigidity"]),
-                middle,
-                min(ends),
-                max(ends),
-                practice=PRACTICE * middle,
-                counts=not wrong,
-                why=MISPRINT if wrong else "",
-            )
+            corners = [(CONFORMITY, share)] + [(c, x * share) for c in CONFORMITIES for x in (0.95, 1.05)]
+            band = Band.of(secant(*corner) / stiff for corner in corners)
+            what = ("rigidity", "contacts and tubes under 0.3 C", row["nut"], source.head["rigidity_unit"])
+            maker, practice = family(source, row), PRACTICE * band.value
+            yield of_row(source, row, "line", "rigidity", what, band, maker=maker, practice=practice)
 
 
 def preloaded_nuts() -> Iterator[Outside]:
@@ -221,7 +194,9 @@ def preloaded_nuts() -> Iterator[Outside]:
         groups.setdefault((row["nut_kind"], row["size"]), []).append(row)
     for (kind, size), rows in groups.items():
         turns = prod(map(float, rows[0]["turns"].replace(",", ".").split("x")))
-        ball, outer, lead = (1e-3 * source.number(rows[0][k]) for k in ("ball_diameter_mm", "nominal_diameter_mm", "lead_mm"))
+        ball, outer, lead = (
+            1e-3 * source.number(rows[0][k]) for k in ("ball_diameter_mm", "nominal_diameter_mm", "lead_mm")
+        )
         nut = Nut(ball, outer + 2.0 * BEYOND * ball, lead, turns, short=False)
         ordered = sorted(rows, key=lambda row: source.number(row["preload_percent_of_C"]))
         top = ordered[-1]
@@ -238,18 +213,5 @@ def preloaded_nuts() -> Iterator[Outside]:
                 base, step = source.number(top["Rnu_N_per_um"]), half_step(top["Rnu_N_per_um"])
                 growth = np.cbrt(share / source.number(top["preload_percent_of_C"]))
                 ends, law, practice = [x * growth for x in (base, base + step, base - step)], "growth with preload", None
-            yield Outside(
-                "rigidity",
-                law,
-                source.head["maker"],
-                f"{kind} {size}, {share:g} % of C",
-                source.head["class"],
-                origin_of(source, row, "line_values"),
-                "N/um",
-                source.number(row["Rnu_N_per_um"]),
-                half_step(row["Rnu_N_per_um"]),
-                *(float(x) for x in (ends[0], min(ends), max(ends))),
-                practice=practice,
-            )
-
-
+            what = ("rigidity", law, f"{kind} {size}, {share:g} % of C", "N/um")
+            yield of_row(source, row, "line_values", "Rnu_N_per_um", what, Band.of(ends), practice=practice)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from rollbench.comparison.evidence.registry import by_table, evidence
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.registration import registered
-from rollbench.comparison.sources.makers.outside import MAKER, PROGRAM, Outside
+from rollbench.comparison.sources.makers.outside import MAKER, PROGRAM, Band, Outside
 
 #: Tables of the external sources that are judged here: who, and of which class. Those of THK stand among the nuts.
 PRINTED = {
@@ -23,17 +23,17 @@ PRINTED = {
 QUANTITIES = {
     "um": "displacement",
     "mrad": "displacement",
-    "mm": "contact ellipse",
-    "deg": "contact angle",
+    "mm": "contact patch",
+    "deg": "contact patch",
     "MPa": "pressure",
     "N": "contact load",
     "": "contact load",
     "balls": "contact load",
     "N/um": "rigidity",
-    "N mm": "creep force",
+    "N mm": "contact patch",
 }
 #: Entries whose unit says something else.
-OTHERS = {("external-contact", "approach"): "displacement", ("external-contact", "lateral"): "creep force"}
+OTHERS = {("external-contact", "approach"): "displacement", ("external-contact", "lateral"): "contact patch"}
 
 
 def printed_elsewhere(study: Study) -> Iterator[Outside]:
@@ -57,17 +57,14 @@ def printed_elsewhere(study: Study) -> Iterator[Outside]:
                 p.unit,
                 p.value,
                 rounding,
-                e.value,
-                e.value,
-                e.value,
-                counts=p.cls in ("hard", "band"),
-                why="" if p.cls in ("hard", "band") else "open: what it rests on is not printed",
+                Band.of((e.value,)),
+                left="" if p.cls in ("hard", "band") else "open: what it rests on is not printed",
             )
 
 
 def calculix(study: Study) -> Iterator[Outside]:
-    """Contact loads of the 3D reference beside those of CalculiX, extrapolated, both with their uncertainties; errors in per
-    cent of the mean load."""
+    """Contact loads of the 3D reference beside those of CalculiX, extrapolated, both with their uncertainties; errors
+    in per cent of the mean load."""
     if "crosscheck" not in registered():
         return
     from rollbench.comparison.wings.crosscheck.data import load, path_of, shipped
@@ -82,5 +79,5 @@ def calculix(study: Study) -> Iterator[Outside]:
         for row in contact_rows(data, ours):
             off = 0.01 * row.ours_percent * mean
             words = ("contact load", "3D reference", "CalculiX", f"{name}: ball {row.ball} {row.side}", PROGRAM)
-            value = (row.theirs, 0.01 * row.theirs_percent * mean, row.ours, row.ours - off, row.ours + off, mean)
+            value = (row.theirs, 0.01 * row.theirs_percent * mean, Band.of((row.ours,), off), mean)
             yield Outside(*words, f"stored run, compare/wings/crosscheck/{path_of(shipped(), name).name}", "N", *value)

@@ -12,15 +12,16 @@ import numpy as np
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.scenes.like import STOCK
 from rollbench.comparison.scenes.preload import oversize_for
-from rollbench.comparison.sources.makers.laws.bearings import FORMULA, TORQUE, half_step, origin_of
 from rollbench.comparison.sources.makers.laws.nuts import CONFORMITY, Nut, of_ratings, one_turn
-from rollbench.comparison.sources.makers.outside import Outside
+from rollbench.comparison.sources.makers.outside import Band, Outside, of_row
 from rollbench.comparison.sources.makers.tables import table
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.meshes.parts import BallErrors, Friction, Load, Motion, Scene, Support
 
-#: Coefficient of friction of balls on grooves: the command's default, and from where a band of it begins.
-DEFAULT, LEAST = 0.1, 0.003
+#: Coefficient of friction of balls on grooves: the command's default.
+DEFAULT = 0.1
+#: The law, in words.
+SLIDING = "sliding of the balls, coefficient 0.1"
 #: Balls that stand for all of them.
 FEW = 8
 
@@ -87,7 +88,8 @@ FORMULAS = (
 
 @dataclass(frozen=True)
 class Drag:
-    """Drag torque over preload times nominal diameter of a size, of a single nut by the balls' sliding, of a double nut, and
+    """Drag torque over preload times nominal diameter of a size, of a single nut by the balls' sliding, of a double nut,
+    and
     by the formulas."""
 
     diameter: float
@@ -102,12 +104,16 @@ class Drag:
 SWEPT, BALL, SHARE = (32.0, (8.0, 10.0, 16.0, 20.0, 32.0)), 4.763, 60.0
 
 
+def size(lead: float) -> Nut:
+    """One turn of the nut that is swept, at a lead [m]."""
+    return Nut(1e-3 * BALL, 1e-3 * (SWEPT[0] + 0.22 * BALL), lead, 1.0, short=False)
+
+
 def sweep() -> list[Drag]:
     """The same balls under the same preload over the lead."""
     rows = []
     for lead in SWEPT[1]:
-        nut = Nut(1e-3 * BALL, 1e-3 * (SWEPT[0] + 0.22 * BALL), 1e-3 * lead, 1.0, short=False)
-        d0 = 1e-3 * SWEPT[0]
+        nut, d0 = size(1e-3 * lead), 1e-3 * SWEPT[0]
         one, two = (torque_of_ball(nut, SHARE, DEFAULT, double=x) / (SHARE * d0) for x in (False, True))
         rows.append(Drag(d0, 1e-3 * lead, one, two, tuple(f(1.0, d0, 1e-3 * lead) / d0 for _, f in FORMULAS)))
     return rows
@@ -125,23 +131,22 @@ def printed_torques() -> Iterator[Outside]:
         ball, outer, lead = (1e-3 * source.number(row[k]) for k in ("ball_diameter_mm", "nominal_diameter_mm", "lead_mm"))
         if not row["torque_low_Nm"]:
             continue
-        turns, share = prod(map(float, row["turns"].replace(",", ".").split("x"))), source.number(row["preload_percent_of_C"])
+        turns = prod(map(float, row["turns"].replace(",", ".").split("x")))
+        share = source.number(row["preload_percent_of_C"])
         nut = Nut(ball, outer + 0.22 * ball, lead, turns, short=False)
         preload, double = 0.01 * share * source.number(row["C_N"]), row["nut_kind"] == "double nut"
-        first = torque_of_ball(nut, SHARE, DEFAULT, double=double)
-        balls = nut.touching * turns
-        torque = balls * first * (preload / balls / SHARE) ** TORQUE
+        torque = drag_torque(nut, preload, double=double)
         low, high = (source.number(row[k]) for k in ("torque_low_Nm", "torque_high_Nm"))
-        words = ("torque", "sliding of the balls, coefficient 0.1", source.head["maker"], f"{row['nut_kind']} {row['size']}, {share:g} % of C")
-        where = (source.head["class"], origin_of(source, row, "line_values"), "N m")
-        yield Outside(*words, *where, 0.5 * (low + high), 0.5 * (high - low), torque, torque, torque, counts=False, why=FORMULA)
+        what = ("torque", SLIDING, f"{row['nut_kind']} {row['size']}, {share:g} % of C", "N m")
+        one = of_row(source, row, "line_values", "torque_high_Nm", what, Band.of((torque,)), left="a formula in disguise")
+        yield replace(one, value=0.5 * (low + high), rounding=0.5 * (high - low))
 
 
 #: What is printed of the two measured screws: lead [m], C and preload [N]; nominal diameters [mm] of such screws.
 MEASURED_LEAD, MEASURED_C, MEASURED_PRELOAD, DIAMETERS = 8e-3, 16_400.0, 1_500.0, (25.0, 32.0, 40.0)
 
 
-def measured_band() -> tuple[float, float, float]:
+def measured_band() -> Band:
     """Drag torque [N m] of the measured screws at the default coefficient: the middle size as a double nut, and the least
     and largest of all sizes, single and double; turns from C, the ball the largest in stock for the lead."""
     ball = 1e-3 * max(b for b in STOCK if b <= 0.635e3 * MEASURED_LEAD)
@@ -151,17 +156,15 @@ def measured_band() -> tuple[float, float, float]:
         turns = (MEASURED_C / of_ratings(one, CONFORMITY, 0.95)[0]) ** (1.0 / 0.86)
         for double in (False, True):
             found[outer, double] = drag_torque(replace(one, turns=turns), MEASURED_PRELOAD, double=double)
-    return found[DIAMETERS[1], True], min(found.values()), max(found.values())
+    return Band.of((found[DIAMETERS[1], True], *found.values()))
 
 
 def measured() -> Iterator[Outside]:
     """Mean friction torque of two screws over their wear: new and at the end of the run; those between are one run."""
     source = table("xjtu-torque")
-    middle, low, high = measured_band()
+    band = measured_band()
     ends = {name: [r for r in source.rows if r["screw"] == name] for name in dict.fromkeys(r["screw"] for r in source.rows)}
     for name, rows in ends.items():
         for row, state in ((rows[0], "new"), (rows[-1], "worn")):
-            where = (source.head["class"], origin_of(source, row, "line"), "N m")
-            value = (source.number(row["torque_Nm"]), half_step(row["torque_Nm"]))
-            law = "sliding of the balls, coefficient 0.1"
-            yield Outside("torque", law, f"{source.head['maker']}, rig", f"{name}, {state}", *where, *value, middle, low, high)
+            what, maker = ("torque", SLIDING, f"{name}, {state}", "N m"), f"{source.head['maker']}, rig"
+            yield of_row(source, row, "line", "torque_Nm", what, band, maker=maker)
