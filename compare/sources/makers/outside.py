@@ -94,7 +94,7 @@ def of_row(
     fields: dict[str, Any] = {"maker": source.head["maker"], "rounding": half_step(row[column])} | said
     if source.misprinted(f"{item} {quantity}"):
         fields["left"] = "a misprint"
-    origin, value = f"{source.head['origin']}, line {row[line]}", source.number(row[column])
+    origin, value = f"{source.name}.csv, line {row[line]} of its origin", source.number(row[column])
     return Outside(
         quantity=quantity,
         law=law,
@@ -202,4 +202,8 @@ def every(found: Sequence[Outside]) -> Table:
         }
         for x in found
     ]
-    return replace(Table.of("outside", "Outside values beside the computed ones", rows), shown=SHOWN)
+    note = (
+        "Makers' tables stand in compare/sources/makers/tables; the first lines of each name the repository, commit and file of "
+        "its origin."
+    )
+    return replace(Table.of("outside", "Outside values beside the computed ones", rows, note), shown=SHOWN)
