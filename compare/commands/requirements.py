@@ -24,8 +24,8 @@ def run_requirements(command: str) -> Answer:
     lines = sorted(f"{name}=={found}" for name, found in closure(named).items())
     without = [name for name in ONLY_FOR if name not in named]
     heads = [
-        f"# what {command} needs of packages, as installed here by rollbench {__version__}; to install:",
-        "# pip install --no-deps -r THIS_FILE, then pip install --no-deps with the folder, wheel or git address of rollbench",
+        f"# what {command} needs of packages, as installed here by rollbench {__version__}; then:",
+        "# pip install --no-deps -r THIS_FILE, and the same with the folder, wheel or git address of rollbench",
         *(f"# without {name}: {ONLY_FOR[name]}" for name in without),
     ]
     return Answer({"command": command, "requirements": lines, "without": without}, [*heads, *lines])
