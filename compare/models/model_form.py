@@ -67,6 +67,8 @@ SCALES: dict[str, tuple[str, float]] = {
     "turn": ("angle between neighbouring balls [rad]", 0.3),
     "few": ("one over the number of balls", 0.2),
 }
+#: Feature that only scenes with a nut held by its flange have: their errors are expected from one another.
+FLANGE = "flange"
 
 
 @dataclass(frozen=True)
@@ -138,6 +140,7 @@ def features(scene: Scene, load: Array) -> dict[str, float]:
         "nut": scene.nut.groove_radius / (2.0 * radius),
         "turn": float(np.median(np.diff(np.sort(layout.azimuth)))) if scene.ball_count > 1 else 2.0 * np.pi,
         "few": 1.0 / scene.ball_count,
+        **({FLANGE: 1.0} if held_by_flange(scene) else {}),
     }
 
 
@@ -168,7 +171,7 @@ def _points(name: str) -> tuple[Point, ...]:
         data = json.loads((shipped_store() / name).read_text(encoding="utf-8"))
         rows = data if name == FILE else [p for scene in data["scenes"] for p in scene.get("points", ())]
         found = tuple(Point(**row) for row in rows)
-        return tuple(p for p in found if set(p.features) == set(SCALES))
+        return tuple(p for p in found if set(p.features) - {FLANGE} == set(SCALES))
     except (OSError, ValueError, TypeError, KeyError):
         return ()
 
@@ -179,7 +182,14 @@ def unlike_kind(scene: Scene) -> str:
         return "its nut is rigid, that of every compared scene is elastic"
     if scene.ingredients.screw == "rigid" and scene.track.lead > 0.0:
         return "its screw is rigid, and every compared one with a lead bends"
+    if scene.nut.flange is not None and not held_by_flange(scene):
+        return "its nut has a flange that does not hold it, those of compared scenes do"
     return ""
+
+
+def held_by_flange(scene: Scene) -> bool:
+    """Whether the face of its flange holds a scene's nut."""
+    return scene.nut.flange is not None and scene.solid.nut_held in (None, "flange face")
 
 
 def bound(known: Array, errors: Array, here: Array, least: float) -> float:
@@ -203,7 +213,8 @@ def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None 
     model = MODELS[result.model]
     ring = scene.track.lead == 0.0
     own = [p for p in (shipped_points() if points is None else points) if p.model == (model.errors_of or model.name)]
-    like = [p for p in own if (p.features["lead"] == 0.0) == ring]
+    kind = ring, held_by_flange(scene)
+    like = [p for p in own if (p.features["lead"] == 0.0, FLANGE in p.features) == kind]
     words: tuple[str, ...] = (model.words,)
 
     def uncovered(why: str, away: float = float("inf"), nearest: str = "") -> ModelForm:
@@ -217,7 +228,8 @@ def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None 
         return uncovered("no scene was compared with the 3D reference")
     other = unlike_kind(scene)
     if not other and len(like) < FEWEST:
-        other = f"too few {'rings' if ring else 'screws'} were compared with the 3D reference"
+        what = "rings" if ring else "nuts held by a flange" if kind[1] else "screws"
+        other = f"too few {what} were compared with the 3D reference"
     if other:
         return uncovered(other)
     known = np.array([_scaled(p.features) for p in like])
@@ -257,11 +269,12 @@ class LeftOut:
 
 
 def left_out(points: Sequence[Point], model: str) -> list[LeftOut]:
-    """Every compared screw of a model, judged by all others."""
-    own = [p for p in points if p.model == model and p.features["lead"] > 0.0]
-    known = np.array([_scaled(p.features) for p in own])
+    """Every compared screw of a model, judged by all others with a flange, or all without."""
     out = []
-    for k, point in enumerate(own):
-        others, rest = [p for p in own if p is not point], np.delete(known, k, axis=0)
-        out.append(LeftOut(point, None if _beyond(rest, known[k]) else _expected(others, rest, known[k])))
+    for flanged in (False, True):
+        own = [p for p in points if p.model == model and p.features["lead"] > 0.0 and (FLANGE in p.features) == flanged]
+        known = np.array([_scaled(p.features) for p in own])
+        for k, point in enumerate(own):
+            others, rest = [p for p in own if p is not point], np.delete(known, k, axis=0)
+            out.append(LeftOut(point, None if _beyond(rest, known[k]) else _expected(others, rest, known[k])))
     return out
