@@ -75,19 +75,22 @@ def read_condensed(scene: Scene, options: Options) -> Condensed:
 def _elastic(scene: Scene, options: Options, *, name: str) -> StaticResult:
     """A model with elastic bodies, by the name of its backend; "condensed" takes them from a file."""
     from rollbench.lowfi.compliance.bodies import LADDER, REFINED
-    from rollbench.lowfi.statics.elastic import solve_elastic, with_discretisation
+    from rollbench.lowfi.statics.elastic import solve_elastic
+    from rollbench.lowfi.statics.static import with_discretisation
 
     condensed = read_condensed(scene, options) if name == "condensed" else None
-    own: dict[str, Any] = {
-        "backend": LADDER.get(name, REFINED),
-        "condensed": condensed,
-        "name": name,
-        "everything": options.everything,
-        "member": options.member,
-        "engine": options.engine,
-    }
-    result = solve_elastic(scene, **own)
-    return with_discretisation(scene, result, **own) if options.discretisation else result
+    solve = partial(
+        solve_elastic,
+        backend=LADDER.get(name, REFINED),
+        condensed=condensed,
+        name=name,
+        everything=options.everything,
+        member=options.member,
+        engine=options.engine,  # type: ignore[arg-type]
+    )
+    result = solve(scene)
+    wanted = options.discretisation and result.converged and scene.ingredients.screw != "rigid"
+    return with_discretisation(scene, result, solve) if wanted else result
 
 
 def _source(scene: Scene, options: Options) -> StaticResult:

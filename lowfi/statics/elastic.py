@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,7 +28,6 @@ from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS, assemble_result
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimen, specimen
 from rollbench.meshes.helix import BallLayout, ball_layout
-from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
 
 #: Formulation of a solution with elastic bodies.
@@ -280,16 +279,3 @@ def solved_state(elastic: Elastic) -> SolvedState:
     held = np.where(problem.fixed, nodal, 0.0)
     scale = max(elastic.scale, float(np.abs(held[:, :3]).max(initial=0.0)))
     return SolvedState(problem, motion, centre, contact[..., 0], contact[..., 1:3], held, shifts, scale)
-
-
-def with_discretisation(scene: Scene, result: StaticResult, **options: Any) -> StaticResult:
-    """Add the beam's discretisation error: as `static.with_discretisation`, for ``solve_elastic`` with these options."""
-    if scene.ingredients.screw == "rigid" or not result.converged:
-        return result
-    if scene.ingredients.partition == "nodal":
-        other = solve_elastic(scene, refine=2, **options)
-    else:
-        nodal = replace(scene, ingredients=replace(scene.ingredients, partition="nodal"))
-        other = solve_elastic(nodal, **options)
-    measured = float(np.abs(result.load - other.load).max()), mean_load(other.load)
-    return replace(result, solver=replace(result.solver, discretisation=measured))

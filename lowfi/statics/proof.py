@@ -7,6 +7,9 @@ while the load does work. Only the second proves that a screw is not held.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 
 from rollbench.lowfi.statics.problem import SIGNS, Problem
@@ -25,8 +28,6 @@ def opening_motion(problem: Problem) -> Array | None:
 
     Raises ArithmeticError where the linear program finds neither.
     """
-    from scipy.optimize import linprog
-
     scene, layout = problem.scene, problem.layout
     arm, z0 = scene.track.pitch_radius, scene.nut.position
     scale = np.array([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
@@ -45,22 +46,51 @@ def opening_motion(problem: Problem) -> Array | None:
         if s < 2:
             x = layout.centre + point[s, 0] * layout.radial + point[s, 1] * layout.binormal - np.array([0.0, 0.0, z0])
             rows[4 * own + s, :6] = -np.concatenate([normal, np.cross(x, normal)], axis=1) * scale
-    work = np.zeros(6 + 2 * N)
+    work = np.zeros(6)
     held: list[Array] = []
     for load in scene.loads:
-        work[:6] += scale * (rigid_transport(load.at - z0).T @ np.concatenate([load.force, load.moment]))
+        work += scale * (rigid_transport(load.at - z0).T @ np.concatenate([load.force, load.moment]))
     for support in scene.supports:
         transport = rigid_transport(support.at - z0) * scale
         held += [transport[FREEDOMS.index(name)] for name, _ in support.fixed]
-    size = float(np.abs(work).max())
-    if size == 0.0:
-        return None
-    equal = np.concatenate([np.array(held).reshape(-1, 6), np.zeros((len(held), 2 * N))], axis=1) if held else None
-    bounds = [(-1.0, 1.0)] * 6 + [(None, None)] * (2 * N)
-    found = linprog(-work / size, A_ub=rows, b_ub=np.zeros(4 * N), A_eq=equal, b_eq=np.zeros(len(held)), bounds=bounds)
+    return None if not work.any() else opening(work, rows, np.array(held).reshape(-1, 6))
+
+
+def opening(work: Array, approach: Any, held: Array) -> Array | None:
+    """Motions ``(k,)`` up to one by which loads do ``work`` ``(k,)`` while no contact's approach grows and nothing moves
+    what is ``held`` ``(h, k)``; None where compressive forces balance the loads.
+
+    approach: of all contacts by these motions and by the balls' centres, a matrix, dense or sparse. Raises
+    ArithmeticError where the linear program finds neither.
+    """
+    from scipy.optimize import linprog
+    from scipy.sparse import csr_array, hstack
+
+    k, (contacts, wide) = work.size, approach.shape
+    centres = wide - k
+    found = linprog(
+        np.concatenate([-work / np.abs(work).max(), np.zeros(centres)]),
+        A_ub=approach,
+        b_ub=np.zeros(contacts),
+        A_eq=hstack([csr_array(held), csr_array((len(held), centres))]) if len(held) else None,
+        b_eq=np.zeros(len(held)) if len(held) else None,
+        bounds=[(-1.0, 1.0)] * k + [(None, None)] * centres,
+    )
     if found.status != 0:
         raise ArithmeticError(f"no linear program of the contacts: {found.message}")
-    return None if -found.fun <= PROVEN else np.asarray(found.x[:6])
+    return None if -found.fun <= PROVEN else np.asarray(found.x[:k])
+
+
+def ran_away(motion: Callable[[], Array | None], body: str, opens: Callable[[Array], str]) -> str:
+    """Status sentence of a body that ran away: not held only where a linear program finds a ``motion`` that opens its
+    contacts; opens: says so, of that motion."""
+    try:
+        found = motion()
+    except ArithmeticError as error:
+        return f"not converged: {body} ran away, and whether its contacts can hold it is not known: {error}"
+    if found is not None:
+        return f"not held: {opens(found)}"
+    return f"not converged: {body} ran away, though contact forces that push can balance the loads (linear program)"
 
 
 def words_of(motion: Array) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from time import perf_counter
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from rollbench.lowfi import jit
 from rollbench.lowfi.statics.mechanism import Mechanism, free_motions
 from rollbench.lowfi.statics.problem import Problem, build, distances, tightest
-from rollbench.lowfi.statics.proof import opening_motion, words_of
+from rollbench.lowfi.statics.proof import opening_motion, ran_away, words_of
 from rollbench.lowfi.statics.records import BeamArrays, BeamContacts, BeamOptions, BeamSlopes, BeamState, Outcome
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.selection import (
@@ -288,7 +289,7 @@ def solve_static(
         found = settle(other, profile=False)
         result = with_other_pin(result, mechanism, other.force if not lost(found) else None)
     if discretisation and result.converged:
-        result = with_discretisation(scene, result, engine=engine, member=member, drawn=drawn)
+        result = with_discretisation(scene, result, partial(solve_static, engine=engine, member=member, drawn=drawn))
     return result
 
 
@@ -367,35 +368,22 @@ def settle(prepared: Prepared, *, everything: bool = False, refine: int = 1, pro
 
 def unheld(problem: Problem) -> str:
     """Status sentence of a screw that ran away: not held only where a linear program proves it."""
-    try:
-        motion = opening_motion(problem)
-    except ArithmeticError as error:
-        return f"not converged: the screw ran away, and whether its contacts can hold it is not known: {error}"
-    if motion is None:
-        return "not converged: the screw ran away, though contact forces that push can balance the load (linear program)"
-    return (
-        "not held: the load opens every contact that could carry it, so the screw moves without limit (linear program: "
-        f"{words_of(motion)})"
-    )
+    opens = "the load opens every contact that could carry it, so the screw moves without limit (linear program: {})"
+    return ran_away(partial(opening_motion, problem), "the screw", lambda motion: opens.format(words_of(motion)))
 
 
-def with_discretisation(
-    scene: Scene, result: StaticResult, *, engine: Engine, member: int, drawn: Specimen
-) -> StaticResult:
+def with_discretisation(scene: Scene, result: StaticResult, solve: Callable[..., StaticResult]) -> StaticResult:
     """Add the beam's discretisation error: largest change of a contact load, and the mean loaded contact [N].
 
-    A nodal partition is compared with the same one at half the element length, any other with the nodal one.
+    A nodal partition is compared with the same one at half the element length, any other with the nodal one; solve: finds
+    the result of a scene, or of its elements ``refine`` times split.
     """
     if scene.ingredients.screw == "rigid":
         return replace(result, solver=replace(result.solver, discretisation=(0.0, float(result.load.max()))))
-    if scene.ingredients.partition == "nodal":
-        other = solve_static(scene, engine=engine, member=member, refine=2, drawn=drawn)
-    else:
-        finer = replace(scene, ingredients=replace(scene.ingredients, partition="nodal"))
-        other = solve_static(finer, engine=engine, member=member, drawn=drawn)
-    mean = mean_load(other.load)
-    change = float(np.abs(result.load - other.load).max())
-    return replace(result, solver=replace(result.solver, discretisation=(change, mean)))
+    nodal = replace(scene, ingredients=replace(scene.ingredients, partition="nodal"))
+    other = solve(scene, refine=2) if scene.ingredients.partition == "nodal" else solve(nodal)
+    measured = float(np.abs(result.load - other.load).max()), mean_load(other.load)
+    return replace(result, solver=replace(result.solver, discretisation=measured))
 
 
 __all__ = ["BallLayout", "Prepared", "iterate", "prepare", "solve_static"]

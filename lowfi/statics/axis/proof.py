@@ -7,13 +7,15 @@ it unchanged, while the loads do work. Only the second proves that they are not 
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from rollbench.lowfi.statics.axis.loose import words_for
 from rollbench.lowfi.statics.axis.structure import held_rows, rigid_motions
 from rollbench.lowfi.statics.axis.system import BallSet, System
 from rollbench.lowfi.statics.problem import SIGNS
-from rollbench.lowfi.statics.proof import PROVEN
+from rollbench.lowfi.statics.proof import opening, ran_away
 from rollbench.meshes.arrays import Array
 
 
@@ -23,7 +25,6 @@ def opening_motion(system: System) -> Array | None:
 
     Raises ArithmeticError where the linear program finds neither.
     """
-    from scipy.optimize import linprog
     from scipy.sparse import csr_array, hstack, vstack
 
     s = system.structure
@@ -31,28 +32,13 @@ def opening_motion(system: System) -> Array | None:
     by_row = motions.reshape(-1, 6, motions.shape[1])
     work = motions.T @ s.load.ravel()
     total = float(np.abs(s.load[:, :3]).sum() + np.abs(s.load[:, 3:]).sum() / system.arm)
-    size = float(np.abs(work).max())
-    if size <= 1e-12 * total:
+    if float(np.abs(work).max()) <= 1e-12 * total:
         return None
     centres = 2 * system.contacts.r_ball.size
     rows = [hstack([csr_array(a), csr_array(c)]) for b in system.balls for a, c in [_ball_rows(b, system, by_row)]]
     rows += [hstack([csr_array(x), csr_array((len(x), centres))]) for x in _roller_rows(system, by_row)]
-    approach = csr_array(vstack(rows))
-    held = held_rows(s, motions)
-    equal = hstack([csr_array(held), csr_array((len(held), centres))]) if len(held) else None
-    found = linprog(
-        np.concatenate([-work / size, np.zeros(centres)]),
-        A_ub=approach,
-        b_ub=np.zeros(approach.shape[0]),
-        A_eq=equal,
-        b_eq=None if equal is None else np.zeros(len(held)),
-        bounds=[(-1.0, 1.0)] * motions.shape[1] + [(None, None)] * centres,
-    )
-    if found.status != 0:
-        raise ArithmeticError(f"no linear program of the contacts: {found.message}")
-    if -found.fun <= PROVEN:
-        return None
-    return np.asarray(motions @ found.x[: motions.shape[1]]).reshape(-1, 6)
+    found = opening(work, csr_array(vstack(rows)), held_rows(s, motions))
+    return None if found is None else np.asarray(motions @ found).reshape(-1, 6)
 
 
 def _ball_rows(b: BallSet, system: System, by_row: Array) -> tuple[Array, Array]:
@@ -89,16 +75,10 @@ def _roller_rows(system: System, by_row: Array) -> list[Array]:
 
 def unheld(system: System) -> str:
     """Status sentence of a shaft or a housing that ran away: not held only where the linear program proves it."""
-    try:
-        motion = opening_motion(system)
-    except ArithmeticError as error:
-        return f"not converged: the shaft or a ring ran away, and whether its contacts can hold it is not known: {error}"
-    if motion is None:
-        return (
-            "not converged: the shaft or a ring ran away, though contact forces that push can balance the loads "
-            "(linear program)"
-        )
-    return f"not held: the loads open every contact that could carry them (linear program: {words_for(system, motion)})"
+    opens = "the loads open every contact that could carry them (linear program: {})"
+    return ran_away(
+        partial(opening_motion, system), "the shaft or a ring", lambda motion: opens.format(words_for(system, motion))
+    )
 
 
 def crossed(system: System, name: str, thrust: str, angle: float, load: float) -> str:
