@@ -17,7 +17,7 @@ from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
     from rollbench.comparison.scenes.kinds import KindScene
-    from rollbench.meshes.axis import Assembly
+    from rollbench.comparison.scenes.scene_file import Described
 
 Of = TypeVar("Of", bound="KindScene")
 
@@ -61,7 +61,7 @@ def scene_text(name: str) -> str:
 
 
 @cache
-def shipped(name: str) -> Scene | KindScene | Assembly:
+def shipped(name: str) -> Described:
     """The shipped scene of that name, of any kind. Raises InputError for an unknown name."""
     from rollbench.comparison.scenes import scene_file
 
@@ -78,7 +78,7 @@ def case(name: str, of: type[Of]) -> Of:
     return found
 
 
-def any_scene(name_or_path: str) -> Scene | KindScene | Assembly:
+def any_scene(name_or_path: str) -> Described:
     """A shipped scene by name, or the scene of a file, of any kind.
 
     What is no shipped name is a path if it ends in ``.toml``, holds a path separator, or names an existing
