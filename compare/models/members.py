@@ -174,7 +174,7 @@ def run_members(
     engine = engine or Engine()
     _check(scene, model, count)
     start = perf_counter()
-    fast = "compiled" if count >= COMPILE_FROM or (count >= USE_FROM and cached()) else "interpreted"
+    fast = "compiled" if count >= COMPILE_FROM or (count >= USE_FROM and cached(STATICS)) else "interpreted"
     bare = run_model(without_draws(scene), model, Options(engine=fast, discretisation=False))
     if not bare.converged or not bare.load.max() > 0.0:
         reason = bare.status if not bare.converged else "no contact carries load without random errors"
