@@ -114,7 +114,8 @@ def solve(
     curve
         File (.csv) for displacement, stiffness, largest load and torque at 0 to 1.5 times the loads; a figure beside it.
     loads_csv
-        File for all contact loads, as check --loads reads it: ball, flank, newton, azimuth_deg, z_mm.
+        File for all contact loads, as check --loads reads it: ball, flank, newton, azimuth_deg, z_mm; of load cases with a
+        column case.
     members
         Solve so many members: distributions of the largest load, stiffness, lost contacts, life; with --balls bands of
         every ball.
@@ -164,6 +165,5 @@ def condense(scene: str, *, out: Path | None = None, level: int = 1) -> int:
         Mesh level, 1 (coarse) to 3.
     """
     from rollbench.comparison.commands.comparing.condense import run_condense
-    from rollbench.comparison.scenes import catalogue
 
-    return print_answer(run_condense(catalogue.scene(scene), scene, out, level, cache=cache_folder()))
+    return print_answer(run_condense(scene, out, level, cache=cache_folder()))
