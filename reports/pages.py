@@ -118,9 +118,8 @@ def _page(page: Page, number: int, total: int, writer: _Writer) -> dict[str, Any
     writer.say(f"report: {number}/{total} {page.title}")
     file = f"{page.name}.html"
     sections = [_section(section, file, page.whole, writer) for section in page.sections]
-    conclusion = next((section.conclusion for section in page.sections if section.conclusion), "")
-    writer.entries.insert(0, _entry(page.title, file, "page", conclusion))
-    return {"name": page.name, "title": page.title, "file": file, "sections": sections, "conclusion": conclusion}
+    writer.entries.insert(0, _entry(page.title, file, "page", page.conclusion))
+    return {"name": page.name, "title": page.title, "file": file, "sections": sections, "conclusion": page.conclusion}
 
 
 def _section(section: Section, file: str, whole: bool, writer: _Writer) -> dict[str, Any]:

@@ -36,7 +36,7 @@ Row = dict[Quantity | str, Cell]
 @dataclass(frozen=True)
 class Table:
     """A table: ``name`` is its CSV file's stem; rows are mappings from a quantity's key to its value; shown: how many of
-    them a page has, the CSV has all. Raises ValueError for two columns of one heading and unit, which no reader of the CSV
+    them a page has, None for all; the CSV has all. Raises ValueError for two columns of one heading and unit, which no reader of the CSV
     file could tell apart."""
 
     name: str
@@ -44,7 +44,7 @@ class Table:
     columns: Sequence[Quantity]
     rows: Sequence[Mapping[str, Cell]]
     note: str = ""
-    shown: int = 8
+    shown: int | None = 8
 
     def __post_init__(self) -> None:
         """Check the headings."""
@@ -55,7 +55,7 @@ class Table:
 
     @classmethod
     def of(
-        cls, name: str, title: str, rows: Iterable[Mapping[Quantity | str, Cell]], note: str = "", shown: int = 8
+        cls, name: str, title: str, rows: Iterable[Mapping[Quantity | str, Cell]], note: str = "", shown: int | None = 8
     ) -> Table:
         """A table whose rows say what they hold: its columns are their quantities, in the order in which they appear."""
         listed = [{_quantity(q): value for q, value in row.items()} for row in rows]
@@ -257,18 +257,20 @@ class Section:
     name: str
     title: str
     items: Sequence[Text | Table | Figure | LoadedScrew | FieldPicture | PressureMap]
-    conclusion: str = ""
     headline: tuple[tuple[str, str], ...] = ()
+    conclusion: str = ""
     summary: Summary | None = None
 
 
 @dataclass(frozen=True)
 class Page:
-    """A page of the report: name of its file, title, and the sections on it; whole: its tables stand in full length."""
+    """A page of the report: name of its file, title, the sections on it, the conclusion that it opens with; whole: its
+    tables stand in full length."""
 
     name: str
     title: str
     sections: Sequence[Section]
+    conclusion: str = ""
     whole: bool = False
 
 

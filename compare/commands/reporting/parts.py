@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 
 from rollbench.comparison.registration import Part, parts
-from rollbench.reports.records import Page, Section
+from rollbench.reports.records import Page, Section, Table
 
 #: Pages by name: title; those of `WHOLE` show their tables in full length.
 PAGES = {
@@ -39,7 +40,9 @@ CORE = (
     Part("audit", "sections.audit", runs=True, page="entries"),
 )
 #: Sections that stand before others of their page.
-FIRST = ("how-to-read", "overview", "cases", "reference", "stability", "errors", "friction", "rolling", "external", "notes")
+FIRST = (
+    "how-to-read", "overview", "cases", "reference", "stability", "errors", "friction", "rolling", "outside", "notes",
+)
 
 
 def _place(part: Part) -> tuple[int, int]:
@@ -58,4 +61,20 @@ def pages(made: Mapping[str, Section]) -> list[Page]:
     for part in PARTS:
         if part.name in made:
             found.setdefault(part.page, []).append(made[part.name])
-    return [Page(name, PAGES.get(name, name), sections, name in WHOLE) for name, sections in found.items()]
+    return [
+        Page(name, PAGES.get(name, name), sections, conclusion(sections), name in WHOLE) for name, sections in found.items()
+    ]
+
+
+def conclusion(sections: Sequence[Section]) -> str:
+    """What a page opens with: the conclusion of its first section that has one, else how many of the printed entries in its
+    tables have which verdict."""
+    said = next((section.conclusion for section in sections if section.conclusion), "")
+    if said:
+        return said
+    tables = [item for section in sections for item in section.items if isinstance(item, Table)]
+    tally = Counter(str(row["verdict"]) for table in tables for row in table.rows if row.get("verdict"))
+    if not tally:
+        return ""
+    words = ", ".join(f"{count} {verdict}" for verdict, count in tally.most_common())
+    return f"Of {tally.total()} printed numbers and claims on this page: {words}."
