@@ -132,8 +132,7 @@ def _section(section: Section, file: str, whole: bool, writer: _Writer) -> dict[
             record = item[item["kind"]]
             under = f"{item['kind']} {record.name}, {section.title}"
             writer.entries.append(_entry(record.title, f"{file}#{item['kind']}-{record.name}", under, _words(record)))
-    view = {"name": section.name, "title": section.title, "conclusion": section.conclusion}
-    return {**view, "headline": section.headline, "items": items}
+    return {"name": section.name, "title": section.title, "conclusion": section.conclusion, "items": items}
 
 
 def _entry(title: str, place: str, under: str, text: str) -> dict[str, str]:
@@ -155,7 +154,9 @@ def _summary(report: Report, summary: Summary, writer: _Writer) -> dict[str, Any
     _write(writer.folder / "figures" / f"{summary.figure.name}.svg", wide.whole)
     writer.entries.insert(0, _entry(summary.question, "index.html", "page", " ".join((*summary.coverage, *summary.limits))))
     items = [_item(item, "index.html", True, writer) for item in summary.items]
-    view = {"record": summary, "wide": Markup(wide.panels[0]), "narrow": Markup(narrow.panels[0]), "items": items}
+    view: dict[str, Any] = {"record": summary, "items": items}
+    for name, drawn in (("wide", wide), ("narrow", narrow)):
+        view |= {name: [Markup(panel) for panel in drawn.panels], f"{name}_legend": Markup(drawn.legend)}
     try:
         first_pages.write_first_pages(report, summary, wide.whole, writer.folder)
     except (ImportError, RuntimeError) as error:
@@ -235,7 +236,9 @@ def table_view(table: Table, whole: bool, folder: Path) -> dict[str, Any]:
         }
         for k, (c, number) in enumerate(zip(shown, numbers, strict=True))
     ]
-    cells = [[cell_view(c, row.get(c.key), number=number) for c, number in zip(shown, numbers, strict=True)] for row in rows]
+    cells = [
+        [cell_view(c, row.get(c.key), number=number) for c, number in zip(shown, numbers, strict=True)] for row in rows
+    ]
     for row in cells:
         for cell, head in zip(row, heads, strict=True):
             cell["align"] += " aside" if head["align"].endswith(" aside") else ""

@@ -36,8 +36,8 @@ Row = dict[Quantity | str, Cell]
 @dataclass(frozen=True)
 class Table:
     """A table: ``name`` is its CSV file's stem; rows are mappings from a quantity's key to its value; shown: how many of
-    them a page has, None for all; the CSV has all. Raises ValueError for two columns of one heading and unit, which no reader of the CSV
-    file could tell apart."""
+    them a page has, None for all; the CSV has all. Raises ValueError for two columns of one heading and unit, which no
+    reader of the CSV file could tell apart."""
 
     name: str
     title: str
@@ -252,12 +252,11 @@ class Summary:
 @dataclass(frozen=True)
 class Section:
     """A section of the report; ``name`` selects it with ``--only``; conclusion: one or two sentences that the page opens
-    with; headline: its figures (label, value), at its head; summary: the report's first screen."""
+    with; summary: the report's first screen."""
 
     name: str
     title: str
     items: Sequence[Text | Table | Figure | LoadedScrew | FieldPicture | PressureMap]
-    headline: tuple[tuple[str, str], ...] = ()
     conclusion: str = ""
     summary: Summary | None = None
 

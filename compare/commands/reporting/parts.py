@@ -27,22 +27,21 @@ WHOLE = ("entries",)
 #: Sections of the core; wings and sources register theirs.
 CORE = (
     Part("how-to-read", "sections.how_to_read", runs=True, beside=True, page="reading"),
+    Part("reference", "sections.reference", runs=True, meshes=True, beside=True, page="cases"),
     Part("overview", "sections.overview", runs=True, beside=True, page="accuracy"),
     Part("ladder", "sections.ladder", runs=True, meshes=True, beside=True, page="accuracy"),
     Part("u-val", "sections.u_val", runs=True, meshes=True, beside=True, page="accuracy"),
-    Part("reference", "sections.reference", runs=True, meshes=True, beside=True, page="reference"),
     Part("reference-mesh", "sections.reference_mesh", runs=True, beside=True, page="reference"),
     Part("pictures", "sections.pictures", long=True, meshes=True, page="reference"),
     Part("verification", "sections.verification", meshes=True, page="reference"),
+    Part("fit", "sections.fit", page="trust"),
     Part("notes", "sections.notes", runs=True, page="trust"),
     Part("history", "sections.history", runs=True, beside=True, page="trust"),
     Part("verdicts", "sections.verdicts", runs=True, page="entries"),
     Part("audit", "sections.audit", runs=True, page="entries"),
 )
 #: Sections that stand before others of their page.
-FIRST = (
-    "how-to-read", "overview", "cases", "reference", "stability", "errors", "friction", "rolling", "outside", "notes",
-)
+FIRST = ("overview", "reference", "reference-mesh", "stability", "tolerances", "friction", "outside", "fit")
 
 
 def _place(part: Part) -> tuple[int, int]:

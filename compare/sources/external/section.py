@@ -116,7 +116,6 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     text = (
         "Values that neither this project nor the sources of its models made: other programs, makers' catalogues, "
         "textbooks. Each is a row of the gate by its class, with what was inferred to run it.",
-        summary(found),
         f"With one conformity inferred for the whole series, the rigidities of GMN's catalogue come out to {inferred:g} % "
         "RMS; one of them is a slip of the catalogue.",
     )
@@ -127,4 +126,4 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         rigid,
         assumed_table(study),
     )
-    return Section("external", "External evidence: other programs, catalogues, textbooks", items)
+    return Section("external", "External evidence: other programs, catalogues, textbooks", items, conclusion=summary(found))
