@@ -242,7 +242,7 @@ def table_view(table: Table, whole: bool, folder: Path) -> dict[str, Any]:
     for row in cells:
         for cell, head in zip(row, heads, strict=True):
             cell["align"] += " aside" if head["align"].endswith(" aside") else ""
-    said = [f"No row has an entry under: {'; '.join(empty)}."] if empty and whole else []
+    said = [f"No row has an entry under: {'; '.join(empty)}."] if empty else []
     if len(rows) < len(table.rows):
         said.append(f"{len(rows)} of {len(table.rows)} rows; the CSV has all.")
     if len(shown) < len(columns):

@@ -245,8 +245,8 @@ class Summary:
     narrow: Figure
     coverage: Sequence[str]
     limits: Sequence[str]
-    items: Sequence[Table | Figure] = ()
     table: Table | None = None
+    items: Sequence[Table | Figure] = ()
 
 
 @dataclass(frozen=True)

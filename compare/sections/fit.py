@@ -21,8 +21,8 @@ WORDS = {
     "pressure_percent": "largest pressure",
 }
 NOT_FIT = (
-    "Less sure: balls within some 1.4 ball radii of a nut's face, and ends displaced by many times the contact approach under "
-    "a light load. The largest errors of the table are theirs.",
+    "Less sure: balls within some 1.4 ball radii of a nut's face, and ends displaced by many times the contact approach "
+    "under a light load. The largest errors of the table are theirs.",
     "Not fit for: lubrication films, plastic contact, dynamics of recirculation, heat but as a given temperature. Friction "
     "torque is a band as wide as the coefficient's.",
     "Not fit for: more than what was compared. Outside of it a result says that its error is not covered.",

@@ -291,7 +291,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     table = standing_table(standings(points))
     step("every model on every quantity")
     items = (quantity_table(study), contact_figure(study, found))
-    summary = Summary(QUESTION, said, wide, narrow, covered, limits, items, table)
+    summary = Summary(QUESTION, said, wide, narrow, covered, limits, table, items)
     return Section("overview", title, (table, Text((*covered, *limits), bullets=True)), conclusion=said, summary=summary)
 
 
@@ -353,5 +353,5 @@ def contact_figure(study: Study, found: Mapping[str, Reference]) -> Figure:
     for factor, name in ((1.0, "equal"), (1.0 - LINE / 100.0, f"-{LINE:g} %"), (1.0 + LINE / 100.0, f"+{LINE:g} %")):
         series.append(Series(name, ends, [factor * end for end in ends], "line"))
     panel = Panel("", "3D reference / mean load", "computed / mean load", tuple(series))
-    caption = f"{len(series[0].x)} contacts of {len(found)} scenes; lines: {LINE:g} % of a load."
+    caption = f"{len(series[0].x)} contacts of {len(found)} scenes; lines: {LINE:g} % of a load; small dots: lin."
     return Figure("contacts", "Computed against reference, every contact", (panel,), caption, columns=1, size=(7.0, 5.0))
