@@ -326,7 +326,9 @@ def quantity_table(study: Study) -> Table:
         )
     columns = {q.label: q for q in (BIAS, SCATTER)}
     for quantity, row in outside.items():
-        known = {columns.get(column.label, Quantity("values", "outside values", "", "s")): v for column, v in row.items()}
+        known: Row = {
+            columns.get(column.label, Quantity("values", "outside values", "", "s")): v for column, v in row.items()
+        }
         cells.append({"quantity": quantity, "model": "against outside values", **known})
     note = (
         "Against the finest level of the 3D reference of each scene, loads in per cent of the mean load; the last rows "
