@@ -190,7 +190,7 @@ def test_report_of_one_section(capsys: pytest.CaptureFixture[str], tmp_path: Pat
     assert code == 0
     assert "[1/2] hertz" in out
     assert 'href="reference.html"' in (tmp_path / "r" / "index.html").read_text()
-    assert "only as printed" in (tmp_path / "r" / "hertz.html").read_text()
+    assert "only as printed" in (tmp_path / "r" / "reference.html").read_text()
     assert (tmp_path / "r" / "tables" / "hertz-B1.csv").exists()
 
 
