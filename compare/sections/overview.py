@@ -197,12 +197,12 @@ def answer(points: Mapping[str, Sequence[TimePoint]], bars: Sequence[float], tot
     """At most 40 words: largest error of the models that stand for their kind, and how well the reference is known; total:
     its largest total uncertainty [%], modelling choices and input included."""
     found = {s.name: s for s in standings(points)}
-    words = [f"{found[name].worst:.1f} % with {label}" for name, label in KINDS.items() if name in found]
+    words = [f"{found[name].worst:.1f} % ({label})" for name, label in KINDS.items() if name in found]
     several = f"{len(points)} screws and bearings" if len(points) > 1 else "one scene"
-    whole = "" if total is None else f"; choices that no mesh shows and tolerances included, {total:.1f} %"
+    whole = "" if total is None else f", {total:.1f} % with unprinted choices and tolerances"
     return (
-        f"On {several} a contact load is off by at most {', '.join(words[:-1])} and {words[-1]} of the mean load. The 3D "
-        f"reference's mesh leaves {_range(bars)}{whole}."
+        f"On {several} a contact load is off by at most {' or '.join(words)} of the mean; the 3D reference by "
+        f"{_range(bars)}{whole}."
     )
 
 
