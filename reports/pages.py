@@ -227,12 +227,14 @@ def table_view(table: Table, whole: bool, folder: Path) -> dict[str, Any]:
     shown = columns if whole else _first(columns)
     rows = table.rows if whole else table.rows[: table.shown]
     numbers = [is_number(column, table) for column in shown]
-    value = next((k for k, number in enumerate(numbers) if number and k), -1)
+    measured = [k for k, number in enumerate(numbers) if number and k]
+    value = next((k for k in measured if shown[k].unit), measured[0] if measured else -1)
+    names = [k for k, number in enumerate(numbers) if not number][:2]
     heads: Sequence[dict[str, str]] = [
         {
             "label": c.label,
             "unit": c.unit,
-            "align": ("num" if number else "text") + ("" if k in (0, value) or c.key in VERDICTS else " aside"),
+            "align": ("num" if number else "text") + ("" if k in (0, value, *names) or c.key in VERDICTS else " aside"),
         }
         for k, (c, number) in enumerate(zip(shown, numbers, strict=True))
     ]

@@ -272,7 +272,7 @@ def standing_table(found: Sequence[Standing]) -> Table:
         "time. The error of a level that is itself the finest is its grid uncertainty, and its RMS error is zero by "
         "definition."
     )
-    return Table.of("overview-models", "Models and meshes over all scenes", rows, note)
+    return Table.of("overview-models", "Models and meshes over all scenes", rows, note, shown=None)
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
