@@ -88,6 +88,7 @@ def solve(
     workers: int | None = None,
     time_limit: float | None = None,
     strict: Flag = False,
+    assumptions: Flag = False,
 ) -> int:
     """Solve one scene with one model, or many members of a scene with random errors.
 
@@ -130,6 +131,8 @@ def solve(
     strict
         Exit code 1 where a line WARNING stands above the answers: pressure, preload, static safety or rotations beyond
         what the models mean.
+    assumptions
+        Also print what is assumed, what was left out, the balance and the solver.
     """
     from rollbench.comparison.commands.solving.solve import run_solve
     from rollbench.comparison.commands.solving.solve_choices import Choices
@@ -146,7 +149,7 @@ def solve(
     if csv is not None or seed is not None or workers is not None:
         raise InputError("command line", "--csv, --seed, --workers", "given", "with --members", "add --members N")
     choices = Choices(
-        model, everything, member, condensed, balls, stiffness_at, matrix, curve, loads_csv, time_limit, strict
+        model, everything, member, condensed, balls, stiffness_at, matrix, curve, loads_csv, time_limit, strict, assumptions
     )
     return print_answer(run_solve(scene, choices), as_json)
 
