@@ -23,6 +23,7 @@ from rollbench.comparison.commands.comparing.compare_output import table as comp
 from rollbench.comparison.commands.printing import Answer, on_terminal
 from rollbench.comparison.commands.wrapping import aligned
 from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.gate.user import judged_by
 from rollbench.comparison.models.comparison import compared_models, finest_bodies, rows, suited
 from rollbench.comparison.models.mesh_study import closing, level_rows, quantity_table, study_table
 from rollbench.comparison.models.referenced import Referenced, referenced
@@ -165,8 +166,10 @@ def run_compare(
     *,
     fresh: bool = False,
     balls: bool = False,
+    reference: Path | None = None,
 ) -> Answer:
     """Verdict, answers, table and files of every scene, models beside the reference; what is not stored is computed first.
+    reference: file of the user's own, in place of it.
 
     JSON: verdict and answers of every scene, and rows of every quantity and model, the reference's coarser runs among
     them. balls: also print every contact.
@@ -176,7 +179,10 @@ def run_compare(
     own = compared_models(tuple(models))
     scenes = [solvable(catalogue.any_scene(name), name) for name in names]
     stores = (store, shipped_store())
+    warnings: list[str] = []
+    given = None if reference is None else _given(scenes, reference, levels, warnings, fresh=fresh)
     without = [s for s in scenes if not referenced(s, stores)] if levels is None and not fresh else scenes
+    without = [] if given is not None else without
     failed: list[Run] = []
     if without:
         wanted = levels or ADVISED
@@ -191,6 +197,8 @@ def run_compare(
 
         failed = ensure(tasks, store, engine, on_terminal, stores, fresh=fresh, stored=first)
     found = [referenced(scene, stores) for scene in scenes]
+    ours = found[0][0].found if given is not None and found[0] else None
+    found = found if given is None else [[given]]
 
     def each() -> Iterator[tuple[Referenced, Comparison]]:
         """References and what is compared with them, as they are asked for."""
@@ -198,9 +206,10 @@ def run_compare(
             if not sets:
                 raise unconverged(scene.name, failed)
             for one in sets:
-                yield one, compared(one.scene, own or suited(scene), one.found, stores, one.of)
+                yield one, compared(one.scene, own or suited(scene), one.found, stores, one.of, ours)
 
     def parts() -> Iterator[Any]:
+        yield from (f"WARNING: {warning}" for warning in warnings)
         for one, whole in each():
             yield from (f"{one.found.scene}: {verdict(whole, one.found)}", "", *filter(None, [whole.total.beside]))
             yield from (answers_table(whole), *start_lines(whole), "", compared_table(whole.models, whole.itself), "")
@@ -220,9 +229,24 @@ def run_compare(
             for b in whole.models
             for row in rows(one.scene, b.answer, one.found)
         ]
-        return {"scenes": [answers_json(whole, one.found) | named(one) for one, whole in pairs], "rows": listed}
+        told = [answers_json(whole, one.found) | named(one) for one, whole in pairs]
+        return {"scenes": told, "rows": listed} | ({"warnings": warnings} if given is not None else {})
 
     return Answer(data, parts(), code_of(one.found for sets in found for one in sets))
+
+
+def _given(
+    scenes: Sequence[Solvable], path: Path, levels: tuple[int, ...] | None, warnings: list[str], *, fresh: bool
+) -> Referenced:
+    """The one scene beside the user's own reference. Raises InputError for several, and for what it makes meaningless."""
+    for name, asked in (("--levels", levels is not None), ("--fresh", fresh)):
+        if asked:
+            raise InputError("command line", name, "with --reference", "one of both", "the file is the reference")
+    if len(scenes) != 1:
+        advice = "compare the scenes one by one, each with its file"
+        raise InputError("command line", "--reference", str(path), f"one scene, not {len(scenes)}", advice)
+    found, scene = judged_by(path, scenes[0], warnings.append)
+    return Referenced(scene, found)
 
 
 def named(one: Referenced) -> dict[str, str]:
