@@ -13,6 +13,7 @@ from rollbench.lowfi.statics.supports import Held, contradiction, show
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import beyond_step, specimen
 from rollbench.meshes.helix import ball_layout, lead_angle
+from rollbench.meshes.near import close_pairs
 from rollbench.meshes.parts import SIDES, Flange, Nut, Scene
 from rollbench.meshes.section import volume_ratio
 
@@ -276,27 +277,14 @@ def _packing_faults(scene: Scene, radii: Array) -> Iterator[Fault]:
 
 
 def overlapping(centres: Array, radii: Array) -> tuple[int, int] | None:
-    """Indices of a pair of overlapping balls (that of the lowest index), or None.
+    """Indices of a pair of overlapping balls, the lower first, or None.
 
     ``centres`` [m], shape ``(n, 3)``; ``radii`` [m], shape ``(n,)``; touching balls do not overlap.
     """
-    if len(radii) < 2:
-        return None
-    from scipy.spatial import cKDTree
-
-    tree = cKDTree(centres)
-    distance, neighbour = tree.query(centres, k=2)
-    # A ball may be its own second neighbour where centres coincide.
-    other = np.where(neighbour[:, 1] == np.arange(len(radii)), neighbour[:, 0], neighbour[:, 1])
-    bad = np.flatnonzero(distance[:, 1] < radii + radii[other] - TOLERANCE)
-    if bad.size:
-        i, j = int(bad[0]), int(other[bad[0]])
-        return min(i, j), max(i, j)
-    # Unequal balls: the nearest one need not be the one that is overlapped. Few pairs are left to look at.
-    pairs = tree.query_pairs(2.0 * float(radii.max()), output_type="ndarray")
-    gaps = np.linalg.norm(centres[pairs[:, 0]] - centres[pairs[:, 1]], axis=1) - radii[pairs].sum(axis=1)
-    bad = np.flatnonzero(gaps < -TOLERANCE)
-    if not bad.size:
-        return None
-    i, j = min((int(a), int(b)) for a, b in pairs[bad])
-    return i, j
+    following = np.arange(len(radii) - 1)[:, None] + np.array([0, 1])
+    for pairs in (following, None):  # of balls in a row first: where they overlap, there may be very many pairs
+        i, j = (close_pairs(centres, 2.0 * float(radii.max(initial=0.0))) if pairs is None else pairs).T
+        bad = np.flatnonzero(np.linalg.norm(centres[i] - centres[j], axis=1) < radii[i] + radii[j] - TOLERANCE)
+        if bad.size:
+            return int(i[bad[0]]), int(j[bad[0]])
+    return None

@@ -42,6 +42,7 @@ from rollbench.lowfi.compliance.tube import (
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import BallLayout, ball_layout, nominal_contact_points
+from rollbench.meshes.kept import kept
 from rollbench.meshes.one_arc import NEAR, is_one_arc
 from rollbench.meshes.parts import Ingredients, Scene
 from rollbench.meshes.section import BeamSection, screw_section, tube_section
@@ -132,6 +133,13 @@ MESH_ONLY = ("A hole of", "The screw is three-dimensional")
 
 
 @dataclass(frozen=True)
+class Coupling:
+    """Compliance ``(4 N, 4 N)`` [m/N] between all contacts of a body, not to be written to."""
+
+    G: Array
+
+
+@dataclass(frozen=True)
 class BodyCompliance:
     """Compliance of a body beyond the screw's beam: G ``(2 c, 2 c)`` [m/N] of its flanks' contacts (all left ones, then
     all right ones; two axes each), e [m/N] of each contact beside Hertz, and slope [m/N], what e gains by the logarithm of
@@ -212,6 +220,7 @@ def held_at(scene: Scene, screw: bool) -> str:
 
 
 @lru_cache(maxsize=64)
+@kept(BeamSection)
 def grooved_section(geometry: Scene, screw: bool) -> BeamSection:
     """Section constants of the grooved screw or nut (`cell_section`); of the plain body for a track without lead."""
     flank = flank_of(geometry, screw)
@@ -254,6 +263,7 @@ def smooth_compliance(geometry: Scene, screw: bool, backend: Backend) -> TubeCom
 
 
 @lru_cache(maxsize=32)
+@kept(RingCompliance)
 def whole_ring(geometry: Scene, screw: bool) -> RingCompliance:
     """Compliance of a ring with its groove, kept for all scenes of one geometry."""
     return ring_compliance(flank_of(geometry, screw), held_at(geometry, screw))
@@ -316,6 +326,7 @@ def nut_beam(scene: Scene, layout: BallLayout, flanks: Sequence[int] = BOTH) -> 
 
 
 @lru_cache(maxsize=32)
+@kept(NearFace)
 def kept_near_face(geometry: Scene, screw: bool, backend: Backend) -> NearFace:
     """What grooves and faces of screw or nut add between contacts of a turn, kept for all scenes of one geometry."""
     radii = (0.0, np.inf) if screw else dimensions(geometry).held_radii
@@ -414,7 +425,7 @@ def whole_body(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, 
         return np.zeros((2 * len(flanks) * layout.z.size,) * 2)
     geometry, azimuths = with_balls(scene)
     if np.array_equal(layout.azimuth, azimuths):
-        return of_flanks(_whole_body(geometry, screw, backend), flanks)
+        return of_flanks(_whole_body(geometry, screw, backend).G, flanks)
     return _body_at(geometry, layout, screw, backend, flanks)
 
 
@@ -427,8 +438,9 @@ def of_flanks(G: Array, flanks: Sequence[int]) -> Array:
 
 
 @lru_cache(maxsize=8)
-def _whole_body(scene: Scene, screw: bool, backend: Backend) -> Array:
-    return _body_at(scene, ball_layout(scene), screw, backend)
+@kept(Coupling)
+def _whole_body(scene: Scene, screw: bool, backend: Backend) -> Coupling:
+    return Coupling(_body_at(scene, ball_layout(scene), screw, backend))
 
 
 def _body_at(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH) -> Array:
@@ -461,7 +473,7 @@ def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Backe
 
 def forget() -> None:
     """Clear the per-geometry caches, so that the next solve is timed with its set-up."""
-    for kept in (
+    for memory in (
         geometry_only,
         with_balls,
         flank_of,
@@ -473,4 +485,4 @@ def forget() -> None:
         kept_near_face,
         _whole_body,
     ):
-        kept.cache_clear()
+        memory.cache_clear()
