@@ -141,6 +141,7 @@ def test_compare_sets_models_and_ours_beside_it(capsys: pytest.CaptureFixture[st
     assert "nan" not in out
     figure = (tmp_path / "store" / "two-balls-compare.svg").read_text(encoding="utf-8")
     assert "bench.csv" in figure
+    assert "stored 3D reference" in figure
     _, out, _ = run(capsys, *tokens, "--json")
     (told,) = json.loads(out)["scenes"]
     assert (told["levels"], told["uncertainty_percent"]) == ([], pytest.approx(1.0))
