@@ -91,7 +91,8 @@ def _cells(row: Mapping[str, Any]) -> tuple[str, ...]:
     if "kind" in row:
         head = (row["verdict"], row["name"], "", row["kind"])
     else:
-        scene = f"{row['scene']}, {row['set']}" if "set" in row else row["scene"]
+        inner = row.get("set") or ("case" in row and f"case {row['case']}")
+        scene = f"{row['scene']}, {inner}" if inner else row["scene"]
         head = (row["word"], scene, row["judged"], row["quantity"])
     numbers = []
     for key in ("error", "uncertainty", "limit"):

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -67,27 +67,56 @@ def write_loads(path: Path, rows: Sequence[Mapping[str, str]]) -> str:
     return f"wrote {path}: {len(rows)} contact loads, for: rollbench check SCENE --loads {path}"
 
 
+@dataclass(frozen=True)
+class Rows:
+    """A CSV file: its headings as written and in small letters, the number of their line, whether numbers have a decimal
+    comma, its rows with their line numbers, and its notes: lines above the headings, ``# name: text``."""
+
+    titles: tuple[str, ...]
+    heads: tuple[str, ...]
+    line: int
+    decimal_comma: bool
+    rows: tuple[tuple[int, dict[str, str]], ...]
+    notes: Mapping[str, str]
+
+    @classmethod
+    def read(cls, path: Path, columns: Sequence[str], example: str) -> Rows:
+        """A file with some columns, in any order, among others, separated by commas, semicolons or tabs (a decimal comma is
+        read where they are not commas). Raises InputError, with an example."""
+        lines = read_table(path).splitlines()
+        above = next((k for k, line in enumerate(lines) if not line.startswith("#")), len(lines))
+        first, title = f"line {above + 1}", lines[above] if above < len(lines) else ""
+        if not title.strip():
+            raise InputError(str(path), first, "nothing", ", ".join(columns), example)
+        separator = next((c for c in ";\t" if c in title), ",")
+        rows = csv.reader(lines[above:], delimiter=separator)
+        titles = tuple(head.strip() for head in next(rows))
+        heads = tuple(head.lower() for head in titles)
+        for name in columns:
+            if name.lower() not in heads:
+                raise InputError(str(path), first, title, f"a column {name}", example)
+        cells = ((number, [cell.strip() for cell in row]) for number, row in enumerate(rows, above + 2))
+        kept = tuple((number, dict(zip(heads, row, strict=False))) for number, row in cells if any(row))
+        notes = dict(_note(line) for line in lines[:above])
+        return cls(titles, heads, above + 1, separator != ",", kept, notes)
+
+
 def read_loads(path: Path, balls: int, scene: Scene | None = None) -> GivenLoads:
     """Loads of a file for a scene of ``balls`` balls, and what else it says of their contacts.
 
     scene: whose balls are told by azimuth and station where the file has both columns of `PLACE`, else by their numbers.
 
-    Columns are separated by commas, semicolons or tabs (a decimal comma is read where they are not commas), in any order;
-    their headings say the units (`gate.columns`). Lines above them that begin with ``#`` are notes, ``# name: text``. Every
-    ball must be given on every flank that is named, 0 where it carries nothing: a row that was lost is not taken for a
-    contact without load. Raises InputError.
+    Headings say the units (`gate.columns`). Every ball must be given on every flank that is named, 0 where it carries
+    nothing: a row that was lost is not taken for a contact without load. Raises InputError.
     """
-    first, head, separator, rows, notes = table_of(path, COLUMNS, EXAMPLE)
-    heads = [head.strip() for head in next(rows)]
-    own = _columns(path, f"line {first}", head, heads)
-    find = None if scene is None or not PLACE.issubset(c.name for c in own) else _Places(scene)
+    table = Rows.read(path, COLUMNS[:2], EXAMPLE)
+    own = _columns(path, table)
+    find = None if scene is None or not PLACE.issubset(c.name for c in own.values()) else _Places(scene)
     values = {name: np.full((balls, len(SIDES)), np.nan) for name in ("load", *FURTHER)}
     cases, renumbered = set(), set()
-    for number, row in enumerate(rows, first + 1):
-        if not any(cell.strip() for cell in row):
-            continue
-        filled = [*row, *[""] * len(heads)]
-        cells = _Row(path, f"line {number}", zip(heads, own, filled, strict=False), decimal_comma=separator != ",")
+    for number, row in table.rows:
+        named = {c.name: (head, c.factor, row.get(head.lower(), "")) for head, c in own.items()}
+        cells = _Row(path, f"line {number}", named, decimal_comma=table.decimal_comma)
         cases.add(cells.word("case"))
         if len(cases) > 1:
             advice = "a scene is one load case: split the file, or delete the others"
@@ -99,28 +128,15 @@ def read_loads(path: Path, balls: int, scene: Scene | None = None) -> GivenLoads
             raise InputError(str(path), f"line {number}", value, "each contact once", "keep one of the rows")
         for name, of in values.items():
             of[ball, side] = cells.amount(name)
-    unknown = tuple(f'"{head}"' for head, c in zip(heads, own, strict=True) if not c.name)
-    further = {name: of for name, of in values.items() if name != "load" and name in {c.name for c in own}}
+    unknown = tuple(f'"{head}"' for head, c in own.items() if not c.name)
+    further = {name: of for name, of in values.items() if name != "load" and name in {c.name for c in own.values()}}
     found = _whole(path, values["load"])
     for name in further.keys() - {"uncertainty", "uncertain share"}:
         gaps = np.argwhere(np.isnan(further[name]) & (found.load > 0.0))
         if gaps.size:
             value = f"no {name} of ball {gaps[0][0] + 1} {SIDES[gaps[0][1]]}"
             raise InputError(str(path), "rows", value, "one of every contact that carries load", "or leave the column out")
-    return replace(found, renumbered=len(renumbered), further=further, unknown=unknown, notes=notes)
-
-
-def table_of(path: Path, columns: Sequence[str], example: str) -> tuple[int, str, str, Iterator[list[str]], dict[str, str]]:
-    """Number and text of the line of headings of a CSV file, what separates its cells, its rows from there on, and the
-    notes above. Raises InputError without such a line."""
-    lines = read_table(path).splitlines()
-    first = next((k for k, line in enumerate(lines) if not line.startswith("#")), len(lines))
-    head = lines[first] if first < len(lines) else ""
-    if not head.strip():
-        raise InputError(str(path), f"line {first + 1}", "nothing", ", ".join(columns), example)
-    separator = next((c for c in ";\t" if c in head), ",")
-    rows = csv.reader(lines[first:], delimiter=separator)
-    return first + 1, head, separator, rows, dict(_note(line) for line in lines[:first])
+    return replace(found, renumbered=len(renumbered), further=further, unknown=unknown, notes=table.notes)
 
 
 def _note(line: str) -> tuple[str, str]:
@@ -129,14 +145,13 @@ def _note(line: str) -> tuple[str, str]:
     return name.strip().lower(), text.strip()
 
 
-def _columns(path: Path, where: str, line: str, heads: Sequence[str]) -> list[Column]:
+def _columns(path: Path, table: Rows) -> dict[str, Column]:
     """What the headings name. Raises InputError where one is missing, or two name the same."""
-    own = [column(head) for head in heads]
-    names = [c.name for c in own]
-    for name, needed in zip(("ball", "flank", "load"), COLUMNS, strict=True):
-        if name not in names:
-            raise InputError(str(path), where, line, f"a column {needed}", EXAMPLE)
-    twice = next((head for k, head in enumerate(heads) if names[k] and names[k] in names[:k]), None)
+    own = {head: column(head) for head in table.titles}
+    where, names = f"line {table.line}", [column(head).name for head in table.titles]
+    if "load" not in names:
+        raise InputError(str(path), where, ", ".join(table.titles), f"a column {COLUMNS[2]}", EXAMPLE)
+    twice = next((head for k, head in enumerate(table.titles) if names[k] and names[k] in names[:k]), None)
     if twice is not None:
         raise InputError(str(path), where, twice, "each quantity once", "delete one of the columns")
     return own
@@ -145,9 +160,8 @@ def _columns(path: Path, where: str, line: str, heads: Sequence[str]) -> list[Co
 class _Row:
     """A row of a file, by what its columns name."""
 
-    def __init__(self, path: Path, line: str, cells: Iterable[tuple[str, Column, str]], *, decimal_comma: bool) -> None:
-        self._path, self._line, self._comma = path, line, decimal_comma
-        self._cells = {c.name: (head, c.factor, cell.strip()) for head, c, cell in cells}
+    def __init__(self, path: Path, line: str, cells: Mapping[str, tuple[str, float, str]], *, decimal_comma: bool) -> None:
+        self._path, self._line, self._cells, self._comma = path, line, cells, decimal_comma
 
     def fault(self, name: str, value: str, allowed: str, advice: str) -> InputError:
         """What is said of a cell."""
@@ -195,10 +209,7 @@ class _Row:
     def _number(self, name: str) -> tuple[float, float, str]:
         """A cell as it is, nan for anything but a number; the factor to SI; the text."""
         _, factor, text = self._cells.get(name, ("", 1.0, ""))
-        try:
-            return float(text.replace(",", ".") if self._comma else text), factor, text
-        except ValueError:
-            return float("nan"), factor, text
+        return number_of(text, decimal_comma=self._comma), factor, text
 
 
 class _Places:
@@ -221,6 +232,14 @@ class _Places:
             advice = "places are those of rollbench solve SCENE --loads-csv FILE; without the columns, numbers count"
             raise row.fault("azimuth, z", found, allowed, advice)
         return ball
+
+
+def number_of(text: str, *, decimal_comma: bool) -> float:
+    """A number; nan for anything else."""
+    try:
+        return float(text.replace(",", ".") if decimal_comma else text)
+    except ValueError:
+        return float("nan")
 
 
 def read_table(path: Path) -> str:

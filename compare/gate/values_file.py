@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.gate.judged import DISPLACEMENT, LIFE, OF_WHOLE, RIGIDITY, TORQUE, Quantity
-from rollbench.comparison.gate.loads_file import table_of
+from rollbench.comparison.gate.loads_file import Rows
 from rollbench.comparison.scenes.units import UnitError, expected, parse
 
 COLUMNS = ("quantity", "value", "unit")
@@ -37,24 +37,18 @@ class GivenValue:
 
 def read_values(path: Path) -> tuple[list[GivenValue], tuple[str, ...]]:
     """Values of a file, and headings that nothing is known of. Raises InputError."""
-    first, line, separator, rows, _ = table_of(path, COLUMNS, EXAMPLE)
-    heads = [head.strip().lower() for head in next(rows)]
-    for name in COLUMNS:
-        if name not in heads:
-            raise InputError(str(path), f"line {first}", line, f"a column {name}", EXAMPLE)
+    table = Rows.read(path, COLUMNS, EXAMPLE)
     out: dict[tuple[str, float | None, float | None], GivenValue] = {}
-    for number, row in enumerate(rows, first + 1):
-        if not any(cell.strip() for cell in row):
-            continue
-        cells = dict(zip(heads, (cell.strip() for cell in row), strict=False))
-        found = _value(path, f"line {number}", cells, decimal_comma=separator != ",")
+    for number, cells in table.rows:
+        found = _value(path, f"line {number}", cells, decimal_comma=table.decimal_comma)
         key = (found.quantity.name, found.force, found.station)
         if key in out:
             raise InputError(str(path), f"line {number}", f"{found.name} again", "each once", "keep one of the rows")
         out[key] = found
     if not out:
         raise InputError(str(path), "file", "no values", "a row for every value", EXAMPLE)
-    return list(out.values()), tuple(f'"{head}"' for head in heads if head not in (*COLUMNS, WHERE))
+    known = (*COLUMNS, WHERE)
+    return list(out.values()), tuple(f'"{title}"' for title in table.titles if title.lower() not in known)
 
 
 def _value(path: Path, line: str, cells: dict[str, str], *, decimal_comma: bool) -> GivenValue:

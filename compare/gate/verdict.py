@@ -15,12 +15,12 @@ from rollbench.comparison.reference.estimate import Reference
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES
 
-Word = Literal["pass", "fail", "undecided", "not covered"]
+Word = Literal["pass", "fail", "not converged", "undecided", "not covered"]
 
 #: Limit [%] where neither the command line nor the scene gives one.
 LIMIT = 7.0
 #: Exit code of each verdict; of several verdicts the first of these counts.
-CODES: dict[Word, int] = {"fail": 1, "undecided": 3, "not covered": 4, "pass": 0}
+CODES: dict[Word, int] = {"fail": 1, "not converged": 1, "undecided": 3, "not covered": 4, "pass": 0}
 #: Balls on either side of the worst that a picture shows.
 NEAR = 6
 LARGEST = "largest error of a contact load"
@@ -45,8 +45,9 @@ class Verdict:
     """One judgement: scene, whose loads, which quantity; error, the reference's uncertainty of it (None: not known) and the
     limit, all in one unit; ball (from 1) and flank that decide; mesh levels of the reference; contacts that were judged;
     of_mean: the errors that head every output, in per cent of the mean load of the loaded contacts; set: its name, where
-    several are on one shaft; pair: key of a quantity with its value and the reference's, where it is no load; near: balls
-    about the one that decides, and on its flank their load, the reference's and its uncertainty [N]."""
+    several are on one shaft; case: of the scene's load cases; pair: key of a quantity with its value and the reference's,
+    where it is no load; near: balls about the one that decides, and on its flank their load, the reference's and its
+    uncertainty [N]."""
 
     scene: str
     judged: str
@@ -62,6 +63,7 @@ class Verdict:
     detail: str = ""
     of_mean: LoadError | None = None
     set: str | None = None
+    case: str | None = None
     unit: str = "%"
     pair: tuple[str, float, float] | None = None
     near: tuple[tuple[int, float, float, float], ...] = ()
@@ -83,8 +85,9 @@ class Verdict:
 
     @property
     def of(self) -> str:
-        """Scene and set, in words."""
-        return self.scene if self.set is None else f"{self.scene}, {self.set}"
+        """Scene and set or case, in words."""
+        inner = self.set or (self.case and f"case {self.case}")
+        return f"{self.scene}, {inner}" if inner else self.scene
 
     def as_json(self) -> dict[str, Any]:
         """JSON-ready: numbers by keys whose ending says their unit; those in per cent are null where they have another."""
@@ -97,8 +100,9 @@ class Verdict:
             if self.unit != "%":
                 data[f"{key}_{self.unit}"] = value
         data["levels"] = list(self.levels)
-        if self.set is None:
-            del data["set"]
+        for key in ("set", "case"):
+            if data[key] is None:
+                del data[key]
         del data["unit"], data["near"]
         pair, e = data.pop("pair"), data.pop("of_mean")
         both = ("max_percent", "rms_percent")
@@ -217,5 +221,5 @@ def about(found: Reference) -> str:
 
 
 def worst_of(words: Sequence[Word]) -> Word:
-    """The verdict on several: fail before undecided before not covered before pass."""
+    """The verdict on several: the first of them in the order of `CODES`."""
     return next((w for w in CODES if w in words), "pass")

@@ -19,6 +19,8 @@ PER_LEAD, PER_DIAMETER, BEYOND, WALL, FILLING = 0.635, 0.2, 0.11, 1.2, 0.9
 #: Load of a ball over its diameter squared [N/mm2], about 13 % of a usual dynamic rating, and preload between rigid bodies
 #: in per cent of the dynamic rating: catalogues have 3 to 8 %.
 LOAD, PRELOAD = 3.7, 5.0
+#: Load of rapid travel over that of cutting, in the commented cases.
+RAPID = 0.3
 #: Standard deviation of the ball radii [um]: the diameters of a lot of grade 10 lie within 0.5 um (ISO 3290-1), taken as
 #: six standard deviations.
 SIGMA = 0.04
@@ -98,6 +100,19 @@ fix = ["ux", "uy"]
 [[loads]]
 at = "0 mm"
 force = ["0 N", "0 N", "{force:g} kN"]
+
+# [[cases]]  # load cases in place of the one above, with their shares of the revolutions
+# name = "cutting"
+# share = 0.3  # or: time = "20 s" and speed = "200 rpm"
+# [[cases.loads]]
+# at = "0 mm"
+# force = ["0 N", "0 N", "{force:g} kN"]
+# [[cases]]
+# name = "rapid"
+# share = 0.7
+# [[cases.loads]]
+# at = "0 mm"
+# force = ["0 N", "0 N", "{rapid:g} kN"]
 
 # [friction]  # for: rollbench friction
 # coefficient = 0.1
@@ -210,6 +225,7 @@ def _values(size: str) -> dict[str, Any]:
     reach = circuits * each + (circuits - 1) * gap
     count = circuits * max(1, floor(FILLING * each * 2.0 * pi / touching_angle(pitch / 2.0, lead, ball)))
     length = 50.0 * ceil(20.0 * outer / 50.0)
+    force = float(f"{LOAD * ball**2 * count * sin(pi / 4.0) / 1e3:.2g}")
     return {
         "size": f"{outer:g}x{lead:g}",
         "outer": outer,
@@ -229,7 +245,8 @@ def _values(size: str) -> dict[str, Any]:
         "percent": 100.0 * FILLING,
         "preload": PRELOAD,
         "sigma": SIGMA,
-        "force": float(f"{LOAD * ball**2 * count * sin(pi / 4.0) / 1e3:.2g}"),
+        "force": force,
+        "rapid": float(f"{RAPID * force:.2g}"),
         "per_lead": PER_LEAD,
         "per_diameter": PER_DIAMETER,
         "beyond": BEYOND,

@@ -182,7 +182,7 @@ def test_the_tree_s_state_is_read_before_a_report_writes_into_it(tmp_path, monke
 
     said = iter(["f" * 40, ""])
     provenance.commit.cache_clear()
-    monkeypatch.setattr(provenance.subprocess, "run", lambda *_, **__: SimpleNamespace(stdout=next(said, "M run_times.json")))
+    monkeypatch.setattr(provenance.subprocess, "run", lambda *_, **__: SimpleNamespace(stdout=next(said, "M times.json")))
     seen = []
 
     def build(*_):
