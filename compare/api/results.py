@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from rollbench.comparison.definitions import definition
 from rollbench.comparison.quantities import split_unit, unit_of
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES
@@ -51,6 +52,13 @@ class Result:
             raise ValueError(f"{path}: {'no value' if value is None else 'no number with a unit'}")
         return pint.application_registry.get().Quantity(value, unit.pint)
 
+    def definition(self, path: str) -> str:
+        """What the number at a path is, and what its error is; empty where nothing is said of it. Raises KeyError for a
+        path that is not there."""
+        self[path]
+        found = definition(path)
+        return "" if found is None else found.text + (f"; its error: {found.error}" if found.error else "")
+
     def rows(self) -> list[tuple[str, str, str]]:
         """Name, value and unit of every single value that the table shows."""
         return [(name, _text(value), unit) for name, value, unit in _flat(self[self.shown], "")]
@@ -73,7 +81,7 @@ class Result:
         return f"<table>{head}<tbody>{cells}</tbody></table>{notes}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Solution(Result):
     """A solved scene. load: contact loads ``(balls, 4)`` [N] of the flanks SL, SR, NL, NR; angle: contact angles
     ``(balls, 4)`` [deg], nan without load; both empty for a shaft with several sets, whose balls are in ``data``."""
@@ -85,6 +93,20 @@ class Solution(Result):
     def converged(self) -> bool:
         """Whether the model found an equilibrium; ``data["status"]`` says what happened if not."""
         return bool(self.data["status"] == "converged")
+
+    def __repr__(self) -> str:
+        """Scene, model and status; then loads, displacement, pressure and life in one line each."""
+        lines = [f"{self.data['scene']}, {self.data['model']}: {self.data['status']}"]
+        groups = (("loads", "max_N"), ("axial", "displacement_um"), ("worst_contact", "pressure_MPa"), ("life", ""))
+        for group, key in groups:
+            found = (self.data.get("summary") or {}).get(group) or {}
+            key = key or next(iter(found), "")
+            words, unit = split_unit(key)
+            value = found.get(key)
+            lines.append(
+                f"{group.replace('_', ' ')}: {words} {_text(value)} {unit}" if value is not None else f"{group}: none"
+            )
+        return "\n".join(lines)
 
     def balls(self) -> str:
         """Loads of all balls [N] as text, one line each."""

@@ -1,0 +1,83 @@
+"""The manual's build: ``python -m sphinx -W docs OUT``.
+
+Sphinx with MyST, because tutorials are then plain Markdown files whose cells are run while the manual is built, and the
+reference comes from the same docstrings, schema and table of quantities as the program. No page needs a service: formulas
+are MathML, made here by docutils.
+"""
+
+import os
+import sys
+from pathlib import Path
+
+from docutils import nodes
+from docutils.utils.math.latex2mathml import tex2mathml
+from sphinx.application import Sphinx
+
+sys.path.insert(0, str(Path(__file__).parent))
+# commands in cells are those of the environment that builds
+os.environ["PATH"] = str(Path(sys.executable).parent) + os.pathsep + os.environ["PATH"]
+
+import rollbench
+
+project = "rollbench"
+author = "the rollbench authors"
+project_copyright = "the rollbench authors, MIT licence"
+version = release = rollbench.__version__
+
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton"]
+exclude_patterns = []
+html_theme = "furo"
+html_title = f"rollbench {release}"
+html_static_path = ["_static"]
+html_css_files = ["manual.css"]
+html_math_renderer = "mathml"
+html_copy_source = False
+
+myst_enable_extensions = ["dollarmath", "deflist", "colon_fence", "attrs_inline"]
+myst_heading_anchors = 3
+nb_execution_mode = "force"
+nb_execution_timeout = 420
+nb_execution_in_temp = True
+nb_execution_raise_on_error = True
+nb_merge_streams = True
+copybutton_selector = "div:not(.output) > div.highlight > pre"
+
+autodoc_typehints = "description"
+autodoc_member_order = "bysource"
+napoleon_use_rtype = False
+suppress_warnings = ["myst.strikethrough"]
+
+
+def inline_formula(translator: nodes.NodeVisitor, node: nodes.math) -> None:
+    """An inline formula as MathML."""
+    translator.body.append(tex2mathml(node.astext(), as_block=False))
+    raise nodes.SkipNode
+
+
+def displayed_formula(translator: nodes.NodeVisitor, node: nodes.math_block) -> None:
+    """A formula on its own line as MathML; with its number where it has a label."""
+    translator.body.append('<div class="formula">')
+    text = node.astext().strip()
+    if "&" in text or "\\\\" in text:
+        text = rf"\begin{{align}}{text}\end{{align}}"
+    translator.body.append(tex2mathml(text, as_block=True))
+    if node.get("number"):
+        translator.body.append(f'<span class="eqno" id="{node["ids"][0] if node["ids"] else ""}">({node["number"]})</span>')
+    translator.body.append("</div>")
+    raise nodes.SkipNode
+
+
+def write(app: Sphinx) -> None:
+    """Writes the pages and drawings that the program makes."""
+    import drawings
+    import generate
+
+    generate.pages(Path(app.srcdir) / "reference")
+    drawings.draw(Path(app.srcdir) / "_static")
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Registers the formulas and the pages that the program writes."""
+    app.add_html_math_renderer("mathml", (inline_formula, None), (displayed_formula, None))
+    app.connect("builder-inited", write)
+    return {"parallel_read_safe": True}

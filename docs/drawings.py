@@ -1,0 +1,117 @@
+"""Drawings of the manual that are not results: the lengths of a scene."""
+
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib import pyplot as plt
+from matplotlib.axes import Axes
+from matplotlib.patches import Arc, Circle, Rectangle, Wedge
+
+STEEL, NUT, BALL = "#d7dce3", "#b9c7dd", "#f3c969"
+CODE = {"fontsize": 8, "family": "monospace"}
+
+
+def draw(folder: Path) -> None:
+    """Writes every drawing into a folder as SVG, each only where it is not there."""
+    mpl.rcParams["svg.fonttype"] = "none"
+    for name, drawing in {"lengths": lengths, "contact": contact}.items():
+        path = folder / f"{name}.svg"
+        if not path.exists():
+            drawing(path)
+
+
+def _axes(size: tuple[float, float], aspect: str = "equal") -> tuple[plt.Figure, Axes]:
+    figure, axes = plt.subplots(figsize=size, layout="constrained")
+    axes.set_aspect(aspect)
+    axes.axis("off")
+    return figure, axes
+
+
+def _across(axes: Axes, start: tuple[float, float], end: tuple[float, float], text: str, below: bool = False) -> None:
+    """A dimension line along z with its text above or below it."""
+    _line(axes, start, end)
+    x, y = (start[0] + end[0]) / 2, start[1]
+    axes.text(x, y + (-1.2 if below else 1.2), text, ha="center", va="top" if below else "bottom", **CODE)
+
+
+def _upright(axes: Axes, start: tuple[float, float], end: tuple[float, float], text: str, at: float) -> None:
+    """A dimension line along the radius with its text beside it at a height."""
+    _line(axes, start, end)
+    axes.text(start[0] + 1.2, at, text, ha="left", va="center", **CODE)
+
+
+def _line(axes: Axes, start: tuple[float, float], end: tuple[float, float]) -> None:
+    axes.annotate("", xy=start, xytext=end, arrowprops={"arrowstyle": "<->", "lw": 0.8, "shrinkA": 0, "shrinkB": 0})
+
+
+def lengths(path: Path) -> None:
+    """Section through a screw with its nut: stations, lengths and diameters as scene files name them."""
+    figure, axes = _axes((10, 4.6))
+    axes.add_patch(Rectangle((0, -16), 160, 32, fc=STEEL, ec="black", lw=0.8))
+    for side in (-1, 1):
+        axes.add_patch(Rectangle((58, side * 17 - (14 if side < 0 else 0)), 54, 14, fc=NUT, ec="black", lw=0.8))
+        for k in range(5):
+            z = 62.5 + 10 * k + (5 if side > 0 else 0)
+            axes.add_patch(Circle((z, side * 16.5), 2.8, fc=BALL, ec="black", lw=0.7))
+    for z in (*range(6, 56, 10), *range(114, 156, 10)):
+        axes.plot([z, z + 5], [16, -16], color="grey", lw=0.5)
+    axes.plot([-8, 168], [0, 0], color="black", lw=0.6, ls=(0, (12, 3, 2, 3)))
+    axes.annotate("", xy=(178, 0), xytext=(166, 0), arrowprops={"arrowstyle": "->"})
+    axes.text(179, 0, "z", va="center")
+    for z in (0, 160):
+        axes.plot([z, z - 4, z + 4, z], [-16, -23, -23, -16], color="black", lw=0.8)
+    axes.text(-5, -27, "[[supports]] at", **CODE, ha="left")
+    axes.annotate("", xy=(0, 4), xytext=(-18, 4), arrowprops={"arrowstyle": "-|>", "color": "#b3261e", "lw": 1.6})
+    axes.text(-18, 7, "[[loads]] force", **CODE, color="#b3261e")
+    _across(axes, (0, -36), (160, -36), "screw.length")
+    _across(axes, (0, 42), (85, 42), "nut.position")
+    _across(axes, (58, 34), (112, 34), "nut.length")
+    _across(axes, (82.5, -25), (92.5, -25), "track.lead", below=True)
+    _upright(axes, (118, -31), (118, 31), "nut.outer_diameter", 25)
+    _upright(axes, (132, -16), (132, 16), "screw.outer_diameter", -8)
+    _upright(axes, (16, -16.5), (16, 16.5), "track.pitch_diameter", 8)
+    axes.plot([85, 85], [31, 45], color="black", lw=0.5)
+    axes.set_xlim(-22, 184)
+    axes.set_ylim(-42, 48)
+    figure.savefig(path)
+    plt.close(figure)
+
+
+def contact(path: Path) -> None:
+    """One ball between the four flanks of its grooves: flanks' names, contact angle, groove radius, lands."""
+    figure, axes = _axes((5.6, 4.6))
+    R, f, angle = 1.0, 0.62, np.radians(45)
+    radius = 2 * R * f
+    excess = radius - R
+    for side, fill in ((1, NUT), (-1, STEEL)):
+        phi = np.linspace(np.radians(20), np.radians(78), 60)
+        left = np.c_[
+            excess * np.sin(angle) - radius * np.sin(phi[::-1]), excess * np.cos(angle) - radius * np.cos(phi[::-1])
+        ]
+        right = np.c_[-left[::-1, 0], left[::-1, 1]]
+        line = np.r_[[[-2.4, left[0, 1]]], left, right, [[2.4, left[0, 1]]]]
+        line[:, 1] *= -side
+        rim = np.r_[line, [[2.4, side * 2.2], [-2.4, side * 2.2]]]
+        axes.fill(rim[:, 0], rim[:, 1], fc=fill, ec="black", lw=0.9)
+    axes.add_patch(Circle((0, 0), R, fc=BALL, ec="black", lw=0.9))
+    for name, sx, sy in (("SL", -1, -1), ("SR", 1, -1), ("NL", -1, 1), ("NR", 1, 1)):
+        axes.plot([0, 1.35 * sx * np.sin(angle)], [0, 1.35 * sy * np.cos(angle)], color="black", lw=0.6, ls="--")
+        axes.text(1.5 * sx * np.sin(angle), 1.5 * sy * np.cos(angle), name, ha="center", va="center", weight="bold")
+    axes.plot([0, 0], [0, 1.9], color="black", lw=0.6)
+    axes.add_patch(Arc((0, 0), 1.1, 1.1, theta1=45, theta2=90, lw=0.8))
+    axes.text(0.16, 0.62, r"contact_angle", **CODE)
+    axes.add_patch(Wedge((excess * np.sin(angle), -excess * np.cos(angle)), 0.03, 0, 360, fc="black"))
+    end = (
+        excess * np.sin(angle) - radius * np.sin(np.radians(60)),
+        -excess * np.cos(angle) + radius * np.cos(np.radians(60)),
+    )
+    axes.annotate("", xy=end, xytext=(excess * np.sin(angle), -excess * np.cos(angle)), arrowprops={"arrowstyle": "->"})
+    axes.text(-0.95, 0.12, "groove_radius", **CODE)
+    axes.text(0, 2.0, "nut", ha="center", va="center")
+    axes.text(0, -2.0, "screw", ha="center", va="center")
+    axes.text(1.75, -0.78, "land", fontsize=8)
+    axes.set_xlim(-2.4, 2.4)
+    axes.set_ylim(-2.2, 2.2)
+    figure.savefig(path)
+    plt.close(figure)

@@ -1,0 +1,115 @@
+"""The reference pages that the program itself writes: scene file, commands, quantities."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+import tomllib
+from collections.abc import Iterator, Mapping
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+WORDS = {"COLUMNS": "96", "NO_COLOR": "1", "TERM": "dumb"}
+
+
+def said(*arguments: str) -> str:
+    """What ``rollbench ARGUMENTS`` prints."""
+    command = [sys.executable, "-m", "rollbench", *arguments]
+    return subprocess.run(command, check=True, capture_output=True, text=True, env={**os.environ, **WORDS}).stdout
+
+
+def pages(folder: Path) -> None:
+    """Writes the pages into a folder, each only where its text is new."""
+    for name, lines in (("scene-file", scene_file()), ("commands", commands()), ("quantities", quantities())):
+        text = "\n".join(lines) + "\n"
+        path = folder / f"{name}.md"
+        if not path.exists() or path.read_text() != text:
+            path.write_text(text)
+
+
+def commands() -> Iterator[str]:
+    """Every command with its help, in the order of ``rollbench --help``."""
+    yield "# Commands\n\nWhat `rollbench COMMAND --help` prints. [Exit codes](exit-codes.md) have a page of their own."
+    for name in re.findall(r"^│ ([a-z][a-z-]+)  ", said("--help"), re.MULTILINE):
+        yield f"\n## `rollbench {name}`\n\n```text\n{said(name, '--help').strip()}\n```"
+
+
+def scene_file() -> Iterator[str]:
+    """Every table and key of a scene file of a screw, bearing or axis, from the JSON Schema; friction's kinds by name."""
+    schema = json.loads(said("schema"))
+    records = schema["$defs"]
+    yield (
+        "# Scene file\n\nA scene is one TOML file. Lengths, forces and angles are texts with a unit:"
+        ' `"20 mm"`, `"5 kN"`, `"45 deg"`.'
+        " `rollbench schema` prints the JSON Schema from which this page is made; editors complete and check"
+        " keys with it. `rollbench new FILE` writes a scene with every key as a comment.\n\n"
+        "```{figure} ../_static/lengths.svg\n:alt: lengths of a ball screw in a scene file\n\nLengths of a scene: section"
+        " through a screw with its nut, and one ball in its grooves.\n```\n"
+    )
+    seen: set[str] = set()
+    for kind in schema["oneOf"]:
+        name = kind["$ref"].rsplit("/", 1)[1]
+        yield f"\n## {_title(name)}\n\n{records[name].get('description', '')}\n"
+        yield from _table(records, name, "", seen)
+
+
+def _title(record: str) -> str:
+    words = re.sub(r"(?<!^)(?=[A-Z])", " ", record.removesuffix("Keys")).lower()
+    return {"scene": "Ball screw or ball bearing", "axis": "Several sets on a shaft"}.get(words, words.capitalize())
+
+
+def _table(records: Mapping[str, Any], name: str, prefix: str, seen: set[str]) -> Iterator[str]:
+    """The keys of a record as rows, then the tables that its keys hold, each once."""
+    record = records[name]
+    needed = set(record.get("required", ()))
+    yield "\n| key | what it is | allowed | default |\n|---|---|---|---|"
+    inside: list[tuple[str, str]] = []
+    for key, about in record["properties"].items():
+        inside += [(key, found) for found in dict.fromkeys(re.findall(r"#/\$defs/(\w+)", json.dumps(about)))]
+        given = about.get("default")
+        default = "needed" if key in needed else "–" if given in (None, "", []) else _code(given)
+        yield f"| `{key}` | {_cell(about.get('description', ''))} | {_allowed(about)} | {default} |"
+    for key, found in inside:
+        path = f"{prefix}{key}"
+        if found not in seen:
+            seen.add(found)
+            yield f"\n### `[{path}]`\n\n{records[found].get('description', '')}"
+            yield from _table(records, found, f"{path}.", seen)
+
+
+def _allowed(about: Mapping[str, Any]) -> str:
+    one = about.get("items", about)
+    if "x-allowed" in one:
+        return _cell(str(one["x-allowed"]))
+    if "enum" in one:
+        return ", ".join(_code(word) for word in one["enum"] if word != "")
+    if "minimum" in one or "maximum" in one:
+        return f"{one.get('minimum', '')} to {one.get('maximum', '')}"
+    if "#/$defs/" in json.dumps(about):
+        return "tables" if "items" in about else "table"
+    return {"string": "text", "boolean": "true, false", "array": "list"}.get(str(one.get("type")), str(one.get("type", "")))
+
+
+def _code(value: object) -> str:
+    return f"`{json.dumps(value)}`".replace('"', "") if isinstance(value, str) else f"`{json.dumps(value)}`"
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|").replace("\n", " ").replace("<", "\\<").replace("*", "\\*")
+
+
+def quantities() -> Iterator[str]:
+    """Every quantity of the output: from the one file of definitions."""
+    yield (
+        "# Quantities\n\nEvery number that `solve`, `compare`, `check`, `mesh-study` and `friction` print has a path"
+        ' in their JSON (`--json`) and in Python: `rollbench.solve("my.toml")["summary.axial.displacement_um"]`. The ending of a'
+        " path is its unit. Axes: z along the screw, azimuth from x to y about it; a positive axial force pushes the screw"
+        " to larger z.\n"
+    )
+    text = resources.files("rollbench.comparison").joinpath("definitions.toml").read_text()
+    for table in tomllib.loads(text)["table"]:
+        yield f"\n## {table['title']}\n\n{table.get('about', '')}\n\n| path | definition | its error |\n|---|---|---|"
+        for one in table["quantity"]:
+            yield f"| `{one['path']}` | {_cell(one['is'])} | {_cell(one.get('error', '–'))} |"
