@@ -16,6 +16,7 @@ from cyclopts import CycloptsError
 from rollbench.comparison.commands.arguments import commands
 from rollbench.comparison.commands.printing import OutputLost, writing
 from rollbench.comparison.errors import InputError, one_line
+from rollbench.meshes import kept
 
 #: Longest wait [s] after an interrupt for threads that tidy up.
 TIDYING = 2.0
@@ -58,6 +59,8 @@ def main(tokens: list[str] | None = None) -> None:
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # closed by the caller: nobody reads it
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 - for the life of the process
+    if tokens is None:
+        kept.switch_on()
     try:
         asked = sys.argv[1:] if tokens is None else tokens
         code = commands(asked[0] if asked else "")(

@@ -2,7 +2,7 @@
 
 Sphinx with MyST, because tutorials are then plain Markdown files whose cells are run while the manual is built, and the
 reference comes from the same docstrings, schema and table of quantities as the program. No page needs a service: formulas
-are MathML, made here by docutils.
+are MathML, made while building.
 """
 
 import os
@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 from docutils import nodes
-from docutils.utils.math.latex2mathml import tex2mathml
+from latex2mathml.converter import convert
 from sphinx.application import Sphinx
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -50,7 +50,7 @@ suppress_warnings = ["myst.strikethrough"]
 
 def inline_formula(translator: nodes.NodeVisitor, node: nodes.math) -> None:
     """An inline formula as MathML."""
-    translator.body.append(tex2mathml(node.astext(), as_block=False))
+    translator.body.append(convert(node.astext()))
     raise nodes.SkipNode
 
 
@@ -59,8 +59,8 @@ def displayed_formula(translator: nodes.NodeVisitor, node: nodes.math_block) -> 
     translator.body.append('<div class="formula">')
     text = node.astext().strip()
     if "&" in text or "\\\\" in text:
-        text = rf"\begin{{align}}{text}\end{{align}}"
-    translator.body.append(tex2mathml(text, as_block=True))
+        text = rf"\begin{{aligned}}{text}\end{{aligned}}"
+    translator.body.append(convert(text, display="block"))
     if node.get("number"):
         translator.body.append(f'<span class="eqno" id="{node["ids"][0] if node["ids"] else ""}">({node["number"]})</span>')
     translator.body.append("</div>")

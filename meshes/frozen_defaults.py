@@ -93,6 +93,7 @@ FROZEN: dict[str, dict[str, str | None]] = {
         "seed": "0",
         "lead_offset": "0",
     },
+    "Flange": {"diameter": None, "thickness": None, "seat": None, "side": '"left"', "centring": "0", "bonded": "False"},
     "FourierTerm": {"harmonic": None, "sin": "0", "cos": "0", "sigma": "0"},
     "Friction": {"screw": None, "nut": None, "assumed": "()", "feedback": "True", "balls": "None", "neighbours": "False"},
     "GateLimits": {"max_error": "None", "rms_error": "None"},
@@ -151,6 +152,7 @@ FROZEN: dict[str, dict[str, str | None]] = {
         "groove_radius": None,
         "material": None,
         "azimuth": "0",
+        "flange": "None",
     },
     "Pair": {
         "groove": None,

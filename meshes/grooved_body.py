@@ -20,7 +20,7 @@ from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.fem import cells_of, nodes_on, points_of
 from rollbench.meshes.groove_end import GrooveEnds
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.parts import SIDES
+from rollbench.meshes.parts import SIDES, Flange
 from rollbench.meshes.quality import Quality, arc_deviation, measure, refuse_bad, straighten, untangle
 from rollbench.meshes.shell import (
     BEND,
@@ -55,6 +55,8 @@ from rollbench.meshes.sockets import (
 
 #: Longest edges on flanks over the coarse element size: a long groove of a small section makes most of a body's cells.
 FLANK = 0.48
+#: Circles of a flanged nut nearer to each other [m] are one.
+SAME = 1e-8
 
 
 @dataclass(frozen=True)
@@ -63,7 +65,8 @@ class BodySpec:
 
     outer: whether the groove is cut from outside (screw) or from inside (nut); sockets: (azimuth of the ball's section
     including its start [rad], z of the ball [m], side) of every contact; fine, coarse: element sizes near and away from
-    the sockets [m]; ends: whether the groove ends beyond its outermost sockets (`meshes.groove_end`), or runs through.
+    the sockets [m]; ends: whether the groove ends beyond its outermost sockets (`meshes.groove_end`), or runs through;
+    flange: of a nut.
     """
 
     r_in: float
@@ -76,14 +79,16 @@ class BodySpec:
     fine: float
     coarse: float
     ends: bool = False
+    flange: Flange | None = None
 
 
 @dataclass(frozen=True)
 class GroovedBody:
     """Second-order tetrahedra with boundaries "low end", "high end", "flank SL" or of other sides, "land", "bore" of a
-    screw that has one or "outside" of a nut, "sockets" if any; per socket the nodes of its inner faces in the order of
-    its side's ``sockets`` mesh ``(count, k)``; largest distance [m] of the flanks' nodes, the sockets' rims among them,
-    from the exact flanks; quality."""
+    screw that has one or "outside" of a nut (of a flanged one also "rim", "seat", where its flange may be held, the rest of
+    that face as "flange", and "centring", the fit beside it), "sockets" if any; per socket the nodes of its inner faces in
+    the order of its side's ``sockets`` mesh ``(count, k)``; largest distance [m] of the flanks' nodes, the sockets' rims
+    among them, from the exact flanks; quality."""
 
     mesh: Mesh
     socket_nodes: Index
@@ -284,12 +289,29 @@ class Surface:
         loops = [[bound] for bound in bounds]
         if r > 0.0:
             limit = min(self.bend * r, max(WALL * self.groove.wall, self.shell.fine))
-            circles = [self._circle(r, z, limit) for z in self.z]
-            self._tube("bore" if self.spec.outer else "outside", r, circles[0], circles[1], self.z, limit)
-            for loop, ring in zip(loops, circles, strict=True):
-                loop.insert(1 if self.spec.outer else 0, [ring.on(seen(r))])
+            places = [(r, z) for z in self.z]
+            if self.spec.flange is None:
+                circles = [self._circle(r, z, limit) for z in self.z]
+                self._tube("bore" if self.spec.outer else "outside", r, circles[0], circles[1], self.z, limit)
+            else:
+                names, places = outline(self.spec.flange, r, self.z)
+                circles = self._outline(names, places, limit)
+            for loop, ring, (radius, _) in zip(loops, (circles[0], circles[-1]), (places[0], places[-1]), strict=True):
+                loop.insert(1 if self.spec.outer else 0, [ring.on(seen(radius))])
         for name, z, loop in zip(("low end", "high end"), self.z, loops, strict=True):
             self.shell.face(name, loop, flat(z), np.inf)
+
+    def _outline(self, names: list[str], places: list[tuple[float, float]], limit: float) -> list[Curve]:
+        """The surface between circles at ``places``, by name; returns the circles."""
+        circles = [self._circle(r, z, limit) for r, z in places]
+        for name, k in zip(names, range(len(names)), strict=True):
+            (r, z), (other, end) = places[k : k + 2]
+            if r == other:
+                self._tube(name, r, circles[k], circles[k + 1], (z, end), limit)
+            else:
+                outer, inner = sorted(((r, circles[k]), (other, circles[k + 1])), key=lambda x: -x[0])
+                self.shell.face(name, [[c.on(seen(x))] for x, c in (outer, inner)], flat(z), limit)
+        return circles
 
     def _ring(self) -> list[list[Side]]:
         """Flanks and lands of a ring; returns the land's circles at both ends."""
@@ -416,6 +438,31 @@ def widest_gap(spec: BodySpec) -> float:
     gaps = np.diff(np.append(phi, phi[0] + 2.0 * np.pi))
     k = int(np.round(gaps, 9).argmax())
     return float(phi[k] + 0.5 * gaps[k])
+
+
+def outline(flange: Flange, outer: float, z: tuple[float, float]) -> tuple[list[str], list[tuple[float, float]]]:
+    """Names of the surfaces outside a flanged nut of radius ``outer`` [m] from its low end on, and the circles (r, z) [m]
+    before, between and behind them."""
+    rim = flange.diameter / 2.0
+    end, face, fit = flange.stations(*z)
+    far = z[1] if flange.side == "left" else z[0]
+    low, high = flange.seat
+    corners = [
+        ("rim", (rim, face)),
+        ("flange", (high, face)),
+        ("seat", (low, face)),
+        ("flange", (outer, face)),
+        ("centring", (outer, fit)),
+        ("outside", (outer, far)),
+    ]
+    names, places = [], [(rim, end)]
+    for name, place in corners:
+        if np.hypot(*np.subtract(place, places[-1])) > SAME:
+            names.append(name)
+            places.append(place)
+        else:
+            places[-1] = place
+    return (names, places) if flange.side == "left" else (names[::-1], places[::-1])
 
 
 def build_body(m: GrooveMap, spec: BodySpec) -> GroovedBody:

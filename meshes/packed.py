@@ -14,7 +14,6 @@ from importlib import import_module
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 
 #: Packages whose records and classes may be named.
 TRUSTED = ("rollbench", "skfem")
@@ -50,8 +49,8 @@ def _described(value: Any, arrays: list[Any]) -> Any:
     if isinstance(value, np.ndarray | np.generic) and value.dtype != object:
         arrays.append(value)
         return ["array" if isinstance(value, np.ndarray) else "scalar", len(arrays) - 1]
-    if sp.issparse(value):
-        own = value if value.format in ("csr", "csc") else value.tocsr()
+    if type(value).__module__.startswith("scipy.sparse"):
+        own: Any = value if value.format in ("csr", "csc") else value.tocsr()
         return ["sparse", _name(type(own)), list(own.shape), *(_described(x, arrays) for x in _parts(own))]
     if type(value) in (tuple, list):
         return [type(value).__name__, *(_described(x, arrays) for x in value)]

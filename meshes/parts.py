@@ -28,6 +28,7 @@ NutHeld = Literal[
     "left face, outer half",
     "right face, inner half",
     "right face, outer half",
+    "flange face",
 ]
 
 
@@ -71,6 +72,29 @@ class Screw:
 
 
 @dataclass(frozen=True)
+class Flange:
+    """Flange at an end of a nut, within its length: outer diameter and thickness [m], ``side`` of the nut.
+
+    ``seat``: radii [m] between which its face towards the rest of the nut may be held (``Solid.nut_held``); ``centring``:
+    length [m] of the nut's outside from that face on that fits the housing's bore; ``bonded``: whether the fit holds the
+    nut there too, or lets it go.
+    """
+
+    diameter: float
+    thickness: float
+    seat: tuple[float, float]
+    side: Literal["left", "right"] = "left"
+    centring: float = 0.0
+    bonded: bool = False
+
+    def stations(self, low: float, high: float) -> tuple[float, float, float]:
+        """Stations [m] of its outer face, of the face that may be held, and of the end of the fit, on a nut from ``low``
+        to ``high`` [m]."""
+        end, inwards = (low, 1.0) if self.side == "left" else (high, -1.0)
+        return end, end + inwards * self.thickness, end + inwards * (self.thickness + self.centring)
+
+
+@dataclass(frozen=True)
 class Nut:
     """Nut or outer ring: axial position of its centre, length, outer diameter and groove radius [m], material.
 
@@ -83,6 +107,7 @@ class Nut:
     groove_radius: float
     material: Material
     azimuth: float = 0.0
+    flange: Flange | None = None
 
 
 @dataclass(frozen=True)
@@ -210,9 +235,10 @@ class Solid:
     ``nut_inner_diameter``: lands of the nut [m]; ``hole_diameter``: hole along the axis of the meshed screw [m];
     ``shaft``: length of the 3D stretch beyond the nut on each side [m]; ``shaft_diameter``: diameter of the equivalent
     plain shaft beyond it [m] (``None``: the section is homogenised from the grooved shaft);
-    ``nut_held``: where the nut is held (half a face: the inner or outer half of its width); ``screw_held``: at the ends
-    of the 3D stretch, or by its bore (a ring on a stiff shaft); ``nut``: elastic, or rigid beyond the contact patches;
-    ``nut_groove``: through the whole nut, or filled beyond the loaded balls (`meshes.groove_end`).
+    ``nut_held``: where the nut is held (half a face: the inner or outer half of its width; the flange's: at its ``seat``);
+    ``screw_held``: at the ends of the 3D stretch, or by its bore (a ring on a stiff shaft); ``nut``: elastic, or rigid
+    beyond the contact patches; ``nut_groove``: through the whole nut, or filled beyond the loaded balls
+    (`meshes.groove_end`).
     """
 
     nut_inner_diameter: float | None = None

@@ -89,13 +89,26 @@ def dimensions(scene: Scene) -> Dimensions:
         hole = HOLE * R
         assumed.append(f"A hole of {2e3 * hole:.3g} mm diameter along the axis of the meshed screw; the scene has none.")
     held: str | None = solid.nut_held
+    flange = scene.nut.flange
     if held is None:
-        held = "outer surface" if scene.track.lead == 0.0 else "left face"
+        held = "flange face" if flange else "outer surface" if scene.track.lead == 0.0 else "left face"
         assumed.append(f"The nut is held at its {held}.")
     held, _, half = held.partition(", ")
     wall = scene.nut.outer_diameter / 2.0
+    if flange and held in (f"{flange.side} face", "both faces"):
+        wall = flange.diameter / 2.0
     middle = 0.5 * (land + wall)
     held_radii = {"": (land, wall), "inner half": (land, middle), "outer half": (middle, wall)}[half]
+    if held == "flange face":
+        if flange is None:
+            raise ValueError('nut.held.at of "flange face" needs a flange: give [nut.flange]')
+        held_radii = flange.seat
+        assumed.append(
+            f"The face of the nut's flange is bonded to a rigid housing from {2e3 * flange.seat[0]:.4g} to "
+            f"{2e3 * flange.seat[1]:.4g} mm diameter: no single bolts, no gaping."
+        )
+        if flange.bonded:
+            held, held_radii = "flange face and centring", (wall, flange.diameter / 2.0)
     screw_held = solid.screw_held
     if screw_held is None:
         screw_held = "bore" if scene.ingredients.screw == "rigid" and scene.screw.bore > 0.0 else "ends"

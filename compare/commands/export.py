@@ -192,7 +192,8 @@ def _whole(scene: Scene, part: str, level: int) -> MeshData:
         ends = dims.ends(scene) if screw else (scene.nut.position - half, scene.nut.position + half)
         places, size = sockets_of(layout, sides, screw), socket_size(scene, m, layout, sides, dims, settings)
         filled = dims.groove_ends and not screw
-        spec = BodySpec(*radii, *ends, screw, places, size, settings.fine, settings.coarse, filled)
+        flange = None if screw else scene.nut.flange
+        spec = BodySpec(*radii, *ends, screw, places, size, settings.fine, settings.coarse, filled, flange)
         near = np.concatenate([groove_points(m, place, middle) for place in places])
         made = whole_body(m, spec, Refinement(near, settings.fine, AWAY, settings.coarse))
     mesh = of_order(made.mesh, body_kind(settings))
@@ -204,7 +205,7 @@ def _body(meshes: Meshes, part: str, kind: str) -> MeshData:
     from rollbench.hifi.bodies.coarse import of_order
 
     mesh = {"ball": meshes.ball.mesh, "screw": meshes.screw.mesh, "nut": meshes.nut.mesh}[part]
-    names = [name for name in mesh.boundaries if "socket" in name or " end" in name]
+    names = [name for name in mesh.boundaries if "socket" in name or " end" in name or name in ("seat", "centring")]
     return from_skfem(of_order(mesh, kind), *names)
 
 

@@ -6,7 +6,6 @@ from dataclasses import replace
 from math import cos, hypot, pi, sin
 
 import numpy as np
-from scipy.optimize import brentq
 
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.lowfi.statics.problem import drawn_hertz, nominal_hertz
@@ -14,6 +13,7 @@ from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import Errors, Ingredients, Load, Scene, Support
+from rollbench.meshes.roots import brentq
 from rollbench.meshes.section import screw_section
 
 

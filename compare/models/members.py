@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import binom
+from scipy.special import bdtr, bdtrik
 from threadpoolctl import threadpool_limits
 
 from rollbench.comparison.errors import InputError
@@ -264,6 +264,12 @@ class _Sums:
         return Bands(self.nominal, self.nominal + mean, deviation, low, self.high, shares, counts, self.width)
 
 
+def _binomial_quantile(p: float, trials: int, chance: float) -> int:
+    """Least count that a binomial variable stays below or at with a probability of ``p``."""
+    count = int(np.ceil(bdtrik(p, trials, chance)))
+    return count - 1 if count > 0 and bdtr(count - 1, trials, chance) >= p else count
+
+
 def statistics(values: Array) -> dict[str, Any] | None:
     """Mean with its standard error, deviation, extremes, and quantiles with their 95 % intervals, of the finite ones of
     values (M,); None of less than two.
@@ -277,7 +283,7 @@ def statistics(values: Array) -> dict[str, Any] | None:
     out: dict[str, Any] = {"members": int(y.size), "mean": float(y.mean()), "standard_error": sd / float(np.sqrt(y.size))}
     out |= {"standard_deviation": sd, "smallest": float(y[0]), "largest": float(y[-1]), "quantiles": []}
     for level in LEVELS:
-        low, high = (int(binom.ppf(p, y.size, level)) for p in (0.025, 0.975))
+        low, high = (_binomial_quantile(p, y.size, level) for p in (0.025, 0.975))
         ends = float(y[max(low - 1, 0)]), float(y[min(high, y.size - 1)])
         out["quantiles"].append({"level": level, "value": float(np.quantile(y, level)), "low": ends[0], "high": ends[1]})
     return out

@@ -13,11 +13,14 @@ from rollbench.lowfi.statics.supports import Held, contradiction, show
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import beyond_step, specimen
 from rollbench.meshes.helix import ball_layout, lead_angle
-from rollbench.meshes.parts import SIDES, Scene
+from rollbench.meshes.near import close_pairs
+from rollbench.meshes.parts import SIDES, Flange, Nut, Scene
 from rollbench.meshes.section import volume_ratio
 
 #: Random ball errors are refused if this many standard deviations would make a ball as large as its groove.
 SIGMAS = 6.0
+#: Least difference of the diameters of a flange's annulus [m].
+SEAT = 1e-4
 #: Largest groove radius, in ball radii: beyond it a groove guides no ball.
 WIDEST = 10.0
 
@@ -46,6 +49,8 @@ def geometry_faults(scene: Scene) -> Iterator[Fault]:
     yield from _station_faults(scene)
     yield from _rigid_faults(scene)
     yield from _solid_faults(scene)
+    if scene.nut.flange is not None:
+        yield from _flange_faults(scene.nut, scene.nut.flange)
     if scene.track.pitch_radius > scene.balls.radius:
         yield from _packing_faults(scene, radii)
     if scene.circulation is not None or scene.time is not None:
@@ -223,6 +228,25 @@ def _solid_faults(scene: Scene) -> Iterator[Fault]:
         yield Fault(("solid.screw_held",), '"ends" for a screw without bore', 'give screw.bore, or write "ends"')
 
 
+def _flange_faults(nut: Nut, flange: Flange) -> Iterator[Fault]:
+    """A flange that the nut hides, one longer than the nut, and an annulus beyond its face."""
+    if flange.diameter <= nut.outer_diameter + SEAT:
+        advice = "a flange stands out from the nut: check diameter against radius"
+        yield Fault(("nut.flange.diameter",), f"above {mm(nut.outer_diameter + SEAT)}", advice)
+        return
+    if flange.thickness + flange.centring > nut.length - TOLERANCE:
+        room = nut.length - (flange.thickness if flange.centring else 0.0)
+        advice = "flange and centring fit lie within the nut's length: shorten them or lengthen the nut"
+        yield Fault(("nut.flange.centring" if flange.centring else "nut.flange.thickness",), f"below {mm(room)}", advice)
+    low, high = (2.0 * r for r in flange.seat)
+    if not nut.outer_diameter - TOLERANCE <= low < flange.diameter - SEAT:
+        allowed = f"{mm(nut.outer_diameter)} to {mm(flange.diameter - SEAT)}"
+        yield Fault(("nut.held.inner_diameter", "nut.flange"), allowed, "the annulus lies on the flange's face")
+    elif not low + SEAT <= high <= flange.diameter + TOLERANCE:
+        allowed = f"{mm(low + SEAT)} to {mm(flange.diameter)}"
+        yield Fault(("nut.held.outer_diameter", "nut.flange"), allowed, "the annulus lies on the flange's face")
+
+
 def _packing_faults(scene: Scene, radii: Array) -> Iterator[Fault]:
     track, nut = scene.track, scene.nut
     centres = ball_layout(scene).centre
@@ -253,27 +277,14 @@ def _packing_faults(scene: Scene, radii: Array) -> Iterator[Fault]:
 
 
 def overlapping(centres: Array, radii: Array) -> tuple[int, int] | None:
-    """Indices of a pair of overlapping balls (that of the lowest index), or None.
+    """Indices of a pair of overlapping balls, the lower first, or None.
 
     ``centres`` [m], shape ``(n, 3)``; ``radii`` [m], shape ``(n,)``; touching balls do not overlap.
     """
-    if len(radii) < 2:
-        return None
-    from scipy.spatial import cKDTree
-
-    tree = cKDTree(centres)
-    distance, neighbour = tree.query(centres, k=2)
-    # A ball may be its own second neighbour where centres coincide.
-    other = np.where(neighbour[:, 1] == np.arange(len(radii)), neighbour[:, 0], neighbour[:, 1])
-    bad = np.flatnonzero(distance[:, 1] < radii + radii[other] - TOLERANCE)
-    if bad.size:
-        i, j = int(bad[0]), int(other[bad[0]])
-        return min(i, j), max(i, j)
-    # Unequal balls: the nearest one need not be the one that is overlapped. Few pairs are left to look at.
-    pairs = tree.query_pairs(2.0 * float(radii.max()), output_type="ndarray")
-    gaps = np.linalg.norm(centres[pairs[:, 0]] - centres[pairs[:, 1]], axis=1) - radii[pairs].sum(axis=1)
-    bad = np.flatnonzero(gaps < -TOLERANCE)
-    if not bad.size:
-        return None
-    i, j = min((int(a), int(b)) for a, b in pairs[bad])
-    return i, j
+    following = np.arange(len(radii) - 1)[:, None] + np.array([0, 1])
+    for pairs in (following, None):  # of balls in a row first: where they overlap, there may be very many pairs
+        i, j = (close_pairs(centres, 2.0 * float(radii.max(initial=0.0))) if pairs is None else pairs).T
+        bad = np.flatnonzero(np.linalg.norm(centres[i] - centres[j], axis=1) < radii[i] + radii[j] - TOLERANCE)
+        if bad.size:
+            return int(i[bad[0]]), int(j[bad[0]])
+    return None

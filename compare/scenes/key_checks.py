@@ -20,6 +20,7 @@ def choice_faults(keys: SceneKeys) -> Iterator[Fault]:
     yield from _kind_faults(keys)
     yield from groove_choice_faults(keys.screw, "screw")
     yield from groove_choice_faults(keys.nut, "nut")
+    yield from _holding_faults(keys)
     yield from _ball_choice_faults(keys)
     yield from _support_faults(keys)
     if keys.motion is not None and keys.motion.speed == 0.0:
@@ -74,6 +75,24 @@ def groove_choice_faults(groove: GrooveKeys, table: str) -> Iterator[Fault]:
         found = "neither" if groove.conformity is None else "both"
         advice = "groove radius = conformity x ball diameter: give one and leave out the other"
         yield Fault((f"{table}.groove_radius",), "one of groove_radius and conformity", advice, found)
+
+
+def _holding_faults(keys: SceneKeys) -> Iterator[Fault]:
+    """A flange on a ring, keys of a flange's face without one, and the former key beside the new one."""
+    nut, former = keys.nut, keys.solid.nut_held
+    if nut.held.at is not None and former is not None:
+        yield Fault(("solid.nut_held",), "nut.held.at alone", "solid.nut_held is its former name: leave it out", "both")
+    if nut.flange is not None and keys.track.lead == 0.0:
+        yield Fault(("nut.flange",), "a lead above 0 mm", "leave out the flange of a bearing's ring", "a flange")
+    by_flange = nut.flange is not None and (nut.held.at or former or "flange face") == "flange face"
+    for name in ("inner_diameter", "outer_diameter", "centring", "at"):
+        given = nut.held.at == "flange face" if name == "at" else name in nut.held.model_fields_set
+        if given and not by_flange:
+            advice = 'the annulus and the fit are those of a flange: give [nut.flange], and at = "flange face"'
+            yield Fault((f"nut.held.{name}",), "a flange by which the nut is held", advice)
+    if by_flange and nut.flange and nut.held.centring == "bonded" and nut.flange.centring == 0.0:
+        advice = 'give the length of the fit beside the flange, e.g. nut.flange.centring = "10 mm"'
+        yield Fault(("nut.held.centring",), '"free" without a fit', advice)
 
 
 def _material_faults(keys: SceneKeys, part: str) -> Iterator[Fault]:

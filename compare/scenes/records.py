@@ -10,13 +10,23 @@ import numpy as np
 from rollbench.comparison.errors import escaped
 from rollbench.comparison.scenes.circuits import azimuths
 from rollbench.comparison.scenes.keys import MaterialKeys
-from rollbench.comparison.scenes.schema import BallKeys, FrictionKeys, SceneKeys, SideKeys, SupportKeys, TermKeys, TrackKeys
+from rollbench.comparison.scenes.schema import (
+    BallKeys,
+    FrictionKeys,
+    NutKeys,
+    SceneKeys,
+    SideKeys,
+    SupportKeys,
+    TermKeys,
+    TrackKeys,
+)
 from rollbench.meshes.parts import (
     FREEDOMS,
     BallErrors,
     Balls,
     Circulation,
     Errors,
+    Flange,
     FourierTerm,
     Friction,
     GateLimits,
@@ -44,7 +54,8 @@ def scene_of(keys: SceneKeys, name: str) -> Scene:
     default = keys.material
     sides = {s: _side(getattr(e, s)) for s in ("SL", "SR", "NL", "NR")}
     listed = tuple(sorted((int(k), v) for k, v in e.balls.listed.items()))
-    screw, nut, diameter = keys.screw, keys.nut, 2.0 * keys.balls.radius
+    screw, nut, diameter, held = keys.screw, keys.nut, 2.0 * keys.balls.radius, keys.solid.nut_held
+    former = () if held is None else (f'The former key solid.nut_held = "{held}" is read as nut.held.at.',)
     return Scene(
         name=name,
         title=escaped(keys.title),
@@ -63,6 +74,7 @@ def scene_of(keys: SceneKeys, name: str) -> Scene:
             groove_radius=nut.groove_radius or (nut.conformity or 0.0) * diameter,
             material=material_of(nut.material, default),
             azimuth=nut.azimuth,
+            flange=_flange(nut),
         ),
         balls=Balls(keys.balls.radius, material_of(keys.balls.material, default), _azimuths(keys.balls, track)),
         errors=Errors(
@@ -74,9 +86,9 @@ def scene_of(keys: SceneKeys, name: str) -> Scene:
         supports=tuple(support_of(s) for s in keys.supports),
         loads=tuple(Load(p.at, vector(p.force), vector(p.moment)) for p in keys.loads),
         ingredients=Ingredients(**keys.ingredients.model_dump()),
-        solid=Solid(**keys.solid.model_dump()),
+        solid=Solid(**keys.solid.model_dump() | {"nut_held": nut.held.at or held}),
         source=escaped(keys.source),
-        assumed=tuple(map(escaped, keys.assumed)),
+        assumed=(*map(escaped, keys.assumed), *former),
         members=keys.members,
         friction=None if keys.friction is None else friction_of(keys.friction),
         motion=None if keys.motion is None else Motion(**keys.motion.model_dump()),
@@ -85,6 +97,14 @@ def scene_of(keys: SceneKeys, name: str) -> Scene:
         time=None if keys.time is None else Time(**keys.time.model_dump()),
         gate=GateLimits(**keys.gate.model_dump()),
     )
+
+
+def _flange(nut: NutKeys) -> Flange | None:
+    """The nut's flange, its face held as far as the flange goes where the file does not say."""
+    if nut.flange is None:
+        return None
+    seat = nut.held.inner_diameter or nut.outer_diameter, nut.held.outer_diameter or nut.flange.diameter
+    return Flange(**nut.flange.model_dump(), seat=(0.5 * seat[0], 0.5 * seat[1]), bonded=nut.held.centring == "bonded")
 
 
 def friction_of(keys: FrictionKeys) -> Friction:

@@ -42,7 +42,7 @@ from rollbench.comparison.scenes.keys import (
     Turns,
 )
 from rollbench.comparison.scenes.quantity import ForceOrShare, Quantity, ShareOfRating, key
-from rollbench.meshes.parts import Friction, NutHeld
+from rollbench.meshes.parts import Flange, Friction, NutHeld
 
 BallDiameter = Annotated[float, Quantity("length", "0.02 mm", "2 m", "5.556 mm")]
 Gap = Annotated[float, Quantity("number", 0, 1000, 0.5)]
@@ -78,6 +78,33 @@ class ScrewKeys(GrooveKeys):
     material: MaterialKeys | None = key("material of this part where it is not [material]", None, MATERIAL)
 
 
+class FlangeKeys(Table):
+    """Flange at an end of the nut, within its length."""
+
+    diameter: Size = key("outer diameter", example="72 mm")
+    thickness: Size = key("thickness", example="11 mm")
+    side: Literal["left", "right"] = key("end of the nut", Flange.side, "right")
+    centring: Bore = key(
+        "length of the nut's outside, from the flange on, that fits the bore of the housing", "0 mm", "10 mm"
+    )
+
+
+class HeldKeys(Table):
+    """Where the nut is held."""
+
+    at: NutHeld | None = key(
+        "surface; the flange's face towards the rest of the nut where there is a flange, else the left face, or the outer "
+        "surface at zero lead (low-order models hold the whole of a face but the flange's)",
+        None,
+        "left face",
+    )
+    inner_diameter: Size | None = key("of the annulus on the flange's face; the nut's if left out", None, "50 mm")
+    outer_diameter: Size | None = key("of the annulus on the flange's face; the flange's if left out", None, "66 mm")
+    centring: Literal["free", "bonded"] = key(
+        "of the flange's face: whether the centring fit lets the nut go, or holds it too", "free", "bonded"
+    )
+
+
 class NutKeys(GrooveKeys):
     """Nut, or outer ring of a bearing; held fixed."""
 
@@ -85,6 +112,8 @@ class NutKeys(GrooveKeys):
     length: Size = key("length", example="54 mm")
     outer_diameter: Size = key("outer diameter", example="48 mm")
     azimuth: Azimuth = key("angle between the axes of nut and screw; turns the nut's errors", "0 deg", "0 deg")
+    flange: FlangeKeys | None = key("flange of a nut with a lead", None, {"diameter": "72 mm", "thickness": "11 mm"})
+    held: HeldKeys = key("where the nut is held", HeldKeys(), {"at": "left face"})
     material: MaterialKeys | None = key("material of this part where it is not [material]", None, MATERIAL)
 
 
@@ -230,11 +259,7 @@ class SolidKeys(Table):
     shaft_diameter: Size | None = key(
         "diameter of the plain shaft beyond the 3D stretch; the homogenised grooved shaft if left out", None, "31 mm"
     )
-    nut_held: NutHeld | None = key(
-        "where the nut is held; its left face, or its outer surface at zero lead (low-order models hold the whole face)",
-        None,
-        "left face",
-    )
+    nut_held: NutHeld | None = key("former key of nut.held.at", None, "left face")
     screw_held: Literal["ends", "bore"] | None = key(
         "whether supports and loads reach the screw through its ends or through a stiff shaft in its bore", None, "ends"
     )
@@ -351,7 +376,7 @@ class SceneKeys(HeadKeys):
         "loads on the screw", [], [{"at": "0 mm", "force": ["0 N", "0 N", "5 kN"]}]
     )
     ingredients: IngredientKeys = key("parts of the low-order model", IngredientKeys(), {"screw": "rigid"})
-    solid: SolidKeys = key("what only the 3D reference needs", SolidKeys(), {"nut_held": "left face"})
+    solid: SolidKeys = key("what only the 3D reference needs", SolidKeys(), {"nut_groove": "through"})
     friction: FrictionKeys | None = key("friction of balls and grooves", None, {"coefficient": 0.1})
     motion: MotionKeys | None = key("motion of screw and nut", None, {"speed": "600 rpm"})
     circulation: CirculationKeys | None = key("circuits of the balls", None, {"returning": 4, "filling": 0.8})

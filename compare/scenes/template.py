@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterator, Mapping
+from copy import deepcopy
 from importlib import resources
 from typing import Any
 
@@ -62,8 +63,11 @@ def template(kind: str = "ball screw") -> str:
 def _schema(kind: str) -> dict[str, Any]:
     if kind in WHOLE:
         schema = tidy_schema(SceneKeys)
-        left_out = {"circulation"} if kind == "bearing" else set()  # the balls of a ring go round its one turn
-        return schema | {"properties": {k: v for k, v in schema["properties"].items() if k not in left_out}}
+        if kind == "bearing":  # the balls of a ring go round its one turn, and it has no flange
+            schema = deepcopy(schema)
+            schema["properties"].pop("circulation")
+            schema["$defs"]["NutKeys"]["properties"].pop("flange")
+        return schema
     return tidy_schema(kind_named(kind).keys)
 
 

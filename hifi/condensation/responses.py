@@ -47,6 +47,8 @@ NUT_HELD = {
     "left face": ("low end",),
     "right face": ("high end",),
     "both faces": ("low end", "high end"),
+    "flange face": ("seat",),
+    "flange face and centring": ("seat", "centring"),
 }
 #: Half the thickness of the slice whose mean motion is that of a section, over the screw's radius; least cells of one.
 SLICE, LEAST = 0.25, 30
@@ -206,7 +208,10 @@ def screw_transform(mesh: GroovedBody, dims: Dimensions, high: float) -> sp.csc_
 
 def nut_transform(mesh: GroovedBody, dims: Dimensions) -> sp.csc_matrix:
     """C of the nut, held where ``dims`` says."""
-    found = nodes_on(mesh.mesh, *NUT_HELD[dims.nut_held])
+    names = NUT_HELD[dims.nut_held]
+    if dims.nut_held == "outer surface" and "centring" in mesh.mesh.boundaries:
+        names += ("centring",)
+    found = nodes_on(mesh.mesh, *names)
     r = np.hypot(mesh.points[found, 0], mesh.points[found, 1])
     held = freedoms(found[(r >= dims.held_radii[0] - 1e-7) & (r <= dims.held_radii[1] + 1e-7)])
     size = mesh.mesh.doflocs.size

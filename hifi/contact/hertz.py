@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.roots import brentq
 
 #: Thinnest ellipse the quadrature is meant for, b/a.
 THINNEST = 1e-3

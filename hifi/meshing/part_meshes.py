@@ -97,6 +97,7 @@ def mesh_parts(
         settings.fine,
         settings.coarse,
         dims.groove_ends,
+        nut.flange,
     )
     sockets = tuple(ball_place(m, size, s, zone)[0] for s in sides)
     ball = cache.get(build_ball, (m, sockets, settings.ball_fine, settings.ball_coarse, size.cuts), BallBody)

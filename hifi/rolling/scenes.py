@@ -10,13 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
 
 from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.rolling.balls import Ball, Rolling
 from rollbench.hifi.rolling.kinematics import Touch, Track
 from rollbench.hifi.rolling.neighbours import Meeting, meeting
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.roots import brentq
 
 
 @dataclass(frozen=True)

@@ -15,10 +15,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
 from rollbench.lowfi.hertz import HertzConstants, contact_modulus, hertz_constants
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.roots import brentq
 
 
 @dataclass(frozen=True)
@@ -229,4 +229,4 @@ def displacement(bearing: BallBearing, load: float) -> float:
     def excess(u: float) -> float:
         return float(thrust_state(bearing, u).load) - load
 
-    return float(brentq(excess, 0.0, high, xtol=1e-22, rtol=8.9e-16, maxiter=200))
+    return float(brentq(excess, 0.0, high, xtol=1e-22, rtol=8.9e-16))

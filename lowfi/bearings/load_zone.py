@@ -10,7 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
+
+from rollbench.meshes.roots import brentq
 
 # double-exponential quadrature on (0, 1): the load ends as a broken power where the zone does
 _T = np.arange(-3.6, 3.6001, 0.03)

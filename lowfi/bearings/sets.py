@@ -16,9 +16,9 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from scipy.optimize import brentq
 
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.roots import brentq
 
 
 class Row(Protocol):
@@ -111,7 +111,7 @@ def equilibrium(bearings: BearingSet, force: float = 0.0) -> SetState:
         low *= 2.0
     while excess(high) < 0.0:
         high *= 2.0
-    return state_at(bearings, float(brentq(excess, low, high, xtol=1e-22, rtol=8.9e-16, maxiter=300)))
+    return state_at(bearings, float(brentq(excess, low, high, xtol=1e-22, rtol=8.9e-16)))
 
 
 def arrangement(row: Row, directions: Sequence[int], gap: float) -> BearingSet:

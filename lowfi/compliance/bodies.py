@@ -42,6 +42,7 @@ from rollbench.lowfi.compliance.tube import (
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import BallLayout, ball_layout, nominal_contact_points
+from rollbench.meshes.kept import kept
 from rollbench.meshes.one_arc import NEAR, is_one_arc
 from rollbench.meshes.parts import Ingredients, Scene
 from rollbench.meshes.section import BeamSection, screw_section, tube_section
@@ -54,7 +55,17 @@ BESIDE = 2.5
 #: Left and right flank of a groove.
 BOTH = (0, 1)
 #: Fixings of the nut by the name of the scene's key.
-HELD = {"left face": "low", "right face": "high", "both faces": "both", "outer surface": "outer"}
+HELD = {
+    "left face": "low",
+    "right face": "high",
+    "both faces": "both",
+    "outer surface": "outer",
+    "flange face": "flange",
+    "flange face and centring": "flange",
+}
+
+#: Those with a beam's clamped end.
+CLAMPED = ("low", "high", "both", "flange")
 
 
 @dataclass(frozen=True)
@@ -119,6 +130,13 @@ def idealised(backend: Backend, scene: Scene) -> tuple[str, ...]:
 
 #: Assumptions about the solid parts that only a mesh needs.
 MESH_ONLY = ("A hole of", "The screw is three-dimensional")
+
+
+@dataclass(frozen=True)
+class Coupling:
+    """Compliance ``(4 N, 4 N)`` [m/N] between all contacts of a body, not to be written to."""
+
+    G: Array
 
 
 @dataclass(frozen=True)
@@ -202,6 +220,7 @@ def held_at(scene: Scene, screw: bool) -> str:
 
 
 @lru_cache(maxsize=64)
+@kept(BeamSection)
 def grooved_section(geometry: Scene, screw: bool) -> BeamSection:
     """Section constants of the grooved screw or nut (`cell_section`); of the plain body for a track without lead."""
     flank = flank_of(geometry, screw)
@@ -229,7 +248,10 @@ def smooth_body(geometry: Scene, screw: bool, backend: Backend) -> Tube:
     width = backend.width * geometry.balls.radius * max(float(np.cos(geometry.track.contact_angle)), LEAST)
     count = int(np.ceil(backend.harmonics * 2.2 * radius / width))
     size = (1.6 * width / backend.mesh, 0.75 * width / backend.mesh)
-    return Tube(bore, outer, ends, held_at(geometry, screw), radius, float(width), count, size, flank.material, layer)
+    flange = None if screw else geometry.nut.flange
+    return Tube(
+        bore, outer, ends, held_at(geometry, screw), radius, float(width), count, size, flank.material, layer, flange
+    )
 
 
 @lru_cache(maxsize=32)
@@ -241,6 +263,7 @@ def smooth_compliance(geometry: Scene, screw: bool, backend: Backend) -> TubeCom
 
 
 @lru_cache(maxsize=32)
+@kept(RingCompliance)
 def whole_ring(geometry: Scene, screw: bool) -> RingCompliance:
     """Compliance of a ring with its groove, kept for all scenes of one geometry."""
     return ring_compliance(flank_of(geometry, screw), held_at(geometry, screw))
@@ -277,24 +300,33 @@ def kernel_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend,
     rows, stations = motion_rows(x, axes), np.repeat(x[:, 2], 2)
     if tube.held == "section":
         G = G - spring_compliance(tube, x, axes) - clamped(rows, stations, tube.ends, "low", plain)
-    elif tube.held in ("low", "high", "both"):
-        G = G - clamped(rows, stations, tube.ends, tube.held, plain)
+    elif tube.held in CLAMPED:
+        G = G - clamped(rows, stations, *clamp(tube), plain)
     return G
 
 
+def clamp(tube: Tube) -> tuple[tuple[float, float], str]:
+    """Ends [m] of the beam that stands for a nut, and which of them are clamped: a flange holds it at its face, or where
+    its bonded fit ends, and gives way as the smooth body does."""
+    if tube.held != "flange" or tube.flange is None:
+        return tube.ends, tube.held
+    base = tube.flange.stations(*tube.ends)[2 if tube.flange.bonded else 1]
+    return (base, base), "low"
+
+
 def nut_beam(scene: Scene, layout: BallLayout, flanks: Sequence[int] = BOTH) -> Array:
-    """Compliance ``(2 c, 2 c)`` [m/N] of the nut as a Timoshenko tube clamped at its faces; zero if held outside."""
+    """Compliance ``(2 c, 2 c)`` [m/N] of the nut as a Timoshenko tube clamped at its faces, or at its flange; zero if held
+    outside."""
     geometry = geometry_only(scene)
     x, axes = contact_frames(scene, layout, False, flanks)
-    held = held_at(geometry, False)
-    if held not in ("low", "high", "both"):
+    if held_at(geometry, False) not in CLAMPED:
         return np.zeros((2 * len(x),) * 2)
-    half, position = scene.nut.length / 2.0, scene.nut.position
-    section = grooved_section(geometry, False)
-    return clamped(motion_rows(x, axes), np.repeat(x[:, 2], 2), (position - half, position + half), held, section)
+    section, tube = grooved_section(geometry, False), smooth_body(geometry, False, REFINED)
+    return clamped(motion_rows(x, axes), np.repeat(x[:, 2], 2), *clamp(tube), section)
 
 
 @lru_cache(maxsize=32)
+@kept(NearFace)
 def kept_near_face(geometry: Scene, screw: bool, backend: Backend) -> NearFace:
     """What grooves and faces of screw or nut add between contacts of a turn, kept for all scenes of one geometry."""
     radii = (0.0, np.inf) if screw else dimensions(geometry).held_radii
@@ -393,7 +425,7 @@ def whole_body(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, 
         return np.zeros((2 * len(flanks) * layout.z.size,) * 2)
     geometry, azimuths = with_balls(scene)
     if np.array_equal(layout.azimuth, azimuths):
-        return of_flanks(_whole_body(geometry, screw, backend), flanks)
+        return of_flanks(_whole_body(geometry, screw, backend).G, flanks)
     return _body_at(geometry, layout, screw, backend, flanks)
 
 
@@ -406,8 +438,9 @@ def of_flanks(G: Array, flanks: Sequence[int]) -> Array:
 
 
 @lru_cache(maxsize=8)
-def _whole_body(scene: Scene, screw: bool, backend: Backend) -> Array:
-    return _body_at(scene, ball_layout(scene), screw, backend)
+@kept(Coupling)
+def _whole_body(scene: Scene, screw: bool, backend: Backend) -> Coupling:
+    return Coupling(_body_at(scene, ball_layout(scene), screw, backend))
 
 
 def _body_at(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH) -> Array:
@@ -440,7 +473,7 @@ def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Backe
 
 def forget() -> None:
     """Clear the per-geometry caches, so that the next solve is timed with its set-up."""
-    for kept in (
+    for memory in (
         geometry_only,
         with_balls,
         flank_of,
@@ -452,4 +485,4 @@ def forget() -> None:
         kept_near_face,
         _whole_body,
     ):
-        kept.cache_clear()
+        memory.cache_clear()

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 from scipy.linalg import cholesky_banded
 from scipy.linalg.lapack import dtbtrs
 from scipy.special import k0e
@@ -32,6 +31,7 @@ from rollbench.lowfi.compliance.groove import (
     half_space,
     harmonics_to,
     patch_shares,
+    spline,
 )
 from rollbench.lowfi.compliance.tube import Tube, clamped, motion_rows, patch_weights, radial_ends
 from rollbench.meshes.arrays import Array
@@ -93,7 +93,7 @@ class NearFace:
         distances [m]."""
         known = np.log(self.distance - self.beside)
         place = np.log(np.clip(distance, self.distance[0], self.distance[-1]) - self.beside)
-        share = CubicSpline(known, np.eye(known.size))(place)
+        share = spline(known, np.eye(known.size))(place)
         return np.asarray(np.einsum("mabk,mk->mab", around(self.gain[int(held)], angle), share))
 
     def between(self, angle: Array) -> Array:
@@ -107,7 +107,7 @@ def around(waves: Array, angle: Array) -> Array:
     sums = np.fft.hfft(0.5 * np.concatenate([2.0 * waves[:1], waves[1:]]), 8 * len(waves), axis=0)
     turned = np.abs((angle + np.pi) % (2.0 * np.pi) - np.pi)
     known = step * np.arange(-2, 4 * len(waves) + 3)
-    return np.asarray(CubicSpline(known, sums[np.arange(-2, 4 * len(waves) + 3)])(turned))
+    return np.asarray(spline(known, sums[np.arange(-2, 4 * len(waves) + 3)])(turned))
 
 
 def near_face(
@@ -123,7 +123,7 @@ def near_face(
         grid, cuts = grooved_grid(flank, finer.mesh)
         cuts, z = cuts[last], grid.z[:, 0]
         gain = less_smooth(flank, smooth, grid, cuts, held_radii, finer)
-        if smooth.held in ("section", "low", "high", "both"):
+        if smooth.held not in ("bore", "outer"):
             beams = [less_smooth_beam(flank, smooth, section, (float(z[0]), float(z[cut]))) for cut in cuts]
             gain[1, :2] -= np.stack(beams, axis=-1)
         return gain, grid, z[cuts]

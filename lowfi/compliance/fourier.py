@@ -10,15 +10,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.linalg import cholesky_banded, solveh_banded
 from scipy.linalg.blas import dtrsm
 from scipy.linalg.lapack import dpotrf, dtbtrs
 
 from rollbench.meshes.arrays import Array, Index
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
 
 #: Gauss points of the 9-node quadrilateral: three a side.
 GAUSS = np.array([-np.sqrt(0.6), 0.0, np.sqrt(0.6)])
@@ -207,10 +210,15 @@ class Block:
 class Body:
     """A body of revolution, assembled once for all harmonics."""
 
-    def __init__(self, grid: Grid, young: float, poisson: float, layer: Layer | None = None) -> None:
-        """Find the parts of K of all elements. Raises ValueError for an element turned inside out."""
+    def __init__(
+        self, grid: Grid, young: float, poisson: float, layer: Layer | None = None, solid: NDArray[np.bool_] | None = None
+    ) -> None:
+        """Find the parts of K of all elements; solid: which of them the body fills. Raises ValueError for an element turned
+        inside out."""
         self.grid = grid
         self.elements = np.stack(element_matrices(grid, young, poisson, layer))
+        if solid is not None:
+            self.elements[:, ~solid] = 0.0
 
     def freedoms(self) -> Index:
         """Freedoms of every element, ``(elements, 27)``."""
@@ -218,13 +226,15 @@ class Body:
         return (3 * cells[:, :, None] + np.arange(3)).reshape(len(cells), 27)
 
     @cached_property
-    def parts(self) -> tuple[sp.csr_matrix, ...]:
+    def parts(self) -> tuple[csr_matrix, ...]:
         """K_0, K_1, K_2 ``(3 nodes, 3 nodes)``, which hold the same entries."""
+        from scipy.sparse import coo_matrix
+
         dof = self.freedoms()
         row = np.repeat(dof, 27, axis=1).ravel()
         column = np.tile(dof, (1, 27)).ravel()
         size = 3 * self.grid.r.size
-        return tuple(sp.coo_matrix((k.ravel(), (row, column)), (size, size)).tocsr() for k in self.elements)
+        return tuple(coo_matrix((k.ravel(), (row, column)), (size, size)).tocsr() for k in self.elements)
 
     def rows(self) -> Array:
         """The parts of K of each row of elements along r, ``(3, rows, 3, m, 3, m)``: of its three lines of m freedoms."""
@@ -271,7 +281,7 @@ class Body:
         found = [np.bincount(at, part, width * count) for part in parts]
         return np.asarray(found, dtype=float).reshape(3, width, count)
 
-    def stiffness(self, n: int) -> sp.csr_matrix:
+    def stiffness(self, n: int) -> csr_matrix:
         """K_n ``(3 nodes, 3 nodes)``."""
         return factor_c(n) * (self.parts[0] + n * self.parts[1] + n * n * self.parts[2])
 

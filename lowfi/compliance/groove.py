@@ -9,12 +9,11 @@ by the logarithm of the contact's size and by its shape (`at_size`).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.integrate import trapezoid
-from scipy.interpolate import CubicSpline
-from scipy.optimize import brentq
+from numpy.typing import ArrayLike
 
 from rollbench.lowfi.compliance.cell import cell_grid, groove_line
 from rollbench.lowfi.compliance.fourier import Body, Grid, Layer, on_last, quadratic, solved
@@ -22,6 +21,7 @@ from rollbench.lowfi.compliance.sphere import expansion
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Material
+from rollbench.meshes.roots import brentq
 from rollbench.meshes.section import BeamSection
 
 #: Standard deviation of the narrow patch over the ball's radius, and elements of its mesh (flank, land, depth).
@@ -85,7 +85,7 @@ def groove_layer(flank: Flank, section: BeamSection) -> Layer:
     twist = 2.0 * section.GJ / (np.pi * shear) - (far**4 - root**4)
 
     def power(weight: Array, wanted: float) -> float:
-        found = brentq(lambda p: float(trapezoid(weight * share**p, r)) - wanted, 1e-3, LARGEST_POWER)
+        found = brentq(lambda p: float(np.trapezoid(weight * share**p, r)) - wanted, 1e-3, LARGEST_POWER)
         return float(found)
 
     tilt = float(np.arctan(flank.map.rg / flank.contact()[0]))
@@ -125,9 +125,18 @@ def harmonics_to(limit: float, step: float = 1.28, first: int = 0) -> Array:
     return np.array(found)
 
 
+def spline(known: ArrayLike, values: Array) -> Callable[[Array], Array]:
+    """Cubic spline through values ``(k, ...)`` at places ``(k,)``; scipy.interpolate is slow to import, and not needed for
+    bodies whose compliance is known."""
+    from scipy.interpolate import CubicSpline
+
+    found: Callable[[Array], Array] = CubicSpline(known, values)
+    return found
+
+
 def every_harmonic(n: Array, values: Array) -> Array:
     """Quantities sampled at harmonics ``n`` ``(k, ...)``, at all from the first to the last of them."""
-    return np.asarray(CubicSpline(np.log1p(n), values)(np.log1p(np.arange(n[0], n[-1] + 1))))
+    return np.asarray(spline(np.log1p(n), values)(np.log1p(np.arange(n[0], n[-1] + 1))))
 
 
 def flank_normals(grid: Grid, line: int) -> Array:
@@ -201,7 +210,7 @@ def finer(flank: Flank, coarse: Grid, last: int) -> float:
     change = found[: low.size] - own_waves(flank, coarse, equal_loads(flank, coarse, width), low)
     every = np.arange(high[-1] + 1.0)
     whole = np.empty(every.size)
-    whole[:last] = CubicSpline(np.log1p(low), change)(np.log1p(every[:last]))
+    whole[:last] = spline(np.log1p(low), change)(np.log1p(every[:last]))
     whole[0] = 0.5 * whole[1]  # a wave has half the mean square of a constant
     whole[last:] = every_harmonic(high, found[low.size - 1 :])
     whole[last] = change[-1]

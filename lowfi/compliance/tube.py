@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from rollbench.lowfi.compliance.cell import stiffness_of
 from rollbench.lowfi.compliance.fourier import Body, Grid, Layer, line_compliance, quadratic, tube_grid
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.parts import Material
+from rollbench.meshes.parts import Flange, Material
 from rollbench.meshes.section import BeamSection, shear_coefficient, tube_section
 
 #: Which motion (r, t, z) by which load the parts of a harmonic hold. The first ``EVEN`` go as the cosine of its multiple of
@@ -20,6 +21,8 @@ PARTS = ((0, 0), (1, 1), (2, 2), (0, 2), (1, 0), (1, 2))
 EVEN = 4
 #: Numbers of a harmonic's motions times harmonics that are taken together: those of 32 contacts, and not much memory.
 TOGETHER = 200_000
+#: Lines of a grid as near as this [m] are one; ends of elements as near to a flange's, over their length, give way to it.
+SAME, NEAR = 1e-9, 0.4
 #: Points and weights of the quadrature over a patch, and the shapes of an element there.
 NODE, WEIGHT = np.polynomial.legendre.leggauss(8)
 SHAPES = quadratic(NODE)[0]
@@ -28,9 +31,9 @@ SHAPES = quadratic(NODE)[0]
 @dataclass(frozen=True)
 class Tube:
     """Plain body of revolution that stands for screw or nut: bore and outer radius, ends [m], where it is held ("low",
-    "high", "both" faces, "bore", "outer", or "section": its low end on springs by its mean motions), radius at which
-    contacts load it, patch width (standard deviation) [m], number of harmonics, element sizes in z and r [m], the layer
-    that stands for grooves in its bore."""
+    "high", "both" faces, "bore", "outer", "flange", or "section": its low end on springs by its mean motions), radius at
+    which contacts load it, patch width (standard deviation) [m], number of harmonics, element sizes in z and r [m], the
+    layer that stands for grooves in its bore, the flange around it."""
 
     bore: float
     outer: float
@@ -42,10 +45,19 @@ class Tube:
     size: tuple[float, float]
     material: Material
     layer: Layer | None = None
+    flange: Flange | None = None
 
     def body(self, grid: Grid) -> Body:
-        """Its stiffness on a grid."""
-        return Body(grid, self.material.youngs_modulus, self.material.poissons_ratio, self.layer)
+        """Its stiffness on a grid, which may reach beyond it around a flange."""
+        return Body(grid, self.material.youngs_modulus, self.material.poissons_ratio, self.layer, self.solid(grid))
+
+    def solid(self, grid: Grid) -> NDArray[np.bool_]:
+        """Which elements of a grid it fills, ``(elements,)``: beside the sleeve, those of the flange."""
+        r, z = (x[1::2, 1::2].ravel() for x in (grid.r, grid.z))
+        if self.flange is None:
+            return np.ones(r.size, dtype=bool)
+        end, face, _ = self.flange.stations(*self.ends)
+        return np.asarray((r < self.outer) | ((z > min(end, face)) & (z < max(end, face))))
 
     @cached_property
     def section(self) -> BeamSection:
@@ -127,9 +139,25 @@ def axial_ends(tube: Tube, zone: tuple[float, float]) -> Array:
     return np.concatenate([a - beyond(a - low)[::-1], middle, b + beyond(high - b)])
 
 
-def held_nodes(tube: Tube, shape: tuple[int, int]) -> NDArray[np.bool_]:
-    """Which freedoms ``(3 nodes,)`` are held."""
-    held = np.zeros((*shape, 3), dtype=bool)
+def with_flange(tube: Tube, r_ends: Array, z_ends: Array) -> tuple[Array, Array]:
+    """Element ends in r and z with those of the tube's flange and of where it may be held."""
+    if tube.flange is None:
+        return r_ends, z_ends
+    size, stops = tube.size[0], np.unique([tube.outer, *tube.flange.seat, tube.flange.diameter / 2.0])
+    for low, high in pairwise(stops[np.diff(stops, prepend=0.0) > SAME]):
+        r_ends = np.append(r_ends, np.linspace(low, high, int(np.ceil((high - low) / size)) + 1)[1:])
+    stations = np.array(tube.flange.stations(*tube.ends))
+    far = (np.abs(z_ends[:, None] - stations) > NEAR * size).all(axis=1)
+    far[[0, -1]] = True
+    z_ends = np.sort(np.append(z_ends[far], stations))
+    return r_ends, z_ends[np.diff(z_ends, prepend=-np.inf) > SAME]
+
+
+def held_nodes(tube: Tube, grid: Grid) -> NDArray[np.bool_]:
+    """Which freedoms ``(3 nodes,)`` of a grid are held; those of nodes beyond the tube too."""
+    beyond = np.ones(grid.r.size, dtype=bool)
+    beyond[grid.cells()[tube.solid(grid)].ravel()] = False
+    held = np.repeat(beyond, 3).reshape(*grid.shape, 3)
     if tube.held in ("low", "both"):
         held[0] = True
     if tube.held in ("high", "both"):
@@ -137,21 +165,26 @@ def held_nodes(tube: Tube, shape: tuple[int, int]) -> NDArray[np.bool_]:
     if tube.held == "bore":
         held[:, 0] = True
     if tube.held == "outer":
-        held[:, -1] = True
+        held[np.abs(grid.r - tube.outer) < SAME] = True
+    if tube.held == "flange" and tube.flange is not None:
+        (low, high), (_, face, fit) = tube.flange.seat, tube.flange.stations(*tube.ends)
+        held[(np.abs(grid.z - face) < SAME) & (grid.r > low - SAME) & (grid.r < high + SAME)] = True
+        if tube.flange.bonded:
+            between = (grid.z > min(face, fit) - SAME) & (grid.z < max(face, fit) + SAME)
+            held[(np.abs(grid.r - tube.outer) < SAME) & between] = True
     return held.ravel()
 
 
 def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
     """Compliance of the loaded line for all harmonics; ``zone``: stretch in z [m] that holds every contact."""
     r_ends, line = radial_ends(tube)
-    z_ends = axial_ends(tube, zone)
-    grid = tube_grid(r_ends, z_ends)
+    grid = tube_grid(*with_flange(tube, r_ends, axial_ends(tube, zone)))
     z = grid.z[:, 0]
     inside = np.flatnonzero((z >= zone[0] - 1e-9) & (z <= zone[1] + 1e-9))
     first, last = int(inside[0]) // 2 * 2, (int(inside[-1]) + 1) // 2 * 2
     rows = (first, last + 1)
     body = tube.body(grid)
-    held = held_nodes(tube, grid.shape)
+    held = held_nodes(tube, grid)
     springs = end_springs(tube) if tube.held == "section" else ()
     found = line_compliance(body, range(tube.harmonics + 1), held, line, rows, springs)
     size = 3 * (rows[1] - rows[0])

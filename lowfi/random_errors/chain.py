@@ -34,11 +34,11 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from scipy.optimize import brentq
 
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.lowfi.jit import RANDOM_ERRORS, kernels
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.roots import brentq
 
 Law = Literal["constant", "implicit", "exact"]
 LAWS: tuple[Law, ...] = ("constant", "implicit", "exact")

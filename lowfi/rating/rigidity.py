@@ -26,7 +26,6 @@ from dataclasses import dataclass
 from math import cos, pi, sin, tan
 
 import numpy as np
-from scipy.optimize import brentq
 
 from rollbench.lowfi.rating.life import turns_of
 from rollbench.lowfi.statics.problem import distances, nominal_hertz
@@ -35,6 +34,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import beyond_step, specimen
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.roots import brentq
 
 #: Share of the sum of contact loads below which an axial force is round-off.
 ROUND_OFF = 1e-12
@@ -73,11 +73,11 @@ def contacts_displacement(scene: Scene, force: float) -> float:
         return float(s * counts @ (pressed[:, 0] ** 1.5 - pressed[:, 1] ** 1.5)) - force
 
     reach = 2.0 * float(np.abs(closure).max()) / s
-    held = float(brentq(excess, -reach, reach, args=(closure, 0.0), xtol=1e-15))
+    held = float(brentq(lambda u: excess(u, closure, 0.0), -reach, reach, xtol=1e-15))
     begun = closure + s * max(held, -float(closure[:, 0].max()) / s) * np.array([1.0, -1.0])
     free = reach * (len(halves) - 1) + float(pair[0]) * (force / (n * s)) ** (2.0 / 3.0) / s
     # counted from there: a small load's displacement would be lost beside the place where it begins
-    return float(brentq(excess, 0.0, 2.0 * free, args=(begun, force), xtol=1e-18 * free, rtol=1e-12))
+    return float(brentq(lambda u: excess(u, begun, force), 0.0, 2.0 * free, xtol=1e-18 * free, rtol=1e-12))
 
 
 def body_compliance(scene: Scene) -> float | None:

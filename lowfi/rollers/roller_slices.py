@@ -15,11 +15,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.optimize import brentq
 
 from rollbench.lowfi.rollers.line_contact import LineLaw
 from rollbench.lowfi.rollers.tapered_roller import TaperedBearing
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.roots import brentq
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,6 @@ while the load does work. Only the second proves that a screw is not held.
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import linprog
 
 from rollbench.lowfi.statics.problem import SIGNS, Problem
 from rollbench.lowfi.statics.shape import rigid_transport
@@ -26,6 +25,8 @@ def opening_motion(problem: Problem) -> Array | None:
 
     Raises ArithmeticError where the linear program finds neither.
     """
+    from scipy.optimize import linprog
+
     scene, layout = problem.scene, problem.layout
     arm, z0 = scene.track.pitch_radius, scene.nut.position
     scale = np.array([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])

@@ -8,6 +8,7 @@ from rollbench.lowfi.statics.problem import Problem, nominal_hertz
 from rollbench.lowfi.statics.solved import SolvedState
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.near import close_pairs
 from rollbench.meshes.one_arc import is_one_arc
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.section import groove_section, nut_groove_range
@@ -130,14 +131,10 @@ def contact_warnings(pressure: Array, semi_axis: Array, radius: float) -> list[W
 def _wedged(problem: Problem, shift: Array) -> list[Warned]:
     """Neighbouring balls that overlap at the solution, by their shifts in their sections."""
     layout, radius = problem.layout, problem.drawn.ball_radius
-    if len(radius) < 2:
-        return []
-    from scipy.spatial import cKDTree
-
     centre = layout.centre + shift[:, :1] * layout.radial + shift[:, 1:] * layout.binormal
     if not np.isfinite(centre).all():
         return []
-    pairs = cKDTree(centre).query_pairs(2.0 * float(radius.max()) + OVERLAP, output_type="ndarray")
+    pairs = close_pairs(centre, 2.0 * float(radius.max()) + OVERLAP)
     if not pairs.size:
         return []
     a, b = pairs.T

@@ -53,6 +53,8 @@ HELD = {
     "right face": ("high end",),
     "both faces": ("low end", "high end"),
     "outer surface": ("outside",),
+    "flange face": ("seat",),
+    "flange face and centring": ("seat", "centring"),
 }
 #: Element sizes far from all contacts, over growth times the ball's radius: of screw and nut, of a ball.
 FAR_SIZES = (2.0, 0.6)
@@ -161,7 +163,7 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> Made:
         raise InputError(scene.name, "solid.nut", '"rigid"', '"elastic"', "leave it out: a deck holds whole bodies")
     if scene.solid.nut_held is not None and scene.solid.nut_held not in HELD:
         raise InputError(
-            scene.name, "solid.nut_held", f'"{scene.solid.nut_held}"', ", ".join(HELD), "a deck holds whole surfaces"
+            scene.name, "nut.held.at", f'"{scene.solid.nut_held}"', ", ".join(HELD), "a deck holds whole surfaces"
         )
     if scene.solid.nut_groove != "through":
         raise InputError(
@@ -233,7 +235,8 @@ def _rings(
         groove = body_map(m, drawn, scene, screw)
         near = [groove_points(groove, p.at, fine_zone(p, fine)) for p in own]
         size = _refined(near, fine, FAR_SIZES[0] * options.growth * m.ball, options)
-        spec = BodySpec(*radii, *ends, screw, (), unused, fine, size.coarse)
+        flange = None if screw else scene.nut.flange
+        spec = BodySpec(*radii, *ends, screw, (), unused, fine, size.coarse, flange=flange)
         made = (half_body if options.half else whole_body)(groove, spec, size)
         faces = {groove_faces(p): flank_faces(groove, made, p, fine) for p in own}
         if screw:

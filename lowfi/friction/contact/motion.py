@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import root
 
 from rollbench.lowfi.friction.contact.ellipse import Contacts, Friction
 from rollbench.lowfi.friction.contact.laws import Law, Sigmoid
@@ -125,6 +124,8 @@ def balance_by_root(problem: Problem, law: Law, start: Array, fast: bool = False
         f = law.friction(problem.at, problem.motion_at(p / units), fast)
         wrench = np.column_stack([f.force, f.moment])
         return np.asarray((np.einsum("ir,irj->j", wrench, problem.maps) + problem.push) / (units * scale))
+
+    from scipy.optimize import root
 
     found = root(residual, np.asarray(start, dtype=float) * units, method="hybr", options=HYBRID)
     q = np.asarray(found.x / units)

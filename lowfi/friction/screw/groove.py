@@ -12,7 +12,6 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
 
 from rollbench.lowfi.friction.screw.path import ON_SCREW, SIGN_X, SIGN_Z, HelicalMotion, contact_axes
 from rollbench.lowfi.hertz import contact_modulus, printed_hertz
@@ -21,6 +20,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Balls, Material, Nut, Scene, Screw, Track
+from rollbench.meshes.roots import brentq
 from rollbench.meshes.surface import printed_radii
 
 Mode = Literal["right", "as printed"]

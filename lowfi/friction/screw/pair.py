@@ -9,13 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import brentq
 
 from rollbench.lowfi.friction.screw.coupled import CoupledChain, Guess, coupled_chain
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.load import Cell, screw_rows
 from rollbench.lowfi.friction.screw.motion import Coupling, ball_motion
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.roots import brentq
 
 #: Contact angles (SL, SR, NL, NR) that grow with theta: both of the screw; those of a groove shifted sideways.
 BOTH, SHIFTED = (1.0, 1.0, 0.0, 0.0), (1.0, -1.0, 0.0, 0.0)

@@ -8,8 +8,6 @@ it unchanged, while the loads do work. Only the second proves that they are not 
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import linprog
-from scipy.sparse import csr_array, hstack, vstack
 
 from rollbench.lowfi.statics.axis.loose import words_for
 from rollbench.lowfi.statics.axis.structure import held_rows, rigid_motions
@@ -25,6 +23,9 @@ def opening_motion(system: System) -> Array | None:
 
     Raises ArithmeticError where the linear program finds neither.
     """
+    from scipy.optimize import linprog
+    from scipy.sparse import csr_array, hstack, vstack
+
     s = system.structure
     motions = rigid_motions(s, system.arm)
     by_row = motions.reshape(-1, 6, motions.shape[1])

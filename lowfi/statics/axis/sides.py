@@ -10,7 +10,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.optimize import brentq
 
 from rollbench.lowfi.statics.axis.system import USE, BallSet, Placed, System
 from rollbench.lowfi.statics.problem import distances, nominal_hertz
@@ -22,6 +21,7 @@ from rollbench.meshes.axis import Assembly, RollingSet
 from rollbench.meshes.errors import Specimen
 from rollbench.meshes.partition import contact_stations
 from rollbench.meshes.parts import SIDES, Scene
+from rollbench.meshes.roots import brentq
 from rollbench.meshes.section import BeamSection
 
 

@@ -10,9 +10,27 @@ import pytest
 
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.scenes.template import template
-from rollbench.meshes.parts import FREEDOMS, SIDES, FourierTerm, Scene
+from rollbench.meshes.parts import FREEDOMS, SIDES, Flange, FourierTerm, Scene
 
 NAMES = catalogue.whole_names()
+
+
+def holding(flange: Flange | None, at: str | None, m) -> list[str]:
+    """Lines of the nut's flange and of where the nut is held."""
+    lines = (
+        []
+        if flange is None
+        else [
+            f'[nut.flange]\ndiameter = {m(flange.diameter)}\nthickness = {m(flange.thickness)}\nside = "{flange.side}"',
+            f"centring = {m(flange.centring)}",
+        ]
+    )
+    lines += [] if at is None else [f'[nut.held]\nat = "{at}"']
+    if at == "flange face":
+        low, high = (m(2.0 * r) for r in flange.seat)
+        lines.append(f"inner_diameter = {low}\nouter_diameter = {high}")
+        lines.append(f'centring = "{"bonded" if flange.bonded else "free"}"')
+    return lines
 
 
 def to_toml(scene: Scene) -> str:
@@ -52,6 +70,7 @@ def to_toml(scene: Scene) -> str:
         "[nut]",
         f"position = {m(n.position)}\nlength = {m(n.length)}\nouter_diameter = {m(n.outer_diameter)}",
         f"groove_radius = {m(n.groove_radius)}\nazimuth = {rad(n.azimuth)}\n{material(n)}",
+        *holding(n.flange, scene.solid.nut_held, m),
         "[balls]",
         f"radius = {m(b.radius)}\nazimuths = {array(b.azimuths, 'rad')}\n{material(b)}",
         f"[errors]\nseed = {e.seed}\n[errors.balls]\noversize = {m(e.balls.oversize)}",
@@ -80,7 +99,7 @@ def to_toml(scene: Scene) -> str:
         *(
             f"{k} = {m(v)}" if isinstance(v, float) else f'{k} = "{v}"'
             for k, v in asdict(scene.solid).items()
-            if v is not None
+            if v is not None and k != "nut_held"
         ),
     ]
     if scene.friction is not None:

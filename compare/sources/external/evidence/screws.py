@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from math import pi
 
-from scipy.optimize import brentq
-
 from rollbench.comparison.evidence.record import Evidence, Sheet
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.models.study import Study
@@ -15,6 +13,7 @@ from rollbench.comparison.sources.external.evidence.case import PREFIX, given, i
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, body_compliance, contacts_displacement
 from rollbench.meshes.parts import Friction, Motion, Scene
+from rollbench.meshes.roots import brentq
 
 #: Sizes of THK and one of HIWIN: names of scenes after the prefix and the maker.
 THK = ("bnf-4010-5", "bnf-4010-3p5", "bnf-3205-2p5", "bnf-3205-5", "bnf-3205-7p5")

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import brentq
 
 from rollbench.comparison.evidence.entries import Entries
 from rollbench.comparison.evidence.record import Evidence
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.sources.liu.evidence import case
 from rollbench.lowfi.random_errors.chain import first_carrying_load
+from rollbench.meshes.roots import brentq
 
 LIGHT, HEAVY = 1000.0, 5000.0
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
-from scipy.optimize import brentq
 
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.models.study import Study
@@ -28,6 +27,7 @@ from rollbench.lowfi.bearings.angular_contact import BallRow
 from rollbench.lowfi.bearings.axis import shaft_stiffness
 from rollbench.lowfi.bearings.sets import BearingSet, arrangement, equilibrium
 from rollbench.meshes.axis import Assembly
+from rollbench.meshes.roots import brentq
 
 #: Station of the left end's middle [m], and positions of the nut over the length between the ends.
 FIRST, PLACES = 2.0 * INCH, (0.1, 0.5, 0.9)

@@ -1,0 +1,50 @@
+"""What depends on a geometry alone, kept on disc between commands, so that a geometry that was solved once is known.
+
+Off unless a process switches it on, as the command line does: a library, a test or a timing makes everything itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import wraps
+from typing import TYPE_CHECKING, ParamSpec, TypeVar
+
+if TYPE_CHECKING:
+    from rollbench.meshes.cache import Cache
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+#: Folder in that of caches, and largest size of its files [bytes].
+FOLDER, LIMIT = "geometries", 300_000_000
+
+_stores: list[Cache] = []
+
+
+def switch_on() -> None:
+    """Keep what functions marked `kept` make in the user's cache folder, unless caches are switched off there."""
+    from rollbench.meshes.cache import Cache, default_root
+
+    root = default_root()
+    _stores[:] = [] if root is None else [Cache(root / FOLDER, LIMIT)]
+
+
+def switch_off() -> None:
+    """Make everything anew."""
+    _stores.clear()
+
+
+def kept(type_: type[T]) -> Callable[[Callable[P, T]], Callable[P, T]]:
+    """Mark a function of plain records, called by position, that makes a record of a class of the package: `switch_on`
+    lets its results be kept."""
+
+    def mark(build: Callable[P, T]) -> Callable[P, T]:
+        @wraps(build)
+        def found(*args: P.args, **kwargs: P.kwargs) -> T:
+            if not _stores or kwargs:
+                return build(*args, **kwargs)
+            return _stores[0].get(build, args, type_)
+
+        return found
+
+    return mark

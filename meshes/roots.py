@@ -1,0 +1,55 @@
+"""Root of a function between two places: Brent's method, without the seconds that importing scipy.optimize takes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import copysign
+
+#: Least relative tolerance: four units in the last place.
+LEAST = 8.881784197001252e-16
+
+
+def brentq(f: Callable[[float], float], low: float, high: float, xtol: float = 2e-12, rtol: float = LEAST) -> float:
+    """Root of ``f`` between ``low`` and ``high``, to within ``xtol + rtol |root|``, digit for digit that of
+    ``scipy.optimize.brentq``.
+
+    Source: R. P. Brent, Algorithms for Minimization Without Derivatives (1973), chapter 4. Raises ValueError where ``f``
+    has one sign at both ends, ArithmeticError where 300 steps do not find the root.
+
+    >>> brentq(lambda x: x * x - 2.0, 0.0, 2.0)
+    1.4142135623731364
+    """
+    before, at = float(low), float(high)  # last two places, and one on the other side of the root
+    f_before, f_at = float(f(before)), float(f(at))
+    if f_before == 0.0:
+        return before
+    if f_at == 0.0:
+        return at
+    if copysign(1.0, f_before) == copysign(1.0, f_at):
+        raise ValueError("f(low) and f(high) must have different signs")
+    other = f_other = step_before = step = 0.0
+    for _ in range(300):
+        if f_before != 0.0 and f_at != 0.0 and copysign(1.0, f_before) != copysign(1.0, f_at):
+            other, f_other = before, f_before
+            step_before = step = at - before
+        if abs(f_other) < abs(f_at):
+            before, at, other = at, other, at
+            f_before, f_at, f_other = f_at, f_other, f_at
+        least, half = (xtol + rtol * abs(at)) / 2.0, (other - at) / 2.0
+        if f_at == 0.0 or abs(half) < least:
+            return at
+        taken = half, half
+        if abs(step_before) > least and abs(f_at) < abs(f_before):
+            if before == other:
+                over, under = at - before, f_at - f_before
+            else:
+                by_before, by_other = (f_before - f_at) / (before - at), (f_other - f_at) / (other - at)
+                over = f_other * by_other - f_before * by_before
+                under = by_other * by_before * (f_other - f_before)
+            if under != 0.0 and 2.0 * abs(-f_at * over / under) < min(abs(step_before), 3.0 * abs(half) - least):
+                taken = step, -f_at * over / under
+        step_before, step = taken
+        before, f_before = at, f_at
+        at += step if abs(step) > least else (least if half > 0.0 else -least)
+        f_at = float(f(at))
+    raise ArithmeticError("no root found in 300 steps")

@@ -1,0 +1,51 @@
+"""Geometries that are kept between commands: off unless switched on, read where their file is whole, else made anew."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from rollbench.meshes import kept
+from rollbench.meshes.parts import Material
+from rollbench.meshes.section import BeamSection, tube_section
+
+calls: list[float] = []
+
+
+@kept.kept(BeamSection)
+def section(outer: float) -> BeamSection:
+    calls.append(outer)
+    return tube_section(outer, 0.01, Material(2.1e11, 0.3))
+
+
+@pytest.fixture
+def on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    monkeypatch.setenv("ROLLBENCH_CACHE", str(tmp_path))
+    calls.clear()
+    kept.switch_on()
+    yield tmp_path
+    kept.switch_off()
+
+
+@pytest.mark.usefixtures("on")
+def test_made_once_and_read_after() -> None:
+    assert section(0.04) == section(0.04)
+    assert calls == [0.04]
+
+
+def test_a_damaged_file_is_made_anew(on: Path) -> None:
+    whole = section(0.04)
+    (file,) = (on / kept.FOLDER).rglob("*.npz")
+    content = bytearray(file.read_bytes())
+    content[-40] ^= 1
+    file.write_bytes(content)
+    assert section(0.04) == whole
+    assert calls == [0.04, 0.04]
+
+
+def test_nothing_is_kept_unless_switched_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROLLBENCH_CACHE", str(tmp_path))
+    section(0.05)
+    assert not list(tmp_path.iterdir())

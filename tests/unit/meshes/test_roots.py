@@ -1,0 +1,43 @@
+"""Brent's method is that of scipy, digit for digit; near points are found alike with a tree and without."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy import optimize
+
+from rollbench.meshes import near
+from rollbench.meshes.roots import brentq
+
+
+def test_roots_are_those_of_scipy() -> None:
+    rng = np.random.default_rng(1)
+    compared = 0
+    while compared < 60:
+        c, (low, high) = rng.normal(size=5), np.sort(rng.normal(size=2))
+        tolerance = 10.0 ** rng.uniform(-20.0, -6.0)
+
+        def f(x: float, c: np.ndarray = c) -> float:
+            return float(np.polyval(c, x) + c[0] * np.exp(x))
+
+        if f(low) * f(high) < 0.0:
+            assert brentq(f, low, high, xtol=tolerance) == optimize.brentq(f, low, high, xtol=tolerance, maxiter=300)
+            compared += 1
+
+
+def test_a_step_is_bisected() -> None:
+    f = lambda x: -1.0 if x < 0.3 else 1.0  # noqa: E731
+    assert brentq(f, 0.0, 1.0) == optimize.brentq(f, 0.0, 1.0)
+
+
+def test_one_sign_is_refused() -> None:
+    with pytest.raises(ValueError, match="different signs"):
+        brentq(lambda x: x + 2.0, 0.0, 1.0)
+
+
+def test_near_points_with_and_without_a_tree(monkeypatch: pytest.MonkeyPatch) -> None:
+    points = np.random.default_rng(2).normal(size=(60, 3))
+    dense = near.close_pairs(points, 0.8)
+    monkeypatch.setattr(near, "FEW", 0)
+    assert len(dense) > 20
+    assert np.array_equal(near.close_pairs(points, 0.8), dense)

@@ -1,0 +1,69 @@
+"""How a nut is held: keys of its flange and of where it is held, what is assumed, what is refused."""
+
+import pytest
+
+from rollbench.comparison.errors import SceneError
+from rollbench.comparison.scenes import scene_file
+from rollbench.comparison.scenes.template import template
+from rollbench.meshes.parts import Flange
+from rollbench.meshes.solid import dimensions
+
+FLANGE = '[nut.flange]\ndiameter = "72 mm"\nthickness = "11 mm"\n'
+
+
+def read(text: str, lead: str = "20 mm"):  # type: ignore[no-untyped-def]
+    tables = template().replace('lead = "20 mm"', f'lead = "{lead}"', 1) + text
+    return scene_file.loads(tables, "a.toml")
+
+
+def test_a_flange_holds_its_nut_by_its_whole_face_unless_the_file_says_more() -> None:
+    scene = read(FLANGE)
+    assert scene.nut.flange == Flange(72e-3, 11e-3, (24e-3, 36e-3))
+    dims = dimensions(scene)
+    assert (dims.nut_held, dims.held_radii) == ("flange face", (24e-3, 36e-3))
+    assert "The face of the nut's flange is bonded to a rigid housing from 48 to 72 mm" in " ".join(dims.assumed)
+    fit = FLANGE + 'side = "right"\ncentring = "10 mm"\n[nut.held]\nouter_diameter = "60 mm"\ncentring = "bonded"\n'
+    scene = read(fit)
+    assert scene.nut.flange == Flange(72e-3, 11e-3, (24e-3, 30e-3), "right", 10e-3, bonded=True)
+    assert dimensions(scene).nut_held == "flange face and centring"
+    at = pytest.approx([0.427, 0.416, 0.406])
+    assert scene.nut.flange.stations(0.373, 0.427) == at
+
+
+def test_the_face_at_a_flange_reaches_as_far_as_the_flange() -> None:
+    for side, radius in (("left", 36e-3), ("right", 24e-3)):
+        dims = dimensions(read(FLANGE + f'side = "{side}"\n[nut.held]\nat = "left face"\n'))
+        assert dims.held_radii == pytest.approx((17e-3, radius))
+
+
+def test_the_former_key_is_read_and_the_new_one_said() -> None:
+    old, new = (read(f"[{where}]\n{key} = 'right face'\n") for where, key in (("solid", "nut_held"), ("nut.held", "at")))
+    assert old.solid == new.solid
+    assert set(old.assumed) - set(new.assumed) == {'The former key solid.nut_held = "right face" is read as nut.held.at.'}
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "said"),
+    [
+        ('[nut.held]\nat = "flange face"\n', "nut.held.at", "a flange"),
+        ('[nut.held]\ncentring = "bonded"\n', "nut.held.centring", "a flange"),
+        (FLANGE + '[nut.held]\nat = "left face"\ninner_diameter = "50 mm"\n', "nut.held.inner_diameter", "flange"),
+        (FLANGE + '[nut.held]\ncentring = "bonded"\n', "nut.held.centring", "without a fit"),
+        (FLANGE + '[nut.held]\ninner_diameter = "47 mm"\n', "nut.held.inner_diameter", "48 mm to 71.9 mm"),
+        (FLANGE + '[nut.held]\nouter_diameter = "73 mm"\n', "nut.held.outer_diameter", "48.1 mm to 72 mm"),
+        (FLANGE.replace("72", "48"), "nut.flange.diameter", "above 48.1 mm"),
+        (FLANGE.replace("11", "55"), "nut.flange.thickness", "below 54 mm"),
+        (FLANGE + 'centring = "43 mm"\n', "nut.flange.centring", "below 43 mm"),
+        ('[nut.held]\nat = "left face"\n[solid]\nnut_held = "left face"\n', "solid.nut_held", "former name"),
+    ],
+)
+def test_what_cannot_be_held_is_one_error(text: str, key: str, said: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        read(text)
+    assert (caught.value.key, caught.value.more) == (key, 0)
+    assert said in str(caught.value)
+
+
+def test_a_ring_has_no_flange() -> None:
+    with pytest.raises(SceneError, match=r"nut.flange: .* a lead above 0 mm"):
+        read(FLANGE, lead="0 mm")
