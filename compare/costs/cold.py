@@ -117,8 +117,8 @@ def measure_level(scene: str, level: int) -> ColdLevel:
     begin, found = _alone(LEVEL_CHILD, {"scene": scene, "level": level}, f"level {level} of {scene}", {})
     after = os.times()
     cpu = sum(y - x for x, y in zip(before[2:4], after[2:4], strict=True))
-    own = (found[key] for key in ("memory", "status"))
-    return ColdLevel(level, found["done"] - begin, cpu, *own, scene, found["contacts"], found["load_case"])
+    process, contacts = found["done"] - begin, found["contacts"]
+    return ColdLevel(level, process, cpu, found["memory"], found["status"], scene, contacts, found["load_case"])
 
 
 def _alone(child: str, ask: dict[str, Any], what: str, environment: dict[str, str]) -> tuple[float, dict[str, Any]]:

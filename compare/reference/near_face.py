@@ -33,6 +33,8 @@ from rollbench.meshes.solid import dimensions
 FILE = "near_face.json"
 #: Distance [ball radii] from which on a face is not near: linear to nothing from the last one measured.
 AWAY = 3.0
+#: How far it goes on growing before the nearest one measured [ball radii]; no socket finds room nearer to a face.
+CLOSER = 0.25
 #: Approach [m] below which there is no load.
 TINY = 1e-30
 #: Flank of the nut that is pressed towards its low face, and towards its high one.
@@ -50,22 +52,27 @@ class Lip:
 
     def at(self, radii: Array, level: int) -> tuple[Array, Array]:
         """Compliance of the lip and what is missing on a level (beyond the last one measured: as on that)."""
-        known = self.missing[min(max(level, 1), max(self.missing))]
-        ends, lip, missing = (np.append(x, tail) for x, tail in ((self.radii, AWAY), (self.lip, 0.0), (known, 0.0)))
-        return np.interp(radii, ends, lip), np.interp(radii, ends, missing)
+        missing = self.missing[min(max(level, 1), max(self.missing))]
+        return np.interp(radii, self.radii, self.lip), np.interp(radii, self.radii, missing)
 
 
 @cache
 def read(store: Path) -> Lip:
     """The record of a store: the scene that is measured on all levels, what is missing there raised by the largest ratio
-    that any other scene has to it. Raises OSError, ValueError or KeyError without a whole one."""
+    that any other scene has to it; nearer to the face by the two nearest distances, further away down to nothing. Raises
+    OSError, ValueError or KeyError without a whole one."""
     rows = json.loads((store / FILE).read_text(encoding="utf-8"))
     first = [row for row in rows if row["scene"] == rows[0]["scene"]]
     radii = np.array([row["radii"] for row in first])
-    missing = {int(k): np.array([row["missing"][k] for row in first]) for k in first[0]["missing"]}
-    others = [row["missing"]["1"] / np.interp(row["radii"], radii, missing[1]) for row in rows]
-    spread = max(others)
-    return Lip(radii, np.array([row["lip"] for row in first]), {k: spread * own for k, own in missing.items()})
+    step = CLOSER / (radii[1] - radii[0])
+
+    def ended(values: list[float]) -> Array:
+        return np.array([values[0] + step * (values[0] - values[1]), *values, 0.0])
+
+    missing = {int(k): [row["missing"][k] for row in first] for k in first[0]["missing"]}
+    spread = max(row["missing"]["1"] / np.interp(row["radii"], radii, missing[1]) for row in rows)
+    places = np.array([radii[0] - CLOSER, *radii, AWAY])
+    return Lip(places, ended([row["lip"] for row in first]), {k: spread * ended(own) for k, own in missing.items()})
 
 
 def too_large(scene: Scene, load: Array, level: int) -> Array:
