@@ -59,40 +59,55 @@ def write_loads(path: Path, rows: Sequence[Mapping[str, str]]) -> str:
     return f"wrote {path}: {len(rows)} contact loads, for: rollbench check SCENE --loads {path}"
 
 
+@dataclass(frozen=True)
+class Rows:
+    """A CSV file: its headings in small letters, whether numbers have a decimal comma, its rows with their line numbers."""
+
+    heads: tuple[str, ...]
+    decimal_comma: bool
+    rows: tuple[tuple[int, dict[str, str]], ...]
+
+    @classmethod
+    def read(cls, path: Path, columns: Sequence[str], example: str) -> Rows:
+        """A file with some columns, in any order, among others, separated by commas, semicolons or tabs (a decimal comma is
+        read where they are not commas). Raises InputError, with an example."""
+        lines = _text(path).splitlines()
+        if not lines or not lines[0].strip():
+            raise InputError(str(path), "line 1", "nothing", ", ".join(columns), example)
+        separator = next((c for c in ";\t" if c in lines[0]), ",")
+        rows = csv.reader(lines, delimiter=separator)
+        heads = tuple(head.strip().lower() for head in next(rows))
+        for name in columns:
+            if name.lower() not in heads:
+                raise InputError(str(path), "line 1", lines[0], f"a column {name}", example)
+        cells = ((number, [cell.strip() for cell in row]) for number, row in enumerate(rows, 2))
+        kept = tuple((number, dict(zip(heads, row, strict=False))) for number, row in cells if any(row))
+        return cls(heads, separator != ",", kept)
+
+
 def read_loads(path: Path, balls: int, scene: Scene | None = None) -> GivenLoads:
     """Loads of a file for a scene of ``balls`` balls.
 
     scene: whose balls are told by azimuth and station where the file has both columns of `PLACE`, else by their numbers.
 
-    Columns are separated by commas, semicolons or tabs (a decimal comma is read where they are not commas), in any order;
-    further columns are ignored. Every ball must be given on every flank that is named, 0 where it carries nothing: a row
+    Every ball must be given on every flank that is named, 0 where it carries nothing: a row
     that was lost is not taken for a contact without load. Raises InputError.
     """
-    lines = _text(path).splitlines()
-    if not lines or not lines[0].strip():
-        raise InputError(str(path), "line 1", "nothing", ", ".join(COLUMNS), EXAMPLE)
-    separator = next((c for c in ";\t" if c in lines[0]), ",")
-    rows = csv.reader(lines, delimiter=separator)
-    heads = [head.strip().lower() for head in next(rows)]
-    for name in COLUMNS:
-        if name not in heads:
-            raise InputError(str(path), "line 1", lines[0], f"a column {name}", EXAMPLE)
+    given = Rows.read(path, COLUMNS, EXAMPLE)
+    heads, decimal_comma = given.heads, given.decimal_comma
     find = None if scene is None or not set(PLACE) <= set(heads) else _Places(scene)
     load = np.full((balls, len(SIDES)), np.nan)
     cases, renumbered = set(), set()
-    for number, row in enumerate(rows, 2):
-        if not any(cell.strip() for cell in row):
-            continue
-        cells = dict(zip(heads, (cell.strip() for cell in row), strict=False))
+    for number, cells in given.rows:
         cases.add(cells.get("case", ""))
         if len(cases) > 1:
             advice = "a scene is one load case: split the file, or delete the others"
             raise InputError(str(path), f"line {number}: case", cells["case"], "one case", advice)
         own = cells.get("ball", "")
         if find is not None:
-            cells["ball"] = find.number(path, number, cells, decimal_comma=separator != ",")
+            cells["ball"] = find.number(path, number, cells, decimal_comma=decimal_comma)
             renumbered |= {own} if own != cells["ball"] else set()
-        ball, side, force = _row(path, number, cells, balls, decimal_comma=separator != ",")
+        ball, side, force = _row(path, number, cells, balls, decimal_comma=decimal_comma)
         if not np.isnan(load[ball, side]):
             value = f"ball {ball + 1} {SIDES[side]} again"
             raise InputError(str(path), f"line {number}", value, "each contact once", "keep one of the rows")
@@ -113,7 +128,7 @@ class _Places:
         values = []
         for name in PLACE:
             text = cells.get(name, "")
-            values.append(_number(text, decimal_comma=decimal_comma))
+            values.append(number_of(text, decimal_comma=decimal_comma))
             if not np.isfinite(values[-1]):
                 where = f"line {line}: {name}"
                 raise InputError(str(path), where, text or "nothing", "a number", "or leave the column out")
@@ -128,7 +143,7 @@ class _Places:
         return str(ball + 1)
 
 
-def _number(text: str, *, decimal_comma: bool) -> float:
+def number_of(text: str, *, decimal_comma: bool) -> float:
     """A number; nan for anything else."""
     try:
         return float(text.replace(",", ".") if decimal_comma else text)
@@ -162,7 +177,7 @@ def _row(path: Path, number: int, cells: dict[str, str], balls: int, *, decimal_
     if flank.upper() not in SIDES:
         advice = "SL and SR: left and right flank of the screw, NL and NR: of the nut"
         raise InputError(str(path), f"{where}: flank", flank or "nothing", ", ".join(SIDES), advice)
-    force = _number(text, decimal_comma=decimal_comma)
+    force = number_of(text, decimal_comma=decimal_comma)
     if not 0.0 <= force < float("inf"):
         advice = "write the size of the contact force in newton, 0 where contact is lost, without unit"
         raise InputError(str(path), f"{where}: newton", text or "nothing", "a number from 0", advice)

@@ -26,6 +26,7 @@ ORDER = (
     "reference-mesh",
     "u-val",
     "crosscheck",
+    "benchmark",
     "pictures",
     "hertz",
     "cases",

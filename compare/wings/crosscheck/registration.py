@@ -5,5 +5,9 @@ from rollbench.comparison.registration import Part, Registration
 REGISTRATION = Registration(
     commands={"crosscheck": "wings.crosscheck.arguments"},
     parts=(Part("crosscheck", "wings.crosscheck.section", long=True, runs=True, meshes=True, beside=True),),
-    functions={"deck": "wings.crosscheck.export_deck:run", "references": "wings.crosscheck.study:references"},
+    functions={
+        "deck": "wings.crosscheck.export_deck:run",
+        "other program": "wings.crosscheck.study:extrapolated",
+        "references": "wings.crosscheck.study:references",
+    },
 )

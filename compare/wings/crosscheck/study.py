@@ -15,8 +15,10 @@ from rollbench.comparison.errors import InputError
 from rollbench.comparison.reference.levels import STUDIED
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.wings.crosscheck.calculix import Outcome, digest, run_calculix
-from rollbench.comparison.wings.crosscheck.data import BodyMesh, CrossData, CrossRun
+from rollbench.comparison.wings.crosscheck.data import BodyMesh, CrossData, CrossRun, load, shipped
 from rollbench.comparison.wings.crosscheck.deck import DeckOptions, Made, build_deck
+from rollbench.comparison.wings.crosscheck.fit import extrapolate
+from rollbench.meshes.arrays import Array
 from rollbench.meshes.deck import UNITS, write
 from rollbench.meshes.libraries import version
 from rollbench.meshes.parts import SIDES, Scene
@@ -135,6 +137,13 @@ def record(made: Made, options: DeckOptions, deck: str, outcome: Outcome) -> Cro
         options.half,
         options.alike,
     )
+
+
+def extrapolated() -> tuple[str, dict[str, Array]]:
+    """The program, and its extrapolated loads ``(n, 4)`` [N] of the scenes that it has solved in their state of today."""
+    stored = {name: load(shipped(), name) for name in STUDIES}
+    kept = {name: d for name, d in stored.items() if d is not None and d.key == scene_key(name)}
+    return "CalculiX", {name: extrapolate(d.runs).load for name, d in kept.items()}
 
 
 def references(fresh: bool) -> Iterator[tuple[tuple[str, ...], tuple[int, ...]]]:  # noqa: ARG001 - as every such function

@@ -15,7 +15,13 @@ from rollbench.comparison.registration import HOOKS, load, registered
 ROOT = Path(__file__).parents[3]
 WINGS = sorted(path.parent.name for path in ROOT.glob("compare/wings/*/registration.py"))
 #: Commands that go with a wing, and those of wings that need it.
-COMMANDS = {"bench": {"bench"}, "crosscheck": {"crosscheck"}, "extremes": {"stability"}, "friction": {"friction"}}
+COMMANDS = {
+    "bench": {"bench"},
+    "benchmark": {"benchmark"},
+    "crosscheck": {"crosscheck"},
+    "extremes": {"stability"},
+    "friction": {"friction"},
+}
 COMMANDS |= {"sweep": {"sweep", "stability"}, "bearings": set(), "random_errors": set(), "rolling": set()}
 #: Commands of the core that are run without a wing, and their exit codes.
 CORE = (("list",), ("solve", "two-balls"), ("check", "lin-case1", "--no-compute"), ("list", "--trace"), ("schema",))

@@ -1,0 +1,302 @@
+"""The benchmark BSCB-1: its answers are today's, a score tells right from wrong, other programs read its files."""
+
+import hashlib
+import json
+import re
+import shutil
+import subprocess
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rollbench.comparison.commands.export import part_mesh
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.models.modelling import varied
+from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.comparison.wings.benchmark import answers, exporting
+from rollbench.comparison.wings.benchmark.command import run_score
+from rollbench.comparison.wings.benchmark.neutral import described
+from rollbench.comparison.wings.benchmark.problems import JUNCTION, PROBLEMS, RUNS, fixed_text, key_of
+from rollbench.comparison.wings.benchmark.schema import schema
+from rollbench.comparison.wings.benchmark.scoring import Given, read, score
+from rollbench.comparison.wings.benchmark.step_files import off, write_step
+from rollbench.hifi.several_sets import bodies_of
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.bridge import write_mesh
+from rollbench.meshes.parts import Scene
+from rollbench.meshes.solid import dimensions
+
+pytestmark = pytest.mark.xdist_group("benchmark")
+WHOLE = [name for name, one in PROBLEMS.items() if isinstance(one.described, Scene)]
+
+
+def rows(name, factor=1.0, without=""):
+    """A file's rows of a problem, its loads times a factor, without one contact."""
+    found = answers.shipped()[name]
+    return [f"{name},{c},{factor * a.load!r}" for c, a in found.items() if c != without and a.load > 0.0]
+
+
+def file(folder, lines, head="problem,contact,load_N"):
+    path = folder / "loads.csv"
+    path.write_text("\n".join([head, *lines]) + "\n", encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("name", ["wide-ellipse", "near-face", "double-nut"])
+def test_shipped_answers_are_those_of_the_stored_runs(name):
+    found, key = answers.computed(PROBLEMS[name])
+    shipped = answers.shipped()[name]
+    assert list(found) == list(shipped)
+    kept = json.loads((answers.HERE / answers.KEYS).read_text(encoding="utf-8"))[name]
+    assert kept == {"problem": key.problem, "runs": list(key.runs)}
+    for contact, one in found.items():
+        assert shipped[contact].load == pytest.approx(one.load, rel=1e-6)
+        assert shipped[contact].uncertainty == pytest.approx(one.uncertainty, rel=6e-3)
+        assert shipped[contact].beside == pytest.approx(one.beside, rel=1e-5)
+        assert bool(one.beside) == (one.load > 0.0)
+
+
+def test_stored_runs_of_the_benchmark_are_those_of_its_own_scenes():
+    kept = {
+        run for one in json.loads((answers.HERE / answers.KEYS).read_text(encoding="utf-8")).values() for run in one["runs"]
+    }
+    assert {path.name for path in RUNS.glob("*.json")} <= kept
+
+
+def test_answers_of_another_state_are_refused(monkeypatch):
+    monkeypatch.setattr(answers, "key_of", lambda described: key_of(described) + "x")
+    answers.shipped.cache_clear()
+    with pytest.raises(InputError, match=r"another state of the problem.*benchmark compute"):
+        answers.shipped()
+    monkeypatch.undo()
+    answers.shipped.cache_clear()
+    assert len(answers.shipped()) == 12
+
+
+def test_the_junction_is_what_the_variants_of_two_screws_say():
+    changes = [
+        e.error.max_percent
+        for name in ("lin-case1", "lin-case3")
+        for e in varied(catalogue.scene(name))
+        if e.variant.startswith("junction")
+    ]
+    assert len(changes) == 6
+    assert 0.8 * JUNCTION < max(changes) < JUNCTION
+
+
+def test_right_loads_pass_and_all_problems_are_asked_for(tmp_path):
+    every = [line for name in PROBLEMS for line in rows(name)]
+    assert run_score(file(tmp_path, every)).code == 0
+    found = run_score(file(tmp_path, rows("two-balls")))
+    assert found.code == 1
+    assert {p["problem"] for p in found.data["problems"] if p["passed"]} == {"two-balls"}
+    assert run_score(file(tmp_path, rows("two-balls")), "two-balls").code == 0
+
+
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_loads_three_percent_off_fail_with_the_worst_contact_named(name, tmp_path):
+    found = run_score(file(tmp_path, rows(name, 1.03)), name)
+    loads = {c: a.load for c, a in answers.shipped()[name].items()}
+    heavy = max(loads, key=loads.get)
+    assert found.code == 1
+    assert found.data["problems"][0]["worst"] == heavy
+    assert any(isinstance(part, str) and f"beyond tolerance: {heavy}: load" in part for part in found.parts)
+
+
+def test_a_missing_contact_is_named(tmp_path):
+    found = run_score(file(tmp_path, rows("two-balls", without="2 NR")), "two-balls")
+    assert found.code == 1
+    assert "two-balls: missing: 2 NR" in found.parts
+    assert found.data["problems"][0]["missing"] == ["2 NR"]
+
+
+def test_a_contact_that_the_answer_has_lost_may_be_left_out_but_not_carry(tmp_path):
+    lost = next(c for c, a in answers.shipped()["clearance"].items() if a.load == 0.0)
+    assert run_score(file(tmp_path, [*rows("clearance"), f"clearance,{lost},0"]), "clearance").code == 0
+    found = run_score(file(tmp_path, [*rows("clearance"), f"clearance,{lost},20"]), "clearance")
+    assert found.data["problems"][0]["beyond"][0]["contact"] == lost
+
+
+@pytest.mark.parametrize(
+    ("column", "right", "wrong"),
+    [("angle_deg", lambda x: x + 0.4, lambda x: x - 0.6)]
+    + [(c, lambda x: 1.02 * x, lambda x: 0.95 * x) for c in ("approach_um", "pressure_MPa")],
+)
+def test_what_stands_beside_a_load_is_judged_where_it_is_given(column, right, wrong):
+    found = answers.shipped()["screw"]
+    for change, passed in ((right, True), (wrong, False)):
+        given = {c: Given(a.load, {column: change(a.beside[column])}) for c, a in found.items() if a.load > 0.0}
+        result = score("screw", found, given)
+        assert result.passed is passed
+        assert {m.column for m in result.misses} == (set() if passed else {column})
+
+
+@pytest.mark.parametrize(
+    ("lines", "words"),
+    [
+        (["nonsense,1 SL,3"], "problem: got nonsense; allowed: two-balls"),
+        (["two-balls,3 SL,3"], "got 3 SL; allowed: ball 1 to 2 and flank"),
+        (["two-balls,1 SL,3", "two-balls,1 sl,3"], "line 3: contact: got two-balls, 1 SL again"),
+        (["two-balls,1 SL,many"], "line 2: load_N: got many"),
+        (["two-balls,1 SL,-3"], "line 2: load_N: got -3"),
+        ([], "no contacts"),
+    ],
+)
+def test_a_file_that_cannot_be_judged_is_refused(lines, words, tmp_path):
+    with pytest.raises(InputError) as raised:
+        run_score(file(tmp_path, lines))
+    assert words in str(raised.value)
+
+
+def test_an_unknown_problem_on_the_command_line_is_refused(tmp_path):
+    with pytest.raises(InputError, match="got nonsense"):
+        run_score(file(tmp_path, rows("two-balls")), "nonsense")
+
+
+def test_other_columns_and_separators_are_read(tmp_path):
+    path = file(tmp_path, ["screw;1  sl;200,5;a;46,2"], "problem;contact;LOAD_N;remark;angle_deg")
+    assert read(path, answers.shipped()) == {"screw": {"1 SL": Given(200.5, {"angle_deg": 46.2})}}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    place = tmp_path_factory.mktemp("bscb")
+    exporting.export(place, meshes=False, step_files=False, step=print)
+    return place
+
+
+def test_the_folder_is_small_and_its_hashes_hold(folder):
+    files = [p for p in folder.rglob("*") if p.is_file()]
+    assert sum(p.stat().st_size for p in files) < 5e6
+    kept = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
+    assert kept["licence"].startswith("MIT")
+    assert set(kept["files"]) == {str(p.relative_to(folder)) for p in files} - {"manifest.json"}
+    for name, said in kept["files"].items():
+        data = (folder / name).read_bytes()
+        assert said == {"sha256": hashlib.sha256(data).hexdigest(), "bytes": len(data)}
+    own = answers.HERE.joinpath("LICENSE.txt").read_text(encoding="utf-8")
+    assert (folder / "LICENSE.txt").read_text(encoding="utf-8") == own
+    assert "MIT License" in own
+
+
+def test_the_page_leaves_nothing_open(folder):
+    text = (folder / "README.html").read_text(encoding="utf-8")
+    assert "$" not in text
+    assert all(f"<td>{name}</td>" in text for name in PROBLEMS)
+    from_schema = json.dumps(json.loads((folder / "schema.json").read_text(encoding="utf-8")))
+    for word in (
+        "stretch_meshed_by_the_reference",
+        "bore_moves_as_rigid_body",
+        "centre_x3_z3",
+        "shift_z",
+        "azimuth_at_nut_centre",
+    ):
+        assert word in text
+        assert word in from_schema
+
+
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_plain_numbers_are_those_of_the_scene(name, folder):
+    plain = json.loads((folder / "problems" / f"{name}.json").read_text(encoding="utf-8"))
+    pytest.importorskip("jsonschema").validate(plain, schema())
+    contacts = answers.shipped()[name]
+    assert [b["number"] for s in plain["sets"] for b in s["balls"]] == list(range(1, len(contacts) // 4 + 1))
+    track = plain["sets"][0]["helix"]
+    for ball in plain["sets"][0]["balls"]:
+        x, y, z = ball["centre"]
+        assert np.hypot(x, y) == pytest.approx(track["pitch_radius"])
+        low, high = plain["sets"][0]["nut"]["z"]
+        along = track["lead"] * (ball["azimuth"] - track["azimuth_at_nut_centre"]) / (2.0 * np.pi)
+        assert z == pytest.approx(0.5 * (low + high) + along, abs=1e-12)
+
+
+@pytest.mark.parametrize("name", WHOLE)
+def test_the_scene_leaves_no_dimension_to_an_assumption(name, folder):
+    text = (folder / "problems" / f"{name}.toml").read_text(encoding="utf-8")
+    found, meant = scene_file.read(text, f"{name}.toml"), PROBLEMS[name].described
+    assert text == fixed_text(PROBLEMS[name])
+    own, ours = dimensions(found), dimensions(meant)
+    assert own.assumed[0].startswith(("The groove runs", "Flat ends"))
+    assert (own.land, own.hole, own.shaft) == pytest.approx((ours.land, ours.hole, ours.shaft), rel=1e-9)
+    assert (own.nut_held, own.screw_held) == (ours.nut_held, ours.screw_held)
+    assert replace(found, solid=meant.solid, name=meant.name) == meant
+
+
+def test_step_files_open_in_gmsh(tmp_path):
+    import gmsh
+
+    files = {
+        path.stem: worst
+        for name in ("two-balls", "three-balls")
+        for path, worst in write_step(PROBLEMS[name], tmp_path).items()
+    }
+    assert {name for name, worst in files.items() if worst == 0.0} == {"two-balls", "three-balls"}
+    assert 0.0 < files["three-balls-grooves"] < 1e-6
+    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        volumes = {}
+        for name in files:
+            gmsh.model.add(name)
+            gmsh.model.occ.importShapes(str(tmp_path / f"{name}.step"))
+            gmsh.model.occ.synchronize()
+            volumes[name] = sorted(gmsh.model.occ.getMass(*e) for e in gmsh.model.getEntities(3))
+            if name == "three-balls-grooves":
+                assert len(gmsh.model.getEntities(2)) == 4
+    finally:
+        gmsh.finalize()
+    ball = 4.0 / 3.0 * np.pi * 4.005**3
+    r = np.linspace(18.4 - 4.0, 18.4, 200001)[:-1]  # the groove of the inner ring: 2 pi r times its width at r
+    centre, radius = 20.0 + 0.4 * np.cos(np.pi / 4.0), 4.4
+    width = 2.0 * np.maximum(np.sqrt(np.maximum(radius**2 - (r - centre) ** 2, 0.0)) - 0.4 * np.sin(np.pi / 4.0), 0.0)
+    inner = np.pi * (18.4**2 - 11.0**2) * 14.0 - float((2.0 * np.pi * r * width).sum() * (r[1] - r[0]))
+    assert volumes["two-balls"][:3] == pytest.approx([ball, ball, inner], rel=1e-5)
+    assert len(volumes["two-balls"]) == 4
+    assert not volumes["three-balls-grooves"]
+
+
+def test_the_distance_from_a_flank_is_seen():
+    scene = PROBLEMS["screw"].described
+    from rollbench.comparison.wings.benchmark.step_files import _surface
+
+    points = _surface(scene, 3, np.radians([20.0, 45.0, 60.0]), 2.0, 0.0)
+    assert np.abs(off(scene, 3, points, 0.0)).max() < 1e-12
+    assert np.abs(off(scene, 3, 1.0001 * points, 0.0)).max() > 5e-7
+
+
+def test_a_mesh_opens_in_meshio_and_scikit_fem(tmp_path):
+    meshio, skfem = pytest.importorskip("meshio"), pytest.importorskip("skfem")
+    path = tmp_path / "ball.vtu"
+    write_mesh(path, part_mesh(PROBLEMS["two-balls"].described, "ball", 1), {}, form="vtu")
+    cells = meshio.read(path).cells_dict
+    mesh = skfem.MeshTet2.load(path)
+    assert mesh.t.shape[1] == len(cells["tetra10"])
+    volume = skfem.Functional(lambda w: 1.0 + 0.0 * w.x[0]).assemble(skfem.Basis(mesh, skfem.ElementTetP2()))
+    assert volume == pytest.approx(4.0 / 3.0 * np.pi * 4e-3**3, rel=2e-3)
+
+
+@pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
+def test_calculix_reads_the_deck_of_an_exported_scene(folder, tmp_path):
+    pytest.importorskip("gmsh")
+    from rollbench.comparison.wings.crosscheck.export_deck import DeckChoices, run_deck
+
+    scene = catalogue.scene(str(folder / "problems" / "two-balls.toml"))
+    out = tmp_path / "deck.inp"
+    run_deck(scene, DeckChoices("ccx", b_over_h=0.5, growth=0.9), out)
+    text, count = re.subn(r"(?m)^\*STATIC.*\n(?:[^*].*\n)*", "*NO ANALYSIS\n", out.read_text(encoding="utf-8"))
+    assert count == 1
+    out.write_text(text, encoding="utf-8")
+    done = subprocess.run(["ccx", "-i", "deck"], cwd=tmp_path, capture_output=True, text=True, timeout=120)
+    assert "no analysis" in done.stdout.lower()
+    assert "ERROR" not in done.stdout
+
+
+def test_the_double_nut_is_meshed_as_its_first_set():
+    scene = PROBLEMS["double-nut"].described
+    assert isinstance(scene, Assembly)
+    plain = described(PROBLEMS["double-nut"])
+    first, second = plain["sets"]
+    assert first["stretch_meshed_by_the_reference"][1] == pytest.approx(second["stretch_meshed_by_the_reference"][0])
+    assert bodies_of(scene)[0].shift == pytest.approx(first["stretch_meshed_by_the_reference"][0])
+    assert (first["nut"]["shift_z"], second["nut"]["shift_z"]) == pytest.approx((-4e-6, 4e-6))
