@@ -41,8 +41,8 @@ TOLERANCE = 1e-14
 MAX_ITERATIONS = 3000
 #: Relative round-off of a force by that of the motions in its contacts: some operations of each.
 ROUND_OFF = 8.0 * float(np.finfo(float).eps)
-#: Above this many balls the compiled engine pays even for a single solve.
-COMPILE_ABOVE = 120
+#: Above this many balls the compiled engine pays even for a single solve: where machine code is kept, and where not.
+COMPILE_ABOVE, COMPILE_ALONE = 120, 1000
 #: The same where flanks are no arcs: every contact is a search for its place on the profile.
 COMPILE_UNEVEN = 24
 #: Share of the largest force or moment from which on what a pin takes is looked into.
@@ -76,9 +76,9 @@ class Prepared:
 def pick_engine(engine: Engine, balls: int, uneven: bool = False) -> ModuleType:
     """Interpreted kernels for one small solve, compiled ones for large or many; uneven: flanks that are no arcs."""
     most = COMPILE_UNEVEN if uneven else COMPILE_ABOVE
-    if engine == "compiled" or (engine == "auto" and (jit.loaded(jit.STATICS) or balls > most)):
-        return jit.kernels(jit.STATICS, compiled=True)
-    return jit.kernels(jit.STATICS, compiled=False)
+    ready = uneven or balls > COMPILE_ALONE or jit.cached(jit.STATICS)
+    fast = engine == "compiled" or (engine == "auto" and (jit.loaded(jit.STATICS) or (balls > most and ready)))
+    return jit.kernels(jit.STATICS, compiled=fast)
 
 
 def reference_scale(problem: Problem) -> tuple[float, float]:

@@ -46,15 +46,16 @@ def new(file: Path, *, kind: Word = "", like: Word = "") -> None:
     file
         Where to write it; an existing file is never overwritten.
     kind
-        ball-screw unless given, bearing, several sets on one shaft: axis, double-nut; or what only friction solves:
-        bearing-ball, bearing-pair, linear-pair, linear-chain, screw-pair, screw-run.
+        ball-screw unless given, bearing, several sets on one shaft: axis, double-nut, angular-contact-bearing,
+        support-bearings; or what only friction solves: bearing-ball, bearing-pair, linear-pair, linear-chain,
+        screw-pair, screw-run.
     like
         Nominal diameter and lead of a ball screw or double nut in mm, such as 40x10: the rest as is usual for such a
         size.
     """
     from rollbench.comparison.scenes.like import double_nut_like, scene_like
     from rollbench.comparison.scenes.names import WHOLE
-    from rollbench.comparison.scenes.template import AXES, template
+    from rollbench.comparison.scenes.template import AXES, BEARINGS, template
     from rollbench.comparison.writing import write_new
 
     kind = (kind or "ball-screw").replace("-", " ")
@@ -63,7 +64,7 @@ def new(file: Path, *, kind: Word = "", like: Word = "") -> None:
         allowed = "without --kind, or with --kind double-nut"
         raise InputError("command line", "--like", like, allowed, "a nominal size is that of a ball screw")
     write_new(file, sized[kind](like) if like else template(kind))
-    command = "solve" if kind in (*WHOLE, *AXES) else "friction"
+    command = "solve" if kind in (*WHOLE, *AXES, *BEARINGS) else "friction"
     print_answer(Answer(parts=[f"wrote {file}; solve it with: rollbench {command} {file}"]))
 
 

@@ -203,7 +203,7 @@ def every(found: Sequence[Outside]) -> Table:
         for x in found
     ]
     note = (
-        "Makers' tables stand in compare/sources/makers/tables; the first lines of each name the repository, commit and file of "
-        "its origin."
+        "Makers' tables stand in compare/sources/makers/tables; the first lines of each name repository, commit and file "
+        "of its origin."
     )
     return replace(Table.of("outside", "Outside values beside the computed ones", rows, note), shown=SHOWN)

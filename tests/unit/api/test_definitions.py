@@ -11,6 +11,7 @@ import pytest
 from rollbench.comparison.cli import main
 from rollbench.comparison.definitions import _known, definition
 from rollbench.comparison.registration import data_files
+from rollbench.comparison.scenes.template import template
 
 #: Keys that number, name or count, in tables whose headings say what they are.
 NO_QUANTITY = (
@@ -55,7 +56,9 @@ def answered(command: str) -> object:
 def printed(tmp_path_factory) -> list[tuple[str, object]]:
     turning = tmp_path_factory.mktemp("definitions") / "turning.toml"
     turning.write_text(f'{data_files("scenes")["lin-case1"].read_text()}\n[motion]\nspeed = "60 rpm"\n')
-    commands = (*COMMANDS, f"solve {turning} --model lin")
+    bearings = turning.with_name("bearings.toml")
+    bearings.write_text(template("support-bearings"))
+    commands = (*COMMANDS, *(f"solve {file} --model lin" for file in (turning, bearings)))
     return list(chain.from_iterable(leaves(answered(command)) for command in commands))
 
 
