@@ -15,18 +15,20 @@ from rollbench.comparison.reference.computing import compute
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.reference.tasks import Task
 from rollbench.comparison.scenes import scene_file
-from rollbench.comparison.wings.extremes.survey.draw import SCENES, SEED, scene_text
+from rollbench.comparison.wings.extremes.survey.draw import SEED, TUBES, scene_text
 
 LEVELS = (1, 2, 3)
-#: Screws, those that were chosen before the others, and contacts that a screw has at most.
-COUNT, FIRST, MOST = 20, (69, 109), 80
+#: Screws, those that were chosen before the others, contacts that a screw has at most, and what the others are drawn by.
+COUNT, FIRST, MOST, DRAWN_BY = 20, (69, 109), 80, (SEED, 200)
 
 
 def chosen() -> tuple[int, ...]:
     """Numbers of the screws, drawn from those of the survey that have few contacts."""
     rows = json.loads((shipped_store() / SURVEY).read_text(encoding="utf-8"))["scenes"]
-    few = [row["number"] for row in rows if row["contacts"] <= MOST and row["number"] not in FIRST]
-    drawn = np.random.default_rng([SEED, SCENES]).permutation(few)
+    few = [
+        row["number"] for row in rows if row["number"] < TUBES and row["contacts"] <= MOST and row["number"] not in FIRST
+    ]
+    drawn = np.random.default_rng(DRAWN_BY).permutation(few)
     return (*FIRST, *(int(k) for k in drawn[: COUNT - len(FIRST)]))
 
 
