@@ -132,6 +132,7 @@ def total(scene: Scene, found: Reference, *, inputs: bool = True) -> Total:
     if found.stated:
         return Total(uncertainty_percent(found), False, None, None, "", 0.0, False, found.stated)
     share, name = _inputs(scene) if inputs else (None, "")
+    lip, at = beside_face(found)
     return Total(
         uncertainty_percent(found),
         found.parts.by_experience,
@@ -140,7 +141,8 @@ def total(scene: Scene, found: Reference, *, inputs: bool = True) -> Total:
         name,
         second_order(scene, found),
         both_flanks(found.load),
-        *beside_face(found),
+        beside_face=lip,
+        at_face=at,
     )
 
 

@@ -39,10 +39,10 @@ class Reference:
     uncertainty: Array
     parts: GridParts
     contacts: int = 0
-    beside_face: Array | None = None
     label: str = "3D reference"
     stated: str = ""
     further: Mapping[str, Array] = field(default_factory=dict)
+    beside_face: Array | None = None
 
     @property
     def levels(self) -> tuple[int, ...]:
@@ -86,4 +86,4 @@ def reference_of(
     found, best = parts(loads, known or grid_parts.read(shipped_store())), runs[-1]
     bars = 0.01 * mean_load(best.load) * found.bars(loads) if found.bar else np.zeros_like(best.load)
     lips = too_large(scene, best.load, best.level)
-    return Reference(name, runs, best.load, bars + lips + best.moving, found, contacts, lips)
+    return Reference(name, runs, best.load, bars + lips + best.moving, found, contacts, beside_face=lips)
