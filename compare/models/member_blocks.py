@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -16,6 +17,9 @@ from threadpoolctl import threadpool_limits
 from rollbench.comparison.models.ensemble import run_ensemble, work_of
 from rollbench.comparison.models.loading import scaled
 from rollbench.comparison.models.registry import Options, run_model
+from rollbench.lowfi.compliance.bodies import LADDER
+from rollbench.lowfi.jit import STATICS, kernels
+from rollbench.lowfi.statics.elastic_members import ElasticMembers, shared
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, Solved
 from rollbench.meshes.arrays import Array
@@ -53,6 +57,8 @@ OF_SET = {
 TURNING, STANDING, SYSTEM = 3.0, 10.0 / 3.0, 10.0 / 9.0
 #: Part of the load by which stiffness is taken.
 STEP = 1e-3
+#: Models with elastic bodies, whose members may share one system.
+ELASTIC = tuple(name for name in LADDER if name != "lin")
 
 
 @dataclass(frozen=True)
@@ -116,20 +122,24 @@ def without_random_errors(scene: Scene | Assembly) -> Scene | Assembly:
 def _solved(scene: Scene, model: str, engine: str, first: int, count: int) -> tuple[Array, tuple[str, ...], Array, Array]:
     """Loads, statuses, residuals and works of some members."""
     if model == "lin" and engine == "compiled":
-        result = run_ensemble(scene, count, first)
-        return result.loads, result.statuses, result.residuals, result.works
-    results = [
-        run_model(scene, model, Options(member=m, engine=engine, discretisation=False)) for m in range(first, first + count)
-    ]
-    n = scene.ball_count
-    loads = [r.load if r.converged else np.full((n, 4), np.nan) for r in results]
-    works = [work_of(scene, r) if r.converged else np.nan for r in results]
-    return (
-        np.stack(loads),
-        tuple(r.status for r in results),
-        np.array([r.solver.residual for r in results]),
-        np.array(works),
-    )
+        batch = run_ensemble(scene, count, first)
+        return batch.loads, batch.statuses, batch.residuals, batch.works
+    loads, residuals, works = np.full((count, scene.ball_count, 4), np.nan), np.full(count, np.nan), np.full(count, np.nan)
+    if model in ELASTIC and shared(scene):
+        loads, residuals, works = _system(scene, model, engine).solve(first, count)
+    statuses = ["converged"] * count
+    for k in np.flatnonzero(np.isnan(residuals)):
+        result = run_model(scene, model, Options(member=first + int(k), engine=engine, discretisation=False))
+        statuses[k], residuals[k] = result.status, result.solver.residual
+        if result.converged:
+            loads[k], works[k] = result.load, work_of(scene, result)
+    return loads, tuple(statuses), residuals, works
+
+
+@lru_cache(maxsize=4)
+def _system(scene: Scene, model: str, engine: str) -> ElasticMembers:
+    """What solves all blocks of a scene in this process."""
+    return ElasticMembers(scene, LADDER[model], kernels(STATICS, compiled=engine == "compiled"))
 
 
 def _of_one(scene: Scene, model: str, engine: str, nominal: Array, first: int, count: int) -> Block:

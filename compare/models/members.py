@@ -8,7 +8,7 @@ loads in each process, six numbers a member, and one histogram a contact.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any
 
@@ -21,12 +21,15 @@ from rollbench.comparison.models.member_blocks import Block, contact_loads, plac
 from rollbench.comparison.models.registry import MODELS, Options, default_model, random_errors, run_model
 from rollbench.comparison.reference import parallel
 from rollbench.comparison.reference.jobs import Engine
+from rollbench.lowfi.jit import STATICS, cached
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 
-#: Members of a block, and from how many on kernels are compiled.
-BLOCK, COMPILE_FROM = 500, 200
+#: Members of a block; from how many on kernels are compiled, and are used where they have been.
+BLOCK, COMPILE_FROM, USE_FROM = 500, 200, 10
+#: Least time [s] that other processes must take over to be started: each imports and compiles for itself.
+WORTH_WORKERS = 10.0
 #: Bins of the histogram of a contact's load, and its end over the largest load without random errors.
 BINS, END = 2000, 10.0
 LEVELS = (0.01, 0.05, 0.5, 0.95, 0.99)
@@ -85,7 +88,7 @@ def run_members(
     """
     _check(scene, model, count)
     start, model = perf_counter(), model or default_model(scene)
-    kernels = "compiled" if count >= COMPILE_FROM else "interpreted"
+    kernels = "compiled" if count >= COMPILE_FROM or (count >= USE_FROM and cached(STATICS)) else "interpreted"
     bare = run_model(without_random_errors(scene), model, Options(engine=kernels, discretisation=False))
     nominal = contact_loads(bare)
     if not bare.converged or not nominal.max(initial=0.0) > 0.0:
@@ -115,7 +118,7 @@ def gathered(
     rows: list[Array] = []
     failed: dict[int, str] = {}
     start, done = perf_counter(), 0
-    for first, block in _blocks(solve, arguments, count, engine):
+    for first, block in _blocks(solve, arguments, count, engine, step):
         sums.add(block.loads)
         rows.append(block.kept)
         for k, status in enumerate(block.statuses):
@@ -142,15 +145,23 @@ def _check(scene: Scene | Assembly, model: str, count: int) -> None:
 
 
 def _blocks(
-    solve: Callable[..., Block], arguments: tuple[Any, ...], count: int, engine: Engine
+    solve: Callable[..., Block], arguments: tuple[Any, ...], count: int, engine: Engine, step: Callable[[str], None]
 ) -> Iterator[tuple[int, Block]]:
-    """Blocks in order, whatever the order they come in."""
+    """Blocks in order, whatever the order they come in: the first in this process, and all where starting others would take
+    longer."""
     size = max(1, min(BLOCK, count // 16))  # by the count alone: how members are cut into blocks shows in round-off
     jobs: list[parallel.Job] = [(solve, (*arguments, first, min(size, count - first))) for first in range(0, count, size)]
+    if (engine.workers or 1) > 1 and engine.backend == "joblib":
+        start = perf_counter()
+        yield 0, solve(*arguments, 0, min(size, count))
+        left, jobs = (perf_counter() - start) * (len(jobs) - 1), jobs[1:]
+        if left < WORTH_WORKERS:
+            step(f"no other processes: the members left take about {left:.1f} s here, to start others takes longer")
+            engine = replace(engine, workers=1)
     waiting: dict[int, Block] = {}
-    following = 0
+    following = done = -(-count // size) - len(jobs)
     for number, block in parallel.as_done(jobs, engine.backend, engine.scheduler, engine.workers):
-        waiting[number] = block
+        waiting[done + number] = block
         while following in waiting:
             yield following * size, waiting.pop(following)
             following += 1
