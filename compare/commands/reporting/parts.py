@@ -30,6 +30,7 @@ ORDER = (
     "pictures",
     "hertz",
     "cases",
+    "reconstruction",
     "errors",
     "manufacturing",
     "steering",

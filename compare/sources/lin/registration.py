@@ -6,6 +6,7 @@ REGISTRATION = Registration(
     parts=(
         Part("hertz", "sources.lin.sections.hertz"),
         Part("cases", "sources.lin.sections.cases", runs=True),
+        Part("reconstruction", "sources.lin.sections.reconstruction", runs=True, needs=("friction", "rolling")),
         Part("errors", "sources.lin.sections.errors"),
         Part("manufacturing", "sources.lin.sections.manufacturing"),
         Part("steering", "sources.lin.sections.steering"),
