@@ -80,7 +80,9 @@ def number(value: float) -> float | None:
 
 
 def _ready(value: Any, factor: float) -> Any:
-    """A value in its unit: numbers by ``factor``, also those of a mapping; words, truth values and counts as they are."""
+    """A value in its unit: numbers by ``factor``, also those of a mapping or tuple; words, truth values and counts stay."""
     if isinstance(value, Mapping):
         return {key: _ready(inner, factor) for key, inner in value.items()}
+    if isinstance(value, tuple):
+        return [_ready(inner, factor) for inner in value]
     return value if value is None or isinstance(value, str | int) else number(factor * value)

@@ -81,6 +81,7 @@ HOOKS = {
     "friction": "(scene, result, options): state of friction of a static result, or None and why",
     "friction of a scene": "(scene, coefficients, model): JSON-ready answer on a scene of any kind",
     "gate": "(study, largest error): rows of the gate",
+    "outside": "(study): number of outside values, bias and scatter as cells of columns, by quantity",
     "other program": "(): (its name, loads (n, 4) [N] by scene) of another program's runs",
     "references": "(fresh): names of scenes and mesh levels whose runs the report shows",
     "rolling compare": "(names, levels, store, engine, fresh, bodies): the answer of rollbench compare on rolling balls",

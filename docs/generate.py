@@ -11,6 +11,8 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from rollbench.comparison.registration import misprint_files
+
 WORDS = {"COLUMNS": "96", "NO_COLOR": "1", "TERM": "dumb"}
 
 
@@ -22,8 +24,9 @@ def said(*arguments: str) -> str:
 
 def pages(folder: Path) -> None:
     """Writes the pages into a folder, each only where its text is new."""
-    for name, lines in (("scene-file", scene_file()), ("commands", commands()), ("quantities", quantities())):
-        text = "\n".join(lines) + "\n"
+    written = {"scene-file": scene_file, "commands": commands, "quantities": quantities, "misprints": misprints}
+    for name, page in written.items():
+        text = "\n".join(page()) + "\n"
         path = folder / f"{name}.md"
         if not path.exists() or path.read_text() != text:
             path.write_text(text)
@@ -103,13 +106,22 @@ def _cell(text: str) -> str:
 def quantities() -> Iterator[str]:
     """Every quantity of the output: from the one file of definitions."""
     yield (
-        "# Quantities\n\nEvery number that `solve`, `compare`, `check`, `mesh-study` and `friction` print has a path"
-        ' in their JSON (`--json`) and in Python: `rollbench.solve("my.toml")["summary.axial.displacement_um"]`. The ending of a'
-        " path is its unit. Axes: z along the screw, azimuth from x to y about it; a positive axial force pushes the screw"
-        " to larger z.\n"
+        "# Quantities\n\nEvery number that `solve`, `compare`, `check`, `mesh-study` and `friction` print has a path in"
+        " their JSON (`--json`) and in Python: `solution[path]`. The ending of a path is its unit. Axes: z along the screw,"
+        " azimuth from x to y about it; a positive axial force pushes the screw to larger z.\n"
     )
     text = resources.files("rollbench.comparison").joinpath("definitions.toml").read_text()
     for table in tomllib.loads(text)["table"]:
         yield f"\n## {table['title']}\n\n{table.get('about', '')}\n\n| path | definition | its error |\n|---|---|---|"
         for one in table["quantity"]:
             yield f"| `{one['path']}` | {_cell(one['is'])} | {_cell(one.get('error', '–'))} |"
+
+
+def misprints() -> Iterator[str]:
+    """The sources' misprints, from the data of each source."""
+    yield "# Misprints of the sources\n\nThe right value stands in the models; as-printed modes show what a misprint does."
+    for path in misprint_files():
+        found = tomllib.loads(path.read_text())
+        yield f"\n## {found['title']}\n\n| where | printed | right | evidence |\n|---|---|---|---|"
+        for row in found["row"]:
+            yield "| " + " | ".join(_cell(row[key]) for key in ("place", "wrong", "right", "evidence")) + " |"

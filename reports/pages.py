@@ -190,8 +190,9 @@ def _table(table: Table, writer: _Writer) -> dict[str, Any]:
     ]
     rows = [
         [cell_view(c, row.get(c.key), number=number) for c, number in zip(columns, numbers, strict=True)]
-        for row in table.rows
+        for row in table.rows[: table.shown]
     ]
+    every = "" if table.shown is None else f"The first {len(rows)} of {len(table.rows)} rows; the CSV file has all."
     without = f"No row has an entry under: {'; '.join(empty)}." if empty else ""
-    note = "\n".join(part for part in (table.note, without) if part)
+    note = "\n".join(part for part in (table.note, every, without) if part)
     return {"kind": "table", "table": table, "number": writer.tables, "columns": heads, "rows": rows, "note": note}

@@ -35,14 +35,16 @@ Row = dict[Quantity | str, Cell]
 
 @dataclass(frozen=True)
 class Table:
-    """A table: ``name`` is its CSV file's stem; rows are mappings from a quantity's key to its value. Raises ValueError for
-    two columns of one heading and unit, which no reader of the CSV file could tell apart."""
+    """A table: ``name`` is its CSV file's stem; rows are mappings from a quantity's key to its value; ``shown``: how many
+    of them a page shows, None for all. Raises ValueError for two columns of one heading and unit, which no reader of the
+    CSV file could tell apart."""
 
     name: str
     title: str
     columns: Sequence[Quantity]
     rows: Sequence[Mapping[str, Cell]]
     note: str = ""
+    shown: int | None = None
 
     def __post_init__(self) -> None:
         """Check the headings."""

@@ -12,17 +12,19 @@ from rollbench.comparison.api.results import Friction, Judged, Result, Solution
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.registration import needed
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.scene_file import solvable, whole
+from rollbench.comparison.scenes.load_cases import DutyCycle, cases_by_name
+from rollbench.comparison.scenes.scene_file import Described, each_case, solvable, whole
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
     from rollbench.comparison.commands.comparing.compare_output import Comparison
     from rollbench.comparison.reference.estimate import Reference
-    from rollbench.comparison.scenes.kinds import KindScene
 
 
-def read(name: str | Path) -> Scene | Assembly | KindScene:
+def read(name: str | Path) -> Described:
     """The scene of a file, or the shipped scene of that name: a frozen record in SI units, to be changed by
     ``dataclasses.replace``.
 
@@ -31,7 +33,7 @@ def read(name: str | Path) -> Scene | Assembly | KindScene:
     return catalogue.any_scene(str(name))
 
 
-def solve(scene: Scene | Assembly | str | Path, model: str = "", *, member: int = 0) -> Solution:
+def solve(scene: Described | str | Path, model: str = "", *, member: int = 0) -> Solution:
     """Contact loads and all that they answer, by a low-order model.
 
     scene: as `read` gives it, or a name or file; model: refined unless given; member: specimen of a scene with
@@ -41,23 +43,27 @@ def solve(scene: Scene | Assembly | str | Path, model: str = "", *, member: int 
     described = _described(scene)
     if isinstance(described, Assembly):
         return _solve_axis(described, model, member)
-    from rollbench.comparison.commands.solving.solve_output import as_json
-    from rollbench.comparison.commands.solving.summary import answers_json
-    from rollbench.comparison.models.answers import gather
-    from rollbench.comparison.models.model_form import estimate
-    from rollbench.comparison.models.outside import with_answers
-    from rollbench.comparison.models.registry import Options, default_model, run_model
+    from rollbench.comparison.commands.solving.cases_output import case_json, cases_json
+    from rollbench.comparison.models.load_cases import solve_one, together
+    from rollbench.comparison.models.registry import Options, default_model
 
+    options = Options(member=member)
+    if isinstance(described, DutyCycle):
+        name = model or default_model(described.parts)
+        solved = [solve_one(case.scene, name, options) for case in described.cases]
+        data = cases_json(described, solved, together(described, solved))
+        notes = (f"{described.name}, {name}: {data['status']}", *(w for one in solved for w in one.result.warnings))
+        each = [loads_and_angles(one.result) for one in solved]
+        return Solution(data, "summary", notes, *map(np.array, zip(*each, strict=True)))
     own = whole(described, described.name)
-    name, options = model or default_model(own), Options(member=member)
-    result = run_model(own, name, options)
-    found = gather(own, result, name, options) if result.converged else None
-    result = result if found is None else with_answers(own, result, found)
-    worth = estimate(own, result) if found is not None else None
-    data = as_json(own, result, worth, None if found is None else answers_json(own, result, found))
-    angle = np.where(result.load > 0.0, np.degrees(result.contact_angle), np.nan)
-    head = f"{own.name}, {name}: {result.status}"
-    return Solution(data, "summary", (head, *result.warnings), result.load, angle)
+    one = solve_one(own, model or default_model(own), options)
+    notes = (f"{own.name}, {one.result.model}: {one.result.status}", *one.result.warnings)
+    return Solution(case_json(one), "summary", notes, *loads_and_angles(one.result))
+
+
+def loads_and_angles(result: StaticResult) -> tuple[Array, Array]:
+    """Contact loads [N] and, where there is load, angles [deg], ``(n, 4)`` each."""
+    return result.load, np.where(result.load > 0.0, np.degrees(result.contact_angle), np.nan)
 
 
 def _solve_axis(axis: Assembly, model: str, member: int) -> Solution:
@@ -74,7 +80,7 @@ def _solve_axis(axis: Assembly, model: str, member: int) -> Solution:
     return Solution(data, "sets", (f"{axis.name}, {data['model']}: {data['status']}", *result.warnings))
 
 
-def friction(scene: Scene | Assembly | KindScene | str | Path, *, mu: Sequence[float] = (), model: str = "") -> Friction:
+def friction(scene: Described | str | Path, *, mu: Sequence[float] = (), model: str = "") -> Friction:
     """Ball motion, losses, friction torque, efficiency, of a scene of any kind.
 
     mu: coefficients of friction in place of the scene's; model: of the contact loads, refined unless given. The first use
@@ -86,7 +92,7 @@ def friction(scene: Scene | Assembly | KindScene | str | Path, *, mu: Sequence[f
 
 
 def compare(
-    scene: Scene | Assembly | str | Path,
+    scene: Described | str | Path,
     models: Sequence[str] = (),
     *,
     levels: int | None = None,
@@ -100,6 +106,7 @@ def compare(
     Raises InputError, Refusal where no run of the reference converged.
     """
     from rollbench.comparison.commands.comparing.compare_output import compared, verdict
+    from rollbench.comparison.commands.comparing.compared_cases import together_json
     from rollbench.comparison.commands.comparing.study import named, unconverged
     from rollbench.comparison.commands.printing import on_terminal
     from rollbench.comparison.models.comparison import compared_models, suited
@@ -110,21 +117,28 @@ def compare(
     from rollbench.meshes.cache import default_root
 
     described = _described(scene)
-    own, stores = solvable(described, described.name), (Path(store), shipped_store())
-    chosen = compared_models(tuple(models)) or suited(own)
+    own, stores = each_case(described, described.name), (Path(store), shipped_store())
+    chosen, cases = compared_models(tuple(models)), cases_by_name([described])
+    missing = [x for x in own if levels is not None or not referenced(x, stores)]
     failed = []
-    if levels is not None or not referenced(own, stores):
+    if missing:
         wanted = range(1, (levels or len(LEVELS)) + 1)
-        failed = ensure(plan([own], wanted), stores[0], Engine(cache=default_root()), on_terminal, stores)
-    sets = referenced(own, stores)
-    if not sets:
-        raise unconverged(own.name, failed)
-    pairs = [(one, compared(one.scene, chosen, one.found, stores, one.of)) for one in sets]
+        failed = ensure(plan(missing, wanted), stores[0], Engine(cache=default_root()), on_terminal, stores)
+    pairs = []
+    for x in own:
+        sets = referenced(x, stores)
+        if not sets:
+            raise unconverged(x.name, failed)
+        pairs += [(one, compared(one.scene, chosen or suited(x), one.found, stores, one.of)) for one in sets]
     lines = tuple(verdict(each, one.found) for one, each in pairs)
     told = [_compared_json(each, one.found) | named(one) for one, each in pairs]
-    if isinstance(own, Scene):
+    if isinstance(described, DutyCycle):
+        rows = [row | cases[one.scene.name].keys for row, (one, _) in zip(told, pairs, strict=True)]
+        whole = together_json(described, {one.scene.name: each for one, each in pairs})
+        return Result({"scene": described.name, "summary": whole, "cases": rows}, "summary", lines)
+    if isinstance(described, Scene):
         return Result(told[0], "models", lines)
-    return Result({"scene": own.name, "sets": told}, "sets", lines)
+    return Result({"scene": described.name, "sets": told}, "sets", lines)
 
 
 def _compared_json(each: Comparison, found: Reference) -> dict[str, Any]:
@@ -150,7 +164,7 @@ def _compared_json(each: Comparison, found: Reference) -> dict[str, Any]:
 
 
 def check(
-    scene: Scene | Assembly | str | Path,
+    scene: Described | str | Path,
     *,
     max_error: float | None = None,
     model: str = "",
@@ -164,14 +178,12 @@ def check(
     max_error: limit in per cent, the scene's own or 7 unless given; loads: CSV file with the columns ball, flank, newton;
     compute: whether runs of the reference that are missing are computed. Raises InputError.
     """
-    from rollbench.comparison.commands.printing import on_terminal
-    from rollbench.comparison.gate.user import asked, check_scenes
-    from rollbench.comparison.gate.verdict import worst_of
+    from rollbench.comparison.commands.comparing.check import judged_cases, verdicts_json
+    from rollbench.comparison.gate.user import asked
     from rollbench.comparison.reference.jobs import Engine
     from rollbench.meshes.cache import default_root
 
     described = _described(scene)
-    own = solvable(described, described.name)
     what = asked(
         model=model,
         loads=None if loads is None else Path(loads),
@@ -180,18 +192,12 @@ def check(
         store=Path(store),
         compute=compute,
     )
-    verdicts = check_scenes([own], what, Engine(cache=default_root()), on_terminal)
-    gravest = worst_of([v.word for v in verdicts])
-    data = {"verdict": gravest, "passed": gravest == "pass", "verdicts": [v.as_json() for v in verdicts]}
-    return Judged(data, "verdicts", tuple(v.line() for v in verdicts))
+    verdicts = judged_cases([described], [described.name], what, Engine(cache=default_root()))
+    return Judged(verdicts_json([described], verdicts), "verdicts", tuple(v.line() for v in verdicts))
 
 
 def mesh_study(
-    scene: Scene | Assembly | str | Path,
-    *,
-    levels: int = 3,
-    spread: bool = False,
-    store: str | Path = "rollbench-reference",
+    scene: Described | str | Path, *, levels: int = 3, spread: bool = False, store: str | Path = "rollbench-reference"
 ) -> Result:
     """The 3D reference on several mesh levels: what each level gives, observed orders, uncertainty of every contact.
 
@@ -274,5 +280,5 @@ def report(
     return Result(data)
 
 
-def _described(scene: Scene | Assembly | KindScene | str | Path) -> Scene | Assembly | KindScene:
+def _described(scene: Described | str | Path) -> Described:
     return read(scene) if isinstance(scene, (str, Path)) else scene

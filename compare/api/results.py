@@ -84,7 +84,8 @@ class Result:
 @dataclass(frozen=True, repr=False)
 class Solution(Result):
     """A solved scene. load: contact loads ``(balls, 4)`` [N] of the flanks SL, SR, NL, NR; angle: contact angles
-    ``(balls, 4)`` [deg], nan without load; both empty for a shaft with several sets, whose balls are in ``data``."""
+    ``(balls, 4)`` [deg], nan without load; of several load cases ``(cases, balls, 4)``; both empty for a shaft with several
+    sets, whose balls are in ``data``."""
 
     load: Array = field(default_factory=lambda: np.zeros((0, 4)))
     angle: Array = field(default_factory=lambda: np.zeros((0, 4)))
@@ -109,9 +110,12 @@ class Solution(Result):
         return "\n".join(lines)
 
     def balls(self) -> str:
-        """Loads of all balls [N] as text, one line each."""
-        lines = ["ball " + "".join(f"{side:>10}" for side in SIDES)]
-        return "\n".join([*lines, *(f"{i + 1:<5}" + "".join(f"{x:10.1f}" for x in row) for i, row in enumerate(self.load))])
+        """Loads of all balls [N] as text, one line each, of every case in order."""
+        head = "ball " + "".join(f"{side:>10}" for side in SIDES)
+        lines = []
+        for load in self.load.reshape(-1, *self.load.shape[-2:]):
+            lines += [head, *(f"{i + 1:<5}" + "".join(f"{x:10.1f}" for x in row) for i, row in enumerate(load))]
+        return "\n".join(lines)
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,7 @@ from rollbench.comparison.models.registry import AXIS_MODELS, MODELS
 from rollbench.comparison.printed import printed_data
 from rollbench.comparison.registration import kinds
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.keys import AXIS, WHOLE
-from rollbench.comparison.scenes.scene_file import kind_of
+from rollbench.comparison.scenes.names import AXIS, WHOLE
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -28,9 +27,9 @@ def shipped() -> Answer:
 
 def _shipped_json() -> dict[str, dict[str, Any]]:
     """Scenes by kind and models with their titles, printed tables with their number of rows."""
-    shipped = {name: catalogue.shipped(name) for name in catalogue.scene_names()}
+    titles = {name: catalogue.heading(name)["title"] for name in catalogue.scene_names()}
     return {
-        "scenes": {k: {n: s.title for n, s in shipped.items() if kind_of(s) == k} for k in (*WHOLE, AXIS, *kinds())},
+        "scenes": {k: {n: t for n, t in titles.items() if catalogue.kind(n) == k} for k in (*WHOLE, AXIS, *kinds())},
         "models": {model.name: model.about for model in MODELS.values()},
         "models of several sets on one shaft": {name: MODELS[name].label for name in AXIS_MODELS},
         "printed_tables": {name: len(printed_data.load_table(name)) for name in catalogue.printed_tables()},

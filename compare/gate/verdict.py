@@ -14,12 +14,12 @@ from rollbench.comparison.reference.estimate import Reference
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES
 
-Word = Literal["pass", "fail", "undecided", "not covered"]
+Word = Literal["pass", "fail", "not converged", "undecided", "not covered"]
 
 #: Limit [%] where neither the command line nor the scene gives one.
 LIMIT = 7.0
 #: Exit code of each verdict; of several verdicts the first of these counts.
-CODES: dict[Word, int] = {"fail": 1, "undecided": 3, "not covered": 4, "pass": 0}
+CODES: dict[Word, int] = {"fail": 1, "not converged": 1, "undecided": 3, "not covered": 4, "pass": 0}
 LARGEST = "largest error of a contact load"
 RMS = "RMS error of the contact loads"
 #: What is said where the reference has one mesh level.
@@ -40,7 +40,7 @@ class Verdict:
     """One judgement: scene, whose loads, which quantity; error, the reference's uncertainty in the same per cent (None: not
     known) and the limit; ball (from 1) and flank that decide; mesh levels of the reference; contacts that were judged;
     of_mean: the errors that head every output, in per cent of the mean load of the loaded contacts; set: its name, where
-    several are on one shaft."""
+    several are on one shaft; case: of the scene's load cases."""
 
     scene: str
     judged: str
@@ -56,17 +56,20 @@ class Verdict:
     detail: str = ""
     of_mean: LoadError | None = None
     set: str | None = None
+    case: str | None = None
 
     @property
     def of(self) -> str:
-        """Scene and set, in words."""
-        return self.scene if self.set is None else f"{self.scene}, {self.set}"
+        """Scene and set or case, in words."""
+        inner = self.set or (self.case and f"case {self.case}")
+        return f"{self.scene}, {inner}" if inner else self.scene
 
     def as_json(self) -> dict[str, Any]:
         """JSON-ready."""
         data = asdict(self) | {"levels": list(self.levels)}
-        if self.set is None:
-            del data["set"]
+        for key in ("set", "case"):
+            if data[key] is None:
+                del data[key]
         e = data.pop("of_mean")
         both = ("max_percent", "rms_percent")
         return data | {f"{key}_of_mean": None if e is None else e[key] for key in both}
@@ -164,5 +167,5 @@ def judge(
 
 
 def worst_of(words: Sequence[Word]) -> Word:
-    """The verdict on several: fail before undecided before not covered before pass."""
+    """The verdict on several: the first of them in the order of `CODES`."""
     return next((w for w in CODES if w in words), "pass")

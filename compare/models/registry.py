@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from rollbench.comparison.errors import InputError, Refusal
-from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
     from rollbench.lowfi.compliance.imported import Condensed
+    from rollbench.lowfi.statics.result import AxisResult, StaticResult
 
 
 @dataclass(frozen=True)

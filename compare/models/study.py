@@ -18,8 +18,7 @@ from rollbench.meshes.parts import SIDES, Scene
 T = TypeVar("T")
 
 if TYPE_CHECKING:
-    from rollbench.comparison.scenes.kinds import KindScene
-    from rollbench.meshes.axis import Assembly
+    from rollbench.comparison.scenes.scene_file import Described
 
 
 @dataclass
@@ -39,7 +38,7 @@ class Study:
     timed: bool = False
     cache: Path | None = None
     scenes: dict[str, Scene] = field(default_factory=dict)
-    others: dict[str, KindScene | Assembly] = field(default_factory=dict)
+    others: dict[str, Described] = field(default_factory=dict)
     results: dict[tuple[Scene, str, int], StaticResult] = field(default_factory=dict)
     made: dict[Any, Any] = field(default_factory=dict)
 
@@ -59,9 +58,9 @@ class Study:
                 self.others.setdefault(name, found)
 
     @property
-    def used(self) -> dict[str, Scene | KindScene | Assembly]:
+    def used(self) -> dict[str, Described]:
         """All scenes used so far, by name, sorted."""
-        found: dict[str, Scene | KindScene | Assembly] = {**self.scenes, **self.others}
+        found: dict[str, Described] = {**self.scenes, **self.others}
         return dict(sorted(found.items()))
 
     def changed(self, name: str, **ingredients: Any) -> Scene:

@@ -14,12 +14,12 @@ from rollbench.comparison.scenes.fault import TOLERANCE, Fault, mm
 from rollbench.comparison.scenes.key_checks import choice_faults, friction_choice_faults
 from rollbench.comparison.scenes.preload import force_of
 from rollbench.comparison.scenes.quantity import ShareOfRating
-from rollbench.comparison.scenes.records import friction_of, material_of, scene_of, support_of, vector
+from rollbench.comparison.scenes.records import friction_of, load_of, material_of, scene_of, support_of, vector
 from rollbench.comparison.scenes.refusal import refuse
 from rollbench.comparison.scenes.schema import IngredientKeys, SceneKeys, ScrewKeys
 from rollbench.meshes.axis import Assembly, Housing, Joint, RollerRow, RollingSet, Segment, Stiffness, diagonal, full
 from rollbench.meshes.one_arc import as_one_arc, is_one_arc
-from rollbench.meshes.parts import FREEDOMS, Ingredients, Load, Motion, Scene, Screw
+from rollbench.meshes.parts import FREEDOMS, Ingredients, Motion, Scene, Screw
 
 #: Thrusts of a row that carries one way.
 ONE_WAY = ("+z", "-z")
@@ -53,13 +53,10 @@ def read_axis(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) ->
         ),
         sets=sets,
         segments=tuple(Segment(p.start, p.end, p.diameter, p.bore) for p in shaft.plain),
-        housings=tuple(
-            Housing(h.name, h.at, support_of(h).fixed, _stiffness(h), vector(h.force), vector(h.moment))
-            for h in keys.housings
-        ),
+        housings=tuple(map(_housing, keys.housings)),
         joints=tuple(Joint(j.between[0], j.between[1], j.at, _stiffness(j) or NONE) for j in keys.joints),
         supports=tuple(support_of(s) for s in keys.supports),
-        loads=tuple(Load(p.at, vector(p.force), vector(p.moment)) for p in keys.loads),
+        loads=tuple(map(load_of, keys.loads)),
         ingredients=Ingredients(**keys.ingredients.model_dump()),
         source=keys.source,
         assumed=(*keys.assumed, *_rated(keys, sets)),

@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 import difflib
+import re
 import tomllib
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.printed import printed_data
 from rollbench.comparison.registration import data_files, kinds
-from rollbench.comparison.scenes import scene_file
-from rollbench.comparison.scenes.keys import AXIS
+from rollbench.comparison.scenes.names import AXIS
 from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
     from rollbench.comparison.scenes.kinds import KindScene
-    from rollbench.meshes.axis import Assembly
+    from rollbench.comparison.scenes.scene_file import Described
 
 Of = TypeVar("Of", bound="KindScene")
 
@@ -29,16 +29,28 @@ def scene_names() -> tuple[str, ...]:
 
 
 @cache
+def heading(name: str) -> dict[str, Any]:
+    """What the file of a shipped scene says above its first table: title, kind, role. Raises InputError for an unknown
+    name."""
+    return tomllib.loads(scene_text(name).partition("\n[")[0])
+
+
+def kind(name: str) -> str:
+    """Kind of a shipped scene, as ``scene_file.kind_of`` says it of the scene that is read."""
+    ring = re.search(r'(?m)^lead = "0 mm"', scene_text(name))
+    return str(heading(name).get("kind", "bearing" if ring else "ball screw"))
+
+
+@cache
 def whole_names() -> tuple[str, ...]:
     """Names of the shipped whole screws and bearings, sorted: neither axes nor kinds that only friction solves."""
-    return tuple(n for n in scene_names() if tomllib.loads(scene_text(n)).get("kind") not in (AXIS, *kinds()))
+    return tuple(n for n in scene_names() if heading(n).get("kind") not in (AXIS, *kinds()))
 
 
 @cache
 def with_role(role: str) -> tuple[str, ...]:
     """Names of the shipped scenes whose role begins with ``role``, sorted: "referenced", "unseen", "unseen, changed"."""
-    roles = {name: str(tomllib.loads(scene_text(name)).get("role", "")) for name in scene_names()}
-    return tuple(name for name, own in roles.items() if own.startswith(role))
+    return tuple(name for name in scene_names() if heading(name).get("role", "").startswith(role))
 
 
 def scene_text(name: str) -> str:
@@ -49,8 +61,10 @@ def scene_text(name: str) -> str:
 
 
 @cache
-def shipped(name: str) -> Scene | KindScene | Assembly:
+def shipped(name: str) -> Described:
     """The shipped scene of that name, of any kind. Raises InputError for an unknown name."""
+    from rollbench.comparison.scenes import scene_file
+
     return scene_file.read(scene_text(name), f"{name}.toml")
 
 
@@ -58,11 +72,13 @@ def case(name: str, of: type[Of]) -> Of:
     """The shipped scene of that name, of the kind with the record ``of``. Raises InputError where it is another."""
     found = shipped(name)
     if not isinstance(found, of):
+        from rollbench.comparison.scenes import scene_file
+
         raise InputError(name, "kind", f'"{scene_file.kind_of(found)}"', f'"{of.kind}"', "name a scene of that kind")
     return found
 
 
-def any_scene(name_or_path: str) -> Scene | KindScene | Assembly:
+def any_scene(name_or_path: str) -> Described:
     """A shipped scene by name, or the scene of a file, of any kind.
 
     What is no shipped name is a path if it ends in ``.toml``, holds a path separator, or names an existing
@@ -71,6 +87,8 @@ def any_scene(name_or_path: str) -> Scene | KindScene | Assembly:
     if name_or_path in scene_names():
         return shipped(name_or_path)
     if looks_like_path(name_or_path):
+        from rollbench.comparison.scenes import scene_file
+
         return scene_file.read(scene_file.read_text(name_or_path), name_or_path)
     raise _unknown(name_or_path)
 
@@ -80,6 +98,8 @@ def scene(name_or_path: str) -> Scene:
 
     Raises InputError (SceneError for a faulty file, and for a scene of a kind that only friction solves).
     """
+    from rollbench.comparison.scenes import scene_file
+
     return scene_file.whole(any_scene(name_or_path), name_or_path)
 
 

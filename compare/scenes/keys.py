@@ -48,10 +48,6 @@ MaterialName = Literal[
 Freedom = Literal["ux", "uy", "uz", "rx", "ry", "rz"]
 #: Young's moduli [Pa] of solids that parts of machines are made of.
 SOLIDS = (1e9, 1e12)
-#: Kinds of scenes: whole screws and bearings, which every command solves, and those that only friction solves.
-WHOLE = ("ball screw", "bearing")
-#: Several rolling sets on one shaft, which solve and friction take.
-AXIS = "axis"
 
 
 class Table(BaseModel):

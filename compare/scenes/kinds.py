@@ -12,7 +12,8 @@ from rollbench.comparison.errors import escaped
 from rollbench.comparison.registration import kinds, load
 from rollbench.comparison.scenes.axis_schema import AxisKeys
 from rollbench.comparison.scenes.fault import Fault
-from rollbench.comparison.scenes.keys import AXIS, MATERIAL, HeadKeys, MaterialKeys, without_null
+from rollbench.comparison.scenes.keys import MATERIAL, HeadKeys, MaterialKeys, without_null
+from rollbench.comparison.scenes.names import AXIS
 from rollbench.comparison.scenes.quantity import key
 from rollbench.comparison.scenes.schema import SceneKeys
 

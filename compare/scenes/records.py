@@ -13,6 +13,7 @@ from rollbench.comparison.scenes.keys import MaterialKeys
 from rollbench.comparison.scenes.schema import (
     BallKeys,
     FrictionKeys,
+    LoadKeys,
     NutKeys,
     SceneKeys,
     SideKeys,
@@ -84,7 +85,7 @@ def scene_of(keys: SceneKeys, name: str) -> Scene:
             **sides,
         ),
         supports=tuple(support_of(s) for s in keys.supports),
-        loads=tuple(Load(p.at, vector(p.force), vector(p.moment)) for p in keys.loads),
+        loads=tuple(map(load_of, keys.loads)),
         ingredients=Ingredients(**keys.ingredients.model_dump()),
         solid=Solid(**keys.solid.model_dump() | {"nut_held": nut.held.at or held}),
         source=escaped(keys.source),
@@ -104,7 +105,12 @@ def _flange(nut: NutKeys) -> Flange | None:
     if nut.flange is None:
         return None
     seat = nut.held.inner_diameter or nut.outer_diameter, nut.held.outer_diameter or nut.flange.diameter
-    return Flange(**nut.flange.model_dump(), seat=(0.5 * seat[0], 0.5 * seat[1]), bonded=nut.held.centring == "bonded")
+    return Flange(
+        **nut.flange.model_dump(),
+        seat=(0.5 * seat[0], 0.5 * seat[1]),
+        bonded=nut.held.centring == "bonded",
+        bolts=nut.held.bolts,
+    )
 
 
 def friction_of(keys: FrictionKeys) -> Friction:
@@ -166,6 +172,11 @@ def support_of(support: SupportKeys | HousingKeys) -> Support:
     held: dict[str, float] = dict.fromkeys(support.fix, 0.0)
     held |= support.displace.model_dump(exclude_none=True)
     return Support(support.at, tuple((name, held[name]) for name in FREEDOMS if name in held))
+
+
+def load_of(keys: LoadKeys) -> Load:
+    """Force and moment at a station."""
+    return Load(keys.at, vector(keys.force), vector(keys.moment))
 
 
 def vector(values: Sequence[float]) -> tuple[float, float, float]:

@@ -1,4 +1,5 @@
-"""Scene files: one TOML file is one load case; what cannot be read or built is refused in one line."""
+"""Scene files: one TOML file is one load case, or several of the same parts; what cannot be read or built is refused in one
+line."""
 
 from __future__ import annotations
 
@@ -7,7 +8,7 @@ import hashlib
 import re
 import tomllib
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from pydantic import ValidationError
 
@@ -16,8 +17,9 @@ from rollbench.comparison.registration import kinds
 from rollbench.comparison.scenes.body_checks import contact_faults, geometry_faults
 from rollbench.comparison.scenes.fault import Fault
 from rollbench.comparison.scenes.key_checks import choice_faults
-from rollbench.comparison.scenes.keys import AXIS, WHOLE
+from rollbench.comparison.scenes.load_cases import DutyCycle, case_faults, duty_cycle, of_case
 from rollbench.comparison.scenes.mending import validated
+from rollbench.comparison.scenes.names import AXIS, WHOLE
 from rollbench.comparison.scenes.preload import preloaded
 from rollbench.comparison.scenes.records import scene_of
 from rollbench.comparison.scenes.refusal import refusal, refuse, refuse_keys, spoken
@@ -31,6 +33,8 @@ if TYPE_CHECKING:
     from rollbench.comparison.scenes.axis_schema import AxisKeys
     from rollbench.comparison.scenes.kinds import KindScene
 
+#: What a scene file describes.
+Described: TypeAlias = "Scene | KindScene | Assembly | DutyCycle"
 #: Most parts of a dotted key: the reader's time and memory grow with their square.
 MAX_PARTS = 32
 _PART = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')"""
@@ -54,15 +58,29 @@ def loads(text: str, origin: str) -> Scene:
     return whole(read(text, origin), origin)
 
 
-def solvable(scene: Scene | KindScene | Assembly, origin: str) -> Scene | Assembly:
+def solvable(scene: Described, origin: str) -> Scene | Assembly:
     """The scene, if it is a whole one of one set, or several sets on one shaft. Raises SceneError as `whole`."""
     return scene if isinstance(scene, Assembly) else whole(scene, origin)
 
 
-def whole(scene: Scene | KindScene | Assembly, origin: str) -> Scene:
+def each_case(scene: Described, origin: str) -> list[Scene] | list[Assembly]:
+    """The scenes to be solved for one that is described: one, or that of every load case in order. Raises SceneError as
+    `whole`."""
+    if isinstance(scene, DutyCycle):
+        return [case.scene for case in scene.cases]
+    found = solvable(scene, origin)
+    return [found]  # type: ignore[return-value]
+
+
+def whole(scene: Described, origin: str) -> Scene:
     """The scene, if it is one whole screw or bearing. Raises SceneError naming its kind where it is another."""
     if isinstance(scene, Scene):
         return scene
+    if isinstance(scene, DutyCycle):
+        advice = (
+            "this command takes one load case: take solve, compare, check, friction, sweep or report, or leave cases out"
+        )
+        raise SceneError(origin, "cases", f"{len(scene.cases)} cases", "a scene without [[cases]]", advice)
     if isinstance(scene, Assembly):
         advice = "this command takes one nut or ring with its balls: take solve, compare, check, friction or sweep"
         raise SceneError(origin, "sets", f"{len(scene.sets)} sets", "one set that stands", advice)
@@ -70,12 +88,12 @@ def whole(scene: Scene | KindScene | Assembly, origin: str) -> Scene:
     raise SceneError(origin, "kind", show(scene.kind), ", ".join(map(show, WHOLE)), advice)
 
 
-def read(text: str, origin: str) -> Scene | KindScene | Assembly:
+def read(text: str, origin: str) -> Described:
     """The scene of any kind in ``text``; ``origin`` is the file named in errors. Raises SceneError, and nothing else."""
     return read_tables(read_toml(text, origin), origin)
 
 
-def read_tables(raw: dict[str, Any], origin: str) -> Scene | KindScene | Assembly:
+def read_tables(raw: dict[str, Any], origin: str) -> Described:
     """The scene of any kind of the tables ``raw``. Raises SceneError, and nothing else."""
     kind = raw.get("kind")
     if "sets" in raw or kind == AXIS:
@@ -118,8 +136,9 @@ def _axis_keys(raw: dict[str, Any], origin: str) -> AxisKeys:
         refuse_keys(origin, AxisKeys, error)
 
 
-def kind_of(scene: Scene | KindScene | Assembly) -> str:
+def kind_of(scene: Described) -> str:
     """The kind of a scene, as its file may name it."""
+    scene = scene.parts if isinstance(scene, DutyCycle) else scene
     if not isinstance(scene, Scene):
         return scene.kind
     return "bearing" if scene.track.lead == 0.0 else "ball screw"
@@ -138,15 +157,16 @@ def keys_of(raw: dict[str, Any], origin: str) -> SceneKeys | AxisKeys:
         refuse_keys(origin, SceneKeys, error)
 
 
-def of_tables(raw: dict[str, Any], origin: str) -> Scene:
-    """The whole screw or bearing of the tables ``raw``; ``origin`` is the file named in errors.
+def of_tables(raw: dict[str, Any], origin: str) -> Scene | DutyCycle:
+    """The whole screw or bearing of the tables ``raw``, in one load case or several; ``origin``: the file named in errors.
 
     Raises SceneError with all that is wrong, as far as it can be told before the first faults are mended.
     """
     keys, broken = validated(raw, SceneKeys)
     said = list(broken.said)
     if keys is not None:
-        said += spoken(raw, [fault for fault in choice_faults(keys) if broken.leaves(fault.keys)])
+        faults = (*choice_faults(keys), *case_faults(keys))
+        said += spoken(raw, [fault for fault in faults if broken.leaves(fault.keys)])
     if keys is None or not broken.bodies or len(said) > len(broken.said):
         raise refusal(origin, said)
     scene = scene_of(keys, escaped(Path(origin).stem))
@@ -156,7 +176,12 @@ def of_tables(raw: dict[str, Any], origin: str) -> Scene:
     if keys.preload is not None:
         scene = preloaded(scene, keys.preload)
         refuse(origin, raw, _body_faults(scene))
-    return as_one_arc(scene)
+    scene = as_one_arc(scene)
+    if not keys.cases:
+        return scene
+    cycle = duty_cycle(scene, keys.cases)
+    refuse(origin, raw, [of_case(f, k) for k, case in enumerate(cycle.cases) for f in _body_faults(case.scene)])
+    return cycle
 
 
 def _body_faults(scene: Scene) -> list[Fault]:

@@ -39,14 +39,17 @@ from rollbench.comparison.scenes.keys import (
     Table,
     Travel,
     Turn,
+    Turning,
     Turns,
 )
-from rollbench.comparison.scenes.quantity import ForceOrShare, Quantity, ShareOfRating, key
+from rollbench.comparison.scenes.quantity import ForceOrShare, Quantity, Rate, ShareOfRating, key
 from rollbench.meshes.parts import Flange, Friction, NutHeld
 
 BallDiameter = Annotated[float, Quantity("length", "0.02 mm", "2 m", "5.556 mm")]
 Gap = Annotated[float, Quantity("number", 0, 1000, 0.5)]
 Preload = Annotated[float | ShareOfRating, ForceOrShare("force", "0 N", "10 MN", "500 N", above=True)]
+Share = Annotated[float, Quantity("number", 0, 1, 0.5)]
+CaseTime = Annotated[float, Rate("time", "0 s", "1000000000 s", "2 s")]
 Percent = Annotated[float, Quantity("number", 0, 100, 7, above=True)]
 
 
@@ -102,6 +105,12 @@ class HeldKeys(Table):
     outer_diameter: Size | None = key("of the annulus on the flange's face; the flange's if left out", None, "66 mm")
     centring: Literal["free", "bonded"] = key(
         "of the flange's face: whether the centring fit lets the nut go, or holds it too", "free", "bonded"
+    )
+    bolts: Annotated[int, Field(ge=0, le=100)] = key(
+        "of the flange's face: bolts, at each of which a circle as wide as the annulus is held in 3D, the first towards x; "
+        "0: all of the annulus, as low-order models always do",
+        Flange.bolts,
+        6,
     )
 
 
@@ -353,8 +362,31 @@ class GateKeys(Table):
     rms_error: Percent | None = key("limit of the RMS error of the contact loads, in per cent of the mean load", None, 3)
 
 
+class CaseSupportKeys(Table):
+    """Displacements of one of the scene's supports in a case."""
+
+    at: Station = key("station of the support in the scene", example="0 mm")
+    displace: DisplaceKeys = key("values of freedoms that the support holds", example={"ux": "300 um"})
+
+
+class CaseKeys(Table):
+    """One of several load cases of the same parts: what differs from the scene, and its share of the revolutions."""
+
+    name: Sentence = key("name in all results, of letters, digits, . _ and -", example="cutting")
+    share: Share | None = key("part of the revolutions; 0: static check only; all cases together 1", None, 0.5)
+    time: CaseTime | None = key("time in one duty cycle, from which the share follows (with speed)", None, "2 s")
+    speed: Turning | None = key("speed of the part that turns in this case (with time)", None, "600 rpm")
+    loads: Annotated[list[LoadKeys], Field(max_length=1000)] | None = key(
+        "loads in place of the scene's", None, [{"at": "0 mm", "force": ["0 N", "0 N", "5 kN"]}]
+    )
+    supports: Annotated[list[CaseSupportKeys], Field(max_length=1000)] = key(
+        "other displacements of the scene's supports", [], [{"at": "0 mm", "displace": {"ux": "300 um"}}]
+    )
+    oversize: Deviation | None = key("added to every ball's radius in place of the scene's value", None, "3 um")
+
+
 class SceneKeys(HeadKeys):
-    """One load case of one whole ball screw or ball bearing. Lengths, forces and angles are texts with a unit."""
+    """One whole ball screw or bearing in one load case or several. Lengths, forces and angles are texts with a unit."""
 
     kind: Literal["ball screw", "bearing"] | None = key("what is described; by the lead if left out", None, "ball screw")
     role: Literal["", "referenced", "unseen, changed parts", "unseen, catalogue size"] = key(
@@ -374,6 +406,9 @@ class SceneKeys(HeadKeys):
     )
     loads: Annotated[list[LoadKeys], Field(max_length=1000)] = key(
         "loads on the screw", [], [{"at": "0 mm", "force": ["0 N", "0 N", "5 kN"]}]
+    )
+    cases: Annotated[list[CaseKeys], Field(max_length=1000)] = key(
+        "load cases of the same parts", [], [{"name": "cutting", "share": 1.0}]
     )
     ingredients: IngredientKeys = key("parts of the low-order model", IngredientKeys(), {"screw": "rigid"})
     solid: SolidKeys = key("what only the 3D reference needs", SolidKeys(), {"nut_groove": "through"})

@@ -11,8 +11,9 @@ from typing import Any
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.registration import kinds
 from rollbench.comparison.scenes.catalogue import scene_text
-from rollbench.comparison.scenes.keys import WHOLE, tidy_schema
+from rollbench.comparison.scenes.keys import tidy_schema
 from rollbench.comparison.scenes.kinds import kind_named
+from rollbench.comparison.scenes.names import WHOLE
 from rollbench.comparison.scenes.schema import SceneKeys
 from rollbench.comparison.scenes.units import show
 

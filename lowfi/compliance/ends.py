@@ -26,6 +26,7 @@ from rollbench.lowfi.compliance.tube import (
 )
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import BallLayout, ball_layout
+from rollbench.meshes.kept import kept
 from rollbench.meshes.parts import Scene
 
 
@@ -49,12 +50,13 @@ def end_response(scene: Scene, layout: BallLayout, backend: Backend) -> EndRespo
         return None
     parts, azimuths = with_balls(scene)
     if np.array_equal(layout.azimuth, azimuths):
-        return _kept(parts, backend)
+        return _known(parts, backend)
     return _response(parts, layout, backend)
 
 
 @lru_cache(maxsize=8)
-def _kept(scene: Scene, backend: Backend) -> EndResponse:
+@kept(EndResponse)
+def _known(scene: Scene, backend: Backend) -> EndResponse:
     return _response(scene, ball_layout(scene), backend)
 
 
@@ -103,4 +105,4 @@ def end_by_end(found: TubeCompliance) -> Array:
 def forget() -> None:
     """Clear all that is kept of bodies, so that the next solve is timed with its set-up."""
     forget_bodies()
-    _kept.cache_clear()
+    _known.cache_clear()

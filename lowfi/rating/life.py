@@ -21,12 +21,21 @@ Screw: load ratings of one turn of z balls, screw and nut,
 shared by i z contacts: Q_c = C i^0.86/(i z sin(alpha) cos(phi)). Equal loads then give L = (C_a/F_a)^3 with
 C_a = i^0.86 (C_s^(-10/3) + C_n^(-10/3))^(-3/10).
 
+Several load cases, the nut at one position: damage belongs to a place of a raceway and adds up there by the share n_j of
+the revolutions (Miner). A contact of the nut stands, and its life goes as F^-3; a place of the screw meets all contacts,
+whose F^3 are averaged. So each contact's mean of order 3 over the cases,
+
+    F = (sum_j n_j F_j^3)^(1/3),                                                                                      (4)
+
+in place of its force in (1) gives the life over all cases.
+
 Range: grooves with f > 0.5 of hardened bearing steel, balls of up to 25 mm, no plastic contact, full lubrication; factors
 for hardness, accuracy, material, reliability and lubricant are one. These are ratings as computed, and no maker's.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import cos, degrees, pi, sin, tan
 
@@ -145,6 +154,18 @@ def life(scene: Scene, load: Array) -> Life | None:
     shares = np.array(list(raceways.values())) ** (-10.0 / 9.0)
     total, rated = float(shares.sum() ** -0.9), rating(scene)
     return Life(total, raceways, rated, rated / float(np.cbrt(total)), standard_of(scene))
+
+
+def over_cases(loads: Sequence[Array], shares: Sequence[float]) -> Array:
+    """Contact loads ``(n, 4)`` [N] whose `life` is that of several load cases, by (4); of one case its own.
+
+    loads: of each case; shares: of the revolutions, of which the sum is 1; cases without a share do not count.
+    """
+    used = [(load, share) for load, share in zip(loads, shares, strict=True) if share > 0.0]
+    if len(used) == 1:
+        return used[0][0]
+    top = max(float(load.max()) for load, _ in used) or 1.0  # forces over the largest: no overflow
+    return np.asarray(top * np.cbrt(sum(share * (load / top) ** TURNING for load, share in used)))
 
 
 def standard_of(scene: Scene) -> str:

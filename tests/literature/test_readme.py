@@ -1,8 +1,10 @@
 """The README's table is the report's table, and its two commands are there to be typed."""
 
+import contextlib
 import csv
 import re
 from pathlib import Path
+from statistics import median
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -13,28 +15,50 @@ def stored(name: str) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
-def test_table_is_the_report_s() -> None:
+def _percentiles(model: str) -> tuple[float, float]:
+    """Median and 95th percentile of the largest error on the drawn screws."""
+    row = next(r for r in stored("stability-survey") if (r["model"], r["error"]) == (model, "largest_percent"))
+    return float(row["median"]), float(row["p95"])
+
+
+def _unseen(model: str) -> tuple[float, float]:
+    """Median and largest error on the screws that were fixed before they were solved."""
+    rows = [r for r in stored("ladder") if r["model"] == model and r["scene"].startswith("unseen")]
+    assert len(rows) == 11
+    errors = [float(r["largest error [% of mean]"]) for r in rows]
+    return median(errors), max(errors)
+
+
+def test_table_and_first_sentence_are_the_report_s() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
-    lines = text.split("<!-- table: reference-errors -->")[1].strip().split("\n\n")[0].splitlines()
-    heads = [cell.strip() for cell in lines[0].strip().strip("|").split("|")]
-    columns = {
-        "largest %": "largest error [% of mean]",
-        "at": "at ball",
-        "RMS %": "RMS error [% of mean]",
-        "own load, largest %": "largest error [% of own load]",
-        "printed %": "printed max / RMS [%]",
-    }
-    rows = {(row["scene"], row["model"]): row for row in stored("reference-errors")}
-    # the grid's, named "reference's uncertainty" up to version 0.3.0
-    columns["uncertainty %"] = next(key for key in next(iter(rows.values())) if key.endswith(" uncertainty [% of mean]"))
-    assert len(lines) >= 10
-    for line in lines[2:]:
-        cells = dict(zip(heads, (cell.strip() for cell in line.strip().strip("|").split("|")), strict=True))
-        row = rows[cells["scene"], cells["model"]]
-        for head, key in columns.items():
-            shown = cells[head]
-            decimals = len(shown.split(".")[1]) if "." in shown and "/" not in shown else 0
-            assert shown == (f"{float(row[key]):.{decimals}f}" if decimals else row[key]), (line, head)
+    refined, lin = _percentiles("refined"), _percentiles("lin")
+    for model, found in (("refined", refined), ("lin", lin), ("condensed", _unseen("condensed"))):
+        row = next(line for line in text.splitlines() if line.startswith(f"| `{model}`"))
+        assert row.split("|")[2].split("(")[0].strip() == "{:.1f} / {:.1f}".format(*found), row
+    first = " ".join(text.split("\n\n")[1].split())
+    assert "{:.1f} % of the mean contact load in the median and by {:.1f} % on 19 of 20".format(*refined) in first
+    assert "rigid-nut model by {:.1f} and {:.0f} %".format(*lin) in first
+
+
+def test_one_page() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= 80
+    assert len(text.split()) <= 900
+
+
+def test_shown_output_is_what_is_printed(tmp_path: Path, monkeypatch, capsys) -> None:
+    from rollbench.comparison.cli import main
+
+    monkeypatch.chdir(tmp_path)
+    for line in ("new my.toml --like 40x10", "solve my.toml"):
+        with contextlib.suppress(SystemExit):
+            main(line.split())
+    printed = " ".join(capsys.readouterr().out.split())
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    shown = text.split("<!-- output: solve my.toml -->")[1].split("```")[1].removeprefix("text").strip().splitlines()
+    assert len(shown) == 4
+    for line in shown:
+        assert " ".join(line.split()) in printed
 
 
 def test_report_s_tables_are_what_the_models_give_now() -> None:
@@ -67,12 +91,6 @@ def test_linked_files_exist() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     for target in re.findall(r"\]\(([^)]+)\)", text):
         assert (ROOT / target).exists(), target
-
-
-def test_a_user_s_screw_stands_before_the_results_of_the_thesis() -> None:
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    assert text.index("Lin (2019)") < text.index("## Your own screw") < text.index("## A result")
-    assert text.index("(SL, SR)") < text.index("--loads")
 
 
 def test_paths_that_contributing_names_exist() -> None:

@@ -6,7 +6,6 @@ What is not run is named here with its reason; a block that is neither run nor n
 import ast
 import re
 import shlex
-import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -21,12 +20,9 @@ SOLVES_3D = "solves 3D models, minutes on two cores: tests/unit/reference and te
 HEAVY = {
     "rollbench report": "the whole report, minutes: tests/unit/reports makes its pages, the continuous integration all",
     "rollbench compare my.toml --levels 1": SOLVES_3D,
-    "rollbench mesh-study my.toml": SOLVES_3D,
-    "rollbench condense my.toml": SOLVES_3D,
     "python3 -m venv .venv": "an environment from a registry: the continuous integration begins with it",
     r"\.venv/bin/pip install .*": "an environment from a registry: the continuous integration begins with it",
     r"\.venv/bin/(pytest|ruff check \.|mypy|lint-imports)": "the continuous integration runs it",
-    "rollbench check --max-error 7": "the shipped gate: tests/unit/gate and the continuous integration run it",
     "dask (scheduler|worker).*": "a cluster: tests/unit/reference/test_parallel.py starts one",
     "rollbench mesh-study my.toml --backend dask .*": "a cluster",
 }
@@ -43,11 +39,7 @@ def blocks(path: Path) -> list[str]:
 def kind(block: str) -> str:
     """What a block is written in."""
     first = block.split()[0]
-    if first.startswith("[") or re.match(r"\w+ = ", block):
-        return "toml"
-    if first in ("import", "def", "from"):
-        return "python"
-    return "yaml" if first.endswith(":") else "shell"
+    return "python" if first in ("import", "def", "from") else "shell"
 
 
 def commands(block: str) -> Iterator[str]:
@@ -79,19 +71,13 @@ def test_blocks_of_the_readme_run_as_printed(
     monkeypatch.chdir(tmp_path)
     ran = []
     for block in blocks(README):
-        if kind(block) == "toml":
-            with (tmp_path / "my.toml").open("a", encoding="utf-8") as file:
-                file.write(f"\n{block}\n")
-            run("rollbench friction my.toml", capsys)
-        elif kind(block) == "python":
+        if kind(block) == "python":
             _python(block)
         else:
-            lines = re.findall(r"- run: (rollbench .*)", block) if kind(block) == "yaml" else list(commands(block))
-            for line in lines:
+            for line in commands(block):
                 if not heavy(line):
                     run(line, capsys)
                     ran.append(line)
-    assert tomllib.loads((tmp_path / "my.toml").read_text(encoding="utf-8"))["friction"]
     for begins in ("sweep my.toml --vary errors.balls.oversize", "solve my.toml --members 1000", "check my.toml --loads"):
         assert any(line.replace("'", "").startswith(f"rollbench {begins}") for line in ran), begins
 
@@ -100,14 +86,14 @@ def _python(block: str) -> None:
     """Run a block of Python but for its lines on the gate, which wants the 3D reference; functions are tests of pytest."""
     import rollbench
 
-    tree = ast.parse(block)
+    tree, names_there = ast.parse(block), {"rollbench": rollbench}
     for node in tree.body:
         text = ast.unparse(node)
         if isinstance(node, ast.FunctionDef) or text.startswith("rollbench.check("):
             names = re.findall(r"rollbench\.(\w+)\(", text)
             assert all(hasattr(rollbench, name) for name in names), text
         else:
-            exec(text, {"rollbench": rollbench})
+            exec(text, names_there)
 
 
 def test_every_command_is_run_or_named_with_its_reason() -> None:

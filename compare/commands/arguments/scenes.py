@@ -52,8 +52,8 @@ def new(file: Path, *, kind: Word = "", like: Word = "") -> None:
         Nominal diameter and lead of a ball screw or double nut in mm, such as 40x10: the rest as is usual for such a
         size.
     """
-    from rollbench.comparison.scenes.keys import WHOLE
     from rollbench.comparison.scenes.like import double_nut_like, scene_like
+    from rollbench.comparison.scenes.names import WHOLE
     from rollbench.comparison.scenes.template import AXES, template
     from rollbench.comparison.writing import write_new
 

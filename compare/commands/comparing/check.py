@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from rollbench.comparison.commands.printing import Answer, on_terminal
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.gate.publish import Outcome, of_row, of_verdict, publish
 from rollbench.comparison.gate.user import Asked, check_scenes
-from rollbench.comparison.gate.verdict import CODES, LIMIT, worst_of
+from rollbench.comparison.gate.verdict import CODES, LIMIT, Verdict, Word, worst_of
 from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.scene_file import solvable
+from rollbench.comparison.scenes.load_cases import cases_by_name
+from rollbench.comparison.scenes.scene_file import Described, each_case
 
 
 @dataclass(frozen=True)
@@ -31,19 +33,54 @@ class Files:
 
 
 def run_check(names: Sequence[str], what: Asked, engine: Engine, files: Files) -> Answer:
-    """Judge scenes, a line on each; the exit code is that of the gravest verdict."""
+    """Judge scenes, a line on each, or on each of its load cases; the exit code is that of the gravest verdict."""
     described = [catalogue.any_scene(name) for name in names]
-    for k, one in enumerate(described):
-        if one.name in (s.name for s in described[:k]):
-            advice = "verdicts and stored runs are told apart by the file's name: rename one"
-            raise InputError(names[k], "name", one.name, "each scene once, under a name of its own", advice)
-    scenes = [solvable(x, name) for x, name in zip(described, names, strict=True)]
-    verdicts = check_scenes(scenes, what, engine, on_terminal)
-    gravest = worst_of([v.word for v in verdicts])
+    taken: dict[str, str] = {}
+    for one, name in zip(described, names, strict=True):
+        for scene in each_case(one, name):
+            if scene.name in taken:
+                advice = "verdicts and stored runs are told apart by the name of file and case: rename one"
+                raise InputError(name, "name", scene.name, "each scene once, under a name of its own", advice)
+            taken[scene.name] = name
+    verdicts = judged_cases(described, names, what, engine)
     written = files.write([of_verdict(v) for v in verdicts])
-    data = {"verdict": gravest, "passed": gravest == "pass", "verdicts": [v.as_json() for v in verdicts]}
     counts = ", ".join(f"{n} {word}" for word in CODES if (n := sum(v.word == word for v in verdicts)))
-    return Answer(data, [*(v.line() for v in verdicts), counts, *written], CODES[gravest])
+    data = verdicts_json(described, verdicts)
+    worst = [f"the worst of {x['scene']}: case {x['case']}, {x['verdict']}" for x in data.get("worst_cases", ())]
+    return Answer(data, [*(v.line() for v in verdicts), *worst, counts, *written], CODES[data["verdict"]])
+
+
+def judged_cases(described: Sequence[Described], names: Sequence[str], what: Asked, engine: Engine) -> list[Verdict]:
+    """Verdicts on scenes and their load cases; a case whose model does not converge is told from one that fails."""
+    cases = cases_by_name(described)
+    scenes = [scene for one, name in zip(described, names, strict=True) for scene in each_case(one, name)]
+    out = []
+    for v in check_scenes(scenes, what, engine, on_terminal):
+        found = cases.get(v.scene)
+        lost: Word = "not converged" if v.word == "fail" and v.error_percent is None else v.word
+        out.append(v if found is None else replace(v, scene=found.cycle.name, case=found.case.name, word=lost))
+    return out
+
+
+def verdicts_json(described: Sequence[Described], verdicts: Sequence[Verdict]) -> dict[str, Any]:
+    """All verdicts, the gravest, and of scenes with load cases those of each, in order, and which case decides."""
+    gravest = worst_of([v.word for v in verdicts])
+    data: dict[str, Any] = {"verdict": gravest, "passed": gravest == "pass", "verdicts": [v.as_json() for v in verdicts]}
+    cases = []
+    for found in cases_by_name(described).values():
+        its = [v for v in verdicts if (v.scene, v.case) == (found.cycle.name, found.case.name)]
+        cases.append(found.keys | {"verdict": worst_of([v.word for v in its]), "verdicts": [v.as_json() for v in its]})
+    if not cases:
+        return data
+    worst: dict[str, dict[str, Any]] = {}
+    for one in sorted(cases, key=lambda x: ([*CODES].index(x["verdict"]), -_beyond(x["verdicts"]))):
+        worst.setdefault(one["scene"], {key: one[key] for key in ("scene", "case", "verdict")})
+    return data | {"worst_cases": [*worst.values()], "cases": cases}
+
+
+def _beyond(verdicts: Sequence[dict[str, Any]]) -> float:
+    """Largest error of a case's verdicts over its limit."""
+    return max((abs(v["error_percent"] or 0.0) / v["limit_percent"] for v in verdicts), default=0.0)
 
 
 def run_shipped(max_error: float | None, files: Files) -> Answer:

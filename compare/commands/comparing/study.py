@@ -20,6 +20,7 @@ from rollbench.comparison.commands.comparing.compare_output import (
     write_files,
 )
 from rollbench.comparison.commands.comparing.compare_output import table as compared_table
+from rollbench.comparison.commands.comparing.compared_cases import cycles_of, together_json, together_lines
 from rollbench.comparison.commands.printing import Answer, on_terminal
 from rollbench.comparison.commands.wrapping import aligned
 from rollbench.comparison.errors import InputError, Refusal
@@ -32,7 +33,8 @@ from rollbench.comparison.reference.levels import ADVISED, LEVELS, SOURCE_LEVEL
 from rollbench.comparison.reference.store import Run, shipped_store
 from rollbench.comparison.reference.tasks import Solvable, Task
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.scene_file import solvable
+from rollbench.comparison.scenes.load_cases import cases_by_name
+from rollbench.comparison.scenes.scene_file import each_case
 from rollbench.comparison.writing import no_figure, replace_file, write_figure
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
@@ -51,7 +53,7 @@ def run_mesh_study(
     """
     from rollbench.comparison.sections.study_figure import study_figure
 
-    scenes = [solvable(catalogue.any_scene(name), name) for name in names]
+    scenes: list[Solvable] = [x for name in names for x in each_case(catalogue.any_scene(name), name)]
     stores = (store,) if fresh else (store, shipped_store())
     found = compute_study(scenes, levels, stores, engine, on_terminal, spread=spread, source=source, fresh=fresh)
     tables: dict[str, list[dict[str, Any]]] = {scene.name: [] for scene in scenes}
@@ -174,7 +176,10 @@ def run_compare(
     compute them even where they are stored. Raises Refusal for a scene of which no run converged.
     """
     own = compared_models(tuple(models))
-    scenes = [solvable(catalogue.any_scene(name), name) for name in names]
+    described = [catalogue.any_scene(name) for name in names]
+    origins = [(x, name) for one, name in zip(described, names, strict=True) for x in each_case(one, name)]
+    scenes: list[Solvable] = [scene for scene, _ in origins]
+    cases = cases_by_name(described)
     stores = (store, shipped_store())
     without = [s for s in scenes if not referenced(s, stores)] if levels is None and not fresh else scenes
     failed: list[Run] = []
@@ -200,27 +205,39 @@ def run_compare(
             for one in sets:
                 yield one, compared(one.scene, own or suited(scene), one.found, stores, one.of)
 
+    def heading(one: Referenced) -> dict[str, Any]:
+        return cases[one.scene.name].keys if one.scene.name in cases else named(one)
+
     def parts() -> Iterator[Any]:
+        told = []
         for one, whole in each():
+            told.append((one.scene.name, whole))
             yield from (f"{one.found.scene}: {verdict(whole, one.found)}", "", *filter(None, [whole.total.beside]))
             yield from (answers_table(whole), *start_lines(whole), "", compared_table(whole.models, whole.itself), "")
             if balls:
                 yield from (_contacts(one.scene, whole.models, one.found), "")
             bodies = finest_bodies(one.scene, one.found, stores) if one.of is None else None
             if bodies is not None:
-                name = names[scenes.index(one.scene)]
+                name = next(name for scene, name in origins if scene is one.scene)
                 yield f"preload, 6 x 6 stiffness, friction by the 3D bodies: rollbench solve {name} --condensed {bodies}"
             yield write_files(one.scene, whole.models, one.found, store)
+        yield from (line for cycle in cycles_of(cases) for line in together_lines(cycle, dict(told)))
 
     def data() -> dict[str, Any]:
         pairs = list(each())
         listed = [
-            row.as_json() | named(one)
+            row.as_json() | heading(one)
             for one, whole in pairs
             for b in whole.models
             for row in rows(one.scene, b.answer, one.found)
         ]
-        return {"scenes": [answers_json(whole, one.found) | named(one) for one, whole in pairs], "rows": listed}
+        told = [(one, answers_json(whole, one.found) | heading(one)) for one, whole in pairs]
+        found = {"scenes": [x for one, x in told if one.scene.name not in cases], "rows": listed}
+        if not cases:
+            return found
+        by_name = {one.scene.name: whole for one, whole in pairs}
+        summaries = [together_json(cycle, by_name) for cycle in cycles_of(cases)]
+        return found | {"summary": summaries, "cases": [x for one, x in told if one.scene.name in cases]}
 
     return Answer(data, parts(), code_of(one.found for sets in found for one in sets))
 

@@ -5,25 +5,28 @@ from __future__ import annotations
 import datetime
 import platform
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from rollbench.comparison import __version__
-from rollbench.comparison.commands.solving.solve_output import as_json
-from rollbench.comparison.commands.solving.summary import answers_json, entries
+from rollbench.comparison.commands.solving.cases_output import case_json, case_rows, cases_json, together_entries
+from rollbench.comparison.commands.solving.summary import entries
 from rollbench.comparison.errors import InputError, Refusal
-from rollbench.comparison.models.answers import Answers, gather, tangent_of
+from rollbench.comparison.models.answers import Answers, tangent_of
 from rollbench.comparison.models.comparison import from_result
-from rollbench.comparison.models.model_form import FILE, ModelForm, estimate
-from rollbench.comparison.models.registry import DEFAULT, Options, run_model
+from rollbench.comparison.models.load_cases import solve_one, together
+from rollbench.comparison.models.model_form import FILE, ModelForm
+from rollbench.comparison.models.registry import DEFAULT, Options
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.models.u_val import QUANTITIES, Validated, validated
 from rollbench.comparison.provenance import SOURCES, commit, sources_hash
 from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.reference.store import path_in, shipped_store
 from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.comparison.scenes.load_cases import DutyCycle
 from rollbench.comparison.sections.applicability import range_figure, range_table
 from rollbench.comparison.sections.loaded_screw import loaded_screw
 from rollbench.comparison.system import libraries
@@ -60,18 +63,52 @@ def make_page(name: str, out: Path, store: Path) -> ScenePage:
 
 
 def page_of(name: str, stores: Sequence[Path]) -> ScenePage:
-    """The page of a scene. Raises InputError and Refusal as `make_page`."""
-    study = Study(stores)
-    scene = study.scene(name)
+    """The page of a scene, or of its load cases. Raises InputError and Refusal as `make_page`."""
+    described = catalogue.any_scene(name)
+    if isinstance(described, DutyCycle):
+        return _page_of_cases(name, described, stores)
+    return _page_of_scene(name, scene_file.whole(described, name), stores)
+
+
+def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path]) -> ScenePage:
+    """The page of the most pressed load case, with what all cases say together above it."""
+    solved = [solve_one(case.scene, DEFAULT, Options()) for case in cycle.cases]
+    whole = together(cycle, solved)
+    if whole.pressure is None:
+        raise Refusal(name, "cases", "no case carries load, or converges", "see: rollbench solve")
+    worst = whole.pressure.case
+    page = _page_of_scene(name, next(case.scene for case in cycle.cases if case.name == worst), stores)
+    data = cases_json(cycle, solved, whole)
+    rows: list[Row] = [
+        {Quantity(key, key, "", "s" if key == "case" else "g4"): value for key, value in row.items()}
+        for row in case_rows(data["cases"])
+    ]
+    told = [(label, text) for label, text in together_entries(whole)]
+    table = Table.of("cases", "Load cases", rows, "Life of each case by itself; what follows is of the worst case.")
+    lost = "".join(f" Case {one} has no loads: {status}." for one, status in whole.unsolved.items())
+    life_said = dict(told)["life"]
+    return replace(
+        page,
+        title=cycle.title,
+        subtitle=f"{cycle.name}, {len(solved)} load cases: {page.subtitle.partition(': ')[2]}; below, case {worst}",
+        verdict=f"Of {len(solved)} load cases {worst} is the worst. {page.verdict} Life: {life_said}.{lost}",
+        answers=[*told, *((f"{worst}: {label}", text) for label, text in page.answers)],
+        parts=(Section("cases", "Load cases", (table,)), *page.parts),
+        results=data,
+    )
+
+
+def _page_of_scene(name: str, scene: Scene, stores: Sequence[Path]) -> ScenePage:
+    """The page of one load case of the file or shipped scene of that name."""
+    study = Study(stores, scenes={scene.name: scene})
     options = Options()
-    result = run_model(scene, DEFAULT, options)
-    if not result.converged:
+    one = solve_one(scene, DEFAULT, options)
+    result, found, worth = one.result, one.answers, one.expected
+    if found is None or worth is None:
         raise Refusal(name, "scene", result.status, "see: rollbench solve")
-    found = gather(scene, result, DEFAULT, options)
-    worth = estimate(scene, result)
     tangent = tangent_of(scene, scene.nut.position, DEFAULT, options)
-    reference = study.reference(name)
-    judged = [v for q in QUANTITIES if (v := validated(study, name, DEFAULT, q, from_result(result))) is not None]
+    reference = study.reference(scene.name)
+    judged = [v for q in QUANTITIES if (v := validated(study, scene.name, DEFAULT, q, from_result(result))) is not None]
     speed = None if scene.motion is None else scene.motion.speed
     text = _scene_text(name)
     sections = (
@@ -89,7 +126,7 @@ def page_of(name: str, stores: Sequence[Path]) -> ScenePage:
         sections,
         _provenance(name, scene, text, reference),
         text,
-        as_json(scene, result, worth, answers_json(scene, result, found)),
+        case_json(one),
         _files(scene, reference, stores),
     )
 

@@ -2,31 +2,27 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
 
-from rollbench.comparison.commands.printing import Answer, text_width
+from rollbench.comparison.commands.printing import Answer
+from rollbench.comparison.commands.solving.cases_output import case_json, case_table, cases_json, cases_table
 from rollbench.comparison.commands.solving.load_curve import write_curve
 from rollbench.comparison.commands.solving.matrix_files import check_matrix, write_matrix
 from rollbench.comparison.commands.solving.solve_choices import Choices
-from rollbench.comparison.commands.solving.solve_output import as_json as to_json
-from rollbench.comparison.commands.solving.solve_output import as_table, stiffness_lines
-from rollbench.comparison.commands.solving.summary import answers_json, block
+from rollbench.comparison.commands.solving.solve_output import stiffness_lines
 from rollbench.comparison.errors import InputError, named, one_line
 from rollbench.comparison.gate.loads_file import loads_csv, write_loads
-from rollbench.comparison.models.answers import Answers, gather, tangent_of
-from rollbench.comparison.models.model_form import estimate
-from rollbench.comparison.models.outside import with_answers
-from rollbench.comparison.models.registry import DEFAULT, Options, run_model
-from rollbench.comparison.quantities import number
+from rollbench.comparison.models.answers import tangent_of
+from rollbench.comparison.models.load_cases import Solved, solve_one, together
+from rollbench.comparison.models.registry import DEFAULT, Options
 from rollbench.comparison.scenes import catalogue, units
+from rollbench.comparison.scenes.load_cases import DutyCycle
 from rollbench.comparison.scenes.scene_file import whole
 from rollbench.comparison.watch import checked, watched
 from rollbench.comparison.writing import need_writable
-from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.lowfi.warned import above
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.parts import FREEDOMS, Scene
 
 
 def run_solve(name: str, choices: Choices) -> Answer:
@@ -35,31 +31,51 @@ def run_solve(name: str, choices: Choices) -> Answer:
     described = catalogue.any_scene(name)
     if isinstance(described, Assembly):
         return _run_axis(described, name, choices, station)
+    if isinstance(described, DutyCycle):
+        return _run_cases(described, name, model, choices)
     scene = whole(described, name)
     if choices.stiffness_at and not 0.0 <= station <= scene.screw.length:
         allowed = f"0 mm to {1e3 * scene.screw.length:g} mm"
         raise InputError("command line", "--stiffness-at", choices.stiffness_at, allowed, "give a station of the screw")
     options = Options(choices.everything, choices.member, condensed=choices.condensed)
-    found: Answers | None = None
-    tangent: Tangent | None = None
     with watched(f"{scene.name}, model {one_line(model)}", checked(choices.time_limit)), named(scene.name, name):
-        result = run_model(scene, model, options)
-        if result.converged:
-            found = gather(scene, result, model, options)
-            result = with_answers(scene, result, found)
-            if choices.stiffness_at:
-                tangent = tangent_of(scene, station, model, options)
-    worth = estimate(scene, result) if found is not None else None
-    written = _write(scene, result, tangent, model, options, choices)
-    answers = None if found is None else answers_json(scene, result, found)
-    if answers is not None and tangent is not None:
-        answers["stiffness"] = stiffness_json(tangent)
-    speed = None if scene.motion is None else scene.motion.speed
-    text = "" if found is None else block(scene, result, found, worth, text_width(), speed)
-    parts = as_table(scene, result, worth, block=text, balls=choices.balls)
-    parts += [*([] if tangent is None else stiffness_lines(tangent)), *written]
-    code = 1 if not result.converged or (choices.strict and above(result.warnings)) else 0
-    return Answer(to_json(scene, result, worth, answers), parts, code, folded=True)
+        one = solve_one(scene, model, options)
+        asked_for = one.answers is not None and choices.stiffness_at
+        tangent = tangent_of(scene, station, model, options) if asked_for else None
+    written = _write(one, tangent, model, options, choices)
+    parts = [*case_table(one, balls=choices.balls), *([] if tangent is None else stiffness_lines(tangent)), *written]
+    return Answer(case_json(one, tangent), parts, code_of([one], choices), folded=True)
+
+
+def _run_cases(cycle: DutyCycle, name: str, model: str, choices: Choices) -> Answer:
+    """Solve the load cases of a scene one after the other."""
+    for option, value in (("--stiffness-at", choices.stiffness_at), ("--curve", choices.curve)):
+        if value:
+            advice = "it is of one load case: leave it out, or the other cases"
+            with_them = f"with {len(cycle.cases)} cases"
+            raise InputError("command line", option, with_them, "a scene without [[cases]]", advice)
+    options = Options(choices.everything, choices.member, condensed=choices.condensed)
+    solved = []
+    with watched(f"{cycle.name}, model {one_line(model)}", checked(choices.time_limit)):
+        for case in cycle.cases:
+            with named(case.scene.name, name):
+                solved.append(solve_one(case.scene, model, options))
+    whole = together(cycle, solved)
+    parts = cases_table(cycle, solved, whole, balls=choices.balls)
+    if choices.loads_csv is not None:
+        rows = [
+            {"case": case.name, **row}
+            for case, one in zip(cycle.cases, solved, strict=True)
+            if one.answers is not None
+            for row in loads_csv(one.result.load, one.result.azimuth, one.result.z)
+        ]
+        parts += [write_loads(choices.loads_csv, rows)] if rows else []
+    return Answer(cases_json(cycle, solved, whole), parts, code_of(solved, choices), folded=True)
+
+
+def code_of(solved: Sequence[Solved], choices: Choices) -> int:
+    """Exit code: 1 where one did not converge, or warns above its answers and that counts."""
+    return int(any(one.answers is None or (choices.strict and above(one.result.warnings)) for one in solved))
 
 
 def _run_axis(axis: Assembly, name: str, choices: Choices, station: float) -> Answer:
@@ -97,11 +113,9 @@ def _checked(choices: Choices) -> tuple[str, float]:
         raise InputError("command line", "--stiffness-at", choices.stiffness_at, allowed, f'"400 mm"; {error}') from None
 
 
-def _write(
-    scene: Scene, result: StaticResult, tangent: Tangent | None, model: str, options: Options, choices: Choices
-) -> list[str]:
+def _write(one: Solved, tangent: Tangent | None, model: str, options: Options, choices: Choices) -> list[str]:
     """Files that were asked for; lines that say so."""
-    lines = []
+    scene, result, lines = one.scene, one.result, []
     if choices.matrix is not None and tangent is not None and tangent.status == "converged":
         write_matrix(choices.matrix, tangent, scene.name, model)
         lines.append(f"wrote {choices.matrix}: the matrix, symmetric, in N, m and rad")
@@ -110,13 +124,3 @@ def _write(
     if choices.loads_csv is not None and result.converged:
         lines.append(write_loads(choices.loads_csv, loads_csv(result.load, result.azimuth, result.z)))
     return lines
-
-
-def stiffness_json(tangent: Tangent) -> dict[str, Any]:
-    """The matrix for JSON: N/m, N/rad, N m/rad."""
-    return {
-        "station_mm": number(1e3 * tangent.station),
-        "status": tangent.status,
-        "freedoms": list(FREEDOMS),
-        "matrix": [[number(x) for x in row] for row in tangent.matrix],
-    }

@@ -8,7 +8,8 @@ from typing import Any
 from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.errors import InputError, one_line
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.kinds import KindScene
+from rollbench.comparison.scenes.load_cases import DutyCycle
+from rollbench.comparison.scenes.scene_file import Described
 from rollbench.comparison.watch import checked, watched
 from rollbench.comparison.wings.friction.answer import FrictionAnswer, as_table
 from rollbench.comparison.wings.friction.whole import COMPILING, Choices, coefficients, solve_scene
@@ -33,34 +34,33 @@ def run_friction(
 def solve_friction(name: str, choices: Choices) -> FrictionAnswer:
     """Solve a shipped scene or a file of any kind. Raises InputError."""
     scene = catalogue.any_scene(name)
+    one = scene.parts if isinstance(scene, DutyCycle) else scene
+    if isinstance(one, Scene) and any(will_compile(one, pair) for pair in coefficients(one, choices.mu)) and not cached():
+        sys.stderr.write(COMPILING)
+    return solve_any(scene, choices, f"with {name}")
+
+
+def solve_any(scene: Described, choices: Choices, origin: str) -> FrictionAnswer:
+    """Friction of a scene of any kind; origin: what an error names. Raises InputError."""
     if isinstance(scene, Scene):
-        if any(will_compile(scene, pair) for pair in coefficients(scene, choices.mu)) and not cached():
-            sys.stderr.write(COMPILING)
         return solve_scene(scene, choices)
-    if choices != Choices() and not isinstance(scene, Assembly):
-        advice = "leave them out: such a scene holds its own loads and coefficients"
-        given = "--model, --mu, --member or --condensed"
-        raise InputError("command line", given, f"with {name}", "with the scene of a whole screw or bearing", advice)
+    if isinstance(scene, DutyCycle):
+        from rollbench.comparison.wings.friction.cases import solve_cycle
+
+        return solve_cycle(scene, choices)
     if isinstance(scene, Assembly):
         from rollbench.comparison.wings.friction.axis import solve_axis
 
         return solve_axis(scene, choices)
+    if choices != Choices():
+        advice = "leave them out: such a scene holds its own loads and coefficients"
+        given = "--model, --mu, --member or --condensed"
+        raise InputError("command line", given, origin, "with the scene of a whole screw or bearing", advice)
     from rollbench.comparison.wings.friction.kind_solvers import solve_kind
 
     return solve_kind(scene)
 
 
-def library(scene: Scene | Assembly | KindScene, mu: tuple[float, ...], model: str) -> dict[str, Any]:
+def library(scene: Described, mu: tuple[float, ...], model: str) -> dict[str, Any]:
     """JSON-ready answer on a scene; mu: coefficients in place of the scene's. Raises InputError."""
-    choices = Choices(model, mu)
-    if isinstance(scene, Scene):
-        return solve_scene(scene, choices).data
-    if isinstance(scene, Assembly):
-        from rollbench.comparison.wings.friction.axis import solve_axis
-
-        return solve_axis(scene, choices).data
-    from rollbench.comparison.wings.friction.kind_solvers import solve_kind
-
-    if choices != Choices():
-        raise InputError("friction", "mu, model", "given", f"none for a {scene.kind}", "the scene holds its own")
-    return solve_kind(scene).data
+    return solve_any(scene, Choices(model, mu), f"with {scene.name}").data

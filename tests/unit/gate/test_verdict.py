@@ -100,7 +100,7 @@ def test_the_gravest_verdict_counts() -> None:
     assert worst_of(["pass", "not covered", "undecided"]) == "undecided"
     assert worst_of(["pass", "not covered"]) == "not covered"
     assert worst_of(["pass"]) == "pass"
-    assert CODES == {"pass": 0, "fail": 1, "undecided": 3, "not covered": 4}
+    assert CODES == {"pass": 0, "fail": 1, "not converged": 1, "undecided": 3, "not covered": 4}
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,8 @@
 """The role of a shipped scene is said in its file and changes neither its hash nor the key of its runs."""
 
 import re
+import subprocess
+import sys
 from dataclasses import replace
 
 import pytest
@@ -39,3 +41,22 @@ def test_an_unknown_role_is_refused():
     text = catalogue.scene_text("lin-case1").replace('role = "referenced"', 'role = "seen"')
     with pytest.raises(SceneError, match="role"):
         scene_file.loads(text, "mine.toml")
+
+
+def test_headings_say_what_whole_scenes_say():
+    for name in catalogue.scene_names():
+        scene = catalogue.shipped(name)
+        assert (catalogue.heading(name)["title"], catalogue.kind(name)) == (scene.title, scene_file.kind_of(scene)), name
+
+
+def test_list_and_solve_import_no_slow_package():
+    """`list` reads no scene whole and needs no scipy; a solve begins without scipy.optimize and scipy.interpolate."""
+    asked = "import sys; import {}; print(sorted({{'numba', 'scipy.{}', 'pydantic'}} & sys.modules.keys()))"
+    for module, package, found in (
+        ("rollbench.comparison.commands.listing", "linalg", "[]"),
+        ("rollbench.comparison.commands.solving.solve", "optimize", "['pydantic']"),
+        ("rollbench.comparison.commands.solving.solve", "interpolate", "['pydantic']"),
+        ("rollbench.comparison.wings.friction.solve", "spatial", "['pydantic']"),
+    ):
+        out = subprocess.run([sys.executable, "-c", asked.format(module, package)], capture_output=True, text=True)
+        assert out.stdout.strip() == found, (module, package, out.stderr)

@@ -9,8 +9,9 @@ import pytest
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.scenes.keys import AXIS, WHOLE, tidy_schema
+from rollbench.comparison.scenes.keys import tidy_schema
 from rollbench.comparison.scenes.kinds import json_schema
+from rollbench.comparison.scenes.names import AXIS, WHOLE
 from rollbench.comparison.scenes.schema import SceneKeys
 from rollbench.comparison.scenes.template import template
 from rollbench.comparison.wings.friction.kinds.table import KINDS
@@ -31,7 +32,9 @@ def test_template_loads_as_case_1():
 def test_template_shows_every_key_and_loads_with_all_optional_ones():
     text = template()
     full = re.sub(r"(?m)^# (?=\[|\w+ = )", "", text)
-    scene = scene_file.loads(full, "full.toml")
+    cycle = scene_file.read(full, "full.toml")
+    scene = cycle.parts
+    assert cycle.cases[0].scene.errors.balls.oversize == 3e-6
     assert scene.errors.NR.profile == (2e-6, -0.25e-6)
     assert scene.supports[1].fixed == (("ux", 3e-4), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0))
     words = set(re.findall(r"\w+", text))

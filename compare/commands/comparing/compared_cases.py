@@ -1,0 +1,55 @@
+"""Load cases beside the 3D reference, together: the case with the largest error, and the life of a duty cycle by both."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from rollbench.comparison.commands.comparing.compare_output import Comparison
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.models.load_cases import cycle_life
+from rollbench.comparison.quantities import number
+from rollbench.comparison.scenes.load_cases import CaseOf, DutyCycle
+
+
+def cycles_of(cases: Mapping[str, CaseOf]) -> Iterable[DutyCycle]:
+    """The cycles of some cases, each once."""
+    return {found.cycle.name: found.cycle for found in cases.values()}.values()
+
+
+def together_json(cycle: DutyCycle, each: Mapping[str, Comparison]) -> dict[str, Any]:
+    """Largest error of the model that the verdicts speak of, its case, and the lives over the cycle [10^6 revolutions] of
+    every model and of the reference; null where a case has none."""
+    found = [(case, each[case.scene.name]) for case in cycle.cases]
+    errors = [(whole.spoken.error.max_percent, case.name) for case, whole in found if whole.spoken.error is not None]
+    error, worst = max(errors, default=(None, None))
+    lives = {}
+    for label in ("3D reference", *(b.label for b in found[0][1].models)):
+        of_case = [{b.label: b for b in (whole.itself, *whole.models)}.get(label) for _, whole in found]
+        rated, _ = cycle_life(cycle, [None if b is None else b.answer.load for b in of_case])
+        lives[label] = None if rated is None else number(rated.revolutions)
+    own, reference = lives[found[0][1].spoken.label], lives["3D reference"]
+    off = None if own is None or reference is None else float(error_percent(own, reference))
+    return {
+        "scene": cycle.name,
+        "model": found[0][1].spoken.label,
+        "largest_error_percent": error,
+        "largest_error_case": worst,
+        "life_million_revolutions": lives,
+        "life_error_percent": off,
+    }
+
+
+def together_lines(cycle: DutyCycle, each: Mapping[str, Comparison]) -> list[str]:
+    """The same for the terminal."""
+    data = together_json(cycle, each)
+    lives, off = data["life_million_revolutions"], data["life_error_percent"]
+    said = "no life over the duty cycle"
+    if off is not None:
+        said = (
+            f"life over the duty cycle {lives[data['model']]:.4g} million revolutions, {lives['3D reference']:.4g} by the "
+            f"reference's loads ({off:+.2f} %)"
+        )
+    error = data["largest_error_percent"]
+    worst = "" if error is None else f"{data['model']} is off most in case {data['largest_error_case']}, {error:.2f} %; "
+    return ["", f"{cycle.name}: {worst}{said}"]

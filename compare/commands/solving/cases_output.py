@@ -1,0 +1,156 @@
+"""A solved scene of one set, or the load cases of a duty cycle, as JSON and for the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from rollbench.comparison.commands.printing import text_width
+from rollbench.comparison.commands.solving.solve_output import as_json, as_table
+from rollbench.comparison.commands.solving.summary import LIFE, answers_json, block, entry
+from rollbench.comparison.commands.wrapping import aligned
+from rollbench.comparison.models.load_cases import Solved, Together
+from rollbench.comparison.quantities import number, quantity, record
+from rollbench.comparison.scenes.load_cases import DutyCycle, LoadCase
+from rollbench.lowfi.statics.tangent import Tangent
+from rollbench.meshes.parts import FREEDOMS
+
+#: What the cases of a duty cycle say together.
+TOGETHER = (
+    quantity("largest_pressure_MPa", lambda t: t.pressure and t.pressure.value),
+    quantity("largest_pressure_case", lambda t: t.pressure and t.pressure.case),
+    quantity("least_static_safety", lambda t: t.safety and t.safety.value),
+    quantity("least_static_safety_case", lambda t: t.safety and t.safety.case),
+    quantity("largest_expected_error_percent", lambda t: t.error and t.error.value),
+    quantity("largest_expected_error_case", lambda t: t.error and t.error.case),
+    quantity("expected_error_not_covered", "uncovered"),
+    quantity("unsolved"),
+)
+STANDARD_LIFE = (
+    quantity("L10_million_revolutions", "revolutions"),
+    quantity("equivalent_loads_N", "loads"),
+    quantity("standard"),
+)
+#: Columns of the table of cases: heading, group of a case's summary, and key.
+COLUMNS = (
+    ("largest load N", "loads", "max_N"),
+    ("axial N", "axial", "force_N"),
+    ("pressure MPa", "worst_contact", "pressure_MPa"),
+    ("static safety", "static_safety", "factor"),
+    ("life 1e6 rev", "life", "L10_million_revolutions"),
+)
+
+
+def case_json(one: Solved, tangent: Tangent | None = None) -> dict[str, Any]:
+    """A solved scene for JSON; tangent: the stiffness at a station, where it was asked for."""
+    answers = None if one.answers is None else answers_json(one.scene, one.result, one.answers)
+    if answers is not None and tangent is not None:
+        answers["stiffness"] = stiffness_json(tangent)
+    return as_json(one.scene, one.result, one.expected, answers)
+
+
+def case_table(one: Solved, *, balls: bool = False) -> list[Any]:
+    """A solved scene for the terminal; balls: with the table of every ball."""
+    speed = None if one.scene.motion is None else one.scene.motion.speed
+    text = "" if one.answers is None else block(one.scene, one.result, one.answers, one.expected, text_width(), speed)
+    return as_table(one.scene, one.result, one.expected, block=text, balls=balls)
+
+
+def stiffness_json(tangent: Tangent) -> dict[str, Any]:
+    """The matrix for JSON: N/m, N/rad, N m/rad."""
+    return {
+        "station_mm": number(1e3 * tangent.station),
+        "status": tangent.status,
+        "freedoms": list(FREEDOMS),
+        "matrix": [[number(x) for x in row] for row in tangent.matrix],
+    }
+
+
+def cases_json(cycle: DutyCycle, solved: Sequence[Solved], whole: Together) -> dict[str, Any]:
+    """The load cases in order, and what they say together."""
+    each = zip(cycle.cases, solved, strict=True)
+    unsolved = "; ".join(f"case {name}: {status}" for name, status in whole.unsolved.items())
+    return {
+        "scene": cycle.name,
+        "model": solved[0].result.model,
+        "status": unsolved or "converged",
+        "summary": together_json(whole),
+        "cases": [{**head(cycle, case), **case_json(one), "scene": cycle.name} for case, one in each],
+    }
+
+
+def head(cycle: DutyCycle, case: LoadCase) -> dict[str, Any]:
+    """What every row of a case begins with."""
+    return {"scene": cycle.name, "case": case.name, "share": number(case.share)}
+
+
+def together_json(whole: Together) -> dict[str, Any]:
+    """Extremes of the cases, and the lives over the cycle with words where there is none."""
+    data = record(TOGETHER, whole) or {}
+    data["life"] = record(LIFE, whole.life)
+    if whole.life is not None and whole.speed:
+        data["life"]["L10_hours"] = number(whole.life.hours(whole.speed))
+    off = whole.difference_percent
+    return data | {
+        "life_words": whole.life_words or None,
+        "standard_life": record(STANDARD_LIFE, whole.standard),
+        "standard_life_words": whole.standard_words or None,
+        "life_difference_percent": None if off is None else number(off),
+    }
+
+
+def cases_table(cycle: DutyCycle, solved: Sequence[Solved], whole: Together, *, balls: bool = False) -> list[Any]:
+    """What the cases say together, a row on each, then each by itself; what is assumed is said once."""
+    data = cases_json(cycle, solved, whole)
+    parts: list[Any] = [f"{cycle.name}, model {data['model']}: {len(solved)} load cases, {data['status']}", ""]
+    parts += [*(entry(label, text, text_width()) for label, text in together_entries(whole)), ""]
+    parts += [aligned([*case_rows(data["cases"])], ".4g"), ""]
+    said: set[str] = set()
+    for case, one in zip(cycle.cases, solved, strict=True):
+        lines = [x for x in case_table(one, balls=balls) if not (isinstance(x, str) and x in said)]
+        said |= {x for x in lines if isinstance(x, str) and x.startswith(("assumed: ", "left out: "))}
+        parts += [f"case {case.name}, share {case.share:.4g}", *lines, ""]
+    return parts
+
+
+def case_rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    """A row on every case by `cases_json`."""
+    for one in cases:
+        row: dict[str, Any] = {"case": one["case"], "share": one["share"]}
+        groups = ((heading, key, one["summary"].get(group)) for heading, group, key in COLUMNS)
+        row |= {heading: None if found is None else found[key] for heading, key, found in groups}
+        worth = one["model_form"]
+        yield row | {"expected error %": None if worth is None else worth["largest_percent_of_mean"]}
+
+
+def together_entries(whole: Together) -> tuple[tuple[str, str], ...]:
+    """Labels and sentences of what the cases say together."""
+    p, s, e, rated = whole.pressure, whole.safety, whole.error, whole.life
+    lost = f"; not covered by comparisons: {', '.join(whole.uncovered)}" if whole.uncovered else ""
+    hours = f" ({rated.hours(whole.speed):.3g} h)" if rated is not None and whole.speed else ""
+    return (
+        ("pressure", "none" if p is None else f"largest in case {p.case}: {1e-6 * p.value:.0f} MPa"),
+        ("static", "none" if s is None else f"least safety in case {s.case}: {s.value:.3g}"),
+        (
+            "error",
+            ("none" if e is None else f"largest to expect in case {e.case}: {e.value:.1f} % of the mean load") + lost,
+        ),
+        (
+            "life",
+            whole.life_words
+            if rated is None
+            else f"L10 {rated.revolutions:.4g} million revolutions{hours} of the duty cycle, by the contact loads, the nut "
+            f"at one position; rating {rated.rating:.0f} N as computed by {rated.standard}",
+        ),
+        ("standard", _standard(whole)),
+    )
+
+
+def _standard(whole: Together) -> str:
+    """Life by the equivalent loads, and what the contact loads make of it."""
+    found, off = whole.standard, whole.difference_percent
+    if found is None:
+        return f"no life by equivalent loads: {whole.standard_words}"
+    loads = " and ".join(f"{load:.0f} N" for load in found.loads if load > 0.0)
+    than = "" if off is None else f"; by the contact loads {abs(off):.2g} % {'more' if off > 0.0 else 'less'}"
+    return f"L10 {found.revolutions:.4g} million revolutions by {found.standard}'s equivalent loads, {loads}{than}"

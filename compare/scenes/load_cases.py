@@ -1,0 +1,187 @@
+"""Load cases of one scene: ``[[cases]]`` as records with their shares of the revolutions, and what is wrong with them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from rollbench.comparison.scenes.fault import Fault, mm
+from rollbench.comparison.scenes.records import load_of
+from rollbench.comparison.scenes.schema import CaseKeys, SceneKeys
+from rollbench.meshes.partition import MERGE
+from rollbench.meshes.parts import Motion, Scene, Support
+
+#: Largest distance of the sum of shares from 1: shares are written with a few digits.
+ROUNDED = 1e-6
+
+
+@dataclass(frozen=True)
+class LoadCase:
+    """One load case. share: of the revolutions, 0 where it is checked statically only; speed: of the turning part [rad/s],
+    None where the shares are given; scene: the parts under its loads, supports and oversize."""
+
+    name: str
+    share: float
+    speed: float | None
+    scene: Scene
+
+
+@dataclass(frozen=True)
+class DutyCycle:
+    """A scene with several load cases, in the order of the file. parts: the scene without them; speed: mean speed of the
+    turning part [rad/s], None where neither the cases nor the scene give one."""
+
+    parts: Scene
+    cases: tuple[LoadCase, ...]
+    speed: float | None
+
+    @property
+    def name(self) -> str:
+        """Of the scene."""
+        return self.parts.name
+
+    @property
+    def title(self) -> str:
+        """Of the scene."""
+        return self.parts.title
+
+    @property
+    def assumed(self) -> tuple[str, ...]:
+        """Of the scene."""
+        return self.parts.assumed
+
+    @property
+    def shares(self) -> tuple[float, ...]:
+        """Of the revolutions, in order; their sum is 1."""
+        return tuple(case.share for case in self.cases)
+
+
+@dataclass(frozen=True)
+class CaseOf:
+    """A load case of a cycle, told by the name of its scene."""
+
+    cycle: DutyCycle
+    case: LoadCase
+
+    @property
+    def keys(self) -> dict[str, Any]:
+        """What every row of the case says of it in JSON."""
+        return {"scene": self.cycle.name, "case": self.case.name, "share": self.case.share}
+
+
+def cases_by_name(described: Iterable[object]) -> dict[str, CaseOf]:
+    """The load cases among what is described, by the names of their scenes."""
+    cycles = [cycle for cycle in described if isinstance(cycle, DutyCycle)]
+    return {case.scene.name: CaseOf(cycle, case) for cycle in cycles for case in cycle.cases}
+
+
+def duty_cycle(scene: Scene, keys: Sequence[CaseKeys]) -> DutyCycle:
+    """The record of faultless cases of a scene.
+
+    Shares follow from times and speeds: revolutions of a case over those of the cycle, whichever way it turns.
+    """
+    turned = [0.0 if k.time is None else k.time * abs(k.speed or 0.0) for k in keys]
+    whole, time = sum(turned), sum(k.time or 0.0 for k in keys)
+    shares = [k.share or 0.0 for k in keys] if whole == 0.0 else [x / whole for x in turned]
+    speed = whole / time if whole else None if scene.motion is None else abs(scene.motion.speed)
+    cases = (LoadCase(k.name, share, k.speed, _scene(scene, k)) for k, share in zip(keys, shares, strict=True))
+    return DutyCycle(scene, tuple(cases), speed)
+
+
+def _scene(scene: Scene, keys: CaseKeys) -> Scene:
+    """The scene in one case, under a name of its own: stored runs and files are told apart by it."""
+    balls = scene.errors.balls
+    if keys.oversize is not None:
+        balls = replace(balls, oversize=keys.oversize)
+    motion = scene.motion
+    if keys.speed is not None:
+        motion = Motion(keys.speed) if motion is None else replace(motion, speed=keys.speed)
+    return replace(
+        scene,
+        name=f"{scene.name}-{keys.name}",
+        loads=scene.loads if keys.loads is None else tuple(map(load_of, keys.loads)),
+        supports=tuple(_displaced(s, keys) for s in scene.supports),
+        errors=replace(scene.errors, balls=balls),
+        motion=motion,
+    )
+
+
+def _displaced(support: Support, keys: CaseKeys) -> Support:
+    moved: dict[str, float] = {}
+    for other in keys.supports:
+        if abs(other.at - support.at) <= MERGE:
+            moved |= other.displace.model_dump(exclude_none=True)
+    return replace(support, fixed=tuple((name, moved.get(name, value)) for name, value in support.fixed))
+
+
+def case_faults(keys: SceneKeys) -> Iterator[Fault]:
+    """Names, shares and supports of the cases that do not fit together."""
+    names = [case.name for case in keys.cases]
+    for k, case in enumerate(keys.cases):
+        where = f"cases[{k}]"
+        if not re.fullmatch(r"[\w.-]{1,60}", case.name):
+            advice = 'it becomes a part of file names: write e.g. name = "rapid-travel"'
+            yield Fault((f"{where}.name",), "up to 60 letters, digits, . _ and -", advice)
+        if case.name in names[:k]:
+            yield Fault((f"{where}.name",), "a name of its own", "results are told apart by it: change one")
+        yield from _share_faults(case, where)
+        yield from _support_faults(keys, case, where)
+    if not keys.cases or any((case.share is None) == (case.time is None) for case in keys.cases):
+        return
+    timed = [k for k, case in enumerate(keys.cases) if case.time is not None]
+    shared = [k for k, case in enumerate(keys.cases) if case.share]
+    if timed and shared:
+        advice = "give all cases a share, or all time and speed; share = 0 may stand beside times"
+        yield Fault((f"cases[{shared[0]}].share",), "0 beside cases with a time", advice)
+    elif timed and not any(keys.cases[k].time for k in timed):
+        yield Fault((f"cases[{timed[0]}].time",), "above 0 s in one of the cases", "shares follow from times: mend one")
+    elif not timed and abs(sum(case.share or 0.0 for case in keys.cases) - 1.0) > ROUNDED:
+        total = sum(case.share or 0.0 for case in keys.cases)
+        advice = "shares are parts of all revolutions: write fractions that sum to 1; 0 is a static check only"
+        yield Fault((f"cases[{(shared or [0])[-1]}].share",), "shares that sum to 1", advice, f"a sum of {total:.7g}")
+
+
+def _share_faults(case: CaseKeys, where: str) -> Iterator[Fault]:
+    """A case has a share, or time and speed."""
+    if (case.share is None) == (case.time is None):
+        found = "neither" if case.share is None else "both"
+        advice = 'write share = 0.5, or time = "20 s" with speed = "200 rpm"'
+        yield Fault((f"{where}.share",), "either share or time", advice, found)
+    elif case.time is not None and case.speed is None:
+        advice = 'the share of the revolutions follows from both: write e.g. speed = "200 rpm"'
+        yield Fault((f"{where}.speed",), "a speed beside time", advice, "nothing")
+    if case.speed == 0.0:
+        advice = "write share = 0 for a case at rest: it is checked statically only"
+        yield Fault((f"{where}.speed",), "any angular speed but zero", advice)
+
+
+def _support_faults(keys: SceneKeys, case: CaseKeys, where: str) -> Iterator[Fault]:
+    """A case displaces freedoms that the scene's supports hold, each once."""
+    seen: set[tuple[int, str]] = set()
+    for j, other in enumerate(case.supports):
+        moved = other.displace.model_dump(exclude_none=True)
+        here = [(i, s) for i, s in enumerate(keys.supports) if abs(s.at - other.at) <= MERGE]
+        if not here:
+            places = ", ".join(mm(s.at) for s in keys.supports) or "none: the scene has no supports"
+            advice = "a case displaces supports that the scene has: mend the station, or add the support to the scene"
+            yield Fault((f"{where}.supports[{j}].at",), places, advice)
+            continue
+        held = {name: i for i, s in here for name in (*s.fix, *s.displace.model_dump(exclude_none=True))}
+        for name in moved:
+            key = f"{where}.supports[{j}].displace.{name}"
+            if name not in held:
+                advice = "a case does not hold other freedoms than the scene: add it to fix of the scene's support"
+                yield Fault((key,), ", ".join(held), advice, name)
+            elif (held[name], name) in seen:
+                yield Fault((key,), "each freedom once in a case", "keep one of the two", f"{name} twice")
+            else:
+                seen.add((held[name], name))
+
+
+def of_case(fault: Fault, k: int) -> Fault:
+    """A fault of the scene of case number ``k``, blamed on the keys of the case where it has them."""
+    own = tuple(f"cases[{k}].{key}" for key in fault.keys if key.startswith(("loads", "supports")))
+    oversize = () if own else (f"cases[{k}].oversize",)
+    return replace(fault, keys=(*own, *oversize, *fault.keys))

@@ -1,0 +1,141 @@
+"""``rollbench solve`` of a scene with load cases: list and summary, loads of all cases, a case that has no equilibrium."""
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.load_cases import CASES, SHIPPED, TEXT, written
+
+import rollbench
+from rollbench.comparison.cli import main
+from rollbench.comparison.commands.reporting.verify import _stable, read
+from rollbench.comparison.models.load_cases import solve_one
+from rollbench.comparison.models.registry import Options
+from rollbench.comparison.wings.sweep.keys import read_vary
+from rollbench.comparison.wings.sweep.run import Sweep
+from rollbench.comparison.wings.sweep.sample import solve_sample
+from rollbench.lowfi.rating.life import life, over_cases
+
+#: A ring that nothing holds across its two balls, without and with a force across them.
+OPEN = """
+[[cases]]
+name = "held"
+share = 0.5
+[[cases]]
+name = "open"
+share = 0.5
+loads = [{ at = "7 mm", force = ["0 N", "1 kN", "0 N"] }]
+"""
+
+
+def run(*words: str) -> int:
+    with pytest.raises(SystemExit) as ended:
+        main([*words])
+    return int(ended.value.code or 0)
+
+
+def solve(capsys, *words: str) -> tuple[int, dict]:
+    code = run("solve", *words, "--model", "lin", "--json")
+    return code, json.loads(capsys.readouterr().out)
+
+
+def test_cases_in_order_each_as_it_is_alone_and_their_summary(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    code, found = solve(capsys, written(tmp_path), "--loads-csv", str(tmp_path / "loads.csv"))
+    assert code == 0
+    cases = found["cases"]
+    assert [(one["case"], one["share"], one["scene"]) for one in cases] == [
+        ("balls", 0.75, "two"),
+        ("push", 0.25, "two"),
+        ("loose", 0.0, "two"),
+    ]
+    alone = solve(capsys, "two-balls")[1]
+    assert cases[0]["balls"] == alone["balls"]
+    assert set(cases[0]) == set(alone) | {"case", "share"}
+    whole = found["summary"]
+    assert whole["largest_pressure_case"] == "push"
+    assert whole["largest_pressure_MPa"] == max(one["summary"]["worst_contact"]["pressure_MPa"] for one in cases)
+    assert whole["least_static_safety_case"] == "push"
+    loads = [solve_one(SHIPPED, "lin", Options()).result.load]
+    loads.append(np.array([list(ball["load_N"].values()) for ball in cases[1]["balls"]]))
+    assert whole["life"]["L10_million_revolutions"] == life(SHIPPED, over_cases(loads, [0.75, 0.25])).revolutions
+    assert whole["standard_life"] is None
+    assert "preload" in whole["standard_life_words"]
+    rows = list(csv.DictReader((tmp_path / "loads.csv").read_text().splitlines()))
+    assert list(rows[0])[:4] == ["case", "ball", "flank", "newton"]
+    assert [row["case"] for row in rows[::8]] == ["balls", "push", "loose"]
+
+
+def test_one_case_gives_the_life_of_today_to_the_last_digit(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = TEXT.replace(CASES, '\n[[cases]]\nname = "balls"\nshare = 1\n')
+    found = solve(capsys, written(tmp_path, text))[1]
+    alone = solve(capsys, "two-balls")[1]["summary"]["life"]
+    assert found["summary"]["life"] == found["cases"][0]["summary"]["life"] == alone
+
+
+def test_text_names_the_worst_cases(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("solve", written(tmp_path), "--model", "lin") == 0
+    text = capsys.readouterr().out
+    assert "3 load cases, converged" in text
+    assert "largest in case push" in text
+    assert text.count("assumed: A ring pair with one groove each") == 1, "what is assumed is said once"
+
+
+def test_a_case_without_equilibrium_ends_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = TEXT.replace('fix = ["uy", "rx", "ry", "rz"]', 'fix = ["rx", "ry", "rz"]').replace(CASES, OPEN)
+    code, found = solve(capsys, written(tmp_path, text))
+    assert code == 1
+    assert [one["status"] == "converged" for one in found["cases"]] == [True, False]
+    assert found["summary"]["life"] is None
+    assert found["summary"]["life_words"] == "none, because case open has no loads"
+    assert "open" in found["status"]
+
+
+def test_what_is_of_one_load_case_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("solve", written(tmp_path), "--stiffness-at", "7 mm") == 2
+    assert "--stiffness-at: got with 3 cases" in capsys.readouterr().err
+
+
+def test_the_library_has_the_same(tmp_path: Path) -> None:
+    found = rollbench.solve(written(tmp_path), "lin")
+    assert found.load.shape == (3, 2, 4)
+    assert found.converged
+    assert found["summary.largest_pressure_MPa"] > 0.0
+    assert found.balls().count("ball ") == 3
+
+
+def test_friction_of_all_cases_and_its_mean_over_the_revolutions(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run("friction", written(tmp_path), "--model", "lin", "--json") == 0
+    found = json.loads(capsys.readouterr().out)
+    torques = [one["torque"]["friction_torque_Nmm"] for one in found["cases"]]
+    assert found["summary"]["mean_friction_torque_Nmm"] == pytest.approx(0.75 * torques[0] + 0.25 * torques[1])
+    assert found["summary"]["largest_friction_torque_case"] == "push"
+    assert [one["case"] for one in found["cases"]] == ["balls", "push", "loose"]
+    assert rollbench.friction(written(tmp_path), model="lin").data["cases"][1]["torque"] == found["cases"][1]["torque"]
+
+
+@pytest.mark.slow
+def test_a_page_shows_all_cases_and_the_worst_one_in_full(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    page = str(tmp_path / "page")
+    assert run("report", written(tmp_path), "--out", page) == 0
+    said = capsys.readouterr().out
+    assert said.startswith("Of 3 load cases push is the worst.")
+    assert "of the duty cycle" in said
+    found = read(Path(page))[1]["results"]
+    assert [one["case"] for one in found["cases"]] == ["balls", "push", "loose"]
+    assert "seconds" in str(found)
+    assert "seconds" not in str(_stable(found)), "a page made again has not moved"
+
+
+def test_a_sweep_takes_the_worst_case_and_the_life_over_the_cycle() -> None:
+    sweep = Sweep(TEXT, "two.toml", read_vary(["cases[1].supports[0].displace.uz=4 um,9 um"]), 2, "grid", model="lin")
+    sweep.check()
+    low, high = (solve_sample(TEXT, "two.toml", sweep.keys, [f"{x} um"], "lin", "interpreted") for x in (4, 9))
+    assert low["at"].startswith("case balls: ")
+    assert high["at"].startswith("case push: ")
+    assert high["life_million_revolutions"] < low["life_million_revolutions"]
+    text = TEXT.replace(CASES, OPEN).replace('fix = ["uy", ', "fix = [")
+    assert solve_sample(text, "two.toml", (), (), "lin", "interpreted")["status"].startswith("case open: ")

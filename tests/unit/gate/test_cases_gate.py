@@ -1,0 +1,106 @@
+"""check and compare of a scene with load cases: every case beside its own reference, the worst one named."""
+
+import json
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.load_cases import SHIPPED, written
+from tests.load_cases import TEXT as WITH_STORED
+from tests.unit.commands.test_solve_cases import run
+
+import rollbench
+from rollbench.comparison.models.registry import Options, run_model
+from rollbench.comparison.reference.store import load, save
+from rollbench.comparison.reference.tasks import groups, plain, settings_of
+from rollbench.comparison.scenes import scene_file
+from rollbench.lowfi.rating.life import life, over_cases
+
+#: No case has a shipped run.
+TEXT = WITH_STORED.replace('name = "balls"', 'name = "rest"')
+
+
+def keep(store: Path, text: str, **off: float) -> dict[str, np.ndarray]:
+    """Store runs as if the 3D reference had found the loads of the model lin, but for a factor on those of some cases."""
+    store.mkdir()
+    shipped, out = load(SHIPPED, 1), {}
+    assert shipped is not None
+    for case in scene_file.read(text, "two.toml").cases:
+        settings = plain(asdict(settings_of([case.scene], 1, "")))
+        found = run_model(case.scene, "lin", Options(discretisation=False)).load * off.get(case.name, 1.0)
+        save(store, case.scene, replace(shipped, scene=case.scene.name, load=found, settings=settings))
+        out[case.name] = found
+    return out
+
+
+def checked(capsys, store: Path, path: str, *words: str) -> tuple[int, dict]:
+    code = run("check", path, "--model", "lin", "--stored", str(store), "--json", *words)
+    return code, json.loads(capsys.readouterr().out)
+
+
+def test_cases_of_one_scene_share_their_meshes() -> None:
+    cases = [case.scene for case in scene_file.read(TEXT, "two.toml").cases]
+    assert [[scene.name for scene in group] for group in groups(cases)] == [["two-rest", "two-push", "two-loose"]]
+
+
+def test_the_gate_takes_the_worst_case_and_names_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    keep(tmp_path / "store", TEXT, push=0.7)
+    code, found = checked(capsys, tmp_path / "store", written(tmp_path, TEXT), "--junit", str(tmp_path / "out.xml"))
+    assert [one["case"] for one in found["cases"]] == ["rest", "push", "loose"]
+    assert [one["verdict"] for one in found["cases"]] == ["pass", "fail", "pass"]
+    assert (code, found["verdict"], found["passed"]) == (1, "fail", False)
+    assert found["worst_cases"] == [{"scene": "two", "case": "push", "verdict": "fail"}]
+    assert found["verdicts"] == [v for one in found["cases"] for v in one["verdicts"]]
+    assert "two, case push" in (tmp_path / "out.xml").read_text()
+    same = rollbench.check(written(tmp_path, TEXT), model="lin", store=tmp_path / "store", compute=False)
+    assert same.data["worst_cases"] == found["worst_cases"]
+
+
+def test_what_does_not_converge_comes_after_what_fails_and_before_what_is_undecided(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    keep(tmp_path / "store", TEXT, loose=1.07)
+    from rollbench.comparison.gate import user
+
+    solve = user.run_model
+
+    def lost(scene, *rest):
+        found = solve(scene, *rest)
+        return replace(found, status="not converged") if scene.name == "two-push" else found
+
+    monkeypatch.setattr(user, "run_model", lost)
+    code, found = checked(capsys, tmp_path / "store", written(tmp_path, TEXT), "--max-error", "7")
+    assert [one["verdict"] for one in found["cases"]] == ["pass", "not converged", "undecided"]
+    assert (code, found["worst_cases"][0]["case"]) == (1, "push")
+
+
+def test_a_case_without_reference_is_not_covered(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "none").mkdir()
+    code, found = checked(capsys, tmp_path / "none", written(tmp_path, TEXT))
+    assert [one["verdict"] for one in found["cases"]] == ["not covered"] * 3
+    assert code == 4
+
+
+def test_compare_sets_the_life_over_the_cycle_beside_that_of_the_reference(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    loads = keep(tmp_path / "store", TEXT, push=0.9)
+    assert run("compare", written(tmp_path, TEXT), "--model", "lin", "--store", str(tmp_path / "store"), "--json") == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["scenes"] == []
+    assert [(one["scene"], one["case"], one["share"]) for one in found["cases"]] == [
+        ("two", "rest", 0.75),
+        ("two", "push", 0.25),
+        ("two", "loose", 0.0),
+    ]
+    (whole,) = found["summary"]
+    assert whole["largest_error_case"] == "push"
+    by_reference = life(SHIPPED, over_cases([loads["rest"], loads["push"]], [0.75, 0.25]))
+    assert by_reference is not None
+    assert whole["life_million_revolutions"]["3D reference"] == pytest.approx(by_reference.revolutions, rel=1e-6)
+    assert whole["life_error_percent"] < -1.0
+    assert {row["case"] for row in found["rows"]} == {"rest", "push", "loose"}
+    same = rollbench.compare(written(tmp_path, TEXT), ["lin"], store=tmp_path / "store")
+    assert same["summary"] == whole
+    assert [one["case"] for one in same["cases"]] == ["rest", "push", "loose"]

@@ -1,0 +1,136 @@
+"""Life over several load cases: damage by place, and the equivalent loads of the standards."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi.rating.equivalent import PARTING, equivalent_life, halves
+from rollbench.lowfi.rating.life import contact_capacity, life, over_cases, rating
+from rollbench.meshes.parts import Errors, Load, Scene
+
+SCREW = replace(catalogue.scene("lin-case1"), friction=None)
+RNG = np.random.default_rng(41)
+
+
+def loads(*columns: int) -> np.ndarray:
+    out = np.zeros((SCREW.ball_count, 4))
+    out[:, columns] = RNG.uniform(50.0, 400.0, (SCREW.ball_count, len(columns)))
+    return out
+
+
+def test_one_case_is_the_life_of_its_loads_to_the_last_digit() -> None:
+    load = loads(0, 3)
+    assert life(SCREW, over_cases([load], [1.0])) == life(SCREW, load)
+    assert life(SCREW, over_cases([load, 9.0 * load], [1.0, 0.0])) == life(SCREW, load), "a static check wears nothing"
+
+
+def test_equal_cases_are_one() -> None:
+    load = loads(0, 3)
+    found, alone = life(SCREW, over_cases([load, load], [0.3, 0.7])), life(SCREW, load)
+    assert found is not None
+    assert alone is not None
+    assert found.revolutions == pytest.approx(alone.revolutions, rel=1e-12)
+
+
+def test_damage_adds_up_place_by_place() -> None:
+    """Against Miner's rule and the product of survivals, place by place of the nut and all over the screw."""
+    cases, shares = [loads(0, 3), loads(0, 1, 2, 3), loads(1, 2)], np.array([0.2, 0.5, 0.3])
+    capacity, wear = contact_capacity(SCREW), 0.0
+    for s in range(4):
+        damage = sum(n * (load[:, s] / capacity[s]) ** 3 for n, load in zip(shares, cases, strict=True))
+        places = damage if s > 1 else np.full_like(damage, damage.mean())
+        wear += float(np.mean(places ** (10.0 / 9.0)))
+    found = life(SCREW, over_cases(cases, list(shares)))
+    assert found is not None
+    assert found.revolutions == pytest.approx(wear**-0.9, rel=1e-12)
+
+
+def test_a_nut_whose_places_take_turns_lives_longer_than_one_whose_places_do_not() -> None:
+    first, second = np.zeros((2, SCREW.ball_count, 4))
+    first[:16, 3], second[16:, 3] = 300.0, 300.0
+    apart, same = (life(SCREW, over_cases([first, other], [0.5, 0.5])) for other in (second, first))
+    assert apart is not None
+    assert same is not None
+    assert apart.revolutions > 1.05 * same.revolutions
+
+
+def axial(force: float, **fields: object) -> Scene:
+    return replace(SCREW, loads=(Load(0.0, (0.0, 0.0, force)),), **fields)
+
+
+def standard(forces: list[float], shares: list[float], preload: float = 0.0, **fields: object):
+    return equivalent_life([axial(F, **fields) for F in forces], shares, [np.array([0.0, 0.0, F]) for F in forces], preload)
+
+
+def test_equivalent_load_of_a_nut_with_play() -> None:
+    C = rating(SCREW)
+    one = standard([2000.0], [1.0])
+    assert one.revolutions == pytest.approx((C / 2000.0) ** 3, rel=1e-12)
+    two = standard([2000.0, 4000.0], [0.75, 0.25])
+    assert two.loads == pytest.approx(((0.75 * 2000.0**3 + 0.25 * 4000.0**3) ** (1 / 3), 0.0))
+    both = standard([2000.0, -2000.0], [0.5, 0.5])
+    assert both.revolutions == pytest.approx(2.0 * 2.0**-0.9 * one.revolutions), "two pairs of flanks, half the damage each"
+
+
+def test_equal_contacts_in_every_case_agree_with_the_equivalent_load() -> None:
+    even = np.zeros((SCREW.ball_count, 4))
+    even[:, [0, 3]] = 1.0
+    slope = (rating(SCREW) / life(SCREW, even).revolutions ** (1 / 3)) / 1.0  # axial force of contacts of 1 N
+    found = life(SCREW, over_cases([100.0 * even, 250.0 * even], [0.6, 0.4]))
+    by_standard = standard([100.0 * slope, 250.0 * slope], [0.6, 0.4])
+    assert found.revolutions == pytest.approx(by_standard.revolutions, rel=1e-10)
+
+
+def test_halves_part_at_the_lift_off_load() -> None:
+    force = np.array([0.0, PARTING * 1000.0, -500.0, 5000.0])
+    along, against = halves(force, 1000.0)
+    assert along - against == pytest.approx(force)
+    assert (along[0], against[1], along[3], against[3]) == pytest.approx((1000.0, 0.0, 5000.0, 0.0))
+    assert against[2] == pytest.approx(1000.0 * (1.0 + 500.0 / 2828.427125) ** 1.5)
+
+
+def test_halves_have_the_rating_of_their_turns() -> None:
+    split = {"errors": Errors(lead_offset=10e-6)}
+    alone = standard([0.0], [1.0], preload=1000.0, **split)
+    C = rating(SCREW) * 0.5**0.86
+    assert alone.revolutions == pytest.approx(2.0**-0.9 * (C / 1000.0) ** 3, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("fields", "said"),
+    [
+        ({"loads": (Load(0.0, (0.0, 10.0, 1e3)),)}, "radial force"),
+        ({"loads": (Load(0.0, (0.0, 0.0, 1e3), (1.0, 0.0, 0.0)),)}, "moments"),
+        ({"errors": replace(SCREW.errors, balls=replace(SCREW.errors.balls, oversize=1e-6))}, "four-point"),
+    ],
+)
+def test_the_standard_says_what_it_does_not_know(fields: dict, said: str) -> None:
+    with pytest.raises(ValueError, match=f"ISO 3408-5 does not know.*{said}"):
+        equivalent_life([replace(SCREW, **fields)], [1.0], [np.array([0.0, 0.0, 1e3])], 0.0)
+
+
+def of_ring(force: tuple[float, float, float], angle: float):
+    ring = replace(
+        catalogue.scene("bearing-9"), track=replace(catalogue.scene("bearing-9").track, contact_angle=np.radians(angle))
+    )
+    plain = replace(ring, loads=(), supports=(), errors=Errors())
+    return plain, equivalent_life([plain], [1.0], [np.array(force)], 0.0)
+
+
+def test_rings_have_ISO_281_s_factors() -> None:
+    for angle, force, load in (
+        (25.0, (0.0, 1000.0, 0.0), 1000.0),
+        (25.0, (0.0, 1000.0, 600.0), 1000.0),
+        (25.0, (1000.0, 0.0, -1000.0), 1280.0),
+        (40.0, (0.0, 1000.0, 2000.0), 350.0 + 1140.0),
+        (60.0, (0.0, 0.0, 900.0), 900.0),
+    ):
+        ring, found = of_ring(force, angle)
+        assert found.loads[0] == pytest.approx(load)
+        assert found.revolutions == pytest.approx((rating(ring) / load) ** 3, rel=1e-9)
+    with pytest.raises(ValueError, match="f0"):
+        of_ring((1000.0, 0.0, 100.0), 15.0)
+    with pytest.raises(ValueError, match="thrust"):
+        of_ring((1000.0, 0.0, 100.0), 60.0)

@@ -1,0 +1,103 @@
+"""``[[cases]]``: what they become, and what is refused in one line."""
+
+from dataclasses import replace
+
+import pytest
+from tests.load_cases import CASES, SHIPPED, TEXT
+
+from rollbench.comparison.errors import InputError, SceneError
+from rollbench.comparison.scenes import scene_file
+from rollbench.comparison.scenes.catalogue import scene_text
+from rollbench.comparison.scenes.like import scene_like
+
+LIKE = scene_like("40x10")
+TIMED = """
+[[cases]]
+name = "cutting"
+time = "30 s"
+speed = "200 rpm"
+[[cases.loads]]
+at = "0 mm"
+force = ["0 N", "0 N", "8 kN"]
+[[cases]]
+name = "rapid"
+time = "10 s"
+speed = "-1000 rpm"
+[[cases]]
+name = "crash"
+share = 0.0
+[[cases.loads]]
+at = "0 mm"
+force = ["0 N", "0 N", "40 kN"]
+"""
+
+
+def bare(scene):
+    return replace(scene, name="", friction=None)
+
+
+def test_cases_are_the_scene_with_what_differs():
+    cycle = scene_file.read(TEXT, "two.toml")
+    first, second, third = (case.scene for case in cycle.cases)
+    assert (cycle.name, cycle.shares) == ("two", (0.75, 0.25, 0.0))
+    assert [one.name for one in (first, second, third)] == ["two-balls", "two-push", "two-loose"]
+    assert bare(first) == bare(SHIPPED), "nothing else is changed: stored runs serve"
+    assert dict(second.supports[0].fixed) == dict(SHIPPED.supports[0].fixed) | {"uz": 8e-6}
+    assert replace(bare(second), supports=SHIPPED.supports) == bare(SHIPPED)
+    assert third.errors.balls.oversize == 2e-6
+    assert scene_file.kind_of(cycle) == "bearing"
+
+
+def test_shares_follow_from_times_and_speeds():
+    cycle = scene_file.read(LIKE + TIMED, "my.toml")
+    cutting, rapid, crash = cycle.cases
+    assert cycle.shares == pytest.approx((6000 / 16000, 10000 / 16000, 0.0))
+    assert cycle.speed == pytest.approx(2 * 3.141592653589793 * 16000 / 60 / 40), "turns over time"
+    assert [case.scene.loads[0].force[2] for case in (cutting, crash)] == [8e3, 4e4]
+    assert rapid.scene.loads == cycle.parts.loads, "its own where it has none"
+    assert rapid.scene.motion.speed < 0.0
+
+
+def test_the_commented_cases_of_a_new_scene_are_read():
+    start = LIKE.index("# [[cases]]")
+    shown = LIKE[:start] + "\n".join(x.removeprefix("# ") for x in LIKE[start : LIKE.index("# [friction]")].splitlines())
+    assert [case.name for case in scene_file.read(shown, "my.toml").cases] == ["cutting", "rapid"]
+    assert not hasattr(scene_file.read(LIKE, "my.toml"), "cases"), "comments only"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key", "said"),
+    [
+        ("share = 0.25", "share = 0.3", "cases[1].share", "a sum of 1.05; allowed: shares that sum to 1"),
+        ("share = 0.25", "share = 25", "cases[1].share", "0 to 1"),
+        ("share = 0.25", "", "cases[1].share", "neither; allowed: either share or time"),
+        ("share = 0.25", 'share = 0.25\ntime = "1 s"', "cases[1].share", "both"),
+        ("share = 0.25", 'time = "1 s"', "cases[1].speed", "a speed beside time"),
+        ("share = 0.25", 'time = "1 s"\nspeed = "0 rpm"', "cases[1].speed", "share = 0 for a case at rest"),
+        ("share = 0.25", 'time = "1 s"\nspeed = "5 rpm"', "cases[0].share", "0 beside cases with a time"),
+        ('name = "push"', 'name = "balls"', "cases[1].name", "a name of its own"),
+        ('name = "push"', 'name = "a/b"', "cases[1].name", "letters, digits"),
+        ('at = "7 mm"\ndisplace = { uz = "8', 'at = "8 mm"\ndisplace = { uz = "8', "cases[1].supports[0].at", "7 mm"),
+        ('displace = { uz = "8 um" }', "", "cases[1].supports[0].displace", "add a [displace] table"),
+        ('oversize = "2 um"', 'oversize = "2 mm"', "cases[2].oversize", "the ball would jam"),
+        ('oversize = "2 um"', "oversized = 1", "cases[2].oversized", "did you mean oversize?"),
+        ("share = 0\n", 'share = 0\nloads = [{ at = "20 mm" }]\n', "cases[2].loads[0].at", "0 mm to 14 mm"),
+    ],
+)
+def test_a_faulty_case_is_one_clear_line(old, new, key, said):
+    with pytest.raises(SceneError) as caught:
+        scene_file.read(TEXT.replace(CASES, CASES.replace(old, new)), "two.toml")
+    line = caught.value.lines()[0]
+    assert line.startswith(f"two.toml: {key}: got ")
+    assert said in line
+
+
+def test_a_case_holds_no_further_freedom():
+    text = scene_text("lin-case1") + '\n[[cases]]\nname = "a"\nshare = 1\n[[cases.supports]]\nat = "0 mm"\n'
+    with pytest.raises(SceneError, match=r"cases\[0\].supports\[0\].displace.uz.*allowed: ux, uy, rx, ry, rz"):
+        scene_file.read(text + 'displace = { uz = "1 um" }\n', "a.toml")
+
+
+def test_commands_of_one_load_case_refuse_several():
+    with pytest.raises(InputError, match=r"cases: got 3 cases; allowed: a scene without \[\[cases\]\]"):
+        scene_file.loads(TEXT, "two.toml")
