@@ -17,9 +17,9 @@ from rollbench.comparison.sources.lin.reconstruction.combined import (
     ratio,
     solid_loads,
 )
-from rollbench.comparison.sources.lin.reconstruction.others import has_shape, other_table
 from rollbench.comparison.sources.lin.reconstruction.readings import LOW, SOLID, key_of, together
 from rollbench.comparison.sources.lin.reconstruction.runs import MOVERS, stored, wanted
+from rollbench.comparison.sources.lin.sections.other_statements import has_shape, other_table
 from rollbench.comparison.sources.lin.sections.reconstruction import first_paragraph, second_paragraph
 
 pytestmark = pytest.mark.xdist_group("reconstruction")

@@ -1,12 +1,10 @@
-"""``python -m rollbench.comparison.sources.lin.reconstruction``: compute the 3D runs that are missing, say what follows."""
+"""``python -m rollbench.comparison.sources.lin.reconstruction``: compute the 3D runs that are missing."""
 
 from __future__ import annotations
 
 from rollbench.comparison.commands.arguments.terminal import cache_folder
 from rollbench.comparison.commands.printing import on_terminal
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.sources.lin.reconstruction.runs import complete
-from rollbench.comparison.sources.lin.sections.reconstruction import first_paragraph
+from rollbench.comparison.sources.lin.reconstruction.runs import RUNS, complete
 
 complete(on_terminal, cache_folder())
-print(first_paragraph(Study()))
+on_terminal(f"all runs are in {RUNS}; what follows from them: rollbench report --only reconstruction")

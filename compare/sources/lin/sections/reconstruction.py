@@ -22,9 +22,9 @@ from rollbench.comparison.sources.lin.reconstruction.combined import (
     printed_ratio,
     solid_loads,
 )
-from rollbench.comparison.sources.lin.reconstruction.others import other_table
 from rollbench.comparison.sources.lin.reconstruction.readings import Combination, key_of
 from rollbench.comparison.sources.lin.reconstruction.scatter import BIAS, SCATTER, drawn_errors, probability
+from rollbench.comparison.sources.lin.sections.other_statements import other_table
 from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 #: In words.
@@ -195,7 +195,10 @@ def one_at_a_time(found: list[Combined]) -> Table:
 
 def met_table(found: list[Combined]) -> Table:
     """The combinations that meet the ratio, the nearest first."""
-    rows: list[Row] = [{"low order": key_of(c.low), "3D": key_of(c.solid)} | _cells(c) for c in meeting(found)]
+    rows: list[Row] = []
+    for c in meeting(found):
+        row: Row = {"low order": key_of(c.low), "3D": key_of(c.solid)}
+        rows.append(row | _cells(c))
     note = "The words of the keys stand in the table before, in its order; base: as by default."
     return Table.of("reconstruction-met", f"Combinations whose models both have about {printed_ratio():g}", rows, note)
 
@@ -213,6 +216,9 @@ def figure(found: list[Combined]) -> Figure:
             out.append(Series(label, [x for x, _ in points], [y for _, y in points], style="markers", light=light))
         return (*out, Series("printed", [printed[0]], [printed[1]], style="markers", emphasis=True))
 
+    def errors_of(k: int) -> Callable[[Combined], tuple[float, float]]:
+        return lambda c: (c.errors["own"][2 * k + 1], c.errors["own"][2 * k])
+
     panels = (
         Panel("Largest over smallest load", "low order", "3D", cloud(lambda c: (c.low_ratio, c.solid_ratio), (aim, aim))),
         *(
@@ -220,7 +226,7 @@ def figure(found: list[Combined]) -> Figure:
                 f"Errors of case {k + 1}, % of each load",
                 "RMS [%]",
                 "largest [%]",
-                cloud(lambda c, k=k: (c.errors["own"][2 * k + 1], c.errors["own"][2 * k]), (own[2 * k + 1], own[2 * k])),
+                cloud(errors_of(k), (own[2 * k + 1], own[2 * k])),
             )
             for k in range(2)
         ),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, cast
+
 import numpy as np
 
 from rollbench.comparison.measure import error_percent
@@ -16,6 +18,9 @@ from rollbench.comparison.wings.rolling import runs as rolling
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES
 from rollbench.reports.records import Row, Table
+
+if TYPE_CHECKING:
+    from rollbench.comparison.scenes.kinds import KindScene
 
 #: Balls that are "the last few".
 LAST = 3
@@ -97,7 +102,7 @@ def _force(case: str) -> Row:
     """A ball-to-ball force: the source's difference beside what bodies, and elements of its size, change in 3D rolling."""
     table, low_key, ansys_key, name = FORCES[case]
     low, ansys = (entry(table, key).value or np.nan for key in (low_key, ansys_key))
-    scene = catalogue.shipped(name)
+    scene = cast("KindScene", catalogue.shipped(name))
     coarse, fine = (rolling.load(scene, level, [shipped_store()]) for level in (SOURCE_LEVEL, 3))
     printed = f"{low:g} N, ANSYS {ansys:g} N: {float(error_percent(low, ansys)):.2f} %"
     if coarse is None or fine is None:
