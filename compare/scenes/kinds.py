@@ -71,4 +71,8 @@ def json_schema() -> dict[str, Any]:
     tables = {"whole": SceneKeys} | {name: kind_named(name).keys for name in kinds()} | {AXIS: AxisKeys}
     every: Any = Annotated[Union[tuple(Annotated[of, Tag(name)] for name, of in tables.items())], Discriminator(_tag)]  # noqa: UP007
     found: dict[str, Any] = without_null(TypeAdapter[Any](every).json_schema())
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "rollbench scene"} | found
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "$id": "urn:rollbench:scene",
+        "title": "rollbench scene",
+    } | found

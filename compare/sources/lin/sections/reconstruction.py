@@ -45,7 +45,7 @@ ABOUT_IT = (
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report, with its headline."""
+    """Section of the report, which opens with the answer."""
     step("combinations of readings")
     found = study.once(combinations)
     shown = [predicted(study, d) for d in DEFINITIONS]
@@ -53,14 +53,14 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         "reconstruction",
         "Where does 5.38 % come from (2.4.1)",
         (
-            Text((first_paragraph(study), ABOUT_IT, second_paragraph(study, found))),
+            Text((ABOUT_IT, second_paragraph(study, found))),
             predicted_table(shown),
             figure(found),
             one_at_a_time(found),
             met_table(found),
             other_table(study),
         ),
-        (("errors of 2.4.1 that come out under inferred readings", f"{sum(p.comes_out for p in shown[0])} of 4"),),
+        conclusion=first_paragraph(study),
     )
 
 
