@@ -23,8 +23,6 @@ HEAVY = {
     "python3 -m venv .venv": "an environment from a registry: the continuous integration begins with it",
     r"\.venv/bin/pip install .*": "an environment from a registry: the continuous integration begins with it",
     r"\.venv/bin/(pytest|ruff check \.|mypy|lint-imports)": "the continuous integration runs it",
-    "dask (scheduler|worker).*": "a cluster: tests/unit/reference/test_parallel.py starts one",
-    "rollbench mesh-study my.toml --backend dask .*": "a cluster",
 }
 #: Counts that cost minutes and take no other path, and what is run in their place.
 FEWER = {"--members 1000": "--members 20", "--samples 50": "--samples 8"}

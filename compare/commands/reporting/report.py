@@ -15,7 +15,7 @@ from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.commands.reporting import moved as report_moved
 from rollbench.comparison.commands.reporting.first import kept_parts, lacking, live_check
 from rollbench.comparison.commands.reporting.halves import build, split
-from rollbench.comparison.commands.reporting.parts import PARTS, SECTIONS
+from rollbench.comparison.commands.reporting.parts import PARTS, SECTIONS, pages
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.provenance import commit, inputs
@@ -210,7 +210,7 @@ def make_report(
         + (f" (quick run: coarse meshes, cases 1 and 2 only, without {left_out})" if quick else "")
         + "".join(f" ({gap.line()})" for gap in missed),
         provenance=facts,
-        sections=[made[part.name] for part in wanted],
+        pages=pages(made),
         scene_hashes={name: scene_hash(text) for name, text in texts.items()},
         origin={**facts, "inputs": inputs(study.stores or (shipped_store(),), texts)},
     )

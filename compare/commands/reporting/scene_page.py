@@ -130,7 +130,7 @@ def _page_of_scene(name: str, scene: Scene, stores: Sequence[Path], own: Path | 
         scene.title,
         f"{scene.name}: contact loads, stiffness, pressure, friction and life by rollbench, model {DEFAULT}",
         verdict(found, worth, judged, stored, None if given is None else against(given, result)),
-        [(label, told) for label, told in entries(scene, result, found, worth, speed) if label != "assumed"],
+        entries(scene, result, found, worth, speed),
         _picture(scene, result),
         sections,
         _provenance(name, scene, text, stored, own),

@@ -12,7 +12,7 @@ from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.model_form import ModelForm
 from rollbench.comparison.quantities import number
 from rollbench.lowfi.statics.nominal import nominal_contacts
-from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult
+from rollbench.lowfi.statics.result import Equilibrium, Solved, SolverReport, StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.lowfi.warned import above
 from rollbench.meshes.arrays import Array
@@ -177,10 +177,16 @@ def _cell(value: float, form: str) -> str:
 
 
 def as_table(
-    scene: Scene, result: StaticResult, worth: ModelForm | None = None, *, block: str = "", balls: bool = True
+    scene: Scene,
+    result: StaticResult,
+    worth: ModelForm | None = None,
+    *,
+    block: str = "",
+    balls: bool = True,
+    details: bool = True,
 ) -> list[RenderableType]:
-    """The result for the terminal: block of answers (before all tables), ball table, balance, solver, model-form error (in
-    the block where there is one), warnings, assumptions, what was left out."""
+    """The result for the terminal: block of answers (before all tables), ball table, warnings; then, with details or
+    without a block, model-form error, balance, solver, assumptions and what was left out, else where they are."""
     drawn = f", member {result.member} of its random errors" if scene.errors.random else ""
     title = f"{scene.name}{drawn}, model {result.model}: {result.status}"
     parts: list[Any] = [title]
@@ -190,18 +196,24 @@ def as_table(
         parts += ["", block, ""]
     if balls and (result.load > 0.0).any():
         parts += [_ball_table(result), "", _summary_table(result), ""]
-    if result.equilibrium is not None:
-        parts += _balance(result.equilibrium)
-    s = result.solver
     error = discretisation_percent(scene, result)
     measured = "" if error is None else f" (discretisation error {error:.1e} % of the mean load)"
-    parts += solver_lines(s, measured)
+    behind = [] if result.equilibrium is None else _balance(result.equilibrium)
+    behind += solver_lines(result.solver, measured)
     if worth is not None and not block:
-        parts.append(model_form_text(worth))
-    headed = ("warning", result.warnings), ("note", s.notes), ("assumed", result.assumed), ("left out", result.left_out)
-    for heading, lines in headed:
-        parts += [f"{heading}: {line}" for line in lines]
-    return parts
+        behind.append(model_form_text(worth))
+    return [*parts, *last_lines(result, behind, details=details or not block)]
+
+
+def last_lines(result: Solved, behind: Sequence[str], *, details: bool) -> list[str]:
+    """Warnings, then what lies behind the answers: lines on balance and solver, notes, assumptions, what was left out; or
+    where to find it."""
+    warnings = [f"warning: {line}" for line in result.warnings]
+    if not details:
+        count = f"{len(result.assumed)} assumptions, {len(result.left_out)} things left out, balance and solver"
+        return [*warnings, f"{count}: --assumptions"]
+    headed = ("note", result.solver.notes), ("assumed", result.assumed), ("left out", result.left_out)
+    return [*behind, *warnings, *(f"{heading}: {line}" for heading, lines in headed for line in lines)]
 
 
 def solver_lines(s: SolverReport, measured: str = "") -> list[str]:
