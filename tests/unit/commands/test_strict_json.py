@@ -7,6 +7,7 @@ import pytest
 
 from rollbench.comparison.cli import main
 from rollbench.comparison.commands.arguments import commands as complete
+from rollbench.comparison.registration import ROOT
 from rollbench.comparison.scenes import catalogue
 
 #: Shipped scenes, the smallest of each kind that `solve` and `friction` take, and of those that only `friction` does.
@@ -17,6 +18,7 @@ OTHERS = {
     "list_": (("list",), ("list", "--trace"), ("list", "--table", "lin-3.2")),
     "doctor": (("doctor",),),
     "audit": (("audit", "--only", "lin-3.2"),),  # which prints a zero where another number is computed
+    "benchmark": (("benchmark", "score", str(ROOT / "wings" / "benchmark" / "contacts.csv")),),
     "stability": (("stability", "--random", "2"),),
     "compare": (("compare", "lin-case1", "--model", "lin"),),
     "check": (("check", "lin-case1", "--model", "lin", "--no-compute"),),
