@@ -12,6 +12,7 @@ from rollbench.comparison.sources.makers.laws import nuts, torque
 from rollbench.comparison.sources.makers.outside import MEASURED, Outside, Standing, every, grouped, standing, summary
 from rollbench.comparison.sources.makers.tables import tables
 from rollbench.comparison.sources.makers.values import outside_values
+from rollbench.lowfi.rating.rigidity import PRACTICE
 from rollbench.reports.records import Cell, Figure, Panel, Quantity, Section, Series, Table, Text
 
 TITLE = "Outside values: makers' tables, measurements, other programs"
@@ -56,9 +57,9 @@ def why_softer(found: Sequence[Outside]) -> str:
     assert bare is not None
     assert rex is not None
     return (
-        f"Printed rigidities of nuts are lower because makers print about {100.0 * nuts.PRACTICE:g} % of the computed "
+        f"Printed rigidities of nuts are lower because makers print about {100.0 * PRACTICE:g} % of the computed "
         f"one. The number of loaded balls is the maker's own, from his C_0; contacts and tubes then lie {bare.bias:+.0f} "
-        f"% from what is printed, {100.0 * nuts.PRACTICE:g} % of them {min(means):+.0f} to {max(means):+.0f} % by maker, "
+        f"% from what is printed, {100.0 * PRACTICE:g} % of them {min(means):+.0f} to {max(means):+.0f} % by maker, "
         f"and {close} of {len(most)} nuts within 10 %. Rexroth's do not come out ({rex.bias:+.0f} %): a factor of 0.43 at "
         "every size and preload, whose origin (ISO 3408-4's factor of accuracy is named, its value is not readable here) "
         "stays open; their growth with preload does."
@@ -150,5 +151,5 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report."""
     step("outside values")
     found = outside_values(study)
-    texts = (conclusion(found), why_softer(found), balls_counted(found), drag(found))
-    return Section("outside", TITLE, (Text(texts), summary(found), figure(found), sweep_table(), every(found)))
+    items = (Text((why_softer(found), balls_counted(found), drag(found))), summary(found), figure(found), sweep_table())
+    return Section("outside", TITLE, (*items, every(found)), conclusion=conclusion(found))

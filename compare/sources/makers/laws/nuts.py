@@ -15,7 +15,7 @@ from rollbench.comparison.scenes.like import BEYOND, STOCK, WALL
 from rollbench.comparison.sources.makers.outside import Band, Outside, of_row
 from rollbench.comparison.sources.makers.tables import Table, half_step, table, tables
 from rollbench.lowfi.rating.life import rating
-from rollbench.lowfi.rating.rigidity import body_compliance, slope_of
+from rollbench.lowfi.rating.rigidity import PRACTICE, body_compliance, slope_of
 from rollbench.lowfi.rating.static import static_rating
 from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.meshes.parts import Scene
@@ -29,8 +29,6 @@ LONG, SHORT = (0.9, 1.0), (0.65, 1.0)
 DEPTH = 1.03
 #: Load over C under which rigidity is computed; preload over C of THK's preloaded nuts.
 LOADED, PRELOADED = 0.3, 0.1
-#: What makers advise to take of a computed rigidity (THK; TBI and Wangong print it).
-PRACTICE = 0.8
 #: Secant up to the load at which a nut of a preloaded pair is loose, 2^(3/2) preloads.
 LIFT = 2.0**1.5
 
