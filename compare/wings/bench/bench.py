@@ -1,6 +1,6 @@
 """Speed: what a solve costs, cold and warm, singly and in thousands, against the source's formulation.
 
-The jobs run in one child process with single-threaded linear algebra, both formulations side by side, garbage
+The jobs of a group run in one child process with single-threaded linear algebra, both formulations side by side, garbage
 collection off; each time is the median of repeated runs. Start-up and compile times are those of further processes.
 
 Both solve to the relative residual ``TOLERANCE`` at which either counts as converged. The source's Newton often cannot
@@ -216,13 +216,12 @@ GROUPS: tuple[Callable[[int], Iterator[Job]], ...] = (
 )
 
 
-def _child(repeats: int) -> None:
-    """Print one JSON object per job (the child process of ``run_bench``)."""
+def _child(group: int, repeats: int) -> None:
+    """Print one JSON object per job of a group (the child process of ``run_bench``)."""
     solve_static(shipped("lin-case1"), engine="compiled")
-    for group in GROUPS:
-        reset_peak()
-        for job in group(repeats):
-            print(json.dumps(asdict(job)), flush=True)
+    reset_peak()
+    for job in GROUPS[group](repeats):
+        print(json.dumps(asdict(job)), flush=True)
 
 
 def run_bench(progress: Callable[[str], None] | None = None, *, repeats: int = 15) -> list[Job]:
@@ -231,13 +230,19 @@ def run_bench(progress: Callable[[str], None] | None = None, *, repeats: int = 1
     Raises RuntimeError where the timing process fails.
     """
     jobs: list[Job] = []
-    code = f"from rollbench.comparison.wings.bench.bench import _child; _child({repeats})"
-    _, done = launch(["-c", code])
-    if done.returncode != 0:
-        raise RuntimeError(f"bench: the timing process failed: {done.stderr.strip().splitlines()[-1:]}")
-    found = [Job(**json.loads(line)) for line in done.stdout.splitlines()]
-    for job in (*found, command_line_job(), *startup_jobs()):
+    for job in _jobs(repeats):
         jobs.append(job)
         if progress is not None:
-            progress(job.job)
+            progress(job.job if job.seconds is None else f"{job.job}: {job.seconds:.3g} s")
     return jobs
+
+
+def _jobs(repeats: int) -> Iterator[Job]:
+    """The jobs as they are done, those of a group together."""
+    for group in range(len(GROUPS)):
+        _, done = launch(["-c", f"from rollbench.comparison.wings.bench.bench import _child; _child({group}, {repeats})"])
+        if done.returncode != 0:
+            raise RuntimeError(f"bench: the timing process failed: {done.stderr.strip().splitlines()[-1:]}")
+        yield from (Job(**json.loads(line)) for line in done.stdout.splitlines())
+    yield command_line_job()
+    yield from startup_jobs()

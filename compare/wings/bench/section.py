@@ -13,12 +13,22 @@ from rollbench.comparison.printed.printed_data import entry, load_table
 from rollbench.comparison.registration import offered
 from rollbench.comparison.wings.bench.axis_bench import jobs as axis_jobs
 from rollbench.comparison.wings.bench.bench import run_bench
+from rollbench.comparison.wings.bench.typed import as_typed, scaling, spent_table
 from rollbench.reports.records import Quantity, Row, Section, Table, Text
 
 
-def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
+def section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report."""
-    done = [*run_bench(step), *(job for added in offered("timing jobs") for job in added()), *axis_jobs(5)]
+    commands = []
+    for one in as_typed():
+        step(one.typed.job)
+        commands.append(one)
+    done = [
+        *(one.timed for one in commands),
+        *run_bench(step),
+        *(job for added in offered("timing jobs") for job in added()),
+        *axis_jobs(5),
+    ]
     rows: list[dict[str, Any]] = [asdict(job) for job in done]
     printed: list[Row] = [
         {
@@ -42,6 +52,8 @@ def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG0
                     "language; that is shown below, not compared.",
                 )
             ),
+            spent_table(commands),
+            *scaling(study.quick),
             Table(
                 "timing-jobs",
                 "Jobs",

@@ -14,7 +14,7 @@ from rollbench.comparison.costs import timing
 from rollbench.comparison.costs.timing import Job, timed
 from rollbench.comparison.scenes.catalogue import scene as shipped
 from rollbench.comparison.sources.liu import bench as chain_bench
-from rollbench.comparison.wings.bench import bench, startup
+from rollbench.comparison.wings.bench import bench, startup, typed
 from rollbench.comparison.wings.bench.bench import run_bench
 from rollbench.comparison.wings.bench.prepared import Energy, Source
 from rollbench.comparison.wings.bench.startup import command_line_job
@@ -125,8 +125,8 @@ def test_all_jobs(monkeypatch):
     monkeypatch.setattr(startup, "launch", once_alike())  # so that to compile and to load are one and the same process
     seen: list[str] = []
     jobs = run_bench(seen.append, repeats=1)
-    assert seen == [j.job for j in jobs]
-    assert len(set(seen)) == len(seen)
+    assert [line.partition(":")[0] for line in seen] == [j.job for j in jobs]
+    assert len({j.job for j in jobs}) == len(jobs)
     json.dumps([asdict(j) for j in jobs], allow_nan=False)
     named = {j.job: j for j in jobs}
     compiled = (
@@ -155,3 +155,26 @@ def test_random_errors_against_the_elimination():
     assert [j.job.split(", ")[1].split()[0] for j in found] == ["constant", "implicit", "exact"]
     assert all(j.ratio is not None and j.ratio > 1.0 for j in found)
     assert all("a second" in j.note and j.unknowns == 78 for j in found)
+
+
+def test_commands_as_typed_and_what_they_cannot_do_without():
+    quick = typed.Typed("schema", "import pydantic", "scenes.kinds", 1.0, 1)
+    (found,) = typed.as_typed([quick])
+    assert found.timed.job == "schema, as typed"
+    assert found.whole is not None
+    assert found.libraries is not None
+    assert 0.0 < found.libraries < found.whole
+    (row,) = typed.spent_table([found]).rows
+    assert row["seconds"] == found.whole
+    (failed,) = typed.as_typed([typed.Typed("no-such-command", "import sys", "errors", 1.0, 1)])
+    assert failed.timed.seconds is None
+    assert all(one.module and one.aim for one in typed.TYPED)
+
+
+def test_growth_with_size_is_a_figure_with_exponents(monkeypatch):
+    points = [(n, 1e-3 * n**1.5, 2.0 * n) for n in (8.0, 16.0, 32.0, 64.0)]
+    for name in ("by_balls", "by_members"):
+        monkeypatch.setattr(typed, name, lambda _: {"lin": points})
+    table, figure = typed.scaling(quick=True)
+    assert len(table.rows) == 8
+    assert [s.label for panel in figure.panels for s in panel.series] == ["lin: exponent 1.50", "lin: exponent 1.00"] * 2

@@ -1,0 +1,185 @@
+"""What a user waits for: commands as they are typed, each in a process of its own with warm caches, and where their time
+goes; and how time and memory grow with balls and members."""
+
+from __future__ import annotations
+
+import resource
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from time import process_time
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from rollbench.comparison.costs.timing import Job, launch
+from rollbench.comparison.models.members import run_members
+from rollbench.comparison.models.registry import Options, run_model
+from rollbench.comparison.models.study import with_balls
+from rollbench.comparison.scenes.catalogue import scene as shipped
+from rollbench.lowfi.statics.elastic_system import LARGEST
+from rollbench.meshes.memory import peak_MB, reset_peak
+from rollbench.reports.records import Figure, Panel, Quantity, Row, Series, Table
+
+_BASE = "import numpy, pydantic, cyclopts, rich.console"
+_LINEAR = f"{_BASE}, scipy.linalg, scipy.special"
+
+
+@dataclass(frozen=True)
+class Typed:
+    """A command as typed: its words; libraries: the imports that it cannot do without; module: of the package, whose import
+    brings all that the command is made of; aim [s]; runs: least of so many counts."""
+
+    words: str
+    libraries: str
+    module: str
+    aim: float
+    runs: int = 3
+
+    @property
+    def job(self) -> str:
+        """Name of the row."""
+        return f"{self.words}, as typed"
+
+
+_SOLVE = "commands.solving.solve"
+TYPED = (
+    Typed("list", _BASE, "commands.listing", 0.35),
+    Typed("solve lin-case1", f"{_LINEAR}, numba", _SOLVE, 0.6),
+    Typed("solve lin-case1 --model lin", f"{_LINEAR}, numba", _SOLVE, 0.4),
+    Typed("friction lin-case1", f"{_LINEAR}, numba", "wings.friction.whole", 0.6),
+    Typed("solve lin-random --members 100 --model lin", f"{_LINEAR}, numba", "commands.solving.members", 1.0),
+    Typed("solve lin-random --members 20", f"{_LINEAR}, numba", "commands.solving.members", 1.0),
+    Typed("solve lin-random --members 1000", f"{_LINEAR}, numba", "commands.solving.members", 2.0, 2),
+)
+#: Numbers of balls and of members over which time and memory are shown, and the most members of a quick look.
+BALLS, MEMBERS, FEW = (8, 16, 32, 64, 125, 250, 500, 1000), (10, 100, 1000, 10_000, 100_000), 100
+
+
+def cpu_seconds(arguments: list[str], runs: int) -> float | None:
+    """Least seconds of a processor that a Python process takes, of some runs; None where one fails."""
+    found = []
+    for _ in range(runs):
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        done = launch(arguments)[1]
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        if done.returncode != 0:
+            return None
+        found.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+    return min(found)
+
+
+@dataclass(frozen=True)
+class Spent:
+    """Processor seconds of a command as typed: whole process; libraries alone; with the package's modules. None where a
+    process failed."""
+
+    typed: Typed
+    whole: float | None
+    libraries: float | None
+    modules: float | None
+
+    @property
+    def timed(self) -> Job:
+        """As a job of the bench."""
+        if self.whole is None or self.libraries is None:
+            return Job(self.typed.job, None, None, None, None, "not measured: the command failed")
+        note = f"CPU of the whole process, caches warm; libraries alone {self.libraries:.2g} s; aim {self.typed.aim:g} s"
+        return Job(self.typed.job, self.whole, None, None, None, note)
+
+
+def as_typed(commands: Sequence[Typed] = TYPED) -> Iterator[Spent]:
+    """Each command as soon as it is measured."""
+    for one in commands:
+        command = ["-m", "rollbench", *one.words.split()]
+        cpu_seconds(command, 1)  # fills the caches
+        modules = f"{one.libraries}; import rollbench.comparison.{one.module}"
+        codes = (command, ["-c", one.libraries], ["-c", modules])
+        yield Spent(one, *(cpu_seconds(code, one.runs) for code in codes))
+
+
+def spent_table(found: Sequence[Spent]) -> Table:
+    """Where the time of each command goes, and its floor: a process that imports the same libraries and does nothing."""
+
+    def less(a: float | None, b: float | None) -> float | None:
+        return None if a is None or b is None else max(a - b, 0.0)
+
+    rows: list[Row] = [
+        {
+            "command": one.typed.words,
+            Quantity("seconds", "whole process", "s", "g3"): one.whole,
+            Quantity("libraries", "libraries: the floor", "s", "g3"): one.libraries,
+            Quantity("modules", "modules of rollbench", "s", "g3"): less(one.modules, one.libraries),
+            Quantity("work", "work", "s", "g3"): less(one.whole, one.modules),
+            Quantity("aim", "aim", "s", "g3"): one.typed.aim,
+        }
+        for one in found
+    ]
+    return Table.of("time-spent", "Where the time of a command goes: seconds of a processor, caches warm", rows)
+
+
+def _power(x: Sequence[float], y: Sequence[float]) -> float:
+    """Exponent of y over x, by the larger half of the places."""
+    some = len(x) // 2
+    return float(np.polyfit(np.log(x[some:]), np.log(y[some:]), 1)[0])
+
+
+def by_balls(counts: Sequence[int] = BALLS) -> dict[str, list[tuple[float, float, float]]]:
+    """Balls, processor seconds with set-up and MB at the peak of one solve, by model."""
+    case = shipped("lin-case1")
+    found: dict[str, list[tuple[float, float, float]]] = {"lin": [], "refined": []}
+    with threadpool_limits(1, "blas"):
+        for model, points in found.items():
+            for count in (n for n in counts if model == "lin" or n <= LARGEST):
+                scene = with_balls(case, count)
+                run_model(scene, model, Options(engine="compiled", discretisation=False))
+                reset_peak()
+                other, begin = replace(scene, screw=replace(scene.screw, length=scene.screw.length + 1e-3)), process_time()
+                run_model(other, model, Options(engine="compiled", discretisation=False))
+                points.append((float(count), process_time() - begin, peak_MB() or 0.0))
+    return found
+
+
+def by_members(counts: Sequence[int] = MEMBERS) -> dict[str, list[tuple[float, float, float]]]:
+    """Members, processor seconds and MB at the peak of an ensemble of `lin-random`, by model."""
+    scene = shipped("lin-random")
+    found: dict[str, list[tuple[float, float, float]]] = {"lin": [], "refined": []}
+    for model, points in found.items():
+        run_members(scene, model, 200)
+        for count in counts:
+            reset_peak()
+            begin = process_time()
+            run_members(scene, model, count)
+            points.append((float(count), process_time() - begin, peak_MB() or 0.0))
+    return found
+
+
+def scaling(quick: bool) -> tuple[Table, Figure]:
+    """Time and memory over balls and members, with the observed exponents of the larger half of the sizes."""
+    rows: list[Row] = []
+    panels = []
+    measured = (
+        ("balls", by_balls(BALLS[:4] if quick else BALLS)),
+        ("members", by_members([n for n in MEMBERS if n <= FEW] if quick else MEMBERS)),
+    )
+    for of, found in measured:
+        for place, unit in ((1, "s"), (2, "MB")):
+            series = []
+            for model, points in found.items():
+                x, y = [p[0] for p in points], [p[place] for p in points]
+                series.append(Series(f"{model}: exponent {_power(x, y):.2f}", x, y, "line+markers"))
+            panels.append(Panel("", of, f"{'time' if unit == 's' else 'memory'} / {unit}", tuple(series), log="xy"))
+        rows += [
+            {
+                "model": model,
+                "over": of,
+                Quantity("count", "number", "", ".0f"): p[0],
+                Quantity("seconds", "CPU", "s", "g3"): p[1],
+                Quantity("peak_MB", "peak memory", "MB", ".0f"): p[2],
+            }
+            for model, points in found.items()
+            for p in points
+        ]
+    note = "One solve with its set-up, bodies of a new geometry; ensembles of lin-random with their bands."
+    return Table.of("scaling", "Time and memory over size", rows), Figure(
+        "scaling", "Growth with size", tuple(panels), note
+    )
