@@ -41,8 +41,9 @@ def misprint_files() -> list[Path]:
 @dataclass(frozen=True)
 class Part:
     """A section of the report by name: its module in ``compare``; long: left out of a quick report; runs: shows
-    runs of the 3D reference; meshes: needs gmsh; meshed: what of it needs gmsh, where the rest does not; appendix: stands
-    after the others; beside: may be made by a second process; needs: wings without which it is left out."""
+    runs of the 3D reference; meshes: needs gmsh; meshed: what of it needs gmsh, where the rest does not; page: on which it
+    stands, named in `commands.reporting.parts`; beside: may be made by a second process; needs: wings without which it
+    is left out."""
 
     name: str
     module: str
@@ -50,7 +51,7 @@ class Part:
     runs: bool = False
     meshes: bool = False
     meshed: str = ""
-    appendix: bool = False
+    page: str = "outside"
     beside: bool = False
     needs: tuple[str, ...] = ()
 

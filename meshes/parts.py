@@ -77,7 +77,8 @@ class Flange:
 
     ``seat``: radii [m] between which its face towards the rest of the nut may be held (``Solid.nut_held``); ``centring``:
     length [m] of the nut's outside from that face on that fits the housing's bore; ``bonded``: whether the fit holds the
-    nut there too, or lets it go.
+    nut there too, or lets it go; ``bolts``: number of bolts, in each of which a circle as wide as the seat holds it in 3D,
+    the first at azimuth 0 (0: all of the seat, as in low-order models).
     """
 
     diameter: float
@@ -86,6 +87,7 @@ class Flange:
     side: Literal["left", "right"] = "left"
     centring: float = 0.0
     bonded: bool = False
+    bolts: int = 0
 
     def stations(self, low: float, high: float) -> tuple[float, float, float]:
         """Stations [m] of its outer face, of the face that may be held, and of the end of the fit, on a nut from ``low``

@@ -103,12 +103,13 @@ def dimensions(scene: Scene) -> Dimensions:
         if flange is None:
             raise ValueError('nut.held.at of "flange face" needs a flange: give [nut.flange]')
         held_radii = flange.seat
+        where = f"in {flange.bolts} circles as wide as its annulus" if flange.bolts else "all over its annulus"
         assumed.append(
-            f"The face of the nut's flange is bonded to a rigid housing from {2e3 * flange.seat[0]:.4g} to "
-            f"{2e3 * flange.seat[1]:.4g} mm diameter: no single bolts, no gaping."
+            f"The face of the nut's flange is bonded to a rigid housing {where}, {2e3 * flange.seat[0]:.4g} to "
+            f"{2e3 * flange.seat[1]:.4g} mm in diameter, and does not gape"
+            f"{'; low-order models hold the whole annulus' if flange.bolts else ''}."
         )
-        if flange.bonded:
-            held, held_radii = "flange face and centring", (wall, flange.diameter / 2.0)
+        held += (" and centring" if flange.bonded else "") + (f", {flange.bolts} bolts" if flange.bolts else "")
     screw_held = solid.screw_held
     if screw_held is None:
         screw_held = "bore" if scene.ingredients.screw == "rigid" and scene.screw.bore > 0.0 else "ends"

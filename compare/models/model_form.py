@@ -11,7 +11,7 @@ distributed (Vovk, Gammerman and Shafer 2005). A scene that lies beyond the comp
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
@@ -67,6 +67,10 @@ SCALES: dict[str, tuple[str, float]] = {
     "turn": ("angle between neighbouring balls [rad]", 0.3),
     "few": ("one over the number of balls", 0.2),
 }
+#: Feature that only scenes with a nut held by its flange have. Their errors are expected from those of all screws, with it;
+#: those of other screws from others without a flange, as before.
+FLANGE = "flange"
+WITH_FLANGE = SCALES | {FLANGE: ("nut held by its flange", 1.0)}
 
 
 @dataclass(frozen=True)
@@ -138,11 +142,12 @@ def features(scene: Scene, load: Array) -> dict[str, float]:
         "nut": scene.nut.groove_radius / (2.0 * radius),
         "turn": float(np.median(np.diff(np.sort(layout.azimuth)))) if scene.ball_count > 1 else 2.0 * np.pi,
         "few": 1.0 / scene.ball_count,
+        **({FLANGE: 1.0} if held_by_flange(scene) else {}),
     }
 
 
-def _scaled(values: dict[str, float]) -> Array:
-    return np.array([values[name] / unit for name, (_, unit) in SCALES.items()])
+def _scaled(values: dict[str, float], scales: Mapping[str, tuple[str, float]]) -> Array:
+    return np.array([values.get(name, 0.0) / unit for name, (_, unit) in scales.items()])
 
 
 def save_points(store: Path, points: Sequence[Point]) -> None:
@@ -168,7 +173,7 @@ def _points(name: str) -> tuple[Point, ...]:
         data = json.loads((shipped_store() / name).read_text(encoding="utf-8"))
         rows = data if name == FILE else [p for scene in data["scenes"] for p in scene.get("points", ())]
         found = tuple(Point(**row) for row in rows)
-        return tuple(p for p in found if set(p.features) == set(SCALES))
+        return tuple(p for p in found if set(p.features) - {FLANGE} == set(SCALES))
     except (OSError, ValueError, TypeError, KeyError):
         return ()
 
@@ -179,7 +184,14 @@ def unlike_kind(scene: Scene) -> str:
         return "its nut is rigid, that of every compared scene is elastic"
     if scene.ingredients.screw == "rigid" and scene.track.lead > 0.0:
         return "its screw is rigid, and every compared one with a lead bends"
+    if scene.nut.flange is not None and not held_by_flange(scene):
+        return "its nut has a flange that does not hold it, those of compared scenes do"
     return ""
+
+
+def held_by_flange(scene: Scene) -> bool:
+    """Whether the face of its flange holds a scene's nut."""
+    return scene.nut.flange is not None and scene.solid.nut_held in (None, "flange face")
 
 
 def bound(known: Array, errors: Array, here: Array, least: float) -> float:
@@ -203,24 +215,27 @@ def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None 
     model = MODELS[result.model]
     ring = scene.track.lead == 0.0
     own = [p for p in (shipped_points() if points is None else points) if p.model == (model.errors_of or model.name)]
-    like = [p for p in own if (p.features["lead"] == 0.0) == ring]
+    flanged = held_by_flange(scene)
+    scales = WITH_FLANGE if flanged else SCALES
+    like = [p for p in own if (p.features["lead"] == 0.0) == ring and (flanged or FLANGE not in p.features)]
     words: tuple[str, ...] = (model.words,)
 
     def uncovered(why: str, away: float = float("inf"), nearest: str = "") -> ModelForm:
         return ModelForm(None, None, away, nearest, len(like), (*words, why))
 
     try:
-        here = _scaled(features(scene, result.load))
+        here = _scaled(features(scene, result.load), scales)
     except ValueError as error:
         return uncovered(f"not comparable: {error}")
     if not own:
         return uncovered("no scene was compared with the 3D reference")
     other = unlike_kind(scene)
-    if not other and len(like) < FEWEST:
-        other = f"too few {'rings' if ring else 'screws'} were compared with the 3D reference"
+    if not other and sum(not flanged or FLANGE in p.features for p in like) < FEWEST:
+        what = "rings" if ring else "nuts held by a flange" if flanged else "screws"
+        other = f"too few {what} were compared with the 3D reference"
     if other:
         return uncovered(other)
-    known = np.array([_scaled(p.features) for p in like])
+    known = np.array([_scaled(p.features, scales) for p in like])
     away = np.linalg.norm(known - here, axis=1)
     nearest = like[int(away.argmin())].scene
     unlike = [*outside(scene), *_beyond(known, here)]
@@ -234,7 +249,7 @@ def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None 
 def _beyond(known: Array, here: Array) -> list[str]:
     """Features in which scaled ones ``(k,)`` lie beyond compared ones ``(n, k)``."""
     far = np.maximum(known.min(axis=0) - here, here - known.max(axis=0)) > MARGIN
-    return [what for (what, _), beyond in zip(SCALES.values(), far, strict=True) if beyond]
+    return [what for (what, _), beyond in zip(WITH_FLANGE.values(), far, strict=False) if beyond]
 
 
 def _expected(like: Sequence[Point], known: Array, here: Array) -> dict[str, float | None]:
@@ -257,11 +272,13 @@ class LeftOut:
 
 
 def left_out(points: Sequence[Point], model: str) -> list[LeftOut]:
-    """Every compared screw of a model, judged by all others."""
-    own = [p for p in points if p.model == model and p.features["lead"] > 0.0]
-    known = np.array([_scaled(p.features) for p in own])
+    """Every compared screw of a model, judged by all others; one without a flange by those without."""
     out = []
-    for k, point in enumerate(own):
-        others, rest = [p for p in own if p is not point], np.delete(known, k, axis=0)
-        out.append(LeftOut(point, None if _beyond(rest, known[k]) else _expected(others, rest, known[k])))
+    for flanged, scales in ((False, SCALES), (True, WITH_FLANGE)):
+        own = [p for p in points if p.model == model and p.features["lead"] > 0.0 and (flanged or FLANGE not in p.features)]
+        known = np.array([_scaled(p.features, scales) for p in own])
+        for k, point in enumerate(own):
+            if (FLANGE in point.features) == flanged:
+                others, rest = [p for p in own if p is not point], np.delete(known, k, axis=0)
+                out.append(LeftOut(point, None if _beyond(rest, known[k]) else _expected(others, rest, known[k])))
     return out

@@ -58,7 +58,8 @@ class Choices:
 class Total:
     """Uncertainty of a scene's contact loads [% of the mean load] by part (None: not known): discretisation and whether it
     is from experience alone; modelling choices, the one that dominates, the scene on which they were varied; inputs and the
-    one that dominates; second order of displacements; whether the sum of loads has the part that all contacts share."""
+    one that dominates; second order of displacements; whether the sum of loads has the part that all contacts share;
+    stated: of a user's own reference what that says, which is all that is known."""
 
     discretisation: float
     by_experience: bool
@@ -67,6 +68,7 @@ class Total:
     input: str
     second_order: float
     shared: bool
+    stated: str = ""
 
     @property
     def percent(self) -> float:
@@ -77,6 +79,8 @@ class Total:
     @property
     def text(self) -> str:
         """All and by part, in words."""
+        if self.stated:
+            return self.stated
         grid = f"discretisation {self.discretisation:.2f} %{' by experience with other scenes' * self.by_experience}"
         c = self.choices
         modelling = "modelling choices not known" if c is None else f"modelling choices {c.percent:.2f} %, most {c.choice}"
@@ -104,7 +108,7 @@ class Total:
         c = self.choices
         return {
             "total_percent": self.percent,
-            "discretisation_percent": self.discretisation,
+            "discretisation_percent": None if self.stated else self.discretisation,
             "discretisation_by_experience": self.by_experience,
             "modelling_percent": None if c is None else c.percent,
             "modelling_dominated_by": None if c is None else c.choice,
@@ -118,6 +122,8 @@ class Total:
 
 def total(scene: Scene, found: Reference, *, inputs: bool = True) -> Total:
     """The uncertainty of a scene's reference; inputs: whether that by the tolerances of the inputs is looked for."""
+    if found.stated:
+        return Total(uncertainty_percent(found), False, None, None, "", 0.0, False, found.stated)
     share, name = _inputs(scene) if inputs else (None, "")
     return Total(
         uncertainty_percent(found),

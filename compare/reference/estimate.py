@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -26,7 +26,10 @@ FITTED = 4
 class Reference:
     """The 3D reference of a scene: runs coarse to fine, loads of the finest ``(n, 4)`` [N], their uncertainty ``(n, 4)``
     [N] by discretisation and by what the finest did not settle by, zero where no level has load; its parts; how many
-    contacts the nominal screw loads, zero where that is not known."""
+    contacts the nominal screw loads, zero where that is not known.
+
+    Of a user's own reference: label, its file; stated, what that says of itself; further, what it says of contacts besides
+    ``(n, 4)`` [SI] by quantity; one run without mesh, displacements or seconds."""
 
     scene: str
     runs: tuple[Run, ...]
@@ -34,6 +37,14 @@ class Reference:
     uncertainty: Array
     parts: GridParts
     contacts: int = 0
+    label: str = "3D reference"
+    stated: str = ""
+    further: Mapping[str, Array] = field(default_factory=dict)
+
+    @property
+    def levels(self) -> tuple[int, ...]:
+        """Mesh levels of the runs."""
+        return () if self.stated else tuple(run.level for run in self.runs)
 
     @property
     def mean(self) -> float:
@@ -48,7 +59,7 @@ class Reference:
     @property
     def sizes(self) -> tuple[float, ...]:
         """Relative cell sizes of the runs."""
-        return tuple(representative_size(run.settings) for run in self.runs)
+        return (1.0,) if self.stated else tuple(representative_size(run.settings) for run in self.runs)
 
     @property
     def unsettled(self) -> str:

@@ -69,10 +69,15 @@ def longer(leads: float) -> Change:
 
 
 def held_ring(half: Literal["inner", "outer"]) -> Change:
-    """Nut held at one half of the face that holds it. Raises ValueError where the whole nut is held elsewhere."""
+    """Nut held at one half of the face, or of the flange's annulus, that holds it. Raises ValueError where the nut is held
+    elsewhere."""
 
     def change(scene: Scene) -> Scene:
-        face = dimensions(scene).nut_held
+        face, flange = dimensions(scene).nut_held, scene.nut.flange
+        if flange is not None and face.startswith("flange"):
+            low, high = flange.seat
+            seat = (low, 0.5 * (low + high)) if half == "inner" else (0.5 * (low + high), high)
+            return replace(scene, nut=replace(scene.nut, flange=replace(flange, seat=seat)))
         if face not in ("left face", "right face"):
             raise ValueError(f"the nut is held at its {face}, not at one face")
         return solid(nut_held=f"{face}, {half} half")(scene)

@@ -85,7 +85,7 @@ def _holding_faults(keys: SceneKeys) -> Iterator[Fault]:
     if nut.flange is not None and keys.track.lead == 0.0:
         yield Fault(("nut.flange",), "a lead above 0 mm", "leave out the flange of a bearing's ring", "a flange")
     by_flange = nut.flange is not None and (nut.held.at or former or "flange face") == "flange face"
-    for name in ("inner_diameter", "outer_diameter", "centring", "at"):
+    for name in ("inner_diameter", "outer_diameter", "centring", "bolts", "at"):
         given = nut.held.at == "flange face" if name == "at" else name in nut.held.model_fields_set
         if given and not by_flange:
             advice = 'the annulus and the fit are those of a flange: give [nut.flange], and at = "flange face"'

@@ -16,6 +16,8 @@ DIAMETERS, LEADS = (6.0, 160.0), (1.0, 100.0)
 #: Ball diameter over lead and over nominal diameter at most; pitch circle beyond the land, in ball diameters; wall of the
 #: nut under its grooves, in ball diameters; part of the turns filled with balls.
 PER_LEAD, PER_DIAMETER, BEYOND, WALL, FILLING = 0.635, 0.2, 0.11, 1.2, 0.9
+#: Outer diameter and thickness of a flange over the nut's outer diameter: those of catalogues are 1.4 to 1.7, 0.18 to 0.35.
+RIM, THICK = 1.5, 0.2
 #: Load of a ball over its diameter squared [N/mm2], about 13 % of a usual dynamic rating, and preload between rigid bodies
 #: in per cent of the dynamic rating: catalogues have 3 to 8 %.
 LOAD, PRELOAD = 3.7, 5.0
@@ -36,7 +38,7 @@ ASSUMED = """\
   "{circuits} circuits of {each:g} turns, {percent:g} % filled; number and gaps of circuits differ from maker to maker.",
   "Preload of {preload:g} % of the dynamic load rating{rigid}: catalogues have 3 to 8 %.",
   "Ball radii scatter as in a lot of grade 10 (ISO 3290-1: diameters within 0.5 um, six standard deviations).",
-  "Nut without flange, walls of {wall:g} ball diameters under the grooves, held at its left face.",
+  "Walls of the nut of {wall:g} ball diameters under the grooves; {holding}.",
   "Fixed bearing at the left end of the screw, floating bearing at the right one; {nuts} in the middle.",
 """
 
@@ -71,6 +73,18 @@ position = "{middle:g} mm"  # of its centre, from the left end of the screw
 length = "{nut:g} mm"
 outer_diameter = "{outside:g} mm"
 conformity = 0.525
+
+[nut.flange]
+diameter = "{rim:g} mm"
+thickness = "{thick:g} mm"
+side = "left"
+# centring = "{fit:g} mm"  # length beside the flange that fits the housing's bore
+
+[nut.held]
+at = "flange face"  # or: at = "left face", "outer surface", ...
+# inner_diameter = "{outside:g} mm"  # of the annulus that bears on the housing
+# outer_diameter = "{rim:g} mm"
+# centring = "bonded"  # the fit holds the nut, too
 
 [balls]
 diameter = "{ball:g} mm"
@@ -193,7 +207,8 @@ sigma = "{sigma:g} um"  # of the radii: a lot of grade 10, diameters within 0.5 
 def scene_like(size: str) -> str:
     """Text of a scene of a nominal size ``DIAMETERxLEAD`` in mm. Raises InputError where the rules do not reach."""
     values = _values(size)
-    return _tidy(TEXT.format(**values, rigid=", between rigid bodies", nuts="the nut"), values)
+    holding = f"held by a flange of {RIM:g} by {THICK:g} of its diameter"
+    return _tidy(TEXT.format(**values, rigid=", between rigid bodies", nuts="the nut", holding=holding), values)
 
 
 def double_nut_like(size: str) -> str:
@@ -205,7 +220,8 @@ def double_nut_like(size: str) -> str:
         NUT.format(**values, number=k + 1, thrust=thrust, at=at)
         for k, (thrust, at) in enumerate(zip(("-z", "+z"), places, strict=True))
     ]
-    return _tidy("".join((DOUBLE.format(**values, rigid=" of each nut", nuts="the nuts"), *nuts)), values)
+    head = DOUBLE.format(**values, rigid=" of each nut", nuts="the nuts", holding="no flanges, held at the left faces")
+    return _tidy("".join((head, *nuts)), values)
 
 
 def _tidy(text: str, values: dict[str, Any]) -> str:
@@ -225,6 +241,8 @@ def _values(size: str) -> dict[str, Any]:
     reach = circuits * each + (circuits - 1) * gap
     count = circuits * max(1, floor(FILLING * each * 2.0 * pi / touching_angle(pitch / 2.0, lead, ball)))
     length = 50.0 * ceil(20.0 * outer / 50.0)
+    nut, outside = ceil(reach * lead + 3.0 * ball), ceil(pitch + (1.0 + 2.0 * WALL) * ball)
+    thick = max(1, min(ceil(THICK * outside), floor(0.4 * nut)))
     force = float(f"{LOAD * ball**2 * count * sin(pi / 4.0) / 1e3:.2g}")
     return {
         "size": f"{outer:g}x{lead:g}",
@@ -238,8 +256,11 @@ def _values(size: str) -> dict[str, Any]:
         "turns": circuits * each,
         "length": length,
         "middle": length / 2.0,
-        "nut": ceil(reach * lead + 3.0 * ball),
-        "outside": ceil(pitch + (1.0 + 2.0 * WALL) * ball),
+        "nut": nut,
+        "outside": outside,
+        "rim": ceil(RIM * outside),
+        "thick": thick,
+        "fit": max(1, floor(0.5 * (nut - thick))),
         "bore": floor(0.4 * outer),
         "filling": FILLING,
         "percent": 100.0 * FILLING,

@@ -105,7 +105,12 @@ def _flange(nut: NutKeys) -> Flange | None:
     if nut.flange is None:
         return None
     seat = nut.held.inner_diameter or nut.outer_diameter, nut.held.outer_diameter or nut.flange.diameter
-    return Flange(**nut.flange.model_dump(), seat=(0.5 * seat[0], 0.5 * seat[1]), bonded=nut.held.centring == "bonded")
+    return Flange(
+        **nut.flange.model_dump(),
+        seat=(0.5 * seat[0], 0.5 * seat[1]),
+        bonded=nut.held.centring == "bonded",
+        bolts=nut.held.bolts,
+    )
 
 
 def friction_of(keys: FrictionKeys) -> Friction:

@@ -106,6 +106,12 @@ class HeldKeys(Table):
     centring: Literal["free", "bonded"] = key(
         "of the flange's face: whether the centring fit lets the nut go, or holds it too", "free", "bonded"
     )
+    bolts: Annotated[int, Field(ge=0, le=100)] = key(
+        "of the flange's face: bolts, at each of which a circle as wide as the annulus is held in 3D, the first towards x; "
+        "0: all of the annulus, as low-order models always do",
+        Flange.bolts,
+        6,
+    )
 
 
 class NutKeys(GrooveKeys):

@@ -48,8 +48,9 @@ NUT_HELD = {
     "right face": ("high end",),
     "both faces": ("low end", "high end"),
     "flange face": ("seat",),
-    "flange face and centring": ("seat", "centring"),
 }
+#: What follows the name of a flange's face whose centring fit is bonded.
+FIT = " and centring"
 #: Half the thickness of the slice whose mean motion is that of a section, over the screw's radius; least cells of one.
 SLICE, LEAST = 0.25, 30
 
@@ -208,12 +209,17 @@ def screw_transform(mesh: GroovedBody, dims: Dimensions, high: float) -> sp.csc_
 
 def nut_transform(mesh: GroovedBody, dims: Dimensions) -> sp.csc_matrix:
     """C of the nut, held where ``dims`` says."""
-    names = NUT_HELD[dims.nut_held]
-    if dims.nut_held == "outer surface" and "centring" in mesh.mesh.boundaries:
-        names += ("centring",)
-    found = nodes_on(mesh.mesh, *names)
-    r = np.hypot(mesh.points[found, 0], mesh.points[found, 1])
-    held = freedoms(found[(r >= dims.held_radii[0] - 1e-7) & (r <= dims.held_radii[1] + 1e-7)])
+    where, _, bolts = dims.nut_held.partition(", ")
+    fit = where.endswith(FIT) or (where == "outer surface" and "centring" in (mesh.mesh.boundaries or {}))
+    found = nodes_on(mesh.mesh, *NUT_HELD[where.removesuffix(FIT)])
+    low, high = dims.held_radii
+    x, y = mesh.points[found, 0], mesh.points[found, 1]
+    on = (np.hypot(x, y) >= low - 1e-7) & (np.hypot(x, y) <= high + 1e-7)
+    if bolts:
+        count = int(bolts.split()[0])
+        middles = 0.5 * (low + high) * np.exp(2j * np.pi / count * np.arange(count))
+        on &= (np.abs((x + 1j * y)[:, None] - middles) <= 0.5 * (high - low) + 1e-7).any(axis=1)
+    held = freedoms(np.union1d(found[on], nodes_on(mesh.mesh, "centring")) if fit else found[on])
     size = mesh.mesh.doflocs.size
     return sp.identity(size, format="csc")[:, np.setdiff1d(np.arange(size), held)]
 

@@ -213,7 +213,7 @@ def held_at(scene: Scene, screw: bool) -> str:
     """Where the smooth body is held: see `Tube`; "rigid" where the body does not move beyond its contacts."""
     dims = dimensions(scene)
     if not screw:
-        return "rigid" if scene.solid.nut == "rigid" else HELD[dims.nut_held]
+        return "rigid" if scene.solid.nut == "rigid" else HELD[dims.nut_held.partition(", ")[0]]
     if dims.screw_held == "bore":
         return "bore"
     return "rigid" if scene.ingredients.screw == "rigid" else "section"

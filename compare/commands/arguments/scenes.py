@@ -88,6 +88,7 @@ def solve(
     workers: int | None = None,
     time_limit: float | None = None,
     strict: Flag = False,
+    assumptions: Flag = False,
 ) -> int:
     """Solve one scene with one model, or many members of a scene with random errors.
 
@@ -114,7 +115,8 @@ def solve(
     curve
         File (.csv) for displacement, stiffness, largest load and torque at 0 to 1.5 times the loads; a figure beside it.
     loads_csv
-        File for all contact loads, as check --loads reads it: ball, flank, newton, azimuth_deg, z_mm.
+        File for all contact loads, as check --loads reads it: ball, flank, newton, azimuth_deg, z_mm; of load cases with a
+        column case.
     members
         Solve so many members: distributions of the largest load, stiffness, lost contacts, life; with --balls bands of
         every ball.
@@ -129,6 +131,8 @@ def solve(
     strict
         Exit code 1 where a line WARNING stands above the answers: pressure, preload, static safety or rotations beyond
         what the models mean.
+    assumptions
+        Also print what is assumed, what was left out, the balance and the solver.
     """
     from rollbench.comparison.commands.solving.solve import run_solve
     from rollbench.comparison.commands.solving.solve_choices import Choices
@@ -145,7 +149,7 @@ def solve(
     if csv is not None or seed is not None or workers is not None:
         raise InputError("command line", "--csv, --seed, --workers", "given", "with --members", "add --members N")
     choices = Choices(
-        model, everything, member, condensed, balls, stiffness_at, matrix, curve, loads_csv, time_limit, strict
+        model, everything, member, condensed, balls, stiffness_at, matrix, curve, loads_csv, time_limit, strict, assumptions
     )
     return print_answer(run_solve(scene, choices), as_json)
 
@@ -164,6 +168,5 @@ def condense(scene: str, *, out: Path | None = None, level: int = 1) -> int:
         Mesh level, 1 (coarse) to 3.
     """
     from rollbench.comparison.commands.comparing.condense import run_condense
-    from rollbench.comparison.scenes import catalogue
 
-    return print_answer(run_condense(catalogue.scene(scene), scene, out, level, cache=cache_folder()))
+    return print_answer(run_condense(scene, out, level, cache=cache_folder()))

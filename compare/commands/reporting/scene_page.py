@@ -5,7 +5,7 @@ from __future__ import annotations
 import datetime
 import platform
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,8 @@ from rollbench.comparison import __version__
 from rollbench.comparison.commands.solving.cases_output import case_json, case_rows, cases_json, together_entries
 from rollbench.comparison.commands.solving.summary import entries
 from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.gate.user import judged_by
+from rollbench.comparison.measure import LoadError, load_error
 from rollbench.comparison.models.answers import Answers, tangent_of
 from rollbench.comparison.models.comparison import from_result
 from rollbench.comparison.models.load_cases import solve_one, together
@@ -24,6 +26,7 @@ from rollbench.comparison.models.study import Study
 from rollbench.comparison.models.u_val import QUANTITIES, Validated, validated
 from rollbench.comparison.provenance import SOURCES, commit, sources_hash
 from rollbench.comparison.reference.estimate import Reference
+from rollbench.comparison.reference.grid_summary import uncertainty_percent
 from rollbench.comparison.reference.store import path_in, shipped_store
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.scenes.load_cases import DutyCycle
@@ -42,8 +45,9 @@ from rollbench.reports.scene_page import ScenePage
 LIBRARIES = ("numpy", "scipy", "numba")
 
 
-def make_page(name: str, out: Path, store: Path) -> ScenePage:
-    """Solve a scene by the default model, set it beside a stored reference where there is one, and write the page.
+def make_page(name: str, out: Path, store: Path, reference: Path | None = None) -> ScenePage:
+    """Solve a scene by the default model, set it beside a stored reference where there is one, or beside a user's own, and
+    write the page.
 
     Raises InputError for a scene of another kind and a folder that holds what no report wrote, Refusal where
     the scene does not solve.
@@ -57,17 +61,21 @@ def make_page(name: str, out: Path, store: Path) -> ScenePage:
         allowed = "a folder that is new, empty or an earlier report"
         raise InputError(str(out), "--out", str(error), allowed, "choose another folder") from None
     need_writable(out / "index.html")
-    page = page_of(name, (store, shipped_store()))
+    page = page_of(name, (store, shipped_store()), reference)
     replace_file(out / "index.html", render(page))
     return page
 
 
-def page_of(name: str, stores: Sequence[Path]) -> ScenePage:
-    """The page of a scene, or of its load cases. Raises InputError and Refusal as `make_page`."""
+def page_of(name: str, stores: Sequence[Path], own: Path | None = None) -> ScenePage:
+    """The page of a scene, or of its load cases; own: file of the user's own reference. Raises InputError and Refusal as
+    `make_page`."""
     described = catalogue.any_scene(name)
-    if isinstance(described, DutyCycle):
-        return _page_of_cases(name, described, stores)
-    return _page_of_scene(name, scene_file.whole(described, name), stores)
+    if not isinstance(described, DutyCycle):
+        return _page_of_scene(name, scene_file.whole(described, name), stores, own)
+    if own is not None:
+        advice = "write the case as a scene of its own"
+        raise InputError("command line", "--reference", f"with {name}", "a scene of one load case", advice)
+    return _page_of_cases(name, described, stores)
 
 
 def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path]) -> ScenePage:
@@ -98,40 +106,66 @@ def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path]) -> Scene
     )
 
 
-def _page_of_scene(name: str, scene: Scene, stores: Sequence[Path]) -> ScenePage:
+def _page_of_scene(name: str, scene: Scene, stores: Sequence[Path], own: Path | None = None) -> ScenePage:
     """The page of one load case of the file or shipped scene of that name."""
-    study = Study(stores, scenes={scene.name: scene})
+    study, warnings = Study(stores, scenes={scene.name: scene}), list[str]()
+    given = None if own is None else judged_by(own, scene, warnings.append)[0]
     options = Options()
     one = solve_one(scene, DEFAULT, options)
     result, found, worth = one.result, one.answers, one.expected
     if found is None or worth is None:
         raise Refusal(name, "scene", result.status, "see: rollbench solve")
     tangent = tangent_of(scene, scene.nut.position, DEFAULT, options)
-    reference = study.reference(scene.name)
+    stored = study.reference(scene.name)
     judged = [v for q in QUANTITIES if (v := validated(study, scene.name, DEFAULT, q, from_result(result))) is not None]
     speed = None if scene.motion is None else scene.motion.speed
     text = _scene_text(name)
     sections = (
-        _loads(scene, result, reference),
+        _loads(scene, result, [reference for reference in (given, stored) if reference is not None]),
         _stiffness(found, tangent),
-        _error(scene, worth, judged, reference),
-        _notes(result),
+        _error(scene, worth, judged, stored, None if given is None else against(given, result)),
+        _notes(result, warnings),
     )
     return ScenePage(
         scene.title,
         f"{scene.name}: contact loads, stiffness, pressure, friction and life by rollbench, model {DEFAULT}",
-        verdict(found, worth, judged, reference),
-        [(label, told) for label, told in entries(scene, result, found, worth, speed) if label != "assumed"],
+        verdict(found, worth, judged, stored, None if given is None else against(given, result)),
+        entries(scene, result, found, worth, speed),
         _picture(scene, result),
         sections,
-        _provenance(name, scene, text, reference),
+        _provenance(name, scene, text, stored, own),
         text,
         case_json(one),
-        _files(scene, reference, stores),
+        _files(scene, stored, stores),
+        warnings,
     )
 
 
-def verdict(found: Answers, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None) -> str:
+@dataclass(frozen=True)
+class Against:
+    """What a user's own reference says: largest error [% of the mean load] and its contact, the uncertainty that the
+    reference states of any contact [% of the mean load], and what it says of itself."""
+
+    error: LoadError
+    uncertainty: float
+    stated: str
+
+    @property
+    def words(self) -> str:
+        """The largest error in words."""
+        e = self.error
+        return f"loads are off by up to {e.max_percent:.2f} % of their mean (ball {e.ball} {e.side})"
+
+
+def against(given: Reference, result: StaticResult) -> Against:
+    """A result held against a user's own reference."""
+    error = load_error(result.load, given.load, given.contacts)
+    return Against(error, uncertainty_percent(given), given.stated)
+
+
+def verdict(
+    found: Answers, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None, given: Against | None = None
+) -> str:
     """The answer in one sentence: worst pressure and safety, and how far they may be trusted."""
     worst, safety = found.loads.worst, found.loads.safety
     if worst is None or safety is None:
@@ -140,6 +174,8 @@ def verdict(found: Answers, worth: ModelForm, judged: Sequence[Validated], refer
         f"The most pressed contact (ball {worst.ball} {worst.side}) carries {worst.force:.0f} N at "
         f"{1e-6 * worst.pressure:.0f} MPa, static safety {safety.factor:.2g}"
     )
+    if given is not None:
+        return f"{text}; {given.stated}, {given.words}."
     if judged and reference is not None:
         v = judged[0]
         bar = f"u_val {v.combined:.2f} %" if np.isfinite(v.combined) else "one mesh level, so without its uncertainty"
@@ -152,8 +188,8 @@ def verdict(found: Answers, worth: ModelForm, judged: Sequence[Validated], refer
     return f"{text}; an error of up to {worth.percent:.1f} % of the mean load is to be expected of scenes like it."
 
 
-def _loads(scene: Scene, result: StaticResult, reference: Reference | None) -> Section:
-    """Figure and table of all contacts with their pressures."""
+def _loads(scene: Scene, result: StaticResult, references: Sequence[Reference]) -> Section:
+    """Figure and table of all contacts with their pressures, beside those of references."""
     balls = [float(k + 1) for k in range(result.load.shape[0])]
     panels = []
     pressure = 1e-6 * nominal_hertz(scene).pressure(result.load)
@@ -161,10 +197,10 @@ def _loads(scene: Scene, result: StaticResult, reference: Reference | None) -> S
         if not (result.load[:, s] > 0.0).any():
             continue
         series = [Series(DEFAULT, balls, result.load[:, s].tolist(), "line+markers", emphasis=True)]
-        if reference is not None:
+        for reference in references:
             own, bar = reference.load[:, s], reference.uncertainty[:, s]
             ends = (own - bar).tolist(), (own + bar).tolist()
-            series.append(Series("3D reference", balls, own.tolist(), "markers", bars=ends))
+            series.append(Series(reference.label, balls, own.tolist(), "markers", bars=ends))
         panels.append(Panel(f"screw's flank {side}", "ball", "contact load / N", tuple(series), zero=True, integer_x=True))
     rows: list[Row] = []
     for i, s in zip(*np.nonzero(result.load > 0.0), strict=True):
@@ -173,8 +209,9 @@ def _loads(scene: Scene, result: StaticResult, reference: Reference | None) -> S
             Quantity("side", "flank", "", "s"): SIDES[int(s)],
             Quantity("load", "load", "N", ".1f"): float(result.load[i, s]),
         }
-        if reference is not None:
-            row[Quantity("reference", "3D reference", "N", ".1f")] = float(reference.load[i, s])
+        for reference in references:
+            key = "given" if reference.stated else "reference"
+            row[Quantity(key, reference.label, "N", ".1f")] = float(reference.load[i, s])
         row[Quantity("angle", "contact angle", "deg", ".2f")] = float(np.degrees(result.contact_angle[i, s]))
         row[Quantity("pressure", "peak pressure", "MPa", ".0f")] = float(pressure[i, s])
         rows.append(row)
@@ -214,11 +251,16 @@ def _stiffness(found: Answers, tangent: Tangent) -> Section:
     return Section("stiffness", "Stiffness", (first, Table.of("tangent", "Stiffness 6 x 6", cells, note)))
 
 
-def _error(scene: Scene, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None) -> Section:
+def _error(
+    scene: Scene, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None, given: Against | None = None
+) -> Section:
     """Measured error with u_val where a reference is stored, expected error, and where the scene lies."""
     from rollbench.comparison.commands.solving.solve_output import model_form_text
 
     items: list[Text | Table | Figure] = []
+    if given is not None:
+        said = f"{given.stated[:1].upper()}{given.stated[1:]}: {given.words}, uncertain by up to {given.uncertainty:.2f} %."
+        items.append(Text((said,)))
     if judged and reference is not None:
         levels = ", ".join(str(run.level) for run in reference.runs)
         rows: list[Row] = [
@@ -249,10 +291,11 @@ def _error(scene: Scene, worth: ModelForm, judged: Sequence[Validated], referenc
     return Section("error", "How far these numbers may be trusted", items)
 
 
-def _notes(result: StaticResult) -> Section:
+def _notes(result: StaticResult, warnings: Sequence[str] = ()) -> Section:
     """Warnings, assumptions, what is left out."""
     items: list[Text | Table | Figure] = []
-    for head, lines in (("Warning", result.warnings), ("Assumed", result.assumed), ("Left out", result.left_out)):
+    warned = (*warnings, *result.warnings)
+    for head, lines in (("Warning", warned), ("Assumed", result.assumed), ("Left out", result.left_out)):
         if lines:
             items.append(Text(tuple(f"{head}: {line}" for line in lines), bullets=True))
     return Section("assumptions", "Assumptions", items)
@@ -278,7 +321,7 @@ def _files(scene: Scene, reference: Reference | None, stores: Sequence[Path]) ->
     return out | {path.name: sha256(path.read_bytes()) for path in paths if path.exists()}
 
 
-def _provenance(name: str, scene: Scene, text: str, reference: Reference | None) -> dict[str, str]:
+def _provenance(name: str, scene: Scene, text: str, reference: Reference | None, own: Path | None = None) -> dict[str, str]:
     out = {
         "scene": f"{Path(name).name}, SHA-256 {sha256(text)}",
         "rollbench": f"{__version__}, commit {commit()}",
@@ -292,6 +335,8 @@ def _provenance(name: str, scene: Scene, text: str, reference: Reference | None)
             f"level {r.level} of {r.date}, rollbench {r.versions.get('rollbench', '?')}" for r in reference.runs
         )
         out["3D reference"] = runs
+    if own is not None:
+        out["reference"] = f"{own.name}, SHA-256 {sha256(own.read_bytes())}"
     if scene.source:
         out["source"] = scene.source
     return out

@@ -67,12 +67,12 @@ def run_verify(report: Path, store: Path) -> Answer:
     return Answer(parts=[*(row.line for row in shown), count], code=1 if wrong else 0)
 
 
-def run_page(scene: str, out: Path, store: Path, against: Path | None) -> Answer:
+def run_page(scene: str, out: Path, store: Path, against: Path | None, reference: Path | None = None) -> Answer:
     """Write the page of a scene, and list what moved against an earlier one; exit code 1 where a load case did not
     converge. Raises InputError as `make_page`, `read`."""
     before = None if against is None else read(against)[1]
-    page = make_page(scene, out, store)
-    parts = [page.verdict, f"page: {out / 'index.html'}"]
+    page = make_page(scene, out, store, reference)
+    parts = [*(f"WARNING: {warning}" for warning in page.warnings), page.verdict, f"page: {out / 'index.html'}"]
     if before is not None:
         after = read(out)[1]
         lines = [

@@ -119,5 +119,4 @@ def block(assembly: Assembly, result: AxisResult, found: AxisAnswers, width: int
         each = "; ".join(f"{name} {value:.3g} N mm" for name, value in torques.items())
         words = "in all by Palmgren's load formula (Smith 2.33), without lubricant and seals"
         lines.append(("starting", f"torque {sum(torques.values()):.3g} N mm {words}: {each}"))
-    lines.append(("assumed", f"{len(result.assumed)} statements, {len(result.left_out)} things left out: listed below"))
     return "\n".join(entry(label, text, width) for label, text in lines)

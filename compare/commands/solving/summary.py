@@ -159,7 +159,6 @@ def entries(
         ("life", _life(data, speed)),
         ("ratings", _ratings(data)),
         ("error", "not estimated" if worth is None else model_form_text(worth).removeprefix(MODEL_FORM).lstrip(": ")),
-        ("assumed", f"{len(result.assumed)} statements, {len(result.left_out)} things left out: listed below"),
     )
 
 

@@ -3,6 +3,8 @@
 from rollbench.comparison.registration import Part, Registration
 
 REGISTRATION = Registration(
-    parts=(Part("external", "sources.external.section", runs=True, needs=("bearings", "friction", "rolling")),),
+    parts=(
+        Part("external", "sources.external.section", runs=True, needs=("bearings", "friction", "rolling"), page="outside"),
+    ),
     functions={"computations": "sources.external.computations:COMPUTATIONS", "gate": "sources.external.gate:external_rows"},
 )

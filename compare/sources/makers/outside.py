@@ -179,7 +179,7 @@ def summary(found: Sequence[Outside]) -> Table:
         "displacement under the measuring load, those of contact loads by CalculiX of the mean load. 80 %: what makers "
         "advise to take of a computed rigidity of a nut."
     )
-    return Table.of("outside-summary", "Outside values by quantity, law and maker", rows, note)
+    return Table.of("outside-summary", "Outside values by quantity, law and maker", rows, note, shown=30)
 
 
 def every(found: Sequence[Outside]) -> Table:

@@ -4,6 +4,6 @@ from rollbench.comparison.registration import Part, Registration
 
 REGISTRATION = Registration(
     needs=("bearings", "friction"),
-    parts=(Part("outside", "sources.makers.section"),),
+    parts=(Part("outside", "sources.makers.section", page="outside"),),
     functions={"outside": "sources.makers.values:first_page"},
 )

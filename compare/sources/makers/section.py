@@ -155,5 +155,5 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report."""
     step("outside values")
     found = outside_values(study)
-    texts = (conclusion(found), why_softer(found), balls_counted(found), drag(found))
-    return Section("outside", TITLE, (Text(texts), summary(found), figure(found), sweep_table(), every(found)))
+    items = (Text((why_softer(found), balls_counted(found), drag(found))), summary(found), figure(found), sweep_table())
+    return Section("outside", TITLE, (*items, every(found)), conclusion=conclusion(found))

@@ -161,9 +161,14 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> Made:
     refuse_large(scene)
     if scene.solid.nut == "rigid":
         raise InputError(scene.name, "solid.nut", '"rigid"', '"elastic"', "leave it out: a deck holds whole bodies")
-    if scene.solid.nut_held is not None and scene.solid.nut_held not in HELD:
+    half_face = scene.solid.nut_held is not None and scene.solid.nut_held not in HELD
+    if half_face or (scene.nut.flange is not None and scene.nut.flange.bolts):
         raise InputError(
-            scene.name, "nut.held.at", f'"{scene.solid.nut_held}"', ", ".join(HELD), "a deck holds whole surfaces"
+            scene.name,
+            "nut.held.at",
+            f'"{scene.solid.nut_held}"' if half_face else "single bolts",
+            ", ".join(HELD),
+            "a deck holds whole surfaces",
         )
     if scene.solid.nut_groove != "through":
         raise InputError(

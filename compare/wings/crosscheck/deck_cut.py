@@ -37,6 +37,7 @@ def cut_scene(scene: Scene, first: int, last: int) -> Scene:
     for found, key, value, allowed in (
         (track.lead == 0.0, "track.lead", "0 mm", "a screw: a ring cannot be cut"),
         (track.starts != 1, "track.starts", str(track.starts), "one start"),
+        (scene.nut.flange is not None, "nut.flange", "a flange", "a nut without one: a piece of it has none"),
         (scene.errors.random, "errors", "random errors", "errors that are given"),
         (any(v for s in scene.supports for _, v in s.fixed), "supports", "a prescribed displacement", "supports at zero"),
     ):

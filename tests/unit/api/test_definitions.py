@@ -39,7 +39,7 @@ COMMANDS = (
     "solve lin-random --model lin --members 3 --balls",
     "friction lin-case3 --model lin --mu 0.1",
     "friction lin-case1 --model lin --mu 0.1",
-    "check lin-case1 --model lin --no-compute",
+    "check lin-case1 --model lin --no-compute --limit angle=1",
     "compare lin-case1 --model lin",
 )
 
@@ -58,7 +58,10 @@ def printed(tmp_path_factory) -> list[tuple[str, object]]:
     turning.write_text(f'{data_files("scenes")["lin-case1"].read_text()}\n[motion]\nspeed = "60 rpm"\n')
     bearings = turning.with_name("bearings.toml")
     bearings.write_text(template("support-bearings"))
-    commands = (*COMMANDS, *(f"solve {file} --model lin" for file in (turning, bearings)))
+    cases = turning.with_name("lin.toml")  # its only case has the stored runs of lin-case1
+    cases.write_text(f'{data_files("scenes")["lin-case1"].read_text()}\n[[cases]]\nname = "case1"\nshare = 1\n')
+    of_cases = [f"{one} {cases} --model lin" for one in ("solve", "friction", "compare", "check --no-compute")]
+    commands = (*COMMANDS, *of_cases, *(f"solve {file} --model lin" for file in (turning, bearings)))
     return list(chain.from_iterable(leaves(answered(command)) for command in commands))
 
 

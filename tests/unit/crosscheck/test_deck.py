@@ -21,7 +21,7 @@ from rollbench.comparison.wings.crosscheck.export_deck import DeckChoices, run_d
 from rollbench.comparison.wings.crosscheck.nut import check_nut, load_nut, save_nut
 from rollbench.meshes.deck import Contact, Deck, DeckBody, RigidSection, element_faces, number, outer_faces, write
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.parts import FourierTerm, Material
+from rollbench.meshes.parts import Flange, FourierTerm, Material
 
 pytestmark = pytest.mark.xdist_group("deck")
 
@@ -158,6 +158,14 @@ def test_two_programs_find_one_compliance_of_the_nut(tmp_path: Path):
     assert "NOT within 0.1 %" in wrong.sentence()
     save_nut(tmp_path, found)
     np.testing.assert_allclose(load_nut(tmp_path).ours, found.ours, rtol=1e-7)
+
+
+@CCX
+def test_two_programs_find_one_compliance_of_a_nut_on_its_flange(tmp_path: Path):
+    scene = cut_scene(catalogue.scene("lin-case1"), 16, 16)
+    nut = replace(scene.nut, flange=Flange(64e-3, 5e-3, (26e-3, 30e-3), "right", 4e-3, bonded=True))
+    scene = replace(scene, nut=nut, solid=replace(scene.solid, nut_held="flange face"))
+    assert check_nut(scene, tmp_path, DeckOptions(b_over_h=0.5, growth=0.9)).difference < 0.1
 
 
 @CCX

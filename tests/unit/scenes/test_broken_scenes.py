@@ -327,7 +327,7 @@ CASES = {  # name: (changes to the template, key, value as found, a part of rang
     "table for a value": ({'length = "800 mm"': "length = { mm = 800 }"}, "screw.length", "{ mm = 800 }", "not text"),
     "value for a table": ({"[[supports]]\n": "[errors]\nSL = 3\n[[supports]]\n"}, "errors.SL", "3", "a table of profile"),
     "TOML syntax": ({'length = "800 mm"': 'length = "800 mm'}, "line 30, column 17", 'length = "800 mm', "TOML"),
-    "TOML key twice": ({"turns = 2": "turns = 2\nturns = 3"}, "line 65, column 10", "turns = 3", "overwrite"),
+    "TOML key twice": ({"turns = 2": "turns = 2\nturns = 3"}, "line 66, column 10", "turns = 3", "overwrite"),
     "TOML nested too deeply": ({"turns = 2": "turns = " + "[" * 5000}, "file", "text that is not TOML", "nested"),
     "TOML huge integer": ({"count = 32": "count = " + "9" * 5000}, "file", "text that is not TOML", "digits"),
     "empty file": (None, "title", "nothing", "add title"),

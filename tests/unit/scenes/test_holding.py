@@ -21,7 +21,10 @@ def test_a_flange_holds_its_nut_by_its_whole_face_unless_the_file_says_more() ->
     assert scene.nut.flange == Flange(72e-3, 11e-3, (24e-3, 36e-3))
     dims = dimensions(scene)
     assert (dims.nut_held, dims.held_radii) == ("flange face", (24e-3, 36e-3))
-    assert "The face of the nut's flange is bonded to a rigid housing from 48 to 72 mm" in " ".join(dims.assumed)
+    assert "bonded to a rigid housing all over its annulus, 48 to 72 mm in diameter" in " ".join(dims.assumed)
+    bolted = dimensions(read(FLANGE + "[nut.held]\nbolts = 6\n"))
+    assert bolted.nut_held == "flange face, 6 bolts"
+    assert "low-order models hold the whole annulus" in " ".join(bolted.assumed)
     fit = FLANGE + 'side = "right"\ncentring = "10 mm"\n[nut.held]\nouter_diameter = "60 mm"\ncentring = "bonded"\n'
     scene = read(fit)
     assert scene.nut.flange == Flange(72e-3, 11e-3, (24e-3, 30e-3), "right", 10e-3, bonded=True)

@@ -29,7 +29,7 @@ def holding(flange: Flange | None, at: str | None, m) -> list[str]:
     if at == "flange face":
         low, high = (m(2.0 * r) for r in flange.seat)
         lines.append(f"inner_diameter = {low}\nouter_diameter = {high}")
-        lines.append(f'centring = "{"bonded" if flange.bonded else "free"}"')
+        lines.append(f'centring = "{"bonded" if flange.bonded else "free"}"\nbolts = {flange.bolts}')
     return lines
 
 

@@ -17,7 +17,8 @@ from rollbench.meshes.helix import ball_layout
 
 #: The survey's seed; no scene of it is ever drawn again.
 SEED = 20360
-SCENES = 200
+#: Nuts without a flange come first.
+TUBES, SCENES = 200, 240
 #: Nominal diameters with their leads [mm].
 SIZES = {
     16: (5, 10, 16),
@@ -81,7 +82,28 @@ def scene_text(seed: int, number: int) -> str:
         scene["preload"] = _preload(rng, kind, ball, force)
     scene["loads"] = _loads(rng, force, pitch / 2.0, scene["nut"]["position"])
     scene["nut"]["length"] = _nut_length(scene, rng)
+    if number >= TUBES:
+        del scene["solid"]
+        scene["title"] += ", flange"
+        scene["nut"] |= _flange(rng, *(float(scene["nut"][x].removesuffix(" mm")) for x in ("length", "outer_diameter")))
     return _toml(scene)
+
+
+def _flange(rng: np.random.Generator, length: float, wall: float) -> dict[str, dict[str, str]]:
+    """A flange for a nut of a length and an outer diameter [mm], and the annulus of its face, which the nut is held by."""
+    wide, thick = wall * rng.uniform(1.3, 1.8), min(wall * rng.uniform(0.15, 0.3), 0.4 * length)
+    room, fit = wide - wall, rng.uniform(0.05, 0.5) * (length - thick)
+    low, high = wall + room * rng.uniform(0.0, 0.3), wide - room * rng.uniform(0.0, 0.3)
+    bonded = rng.random() < 0.4
+    flange = {"diameter": wide, "thickness": thick, "centring": fit if bonded else 0.0}
+    return {
+        "flange": {name: f"{x:.2f} mm" for name, x in flange.items()} | {"side": str(rng.choice(["left", "right"]))},
+        "held": {
+            "inner_diameter": f"{low:.2f} mm",
+            "outer_diameter": f"{high:.2f} mm",
+            "centring": "bonded" if bonded else "free",
+        },
+    }
 
 
 def _log(rng: np.random.Generator, low: float, high: float) -> float:

@@ -26,6 +26,7 @@ from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.solid import dimensions
 
 #: Models that are compared, and the mesh level.
 MODELS, LEVEL = ("refined", "lin"), 1
@@ -90,7 +91,7 @@ def described(scene: Scene) -> Record:
         "balls_per_turn": round(2.0 * np.pi * (scene.ball_count / scene.track.starts - 1) / max(_turned(scene), 1e-9), 2),
         "low_face_radii": round(float((half + z.min()) / r), 3),
         "high_face_radii": round(float((half - z.max()) / r), 3),
-        "nut_held": scene.solid.nut_held,
+        "nut_held": dimensions(scene).nut_held,
         "contact_angle_deg": round(float(np.degrees(scene.track.contact_angle)), 2),
         "conformity_screw": round(scene.screw.groove_radius / (2.0 * r), 4),
         "conformity_nut": round(scene.nut.groove_radius / (2.0 * r), 4),

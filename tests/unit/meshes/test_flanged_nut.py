@@ -1,0 +1,60 @@
+"""A nut's flange in 3D: named surfaces with their areas, the volume that it adds, on either side."""
+
+import numpy as np
+import pytest
+from tests.fe_meshes import outer_faces, volume_of
+
+from rollbench.comparison.scenes import catalogue
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.grooved_body import BodySpec, outline
+from rollbench.meshes.parts import Flange
+from rollbench.meshes.sockets import SocketSize
+from rollbench.meshes.whole_bodies import Refinement, whole_body
+
+CASE = catalogue.scene("lin-case1")
+LAND, WALL, ENDS = 17e-3, 24e-3, (388e-3, 412e-3)
+FLANGE = Flange(66e-3, 6e-3, (26e-3, 31e-3), "left", 5e-3)
+MM2 = 1e-6 * np.pi
+
+
+def body(flange: Flange | None):  # type: ignore[no-untyped-def]
+    spec = BodySpec(LAND, WALL, *ENDS, False, (), SocketSize(1.0, 1.0, 1.0), 4e-3, 8e-3, flange=flange)
+    return whole_body(GrooveMap.of(CASE), spec, Refinement(np.array([[0.0, 0.0, 0.4]]), 4e-3, 1.0, 8e-3))
+
+
+@pytest.fixture(scope="module")
+def plain() -> float:
+    return volume_of(body(None))
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_surfaces_of_a_flange_are_named_and_whole(side, plain: float) -> None:
+    made = body(Flange(66e-3, 6e-3, (26e-3, 31e-3), side, 5e-3))
+    assert volume_of(made) - plain == pytest.approx(MM2 * 6e-3 * (33.0**2 - 24.0**2), rel=0.02)
+    faces, _ = outer_faces(made.cells)
+    area = {}
+    for name, nodes in made.named.items():
+        own = faces[np.isin(faces, nodes).all(axis=1)]
+        a = [made.points[own[:, k]] for k in range(6)]
+        pieces = ((a[0], a[3], a[4]), (a[3], a[1], a[5]), (a[4], a[5], a[2]), (a[3], a[5], a[4]))
+        area[name] = sum(0.5 * np.linalg.norm(np.cross(q - p, s - p), axis=1).sum() for p, q, s in pieces)
+    expected = {
+        "rim": 2.0 * 33.0 * 6.0,
+        "seat": 31.0**2 - 26.0**2,
+        "flange": 33.0**2 - 31.0**2 + 26.0**2 - 24.0**2,
+        "centring": 2.0 * 24.0 * 5.0,
+        "outside": 2.0 * 24.0 * 13.0,
+    }
+    for name, size in expected.items():
+        assert area[name] == pytest.approx(MM2 * size, rel=0.02), name
+    face = ENDS[0] + 6e-3 if side == "left" else ENDS[1] - 6e-3
+    assert np.abs(made.points[made.named["seat"], 2] - face).max() < 1e-9
+
+
+def test_an_annulus_that_fills_the_face_leaves_no_other_surface() -> None:
+    names, places = outline(Flange(66e-3, 6e-3, (24e-3, 33e-3)), WALL, ENDS)
+    assert names == ["rim", "seat", "outside"]
+    assert places == [(33e-3, 0.388), (33e-3, 0.394), (24e-3, 0.394), (24e-3, 0.412)]
+    names, places = outline(Flange(66e-3, 6e-3, (25e-3, 33e-3), "right", 18e-3), WALL, ENDS)
+    assert names == ["centring", "flange", "seat", "rim"]
+    assert [z for _, z in places] == pytest.approx([0.388, 0.406, 0.406, 0.406, 0.412])
