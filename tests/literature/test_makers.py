@@ -11,6 +11,7 @@ from rollbench.comparison.sources.makers import section, values
 from rollbench.comparison.sources.makers.laws import bearings, nuts, torque
 from rollbench.comparison.sources.makers.outside import BIAS, MEASURED, NUMBER, Band, Outside, standing, summary
 from rollbench.comparison.sources.makers.tables import Table, half_step, table
+from rollbench.reports import records
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
@@ -146,9 +147,10 @@ def test_all_values_and_their_table() -> None:
 
 def test_section_says_its_conclusion_first() -> None:
     made = section.section(STUDY, lambda _: None)
-    text = made.items[0]
-    assert text.paragraphs[0].startswith("36")  # type: ignore[union-attr]
-    assert [x.name for x in made.items[1:]] == ["outside-summary", "outside-errors", "outside-drag", "outside"]  # type: ignore[union-attr]
+    assert made.conclusion.startswith("36")
+    shown = made.items[1]
+    assert isinstance(shown, records.Table)
+    assert "1020: a formula in disguise" in shown.note
 
 
 @pytest.mark.parametrize(

@@ -136,7 +136,8 @@ def sweep_table() -> Table:
         for (name, _), value in zip(torque.FORMULAS, one.formulas, strict=True):
             row[Quantity(name, name, "1e-3", ".1f")] = 1e3 * value
         rows.append(row)
-    note = f"Nominal diameter {torque.SWEPT[0]:g} mm, balls of {torque.BALL:g} mm, {torque.SHARE:g} N each; coefficient 0.1, or as named."
+    at = f"Nominal diameter {torque.SWEPT[0]:g} mm, balls of {torque.BALL:g} mm, {torque.SHARE:g} N each"
+    note = f"{at}; coefficient {torque.DEFAULT:g}, or as named."
     return Table.of("outside-drag", "Drag torque over preload times nominal diameter", rows, note)
 
 
