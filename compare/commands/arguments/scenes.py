@@ -53,6 +53,7 @@ def new(file: Path, *, kind: Word = "", like: Word = "") -> None:
         Nominal diameter and lead of a ball screw or double nut in mm, such as 40x10: the rest as is usual for such a
         size.
     """
+    from rollbench.comparison.registration import ROOT
     from rollbench.comparison.scenes.like import double_nut_like, scene_like
     from rollbench.comparison.scenes.names import WHOLE
     from rollbench.comparison.scenes.template import AXES, BEARINGS, template
@@ -63,7 +64,8 @@ def new(file: Path, *, kind: Word = "", like: Word = "") -> None:
     if like and kind not in sized:
         allowed = "without --kind, or with --kind double-nut"
         raise InputError("command line", "--like", like, allowed, "a nominal size is that of a ball screw")
-    write_new(file, sized[kind](like) if like else template(kind))
+    schema_line = f"#:schema {(ROOT / 'scene.schema.json').as_uri()}\n"  # editors complete and check keys by it
+    write_new(file, schema_line + (sized[kind](like) if like else template(kind)))
     command = "solve" if kind in (*WHOLE, *AXES, *BEARINGS) else "friction"
     print_answer(Answer(parts=[f"wrote {file}; solve it with: rollbench {command} {file}"]))
 
