@@ -11,6 +11,7 @@ from rollbench.comparison.sources.makers import section, values
 from rollbench.comparison.sources.makers.laws import bearings, nuts, torque
 from rollbench.comparison.sources.makers.outside import BIAS, MEASURED, NUMBER, Band, Outside, standing, summary
 from rollbench.comparison.sources.makers.tables import Table, half_step, table
+from rollbench.reports import records
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
@@ -79,6 +80,20 @@ def test_two_ratings_of_a_nut_count_the_same_balls() -> None:
         assert middle[f"{name} by C"] == pytest.approx(share, rel=0.03)
 
 
+def test_ratings_of_fewer_balls_and_more_turns() -> None:
+    one = nuts.Nut(6.35e-3, 41.4e-3, 10e-3, 1.0, short=False)
+    full, half = nuts.of_ratings(one, 0.52, 1.0), nuts.of_ratings(replace(one, turns=3.0), 0.52, 0.5)
+    assert half[0] / full[0] == pytest.approx(0.5 ** (2 / 3) * 3.0**0.86)
+    assert half[1] / full[1] == pytest.approx(1.5)
+
+
+def test_formulas_in_disguise_are_computed_and_not_judged() -> None:
+    found = list(bearings.frozen_pairs())
+    assert (len(found), standing(found)) == (1020, None)
+    ratio = np.median([x.computed.value / x.value for x in found])
+    assert ratio == pytest.approx(1.0, abs=0.25)
+
+
 def test_four_fifths_of_the_computed_rigidity_is_what_makers_print() -> None:
     own = [x for x in nuts.nut_rigidity() if not x.left]
     errors = np.array([(x.practice or 0.0) / x.value - 1.0 for x in own])
@@ -132,9 +147,10 @@ def test_all_values_and_their_table() -> None:
 
 def test_section_says_its_conclusion_first() -> None:
     made = section.section(STUDY, lambda _: None)
-    text = made.items[0]
-    assert text.paragraphs[0].startswith("36")  # type: ignore[union-attr]
-    assert [x.name for x in made.items[1:]] == ["outside-summary", "outside-errors", "outside-drag", "outside"]  # type: ignore[union-attr]
+    assert made.conclusion.startswith("36")
+    shown = made.items[1]
+    assert isinstance(shown, records.Table)
+    assert "1020: a formula in disguise" in shown.note
 
 
 @pytest.mark.parametrize(

@@ -158,26 +158,33 @@ def by_quantity(found: Sequence[Outside]) -> dict[str, dict[Quantity, Cell]]:
 def summary(found: Sequence[Outside]) -> Table:
     """One row for each quantity, law and maker."""
     rows: list[dict[Quantity | str, Cell]] = []
+    without: list[str] = []
     for (quantity, law, group), own in grouped(found, "quantity", "law", "group").items():
-        row: dict[Quantity | str, Cell] = {"quantity": quantity, "computed by": law, "against": group}
+        left = [x.left for x in own if x.left]
+        words = "; ".join(f"{left.count(why)}: {why}" for why in dict.fromkeys(left))
         s = standing(own)
-        if s is not None:
-            row |= {
+        if s is None:
+            without.append(f"{quantity}, {group}, {words}")
+            continue
+        rows.append(
+            {
+                "quantity": quantity,
+                "computed by": law,
+                "against": group,
                 NUMBER: s.number,
                 BIAS: s.bias,
                 SCATTER: s.scatter,
                 Quantity("inside", "in their band", "", ".0f"): s.inside,
                 Quantity("width", "width of the band, median", "%", ".1f"): s.width,
                 Quantity("practice", "bias of 80 % of it", "%", "+.1f"): s.practice,
+                "not judged": words,
             }
-        left = [x.left for x in own if x.left]
-        row["not judged"] = "; ".join(f"{left.count(why)}: {why}" for why in dict.fromkeys(left))
-        rows.append(row)
+        )
     note = (
         "Bias and scatter: mean and standard deviation of the errors of the computed value. Bands carry the rounding of "
         "what is printed through, and the usual range of what is not. Errors of clearances are in per cent of the "
         "displacement under the measuring load, those of contact loads by CalculiX of the mean load. 80 %: what makers "
-        "advise to take of a computed rigidity of a nut."
+        f"advise to take of a computed rigidity of a nut. Not judged at all: {'. '.join(without)}."
     )
     return Table.of("outside-summary", "Outside values by quantity, law and maker", rows, note, shown=30)
 

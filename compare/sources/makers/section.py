@@ -57,12 +57,12 @@ def why_softer(found: Sequence[Outside]) -> str:
     assert bare is not None
     assert rex is not None
     return (
-        f"Printed rigidities of nuts are lower because makers print about {100.0 * PRACTICE:g} % of the computed "
-        f"one. The number of loaded balls is the maker's own, from his C_0; contacts and tubes then lie {bare.bias:+.0f} "
-        f"% from what is printed, {100.0 * PRACTICE:g} % of them {min(means):+.0f} to {max(means):+.0f} % by maker, "
-        f"and {close} of {len(most)} nuts within 10 %. Rexroth's do not come out ({rex.bias:+.0f} %): a factor of 0.43 at "
-        "every size and preload, whose origin (ISO 3408-4's factor of accuracy is named, its value is not readable here) "
-        "stays open; their growth with preload does."
+        f"Printed rigidities of nuts are lower because makers print about {100.0 * PRACTICE:g} % of the computed one. The "
+        f"number of loaded balls is the maker's own, from his C_0; contacts and tubes then lie {bare.bias:+.0f} % from "
+        f"what is printed, {100.0 * PRACTICE:g} % of them {min(means):+.0f} to {max(means):+.0f} % by maker, and {close} "
+        f"of {len(most)} nuts within 10 %. Rexroth's do not come out ({rex.bias:+.0f} %): a factor of 0.43 at every size "
+        "and preload, whose origin (ISO 3408-4's factor of accuracy is named, its value is not readable here) stays "
+        "open; their growth with preload does."
     )
 
 
@@ -104,6 +104,7 @@ def drag(found: Sequence[Outside]) -> str:
         torque.order([torque.torque_of_ball(torque.size(0.01), x, torque.DEFAULT, double=d) for x in shares], shares)
         for d in (False, True)
     ]
+    least = [float(np.median([r.least[k] / getattr(r, key) for r in rows])) for k, key in enumerate(("single", "double"))]
     cases = [x for x in found if x.cls == MEASURED]
     one = cases[0]
     words = ", ".join(f"{x.value:g} {x.item.split(', ')[1]}" for x in cases)
@@ -111,10 +112,13 @@ def drag(found: Sequence[Outside]) -> str:
         f"Drag torque grows with the lead to the power {own[0]:.2f} (balls pressed on four flanks) and {own[1]:.2f} "
         f"(double nut) by the sliding of the balls; by the makers' formulas {named}. So none is right: Rexroth's is "
         "nearest for single nuts, THK's for double ones, and a constant K_p over the lead is far from either. Over the "
-        f"preload the sliding gives {over[0]:.2f} and {over[1]:.2f}, all formulas 1. Two measured screws (N m: {words}): "
+        f"preload the sliding gives {over[0]:.2f} and {over[1]:.2f}, all formulas 1. A coefficient of {torque.LEAST:g} "
+        f"gives {least[0]:.2f} and {least[1]:.3f} of these torques. Two measured screws (N m: {words}): "
         f"{one.computed.value:.2f} at the default coefficient of {torque.DEFAULT:g}, band {one.computed.low:.2f} to "
         f"{one.computed.high:.2f} for diameters of 25 to 40 mm and either kind of nut; which one they are is open, "
-        "because neither is printed, and worn ones have lost a preload that nobody prints."
+        "because neither is printed, and worn ones have lost a preload that nobody prints. Other measurements (a ratio "
+        "of friction to load of 0.00055 by NBS, coefficients of spinning by NASA) are open, because the radii of their "
+        "grooves are not readable."
     )
 
 
@@ -126,13 +130,14 @@ def sweep_table() -> Table:
             Quantity("lead", "lead", "mm", "g3"): 1e3 * one.lead,
             Quantity("single", "single nut", "1e-3", ".1f"): 1e3 * one.single,
             Quantity("double", "double nut", "1e-3", ".1f"): 1e3 * one.double,
+            Quantity("least", f"single nut, coefficient {torque.LEAST:g}", "1e-3", ".2f"): 1e3 * one.least[0],
+            Quantity("least_double", f"double nut, coefficient {torque.LEAST:g}", "1e-3", ".3f"): 1e3 * one.least[1],
         }
         for (name, _), value in zip(torque.FORMULAS, one.formulas, strict=True):
             row[Quantity(name, name, "1e-3", ".1f")] = 1e3 * value
         rows.append(row)
-    note = (
-        f"Nominal diameter {torque.SWEPT[0]:g} mm, balls of {torque.BALL:g} mm, {torque.SHARE:g} N each, coefficient 0.1."
-    )
+    at = f"Nominal diameter {torque.SWEPT[0]:g} mm, balls of {torque.BALL:g} mm, {torque.SHARE:g} N each"
+    note = f"{at}; coefficient {torque.DEFAULT:g}, or as named."
     return Table.of("outside-drag", "Drag torque over preload times nominal diameter", rows, note)
 
 

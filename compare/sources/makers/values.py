@@ -13,6 +13,7 @@ LAWS = (
     bearings.sets,
     bearings.ball_bearings,
     bearings.printed_balls,
+    bearings.frozen_pairs,
     nuts.nut_ratings,
     nuts.nut_rigidity,
     nuts.preloaded_nuts,

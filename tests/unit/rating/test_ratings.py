@@ -155,6 +155,7 @@ def test_bodies_add_the_displacement_of_thick_tubes_in_the_form_of_ISO_3408_4() 
     assert found is not None
     assert found.bodies is not None
     assert found.contacts > found.bodies
+    assert found.practice == pytest.approx(0.8 * found.bodies)  # what makers advise to take
     assert found.unequal == pytest.approx(250e6)
     assert rigidities(scene, 0.0, None) is None
 

@@ -201,6 +201,14 @@ class TestPage:
         assert page.attributes("src") == ["figures/screw.png", SEARCH]
         assert (tmp_path / "out" / "figures" / "screw.png").read_bytes() == PNG_START
 
+    def test_a_page_shows_some_rows_and_the_file_holds_all(self, tmp_path):
+        long = replace(Table.of("long", "Long", [{"name": f"row {k}"} for k in range(9)]), shown=2)
+        html.write(report(long), tmp_path / "out")
+        page = (tmp_path / "out" / "first.html").read_text(encoding="utf-8")
+        assert ("row 1" in page, "row 2" in page) == (True, False)
+        assert "2 of 9 rows; the CSV has all." in page
+        assert (tmp_path / "out" / "tables" / "long.csv").read_text(encoding="utf-8").count("row ") == 9
+
     def test_columns_without_an_entry_are_left_out_and_named(self, tmp_path):
         columns = (Quantity("a", "ball", format="s"), Quantity("b", "as printed"), Quantity("c", "claim", format="s"))
         rows = [{"a": 7, "b": None, "c": "words"}, {"a": "12", "b": None, "c": "more"}]

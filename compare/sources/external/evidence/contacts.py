@@ -9,15 +9,18 @@ import numpy as np
 
 from rollbench.comparison.evidence.record import Evidence, Sheet
 from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import load_table
 from rollbench.comparison.sources.external.evidence.case import assembly, given, inputs
 from rollbench.hifi.rolling.patch import hertz_patch
 from rollbench.hifi.rolling.verification import Creep, steady, steady_by_cells
 from rollbench.lowfi.bearings.angular_contact import curvatures, of_angle
-from rollbench.lowfi.hertz import contact_modulus, hertz_constants
+from rollbench.lowfi.hertz import HertzConstants, contact_modulus, hertz_constants
 from rollbench.meshes.parts import Scene
 
 #: Cells of CONTACT's grid along each axis, and its width over the contact's.
 EXAMPLE_CELLS, EXAMPLE_MARGIN = 44, 1.1
+#: Cells of its wheel, along and across.
+WHEEL_CELLS = (48, 44)
 
 
 def ball_of_bearing(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
@@ -51,11 +54,18 @@ def sphere(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table 
     return sheet.evidence()
 
 
-def _example() -> tuple[float, tuple[float, float], float, float]:
-    """Load [N], relative radii [m], Young's modulus [Pa] and Poisson's ratio of CONTACT's example."""
-    poisson, shear = inputs()["contact"]["poissons_ratio"], given("contact", "shear_modulus", "pressure")
-    radii = (given("contact", "along", "length"), given("contact", "across", "length"))
-    return given("contact", "force", "force"), radii, 2.0 * shear * (1.0 + poisson), poisson
+def _example(case: str) -> tuple[float, tuple[float, float], float, float]:
+    """Load [N], relative radii [m], Young's modulus [Pa] and Poisson's ratio of an example of CONTACT."""
+    poisson, shear = inputs()[case]["poissons_ratio"], given(case, "shear_modulus", "pressure")
+    radii = (given(case, "along", "length"), given(case, "across", "length"))
+    return given(case, "force", "force"), radii, 2.0 * shear * (1.0 + poisson), poisson
+
+
+def _hertz(case: str) -> tuple[float, HertzConstants]:
+    """Load [N] and Hertz's constants of an example."""
+    load, radii, young, poisson = _example(case)
+    modulus = contact_modulus(young, poisson, young, poisson)
+    return load, hertz_constants(np.array(1.0 / radii[0]), np.array(1.0 / radii[1]), modulus)
 
 
 @dataclass(frozen=True)
@@ -73,7 +83,7 @@ class Example:
 @lru_cache(maxsize=8)
 def example(cells: int, *, by_cells: bool = False) -> Example:
     """CONTACT's example on a grid of so many cells along each axis; by_cells: discretised as by CONTACT."""
-    case, touch = inputs()["contact"], _example()
+    case, touch = inputs()["contact"], _example("contact")
     creep, mu = Creep(0.0, case["creep_across"], case["spin"]), case["friction"]
     if by_cells:
         found = steady_by_cells(hertz_patch(*touch, (cells, cells), margin=EXAMPLE_MARGIN), creep, mu)
@@ -85,9 +95,7 @@ def example(cells: int, *, by_cells: bool = False) -> Example:
 
 def rolling(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
     """CONTACT's example with lateral creepage and spin: Hertz's part, and the force and moment of exact half spaces."""
-    sheet, (load, radii, young, poisson) = Sheet("external-contact"), _example()
-    modulus = contact_modulus(young, poisson, young, poisson)
-    hertz = hertz_constants(np.array(1.0 / radii[0]), np.array(1.0 / radii[1]), modulus)
+    sheet, (load, hertz) = Sheet("external-contact"), _hertz("contact")
     cube = float(np.cbrt(load))
     sheet.number("a", 1e3 * float(hertz.C_a) * cube)
     sheet.number("b", 1e3 * float(hertz.C_b) * cube)
@@ -97,4 +105,19 @@ def rolling(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table
     for key in ("lateral", "moment"):
         note = f"by CONTACT's differences over one cell; by those of rolling in 3D {getattr(other, key):.4g}"
         sheet.number(key, getattr(own, key), note)
+    _wheel(sheet)
     return sheet.evidence()
+
+
+def _wheel(sheet: Sheet) -> None:
+    """Creep-force curve of a locomotive wheel by CONTACT's differences, where most of the contact slips: that is quick."""
+    load, hertz = _hertz("wheel")
+    cube, mu = float(np.cbrt(load)), float(inputs()["wheel"]["friction"])
+    sheet.number("wheel_a", 1e3 * float(hertz.C_b) * cube)
+    sheet.number("wheel_b", 1e3 * float(hertz.C_a) * cube)
+    patch = hertz_patch(*_example("wheel"), WHEEL_CELLS, margin=EXAMPLE_MARGIN)
+    for row in load_table(sheet.table):
+        curve, _, creep = row.key.rpartition("_")
+        if curve == "wheel_creep":
+            force = steady_by_cells(patch, Creep(float(creep), 0.0, 0.0), mu).force
+            sheet.number(row.key, float(force[0]) / (mu * load))

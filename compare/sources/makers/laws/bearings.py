@@ -218,6 +218,24 @@ def _factor(source: Table, row: Mapping[str, str], factor: float) -> Outside:
     return of_row(source, row, "line_product", "f0", what, Band.of((factor,), off))
 
 
+def frozen_pairs() -> Iterator[Outside]:
+    """Rigidity of pairs whose balls are printed, tangent at the preload, from Hertz contacts whose angle turns. What is
+    printed is the catalogue's own formula, and not judged."""
+    source = table("snfa-angular")
+
+    def read(key: str, factor: float = 1.0) -> Array:
+        return factor * np.array([source.number(row[key]) for row in source.rows])
+
+    pitch, angle = np.array([_middle(row) for row in source.rows]), np.radians(read("angle_deg"))
+    usual = np.full(pitch.size, CONFORMITY)
+    rows = AngleRows(read("balls"), read("ball_diameter_mm", 1e-3), pitch, usual, angle, YOUNG, POISSON)
+    stiff = 2e-7 * state_under(rows, read("preload_daN", 10.0)).stiffness
+    for row, found in zip(source.rows, stiff, strict=True):
+        item = f"{row['bearing']} {row['angle_deg']} deg {row['preload_class']}"
+        what, left = ("rigidity", "bearing whose angle turns", item, "daN/um"), "a formula in disguise"
+        yield of_row(source, row, "line_preload", "Ra_pair_daN_per_um", what, Band.of((found,)), left=left)
+
+
 def printed_balls() -> Iterator[Outside]:
     """C and C_0 of bearings whose balls are printed.
 

@@ -33,7 +33,7 @@ QUANTITIES = {
     "N mm": "contact patch",
 }
 #: Entries whose unit says something else.
-OTHERS = {("external-contact", "approach"): "displacement", ("external-contact", "lateral"): "contact patch"}
+OTHERS = {("external-contact", "approach"): "displacement"}
 
 
 def printed_elsewhere(study: Study) -> Iterator[Outside]:
@@ -45,7 +45,8 @@ def printed_elsewhere(study: Study) -> Iterator[Outside]:
             p = e.printed
             if p.value is None or e.value is None:
                 continue
-            quantity = OTHERS.get((name, p.key), QUANTITIES[p.unit])
+            patch = "contact patch" if name == "external-contact" and not p.unit else QUANTITIES[p.unit]
+            quantity = OTHERS.get((name, p.key), patch)
             rounding = p.tolerance if p.cls == "hard" else max(p.value - (p.low or p.value), (p.high or p.value) - p.value)
             yield Outside(
                 quantity,

@@ -18,8 +18,8 @@ from rollbench.comparison.sources.makers.tables import table
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.meshes.parts import BallErrors, Friction, Load, Motion, Scene, Support
 
-#: Coefficient of friction of balls on grooves: the command's default.
-DEFAULT = 0.1
+#: Coefficient of friction of balls on grooves: the command's default, and the least that bearings with a film have.
+DEFAULT, LEAST = 0.1, 0.003
 #: The law, in words.
 SLIDING = "sliding of the balls, coefficient 0.1"
 #: Balls that stand for all of them.
@@ -88,14 +88,14 @@ FORMULAS = (
 
 @dataclass(frozen=True)
 class Drag:
-    """Drag torque over preload times nominal diameter of a size, of a single nut by the balls' sliding, of a double nut,
-    and
-    by the formulas."""
+    """Drag torque over preload times nominal diameter of a size: of a single and of a double nut by the sliding of the
+    balls, of both at the least coefficient, and by the formulas."""
 
     diameter: float
     lead: float
     single: float
     double: float
+    least: tuple[float, float]
     formulas: tuple[float, ...]
 
 
@@ -114,8 +114,12 @@ def sweep() -> list[Drag]:
     rows = []
     for lead in SWEPT[1]:
         nut, d0 = size(1e-3 * lead), 1e-3 * SWEPT[0]
-        one, two = (torque_of_ball(nut, SHARE, DEFAULT, double=x) / (SHARE * d0) for x in (False, True))
-        rows.append(Drag(d0, 1e-3 * lead, one, two, tuple(f(1.0, d0, 1e-3 * lead) / d0 for _, f in FORMULAS)))
+        own = [torque_of_ball(nut, SHARE, mu, double=x) / (SHARE * d0) for mu in (DEFAULT, LEAST) for x in (False, True)]
+        rows.append(
+            Drag(
+                d0, 1e-3 * lead, own[0], own[1], (own[2], own[3]), tuple(f(1.0, d0, 1e-3 * lead) / d0 for _, f in FORMULAS)
+            )
+        )
     return rows
 
 
