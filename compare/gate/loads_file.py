@@ -101,10 +101,11 @@ class Rows:
         return cls(titles, heads, above + 1, separator != ",", kept, notes)
 
 
-def read_loads(path: Path, balls: int, scene: Scene | None = None) -> GivenLoads:
+def read_loads(path: Path, balls: int, scene: Scene | None = None, case: str | None = None) -> GivenLoads:
     """Loads of a file for a scene of ``balls`` balls, and what else it says of their contacts.
 
-    scene: whose balls are told by azimuth and station where the file has both columns of `PLACE`, else by their numbers.
+    scene: whose balls are told by azimuth and station where the file has both columns of `PLACE`, else by their numbers;
+    case: whose rows are read, those of one case where it is None.
 
     Headings say the units (`gate.columns`). Every ball must be given on every flank that is named, 0 where it carries
     nothing: a row that was lost is not taken for a contact without load. Raises InputError.
@@ -117,6 +118,8 @@ def read_loads(path: Path, balls: int, scene: Scene | None = None) -> GivenLoads
     for number, row in table.rows:
         named = {c.name: (head, c.factor, row.get(head.lower(), "")) for head, c in own.items()}
         cells = _Row(path, f"line {number}", named, decimal_comma=table.decimal_comma)
+        if case is not None and cells.word("case") != case:
+            continue
         cases.add(cells.word("case"))
         if len(cases) > 1:
             advice = "a scene is one load case: split the file, or delete the others"
@@ -128,6 +131,9 @@ def read_loads(path: Path, balls: int, scene: Scene | None = None) -> GivenLoads
             raise InputError(str(path), f"line {number}", value, "each contact once", "keep one of the rows")
         for name, of in values.items():
             of[ball, side] = cells.amount(name)
+    if case is not None and not cases:
+        advice = "rollbench solve SCENE --loads-csv FILE writes all cases, told apart by the column case"
+        raise InputError(str(path), "case", f"no rows of case {case}", "rows of every load case of the scene", advice)
     unknown = tuple(f'"{head}"' for head, c in own.items() if not c.name)
     further = {name: of for name, of in values.items() if name != "load" and name in {c.name for c in own.values()}}
     found = _whole(path, values["load"])

@@ -41,7 +41,7 @@ class Asked:
     or `LIMIT`), and limits of other quantities; levels of the reference to compute at least (None: the best stored,
     `ENOUGH` where there are fewer); compute: whether runs that are missing may be computed; stores: folders of runs, the
     first takes those that are computed; reference: file of the user's own, in place of all of them; strict: whether
-    headings that nothing is known of are an error."""
+    headings that nothing is known of are an error; case: the load case whose rows of ``loads`` are judged."""
 
     stores: tuple[Path, ...]
     model: str = DEFAULT
@@ -53,6 +53,7 @@ class Asked:
     limits: Mapping[str, float] = field(default_factory=dict)
     reference: Path | None = None
     strict: bool = False
+    case: str | None = None
 
 
 def asked(
@@ -194,7 +195,7 @@ def _files(scenes: Sequence[Solvable], what: Asked, warn: Callable[[str], None])
         reference, _ = judged_by(what.reference, scenes[0], warn, limit, strict=what.strict)
     if what.loads is not None:
         scene = _of_one_set(scenes[0], "--loads")
-        loads = read_loads(what.loads, scene.ball_count, scene)
+        loads = read_loads(what.loads, scene.ball_count, scene, what.case)
         _unknown(what.loads, loads.unknown, warn, strict=what.strict)
     if what.values is not None:
         scene = _of_one_set(scenes[0], "--values")

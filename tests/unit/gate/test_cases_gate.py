@@ -104,3 +104,19 @@ def test_compare_sets_the_life_over_the_cycle_beside_that_of_the_reference(
     same = rollbench.compare(written(tmp_path, TEXT), ["lin"], store=tmp_path / "store")
     assert same["summary"] == whole
     assert [one["case"] for one in same["cases"]] == ["rest", "push", "loose"]
+
+
+def test_a_file_of_loads_is_judged_case_by_case(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    keep(tmp_path / "store", TEXT, loose=0.5)
+    path, loads = written(tmp_path, TEXT), str(tmp_path / "loads.csv")
+    assert run("solve", path, "--model", "lin", "--loads-csv", loads) == 0
+    capsys.readouterr()
+    words = ("check", path, "--loads", loads, "--stored", str(tmp_path / "store"), "--json")
+    assert run(*words) == 1
+    found = json.loads(capsys.readouterr().out)
+    assert [one["verdict"] for one in found["cases"]] == ["pass", "pass", "fail"]
+    assert found["worst_cases"][0]["case"] == "loose"
+    kept = [row for row in Path(loads).read_text().splitlines() if not row.startswith("push")]
+    Path(loads).write_text("\n".join(kept) + "\n")
+    assert run(*words) == 2, "a case whose rows are missing is not passed over"
+    assert "no rows of case push" in capsys.readouterr().err
