@@ -40,6 +40,7 @@ ORDER = (
     "smith",
     "liu",
     "external",
+    "holding",
     "formulations",
     "verification",
     "stability",

@@ -3,6 +3,9 @@
 from rollbench.comparison.registration import Part, Registration
 
 REGISTRATION = Registration(
-    parts=(Part("external", "sources.external.section", runs=True, needs=("bearings", "friction", "rolling")),),
+    parts=(
+        Part("external", "sources.external.section", runs=True, needs=("bearings", "friction", "rolling")),
+        Part("holding", "sources.external.holding", runs=True),
+    ),
     functions={"computations": "sources.external.computations:COMPUTATIONS", "gate": "sources.external.gate:external_rows"},
 )
