@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 from collections.abc import Mapping, Sequence
+from functools import cache
 from importlib import resources
 from pathlib import Path
 
@@ -20,8 +21,10 @@ SOURCES = "sources of rollbench"
 SCENE, DATA, RUN = "scene ", "printed ", "reference "
 
 
+@cache
 def commit() -> str:
-    """Commit of the sources where they stand in a repository, marked where they were changed since; else words."""
+    """Commit of the sources where they stand in a repository, marked where they were changed since; else words. The state
+    is that of the first call: what a report itself writes there is no change of the sources."""
     root = Path(__file__).resolve().parents[1]
     if not (root / ".git").exists():
         return "not a repository: an installed package"

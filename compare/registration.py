@@ -41,8 +41,9 @@ def misprint_files() -> list[Path]:
 @dataclass(frozen=True)
 class Part:
     """A section of the report by name: its module in ``compare``; long: left out of a quick report; runs: shows
-    runs of the 3D reference; meshes: needs gmsh; meshed: what of it needs gmsh, where the rest does not; appendix: stands
-    after the others; beside: may be made by a second process; needs: wings without which it is left out."""
+    runs of the 3D reference; meshes: needs gmsh; meshed: what of it needs gmsh, where the rest does not; page: on which it
+    stands, named in `commands.reporting.parts`; beside: may be made by a second process; needs: wings without which it
+    is left out."""
 
     name: str
     module: str
@@ -50,7 +51,7 @@ class Part:
     runs: bool = False
     meshes: bool = False
     meshed: str = ""
-    appendix: bool = False
+    page: str = "outside"
     beside: bool = False
     needs: tuple[str, ...] = ()
 
@@ -76,16 +77,19 @@ class Registration:
 HOOKS = {
     "bench": "(): jobs of rollbench bench",
     "computations": "no function: the tuple of `evidence.registry.Computation` of a source",
+    "conformity": "(parts of a set, preload [N], rigidity [N/m] of a pair): conformity of its grooves",
     "deck": "(program, unit, balls, b over h, growth, stiffness, scene, file): the answer of rollbench export --deck",
     "drawn friction": "(state): JSON-ready sums of a state of friction",
     "friction": "(scene, result, options): state of friction of a static result, or None and why",
     "friction of a scene": "(scene, coefficients, model): JSON-ready answer on a scene of any kind",
     "gate": "(study, largest error): rows of the gate",
+    "outside": "(study): number of outside values, bias and scatter as cells of columns, by quantity",
     "other program": "(): (its name, loads (n, 4) [N] by scene) of another program's runs",
     "references": "(fresh): names of scenes and mesh levels whose runs the report shows",
     "rolling compare": "(names, levels, store, engine, fresh, bodies): the answer of rollbench compare on rolling balls",
     "rolling study": "(names, levels, store, engine, source, fresh, bodies): the same of rollbench mesh-study",
     "circuit faults": "(scene): faults of a circulation that cannot be built",
+    "starting torque": "(parts of a bearing, thrust [N]): its torque by Palmgren's load formula",
     "stability": "(): texts and tables for the report's section on stability",
     "sweep": "(scene, vary, samples, method, model, seed, folder): JSON-ready summary of a sweep",
     "timing": "(step): tables for the report's section on run times",

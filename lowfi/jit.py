@@ -17,6 +17,7 @@ from __future__ import annotations
 import hashlib
 import importlib
 import importlib.util
+import multiprocessing
 import os
 import shutil
 import signal
@@ -91,6 +92,8 @@ def _hold_signals_back() -> None:
             self.before: dict[int, Any] = {}
 
         def on_start(self, event: Any) -> None:
+            if event.kind == KERNEL:
+                _announce()
             if event.kind == LOCK and threading.current_thread() is threading.main_thread():
                 self.depth += 1
                 if self.depth == 1:
@@ -115,6 +118,28 @@ def _hold_signals_back() -> None:
     hold = Hold()
     event.register(LOCK, hold)
     event.register(KERNEL, hold)
+
+
+@cache
+def _announce() -> None:
+    """Say, when the first kernel is about to be compiled, why nothing else is printed for a while."""
+    if multiprocessing.parent_process() is None:
+        sys.stderr.write("rollbench: compiling kernels, once on this machine: 20 to 60 s\n")
+
+
+#: What compiles kernels once the answer is out, for the commands to come, by package.
+_afterwards: dict[str, Callable[[], object]] = {}
+
+
+def afterwards(package: str, job: Callable[[], object]) -> None:
+    """Have a job that uses the compiled kernels of a package done by `compile_afterwards`, which commands call last."""
+    _afterwards[package] = job
+
+
+def compile_afterwards() -> None:
+    """Compile what this process did without, so that the next one need not."""
+    while _afterwards:
+        _afterwards.popitem()[1]()
 
 
 def kernels(package: str, *, compiled: bool) -> ModuleType:
@@ -146,10 +171,10 @@ def loaded(package: str) -> bool:
     return _copy_name(package) in sys.modules
 
 
-def cached() -> bool:
-    """Whether machine code of these sources lies on disk, so that compiled kernels need not be compiled anew."""
+def cached(package: str = "") -> bool:
+    """Whether machine code of these sources lies on disk, of a package or of any, so that it need not be made anew."""
     folder = code_folder()
-    return folder is not None and any(folder.rglob("*.nbi"))
+    return folder is not None and any(folder.glob(f"{package}*/*.nbi"))
 
 
 @cache

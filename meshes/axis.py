@@ -21,6 +21,21 @@ Stiffness = tuple[tuple[float, ...], ...]
 Thrust = Literal["both", "+z", "-z", "deep groove"]
 
 
+#: Rows of a set of equal bearings from left to right, by its name: the thrust on the shaft that each carries. B: back to
+#: back, F: face to face, T: tandem; a third letter adds one row (D), a pair (B, F), or two rows (T) beside the second.
+ARRANGEMENTS: dict[str, tuple[Literal["+z", "-z"], ...]] = {
+    "DB": ("-z", "+z"),
+    "DF": ("+z", "-z"),
+    "DT": ("+z", "+z"),
+    "DBD": ("-z", "+z", "+z"),
+    "DFD": ("+z", "-z", "-z"),
+    "DBB": ("-z", "-z", "+z", "+z"),
+    "DFF": ("+z", "+z", "-z", "-z"),
+    "DBT": ("-z", "+z", "+z", "+z"),
+    "DFT": ("+z", "-z", "-z", "-z"),
+}
+
+
 @dataclass(frozen=True)
 class Segment:
     """Plain stretch of the shaft from ``start`` to ``end`` [m]: diameter and bore [m]."""

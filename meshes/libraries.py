@@ -33,8 +33,17 @@ ONLY_FOR = {
     "matplotlib": "no report; compare, mesh-study, sweep and solve --curve write tables without figures",
     "numba": "kernels are interpreted: friction, large screws and ensembles take some hundred times as long",
 }
-#: Those that a run of the 3D reference needs.
+#: Those that a run of the 3D reference needs, and those that pages are made with.
 REFERENCE = ("gmsh", "scikit-fem", "pymetis")
+PAGES = ("matplotlib", "pillow", "jinja2", "pyvista")
+#: Those of `ONLY_FOR` and `PAGES` that commands take: check beside stored runs none, report and all every one.
+NEEDED_BY: dict[str, tuple[str, ...]] = {
+    "check": (),
+    "solve": ("numba",),
+    "compare": ("numba", "matplotlib", "meshio", *REFERENCE),
+    "report": (),
+    "all": (),
+}
 #: Modules of packages that have another name.
 _MODULES = {"scikit-fem": "skfem", "pillow": "PIL"}
 #: Python packages that one file of the report needs each: the file, and what installs the package.

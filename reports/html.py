@@ -82,8 +82,11 @@ def _is_page(entry: Path) -> bool:
 
 def _check_names(report: Report) -> None:
     """Names become files and anchors: refuse unfit ones and repeated ones."""
-    seen: set[tuple[str, str]] = set()
-    seen.add(("section", "index"))
+    seen: set[tuple[str, str]] = {("page", "index")}
+    for page in report.pages:
+        if not _NAME.fullmatch(page.name) or ("page", page.name) in seen:
+            raise ValueError(f"page name {page.name!r} is unfit for a file or given twice")
+        seen.add(("page", page.name))
     for section in report.sections:
         items = [item for item in section.items if not isinstance(item, Text)]
         named = [("table" if isinstance(item, Table) else "figure", item.name) for item in items]

@@ -1,4 +1,4 @@
-"""The pages of a report: the first one, one for each section, and the index that the search of every page reads."""
+"""The pages of a report: the first one, those of its sections, and the index that the search of every page reads."""
 
 from __future__ import annotations
 
@@ -10,13 +10,25 @@ from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from rollbench.reports import field3d, figures, first_pages, scene3d, view3d
 from rollbench.reports.cells import cell_view, filled, is_number, micro, write_csv
 from rollbench.reports.manifest import write_manifest
 from rollbench.reports.panels import draw_parts, themed
-from rollbench.reports.records import FieldPicture, Figure, LoadedScrew, PressureMap, Report, Section, Summary, Table, Text
+from rollbench.reports.records import (
+    FieldPicture,
+    Figure,
+    LoadedScrew,
+    Page,
+    PressureMap,
+    Quantity,
+    Report,
+    Section,
+    Summary,
+    Table,
+    Text,
+)
 
 #: What marks pages as written by a report, and their folder as its to replace.
 MARKER = '<meta name="generator" content="rollbench">'
@@ -24,6 +36,11 @@ MARKER = '<meta name="generator" content="rollbench">'
 SEARCH = "search.js"
 #: Characters of a table or text that the search knows.
 KNOWN = 4000
+#: Columns of a table that a page shows; its CSV has all of them, and all rows.
+COLUMNS = 8
+#: Keys of columns that stay where others are left to the CSV, and on a phone.
+VERDICTS = ("class", "verdict", "status")
+_NAMED = re.compile(r"\b([Tt]ables?|[Ff]igures?|[Ss]ections?) ([a-z0-9][\w.-]*\w)")
 
 Progress = Callable[[str], None]
 Item = Text | Table | Figure | LoadedScrew | FieldPicture | PressureMap
@@ -31,13 +48,21 @@ Item = Text | Table | Figure | LoadedScrew | FieldPicture | PressureMap
 
 @dataclass
 class _Writer:
-    """Where files go, running numbers of figures and tables, and the entries of the search so far."""
+    """Where files go, addresses of what texts may name, and the entries of the search so far."""
 
     folder: Path
     say: Progress
-    figures: int = 0
-    tables: int = 0
+    places: dict[str, str]
     entries: list[dict[str, str]] = field(default_factory=list)
+
+    def linked(self, text: str) -> Markup:
+        """A text whose words on a table, figure or section of the report lead there."""
+
+        def link(found: re.Match[str]) -> str:
+            place = self.places.get(found[2])
+            return found[0] if place is None else f'{found[1]} <a href="{place}">{found[2]}</a>'
+
+        return Markup(_NAMED.sub(link, str(escape(micro(text)))))
 
 
 def write_pages(report: Report, folder: Path, say: Progress) -> None:
@@ -50,50 +75,64 @@ def write_pages(report: Report, folder: Path, say: Progress) -> None:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["micro"] = micro
-    writer = _Writer(folder, say)
-    sections = [
-        _section(section, number, len(report.sections), writer) for number, section in enumerate(report.sections, 1)
-    ]
-    common = {"report": report, "sections": sections, "marker": Markup(MARKER)}
-    turns = zip(sections, [None, *sections[:-1]], [*sections[1:], None], strict=True)
-    for section, before, after in turns:
-        own = {"section": section, "current": section["name"], "before": before, "after": after}
-        heading = f"{section['title']} – {report.title}"
-        page = environment.get_template("section.html.j2").render(**common, **own, heading=heading)
-        _write(folder / section["file"], page)
+    writer = _Writer(folder, say, _places(report))
+    environment.filters.update(micro=micro, linked=writer.linked)
+    pages = [_page(page, number, len(report.pages), writer) for number, page in enumerate(report.pages, 1)]
+    common = {"report": report, "pages": pages, "marker": Markup(MARKER)}
+    turns = zip(pages, [None, *pages[:-1]], [*pages[1:], None], strict=True)
+    for page, before, after in turns:
+        own = {"page": page, "current": page["name"], "before": before, "after": after}
+        heading = f"{page['title']} – {report.title}"
+        _write(folder / page["file"], environment.get_template("page.html.j2").render(**common, **own, heading=heading))
     summary = next((section.summary for section in report.sections if section.summary), None)
     first = None if summary is None else _summary(report, summary, writer)
-    page = environment.get_template("index.html.j2").render(**common, summary=first, current="", heading=report.title)
-    _write(folder / "index.html", page)
+    text = environment.get_template("index.html.j2").render(**common, summary=first, current="", heading=report.title)
+    _write(folder / "index.html", text)
     lines = ",\n".join(json.dumps(entry, ensure_ascii=False) for entry in writer.entries)
     _write(folder / SEARCH, f"window.rollbenchSearch = [\n{lines}\n];\n")
     if report.origin:
         write_manifest(folder, report.origin)
 
 
+def _places(report: Report) -> dict[str, str]:
+    """Addresses of sections, tables and figures by name."""
+    found = {}
+    for page in report.pages:
+        for section in page.sections:
+            found[section.name] = f"{page.name}.html#section-{section.name}"
+            named = (item for item in section.items if not isinstance(item, Text))
+            found |= {item.name: f"{page.name}.html#{_kind(item)}-{item.name}" for item in named}
+    return found
+
+
+def _kind(item: Item) -> str:
+    return "table" if isinstance(item, Table) else "figure"
+
+
 def _write(path: Path, text: str) -> None:
     path.write_text(text, encoding="utf-8", newline="\n")
 
 
-def _section(section: Section, number: int, total: int, writer: _Writer) -> dict[str, Any]:
+def _page(page: Page, number: int, total: int, writer: _Writer) -> dict[str, Any]:
+    """What the templates need of a page; writes the files of its items."""
+    writer.say(f"report: {number}/{total} {page.title}")
+    file = f"{page.name}.html"
+    sections = [_section(section, file, page.whole, writer) for section in page.sections]
+    writer.entries.insert(0, _entry(page.title, file, "page", page.conclusion))
+    return {"name": page.name, "title": page.title, "file": file, "sections": sections, "conclusion": page.conclusion}
+
+
+def _section(section: Section, file: str, whole: bool, writer: _Writer) -> dict[str, Any]:
     """What the templates need of a section; writes the files of its items."""
-    writer.say(f"report: {number}/{total} {section.title}")
-    file = f"{section.name}.html"
-    items = [_item(item, file, writer) for item in section.items]
+    items = [_item(item, file, whole, writer) for item in section.items]
     words = [p for item in section.items if isinstance(item, Text) for p in item.paragraphs]
-    writer.entries.append(_entry(section.title, file, "page", " ".join(words)))
-    marks = []
+    writer.entries.append(_entry(section.title, f"{file}#section-{section.name}", "section", " ".join(words)))
     for item in items:
-        if item["kind"] == "text":
-            continue
-        record = item[item["kind"]]
-        mark = {"anchor": f"{item['kind']}-{record.name}", "title": record.title}
-        label = f"{item['kind'].capitalize()} {item['number']}"
-        marks.append(mark)
-        writer.entries.append(_entry(record.title, f"{file}#{mark['anchor']}", f"{label}, {section.title}", _words(record)))
-    view = {"number": number, "name": section.name, "title": section.title, "file": file, "appendix": section.appendix}
-    return {**view, "headline": section.headline, "items": items, "marks": marks}
+        if item["kind"] != "text":
+            record = item[item["kind"]]
+            under = f"{item['kind']} {record.name}, {section.title}"
+            writer.entries.append(_entry(record.title, f"{file}#{item['kind']}-{record.name}", under, _words(record)))
+    return {"name": section.name, "title": section.title, "conclusion": section.conclusion, "items": items}
 
 
 def _entry(title: str, place: str, under: str, text: str) -> dict[str, str]:
@@ -114,7 +153,10 @@ def _summary(report: Report, summary: Summary, writer: _Writer) -> dict[str, Any
     wide, narrow = draw_parts(summary.figure), draw_parts(summary.narrow)
     _write(writer.folder / "figures" / f"{summary.figure.name}.svg", wide.whole)
     writer.entries.insert(0, _entry(summary.question, "index.html", "page", " ".join((*summary.coverage, *summary.limits))))
-    view = {"record": summary, "wide": Markup(wide.panels[0]), "narrow": Markup(narrow.panels[0])}
+    items = [_item(item, "index.html", True, writer) for item in summary.items]
+    view: dict[str, Any] = {"record": summary, "items": items}
+    for name, drawn in (("wide", wide), ("narrow", narrow)):
+        view |= {name: [Markup(panel) for panel in drawn.panels], f"{name}_legend": Markup(drawn.legend)}
     try:
         first_pages.write_first_pages(report, summary, wide.whole, writer.folder)
     except (ImportError, RuntimeError) as error:
@@ -123,15 +165,13 @@ def _summary(report: Report, summary: Summary, writer: _Writer) -> dict[str, Any
     return view | {"pdf": first_pages.FILE}
 
 
-def _item(item: Item, page: str, writer: _Writer) -> dict[str, Any]:
+def _item(item: Item, page: str, whole: bool, writer: _Writer) -> dict[str, Any]:
     """What the templates need of one item of a page; writes the item's file."""
     if isinstance(item, Text):
         return {"kind": "text", "text": item}
     if isinstance(item, Table):
-        writer.tables += 1
-        return _table(item, writer)
-    writer.figures += 1
-    view: dict[str, Any] = {"kind": "figure", "figure": item, "number": writer.figures}
+        return table_view(item, whole, writer.folder)
+    view: dict[str, Any] = {"kind": "figure", "figure": item}
     view |= {"file": None, "panels": (), "legend": "", "across": 1, "image": None, "missing": None, "turned": None}
     name = f"figures/{item.name}"
     if isinstance(item, Figure):
@@ -179,19 +219,47 @@ def _inline(svg: str) -> str:
     return re.sub(r"\s*<(metadata|title)>.*?</\1>", "", svg[svg.index("<svg") :], flags=re.DOTALL)
 
 
-def _table(table: Table, writer: _Writer) -> dict[str, Any]:
-    """A table as the page shows it, without columns that are empty; its CSV has all of them."""
-    write_csv(table, writer.folder / "tables" / f"{table.name}.csv")
+def table_view(table: Table, whole: bool, folder: Path) -> dict[str, Any]:
+    """A table as a page shows it, without columns that are empty; whole, or its first rows and columns and those of the
+    verdict. Writes its CSV, which has all of it."""
+    write_csv(table, folder / "tables" / f"{table.name}.csv")
     columns, empty = filled(table)
-    numbers = [is_number(column, table) for column in columns]
+    shown = columns if whole else _first(columns)
+    rows = table.rows if whole else table.rows[: table.shown]
+    numbers = [is_number(column, table) for column in shown]
+    measured = [k for k, number in enumerate(numbers) if number and k]
+    value = next((k for k in measured if shown[k].unit), measured[0] if measured else -1)
+    names = [k for k, number in enumerate(numbers) if not number][:2]
     heads: Sequence[dict[str, str]] = [
-        {"label": c.label, "unit": c.unit, "align": "num" if number else "text"}
-        for c, number in zip(columns, numbers, strict=True)
+        {
+            "label": c.label,
+            "unit": c.unit,
+            "align": ("num" if number else "text") + ("" if k in (0, value, *names) or c.key in VERDICTS else " aside"),
+        }
+        for k, (c, number) in enumerate(zip(shown, numbers, strict=True))
     ]
-    rows = [
-        [cell_view(c, row.get(c.key), number=number) for c, number in zip(columns, numbers, strict=True)]
-        for row in table.rows
+    cells = [
+        [cell_view(c, row.get(c.key), number=number) for c, number in zip(shown, numbers, strict=True)] for row in rows
     ]
-    without = f"No row has an entry under: {'; '.join(empty)}." if empty else ""
-    note = "\n".join(part for part in (table.note, without) if part)
-    return {"kind": "table", "table": table, "number": writer.tables, "columns": heads, "rows": rows, "note": note}
+    for row in cells:
+        for cell, head in zip(row, heads, strict=True):
+            cell["align"] += " aside" if head["align"].endswith(" aside") else ""
+    said = [f"No row has an entry under: {'; '.join(empty)}."] if empty else []
+    if len(rows) < len(table.rows):
+        said.append(f"{len(rows)} of {len(table.rows)} rows; the CSV has all.")
+    if len(shown) < len(columns):
+        said.append(f"In the CSV alone: {', '.join(c.label for c in columns if c not in shown)}.")
+    note = "\n".join(filter(None, [table.note, *said]))
+    return {"kind": "table", "table": table, "columns": heads, "rows": cells, "note": note}
+
+
+def _first(columns: Sequence[Quantity]) -> list[Quantity]:
+    """At most `COLUMNS` columns: those of the verdict, and the first of the others."""
+    kept = sum(c.key in VERDICTS for c in columns)
+    left = COLUMNS - kept
+    found = []
+    for column in columns:
+        if column.key in VERDICTS or left > 0:
+            found.append(column)
+            left -= column.key not in VERDICTS
+    return found

@@ -35,14 +35,16 @@ Row = dict[Quantity | str, Cell]
 
 @dataclass(frozen=True)
 class Table:
-    """A table: ``name`` is its CSV file's stem; rows are mappings from a quantity's key to its value. Raises ValueError for
-    two columns of one heading and unit, which no reader of the CSV file could tell apart."""
+    """A table: ``name`` is its CSV file's stem; rows are mappings from a quantity's key to its value; shown: how many of
+    them a page has, None for all; the CSV has all. Raises ValueError for two columns of one heading and unit, which no
+    reader of the CSV file could tell apart."""
 
     name: str
     title: str
     columns: Sequence[Quantity]
     rows: Sequence[Mapping[str, Cell]]
     note: str = ""
+    shown: int | None = 8
 
     def __post_init__(self) -> None:
         """Check the headings."""
@@ -52,11 +54,13 @@ class Table:
             raise ValueError(f"table {self.name!r}: more than one column headed {', '.join(map(repr, sorted(twice)))}")
 
     @classmethod
-    def of(cls, name: str, title: str, rows: Iterable[Mapping[Quantity | str, Cell]], note: str = "") -> Table:
+    def of(
+        cls, name: str, title: str, rows: Iterable[Mapping[Quantity | str, Cell]], note: str = "", shown: int | None = 8
+    ) -> Table:
         """A table whose rows say what they hold: its columns are their quantities, in the order in which they appear."""
         listed = [{_quantity(q): value for q, value in row.items()} for row in rows]
         columns = tuple(dict.fromkeys(q for row in listed for q in row))
-        return cls(name, title, columns, [{q.key: value for q, value in row.items()} for row in listed], note)
+        return cls(name, title, columns, [{q.key: value for q, value in row.items()} for row in listed], note, shown)
 
 
 def _quantity(named: Quantity | str) -> Quantity:
@@ -232,7 +236,8 @@ class Text:
 @dataclass(frozen=True)
 class Summary:
     """The first screen: a question, its answer in one sentence, one figure of it and the same for a narrow screen, then
-    what the answer covers and what limits it, as statements; table: what the PDF shows beside them."""
+    what the answer covers and what limits it, as statements; items: tables and figures below; table: what the PDF shows
+    beside them."""
 
     question: str
     answer: str
@@ -241,29 +246,46 @@ class Summary:
     coverage: Sequence[str]
     limits: Sequence[str]
     table: Table | None = None
+    items: Sequence[Table | Figure] = ()
 
 
 @dataclass(frozen=True)
 class Section:
-    """A numbered section of the report on a page of its own; ``name`` selects it with ``--only``; headline: its figures
-    (label, value), at its head; appendix: listed after the others; summary: the report's first screen."""
+    """A section of the report; ``name`` selects it with ``--only``; conclusion: one or two sentences that the page opens
+    with; summary: the report's first screen."""
 
     name: str
     title: str
     items: Sequence[Text | Table | Figure | LoadedScrew | FieldPicture | PressureMap]
-    headline: tuple[tuple[str, str], ...] = ()
-    appendix: bool = False
+    conclusion: str = ""
     summary: Summary | None = None
 
 
 @dataclass(frozen=True)
+class Page:
+    """A page of the report: name of its file, title, the sections on it, the conclusion that it opens with; whole: its
+    tables stand in full length."""
+
+    name: str
+    title: str
+    sections: Sequence[Section]
+    conclusion: str = ""
+    whole: bool = False
+
+
+@dataclass(frozen=True)
 class Report:
-    """The whole report: title, subtitle, provenance, sections; the first summary of a section is its first screen; origin:
+    """The whole report: title, subtitle, provenance, pages; the first summary of a section is its first screen; origin:
     what its manifest says of what it rests on, as plain data."""
 
     title: str
     subtitle: str
     provenance: Mapping[str, str]
-    sections: Sequence[Section]
+    pages: Sequence[Page]
     scene_hashes: Mapping[str, str] = field(default_factory=dict)
     origin: Mapping[str, object] = field(default_factory=dict)
+
+    @property
+    def sections(self) -> list[Section]:
+        """The sections of all pages."""
+        return [section for page in self.pages for section in page.sections]

@@ -31,7 +31,8 @@ BLOCKS = ("manifest", "scene", "results")
 @dataclass(frozen=True)
 class ScenePage:
     """Title and what stands under it; the answer in one sentence; answers (label, sentence); picture or None; parts;
-    provenance (label, text); text of the scene file; results, JSON-ready; files: SHA-256 of what else was used, by name."""
+    provenance (label, text); text of the scene file; results, JSON-ready; files: SHA-256 of what else was used, by name;
+    warnings: what is said where the page is written, and stands among its assumptions."""
 
     title: str
     subtitle: str
@@ -43,6 +44,7 @@ class ScenePage:
     scene_text: str
     results: Mapping[str, Any]
     files: Mapping[str, str] = field(default_factory=dict)
+    warnings: Sequence[str] = ()
 
 
 def manifest_of(page: ScenePage, html: str) -> dict[str, Any]:

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from rollbench.reports.records import Figure, LoadedScrew, Panel, Quantity, Report, Section, Series, Table, Text
+from rollbench.reports.records import Figure, LoadedScrew, Page, Panel, Quantity, Report, Section, Series, Table, Text
 
 
 def figure(name="loads", **changes):
@@ -81,7 +81,12 @@ def report(*items):
         ),
     )
     provenance = {"Version": "1.2.3", "Machine": "<unknown>"}
-    return Report("Report <1>", "Sub & title", provenance, sections, {"case.toml": "abc123"})
+    return Report("Report <1>", "Sub & title", provenance, paged(*sections), {"case.toml": "abc123"})
+
+
+def paged(*sections):
+    """Each section on a page of its own name."""
+    return [Page(section.name, section.title, (section,), section.conclusion) for section in sections]
 
 
 def contents(folder):

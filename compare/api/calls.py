@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -96,21 +96,23 @@ def compare(
     models: Sequence[str] = (),
     *,
     levels: int | None = None,
+    reference: str | Path | None = None,
     store: str | Path = "rollbench-reference",
 ) -> Result:
     """Low-order models beside the 3D reference: for each model its errors in per cent of the mean load, its largest load,
     pressure and displacement.
 
     models: those that the report compares unless given; levels: mesh levels to compute where they are not stored (None:
-    the best stored reference; all levels where there is none, which takes long); store: folder of the reference's runs.
-    Raises InputError, Refusal where no run of the reference converged.
+    the best stored reference; all levels where there is none, which takes long); reference: your own, in place of the 3D
+    reference; store: folder of the reference's runs. Raises InputError, Refusal where no run of the reference converged.
     """
     from rollbench.comparison.commands.comparing.compare_output import compared, verdict
     from rollbench.comparison.commands.comparing.compared_cases import together_json
     from rollbench.comparison.commands.comparing.study import named, unconverged
     from rollbench.comparison.commands.printing import on_terminal
+    from rollbench.comparison.gate.user import judged_by
     from rollbench.comparison.models.comparison import compared_models, suited
-    from rollbench.comparison.models.referenced import referenced
+    from rollbench.comparison.models.referenced import Referenced, referenced
     from rollbench.comparison.reference.jobs import Engine, ensure, plan
     from rollbench.comparison.reference.levels import LEVELS
     from rollbench.comparison.reference.store import shipped_store
@@ -119,18 +121,27 @@ def compare(
     described = _described(scene)
     own, stores = each_case(described, described.name), (Path(store), shipped_store())
     chosen, cases = compared_models(tuple(models)), cases_by_name([described])
-    missing = [x for x in own if levels is not None or not referenced(x, stores)]
+    warnings: list[str] = []
+    given = None
+    if reference is not None:
+        if levels is not None or len(own) != 1:
+            raise InputError("compare", "reference", str(reference), "one scene, without levels", "leave one out")
+        found, one_set = judged_by(Path(reference), own[0], warnings.append)
+        given = Referenced(one_set, found)
+    missing = [x for x in own if given is None and (levels is not None or not referenced(x, stores))]
     failed = []
     if missing:
         wanted = range(1, (levels or len(LEVELS)) + 1)
         failed = ensure(plan(missing, wanted), stores[0], Engine(cache=default_root()), on_terminal, stores)
     pairs = []
     for x in own:
-        sets = referenced(x, stores)
+        stored = referenced(x, stores)
+        sets = stored if given is None else [given]
         if not sets:
             raise unconverged(x.name, failed)
-        pairs += [(one, compared(one.scene, chosen or suited(x), one.found, stores, one.of)) for one in sets]
-    lines = tuple(verdict(each, one.found) for one, each in pairs)
+        beside = stored[0].found if stored and given is not None else None
+        pairs += [(one, compared(one.scene, chosen or suited(x), one.found, stores, one.of, beside)) for one in sets]
+    lines = (*(f"WARNING: {words}" for words in warnings), *(verdict(each, one.found) for one, each in pairs))
     told = [_compared_json(each, one.found) | named(one) for one, each in pairs]
     if isinstance(described, DutyCycle):
         rows = [row | cases[one.scene.name].keys for row, (one, _) in zip(told, pairs, strict=True)]
@@ -147,7 +158,7 @@ def _compared_json(each: Comparison, found: Reference) -> dict[str, Any]:
 
     return {
         "scene": found.scene,
-        "levels": [run.level for run in found.runs],
+        "levels": list(found.levels),
         "reference_status": found.unsettled or "converged",
         "models": {
             b.label: {
@@ -169,6 +180,10 @@ def check(
     max_error: float | None = None,
     model: str = "",
     loads: str | Path | None = None,
+    values: str | Path | None = None,
+    limits: Mapping[str, float] | None = None,
+    reference: str | Path | None = None,
+    strict: bool = False,
     levels: int | None = None,
     store: str | Path = "rollbench-reference",
     compute: bool = True,
@@ -176,7 +191,9 @@ def check(
     """The gate: whether a model's loads, or those of another program, agree with the 3D reference within a limit.
 
     max_error: limit in per cent, the scene's own or 7 unless given; loads: CSV file with the columns ball, flank, newton;
-    compute: whether runs of the reference that are missing are computed. Raises InputError.
+    values: CSV file with the columns quantity, value, unit, where; limits: of other quantities by name, as ``--limit``;
+    reference: your own, in place of the 3D reference; strict: unknown columns are an error; compute: whether runs of the
+    reference that are missing are computed. Raises InputError.
     """
     from rollbench.comparison.commands.comparing.check import judged_cases, verdicts_json
     from rollbench.comparison.gate.user import asked
@@ -187,13 +204,19 @@ def check(
     what = asked(
         model=model,
         loads=None if loads is None else Path(loads),
+        values=None if values is None else Path(values),
         max_error=max_error,
+        limits=[f"{name}={number}" for name, number in (limits or {}).items()],
+        reference=None if reference is None else Path(reference),
+        strict=strict,
         levels=levels,
         store=Path(store),
         compute=compute,
     )
-    verdicts = judged_cases([described], [described.name], what, Engine(cache=default_root()))
-    return Judged(verdicts_json([described], verdicts), "verdicts", tuple(v.line() for v in verdicts))
+    warnings: list[str] = []
+    verdicts = judged_cases([described], [described.name], what, Engine(cache=default_root()), warnings.append)
+    lines = (*(f"WARNING: {warning}" for warning in warnings), *(v.line() for v in verdicts))
+    return Judged(verdicts_json([described], verdicts) | {"warnings": warnings}, "verdicts", lines)
 
 
 def mesh_study(
@@ -250,6 +273,7 @@ def report(
     only: Sequence[str] = (),
     out: str | Path = "rollbench-report",
     store: str | Path = "rollbench-reference",
+    reference: str | Path | None = None,
     quick: bool = False,
     stored: bool = False,
     fresh: bool = False,
@@ -257,7 +281,8 @@ def report(
 ) -> Result:
     """The validation report, or one page on a scene (a name or file), written to the folder ``out``.
 
-    only, quick, stored, fresh, everything: of the whole report, as the command's options (everything: ``--all``).
+    only, quick, stored, fresh, everything: of the whole report, as the command's options (everything: ``--all``);
+    reference: of a page, your own in place of the 3D reference.
     ``["passed"]`` of the result is False where a run of the reference that was computed anew does not agree with the stored
     one. Raises InputError, Refusal where the scene does not solve.
     """
@@ -270,8 +295,11 @@ def report(
     if scene is not None:
         from rollbench.comparison.commands.reporting.scene_page import make_page
 
-        page = make_page(str(scene), folder, Path(store))
-        return Result(data | {"verdict": page.verdict}, "", (page.verdict,))
+        page = make_page(str(scene), folder, Path(store), None if reference is None else Path(reference))
+        warned = tuple(f"WARNING: {warning}" for warning in page.warnings)
+        return Result(data | {"verdict": page.verdict}, "", (*warned, page.verdict))
+    if reference is not None:
+        raise InputError("report", "reference", str(reference), "with a scene", "name the scene that it is of")
     from rollbench.comparison.commands.printing import print_answer
     from rollbench.comparison.commands.reporting.report import make_report
 

@@ -60,20 +60,26 @@ from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.system import cores
 ask = json.loads({ask!r})
 (run,) = compute(Task((catalogue.scene(ask["scene"]),), ask["level"], processes=cores()))
-print(json.dumps({{"done": time(), "memory": run.peak_MB, "status": run.status}}))
+contacts = int((run.load > 0.0).sum())
+own = {{"memory": run.peak_MB, "status": run.status, "contacts": contacts, "load_case": run.solve_seconds}}
+print(json.dumps({{"done": time(), **own}}))
 """
 
 
 @dataclass(frozen=True)
 class ColdLevel:
     """A level of the 3D reference, from the start of the interpreter to its loads: seconds, CPU seconds of all processes,
-    sum of their peaks of memory [MB] (None: not measured), status."""
+    sum of their peaks of memory [MB] (None: not measured), status; scene, contacts with load, seconds that a further load
+    case takes (None: not measured)."""
 
     level: int
     process: float
     cpu: float
     memory: float | None
     status: str
+    scene: str = "lin-case1"
+    contacts: int | None = None
+    load_case: float | None = None
 
 
 @dataclass(frozen=True)
@@ -111,7 +117,8 @@ def measure_level(scene: str, level: int) -> ColdLevel:
     begin, found = _alone(LEVEL_CHILD, {"scene": scene, "level": level}, f"level {level} of {scene}", {})
     after = os.times()
     cpu = sum(y - x for x, y in zip(before[2:4], after[2:4], strict=True))
-    return ColdLevel(level, found["done"] - begin, cpu, found["memory"], found["status"])
+    process, contacts = found["done"] - begin, found["contacts"]
+    return ColdLevel(level, process, cpu, found["memory"], found["status"], scene, contacts, found["load_case"])
 
 
 def _alone(child: str, ask: dict[str, Any], what: str, environment: dict[str, str]) -> tuple[float, dict[str, Any]]:

@@ -1,16 +1,18 @@
-"""Contact loads as a CSV file with the columns ball, flank, newton, and where the balls are: read and written."""
+"""Contact loads as a CSV file with the columns ball, flank, newton, where the balls are, and more of the contacts: read and
+written."""
 
 from __future__ import annotations
 
 import csv
 import io
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from rollbench.comparison.errors import InputError
+from rollbench.comparison.gate.columns import Column, column
 from rollbench.comparison.writing import replace_file
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout
@@ -18,7 +20,9 @@ from rollbench.meshes.parts import SIDES, Scene
 
 COLUMNS = ("ball", "flank", "newton")
 #: Where a ball is; given both, they say which ball a row is of, however the file numbers it.
-PLACE = ("azimuth_deg", "z_mm")
+PLACE = {"azimuth", "z"}
+#: What a file may say of contacts besides, by the names of `gate.columns`.
+FURTHER = ("angle", "approach", "pressure", "uncertainty", "uncertain share")
 #: Largest file [bytes]: four loads of 100 000 balls.
 MAX_BYTES = 16_000_000
 EXAMPLE = "write a first line ball,flank,newton and rows such as 1,SL,225.4"
@@ -27,11 +31,15 @@ EXAMPLE = "write a first line ball,flank,newton and rows such as 1,SL,225.4"
 @dataclass(frozen=True)
 class GivenLoads:
     """Loads ``(n, 4)`` [N] in the order of SIDES, zero on the flanks that the file does not name, the named flanks, and
-    how many balls have another number in the file than in the scene."""
+    how many balls have another number in the file than in the scene; further: what else the file says of contacts
+    ``(n, 4)`` in SI, nan in empty cells, by the names of `FURTHER`; unknown: headings that nothing is known of; notes."""
 
     load: Array
     flanks: tuple[str, ...]
     renumbered: int = 0
+    further: Mapping[str, Array] = field(default_factory=dict)
+    unknown: tuple[str, ...] = ()
+    notes: Mapping[str, str] = field(default_factory=dict)
 
 
 def loads_csv(load: Array, azimuth: Array, z: Array) -> list[dict[str, str]]:
@@ -61,58 +69,147 @@ def write_loads(path: Path, rows: Sequence[Mapping[str, str]]) -> str:
 
 @dataclass(frozen=True)
 class Rows:
-    """A CSV file: its headings in small letters, whether numbers have a decimal comma, its rows with their line numbers."""
+    """A CSV file: its headings as written and in small letters, the number of their line, whether numbers have a decimal
+    comma, its rows with their line numbers, and its notes: lines above the headings, ``# name: text``."""
 
+    titles: tuple[str, ...]
     heads: tuple[str, ...]
+    line: int
     decimal_comma: bool
     rows: tuple[tuple[int, dict[str, str]], ...]
+    notes: Mapping[str, str]
 
     @classmethod
     def read(cls, path: Path, columns: Sequence[str], example: str) -> Rows:
         """A file with some columns, in any order, among others, separated by commas, semicolons or tabs (a decimal comma is
         read where they are not commas). Raises InputError, with an example."""
-        lines = _text(path).splitlines()
-        if not lines or not lines[0].strip():
-            raise InputError(str(path), "line 1", "nothing", ", ".join(columns), example)
-        separator = next((c for c in ";\t" if c in lines[0]), ",")
-        rows = csv.reader(lines, delimiter=separator)
-        heads = tuple(head.strip().lower() for head in next(rows))
+        lines = read_table(path).splitlines()
+        above = next((k for k, line in enumerate(lines) if not line.startswith("#")), len(lines))
+        first, title = f"line {above + 1}", lines[above] if above < len(lines) else ""
+        if not title.strip():
+            raise InputError(str(path), first, "nothing", ", ".join(columns), example)
+        separator = next((c for c in ";\t" if c in title), ",")
+        rows = csv.reader(lines[above:], delimiter=separator)
+        titles = tuple(head.strip() for head in next(rows))
+        heads = tuple(head.lower() for head in titles)
         for name in columns:
             if name.lower() not in heads:
-                raise InputError(str(path), "line 1", lines[0], f"a column {name}", example)
-        cells = ((number, [cell.strip() for cell in row]) for number, row in enumerate(rows, 2))
+                raise InputError(str(path), first, title, f"a column {name}", example)
+        cells = ((number, [cell.strip() for cell in row]) for number, row in enumerate(rows, above + 2))
         kept = tuple((number, dict(zip(heads, row, strict=False))) for number, row in cells if any(row))
-        return cls(heads, separator != ",", kept)
+        notes = dict(_note(line) for line in lines[:above])
+        return cls(titles, heads, above + 1, separator != ",", kept, notes)
 
 
 def read_loads(path: Path, balls: int, scene: Scene | None = None) -> GivenLoads:
-    """Loads of a file for a scene of ``balls`` balls.
+    """Loads of a file for a scene of ``balls`` balls, and what else it says of their contacts.
 
     scene: whose balls are told by azimuth and station where the file has both columns of `PLACE`, else by their numbers.
 
-    Every ball must be given on every flank that is named, 0 where it carries nothing: a row
-    that was lost is not taken for a contact without load. Raises InputError.
+    Headings say the units (`gate.columns`). Every ball must be given on every flank that is named, 0 where it carries
+    nothing: a row that was lost is not taken for a contact without load. Raises InputError.
     """
-    given = Rows.read(path, COLUMNS, EXAMPLE)
-    heads, decimal_comma = given.heads, given.decimal_comma
-    find = None if scene is None or not set(PLACE) <= set(heads) else _Places(scene)
-    load = np.full((balls, len(SIDES)), np.nan)
+    table = Rows.read(path, COLUMNS[:2], EXAMPLE)
+    own = _columns(path, table)
+    find = None if scene is None or not PLACE.issubset(c.name for c in own.values()) else _Places(scene)
+    values = {name: np.full((balls, len(SIDES)), np.nan) for name in ("load", *FURTHER)}
     cases, renumbered = set(), set()
-    for number, cells in given.rows:
-        cases.add(cells.get("case", ""))
+    for number, row in table.rows:
+        named = {c.name: (head, c.factor, row.get(head.lower(), "")) for head, c in own.items()}
+        cells = _Row(path, f"line {number}", named, decimal_comma=table.decimal_comma)
+        cases.add(cells.word("case"))
         if len(cases) > 1:
             advice = "a scene is one load case: split the file, or delete the others"
-            raise InputError(str(path), f"line {number}: case", cells["case"], "one case", advice)
-        own = cells.get("ball", "")
-        if find is not None:
-            cells["ball"] = find.number(path, number, cells, decimal_comma=decimal_comma)
-            renumbered |= {own} if own != cells["ball"] else set()
-        ball, side, force = _row(path, number, cells, balls, decimal_comma=decimal_comma)
-        if not np.isnan(load[ball, side]):
+            raise InputError(str(path), f"line {number}: case", cells.word("case"), "one case", advice)
+        ball, side = cells.ball(balls) if find is None else find.number(cells), cells.side()
+        renumbered |= {ball} if find is not None and cells.word("ball") != str(ball + 1) else set()
+        if not np.isnan(values["load"][ball, side]):
             value = f"ball {ball + 1} {SIDES[side]} again"
             raise InputError(str(path), f"line {number}", value, "each contact once", "keep one of the rows")
-        load[ball, side] = force
-    return replace(_whole(path, load), renumbered=len(renumbered))
+        for name, of in values.items():
+            of[ball, side] = cells.amount(name)
+    unknown = tuple(f'"{head}"' for head, c in own.items() if not c.name)
+    further = {name: of for name, of in values.items() if name != "load" and name in {c.name for c in own.values()}}
+    found = _whole(path, values["load"])
+    for name in further.keys() - {"uncertainty", "uncertain share"}:
+        gaps = np.argwhere(np.isnan(further[name]) & (found.load > 0.0))
+        if gaps.size:
+            value = f"no {name} of ball {gaps[0][0] + 1} {SIDES[gaps[0][1]]}"
+            raise InputError(str(path), "rows", value, "one of every contact that carries load", "or leave the column out")
+    return replace(found, renumbered=len(renumbered), further=further, unknown=unknown, notes=table.notes)
+
+
+def _note(line: str) -> tuple[str, str]:
+    """Name and text of a line of notes, which a spreadsheet may have filled up with separators."""
+    name, _, text = line.strip("#;, \t").partition(":")
+    return name.strip().lower(), text.strip()
+
+
+def _columns(path: Path, table: Rows) -> dict[str, Column]:
+    """What the headings name. Raises InputError where one is missing, or two name the same."""
+    own = {head: column(head) for head in table.titles}
+    where, names = f"line {table.line}", [column(head).name for head in table.titles]
+    if "load" not in names:
+        raise InputError(str(path), where, ", ".join(table.titles), f"a column {COLUMNS[2]}", EXAMPLE)
+    twice = next((head for k, head in enumerate(table.titles) if names[k] and names[k] in names[:k]), None)
+    if twice is not None:
+        raise InputError(str(path), where, twice, "each quantity once", "delete one of the columns")
+    return own
+
+
+class _Row:
+    """A row of a file, by what its columns name."""
+
+    def __init__(self, path: Path, line: str, cells: Mapping[str, tuple[str, float, str]], *, decimal_comma: bool) -> None:
+        self._path, self._line, self._cells, self._comma = path, line, cells, decimal_comma
+
+    def fault(self, name: str, value: str, allowed: str, advice: str) -> InputError:
+        """What is said of a cell."""
+        return InputError(str(self._path), f"{self._line}: {name}", value or "nothing", allowed, advice)
+
+    def word(self, name: str) -> str:
+        """The text of a cell, empty where there is none."""
+        return self._cells.get(name, ("", 1.0, ""))[2]
+
+    def ball(self, balls: int) -> int:
+        """Index of the ball by its number."""
+        ball = self.word("ball")
+        if not (ball.isascii() and ball.isdecimal() and len(ball) < 10 and 1 <= int(ball) <= balls):
+            first = "the file's seem to begin with 0: " if ball == "0" else ""
+            advice = f"{first}balls are numbered from 1, all balls of start 1 first"
+            raise self.fault("ball", ball, f"a ball number from 1 to {balls}", advice)
+        return int(ball) - 1
+
+    def side(self) -> int:
+        """Index of the flank."""
+        flank = self.word("flank")
+        if flank.upper() not in SIDES:
+            advice = "SL and SR: left and right flank of the screw, NL and NR: of the nut"
+            raise self.fault("flank", flank, ", ".join(SIDES), advice)
+        return SIDES.index(flank.upper())
+
+    def place(self, name: str) -> float:
+        """An azimuth [rad] or a station [m]."""
+        value, factor, text = self._number(name)
+        if not np.isfinite(value):
+            raise self.fault(self._cells[name][0], text, "a number", "or leave the column out")
+        return value * factor
+
+    def amount(self, name: str) -> float:
+        """What is zero or more, in SI; nan where no load is the question and the cell is empty, or the file has no such
+        column."""
+        value, factor, text = self._number(name)
+        if not text and name != "load":
+            return float("nan")
+        if not 0.0 <= value < float("inf"):
+            advice = "write the size without unit, which the heading says, and 0 where contact is lost"
+            raise self.fault(self._cells[name][0], text, "a number from 0", advice)
+        return value * factor
+
+    def _number(self, name: str) -> tuple[float, float, str]:
+        """A cell as it is, nan for anything but a number; the factor to SI; the text."""
+        _, factor, text = self._cells.get(name, ("", 1.0, ""))
+        return number_of(text, decimal_comma=self._comma), factor, text
 
 
 class _Places:
@@ -123,24 +220,18 @@ class _Places:
         self._azimuth, self._z = layout.azimuth, layout.z
         self._pitch, self._near = scene.track.pitch_radius, scene.balls.radius
 
-    def number(self, path: Path, line: int, cells: Mapping[str, str], *, decimal_comma: bool) -> str:
-        """Number, from 1, of the ball at the place of a row. Raises InputError where none is within a ball's radius."""
-        values = []
-        for name in PLACE:
-            text = cells.get(name, "")
-            values.append(number_of(text, decimal_comma=decimal_comma))
-            if not np.isfinite(values[-1]):
-                where = f"line {line}: {name}"
-                raise InputError(str(path), where, text or "nothing", "a number", "or leave the column out")
-        turn = np.angle(np.exp(1j * (self._azimuth - np.radians(values[0]))))
-        away = np.hypot(self._pitch * turn, self._z - 1e-3 * values[1])
+    def number(self, row: _Row) -> int:
+        """Index of the ball at the place of a row. Raises InputError where none is within a ball's radius."""
+        azimuth, z = row.place("azimuth"), row.place("z")
+        turn = np.angle(np.exp(1j * (self._azimuth - azimuth)))
+        away = np.hypot(self._pitch * turn, self._z - z)
         ball = int(away.argmin())
         if away[ball] > self._near:
-            found = f"{values[0]:g} deg, {values[1]:g} mm"
+            found = f"{np.degrees(azimuth):g} deg, {1e3 * z:g} mm"
             allowed = f"the place of a ball; the nearest, {ball + 1}, is {1e3 * away[ball]:.3g} mm away"
             advice = "places are those of rollbench solve SCENE --loads-csv FILE; without the columns, numbers count"
-            raise InputError(str(path), f"line {line}: {PLACE[0]}, {PLACE[1]}", found, allowed, advice)
-        return str(ball + 1)
+            raise row.fault("azimuth, z", found, allowed, advice)
+        return ball
 
 
 def number_of(text: str, *, decimal_comma: bool) -> float:
@@ -151,7 +242,8 @@ def number_of(text: str, *, decimal_comma: bool) -> float:
         return float("nan")
 
 
-def _text(path: Path) -> str:
+def read_table(path: Path) -> str:
+    """The text of a file. Raises InputError where it cannot be read, is none, or too large."""
     allowed, advice = "a readable CSV file", "check the path"
     try:
         if not path.is_file():
@@ -164,24 +256,6 @@ def _text(path: Path) -> str:
         raise InputError(str(path), "file", error.strerror or str(error), allowed, advice) from None
     except ValueError as error:
         raise InputError(str(path), "file", str(error), allowed, "save the table as CSV in UTF-8") from None
-
-
-def _row(path: Path, number: int, cells: dict[str, str], balls: int, *, decimal_comma: bool) -> tuple[int, int, float]:
-    """Indices of ball and side, and the load [N], of a row."""
-    where = f"line {number}"
-    ball, flank, text = (cells.get(name, "") for name in COLUMNS)
-    if not (ball.isascii() and ball.isdecimal() and len(ball) < 10 and 1 <= int(ball) <= balls):
-        first = "the file's seem to begin with 0: " if ball == "0" else ""
-        advice = f"{first}balls are numbered from 1, all balls of start 1 first"
-        raise InputError(str(path), f"{where}: ball", ball or "nothing", f"a ball number from 1 to {balls}", advice)
-    if flank.upper() not in SIDES:
-        advice = "SL and SR: left and right flank of the screw, NL and NR: of the nut"
-        raise InputError(str(path), f"{where}: flank", flank or "nothing", ", ".join(SIDES), advice)
-    force = number_of(text, decimal_comma=decimal_comma)
-    if not 0.0 <= force < float("inf"):
-        advice = "write the size of the contact force in newton, 0 where contact is lost, without unit"
-        raise InputError(str(path), f"{where}: newton", text or "nothing", "a number from 0", advice)
-    return int(ball) - 1, SIDES.index(flank.upper()), force
 
 
 def _whole(path: Path, load: Array) -> GivenLoads:

@@ -13,11 +13,12 @@ from xml.etree import ElementTree
 
 from rollbench.comparison.errors import InputError, one_line
 from rollbench.comparison.gate.verdict import Verdict
-from rollbench.comparison.writing import replace_file
+from rollbench.comparison.writing import no_figure, replace_file, write_figure
 from rollbench.reports.cells import harmless
 
 if TYPE_CHECKING:
     from rollbench.comparison.gate.gate import GateRow  # brings all evidence with it
+    from rollbench.reports.records import Figure
 
 #: Variables of the environment in which services of continuous integration name the file of a job's summary.
 SUMMARIES = ("GITHUB_STEP_SUMMARY",)
@@ -26,10 +27,11 @@ HEADS = ("verdict", "scene or check", "judged", "quantity", "error %", "uncertai
 
 @dataclass(frozen=True)
 class Outcome:
-    """One row of a published table: whether it is green, its verdict in a word, and its cells in the order of HEADS."""
+    """One row of a published table: whether it is green, and its cells in the order of HEADS; near: see `Verdict`."""
 
     good: bool
     cells: tuple[str, ...]
+    near: tuple[tuple[int, float, float, float], ...] = ()
 
     @property
     def word(self) -> str:
@@ -44,9 +46,11 @@ class Outcome:
 def of_verdict(v: Verdict) -> Outcome:
     """The row of a verdict on a user's scene."""
     at = ("", "") if v.ball is None else (str(v.ball), v.flank or "")
-    numbers = (v.error_percent, v.uncertainty_percent, v.limit_percent)
-    cells = (v.word, v.of, v.judged, v.quantity, *map(_number, numbers), *at, v.detail)
-    return Outcome(v.word == "pass", tuple(one_line(cell, 2000) for cell in cells))
+    unit = "" if v.unit == "%" else f" {v.unit}"
+    numbers = [f"{text}{unit}" if (text := _number(x)) else "" for x in (v.error, v.uncertainty, v.limit)]
+    note = "; ".join(part for part in (v.pair_text.strip(", "), v.detail) if part)
+    cells = (v.word, v.of, v.judged, v.quantity, *numbers, *at, note)
+    return Outcome(v.word == "pass", tuple(one_line(cell, 2000) for cell in cells), v.near)
 
 
 def of_row(row: GateRow) -> Outcome:
@@ -60,12 +64,17 @@ def _number(value: float | None) -> str:
     return "" if value is None else f"{value:.4g}"
 
 
-def junit(outcomes: Sequence[Outcome]) -> str:
-    """JUnit XML: one test case a row. Everything that is not green is a failure of the type of its verdict."""
+def junit(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
+    """JUnit XML: one test case a row, notes as properties. Everything that is not green is a failure of the type of its
+    verdict."""
     bad = [o for o in outcomes if not o.good]
     counts = {"tests": str(len(outcomes)), "failures": str(len(bad)), "errors": "0", "skipped": "0"}
     root = ElementTree.Element("testsuites", counts)
     suite = ElementTree.SubElement(root, "testsuite", {"name": "rollbench check"} | counts)
+    if notes:
+        properties = ElementTree.SubElement(suite, "properties")
+        for note in notes:
+            ElementTree.SubElement(properties, "property", {"name": "note", "value": note})
     for o in outcomes:
         name = ", ".join(cell for cell in o.cells[1:4] if cell)
         case = ElementTree.SubElement(suite, "testcase", {"classname": f"rollbench.{o.cells[1]}", "name": name})
@@ -77,20 +86,74 @@ def junit(outcomes: Sequence[Outcome]) -> str:
     return ElementTree.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
 
 
-def markdown(outcomes: Sequence[Outcome]) -> str:
-    """A heading with the counts and a table, rows that are not green first."""
+def markdown(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
+    """A heading with the counts, notes, a table with rows that are not green first, and a chart of the worst ball and its
+    neighbours, which GitHub, GitLab, Forgejo and Gitea draw: a comment shows no picture of a file."""
     counts: dict[str, int] = {}
     for o in outcomes:
         counts[o.word] = counts.get(o.word, 0) + 1
     head = ", ".join(f"{n} {word}" for word, n in counts.items())
-    lines = [f"### rollbench check: {head}", "", _line(HEADS), _line(["---"] * len(HEADS))]
+    lines = [f"### rollbench check: {head}", *(f"- {_safe(note)}" for note in notes), ""]
+    lines += [_line(HEADS), _line(["---"] * len(HEADS))]
     lines += [_line(o.cells) for o in sorted(outcomes, key=lambda o: o.good)]
-    return "\n".join(lines) + "\n"
+    return "\n".join([*lines, *_chart(worst(outcomes))]) + "\n"
+
+
+def worst(outcomes: Sequence[Outcome]) -> Outcome | None:
+    """The row whose ball a picture shows: the first that is not green, or else that of the largest error."""
+    shown = [o for o in outcomes if o.near]
+    return min(shown, key=lambda o: (o.good, -abs(float(o.cells[4] or 0.0))), default=None)
+
+
+def _title(o: Outcome) -> str:
+    """Scene, worst ball, error and limit."""
+    name = o.cells[1].replace('"', "'")
+    return f"{name}, ball {o.cells[7]} {o.cells[8]}: {abs(float(o.cells[4])):.2f} %, limit {o.cells[6]} %"
+
+
+def _chart(o: Outcome | None) -> list[str]:
+    """Lines of a Mermaid chart of loads about the worst ball."""
+    if o is None:
+        return []
+    balls, loads, reference, _ = zip(*o.near, strict=True)
+    top = 1.1 * max(*loads, *reference)
+    series = [", ".join(f"{x:.4g}" for x in of) for of in (reference, loads)]
+    return [
+        "",
+        f"Worst ball: bars are the reference, the line is {_safe(o.cells[2])}.",
+        "",
+        "```mermaid",
+        "xychart-beta",
+        f'    title "{_title(o)}"',
+        f'    x-axis "ball" [{", ".join(map(str, balls))}]',
+        f'    y-axis "contact load / N" 0 --> {top:.4g}',
+        f"    bar [{series[0]}]",
+        f"    line [{series[1]}]",
+        "```",
+    ]
+
+
+def picture(o: Outcome) -> Figure:
+    """Loads about the worst ball with the reference's uncertainty."""
+    from rollbench.reports.records import Figure, Panel, Series
+
+    balls, loads, reference, bars = (list(x) for x in zip(*o.near, strict=True))
+    ends = [r - b for r, b in zip(reference, bars, strict=True)], [r + b for r, b in zip(reference, bars, strict=True)]
+    both = (
+        Series("reference", balls, reference, "markers", emphasis=True, bars=ends),
+        Series(o.cells[2], balls, loads, "line+markers"),
+    )
+    panel = Panel(f"flank {o.cells[8]}", "ball", "contact load / N", both, zero=True, integer_x=True)
+    return Figure("worst-ball", _title(o), (panel,))
 
 
 def _line(cells: Sequence[str]) -> str:
-    safe = (c.replace("\\", "\\\\").replace("|", "\\|").replace("<", "&lt;") for c in cells)
-    return f"| {' | '.join(safe)} |"
+    return f"| {' | '.join(map(_safe, cells))} |"
+
+
+def _safe(text: str) -> str:
+    """A text that is no markup."""
+    return text.replace("\\", "\\\\").replace("|", "\\|").replace("<", "&lt;")
 
 
 def table(outcomes: Sequence[Outcome]) -> str:
@@ -105,24 +168,31 @@ def table(outcomes: Sequence[Outcome]) -> str:
 
 def publish(
     outcomes: Sequence[Outcome],
+    notes: Sequence[str] = (),
     *,
     junit_file: Path | None = None,
     markdown_file: Path | None = None,
     csv_file: Path | None = None,
     environment: Mapping[str, str] | None = None,
 ) -> list[Path]:
-    """Write what is asked for; the Markdown is also added to the summary that a service of continuous integration names.
+    """Write what is asked for, with notes that belong to no row; the Markdown is also added to the summary that a service
+    of continuous integration names, and the picture of its worst ball goes beside it as SVG.
 
     Returns the files written. Raises InputError where one cannot be.
     """
     named = os.environ if environment is None else environment
     written = []
-    for file, made in ((junit_file, junit), (markdown_file, markdown), (csv_file, table)):
+    texts = ((junit_file, junit), (markdown_file, markdown), (csv_file, lambda rows, _: table(rows)))
+    for file, made in texts:
         if file is not None:
-            replace_file(file, made(outcomes))
+            replace_file(file, made(outcomes, notes))
             written.append(file)
+    shown = worst(outcomes)
+    if markdown_file is not None and shown is not None and not no_figure():
+        written.append(markdown_file.with_suffix(".svg"))
+        write_figure(written[-1], picture(shown))
     summaries = [named[name] for name in SUMMARIES if named.get(name)] if markdown_file is not None else []
-    return written + [_added(Path(name), markdown(outcomes)) for name in summaries]
+    return written + [_added(Path(name), markdown(outcomes, notes)) for name in summaries]
 
 
 def _added(path: Path, text: str) -> Path:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,6 +26,10 @@ class Rollbench:
         max_error: float | None = None,
         model: str = "",
         loads: str | Path | None = None,
+        values: str | Path | None = None,
+        limits: Mapping[str, float] | None = None,
+        reference: str | Path | None = None,
+        strict: bool = False,
         levels: int | None = None,
         stored: str | Path | None = None,
         store: str | Path = "rollbench-reference",
@@ -45,7 +50,11 @@ class Rollbench:
             what = asked(
                 model=model,
                 loads=None if loads is None else self.root / loads,
+                values=None if values is None else self.root / values,
                 max_error=max_error,
+                limits=[f"{name}={number}" for name, number in (limits or {}).items()],
+                reference=None if reference is None else self.root / reference,
+                strict=strict,
                 levels=levels,
                 store=self.root / store,
                 stored=None if stored is None else self.root / stored,

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.gate.further import Contacts, contact_verdicts, contacts_by, value_verdict, values_by
+from rollbench.comparison.gate.judged import limit_of, parse_limits
 from rollbench.comparison.gate.loads_file import GivenLoads, read_loads
 from rollbench.comparison.gate.loads_looks import looks
+from rollbench.comparison.gate.reference_file import exceeding, read_reference
+from rollbench.comparison.gate.values_file import GivenValue, read_values
 from rollbench.comparison.gate.verdict import LARGEST, LIMIT, Limits, Verdict, judge
-from rollbench.comparison.models.comparison import compared_models, options_for
+from rollbench.comparison.models.comparison import compared_models, from_result, options_for
+from rollbench.comparison.models.loading import scaled
 from rollbench.comparison.models.referenced import Referenced, answered, referenced
 from rollbench.comparison.models.registry import DEFAULT, MODELS, run_model
 from rollbench.comparison.reference.estimate import Reference
@@ -19,17 +24,24 @@ from rollbench.comparison.reference.levels import LEVELS
 from rollbench.comparison.reference.store import load, shipped_store
 from rollbench.comparison.reference.tasks import Solvable, groups
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.parts import SIDES
+from rollbench.meshes.parts import SIDES, Scene
 
 #: Mesh levels that are computed where none is asked for: the fewest that give an uncertainty.
 ENOUGH = 2
+#: What is said of a scene without reference.
+NONE_STORED = "no stored run of its 3D reference, and none is to be computed"
+#: Columns that are known, in words.
+KNOWN = "ball, flank, newton, azimuth_deg, z_mm, contact_angle_deg, approach_um, pressure_MPa, uncertainty_N in any unit"
+NO_OTHERS: Mapping[str, float] = {}
 
 
 @dataclass(frozen=True)
 class Asked:
-    """What is asked: model, or file of loads; limit [%] in place of the scenes' own (None: theirs, or `LIMIT`); levels of
-    the reference to compute at least (None: the best stored, `ENOUGH` where there are fewer); compute: whether runs that
-    are missing may be computed; stores: folders of runs, the first takes those that are computed."""
+    """What is asked: model, or files of loads and of values; limit [%] of loads in place of the scenes' own (None: theirs,
+    or `LIMIT`), and limits of other quantities; levels of the reference to compute at least (None: the best stored,
+    `ENOUGH` where there are fewer); compute: whether runs that are missing may be computed; stores: folders of runs, the
+    first takes those that are computed; reference: file of the user's own, in place of all of them; strict: whether
+    headings that nothing is known of are an error."""
 
     stores: tuple[Path, ...]
     model: str = DEFAULT
@@ -37,13 +49,21 @@ class Asked:
     max_error: float | None = None
     levels: int | None = None
     compute: bool = True
+    values: Path | None = None
+    limits: Mapping[str, float] = field(default_factory=dict)
+    reference: Path | None = None
+    strict: bool = False
 
 
 def asked(
     *,
     model: str = "",
     loads: Path | None = None,
+    values: Path | None = None,
     max_error: float | None = None,
+    limits: Sequence[str] = (),
+    reference: Path | None = None,
+    strict: bool = False,
     levels: int | None = None,
     store: Path = Path("rollbench-reference"),
     stored: Path | None = None,
@@ -57,54 +77,171 @@ def asked(
     if levels is not None and (stored is not None or not compute):
         advice = "leave one out: stored runs are taken with all levels that are there"
         raise InputError("command line", "--levels", str(levels), "without --stored and --no-compute", advice)
-    if loads is not None and model:
-        advice = "the file's loads are judged: leave one out"
-        raise InputError("command line", "--loads", str(loads), "without --model", advice)
+    if levels is not None and reference is not None:
+        raise InputError("command line", "--levels", str(levels), "without --reference", "the file is the reference")
+    for name, file in (("--loads", loads), ("--values", values)):
+        if file is not None and model:
+            advice = "what the file holds is judged: leave one out"
+            raise InputError("command line", name, str(file), "without --model", advice)
     if stored is not None and not stored.is_dir():
         raise InputError("command line", "--stored", str(stored), "a folder of stored runs", "check the path")
     compared_models((model,) if model else ())
-    own = store if stored is None else stored
-    return Asked((own, shipped_store()), model or DEFAULT, loads, max_error, levels, compute and stored is None)
+    return Asked(
+        (store if stored is None else stored, shipped_store()),
+        model or DEFAULT,
+        loads,
+        max_error,
+        levels,
+        compute and stored is None and reference is None,
+        values,
+        parse_limits(limits),
+        reference,
+        strict,
+    )
 
 
-def check_scenes(scenes: Sequence[Solvable], what: Asked, engine: Engine, step: Callable[[str], None]) -> list[Verdict]:
-    """Verdicts on scenes, in their order; each has one, or two where it limits the RMS error too; of several sets on one
-    shaft each set has its own.
+@dataclass(frozen=True)
+class Files:
+    """What files say of the one scene that they are for: loads and values of another program, with the scene at the axial
+    loads [N] of the latter; the user's own reference."""
 
-    References that are missing are computed first, scenes of one geometry together. Raises InputError for loads that do not
-    fit the scene, Refusal where the model cannot take it.
+    loads: GivenLoads | None = None
+    values: tuple[GivenValue, ...] = ()
+    at: Mapping[float, Scene] = field(default_factory=dict)
+    reference: Reference | None = None
+
+
+def check_scenes(
+    scenes: Sequence[Solvable],
+    what: Asked,
+    engine: Engine,
+    step: Callable[[str], None],
+    warn: Callable[[str], None] = lambda _: None,
+) -> list[Verdict]:
+    """Verdicts on scenes, in their order; each has one, two where it limits the RMS error too, and one on each further
+    quantity that a file gives or that is given a limit; of several sets on one shaft each set has its own.
+
+    References that are missing are computed first, scenes of one geometry together; warn: takes what a user should see
+    before. Raises InputError for files that do not fit the scene, Refusal where the model cannot take it.
     """
-    if what.loads is not None and len(scenes) != 1:
-        advice = "check the scenes one by one, each with its file"
-        raise InputError("command line", "--loads", str(what.loads), f"one scene, not {len(scenes)}", advice)
-    given = None if what.loads is None else _given(what.loads, scenes[0])
-    why = _computed(scenes, what, engine, step) if what.compute else {}
+    files = _files(scenes, what, warn)
+    why = _computed([*scenes, *files.at.values()], what, engine, step) if what.compute else {}
     out: list[Verdict] = []
     for scene in scenes:
-        limits = limits_of(scene, what.max_error)
-        judged = MODELS[what.model].name if what.loads is None else what.loads.name
-        each = referenced(scene, what.stores)
-        if not each:
-            reason = why.get(scene.name, "no stored run of its 3D reference, and none is to be computed")
-            out.append(Verdict(scene.name, judged, LARGEST, "not covered", None, None, limits.largest, detail=reason))
-        for one in each:
-            if given is not None:
-                detail = "; ".join(part for part in _said(given, one.found, limits) if part)
-                verdicts = judge(judged, given.load, one.found, limits, given.flanks, detail)
-            else:
-                verdicts = _model(one, what.model, limits, what.stores)
-            out += verdicts if one.of is None else [replace(v, scene=scene.name, set=one.of.name) for v in verdicts]
+        limits = limits_of(scene, what.max_error, what.limits)
+        own = () if files.reference is None else (Referenced(_of_one_set(scene, "--reference"), files.reference),)
+        each = own or referenced(scene, what.stores)
+        reason = why.get(scene.name, NONE_STORED)
+        if what.values is None or what.loads is not None:
+            out += [v for one in each for v in _verdicts(one, files, limits, what)]
+            judged = MODELS[what.model].name if what.loads is None else what.loads.name
+            out += [] if each else [_not_covered(scene, judged, LARGEST, limits.largest, reason)]
+        for value in files.values:
+            here = each if value.force is None else referenced(files.at[value.force], what.stores)
+            out.append(_value(value, here, scene, limits, what, reason))
     return out
 
 
-def _given(path: Path, scene: Solvable) -> GivenLoads:
-    """Loads of a file. Raises InputError as `read_loads`, and for several sets on one shaft."""
+def _verdicts(one: Referenced, files: Files, limits: Limits, what: Asked) -> list[Verdict]:
+    """Verdicts on what a file or a model says of the contacts of a scene, or of a set."""
+    if files.loads is None or what.loads is None:
+        found = _model(one, what.model, limits, what.stores)
+        return found if one.of is None else [replace(v, scene=one.of.assembly.name, set=one.of.name) for v in found]
+    given, judged = files.loads, what.loads.name
+    detail = "; ".join(part for part in _said(given, one.found, limits) if part)
+    verdicts = judge(judged, given.load, one.found, limits, given.flanks, detail)
+    further = Contacts(given.load, given.further, given.flanks)
+    return _beside(verdicts, given, one, limits, what) + contact_verdicts(judged, further, one.scene, one.found, limits)
+
+
+def _beside(verdicts: list[Verdict], given: GivenLoads, one: Referenced, limits: Limits, what: Asked) -> list[Verdict]:
+    """Verdicts by a user's own reference, with what ours says beside the first, where it is stored."""
+    ours = referenced(one.scene, what.stores) if one.found.stated else []
+    if not ours:
+        return verdicts
+    other = judge("", given.load, ours[0].found, limits, given.flanks)[0]
+    words = f"by the stored 3D reference: {other.compared()}, {other.word}"
+    return [replace(verdicts[0], detail=f"{verdicts[0].detail}; {words}"), *verdicts[1:]]
+
+
+def _value(
+    value: GivenValue, each: Sequence[Referenced], scene: Solvable, limits: Limits, what: Asked, reason: str
+) -> Verdict:
+    """The verdict on a value of the whole."""
+    assert what.values is not None
+    if not each:
+        limit = limit_of(value.quantity, limits.others, limits.largest)
+        return _not_covered(scene, what.values.name, value.name, limit, reason)
+    return value_verdict(what.values.name, value, each[0].scene, each[0].found, limits)
+
+
+def _not_covered(scene: Solvable, judged: str, quantity: str, limit: float, why: str) -> Verdict:
+    return Verdict(scene.name, judged, quantity, "not covered", None, None, limit, detail=why)
+
+
+def _files(scenes: Sequence[Solvable], what: Asked, warn: Callable[[str], None]) -> Files:
+    """What the files say that are asked for. Raises InputError for files that do not fit, or several scenes for them."""
+    named = {"--loads": what.loads, "--values": what.values, "--reference": what.reference}
+    for option, path in named.items():
+        if path is not None and len(scenes) != 1:
+            advice = "check the scenes one by one, each with its file"
+            raise InputError("command line", option, str(path), f"one scene, not {len(scenes)}", advice)
+    reference, loads = None, None
+    values: list[GivenValue] = []
+    at: dict[float, Scene] = {}
+    if what.reference is not None:
+        limit = limits_of(scenes[0], what.max_error).largest
+        reference, _ = judged_by(what.reference, scenes[0], warn, limit, strict=what.strict)
+    if what.loads is not None:
+        scene = _of_one_set(scenes[0], "--loads")
+        loads = read_loads(what.loads, scene.ball_count, scene)
+        _unknown(what.loads, loads.unknown, warn, strict=what.strict)
+    if what.values is not None:
+        scene = _of_one_set(scenes[0], "--values")
+        values, unknown = read_values(what.values)
+        _unknown(what.values, unknown, warn, strict=what.strict)
+        at = {value.force: _loaded(scene, value, what.values) for value in values if value.force is not None}
+    return Files(loads, tuple(values), at, reference)
+
+
+def judged_by(
+    path: Path, scene: Solvable, warn: Callable[[str], None], limit: float | None = None, *, strict: bool = False
+) -> tuple[Reference, Scene]:
+    """A user's own reference, and the scene that it is of; limit [%]: that it is to judge, the scene's own unless given.
+    Raises InputError."""
+    of = _of_one_set(scene, "--reference")
+    found, unknown = read_reference(path, of)
+    _unknown(path, unknown, warn, strict=strict)
+    if words := exceeding(found, limits_of(of, limit).largest):
+        warn(words)
+    return found, of
+
+
+def _of_one_set(scene: Solvable, option: str) -> Scene:
+    """The scene. Raises InputError for several sets on one shaft."""
     if isinstance(scene, Assembly):
-        allowed = "a scene of one set"
-        raise InputError(
-            "command line", "--loads", f"with {scene.name}", allowed, "leave it out: a model is judged set by set"
-        )
-    return read_loads(path, scene.ball_count, scene)
+        allowed, advice = "a scene of one set", "leave it out: a model is judged set by set"
+        raise InputError("command line", option, f"with {scene.name}", allowed, advice)
+    return scene
+
+
+def _loaded(scene: Scene, value: GivenValue, path: Path) -> Scene:
+    """The scene with its loads in proportion to the axial one of a value."""
+    assert value.force is not None
+    axial = abs(sum(load.force[2] for load in scene.loads))
+    if axial == 0.0:
+        advice = "leave it empty: loads are raised in proportion to the scene's"
+        raise InputError(str(path), "where", value.where, "of a scene with an axial load", advice)
+    return scaled(scene, value.force / axial)
+
+
+def _unknown(path: Path, heads: Sequence[str], warn: Callable[[str], None], *, strict: bool) -> None:
+    """Say of columns that they are not known. Raises InputError where that is asked for."""
+    if not heads:
+        return
+    if strict:
+        raise InputError(str(path), "line 1", ", ".join(heads), KNOWN, "rename the columns or delete them")
+    warn(f"{path.name}: not judged, because the columns are not known: {', '.join(heads)}; known are {KNOWN}")
 
 
 def _said(given: GivenLoads, found: Reference, limits: Limits) -> Iterator[str]:
@@ -116,30 +253,37 @@ def _said(given: GivenLoads, found: Reference, limits: Limits) -> Iterator[str]:
     yield looks(given.load, found.load, given.flanks, limits.largest)
 
 
-def limits_of(scene: Solvable, max_error: float | None) -> Limits:
-    """Limits of a scene: that of the command line for the largest error, or the scene's own, or `LIMIT`."""
+def limits_of(scene: Solvable, max_error: float | None, others: Mapping[str, float] = NO_OTHERS) -> Limits:
+    """Limits of a scene: that of the command line for the largest error, or the scene's own, or `LIMIT`; others: of other
+    quantities."""
     if isinstance(scene, Assembly):
-        return Limits(LIMIT if max_error is None else max_error)
+        return Limits(LIMIT if max_error is None else max_error, others=others)
     own = LIMIT if scene.gate.max_error is None else scene.gate.max_error
-    return Limits(own if max_error is None else max_error, scene.gate.rms_error)
+    return Limits(own if max_error is None else max_error, scene.gate.rms_error, others)
 
 
 def _model(one: Referenced, name: str, limits: Limits, stores: Sequence[Path]) -> list[Verdict]:
-    """Verdicts on a model's own loads; a solver that did not converge has none, and fails."""
+    """Verdicts on a model's own answers; a solver that did not converge has none, and fails."""
     scene, found = one.scene, one.found
     if one.of is not None:
         answer = answered(one.of, name)
-        load, status = (None, answer) if isinstance(answer, str) else (answer.result.load, "converged")
+        result, status = (None, answer) if isinstance(answer, str) else (answer.result, "converged")
     else:
         if not MODELS[name].suits(scene):
             advice = "rollbench list tells what each model describes"
             raise InputError("command line", "--model", f'"{name}"', f"a model that can describe {scene.name}", advice)
-        result = run_model(scene, name, options_for(MODELS[name], scene, found, stores))
-        load, status = result.load if result.converged else None, result.status
-    if load is None:
-        detail, levels = f"the model has no loads: {status}", tuple(run.level for run in found.runs)
-        return [Verdict(scene.name, name, LARGEST, "fail", None, None, limits.largest, levels=levels, detail=detail)]
-    return judge(name, load, found, limits)
+        solved = run_model(scene, name, options_for(MODELS[name], scene, found, stores))
+        result, status = solved if solved.converged else None, solved.status
+    if result is None:
+        detail = f"the model has no loads: {status}"
+        return [Verdict(scene.name, name, LARGEST, "fail", None, None, limits.largest, levels=found.levels, detail=detail)]
+    told = from_result(result)
+    verdicts = judge(name, result.load, found, limits) + contact_verdicts(
+        name, contacts_by(scene, told, limits.others), scene, found, limits
+    )
+    if one.of is not None:
+        return verdicts
+    return verdicts + [value_verdict(name, v, scene, found, limits) for v in values_by(scene, told, limits.others)]
 
 
 def _computed(scenes: Sequence[Solvable], what: Asked, engine: Engine, step: Callable[[str], None]) -> dict[str, str]:

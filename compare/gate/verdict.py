@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from rollbench.comparison.measure import LoadError, load_error
 from rollbench.comparison.models.comparison import RULE, gate_points
+from rollbench.comparison.quantities import split_unit
 from rollbench.comparison.reference.estimate import Reference
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES
@@ -20,6 +21,8 @@ Word = Literal["pass", "fail", "not converged", "undecided", "not covered"]
 LIMIT = 7.0
 #: Exit code of each verdict; of several verdicts the first of these counts.
 CODES: dict[Word, int] = {"fail": 1, "not converged": 1, "undecided": 3, "not covered": 4, "pass": 0}
+#: Balls on either side of the worst that a picture shows.
+NEAR = 6
 LARGEST = "largest error of a contact load"
 RMS = "RMS error of the contact loads"
 #: What is said where the reference has one mesh level.
@@ -29,26 +32,30 @@ ONE_LEVEL = "one mesh level: its uncertainty is from experience with other scene
 @dataclass(frozen=True)
 class Limits:
     """Limits in per cent: of the largest error of a contact load (of its own reference load, of the mean where that is
-    small), and of the RMS error (of the mean load; None: not judged)."""
+    small), and of the RMS error (of the mean load; None: not judged); others: of other quantities by name, where they are
+    given one of their own (`gate.judged`)."""
 
     largest: float = LIMIT
     rms: float | None = None
+    others: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """One judgement: scene, whose loads, which quantity; error, the reference's uncertainty in the same per cent (None: not
-    known) and the limit; ball (from 1) and flank that decide; mesh levels of the reference; contacts that were judged;
+    """One judgement: scene, whose loads, which quantity; error, the reference's uncertainty of it (None: not known) and the
+    limit, all in one unit; ball (from 1) and flank that decide; mesh levels of the reference; contacts that were judged;
     of_mean: the errors that head every output, in per cent of the mean load of the loaded contacts; set: its name, where
-    several are on one shaft; case: of the scene's load cases."""
+    several are on one shaft; case: of the scene's load cases; pair: key of a quantity with its value and the reference's,
+    where it is no load; near: balls about the one that decides, and on its flank their load, the reference's and its
+    uncertainty [N]."""
 
     scene: str
     judged: str
     quantity: str
     word: Word
-    error_percent: float | None
-    uncertainty_percent: float | None
-    limit_percent: float
+    error: float | None
+    uncertainty: float | None
+    limit: float
     ball: int | None = None
     flank: str | None = None
     levels: tuple[int, ...] = ()
@@ -57,6 +64,24 @@ class Verdict:
     of_mean: LoadError | None = None
     set: str | None = None
     case: str | None = None
+    unit: str = "%"
+    pair: tuple[str, float, float] | None = None
+    near: tuple[tuple[int, float, float, float], ...] = ()
+
+    @property
+    def error_percent(self) -> float | None:
+        """The error, where it is in per cent."""
+        return self.error if self.unit == "%" else None
+
+    @property
+    def uncertainty_percent(self) -> float | None:
+        """The reference's uncertainty, where it is in per cent."""
+        return self.uncertainty if self.unit == "%" else None
+
+    @property
+    def limit_percent(self) -> float | None:
+        """The limit, where it is in per cent."""
+        return self.limit if self.unit == "%" else None
 
     @property
     def of(self) -> str:
@@ -65,37 +90,56 @@ class Verdict:
         return f"{self.scene}, {inner}" if inner else self.scene
 
     def as_json(self) -> dict[str, Any]:
-        """JSON-ready."""
-        data = asdict(self) | {"levels": list(self.levels)}
+        """JSON-ready: numbers by keys whose ending says their unit; those in per cent are null where they have another."""
+        data: dict[str, Any] = {}
+        for key, value in asdict(self).items():
+            if key not in ("error", "uncertainty", "limit"):
+                data[key] = value
+                continue
+            data[f"{key}_percent"] = getattr(self, f"{key}_percent")
+            if self.unit != "%":
+                data[f"{key}_{self.unit}"] = value
+        data["levels"] = list(self.levels)
         for key in ("set", "case"):
             if data[key] is None:
                 del data[key]
-        e = data.pop("of_mean")
+        del data["unit"], data["near"]
+        pair, e = data.pop("pair"), data.pop("of_mean")
         both = ("max_percent", "rms_percent")
-        return data | {f"{key}_of_mean": None if e is None else e[key] for key in both}
+        data |= {f"{key}_of_mean": None if e is None else e[key] for key in both}
+        return data if pair is None else data | dict(zip(("key", "value", "reference"), pair, strict=True))
 
     def line(self) -> str:
         """The verdict as one line of text, with both numbers and the limit."""
         head = f"{self.word.upper()}: {self.of}, {self.judged}"
-        if self.error_percent is None:
-            return f"{head}: {self.detail}"
+        if self.error is None:
+            of = "" if self.quantity == LARGEST else f"{self.quantity}: "
+            return f"{head}: {of}{self.detail}"
         at = "" if self.ball is None else f" (ball {self.ball} {self.flank})"
         tail = f"; {self.detail}" if self.detail else ""
         if self.of_mean is None:
-            return f"{head}: {self.quantity} {self.compared()}{at}{tail}"
+            return f"{head}: {self.quantity} {self.compared()}{at}{self.pair_text}{tail}"
         e = self.of_mean
         first = f"{e.max_percent:.2f} % of the mean load on the worst contact (ball {e.ball} {e.side})"
         return f"{head}: {first}, {e.rms_percent:.2f} % RMS; {self.quantity} {self.compared()}{at}, {RULE}{tail}"
 
+    @property
+    def pair_text(self) -> str:
+        """Value and the reference's, in words."""
+        if self.pair is None:
+            return ""
+        key, value, reference = self.pair
+        return f", {value:.4g} against {reference:.4g} {split_unit(key)[1]}"
+
     def compared(self) -> str:
         """Error, uncertainty and limit as a comparison: ``1.4 % + 0.2 % <= 7 %``."""
-        error, limit = abs(self.error_percent or 0.0), f"{self.limit_percent:g} %"
-        if self.uncertainty_percent is None:
-            return f"{error:.2f} %, uncertainty not known, limit {limit}"
-        u = f"{self.uncertainty_percent:.2f} %"
+        error, limit = f"{abs(self.error or 0.0):.2f} {self.unit}", f"{self.limit:.4g} {self.unit}"
+        if self.uncertainty is None:
+            return f"{error}, uncertainty not known, limit {limit}"
+        u = f"{self.uncertainty:.2f} {self.unit}"
         if self.word == "pass":
-            return f"{error:.2f} % + {u} <= {limit}"
-        return f"{error:.2f} % - {u} > {limit}" if self.word == "fail" else f"{error:.2f} % +- {u}, limit {limit}"
+            return f"{error} + {u} <= {limit}"
+        return f"{error} - {u} > {limit}" if self.word == "fail" else f"{error} +- {u}, limit {limit}"
 
 
 def word(error: float, uncertainty: float | None, limit: float) -> Word:
@@ -112,58 +156,68 @@ def word(error: float, uncertainty: float | None, limit: float) -> Word:
     return "fail" if abs(error) - uncertainty > limit else "undecided"
 
 
+class At(NamedTuple):
+    """The error of one contact, the reference's uncertainty of it (None: not known), ball (from 1) and flank."""
+
+    error: float
+    bar: float | None
+    ball: int
+    side: str
+
+
+def decisive(points: Sequence[At], limit: float) -> tuple[Word, At]:
+    """The gravest verdict on contacts, and the one that decides: the first to fail, or the one nearest to it."""
+    each = [word(p.error, p.bar, limit) for p in points]
+    worst = worst_of(each)
+    sign = -1.0 if worst == "fail" else 1.0
+    own = [p for p, found in zip(points, each, strict=True) if found == worst]
+    return worst, max(own, key=lambda p: abs(p.error) + sign * (p.bar or 0.0))
+
+
+def blank(found: Reference, judged: str, quantity: str, limit: float, why: str, unit: str = "%") -> Verdict:
+    """The verdict on what the reference does not cover."""
+    return Verdict(
+        found.scene, judged, quantity, "not covered", None, None, limit, levels=found.levels, detail=why, unit=unit
+    )
+
+
 def judge(
     judged: str, load: Array, found: Reference, limits: Limits, flanks: Sequence[str] = SIDES, detail: str = ""
 ) -> list[Verdict]:
     """Verdicts on loads ``(n, 4)`` [N] against a reference: on the largest error, and on the RMS error if it has a limit.
 
-    flanks: the sides that are judged; what the others carry is no part of any error. The contact named is the one that
-    decides: the first to fail, or the one nearest to it.
+    flanks: the sides that are judged; what the others carry is no part of any error.
     """
     chosen = np.array([side in flanks for side in SIDES])
-    levels = tuple(run.level for run in found.runs)
-    points = [p for p in gate_points(found.scene, found, limits.largest, load) if p.side in flanks]
-    one = ONE_LEVEL if found.parts.by_experience else ""
-    detail = "; ".join(part for part in (detail, found.unsettled, one) if part)
-    of_mean = load_error(np.where(chosen, load, 0.0), np.where(chosen, found.load, 0.0), found.contacts)
-    shared = {"levels": levels, "contacts": len(points), "detail": detail}
-    if not points:
-        why = f"the reference carries no load on {', '.join(flanks)}"
-        return [Verdict(found.scene, judged, LARGEST, "not covered", None, None, limits.largest, levels=levels, detail=why)]
-
-    def verdict_of(k: int) -> Verdict:
-        p = points[k]
-        bar = abs(p.uncertainty_percent) if np.isfinite(p.uncertainty_percent) else None
-        own = word(p.error_percent, bar, limits.largest)
-        return Verdict(
-            found.scene,
-            judged,
-            LARGEST,
-            own,
-            p.error_percent,
-            bar,
-            limits.largest,
-            p.ball,
-            p.side,
-            of_mean=of_mean,
-            **shared,  # type: ignore[arg-type]
-        )
-
-    each = [verdict_of(k) for k in range(len(points))]
-    worst = worst_of([v.word for v in each])
-    sign = -1.0 if worst == "fail" else 1.0
-    out = [
-        max(
-            (v for v in each if v.word == worst),
-            key=lambda v: abs(v.error_percent or 0.0) + sign * (v.uncertainty_percent or 0.0),
-        )
+    points = [
+        At(p.error_percent, abs(p.uncertainty_percent) if np.isfinite(p.uncertainty_percent) else None, p.ball, p.side)
+        for p in gate_points(found.scene, found, limits.largest, load)
+        if p.side in flanks
     ]
+    if not points:
+        return [blank(found, judged, LARGEST, limits.largest, f"the reference carries no load on {', '.join(flanks)}")]
+    of_mean = load_error(np.where(chosen, load, 0.0), np.where(chosen, found.load, 0.0), found.contacts)
+    own, at = decisive(points, limits.largest)
+    said = "; ".join(part for part in (detail, about(found)) if part)
+    shared: dict[str, Any] = {"levels": found.levels, "contacts": len(points), "detail": said}
+    first = Verdict(found.scene, judged, LARGEST, own, at.error, at.bar, limits.largest, at.ball, at.side, **shared)
+    out = [replace(first, of_mean=of_mean, near=_near(load, found, at))]
     if limits.rms is not None:
         error, bar = of_mean.rms_percent, found.parts.bar
-        out.append(
-            Verdict(found.scene, judged, RMS, word(error, bar, limits.rms), error, bar, limits.rms, **shared)  # type: ignore[arg-type]
-        )
+        out.append(Verdict(found.scene, judged, RMS, word(error, bar, limits.rms), error, bar, limits.rms, **shared))
     return out
+
+
+def _near(load: Array, found: Reference, at: At) -> tuple[tuple[int, float, float, float], ...]:
+    """`Verdict.near` of a contact."""
+    s, balls = SIDES.index(at.side), range(max(at.ball - 1 - NEAR, 0), min(at.ball + NEAR, len(load)))
+    return tuple((k + 1, float(load[k, s]), float(found.load[k, s]), float(found.uncertainty[k, s])) for k in balls)
+
+
+def about(found: Reference) -> str:
+    """What is said of a reference beside every verdict: whose it is, what did not settle, a single mesh level."""
+    one = ONE_LEVEL if found.parts.by_experience and not found.stated else ""
+    return "; ".join(part for part in (found.stated, found.unsettled, one) if part)
 
 
 def worst_of(words: Sequence[Word]) -> Word:

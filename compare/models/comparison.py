@@ -55,6 +55,8 @@ def compared_models(names: tuple[str, ...]) -> list[Model]:
 
 def finest_bodies(scene: Scene, found: Reference, stores: Sequence[Path] | None) -> Path | None:
     """File of the condensed bodies on the reference's finest level, where a store has it."""
+    if found.stated:
+        return None
     for store in (shipped_store(),) if stores is None else stores:
         path = bodies_path(store, scene, found.best)
         if path.exists():
@@ -134,7 +136,9 @@ def from_run(run: Run, name: str) -> Loads:
 
 
 def reference_answers(found: Reference, source: Run | None) -> list[Loads]:
-    """The reference on its levels and on the source's mesh."""
+    """The reference on its levels and on the source's mesh; none of a user's own."""
+    if found.stated:
+        return []
     out = [from_run(run, f"3D level {run.level}") for run in found.runs]
     if source is not None:
         out.insert(0, from_run(source, "3D source mesh"))

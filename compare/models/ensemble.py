@@ -211,7 +211,7 @@ class _Batch:
         prepared = self._system(problem)
         near = None if np.all(problem.use) else _Nearness(prepared, self.layout)
         seen = [] if near is None else [near.rows]
-        quick = pressed(prepared, np.concatenate([*seen, prepared.beam.load.reshape(1, -1)]), len(self.drawn.centre) > 1)
+        quick = pressed(prepared, np.concatenate([*seen, prepared.beam.load.reshape(1, -1)]))
 
         def some(part: NDArray[np.int64]) -> None:
             if quick is not None:
@@ -235,38 +235,35 @@ class _Batch:
 
     def _press(self, quick: Pressed, near: _Nearness | None, part: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Some members on the motions of their flanks alone; returns which were not solved so."""
-        drawn = self._of(part)
-        offset, closure = distances(self.scene, drawn)
-        found = quick.solve(drawn, offset, closure, self.C[part])
+        arrays = self._arrays(quick.prepared.problem, part)
+        found = quick.solve(arrays, self._of(part).centre)
         done = found.status == 0
         motions = quick.functions(found.pull)
-        good = done if near is None else done & near.clear(motions[:, :-1], found.p, offset, found.force)
+        good = done if near is None else done & near.clear(motions[:, :-1], found.p, arrays.geometry, found.force)
         self._keep(part, good, found.force, found.residual, motions[:, -1])
         return np.asarray(~done)
 
     def _follow(self, prepared: Prepared, near: _Nearness | None, part: NDArray[np.int64]) -> None:
-        """Some members by the equations of the whole screw."""
-        arrays, found = self._run(prepared, part)
+        """Some members by the equations of the whole screw, through the compiled kernel."""
+        state, k = prepared.state, part.size
+        arrays = self._arrays(prepared.problem, part)
+        forces, status, residual = np.empty(arrays.geometry.shape[:3]), np.empty(k, dtype=np.int64), np.empty(k)
+        found = MemberStates(forces, status, residual, np.empty((k, *state.q.shape)), np.empty((k, *state.p.shape)))
+        prepared.engine.ensemble(prepared.beam, prepared.contacts, state, prepared.options, arrays, found)
         good = (found.status <= 1) & (found.residual <= ACCEPTED)
         if near is not None:
-            shift = found.q.reshape(part.size, -1) @ near.rows.T
+            shift = found.q.reshape(k, -1) @ near.rows.T
             good &= near.clear(shift, found.p, arrays.geometry, found.force)
         self._keep(part, good, found.force, found.residual, np.tensordot(found.q, prepared.beam.load, axes=2))
 
-    def _run(self, prepared: Prepared, part: NDArray[np.int64]) -> tuple[MemberArrays, MemberStates]:
-        """Some members through the compiled kernel for the whole screw."""
-        drawn, problem, state = self._of(part), prepared.problem, prepared.state
+    def _arrays(self, problem: Problem, part: NDArray[np.int64]) -> MemberArrays:
+        """Some members as the kernels take them."""
+        drawn = self._of(part)
         offset, closure = distances(self.scene, drawn)
         geometry = np.empty((part.size, *problem.geometry.shape))
         geometry[..., :4], geometry[..., 4], geometry[..., 5:] = offset, self.C[part], problem.geometry[..., 5:]
         B = lever_arms(problem, drawn.centre) if len(drawn.centre) > 1 else problem.B[None]
-        arrays = MemberArrays(B, geometry, closure, drawn.ball_radius)
-        k, forces = part.size, np.empty(geometry.shape[:3])
-        status, residual = np.empty(k, dtype=np.int64), np.empty(k)
-        found = MemberStates(forces, status, residual, np.empty((k, *state.q.shape)), np.empty((k, *state.p.shape)))
-
-        prepared.engine.ensemble(prepared.beam, prepared.contacts, state, prepared.options, arrays, found)
-        return arrays, found
+        return MemberArrays(B, geometry, closure, drawn.ball_radius)
 
 
 class _Nearness:

@@ -2,7 +2,8 @@
 scenes tell.
 
 A scene's experience (`compare.reference.grid_parts`) is taken anew without it and without the scenes of its parts. Drawn
-screws, and levels beyond those that are studied, are kept as loads alone: they judge, and are nobody's reference.
+screws (chosen and computed by ``tests/judging_levels.py``), and levels beyond those that are studied, are kept as loads
+alone: they judge, and are nobody's reference.
 """
 
 from __future__ import annotations
@@ -22,12 +23,17 @@ from rollbench.comparison.models.modelling import REFINED, SPOKEN_FOR, base_run
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.grid_parts import Experience, Levelled, measured, moving, parts
 from rollbench.comparison.reference.levels import LEVELS, PRODUCTION
+from rollbench.comparison.reference.near_face import too_large
 from rollbench.comparison.reference.store import load, shipped_store
+from rollbench.comparison.scenes import scene_file
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import mean_load
+from rollbench.meshes.parts import Scene
 
 #: Loads by level of drawn screws and of further levels of shipped scenes, beside the stored runs.
 JUDGES = "judging_levels.json"
+#: Its key of a drawn scene's text.
+SCENE = "scene"
 #: The variant that cuts the coarse sockets finer.
 SOCKETS = "finer-sockets"
 #: Scenes that another program solved as well, and those that have two levels.
@@ -59,18 +65,17 @@ class Held:
 
 
 @cache
-def judges(store: Path) -> dict[str, dict[int, Array]]:
-    """Loads ``(n, 4)`` [N] by level that a store keeps only to judge by; empty without a record."""
+def judges(store: Path) -> tuple[dict[str, dict[int, Array]], dict[str, Scene]]:
+    """Loads ``(n, 4)`` [N] by level that a store keeps only to judge by, and the drawn scenes; empty without a record."""
     path = store / JUDGES
-    if not path.exists():
-        return {}
-    data = json.loads(path.read_text(encoding="utf-8"))
-    return {name: {int(k): np.array(rows, float) for k, rows in own.items()} for name, own in data.items()}
+    data = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+    drawn = {name: scene_file.loads(own.pop(SCENE), f"{name}.toml") for name, own in data.items() if SCENE in own}
+    return {name: {int(k): np.array(rows, float) for k, rows in own.items()} for name, own in data.items()}, drawn
 
 
 def levelled(study: Study) -> dict[str, dict[int, Array]]:
     """Loads ``(n, 4)`` [N] by level of every compared scene that a store holds on two levels or more, drawn ones last."""
-    out, extra = {}, dict(judges(shipped_store()))
+    out, extra = {}, dict(judges(shipped_store())[0])
     for name in SHIPPED:
         runs = [run for k in LEVELS if (run := load(study.scene(name), k, stores=study.stores)) is not None]
         if len(runs) > 1:
@@ -103,10 +108,14 @@ def coverage(study: Study) -> list[Held]:
 
 def _coverage(study: Study) -> list[Held]:
     found, sockets = levelled(study), socket_scatter(study)
-    return [] if sockets is None or len(found) < len(UNSEEN) else [h for name in found for h in _held(name, found, sockets)]
+    if sockets is None or len(found) < len(UNSEEN):
+        return []
+    drawn = judges(shipped_store())[1]
+    return [h for name in found for h in _held(drawn.get(name) or study.scene(name), found, sockets)]
 
 
-def _held(name: str, found: Mapping[str, Levelled], sockets: float) -> Iterator[Held]:
+def _held(scene: Scene, found: Mapping[str, Levelled], sockets: float) -> Iterator[Held]:
+    name = scene.name
     family = SPOKEN_FOR.get(name, name)
     known = measured({other: own for other, own in found.items() if SPOKEN_FOR.get(other, other) != family}, sockets)
     loads, judge = found[name], max(found[name])
@@ -114,7 +123,8 @@ def _held(name: str, found: Mapping[str, Levelled], sockets: float) -> Iterator[
     for level in sorted(loads)[:-1]:
         coarser = {k: own for k, own in loads.items() if k <= level}
         told, off = parts(coarser, known), np.abs(error_percent(loads[level][on], loads[judge][on], mean))
-        held = int((off <= told.bars(coarser)[on]).sum())
+        bars = told.bars(coarser) + error_percent(too_large(scene, loads[level], level), 0.0, mean)
+        held = int((off <= bars[on]).sum())
         yield Held(name, level, judge, int(on.sum()), told.bar, held, name not in SHIPPED)
 
 

@@ -8,7 +8,8 @@ loads in each process, six numbers a member, and one histogram a contact.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from time import perf_counter
 from typing import Any
 
@@ -23,6 +24,9 @@ from rollbench.comparison.models.loading import scaled
 from rollbench.comparison.models.registry import MODELS, Options, run_model
 from rollbench.comparison.reference import parallel
 from rollbench.comparison.reference.jobs import Engine
+from rollbench.lowfi.compliance.bodies import LADDER
+from rollbench.lowfi.jit import STATICS, cached, kernels
+from rollbench.lowfi.statics.elastic_members import ElasticMembers, shared
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import without_draws
@@ -38,8 +42,13 @@ KEPT = {
     "relative_life": "life over that without random errors",
     "residual": "relative residual",
 }
-#: Members of a block and from how many on kernels are compiled; part of the load by which stiffness is taken.
-BLOCK, COMPILE_FROM, STEP = 500, 200, 1e-3
+#: Members of a block; from how many on kernels are compiled, and are used where they have been; part of the load by which
+#: stiffness is taken.
+BLOCK, COMPILE_FROM, USE_FROM, STEP = 500, 200, 10, 1e-3
+#: Models with elastic bodies, whose members may share one system.
+ELASTIC = tuple(name for name in LADDER if name != "lin")
+#: Least time [s] that other processes must take over to be started: each imports and compiles for itself.
+WORTH_WORKERS = 10.0
 #: Bins of the histogram of a contact's load, and its end over the largest load without random errors.
 BINS, END = 2000, 10.0
 LEVELS = (0.01, 0.05, 0.5, 0.95, 0.99)
@@ -106,20 +115,24 @@ def life_sum(load: Array) -> Array:
 def _solved(scene: Scene, model: str, engine: str, first: int, count: int) -> tuple[Array, tuple[str, ...], Array, Array]:
     """Loads, statuses, residuals and works of some members."""
     if model == "lin" and engine == "compiled":
-        result = run_ensemble(scene, count, first)
-        return result.loads, result.statuses, result.residuals, result.works
-    results = [
-        run_model(scene, model, Options(member=m, engine=engine, discretisation=False)) for m in range(first, first + count)
-    ]
-    n = scene.ball_count
-    loads = [r.load if r.converged else np.full((n, 4), np.nan) for r in results]
-    works = [work_of(scene, r) if r.converged else np.nan for r in results]
-    return (
-        np.stack(loads),
-        tuple(r.status for r in results),
-        np.array([r.solver.residual for r in results]),
-        np.array(works),
-    )
+        batch = run_ensemble(scene, count, first)
+        return batch.loads, batch.statuses, batch.residuals, batch.works
+    loads, residuals, works = np.full((count, scene.ball_count, 4), np.nan), np.full(count, np.nan), np.full(count, np.nan)
+    if model in ELASTIC and shared(scene):
+        loads, residuals, works = _system(scene, model, engine).solve(first, count)
+    statuses = ["converged"] * count
+    for k in np.flatnonzero(np.isnan(residuals)):
+        result = run_model(scene, model, Options(member=first + int(k), engine=engine, discretisation=False))
+        statuses[k], residuals[k] = result.status, result.solver.residual
+        if result.converged:
+            loads[k], works[k] = result.load, work_of(scene, result)
+    return loads, tuple(statuses), residuals, works
+
+
+@lru_cache(maxsize=4)
+def _system(scene: Scene, model: str, engine: str) -> ElasticMembers:
+    """What solves all blocks of a scene in this process."""
+    return ElasticMembers(scene, LADDER[model], kernels(STATICS, compiled=engine == "compiled"))
 
 
 def solve_block(scene: Scene, model: str, engine: str, nominal: Array, first: int, count: int) -> Block:
@@ -161,12 +174,12 @@ def run_members(
     engine = engine or Engine()
     _check(scene, model, count)
     start = perf_counter()
-    kernels = "compiled" if count >= COMPILE_FROM else "interpreted"
-    bare = run_model(without_draws(scene), model, Options(engine=kernels, discretisation=False))
+    fast = "compiled" if count >= COMPILE_FROM or (count >= USE_FROM and cached(STATICS)) else "interpreted"
+    bare = run_model(without_draws(scene), model, Options(engine=fast, discretisation=False))
     if not bare.converged or not bare.load.max() > 0.0:
         reason = bare.status if not bare.converged else "no contact carries load without random errors"
         raise InputError(scene.name, "scene", reason, "loaded contacts without random errors", "load or preload the screw")
-    bands, kept, failed = gathered(solve_block, (scene, model, kernels, bare.load), bare.load, count, engine, step, row)
+    bands, kept, failed = gathered(solve_block, (scene, model, fast, bare.load), bare.load, count, engine, step, row)
     return Members(scene, model, kept, failed, bands, perf_counter() - start)
 
 
@@ -187,7 +200,7 @@ def gathered(
     rows: list[Array] = []
     failed: dict[int, str] = {}
     start, done = perf_counter(), 0
-    for first, block in _blocks(solve, arguments, count, engine):
+    for first, block in _blocks(solve, arguments, count, engine, step):
         sums.add(block.loads)
         rows.append(block.kept)
         for k, status in enumerate(block.statuses):
@@ -217,15 +230,23 @@ def _check(scene: Scene, model: str, count: int) -> None:
 
 
 def _blocks(
-    solve: Callable[..., Block], arguments: tuple[Any, ...], count: int, engine: Engine
+    solve: Callable[..., Block], arguments: tuple[Any, ...], count: int, engine: Engine, step: Callable[[str], None]
 ) -> Iterator[tuple[int, Block]]:
-    """Blocks in order, whatever the order they come in."""
+    """Blocks in order, whatever the order they come in: the first in this process, and all where starting others would take
+    longer."""
     size = max(1, min(BLOCK, count // 16))  # by the count alone: how members are cut into blocks shows in round-off
     jobs: list[parallel.Job] = [(solve, (*arguments, first, min(size, count - first))) for first in range(0, count, size)]
+    if (engine.workers or 1) > 1 and engine.backend == "joblib":
+        start = perf_counter()
+        yield 0, solve(*arguments, 0, min(size, count))
+        left, jobs = (perf_counter() - start) * (len(jobs) - 1), jobs[1:]
+        if left < WORTH_WORKERS:
+            step(f"no other processes: the members left take about {left:.1f} s here, to start others takes longer")
+            engine = replace(engine, workers=1)
     waiting: dict[int, Block] = {}
-    following = 0
+    following = done = -(-count // size) - len(jobs)
     for number, block in parallel.as_done(jobs, engine.backend, engine.scheduler, engine.workers):
-        waiting[number] = block
+        waiting[done + number] = block
         while following in waiting:
             yield following * size, waiting.pop(following)
             following += 1

@@ -14,8 +14,9 @@ from rollbench.comparison.measure import error_percent, load_error
 from rollbench.comparison.models.modelling import base_run
 from rollbench.comparison.reference.convergence import observe
 from rollbench.comparison.reference.estimate import FITTED, Reference, reference_of
+from rollbench.comparison.reference.grid_parts import parts, read
 from rollbench.comparison.reference.levels import LEVELS
-from rollbench.comparison.reference.store import Run, load
+from rollbench.comparison.reference.store import Run, load, shipped_store
 from rollbench.comparison.reference.variants import VARIANTS
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.parts import SIDES, Scene
@@ -61,7 +62,7 @@ def quantities(run: Run) -> list[tuple[str, str, Take]]:
 def studied(scene: Scene, stores: Sequence[Path] | None, levels: int = len(LEVELS)) -> Reference | None:
     """The reference of all stored runs on levels 1 to ``levels``; None without any."""
     runs = tuple(r for k in range(1, levels + 1) if (r := load(scene, k, stores=stores)) is not None)
-    return reference_of(scene.name, runs, contacts=nominal_contacts(scene)) if runs else None
+    return reference_of(scene.name, scene, runs, contacts=nominal_contacts(scene)) if runs else None
 
 
 def level_rows(found: Reference) -> list[dict[str, Any]]:
@@ -84,7 +85,8 @@ def level_rows(found: Reference) -> list[dict[str, Any]]:
 def enough(found: Reference, k: int) -> float:
     """What the contact loads of run ``k`` are good for [% of the mean load] with those before it: their uncertainty by
     discretisation, RMS over the contacts; of the first alone from experience with other scenes."""
-    return reference_of(found.scene, found.runs[max(0, k + 1 - FITTED) : k + 1]).parts.bar
+    loads = {run.level: run.load for run in found.runs[max(0, k + 1 - FITTED) : k + 1]}
+    return parts(loads, read(shipped_store())).bar
 
 
 def closing(found: Reference) -> str:

@@ -69,12 +69,12 @@ def referenced(
 def referenced_by(described: Solvable, runs: tuple[Run, ...]) -> list[Referenced]:
     """The reference of runs, coarse to fine, set by set."""
     if isinstance(described, Scene):
-        return [Referenced(described, reference_of(described.name, runs, contacts=nominal_contacts(described)))]
+        return [Referenced(described, reference_of(described.name, described, runs, contacts=nominal_contacts(described)))]
     out, counts = [], _contacts(described)
     for k, (s, own) in enumerate(zip(described.sets, balls_of(described), strict=True)):
         assert isinstance(s.parts, Scene)
         of_set = tuple(replace(r, load=r.load[own], angle=r.angle[own], frozen=r.frozen[own]) for r in runs)
-        found = reference_of(f"{described.name}, {s.name}", of_set, contacts=counts[k])
+        found = reference_of(f"{described.name}, {s.name}", s.parts, of_set, contacts=counts[k])
         stem = re.sub(r"[^\w.-]+", "-", f"{described.name}-{s.name}")
         out.append(Referenced(replace(s.parts, name=stem), found, SetOf(described, k)))
     return out

@@ -33,7 +33,7 @@ from rollbench.comparison.reference.grid_summary import uncertainty_percent
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.writing import replace_file
 from rollbench.meshes.loads import mean_load
-from rollbench.meshes.parts import Scene
+from rollbench.meshes.parts import SIDES, Scene
 
 #: Record of the modelling choices, beside the stored runs.
 FILE = "choices.json"
@@ -58,7 +58,9 @@ class Choices:
 class Total:
     """Uncertainty of a scene's contact loads [% of the mean load] by part (None: not known): discretisation and whether it
     is from experience alone; modelling choices, the one that dominates, the scene on which they were varied; inputs and the
-    one that dominates; second order of displacements; whether the sum of loads has the part that all contacts share."""
+    one that dominates; second order of displacements; whether the sum of loads has the part that all contacts share;
+    stated: of a user's own reference what that says, which is all that is known; of the discretisation, what the contact
+    ``at_face`` has by a free face of the nut (`compare.reference.near_face`)."""
 
     discretisation: float
     by_experience: bool
@@ -67,6 +69,9 @@ class Total:
     input: str
     second_order: float
     shared: bool
+    stated: str = ""
+    beside_face: float = 0.0
+    at_face: str = ""
 
     @property
     def percent(self) -> float:
@@ -77,7 +82,11 @@ class Total:
     @property
     def text(self) -> str:
         """All and by part, in words."""
+        if self.stated:
+            return self.stated
         grid = f"discretisation {self.discretisation:.2f} %{' by experience with other scenes' * self.by_experience}"
+        if self.at_face:
+            grid += f", of it {self.beside_face:.2f} % at {self.at_face} beside the nut's free face"
         c = self.choices
         modelling = "modelling choices not known" if c is None else f"modelling choices {c.percent:.2f} %, most {c.choice}"
         inputs = (
@@ -104,8 +113,10 @@ class Total:
         c = self.choices
         return {
             "total_percent": self.percent,
-            "discretisation_percent": self.discretisation,
+            "discretisation_percent": None if self.stated else self.discretisation,
             "discretisation_by_experience": self.by_experience,
+            "beside_free_face_percent": self.beside_face,
+            "beside_free_face_at": self.at_face or None,
             "modelling_percent": None if c is None else c.percent,
             "modelling_dominated_by": None if c is None else c.choice,
             "modelling_varied_on": None if c is None else c.scene,
@@ -118,7 +129,10 @@ class Total:
 
 def total(scene: Scene, found: Reference, *, inputs: bool = True) -> Total:
     """The uncertainty of a scene's reference; inputs: whether that by the tolerances of the inputs is looked for."""
+    if found.stated:
+        return Total(uncertainty_percent(found), False, None, None, "", 0.0, False, found.stated)
     share, name = _inputs(scene) if inputs else (None, "")
+    lip, at = beside_face(found)
     return Total(
         uncertainty_percent(found),
         found.parts.by_experience,
@@ -127,7 +141,19 @@ def total(scene: Scene, found: Reference, *, inputs: bool = True) -> Total:
         name,
         second_order(scene, found),
         both_flanks(found.load),
+        beside_face=lip,
+        at_face=at,
     )
+
+
+def beside_face(found: Reference) -> tuple[float, str]:
+    """Largest part of a contact's uncertainty that is by a free face beside it [% of the mean load], and the contact; none
+    where it is less than what discretisation leaves uncertain in all."""
+    own = np.zeros(1) if found.beside_face is None else error_percent(found.beside_face, 0.0, found.mean)
+    if own.max() <= found.parts.bar or not found.parts.bar:
+        return 0.0, ""
+    ball, side = np.unravel_index(int(own.argmax()), own.shape)
+    return float(own.max()), f"ball {ball + 1} {SIDES[side]}"
 
 
 def second_order(scene: Scene, found: Reference) -> float:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +12,7 @@ from rollbench.comparison.reference import grid_parts
 from rollbench.comparison.reference.convergence import representative_size
 from rollbench.comparison.reference.grid_parts import Experience, GridParts, parts
 from rollbench.comparison.reference.levels import LEVELS
+from rollbench.comparison.reference.near_face import too_large
 from rollbench.comparison.reference.store import Run, load, shipped_store
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
@@ -26,7 +27,11 @@ FITTED = 4
 class Reference:
     """The 3D reference of a scene: runs coarse to fine, loads of the finest ``(n, 4)`` [N], their uncertainty ``(n, 4)``
     [N] by discretisation and by what the finest did not settle by, zero where no level has load; its parts; how many
-    contacts the nominal screw loads, zero where that is not known."""
+    contacts the nominal screw loads, zero where that is not known; what of the uncertainty contacts have by a free face
+    of the nut beside them ``(n, 4)`` [N] (`compare.reference.near_face`).
+
+    Of a user's own reference: label, its file; stated, what that says of itself; further, what it says of contacts besides
+    ``(n, 4)`` [SI] by quantity; one run without mesh, displacements or seconds."""
 
     scene: str
     runs: tuple[Run, ...]
@@ -34,6 +39,15 @@ class Reference:
     uncertainty: Array
     parts: GridParts
     contacts: int = 0
+    label: str = "3D reference"
+    stated: str = ""
+    further: Mapping[str, Array] = field(default_factory=dict)
+    beside_face: Array | None = None
+
+    @property
+    def levels(self) -> tuple[int, ...]:
+        """Mesh levels of the runs."""
+        return () if self.stated else tuple(run.level for run in self.runs)
 
     @property
     def mean(self) -> float:
@@ -48,7 +62,7 @@ class Reference:
     @property
     def sizes(self) -> tuple[float, ...]:
         """Relative cell sizes of the runs."""
-        return tuple(representative_size(run.settings) for run in self.runs)
+        return (1.0,) if self.stated else tuple(representative_size(run.settings) for run in self.runs)
 
     @property
     def unsettled(self) -> str:
@@ -60,12 +74,16 @@ def reference(scene: Scene, stores: Sequence[Path] | None = None) -> Reference |
     """Best stored reference of a scene, its `FITTED` finest runs, or None."""
     runs = tuple(run for level in LEVELS if (run := load(scene, level, stores=stores)) is not None)
     runs = tuple(run for run in runs if run.answers)[-FITTED:]
-    return reference_of(scene.name, runs, contacts=nominal_contacts(scene)) if runs else None
+    return reference_of(scene.name, scene, runs, contacts=nominal_contacts(scene)) if runs else None
 
 
-def reference_of(scene: str, runs: tuple[Run, ...], known: Experience | None = None, contacts: int = 0) -> Reference:
-    """Reference of runs, coarse to fine; known: experience, the shipped one unless given; contacts: see `Reference`."""
+def reference_of(
+    name: str, scene: Scene, runs: tuple[Run, ...], known: Experience | None = None, contacts: int = 0
+) -> Reference:
+    """Reference of a scene (of one set of several: its parts) by runs, coarse to fine; known: experience, the shipped one
+    unless given; contacts: see `Reference`."""
     loads = {run.level: run.load for run in runs}
     found, best = parts(loads, known or grid_parts.read(shipped_store())), runs[-1]
     bars = 0.01 * mean_load(best.load) * found.bars(loads) if found.bar else np.zeros_like(best.load)
-    return Reference(scene, runs, best.load, bars + best.moving, found, contacts)
+    lips = too_large(scene, best.load, best.level)
+    return Reference(name, runs, best.load, bars + lips + best.moving, found, contacts, beside_face=lips)

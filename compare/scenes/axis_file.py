@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from rollbench.comparison.scenes.arrangement import arrangement_faults, bearings_of, with_conformity
 from rollbench.comparison.scenes.axis_schema import AxisKeys, HousingKeys, SetKeys, StiffKeys
 from rollbench.comparison.scenes.body_checks import geometry_faults
 from rollbench.comparison.scenes.fault import TOLERANCE, Fault, mm
@@ -23,6 +24,8 @@ from rollbench.meshes.parts import FREEDOMS, Ingredients, Motion, Scene, Screw
 
 #: Thrusts of a row that carries one way.
 ONE_WAY = ("+z", "-z")
+#: A usual conformity, where one follows from a rigidity.
+USUAL = 0.52
 #: Springs that do nothing.
 NONE = diagonal((0.0,) * 6)
 
@@ -51,7 +54,7 @@ def read_axis(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) ->
             material_of(shaft.material, keys.material),
             shaft.bore,
         ),
-        sets=sets,
+        sets=tuple(row for one, found in zip(keys.sets, sets, strict=True) for row in bearings_of(found, one, len(sets))),
         segments=tuple(Segment(p.start, p.end, p.diameter, p.bore) for p in shaft.plain),
         housings=tuple(map(_housing, keys.housings)),
         joints=tuple(Joint(j.between[0], j.between[1], j.at, _stiffness(j) or NONE) for j in keys.joints),
@@ -68,10 +71,12 @@ def read_axis(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) ->
 
 
 def _rated(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[str]:
-    """Sentences on preloads that are given as a part of a rating."""
+    """Sentences on conformities from rigidities, and on preloads that are given as a part of a rating."""
     for one, found in zip(keys.sets, sets, strict=True):
-        if isinstance(one.preload, ShareOfRating) and isinstance(found.parts, Scene):
-            yield f"{found.name}: preload of {found.preload:g} N{force_of(found.parts, one.preload)[1]}"
+        if isinstance(found.parts, Scene):
+            yield from found.parts.assumed
+            if isinstance(one.preload, ShareOfRating):
+                yield f"{found.name}: preload of {found.preload:g} N{force_of(found.parts, one.preload)[1]}"
 
 
 def _housing(h: HousingKeys) -> Housing:
@@ -82,6 +87,7 @@ def _single(keys: AxisKeys) -> bool:
     """Whether the file describes what a file without ``[[sets]]`` can describe."""
     one = keys.sets[0]
     bare = not (keys.housings or one.carrier or keys.screw.plain or keys.heat or one.offset or one.preload)
+    bare = bare and one.arrangement is None
     return len(keys.sets) == 1 and bare and one.balls is not None and one.thrust in (None, "both")
 
 
@@ -127,6 +133,7 @@ def _choice_faults(keys: AxisKeys) -> Iterator[Fault]:
 
 def _set_faults(keys: AxisKeys, i: int, one: SetKeys) -> Iterator[Fault]:
     at = f"sets[{i}]"
+    yield from arrangement_faults(at, one)
     balls = {n: getattr(one, n) for n in ("track", "nut", "balls")}
     if one.rollers is not None:
         given = [n for n, x in balls.items() if x is not None]
@@ -150,7 +157,7 @@ def _set_faults(keys: AxisKeys, i: int, one: SetKeys) -> Iterator[Fault]:
     found_kind = kind_of_set(one)
     if one.kind not in (None, found_kind):
         yield Fault((f"{at}.kind",), f'"{found_kind}" with these tables', "mend kind, or track.lead")
-    if one.preload and one.thrust not in ONE_WAY:
+    if one.preload and one.thrust not in ONE_WAY and one.arrangement is None:
         advice = "a row that carries thrust both ways is preloaded by errors.balls.oversize, or a pair by offset"
         yield Fault((f"{at}.preload",), 'thrust "+z" or "-z"', advice)
     if one.preload and one.offset != 0.0:
@@ -190,13 +197,17 @@ def _scene_keys(keys: AxisKeys, one: SetKeys) -> SceneKeys:
         own["material"] = one.screw.material or own["material"]
         own["outer_diameter"] = one.screw.outer_diameter or own["outer_diameter"]
         own |= {"groove_radius": one.screw.groove_radius, "conformity": one.screw.conformity}
+    nut = one.nut
+    if one.pair_rigidity is not None and nut is not None:  # until it is known
+        own |= {"groove_radius": None, "conformity": USUAL}
+        nut = nut.model_copy(update={"conformity": USUAL})
     ingredients = IngredientKeys().model_copy(update=keys.ingredients.model_dump())
     return SceneKeys.model_construct(
         title=keys.title,
         material=keys.material,
         track=one.track,
         screw=ScrewKeys.model_construct(**own),
-        nut=one.nut,
+        nut=nut,
         balls=one.balls,
         errors=one.errors,
         ingredients=ingredients,
@@ -218,7 +229,7 @@ def _set(keys: AxisKeys, i: int, raw: Mapping[str, Any], origin: str) -> Rolling
     if "seed" not in one.errors.model_fields_set:  # sets without a seed of their own do not draw the same errors
         own = own.model_copy(update={"errors": one.errors.model_copy(update={"seed": i})})
     refuse(origin, raw, [_blamed(f, i, raw) for f in choice_faults(own)])
-    scene = scene_of(own, one.name)
+    scene = with_conformity(scene_of(own, one.name), one, origin, f"sets[{i}]")
     refuse(origin, raw, [_blamed(f, i, raw) for f in geometry_faults(scene)])
     if one.thrust is None and is_one_arc(scene):
         scene, thrust = as_one_arc(scene), "deep groove"

@@ -42,6 +42,7 @@ Warming = Annotated[float, Quantity("temperature difference", "-500 K", "500 K",
 Expansion = Annotated[float, Quantity("number", 0, 1e-3, 11.5e-6)]
 Push = Annotated[float | ShareOfRating, ForceOrShare("force", "0 N", "1000 MN", "500 N")]
 Name = Annotated[str, Field(min_length=1, max_length=60)]
+Arrangement = Literal["DB", "DF", "DT", "DBD", "DFD", "DBB", "DFF", "DBT", "DFT"]
 Entry = Annotated[float, Field(allow_inf_nan=False)]
 
 
@@ -106,6 +107,20 @@ class SetKeys(Table):
         'dynamic load rating of balls as computed: "5 % of C"',
         "0 N",
         "500 N",
+    )
+    arrangement: Arrangement | None = key(
+        "set of equal bearings side by side about the position, ground to equal gaps: DB back to back, DF face to face, "
+        "DBD two against one, DBB two against two, DBT three against one; preload is then that of the set",
+        None,
+        "DBD",
+    )
+    pair_preload: Force = key(
+        "preload of a pair of these bearings with the same gaps, from which that of the set follows", "0 N", "2150 N"
+    )
+    pair_rigidity: Spring | None = key(
+        "axial rigidity of that pair at its preload, as makers print it: the conformity of both grooves follows from it",
+        None,
+        "750 N/um",
     )
     position: Station | None = key("of rollers: station of the middle of the cup's contact lines", None, "30 mm")
     track: TrackKeys | None = key("path of the ball centres", None)

@@ -71,4 +71,5 @@ def json_schema() -> dict[str, Any]:
     tables = {"whole": SceneKeys} | {name: kind_named(name).keys for name in kinds()} | {AXIS: AxisKeys}
     every: Any = Annotated[Union[tuple(Annotated[of, Tag(name)] for name, of in tables.items())], Discriminator(_tag)]  # noqa: UP007
     found: dict[str, Any] = without_null(TypeAdapter[Any](every).json_schema())
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "rollbench scene"} | found
+    draft = "https://json-schema.org/draft/2020-12/schema"
+    return {"$schema": draft, "$id": "urn:rollbench:scene", "title": "rollbench scene"} | found

@@ -77,9 +77,7 @@ def whole(scene: Described, origin: str) -> Scene:
     if isinstance(scene, Scene):
         return scene
     if isinstance(scene, DutyCycle):
-        advice = (
-            "this command takes one load case: take solve, compare, check, friction, sweep or report, or leave cases out"
-        )
+        advice = "leave the cases out here; solve, compare, check, friction, sweep and report take them"
         raise SceneError(origin, "cases", f"{len(scene.cases)} cases", "a scene without [[cases]]", advice)
     if isinstance(scene, Assembly):
         advice = "this command takes one nut or ring with its balls: take solve, compare, check, friction or sweep"

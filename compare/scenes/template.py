@@ -29,6 +29,8 @@ EXAMPLES = {
 }
 #: Shipped shafts with several rolling sets that are templates as they stand.
 AXES = {"axis": "axis-fixed-fixed", "double nut": "double-nut"}
+#: Shafts with bearings that are templates in files of their own.
+BEARINGS = ("angular contact bearing", "support bearings")
 INTRODUCTION = """\
 # A scene of the kind "{kind}". {about}
 # Lengths, forces, angles and speeds are texts with a unit: "20 mm", "7 um", "5 kN", "210 GPa", "45 deg", "10 rps".
@@ -48,11 +50,12 @@ def template(kind: str = "ball screw") -> str:
         lines = scene_text(AXES[name]).splitlines()
         kept = [x for x in lines if not x.startswith(("source = ", "assumed = "))]
         return "\n".join(f'title = "My {name}"' if x.startswith("title = ") else x for x in kept) + "\n"
-    if name not in (*WHOLE, *kinds()):
-        allowed = ", ".join(k.replace(" ", "-") for k in (*WHOLE, *AXES, *kinds()))
+    if name not in (*WHOLE, *BEARINGS, *kinds()):
+        allowed = ", ".join(k.replace(" ", "-") for k in (*WHOLE, *AXES, *BEARINGS, *kinds()))
         raise InputError("command line", "--kind", kind, allowed, "a whole screw is a ball-screw")
-    if name == "ball screw":
-        return resources.files("rollbench.comparison").joinpath("template.toml").read_text(encoding="utf-8")
+    if name == "ball screw" or name in BEARINGS:
+        file = "template.toml" if name == "ball screw" else f"template-{name.replace(' ', '-')}.toml"
+        return resources.files("rollbench.comparison").joinpath(file).read_text(encoding="utf-8")
     values = tomllib.loads(scene_text(EXAMPLES[name])) | {"title": f"My {name}", "kind": name}
     for said in ("source", "assumed"):
         values.pop(said, None)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from rollbench.comparison.evidence.audit import APART, VERDICTS, Audited, audit, counts, trust
 from rollbench.comparison.evidence.left_out import left_out, misprints
 from rollbench.comparison.models.study import Study
-from rollbench.reports.records import Cell, Quantity, Section, Table, Text
+from rollbench.reports.records import Quantity, Section, Table, Text
 
 
 def _texts(*columns: tuple[str, str]) -> tuple[Quantity, ...]:
@@ -20,20 +20,6 @@ def counts_table(rows: Sequence[Audited]) -> Table:
     columns = _texts(("source", "source"), *heads, ("judged", "judged"), ("all", "all"))
     note = "Judged: without inputs and identities, which say nothing of a model."
     return Table("audit-counts", "Printed entries by source and verdict", columns, counts(rows), note)
-
-
-def entries_table(rows: Sequence[Audited]) -> Table:
-    """Every entry."""
-    columns = (
-        *_texts(("place", "place"), ("quantity", "quantity"), ("printed", "printed"), ("unit", "unit"), ("class", "class")),
-        Quantity("as_printed", "as printed, computed", "", "g5"),
-        Quantity("right", "right", "", "g5"),
-        Quantity("reference_3d", "3D reference", "", "g5"),
-        Quantity("error_percent", "error", "%", "g3"),
-        *_texts(("verdict", "verdict"), ("reason", "reason"), ("entry", "entry")),
-    )
-    cells: list[dict[str, Cell]] = [row.as_json() for row in rows]
-    return Table("audit", "Every printed entry", columns, cells, "Error: of the compared value against the printed one.")
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
@@ -58,7 +44,6 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         Text(words),
         counts_table(rows),
         Text(meanings, bullets=True),
-        entries_table(rows),
         Table("audit-misprints", "Misprints, each with a command that shows it and a test", shown, misprints()),
         Table("audit-left-out", "Printed numbers that are no entries, and why", missing, left_out()),
     )

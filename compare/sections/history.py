@@ -81,9 +81,8 @@ def history_figure(releases: Sequence[tuple[str, Release]]) -> Figure:
             if known:
                 series.append(Series(name, [k for k, _ in known], [value for _, value in known], "line+markers"))
         if series:
-            panels.append(Panel("", "release", words, tuple(series), log="y", integer_x=True))
-    names = ", ".join(f"{k} {name}" for k, (name, _) in enumerate(releases, start=1))
-    return Figure("history", "Releases on the case studies", tuple(panels), f"Releases: {names}.")
+            panels.append(Panel("", "", words, tuple(series), log="y", names=[label for label, _ in releases]))
+    return Figure("history", "Releases on the case studies", tuple(panels))
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:

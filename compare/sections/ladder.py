@@ -58,11 +58,10 @@ def ladder_figure(rungs: Sequence[Rung], names: Sequence[str], key: str, title: 
         bar = own[0].uncertainty
         if bar is not None:
             series.append(Series("grid uncertainty (largest)", [1.0, float(len(order))], [bar, bar], "line"))
-        panels.append(Panel(name, "rung", "error / % of the mean load", tuple(series), log="y", integer_x=True))
+        panels.append(Panel(name, "", "error / % of the mean load", tuple(series), log="y", names=order))
     if not panels:
         return None
-    caption = "Rungs: " + ", ".join(f"{k + 1} {model}" for k, model in enumerate(order)) + "."
-    return Figure(key, title, tuple(panels), caption)
+    return Figure(key, title, tuple(panels))
 
 
 def choices_table(study: Study, step: Callable[[str], None]) -> Table:

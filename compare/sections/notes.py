@@ -2,37 +2,14 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable, Sequence
 
 from rollbench.comparison.evidence.audit import judge
 from rollbench.comparison.evidence.record import Evidence
 from rollbench.comparison.evidence.registry import evidence
 from rollbench.comparison.models.study import Study
-from rollbench.comparison.registration import ROOT
 from rollbench.lowfi.statics.summary import MODEL_ASSUMPTIONS
 from rollbench.reports.records import Cell, Quantity, Row, Section, Table, Text
-
-#: Columns of a table of misprints.
-MISPRINT_COLUMNS = (
-    Quantity("place", "place", "", "s"),
-    Quantity("wrong", "as printed", "", "s"),
-    Quantity("right", "right", "", "s"),
-    Quantity("evidence", "evidence here", "", "s"),
-)
-
-#: Tables of misprints: name, source, and the source's author.
-MISPRINTS = (
-    ("misprints", "lin", "Lin (2019)"),
-    ("smith-misprints", "smith", "Smith (1994)"),
-    ("liu-misprints", "liu", "Liu et al. (2025)"),
-)
-
-
-def misprints(source: str = "lin") -> list[dict[str, Cell]]:
-    """Shipped list of misprints and faults of a source, "lin", "smith" or "liu", with the evidence for each."""
-    text = ROOT.joinpath("sources", source, "misprints.toml").read_text(encoding="utf-8")
-    return [dict(row) for row in tomllib.loads(text)["row"]]
 
 
 def assumptions(study: Study) -> list[dict[str, Cell]]:
@@ -84,9 +61,5 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
                 assumptions(study),
             ),
             Text(MODEL_ASSUMPTIONS, bullets=True),
-            *(
-                Table(name, f"Misprints and faults of {of}", MISPRINT_COLUMNS, misprints(key))
-                for name, key, of in MISPRINTS
-            ),
         ),
     )

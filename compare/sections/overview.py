@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rollbench.comparison.models.comparison import REFERENCED
-from rollbench.comparison.models.ladder import UNSEEN
+from rollbench.comparison.models.ladder import UNSEEN, ladder
 from rollbench.comparison.models.registry import DEFAULT, MODELS
 from rollbench.comparison.models.study import Study
+from rollbench.comparison.models.total_uncertainty import total
+from rollbench.comparison.models.u_val import scatter
 from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.reference.grid_summary import uncertainty_percent
+from rollbench.comparison.registration import offered
 from rollbench.comparison.sections.reference_time import FLOOR, TimePoint, all_points, when_measured
-from rollbench.meshes.parts import Scene
+from rollbench.comparison.sections.u_val import rows_of
+from rollbench.meshes.parts import SIDES, Scene
 from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Summary, Table, Text
 
 QUESTION = "How far can a low-order model of a ball screw be trusted, and what does a better answer cost?"
@@ -33,7 +37,8 @@ FAMILIES = (
 )
 SOLID = "3D reference"
 #: Models that stand for their kind, as the answer names them.
-KINDS = {DEFAULT: "the refined model", "lin": "the source's low-order model", "mei": "Mei's axial bars"}
+BIAS, SCATTER = Quantity("bias", "bias", "%", "+.2f"), Quantity("scatter", "scatter", "%", ".2f")
+KINDS = {DEFAULT: "refined", "lin": "lin"}
 
 
 @dataclass(frozen=True)
@@ -122,7 +127,20 @@ def time_figure(
 ) -> Figure:
     """All scenes as light points, the median of each model and mesh with its error bar and name, the Pareto front; a
     narrow figure names the levels, one model of each family and those of the front alone."""
-    found = standings(points)
+    cold = _time_panel(points, standings(points), "run time of a cold start / s", all_names=all_names)
+    warm = {name: [replace(p, cold=p.warm) for p in own if p.warm is not None] for name, own in points.items()}
+    solve = _time_panel(warm, standings(warm), "time of a further solve / s", all_names=all_names)
+    caption = (
+        f"Light points: {len(points)} scenes. Marked: medians, with what the reference's grid uncertainty leaves of them "
+        "as bars. A cold start is a new process with empty caches, Python's imports included. A level that is itself the "
+        "finest stands at its uncertainty; condensed reads bodies that a 3D run has made, which its time leaves out."
+    )
+    return Figure(name, TITLE, (cold, solve), caption, columns=2 if all_names else 1, size=size, same_y=True)
+
+
+def _time_panel(
+    points: Mapping[str, Sequence[TimePoint]], found: Sequence[Standing], label: str, *, all_names: bool
+) -> Panel:
     families = [family for family, _ in FAMILIES] + [SOLID]
     series = []
     for family in families:
@@ -157,13 +175,9 @@ def time_figure(
             )
         )
     series = [s for s in series if len(s.x)]
-    panel = Panel("", "run time of a cold start / s", "largest error / % of the mean load", tuple(series), log="xy")
-    caption = (
-        f"Light points: {len(points)} scenes. Marked: medians, with what the reference's grid uncertainty leaves of them "
-        "as bars. A level that is itself the finest stands at its uncertainty; condensed reads bodies that a 3D run "
-        "has made, which its time leaves out."
-    )
-    return Figure(name, TITLE, (panel,), caption, columns=1, size=size)
+    times = [p.cold for own in points.values() for p in own]
+    series.append(Series(f"{LINE:g} %", [min(times), max(times)], [LINE, LINE], "line"))
+    return Panel("", label, "largest error / % of the mean load", tuple(series), log="xy")
 
 
 def _shown(point: TimePoint, family: str) -> bool:
@@ -179,21 +193,16 @@ def seconds(value: float) -> str:
     return f"{value / 60.0:.2g} min" if value >= 100.0 else f"{value:.0f} s" if value >= 10.0 else f"{value:.2g} s"
 
 
-def answer(points: Mapping[str, Sequence[TimePoint]], bars: Sequence[float]) -> str:
-    """One sentence: largest and RMS error and cold time of the models that stand for their kind, and of the reference."""
+def answer(points: Mapping[str, Sequence[TimePoint]], bars: Sequence[float], total: float | None = None) -> str:
+    """At most 40 words: largest error of the models that stand for their kind, and how well the reference is known; total:
+    its largest total uncertainty [%], modelling choices and input included."""
     found = {s.name: s for s in standings(points)}
-    words = []
-    for name, label in KINDS.items():
-        if name in found:
-            s = found[name]
-            count = "" if s.scenes == len(points) else f"{s.scenes} scenes, "
-            words.append(
-                f"{s.worst:.1f} % with {label} ({count}RMS up to {s.worst_rms:.1f} %, {seconds(s.cold)} from a cold start)"
-            )
+    words = [f"{found[name].worst:.1f} % ({label})" for name, label in KINDS.items() if name in found]
     several = f"{len(points)} screws and bearings" if len(points) > 1 else "one scene"
+    whole = "" if total is None else f", {total:.1f} % with unprinted choices and tolerances"
     return (
-        f"On {several} the largest error of a contact load is, in per cent of the mean load, {', '.join(words[:-1])} and "
-        f"{words[-1]}; the 3D reference that says so is known to {_range(bars)} and takes {_reference_time(points)}."
+        f"On {several} a contact load is off by at most {' or '.join(words)} of the mean; the 3D reference by "
+        f"{_range(bars)}{whole}."
     )
 
 
@@ -202,12 +211,6 @@ def _range(bars: Sequence[float]) -> str:
         return "no bound (one mesh level only)"
     low, high = f"{min(bars):.1f}", f"{max(bars):.1f}"
     return f"{low} %" if low == high else f"{low} to {high} %"
-
-
-def _reference_time(points: Mapping[str, Sequence[TimePoint]]) -> str:
-    finest = [[p for p in own if p.kind == "level"][-1].cold for own in points.values()]
-    low, high = seconds(min(finest)), seconds(max(finest))
-    return low if low == high else f"{low} to {high}"
 
 
 def coverage(scenes: Mapping[str, Scene], found: Mapping[str, Reference]) -> list[str]:
@@ -269,7 +272,7 @@ def standing_table(found: Sequence[Standing]) -> Table:
         "time. The error of a level that is itself the finest is its grid uncertainty, and its RMS error is zero by "
         "definition."
     )
-    return Table.of("overview-models", "Models and meshes over all scenes", rows, note)
+    return Table.of("overview-models", "Models and meshes over all scenes", rows, note, shown=None)
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
@@ -282,10 +285,75 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     found = study.references(tuple(points))
     bars = [uncertainty_percent(ref) for ref in found.values()]
     wide = time_figure(points, "error-time", (11.0, 4.1))
-    narrow = time_figure(points, "error-time-narrow", (3.75, 3.4), all_names=False)
+    narrow = time_figure(points, "error-time-narrow", (3.75, 6.6), all_names=False)
     covered = coverage({name: study.scene(name) for name in points}, found)
-    said, limits = answer(points, bars), (*LIMITS, study.once(when_measured, step))
+    said, limits = answer(points, bars, largest_total(study, found)), (*LIMITS, study.once(when_measured, step))
     table = standing_table(standings(points))
-    summary = Summary(QUESTION, said, wide, narrow, covered, limits, table)
-    items = (Text((said,)), table, Text((*covered, *limits), bullets=True))
-    return Section("overview", title, items, summary=summary)
+    step("every model on every quantity")
+    items = (quantity_table(study), contact_figure(study, found))
+    summary = Summary(QUESTION, said, wide, narrow, covered, limits, table, items)
+    return Section("overview", title, (table, Text((*covered, *limits), bullets=True)), conclusion=said, summary=summary)
+
+
+def largest_total(study: Study, found: Mapping[str, Reference]) -> float | None:
+    """Largest total uncertainty [%] of the scenes: discretisation, modelling choices, input."""
+    totals = [total(study.scene(name), ref).percent for name, ref in found.items() if name in REFERENCED]
+    return max(totals, default=None)
+
+
+def quantity_table(study: Study) -> Table:
+    """Bias, scatter and largest error of the models by quantity, and what others print and measure."""
+    rungs = study.once(ladder)
+    rows = rows_of(study, rungs)
+    outside = {quantity: row for added in offered("outside") for quantity, row in added(study).items()}
+    cells: list[Row] = []
+    for s in scatter(rows):
+        if s.model not in KINDS:
+            continue
+        worst = [abs(row.error) for row in rows if (row.model, row.quantity) == (s.model, s.quantity)]
+        within = sum(error <= LINE for error in worst)
+        cells.append(
+            {
+                "quantity": s.quantity,
+                "model": s.model,
+                BIAS: s.bias,
+                SCATTER: s.scatter,
+                Quantity("largest", "largest error", "%", ".1f"): max(worst),
+                "scenes": s.scenes,
+                Quantity("within", f"within {LINE:g} %", "", "s"): f"{within} of {len(worst)}",
+                "verdict": "yes" if within == len(worst) else "no",
+            }
+        )
+    columns = {q.label: q for q in (BIAS, SCATTER)}
+    for quantity, row in outside.items():
+        known: Row = {
+            columns.get(column.label, Quantity("values", "outside values", "", "s")): v for column, v in row.items()
+        }
+        cells.append({"quantity": quantity, "model": "against outside values", **known})
+    note = (
+        "Against the finest level of the 3D reference of each scene, loads in per cent of the mean load; the last rows "
+        "against what others print and measure (section outside)."
+    )
+    return Table.of("quantities", "Every quantity and model", cells, note, shown=None)
+
+
+def contact_figure(study: Study, found: Mapping[str, Reference]) -> Figure:
+    """Computed against reference for every contact of every scene, both over the scene's mean load."""
+    series = []
+    for model in ("lin", DEFAULT):
+        x, y, names = [], [], []
+        for rung in study.once(ladder):
+            if rung.model == model and rung.scene in found:
+                ref = found[rung.scene]
+                value, truth = rung.result.load / ref.mean, ref.load / ref.mean
+                at = np.argwhere((value > 0.0) | (truth > 0.0))
+                x += [float(truth[i, s]) for i, s in at]
+                y += [float(value[i, s]) for i, s in at]
+                names += [f"{rung.scene}, {i + 1} {SIDES[s]}" for i, s in at]
+        series.append(Series(model, x, y, "markers", light=model == "lin", names=names))
+    ends = [0.0, max((max(s.x, default=1.0) for s in series), default=1.0)]
+    for factor, name in ((1.0, "equal"), (1.0 - LINE / 100.0, f"-{LINE:g} %"), (1.0 + LINE / 100.0, f"+{LINE:g} %")):
+        series.append(Series(name, ends, [factor * end for end in ends], "line"))
+    panel = Panel("", "3D reference / mean load", "computed / mean load", tuple(series))
+    caption = f"{len(series[0].x)} contacts of {len(found)} scenes; lines: {LINE:g} % of a load; small dots: lin."
+    return Figure("contacts", "Computed against reference, every contact", (panel,), caption, columns=1, size=(7.0, 5.0))

@@ -98,9 +98,8 @@ def scatter_figure(found: Sequence[Scatter]) -> Figure:
             Series("bias and two scatters", x, [s.bias for s in own], "markers", emphasis=True, bars=ends),
             Series("none", [min(x), max(x)], [0.0, 0.0], "line"),
         )
-        panels.append(Panel(quantity, "model", "relative deviation from the reference / %", series, integer_x=True))
-    caption = "Models: " + ", ".join(f"{k + 1} {name}" for k, name in enumerate(order)) + "."
-    return Figure("bias-scatter", "Bias and scatter of every model", tuple(panels), caption)
+        panels.append(Panel(quantity, "", "relative deviation from the reference / %", series, names=order))
+    return Figure("bias-scatter", "Bias and scatter of every model", tuple(panels))
 
 
 def bounds_table(study: Study, rungs: Sequence[Rung]) -> Table:

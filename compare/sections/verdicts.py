@@ -18,32 +18,15 @@ INFERRED = (
     "3); u_y of 5.2 and 8.0 um, k_S = 100 and the map step of 0.08 (from Table 3.2); theta and the side force ratio of "
     "the worst case (from 185.2 % in 3.3.4.1); the balls' oversize of 1.7 um (from Table 3.7), used in 3.4.4 too"
 )
-HOW_TO_READ = (
-    "Every number printed by the source has a class. hard: the text determines it, it must be reproduced to the digits "
-    "printed. as-printed: it comes out only when a fault of the source is repeated; that is done in a mode of its own, "
-    "and the right value is given too. band: under-specified or random, compared with a range whose origin is "
-    "stated. open: it contradicts itself, or what it compares with is not printed; shown, never gated on. input: the "
-    "source gives it, or something was inferred from it; that its scene holds it is checked, not counted as reproduced.",
-    "A reproduced entry says as much as its kind: a computed number tests a model, a claim in words tests its tendency, "
-    "arithmetic on printed numbers tests the source, and a zero by symmetry tests a sign.",
-    "An error is 100 (value - reference) / |reference| in per cent, for loads 100 (value - reference) / mean loaded "
-    "contact of the reference; both come from one function. No model reads a printed number. "
-    "What a scene of a case needs and the source does not print was inferred from printed results, and confirms none of "
-    f"them: {INFERRED}.",
-    "The low-order models are compared with printed values, closed forms, a second solver of the same equations, and this "
-    "project's own 3D elastic-contact reference, which shares no mechanics with them and carries its own error bar.",
-)
 
 
-def counts(rows: Sequence[Audited]) -> list[tuple[str, str]]:
-    """Headline figures: entries by verdict of the audit, and all of them."""
+def total_text(rows: Sequence[Audited]) -> str:
+    """All entries and their verdicts in one sentence, claims, table values and computed results apart."""
     total = audited_counts(rows)[-1]
-    numbers = sum(r.verdict == "reproduced" and r.found.printed.kind == "number" for r in rows)
-    return [
-        *((f"entries {verdict}", str(total[verdict])) for verdict in VERDICTS),
-        ("entries, all", str(total["all"])),
-        ("computed numbers reproduced", str(numbers)),
-    ]
+    kinds = Counter(r.found.printed.kind for r in rows if r.verdict == "reproduced")
+    parts = ", ".join(f"{n} {KINDS[kind]}" for kind, n in kinds.most_common())
+    words = ", ".join(f"{total[v]} {v}" for v in VERDICTS)
+    return f"Of {total['all']} printed entries: {words}. Of those reproduced: {parts}."
 
 
 def kinds_table(rows: Sequence[Audited]) -> Table:
@@ -61,7 +44,7 @@ def kinds_table(rows: Sequence[Audited]) -> Table:
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report, with the headline figures."""
+    """Section of the report."""
     step("every printed number and claim")
     audited = audit(study)
     tally: dict[tuple[str, str], int] = Counter((r.found.printed.cls, r.verdict) for r in audited)
@@ -72,10 +55,15 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         "verdicts",
         "Printed entries and their verdicts",
         (
-            Text(HOW_TO_READ),
+            Text(
+                (
+                    f"What a scene needs and the source does not print was inferred from printed results, and confirms "
+                    f"none of them: {INFERRED}.",
+                )
+            ),
             Table.of("verdicts", "Printed entries of all sources by class and verdict of the audit", rows),
             kinds_table(audited),
             printed_table("printed", "Every printed entry", [r.found for r in audited], place=True),
         ),
-        tuple(counts(audited)),
+        conclusion=total_text(audited),
     )

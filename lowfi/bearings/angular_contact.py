@@ -13,12 +13,53 @@ the contact angle is iterated; u = A sin(alpha - alpha_0) / cos(alpha) is his 2.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from rollbench.lowfi.hertz import HertzConstants, contact_modulus, hertz_constants
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.roots import brentq
+
+
+class BallRows(Protocol):
+    """What thrust needs of a bearing, or of many at once: then arrays, of a shape to go with the displacements."""
+
+    @property
+    def balls(self) -> float | Array:
+        """Number Z."""
+
+    @property
+    def ball_diameter(self) -> float | Array:
+        """D [m]."""
+
+    @property
+    def pitch_diameter(self) -> float | Array:
+        """d_m [m]."""
+
+    @property
+    def inner_groove(self) -> float | Array:
+        """r_i [m]."""
+
+    @property
+    def outer_groove(self) -> float | Array:
+        """r_o [m]."""
+
+    @property
+    def centre_distance(self) -> float | Array:
+        """Distance A [m] of the groove centres."""
+
+    @property
+    def free_angle(self) -> float | Array:
+        """Contact angle [rad] without load."""
+
+    @property
+    def young(self) -> float:
+        """Young's modulus [Pa]."""
+
+    @property
+    def poisson(self) -> float:
+        """Poisson's ratio."""
 
 
 @dataclass(frozen=True)
@@ -120,7 +161,7 @@ class ThrustState:
         return grown * self.inner.C_a * self.inner.C_b, grown * self.outer.C_a * self.outer.C_b
 
 
-def curvatures(bearing: BallBearing, angle: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+def curvatures(bearing: BallRows, angle: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
     """Relative curvatures [1/m] (across the groove, along the track) of the inner and of the outer contact.
 
     Along the track the raceway is the cone that the contact angle [rad] cuts: radius d_m/(2 cos alpha) less or more the
@@ -128,12 +169,12 @@ def curvatures(bearing: BallBearing, angle: Array) -> tuple[tuple[Array, Array],
     """
     d, across = bearing.ball_diameter, 2.0 / bearing.ball_diameter
     c, dm = np.cos(angle), bearing.pitch_diameter
-    inner = (np.full_like(c, across - 1.0 / bearing.inner_groove), across + 2.0 * c / (dm - d * c))
-    outer = (np.full_like(c, across - 1.0 / bearing.outer_groove), across - 2.0 * c / (dm + d * c))
+    inner = (across - 1.0 / bearing.inner_groove + 0.0 * c, across + 2.0 * c / (dm - d * c))
+    outer = (across - 1.0 / bearing.outer_groove + 0.0 * c, across - 2.0 * c / (dm + d * c))
     return inner, outer
 
 
-def thrust_state(bearing: BallBearing, displacement: Array | float) -> ThrustState:
+def thrust_state(bearing: BallRows, displacement: Array | float) -> ThrustState:
     """State at axial displacements u [m] of any shape; zero load where the balls are loose (u <= 0).
 
     No other shoulder is there for balls that are pushed back beyond their clearance, and contacts lie inside their
@@ -164,7 +205,7 @@ def thrust_state(bearing: BallBearing, displacement: Array | float) -> ThrustSta
     return ThrustState(u, angle, approach, q, load, stiffness, inner, outer)
 
 
-def _compliance_by_angle(bearing: BallBearing, angle: Array, inner: HertzConstants, outer: HertzConstants) -> Array:
+def _compliance_by_angle(bearing: BallRows, angle: Array, inner: HertzConstants, outer: HertzConstants) -> Array:
     """d(C_i + C_o)/d(alpha): only the curvature along the track depends on the angle."""
     d, dm, sin, cos = bearing.ball_diameter, bearing.pitch_diameter, np.sin(angle), np.cos(angle)
     bends = (-2.0 * dm * sin / (dm - d * cos) ** 2, 2.0 * dm * sin / (dm + d * cos) ** 2)

@@ -35,6 +35,25 @@ class Row(Protocol):
 
 
 @dataclass(frozen=True)
+class PointRow:
+    """A row of point contacts whose angle stands still: thrust k u^(3/2), k [N/m^(3/2)]."""
+
+    k: float = 1.0
+
+    def load(self, deflection: float) -> float:
+        """Thrust [N] at a deflection [m]; zero where the row is loose."""
+        return float(self.k * max(deflection, 0.0) ** 1.5)
+
+    def stiffness(self, deflection: float) -> float:
+        """dF/du [N/m]; zero where the row is loose."""
+        return float(1.5 * self.k * max(deflection, 0.0) ** 0.5)
+
+    def deflection(self, load: float) -> float:
+        """Deflection [m] under a thrust [N]."""
+        return float((load / self.k) ** (2.0 / 3.0))
+
+
+@dataclass(frozen=True)
 class BearingSet:
     """Rows, directions (+1 takes thrust along +) and gap closings g_j [m], one each.
 

@@ -64,7 +64,8 @@ class Flanks:
     loads; e ``(N, 4)`` [m/N] and h ``(N, 4)`` [m/N^(4/3)] beside Hertz; clipped: largest negative compliance cut away over
     a contact's own. own: what the flanks' motions are found from again: compliance of screw and of nut on the built sides,
     v0 ``(N, 2, 2)`` and R ``(N, 2, 2, k)`` of the screw's flanks; squeeze: what is in them of the shaft's section forces,
-    where it carries anything above the contacts.
+    where it carries anything above the contacts. slope ``(4,)`` [m/N]: what e gains by the logarithm of the cube root of
+    the typical force, which h has over that root; lent [m/N]: the most that a contact lent to the bodies (`positive`).
     """
 
     first: Array
@@ -76,6 +77,8 @@ class Flanks:
     h: Array
     clipped: float
     own: tuple[Array, Array, Array, Array]
+    slope: Array
+    lent: float
     squeeze: Squeeze | None = None
 
 
@@ -184,7 +187,7 @@ def flanks_of(
     size = float(np.cbrt(force))
     oblique = oblique_term(nominal_hertz(scene), scene.balls.radius) if backend.ball == "sphere" else np.zeros(4)
     pair = one_pair(problem)
-    e, h, assumed, G = np.zeros((N, 4)), np.zeros((N, 4)), [], []
+    e, h, slopes, assumed, G = np.zeros((N, 4)), np.zeros((N, 4)), np.zeros(4), [], []
     v0, R = np.zeros((N, 2, 2)), np.zeros((N, 2, 2, shaft.work.size))
     squeeze: Squeeze | None = None
     for screw in (True, False):
@@ -193,6 +196,7 @@ def flanks_of(
         assumed += [x for x in body.assumed if x not in assumed]
         order = by_ball(N, len(sides))
         slope = body.slope + ball.slope  # by the logarithm of F^(1/3), which its tangent at the typical force stands for
+        slopes[sides] = slope
         e[:, sides], h[:, sides] = body.e + ball.e - slope, oblique[sides] + slope / size
         if condensed is not None:
             for s in condensed.sides_of(sides):
@@ -215,6 +219,7 @@ def flanks_of(
     if pair is not None:
         first, lent, clipped = positive(G[0] + G[1], normals[:, pair[0]], tangent)
         e[:, pair[0]] -= lent
+        most_lent = float(lent.max(initial=0.0))
         second, d = np.zeros((0, 0)), 2
         s = pair[0] % 2
         start, free = v0[:, s], R[:, s]
@@ -224,7 +229,7 @@ def flanks_of(
             for k, side in enumerate((slice(0, 2), slice(2, 4)))
         )
         e -= np.concatenate([on_screw.reshape(N, 2), on_nut.reshape(N, 2)], axis=1)
-        clipped, d = max(low, high), 8
+        clipped, d, most_lent = max(low, high), 8, float(max(on_screw.max(initial=0.0), on_nut.max(initial=0.0)))
         start, free = np.zeros((N, 4, 2)), np.zeros((N, 4, 2, R.shape[3]))
         start[:, :2], free[:, :2] = v0, R
     flanks = Flanks(
@@ -237,6 +242,8 @@ def flanks_of(
         h,
         clipped / tangent,
         (G[0], G[1], v0, R),
+        slopes,
+        most_lent,
         squeeze,
     )
     return flanks, tuple(assumed)

@@ -83,30 +83,6 @@ class MemberStates(NamedTuple):
     p: Array
 
 
-class PairCommon(NamedTuple):
-    """Balls that one diagonal pair holds, and no other flank, in the common start of many specimens; see
-    `lowfi.statics.kernel.press`."""
-
-    #: Flank of the screw that the pair has: 0 SL, 1 SR.
-    side: int
-    #: Motions (2 N, 2 N) of those flanks along x3, z3 by unit forces on them, at the stiffness of the start [m/N].
-    reach: Array
-    #: Their motions (N, 2) [m], forces (N, 2) [N] and stiffness (N, 2, 2) [N/m] in the start.
-    motion: Array
-    force: Array
-    stiffness: Array
-    #: Largest component of the nodes' residual by forces of one newton at all flanks, moments over the arm.
-    spread: float
-
-
-class PairMembers(NamedTuple):
-    """Specimens m of such a screw: offsets (m, N, 4, 4), interference (m, N, 2) [m], Hertz constants (m, N, 4)."""
-
-    offset: Array
-    closure: Array
-    C: Array
-
-
 class FlankCommon(NamedTuple):
     """Balls between flanks in the common start of many specimens, see `lowfi.statics.kernel.flanks`: six motions a ball, of
     SL along x3, z3, of SR, and their turns about the track times the length that makes forces of moments."""
@@ -118,35 +94,36 @@ class FlankCommon(NamedTuple):
     force: Array
     stiffness: Array
     centre: Array
-    #: Soft modes (6 N, k) of these motions, and what balls' stiffness (4, 4) is to them (k (k + 1) / 2, 10 N), triangles.
+    #: Soft modes (6 N, k) of these motions.
     soft: Array
-    bent: Array
-    #: Which flanks take part (4,).
-    use: Array
+    #: As in `BeamContacts`.
+    profile: Array
+    tiny: float
+    #: Least force that residuals are measured by [N].
+    least: float
     #: Largest component of the nodes' residual by forces of one newton at all flanks, moments over the arm.
     spread: float
-    #: Force [N] below which a contact carries none.
-    tiny: float
 
 
 class FlankMembers(NamedTuple):
-    """Specimens m of such a screw: offsets (m, N, 4, 4) [m], Hertz constants (m, N, 4), and lever (m, N, 2, 2): groove
-    centres of the screw beside those of the start over the length that makes forces of moments."""
+    """Specimens m of such a screw: as `MemberArrays`, and lever (m, N, 2, 2): groove centres of the screw beside those of
+    the start over the length that makes forces of moments."""
 
-    offset: Array
-    C: Array
+    geometry: Array
+    closure: Array
+    r_ball: Array
     lever: Array
 
 
-class PairStates(NamedTuple):
-    """Solutions of specimens m of such screws, c motions of flanks each."""
+class FlankStates(NamedTuple):
+    """Solutions of specimens m of such a screw."""
 
     #: Contact forces (m, N, 4) [N].
     force: Array
     #: How each ended (m,), and a bound of its relative residual (m,).
     status: Array
     residual: Array
-    #: Forces (m, c) [N] that at the stiffness of the start would move the screw as it has moved; ball centres (m, N, 2).
+    #: Forces (m, 6 N) [N] that at the stiffness of the start would move the screw as it has moved; ball centres (m, N, 2).
     pull: Array
     p: Array
 

@@ -47,8 +47,7 @@ class Equilibrium:
 class SolverReport:
     """How the solution came about. ``residual`` is the largest unbalanced force over the largest force.
 
-    discretisation: largest change of a contact load against a finer beam and the mean loaded contact [N], or None; notes:
-    what happened on the way.
+    discretisation: largest change of a contact load against a finer beam [N], or None; notes: what happened on the way.
     """
 
     iterations: int
@@ -60,7 +59,7 @@ class SolverReport:
     engine: str
     formulation: str
     round_off_bound: float = 0.0
-    discretisation: tuple[float, float] | None = None
+    discretisation: float | None = None
     setup_seconds: float = 0.0
     notes: tuple[str, ...] = ()
 

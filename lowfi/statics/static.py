@@ -31,7 +31,6 @@ from rollbench.lowfi.statics.summary import assemble_result, failed_result, mode
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.errors import Specimen, specimen
 from rollbench.meshes.helix import BallLayout, ball_layout
-from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import FREEDOMS, Scene
 
 Engine = Literal["auto", "interpreted", "compiled"]
@@ -41,8 +40,8 @@ TOLERANCE = 1e-14
 MAX_ITERATIONS = 3000
 #: Relative round-off of a force by that of the motions in its contacts: some operations of each.
 ROUND_OFF = 8.0 * float(np.finfo(float).eps)
-#: Above this many balls the compiled engine pays even for a single solve.
-COMPILE_ABOVE = 120
+#: Above this many balls the compiled engine pays even for a single solve: where machine code is kept, and where not.
+COMPILE_ABOVE, COMPILE_ALONE = 120, 1000
 #: The same where flanks are no arcs: every contact is a search for its place on the profile.
 COMPILE_UNEVEN = 24
 #: Share of the largest force or moment from which on what a pin takes is looked into.
@@ -76,9 +75,9 @@ class Prepared:
 def pick_engine(engine: Engine, balls: int, uneven: bool = False) -> ModuleType:
     """Interpreted kernels for one small solve, compiled ones for large or many; uneven: flanks that are no arcs."""
     most = COMPILE_UNEVEN if uneven else COMPILE_ABOVE
-    if engine == "compiled" or (engine == "auto" and (jit.loaded(jit.STATICS) or balls > most)):
-        return jit.kernels(jit.STATICS, compiled=True)
-    return jit.kernels(jit.STATICS, compiled=False)
+    ready = uneven or balls > COMPILE_ALONE or jit.cached(jit.STATICS)
+    fast = engine == "compiled" or (engine == "auto" and (jit.loaded(jit.STATICS) or (balls > most and ready)))
+    return jit.kernels(jit.STATICS, compiled=fast)
 
 
 def reference_scale(problem: Problem) -> tuple[float, float]:
@@ -315,10 +314,8 @@ def with_other_pin(result: StaticResult, mechanism: Mechanism, load: Array | Non
     if load is None:
         words += "no loads are found"
     else:
-        loaded = result.load[result.load > 0.0]
         change = float(np.abs(load - result.load).max())
-        mean = f", {100.0 * change / mean_load(loaded):.2g} % of the mean" if loaded.size else ""
-        words += f"loads change by up to {change:.2g} N{mean}"
+        words += f"loads change by up to {change:.2g} N, the largest is {result.load.max():.4g} N"
     return replace(result, solver=replace(result.solver, notes=(*result.solver.notes, words)))
 
 
@@ -382,20 +379,19 @@ def unheld(problem: Problem) -> str:
 def with_discretisation(
     scene: Scene, result: StaticResult, *, engine: Engine, member: int, drawn: Specimen
 ) -> StaticResult:
-    """Add the beam's discretisation error: largest change of a contact load, and the mean loaded contact [N].
+    """Add the beam's discretisation error: largest change of a contact load [N].
 
     A nodal partition is compared with the same one at half the element length, any other with the nodal one.
     """
     if scene.ingredients.screw == "rigid":
-        return replace(result, solver=replace(result.solver, discretisation=(0.0, float(result.load.max()))))
+        return replace(result, solver=replace(result.solver, discretisation=0.0))
     if scene.ingredients.partition == "nodal":
         other = solve_static(scene, engine=engine, member=member, refine=2, drawn=drawn)
     else:
         finer = replace(scene, ingredients=replace(scene.ingredients, partition="nodal"))
         other = solve_static(finer, engine=engine, member=member, drawn=drawn)
-    mean = mean_load(other.load)
     change = float(np.abs(result.load - other.load).max())
-    return replace(result, solver=replace(result.solver, discretisation=(change, mean)))
+    return replace(result, solver=replace(result.solver, discretisation=change))
 
 
 __all__ = ["BallLayout", "Prepared", "iterate", "prepare", "solve_static"]

@@ -23,8 +23,6 @@ HEAVY = {
     "python3 -m venv .venv": "an environment from a registry: the continuous integration begins with it",
     r"\.venv/bin/pip install .*": "an environment from a registry: the continuous integration begins with it",
     r"\.venv/bin/(pytest|ruff check \.|mypy|lint-imports)": "the continuous integration runs it",
-    "dask (scheduler|worker).*": "a cluster: tests/unit/reference/test_parallel.py starts one",
-    "rollbench mesh-study my.toml --backend dask .*": "a cluster",
 }
 #: The 3D reference of a file that is new takes minutes: judged without it, so that the exit code is that of not covered.
 UNCOVERED = re.compile(r"rollbench check my\.toml .*")

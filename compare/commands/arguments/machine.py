@@ -11,7 +11,12 @@ from rollbench.comparison.commands.printing import Answer, print_answer, writing
 
 
 @app.command
-def doctor(*, store: Path = Path("rollbench-reference"), as_json: Json = False) -> int:
+def doctor(
+    *,
+    store: Path = Path("rollbench-reference"),
+    requirements: Literal["check", "solve", "compare", "report", "all"] | None = None,
+    as_json: Json = False,
+) -> int:
     """Check this machine: packages, system libraries, drawing, folders, memory; what lacks, what that costs, licences.
 
     Exit codes: 0 nothing is missing (programs marked optional may be), 1 something is.
@@ -20,7 +25,14 @@ def doctor(*, store: Path = Path("rollbench-reference"), as_json: Json = False) 
     ----------
     store
         Folder of the reference's runs.
+    requirements
+        Instead: the pinned lines of packages that a command needs, as installed here: check beside stored runs, solve,
+        compare, report, or all.
     """
+    if requirements is not None:
+        from rollbench.comparison.commands.requirements import run_requirements
+
+        return print_answer(run_requirements(requirements), as_json)
     from rollbench.comparison.commands.doctor import run_doctor
 
     return print_answer(run_doctor(store), as_json)

@@ -81,6 +81,7 @@ def compare(
     store: Path = Path("rollbench-reference"),
     fresh: Flag = False,
     balls: Flag = False,
+    reference: Path | None = None,
     bodies: str = "half-space",
     as_json: Json = False,
     backend: str = "joblib",
@@ -111,6 +112,9 @@ def compare(
         Compute runs even where they are stored or shipped.
     balls
         Also print every contact.
+    reference
+        Compare with this file in place of the 3D reference, which stands beside it where it is stored; as for rollbench
+        check.
     bodies
         Of scenes of friction: half-space, or finite (patches of the static reference, or a ball and grooved bars).
     backend
@@ -130,11 +134,12 @@ def compare(
     if rolling:
         need_packages("scikit-fem")
         run_rolling_compare = needed("rolling compare", "command line", "scenes", " ".join(scenes))
-        refuse_options({"--model": model is not None, "--balls": balls})
+        refuse_options({"--model": model is not None, "--balls": balls, "--reference": reference is not None})
         where = engine(backend, scheduler, workers, tls)
         return print_answer(run_rolling_compare(scenes, wanted, store, where, fresh=fresh, bodies=bodies), as_json)
     where = engine(backend, scheduler, workers, tls)
-    return print_answer(run_compare(scenes, model or (), wanted, store, where, fresh=fresh, balls=balls), as_json)
+    found = run_compare(scenes, model or (), wanted, store, where, fresh=fresh, balls=balls, reference=reference)
+    return print_answer(found, as_json)
 
 
 @app.command

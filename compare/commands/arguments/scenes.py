@@ -46,15 +46,17 @@ def new(file: Path, *, kind: Word = "", like: Word = "") -> None:
     file
         Where to write it; an existing file is never overwritten.
     kind
-        ball-screw unless given, bearing, several sets on one shaft: axis, double-nut; or what only friction solves:
-        bearing-ball, bearing-pair, linear-pair, linear-chain, screw-pair, screw-run.
+        ball-screw unless given, bearing, several sets on one shaft: axis, double-nut, angular-contact-bearing,
+        support-bearings; or what only friction solves: bearing-ball, bearing-pair, linear-pair, linear-chain,
+        screw-pair, screw-run.
     like
         Nominal diameter and lead of a ball screw or double nut in mm, such as 40x10: the rest as is usual for such a
         size.
     """
+    from rollbench.comparison.registration import ROOT
     from rollbench.comparison.scenes.like import double_nut_like, scene_like
     from rollbench.comparison.scenes.names import WHOLE
-    from rollbench.comparison.scenes.template import AXES, template
+    from rollbench.comparison.scenes.template import AXES, BEARINGS, template
     from rollbench.comparison.writing import write_new
 
     kind = (kind or "ball-screw").replace("-", " ")
@@ -62,8 +64,9 @@ def new(file: Path, *, kind: Word = "", like: Word = "") -> None:
     if like and kind not in sized:
         allowed = "without --kind, or with --kind double-nut"
         raise InputError("command line", "--like", like, allowed, "a nominal size is that of a ball screw")
-    write_new(file, sized[kind](like) if like else template(kind))
-    command = "solve" if kind in (*WHOLE, *AXES) else "friction"
+    schema_line = f"#:schema {(ROOT / 'scene.schema.json').as_uri()}\n"  # editors complete and check keys by it
+    write_new(file, schema_line + (sized[kind](like) if like else template(kind)))
+    command = "solve" if kind in (*WHOLE, *AXES, *BEARINGS) else "friction"
     print_answer(Answer(parts=[f"wrote {file}; solve it with: rollbench {command} {file}"]))
 
 
@@ -87,6 +90,7 @@ def solve(
     workers: int | None = None,
     time_limit: float | None = None,
     strict: Flag = False,
+    assumptions: Flag = False,
 ) -> int:
     """Solve one scene with one model, or many members of a scene with random errors.
 
@@ -113,7 +117,8 @@ def solve(
     curve
         File (.csv) for displacement, stiffness, largest load and torque at 0 to 1.5 times the loads; a figure beside it.
     loads_csv
-        File for all contact loads, as check --loads reads it: ball, flank, newton, azimuth_deg, z_mm.
+        File for all contact loads, as check --loads reads it: ball, flank, newton, azimuth_deg, z_mm; of load cases with a
+        column case.
     members
         Solve so many members: distributions of the largest load, stiffness, lost contacts, life; with --balls bands of
         every ball.
@@ -128,6 +133,8 @@ def solve(
     strict
         Exit code 1 where a line WARNING stands above the answers: pressure, preload, static safety or rotations beyond
         what the models mean.
+    assumptions
+        Also print what is assumed, what was left out, the balance and the solver.
     """
     from rollbench.comparison.commands.solving.solve import run_solve
     from rollbench.comparison.commands.solving.solve_choices import Choices
@@ -144,7 +151,7 @@ def solve(
     if csv is not None or seed is not None or workers is not None:
         raise InputError("command line", "--csv, --seed, --workers", "given", "with --members", "add --members N")
     choices = Choices(
-        model, everything, member, condensed, balls, stiffness_at, matrix, curve, loads_csv, time_limit, strict
+        model, everything, member, condensed, balls, stiffness_at, matrix, curve, loads_csv, time_limit, strict, assumptions
     )
     return print_answer(run_solve(scene, choices), as_json)
 
@@ -163,6 +170,5 @@ def condense(scene: str, *, out: Path | None = None, level: int = 1) -> int:
         Mesh level, 1 (coarse) to 3.
     """
     from rollbench.comparison.commands.comparing.condense import run_condense
-    from rollbench.comparison.scenes import catalogue
 
-    return print_answer(run_condense(catalogue.scene(scene), scene, out, level, cache=cache_folder()))
+    return print_answer(run_condense(scene, out, level, cache=cache_folder()))

@@ -29,6 +29,7 @@ def report(
     workers: int | None = None,
     tls: Tls | None = None,
     against: Path | None = None,
+    reference: Path | None = None,
 ) -> int:
     """Regenerate the validation report: HTML, its tables as CSV, its figures as SVG; with a scene: one page on it.
 
@@ -66,6 +67,8 @@ def report(
         Runs of the 3D reference at the same time, each of 1 to 3 GB; 2 here, or what the cluster has, unless given.
     against
         An earlier report, or with a scene an earlier page on it, to list what moved.
+    reference
+        With a scene: your own reference in place of the 3D reference, as for rollbench check.
     """
     if scene is not None:
         from rollbench.comparison.system import need_packages
@@ -77,7 +80,9 @@ def report(
         for name, value in given.items():
             if value:
                 raise InputError("command line", name, str(value), "without a scene", "leave it out")
-        return print_answer(run_page(scene, out, store, against))
+        return print_answer(run_page(scene, out, store, against, reference))
+    if reference is not None:
+        raise InputError("command line", "--reference", str(reference), "with a scene", "name the scene that it is of")
     from rollbench.comparison.commands.reporting.report import make_report
 
     where = engine(backend, scheduler, workers or (2 if scheduler is None else None), tls)
@@ -112,7 +117,11 @@ def check(
     *,
     model: Word = "",
     loads: Path | None = None,
+    values: Path | None = None,
     max_error: float | None = None,
+    limit: Annotated[list[str] | None, Parameter(negative="")] = None,
+    strict: Flag = False,
+    reference: Path | None = None,
     levels: int | None = None,
     stored: Path | None = None,
     no_compute: Flag = False,
@@ -120,6 +129,7 @@ def check(
     junit: Path | None = None,
     markdown: Path | None = None,
     csv: Path | None = None,
+    baseline: Path | None = None,
     as_json: Json = False,
 ) -> int:
     """Judge scenes against their 3D reference; without scenes: the gate of what is shipped (printed values, closed forms,
@@ -140,9 +150,23 @@ def check(
         Low-order model that is judged: refined unless given.
     loads
         Judge the loads of another program instead: CSV file with the columns ball, flank (SL, SR, NL, NR), newton; with
-        azimuth_deg and z_mm too, balls are matched by these.
+        azimuth_deg and z_mm too, balls are matched by these. Columns contact_angle_deg, approach_um, pressure_MPa are
+        judged too. Headings say the unit: load_kN, angle_rad, z_um.
+    values
+        Judge values of the whole screw by another program: CSV file with the columns quantity (displacement, rigidity,
+        torque, life), value, unit, where (empty: the scene's loads; an axial load such as 5 kN, or of a displacement a
+        station such as 400 mm).
     max_error
-        Limit of the error in per cent, in place of the scenes' own; 7 where neither is given.
+        Limit of the error of loads in per cent, in place of the scenes' own; 7 where neither is given.
+    limit
+        Limit of another quantity, NAME=NUMBER in per cent, of a contact angle in degrees; may be given several times.
+        Unless given: contact angle 1, approach two thirds, pressure a third and life three times the limit of the loads,
+        which is also that of the others. A model is judged on the quantities that are named.
+    strict
+        Take a column that is not known for an error; else it is a warning.
+    reference
+        Judge by this file in place of the 3D reference: your own loads in the columns of --loads, of every flank, with a
+        column uncertainty_N, or a line "# uncertainty: 0.5 %" above, and "# provenance: words"; without, zero is taken.
     levels
         Compute mesh levels 1 to N of the reference where they are not stored; the best stored unless given, 2 where there
         are fewer. One level gives no uncertainty, and decides nothing.
@@ -155,21 +179,41 @@ def check(
     junit
         Also write the verdicts as JUnit XML.
     markdown
-        Also write them as a Markdown table, and add it to the summary that the environment names (GITHUB_STEP_SUMMARY).
+        Also write them as Markdown for a comment, with a chart of the worst ball and its neighbours, and add it to the
+        summary that the environment names (GITHUB_STEP_SUMMARY).
     csv
         Also write them as CSV.
+    baseline
+        Say what changed since the verdicts of this file, that an earlier --csv or --json wrote.
     """
     from rollbench.comparison.commands.comparing.check import Files, run_check, run_shipped
     from rollbench.comparison.gate.user import asked
     from rollbench.comparison.reference.jobs import Engine
 
-    files = Files(junit, markdown, csv)
+    files = Files(junit, markdown, csv, baseline)
     what = asked(
-        model=model, loads=loads, max_error=max_error, levels=levels, store=store, stored=stored, compute=not no_compute
+        model=model,
+        loads=loads,
+        values=values,
+        max_error=max_error,
+        limits=limit or (),
+        strict=strict,
+        reference=reference,
+        levels=levels,
+        store=store,
+        stored=stored,
+        compute=not no_compute,
     )
     if scenes:
         return print_answer(run_check(scenes, what, Engine(cache=cache_folder()), files), as_json)
-    given = {"--model": model, "--loads": loads, "--levels": levels, "--stored": stored, "--no-compute": no_compute}
+    given: dict[str, object] = {"--model": model, "--loads": loads, "--values": values, "--limit": limit}
+    given |= {
+        "--reference": reference,
+        "--strict": strict,
+        "--levels": levels,
+        "--stored": stored,
+        "--no-compute": no_compute,
+    }
     for name, value in given.items():
         if value:
             raise InputError("command line", name, str(value), "with a scene", "name the scenes that are judged")

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from rollbench.comparison.commands.printing import Answer, on_terminal
 from rollbench.comparison.errors import InputError
+from rollbench.comparison.gate.baseline import Change, changes
+from rollbench.comparison.gate.further import not_judged
 from rollbench.comparison.gate.publish import Outcome, of_row, of_verdict, publish
 from rollbench.comparison.gate.user import Asked, check_scenes
 from rollbench.comparison.gate.verdict import CODES, LIMIT, Verdict, Word, worst_of
@@ -20,15 +22,28 @@ from rollbench.comparison.scenes.scene_file import Described, each_case
 
 @dataclass(frozen=True)
 class Files:
-    """Files that verdicts are written to besides."""
+    """Files that verdicts are written to besides, and an earlier one to hold them against."""
 
     junit: Path | None = None
     markdown: Path | None = None
     csv: Path | None = None
+    baseline: Path | None = None
 
-    def write(self, outcomes: Sequence[Outcome]) -> list[str]:
+    def changed(self, outcomes: Sequence[Outcome]) -> list[Change]:
+        """What changed since the verdicts of the baseline. Raises InputError."""
+        return [] if self.baseline is None else changes(self.baseline, outcomes)
+
+    def since(self, changed: Sequence[Change]) -> list[str]:
+        """That in words; nothing without a baseline."""
+        if self.baseline is None:
+            return []
+        return [f"since {self.baseline.name}: {change.line()}" for change in changed] or [
+            f"since {self.baseline.name}: nothing changed"
+        ]
+
+    def write(self, outcomes: Sequence[Outcome], notes: Sequence[str]) -> list[str]:
         """Write the files that are asked for; lines that say so."""
-        written = publish(outcomes, junit_file=self.junit, markdown_file=self.markdown, csv_file=self.csv)
+        written = publish(outcomes, notes, junit_file=self.junit, markdown_file=self.markdown, csv_file=self.csv)
         return [f"{path} written" for path in written]
 
 
@@ -42,22 +57,32 @@ def run_check(names: Sequence[str], what: Asked, engine: Engine, files: Files) -
                 advice = "verdicts and stored runs are told apart by the name of file and case: rename one"
                 raise InputError(name, "name", scene.name, "each scene once, under a name of its own", advice)
             taken[scene.name] = name
-    verdicts = judged_cases(described, names, what, engine)
-    written = files.write([of_verdict(v) for v in verdicts])
+    warnings: list[str] = []
+    verdicts = judged_cases(described, names, what, engine, warnings.append)
+    outcomes = [of_verdict(v) for v in verdicts]
+    left, changed = not_judged(verdicts) if what.loads or what.values else [], files.changed(outcomes)
+    above = [f"WARNING: {warning}" for warning in warnings]
+    below = [f"not judged, because not given or not held by the reference: {', '.join(left)}"] if left else []
+    below += files.since(changed)
+    written = files.write(outcomes, [*above, *below])
     counts = ", ".join(f"{n} {word}" for word in CODES if (n := sum(v.word == word for v in verdicts)))
-    data = verdicts_json(described, verdicts)
+    data = verdicts_json(described, verdicts) | {"warnings": warnings, "not_judged": left}
+    data |= {} if files.baseline is None else {"changed": [change._asdict() for change in changed]}
     worst = [f"the worst of {x['scene']}: case {x['case']}, {x['verdict']}" for x in data.get("worst_cases", ())]
-    return Answer(data, [*(v.line() for v in verdicts), *worst, counts, *written], CODES[data["verdict"]])
+    return Answer(data, [*above, *(v.line() for v in verdicts), *worst, *below, counts, *written], CODES[data["verdict"]])
 
 
-def judged_cases(described: Sequence[Described], names: Sequence[str], what: Asked, engine: Engine) -> list[Verdict]:
-    """Verdicts on scenes and their load cases; a case whose model does not converge is told from one that fails."""
+def judged_cases(
+    described: Sequence[Described], names: Sequence[str], what: Asked, engine: Engine, warn: Callable[[str], None]
+) -> list[Verdict]:
+    """Verdicts on scenes and their load cases; a case whose model does not converge is told from one that fails. warn: as
+    `check_scenes`."""
     cases = cases_by_name(described)
     scenes = [scene for one, name in zip(described, names, strict=True) for scene in each_case(one, name)]
     out = []
-    for v in check_scenes(scenes, what, engine, on_terminal):
+    for v in check_scenes(scenes, what, engine, on_terminal, warn):
         found = cases.get(v.scene)
-        lost: Word = "not converged" if v.word == "fail" and v.error_percent is None else v.word
+        lost: Word = "not converged" if v.word == "fail" and v.error is None else v.word
         out.append(v if found is None else replace(v, scene=found.cycle.name, case=found.case.name, word=lost))
     return out
 
@@ -66,21 +91,18 @@ def verdicts_json(described: Sequence[Described], verdicts: Sequence[Verdict]) -
     """All verdicts, the gravest, and of scenes with load cases those of each, in order, and which case decides."""
     gravest = worst_of([v.word for v in verdicts])
     data: dict[str, Any] = {"verdict": gravest, "passed": gravest == "pass", "verdicts": [v.as_json() for v in verdicts]}
-    cases = []
+    cases, graveness = [], []
     for found in cases_by_name(described).values():
         its = [v for v in verdicts if (v.scene, v.case) == (found.cycle.name, found.case.name)]
-        cases.append(found.keys | {"verdict": worst_of([v.word for v in its]), "verdicts": [v.as_json() for v in its]})
+        word, beyond = worst_of([v.word for v in its]), max((abs(v.error or 0.0) / v.limit for v in its), default=0.0)
+        cases.append(found.keys | {"verdict": word, "verdicts": [v.as_json() for v in its]})
+        graveness.append(([*CODES].index(word), -beyond))
     if not cases:
         return data
     worst: dict[str, dict[str, Any]] = {}
-    for one in sorted(cases, key=lambda x: ([*CODES].index(x["verdict"]), -_beyond(x["verdicts"]))):
-        worst.setdefault(one["scene"], {key: one[key] for key in ("scene", "case", "verdict")})
+    for k in sorted(range(len(cases)), key=graveness.__getitem__):
+        worst.setdefault(cases[k]["scene"], {key: cases[k][key] for key in ("scene", "case", "verdict")})
     return data | {"worst_cases": [*worst.values()], "cases": cases}
-
-
-def _beyond(verdicts: Sequence[dict[str, Any]]) -> float:
-    """Largest error of a case's verdicts over its limit."""
-    return max((abs(v["error_percent"] or 0.0) / v["limit_percent"] for v in verdicts), default=0.0)
 
 
 def run_shipped(max_error: float | None, files: Files) -> Answer:
@@ -91,8 +113,11 @@ def run_shipped(max_error: float | None, files: Files) -> Answer:
     limit = LIMIT if max_error is None else max_error
     rows = run_gate(Study(members=0), limit)  # no screws are drawn: no claim on random errors is gated
     bad = [row for row in rows if not row.passed]
-    written = files.write([of_row(row) for row in rows])
+    outcomes = [of_row(row) for row in rows]
+    changed = files.changed(outcomes)
+    written = [*files.since(changed), *files.write(outcomes, files.since(changed))]
     data = {"max_error_percent": limit, "passed": not bad, "rows": [row.as_json() for row in rows]}
+    data |= {} if files.baseline is None else {"changed": [change._asdict() for change in changed]}
     words = [row.verdict for row in rows]
     others = "".join(f", {n} {word}" for word in ("undecided", "reported") if (n := words.count(word)))
     line = f"{words.count('ok')} passed, {len(bad)} failed{others}"

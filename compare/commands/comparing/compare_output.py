@@ -38,6 +38,8 @@ from rollbench.reports.records import Figure, Panel, Series
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
+#: Name of the stored 3D reference beside a user's own.
+OURS = "stored 3D reference"
 COLUMNS = ("model", "max err %", "at", "RMS %", "max N", "mean N", "MPa", "uz um", "s")
 
 
@@ -114,9 +116,15 @@ class Comparison:
 
 
 def compared(
-    scene: Scene, models: Sequence[Model], found: Reference, stores: Sequence[Path], of: SetOf | None = None
+    scene: Scene,
+    models: Sequence[Model],
+    found: Reference,
+    stores: Sequence[Path],
+    of: SetOf | None = None,
+    ours: Reference | None = None,
 ) -> Comparison:
-    """Models, coarser meshes and the source's mesh beside the reference; of: which set it is of several on one shaft.
+    """Models, coarser meshes and the source's mesh beside the reference; of: which set it is of several on one shaft; ours:
+    the stored 3D reference beside a user's own.
 
     Raises InputError for a model that cannot be run, Refusal for one that finds no loads of several sets.
     """
@@ -131,10 +139,11 @@ def compared(
             expected[model.name] = estimate(own.scene, own.result, others_than(scene))
     others = reference_answers(found, None if of is not None else load(scene, SOURCE_LEVEL, stores=tuple(stores)))
     answers += [answer for answer in others if not is_itself(answer, found)]
+    answers += [] if ours is None else [from_run(ours.best, OURS)]
     shared = starts.get(DEFAULT, next(iter(starts.values()), 0.0))  # of the reference no run without loads is stored
     count = None if of is None else found.contacts
     each = tuple(beside(scene, answer, found, starts.get(answer.model, shared), count) for answer in answers)
-    itself = beside(scene, from_run(found.best, "3D reference"), None, shared, count)
+    itself = beside(scene, from_run(found.best, found.label), None, shared, count)
     whole = Comparison(each, itself, None, total(scene, found, inputs=of is None), shared)
     return replace(whole, expected=expected.get(whole.spoken.label))
 
@@ -165,7 +174,7 @@ def answers_json(whole: Comparison, found: Reference) -> dict[str, Any]:
     return {
         "scene": found.scene,
         "verdict": verdict(whole, found),
-        "levels": [run.level for run in found.runs],
+        "levels": list(found.levels),
         "uncertainty_percent": uncertainty_percent(found),
         "reference_status": found.unsettled or "converged",
         "uncertainty": whole.total.as_json(),
@@ -183,7 +192,7 @@ def answers_table(whole: Comparison) -> RenderableType:
 
     own, reference = answers_of(whole.spoken), answers_of(whole.itself)
     out = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
-    for k, name in enumerate(("answer", whole.spoken.label, "3D reference", "difference / %")):
+    for k, name in enumerate(("answer", whole.spoken.label, whole.itself.label, "difference / %")):
         out.add_column(name, justify="left" if k == 0 else "right", no_wrap=True)
     for group, q in ANSWERS:
         value, ref = (None if side[group] is None else side[group][q.key] for side in (own, reference))
@@ -211,6 +220,8 @@ def is_itself(answer: Loads, found: Reference) -> bool:
 
 def levels_text(found: Reference, total: Total) -> str:
     """Levels of the reference and what it is uncertain by, in words."""
+    if found.stated:
+        return total.text
     levels = ", ".join(str(run.level) for run in found.runs)
     rest = f" ({found.unsettled}, which is added)" if found.unsettled else ""
     return f"3D reference on level{'s' * (len(found.runs) > 1)} {levels}, {total.text}{rest}"
@@ -248,8 +259,8 @@ def _cells(b: Beside) -> list[str]:
         f"{held.max(initial=0.0):.1f}",
         f"{mean_load(held, b.contacts):.1f}",
         f"{1e-6 * b.pressure:.0f}",
-        f"{1e6 * b.displacement:.3f}",
-        "" if b.answer.seconds is None else f"{b.answer.seconds:.{0 if b.answer.seconds >= 10.0 else 2}f}",
+        f"{1e6 * b.displacement:.3f}" if np.isfinite(b.displacement) else "–",
+        "" if not b.answer.seconds else f"{b.answer.seconds:.{0 if b.answer.seconds >= 10.0 else 2}f}",
     ]
 
 
@@ -287,8 +298,9 @@ def load_figure(name: str, models: Sequence[Beside], found: Reference) -> Figure
         value = found.load[:, s]
         bar = found.uncertainty[:, s]
         ends = (value - bar).tolist(), (value + bar).tolist()
-        series = [Series("3D reference", balls, value.tolist(), "line+markers", emphasis=True, bars=ends)]
-        series += [Series(b.label, balls, b.answer.load[:, s].tolist(), "line") for b in models if b.label in MODELS]
+        series = [Series(found.label, balls, value.tolist(), "line+markers", emphasis=True, bars=ends)]
+        shown = (b for b in models if b.label in (*MODELS, OURS))
+        series += [Series(b.label, balls, b.answer.load[:, s].tolist(), "line") for b in shown]
         panels.append(Panel(f"screw's flank {SIDES[s]}", "ball", "contact load / N", series, integer_x=True))
     return Figure(name, "Contact loads: prediction beside reference", panels)
 

@@ -10,19 +10,24 @@ from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.reference.levels import LEVELS
 from rollbench.comparison.reference.tasks import settings_of
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.scenes.scene_file import each_case, whole
 from rollbench.comparison.system import cores, need_reference, out_of_memory
 from rollbench.comparison.writing import need_writable
-from rollbench.meshes.parts import Scene
 
 
-def run_condense(scene: Scene, typed: str, out: Path | None, level: int, *, cache: Path | None) -> Answer:
-    """Mesh, condense all four sides and write the file, whole or not at all; typed: how the scene was named.
+def run_condense(typed: str, out: Path | None, level: int, *, cache: Path | None) -> Answer:
+    """Mesh, condense all four sides and write the file, whole or not at all, for all load cases of the scene that was
+    ``typed``.
 
     Raises InputError for a bad level, a mesh that cannot be built, and a file that cannot be written.
     """
     if level not in LEVELS:
         raise InputError("command line", "--level", str(level), f"1 to {len(LEVELS)}", "choose a mesh level")
-    out = out or Path(f"{scene.name}-condensed.npz")
+    described = catalogue.any_scene(typed)
+    scenes = [whole(x, typed) for x in each_case(described, typed)]
+    scene = scenes[0]
+    out = out or Path(f"{described.name}-condensed.npz")
     need_writable(out)
     need_reference()
     from rollbench.hifi.condensed import condensed_bodies
@@ -33,7 +38,7 @@ def run_condense(scene: Scene, typed: str, out: Path | None, level: int, *, cach
         print(text, file=sys.stderr, flush=True)
 
     try:
-        setup = prepare(scene, (0, 1, 2, 3), settings_of([scene], level), step, cache=Cache(cache), processes=cores())
+        setup = prepare(scene, (0, 1, 2, 3), settings_of(scenes, level), step, cache=Cache(cache), processes=cores())
     except MemoryError as error:
         raise out_of_memory(error) from error
     except ValueError as error:

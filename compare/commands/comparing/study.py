@@ -24,6 +24,7 @@ from rollbench.comparison.commands.comparing.compared_cases import cycles_of, to
 from rollbench.comparison.commands.printing import Answer, on_terminal
 from rollbench.comparison.commands.wrapping import aligned
 from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.gate.user import judged_by
 from rollbench.comparison.models.comparison import compared_models, finest_bodies, rows, suited
 from rollbench.comparison.models.mesh_study import closing, level_rows, quantity_table, study_table
 from rollbench.comparison.models.referenced import Referenced, referenced
@@ -167,8 +168,10 @@ def run_compare(
     *,
     fresh: bool = False,
     balls: bool = False,
+    reference: Path | None = None,
 ) -> Answer:
     """Verdict, answers, table and files of every scene, models beside the reference; what is not stored is computed first.
+    reference: file of the user's own, in place of it.
 
     JSON: verdict and answers of every scene, and rows of every quantity and model, the reference's coarser runs among
     them. balls: also print every contact.
@@ -181,7 +184,10 @@ def run_compare(
     scenes: list[Solvable] = [scene for scene, _ in origins]
     cases = cases_by_name(described)
     stores = (store, shipped_store())
+    warnings: list[str] = []
+    given = None if reference is None else _given(scenes, reference, levels, warnings, fresh=fresh)
     without = [s for s in scenes if not referenced(s, stores)] if levels is None and not fresh else scenes
+    without = [] if given is not None else without
     failed: list[Run] = []
     if without:
         wanted = levels or ADVISED
@@ -196,6 +202,8 @@ def run_compare(
 
         failed = ensure(tasks, store, engine, on_terminal, stores, fresh=fresh, stored=first)
     found = [referenced(scene, stores) for scene in scenes]
+    ours = found[0][0].found if given is not None and found[0] else None
+    found = found if given is None else [[given]]
 
     def each() -> Iterator[tuple[Referenced, Comparison]]:
         """References and what is compared with them, as they are asked for."""
@@ -203,12 +211,13 @@ def run_compare(
             if not sets:
                 raise unconverged(scene.name, failed)
             for one in sets:
-                yield one, compared(one.scene, own or suited(scene), one.found, stores, one.of)
+                yield one, compared(one.scene, own or suited(scene), one.found, stores, one.of, ours)
 
     def heading(one: Referenced) -> dict[str, Any]:
         return cases[one.scene.name].keys if one.scene.name in cases else named(one)
 
     def parts() -> Iterator[Any]:
+        yield from (f"WARNING: {warning}" for warning in warnings)
         told = []
         for one, whole in each():
             told.append((one.scene.name, whole))
@@ -232,7 +241,8 @@ def run_compare(
             for row in rows(one.scene, b.answer, one.found)
         ]
         told = [(one, answers_json(whole, one.found) | heading(one)) for one, whole in pairs]
-        found = {"scenes": [x for one, x in told if one.scene.name not in cases], "rows": listed}
+        found: dict[str, Any] = {"scenes": [x for one, x in told if one.scene.name not in cases], "rows": listed}
+        found |= {"warnings": warnings} if given is not None else {}
         if not cases:
             return found
         by_name = {one.scene.name: whole for one, whole in pairs}
@@ -240,6 +250,20 @@ def run_compare(
         return found | {"summary": summaries, "cases": [x for one, x in told if one.scene.name in cases]}
 
     return Answer(data, parts(), code_of(one.found for sets in found for one in sets))
+
+
+def _given(
+    scenes: Sequence[Solvable], path: Path, levels: tuple[int, ...] | None, warnings: list[str], *, fresh: bool
+) -> Referenced:
+    """The one scene beside the user's own reference. Raises InputError for several, and for what it makes meaningless."""
+    for name, asked in (("--levels", levels is not None), ("--fresh", fresh)):
+        if asked:
+            raise InputError("command line", name, "with --reference", "one of both", "the file is the reference")
+    if len(scenes) != 1:
+        advice = "compare the scenes one by one, each with its file"
+        raise InputError("command line", "--reference", str(path), f"one scene, not {len(scenes)}", advice)
+    found, scene = judged_by(path, scenes[0], warnings.append)
+    return Referenced(scene, found)
 
 
 def named(one: Referenced) -> dict[str, str]:

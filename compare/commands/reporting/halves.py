@@ -64,7 +64,7 @@ def make(parts: Sequence[Part], announce: Step, step: Step, study: Study, then: 
     for part in parts:
         announce(part.name)
         section: Callable[[Study, Step], Section] = import_module(f"rollbench.comparison.{part.module}").section
-        made[part.name] = replace(section(study, step), appendix=part.appendix)
+        made[part.name] = section(study, step)
     if "ladder" in made:
         then(study)
     return Made(made, replace(study, results={}, made={}))

@@ -1,61 +1,79 @@
-"""The sections of the report, in order, and what each needs."""
+"""The sections of the report, in order, what each needs, and the pages that they stand on."""
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Mapping, Sequence
+
 from rollbench.comparison.registration import Part, parts
+from rollbench.reports.records import Page, Section, Table
 
-#: Those of the core; wings and sources register theirs.
+#: Pages by name: title; those of `WHOLE` show their tables in full length.
+PAGES = {
+    "reading": "How to read this report",
+    "cases": "Sheets of the cases",
+    "accuracy": "How far off the models are",
+    "reference": "How good the reference is",
+    "robustness": "Stability and run time",
+    "tolerances": "What errors of manufacture do",
+    "friction": "Friction",
+    "rolling": "Rolling contact",
+    "sources": "Bearings, axes and chains of balls",
+    "outside": "Measured, printed by makers, computed by others",
+    "trust": "Fit for, not fit for",
+    "entries": "Every printed entry",
+}
+WHOLE = ("entries",)
+#: Sections of the core; wings and sources register theirs.
 CORE = (
-    Part("overview", "sections.overview", runs=True, beside=True),
-    Part("ladder", "sections.ladder", runs=True, meshes=True, beside=True),
-    Part("reference", "sections.reference", runs=True, meshes=True, beside=True),
-    Part("reference-mesh", "sections.reference_mesh", runs=True, beside=True),
-    Part("u-val", "sections.u_val", runs=True, meshes=True, beside=True),
-    Part("pictures", "sections.pictures", long=True, meshes=True),
-    Part("verification", "sections.verification", meshes=True),
-    Part("history", "sections.history", runs=True, beside=True),
-    Part("verdicts", "sections.verdicts", runs=True, appendix=True),
-    Part("audit", "sections.audit", runs=True, appendix=True),
-    Part("notes", "sections.notes", runs=True, appendix=True),
+    Part("how-to-read", "sections.how_to_read", runs=True, beside=True, page="reading"),
+    Part("reference", "sections.reference", runs=True, meshes=True, beside=True, page="cases"),
+    Part("overview", "sections.overview", runs=True, beside=True, page="accuracy"),
+    Part("ladder", "sections.ladder", runs=True, meshes=True, beside=True, page="accuracy"),
+    Part("u-val", "sections.u_val", runs=True, meshes=True, beside=True, page="accuracy"),
+    Part("reference-mesh", "sections.reference_mesh", runs=True, beside=True, page="reference"),
+    Part("pictures", "sections.pictures", long=True, meshes=True, page="reference"),
+    Part("verification", "sections.verification", meshes=True, page="reference"),
+    Part("fit", "sections.fit", page="trust"),
+    Part("notes", "sections.notes", runs=True, page="trust"),
+    Part("history", "sections.history", runs=True, beside=True, page="trust"),
+    Part("verdicts", "sections.verdicts", runs=True, page="entries"),
+    Part("audit", "sections.audit", runs=True, page="entries"),
 )
-#: Order by name; others stand before the appendix.
-ORDER = (
-    "overview",
-    "ladder",
-    "reference",
-    "reference-mesh",
-    "u-val",
-    "crosscheck",
-    "benchmark",
-    "pictures",
-    "hertz",
-    "cases",
-    "errors",
-    "manufacturing",
-    "steering",
-    "tolerances",
-    "friction",
-    "friction-screw",
-    "rolling",
-    "smith",
-    "liu",
-    "external",
-    "holding",
-    "formulations",
-    "verification",
-    "stability",
-    "timing",
-    "history",
-    "verdicts",
-    "audit",
-    "notes",
-)
+#: Sections that stand before others of their page.
+FIRST = ("overview", "reference", "reference-mesh", "stability", "tolerances", "friction", "outside", "fit")
 
 
-def _place(part: Part) -> int:
-    return ORDER.index(part.name) if part.name in ORDER else ORDER.index("verdicts")
+def _place(part: Part) -> tuple[int, int]:
+    page = list(PAGES).index(part.page) if part.page in PAGES else len(PAGES)
+    return page, FIRST.index(part.name) if part.name in FIRST else len(FIRST)
 
 
 #: Sections in order.
-PARTS = tuple(sorted(parts(CORE), key=lambda part: (part.appendix, _place(part))))
+PARTS = tuple(sorted(parts(CORE), key=_place))
 SECTIONS = tuple(part.name for part in PARTS)
+
+
+def pages(made: Mapping[str, Section]) -> list[Page]:
+    """The pages of sections by name, in order; those without a section are left out."""
+    found: dict[str, list[Section]] = {}
+    for part in PARTS:
+        if part.name in made:
+            found.setdefault(part.page, []).append(made[part.name])
+    return [
+        Page(name, PAGES.get(name, name), sections, conclusion(sections), name in WHOLE) for name, sections in found.items()
+    ]
+
+
+def conclusion(sections: Sequence[Section]) -> str:
+    """What a page opens with: the conclusion of its first section that has one, else how many of the printed entries in its
+    tables have which verdict."""
+    said = next((section.conclusion for section in sections if section.conclusion), "")
+    if said:
+        return said
+    tables = [item for section in sections for item in section.items if isinstance(item, Table)]
+    tally = Counter(str(row["verdict"]) for table in tables for row in table.rows if row.get("verdict"))
+    if not tally:
+        return ""
+    words = ", ".join(f"{count} {verdict}" for verdict, count in tally.most_common())
+    return f"Of {tally.total()} printed numbers and claims on this page: {words}."

@@ -15,7 +15,7 @@ from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.commands.reporting import moved as report_moved
 from rollbench.comparison.commands.reporting.first import kept_parts, lacking, live_check
 from rollbench.comparison.commands.reporting.halves import build, split
-from rollbench.comparison.commands.reporting.parts import PARTS, SECTIONS
+from rollbench.comparison.commands.reporting.parts import PARTS, SECTIONS, pages
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.provenance import commit, inputs
@@ -177,6 +177,7 @@ def make_report(
     from rollbench.comparison.reference.store import shipped_store
 
     own = (store,) if fresh or quick else (store, shipped_store())
+    facts = provenance()  # before anything is written
     source = Source(None if stored else own, engine or Engine(), not stored and meshing, quick, fresh)
     runs = any(part.runs for part in wanted)
     checking = runs and meshing and not (only or stored or fresh or quick)
@@ -193,7 +194,7 @@ def make_report(
         checked = live_check((shipped_store(),), progress.step)
     made = build(aside, others, progress.section, progress.step, study, save_model_form)
     progress.section("drawing and writing")
-    facts, texts = provenance(), {name: catalogue.scene_text(name) for name in study.used}
+    texts = {name: catalogue.scene_text(name) for name in study.used}
     facts["computed in"] = f"{perf_counter() - start:.0f} s"
     computed = "computed, coarse meshes only" if quick else "computed" if fresh else "of the package where their key holds"
     facts["3D reference"] = "stored runs of the package" if stored or not meshing else computed
@@ -209,7 +210,7 @@ def make_report(
         + (f" (quick run: coarse meshes, cases 1 and 2 only, without {left_out})" if quick else "")
         + "".join(f" ({gap.line()})" for gap in missed),
         provenance=facts,
-        sections=[made[part.name] for part in wanted],
+        pages=pages(made),
         scene_hashes={name: scene_hash(text) for name, text in texts.items()},
         origin={**facts, "inputs": inputs(study.stores or (shipped_store(),), texts)},
     )

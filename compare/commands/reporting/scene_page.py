@@ -5,25 +5,31 @@ from __future__ import annotations
 import datetime
 import platform
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from rollbench.comparison import __version__
-from rollbench.comparison.commands.solving.solve_output import as_json
-from rollbench.comparison.commands.solving.summary import answers_json, entries
+from rollbench.comparison.commands.solving.cases_output import case_json, case_rows, cases_json, together_entries
+from rollbench.comparison.commands.solving.summary import entries
 from rollbench.comparison.errors import InputError, Refusal
-from rollbench.comparison.models.answers import Answers, gather, tangent_of
+from rollbench.comparison.gate.user import judged_by
+from rollbench.comparison.measure import LoadError, load_error
+from rollbench.comparison.models.answers import Answers, tangent_of
 from rollbench.comparison.models.comparison import from_result
-from rollbench.comparison.models.model_form import FILE, ModelForm, estimate
-from rollbench.comparison.models.registry import DEFAULT, Options, run_model
+from rollbench.comparison.models.load_cases import solve_one, together
+from rollbench.comparison.models.model_form import FILE, ModelForm
+from rollbench.comparison.models.registry import DEFAULT, Options
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.models.u_val import QUANTITIES, Validated, validated
 from rollbench.comparison.provenance import SOURCES, commit, sources_hash
 from rollbench.comparison.reference.estimate import Reference
+from rollbench.comparison.reference.grid_summary import uncertainty_percent
 from rollbench.comparison.reference.store import path_in, shipped_store
 from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.comparison.scenes.load_cases import DutyCycle
 from rollbench.comparison.sections.applicability import range_figure, range_table
 from rollbench.comparison.sections.loaded_screw import loaded_screw
 from rollbench.comparison.system import libraries
@@ -39,8 +45,9 @@ from rollbench.reports.scene_page import ScenePage
 LIBRARIES = ("numpy", "scipy", "numba")
 
 
-def make_page(name: str, out: Path, store: Path) -> ScenePage:
-    """Solve a scene by the default model, set it beside a stored reference where there is one, and write the page.
+def make_page(name: str, out: Path, store: Path, reference: Path | None = None) -> ScenePage:
+    """Solve a scene by the default model, set it beside a stored reference where there is one, or beside a user's own, and
+    write the page.
 
     Raises InputError for a scene of another kind and a folder that holds what no report wrote, Refusal where
     the scene does not solve.
@@ -54,47 +61,111 @@ def make_page(name: str, out: Path, store: Path) -> ScenePage:
         allowed = "a folder that is new, empty or an earlier report"
         raise InputError(str(out), "--out", str(error), allowed, "choose another folder") from None
     need_writable(out / "index.html")
-    page = page_of(name, (store, shipped_store()))
+    page = page_of(name, (store, shipped_store()), reference)
     replace_file(out / "index.html", render(page))
     return page
 
 
-def page_of(name: str, stores: Sequence[Path]) -> ScenePage:
-    """The page of a scene. Raises InputError and Refusal as `make_page`."""
-    study = Study(stores)
-    scene = study.scene(name)
+def page_of(name: str, stores: Sequence[Path], own: Path | None = None) -> ScenePage:
+    """The page of a scene, or of its load cases; own: file of the user's own reference. Raises InputError and Refusal as
+    `make_page`."""
+    described = catalogue.any_scene(name)
+    if not isinstance(described, DutyCycle):
+        return _page_of_scene(name, scene_file.whole(described, name), stores, own)
+    if own is not None:
+        advice = "write the case as a scene of its own"
+        raise InputError("command line", "--reference", f"with {name}", "a scene of one load case", advice)
+    return _page_of_cases(name, described, stores)
+
+
+def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path]) -> ScenePage:
+    """The page of the most pressed load case, with what all cases say together above it."""
+    solved = [solve_one(case.scene, DEFAULT, Options()) for case in cycle.cases]
+    whole = together(cycle, solved)
+    if whole.pressure is None:
+        raise Refusal(name, "cases", "no case carries load, or converges", "see: rollbench solve")
+    worst = whole.pressure.case
+    page = _page_of_scene(name, next(case.scene for case in cycle.cases if case.name == worst), stores)
+    data = cases_json(cycle, solved, whole)
+    rows: list[Row] = [
+        {Quantity(key, key, "", "s" if key == "case" else "g4"): value for key, value in row.items()}
+        for row in case_rows(data["cases"])
+    ]
+    told = [(label, text) for label, text in together_entries(whole)]
+    table = Table.of("cases", "Load cases", rows, "Life of each case by itself; what follows is of the worst case.")
+    lost = "".join(f" Case {one} has no loads: {status}." for one, status in whole.unsolved.items())
+    life_said = dict(told)["life"]
+    return replace(
+        page,
+        title=cycle.title,
+        subtitle=f"{cycle.name}, {len(solved)} load cases: {page.subtitle.partition(': ')[2]}; below, case {worst}",
+        verdict=f"Of {len(solved)} load cases {worst} is the worst. {page.verdict} Life: {life_said}.{lost}",
+        answers=[*told, *((f"{worst}: {label}", text) for label, text in page.answers)],
+        parts=(Section("cases", "Load cases", (table,)), *page.parts),
+        results=data,
+    )
+
+
+def _page_of_scene(name: str, scene: Scene, stores: Sequence[Path], own: Path | None = None) -> ScenePage:
+    """The page of one load case of the file or shipped scene of that name."""
+    study, warnings = Study(stores, scenes={scene.name: scene}), list[str]()
+    given = None if own is None else judged_by(own, scene, warnings.append)[0]
     options = Options()
-    result = run_model(scene, DEFAULT, options)
-    if not result.converged:
+    one = solve_one(scene, DEFAULT, options)
+    result, found, worth = one.result, one.answers, one.expected
+    if found is None or worth is None:
         raise Refusal(name, "scene", result.status, "see: rollbench solve")
-    found = gather(scene, result, DEFAULT, options)
-    worth = estimate(scene, result)
     tangent = tangent_of(scene, scene.nut.position, DEFAULT, options)
-    reference = study.reference(name)
-    judged = [v for q in QUANTITIES if (v := validated(study, name, DEFAULT, q, from_result(result))) is not None]
+    stored = study.reference(scene.name)
+    judged = [v for q in QUANTITIES if (v := validated(study, scene.name, DEFAULT, q, from_result(result))) is not None]
     speed = None if scene.motion is None else scene.motion.speed
     text = _scene_text(name)
     sections = (
-        _loads(scene, result, reference),
+        _loads(scene, result, [reference for reference in (given, stored) if reference is not None]),
         _stiffness(found, tangent),
-        _error(scene, worth, judged, reference),
-        _notes(result),
+        _error(scene, worth, judged, stored, None if given is None else against(given, result)),
+        _notes(result, warnings),
     )
     return ScenePage(
         scene.title,
         f"{scene.name}: contact loads, stiffness, pressure, friction and life by rollbench, model {DEFAULT}",
-        verdict(found, worth, judged, reference),
-        [(label, told) for label, told in entries(scene, result, found, worth, speed) if label != "assumed"],
+        verdict(found, worth, judged, stored, None if given is None else against(given, result)),
+        entries(scene, result, found, worth, speed),
         _picture(scene, result),
         sections,
-        _provenance(name, scene, text, reference),
+        _provenance(name, scene, text, stored, own),
         text,
-        as_json(scene, result, worth, answers_json(scene, result, found)),
-        _files(scene, reference, stores),
+        case_json(one),
+        _files(scene, stored, stores),
+        warnings,
     )
 
 
-def verdict(found: Answers, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None) -> str:
+@dataclass(frozen=True)
+class Against:
+    """What a user's own reference says: largest error [% of the mean load] and its contact, the uncertainty that the
+    reference states of any contact [% of the mean load], and what it says of itself."""
+
+    error: LoadError
+    uncertainty: float
+    stated: str
+
+    @property
+    def words(self) -> str:
+        """The largest error in words."""
+        e = self.error
+        return f"loads are off by up to {e.max_percent:.2f} % of their mean (ball {e.ball} {e.side})"
+
+
+def against(given: Reference, result: StaticResult) -> Against:
+    """A result held against a user's own reference."""
+    error = load_error(result.load, given.load, given.contacts)
+    return Against(error, uncertainty_percent(given), given.stated)
+
+
+def verdict(
+    found: Answers, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None, given: Against | None = None
+) -> str:
     """The answer in one sentence: worst pressure and safety, and how far they may be trusted."""
     worst, safety = found.loads.worst, found.loads.safety
     if worst is None or safety is None:
@@ -103,6 +174,8 @@ def verdict(found: Answers, worth: ModelForm, judged: Sequence[Validated], refer
         f"The most pressed contact (ball {worst.ball} {worst.side}) carries {worst.force:.0f} N at "
         f"{1e-6 * worst.pressure:.0f} MPa, static safety {safety.factor:.2g}"
     )
+    if given is not None:
+        return f"{text}; {given.stated}, {given.words}."
     if judged and reference is not None:
         v = judged[0]
         bar = f"u_val {v.combined:.2f} %" if np.isfinite(v.combined) else "one mesh level, so without its uncertainty"
@@ -115,8 +188,8 @@ def verdict(found: Answers, worth: ModelForm, judged: Sequence[Validated], refer
     return f"{text}; an error of up to {worth.percent:.1f} % of the mean load is to be expected of scenes like it."
 
 
-def _loads(scene: Scene, result: StaticResult, reference: Reference | None) -> Section:
-    """Figure and table of all contacts with their pressures."""
+def _loads(scene: Scene, result: StaticResult, references: Sequence[Reference]) -> Section:
+    """Figure and table of all contacts with their pressures, beside those of references."""
     balls = [float(k + 1) for k in range(result.load.shape[0])]
     panels = []
     pressure = 1e-6 * nominal_hertz(scene).pressure(result.load)
@@ -124,10 +197,10 @@ def _loads(scene: Scene, result: StaticResult, reference: Reference | None) -> S
         if not (result.load[:, s] > 0.0).any():
             continue
         series = [Series(DEFAULT, balls, result.load[:, s].tolist(), "line+markers", emphasis=True)]
-        if reference is not None:
+        for reference in references:
             own, bar = reference.load[:, s], reference.uncertainty[:, s]
             ends = (own - bar).tolist(), (own + bar).tolist()
-            series.append(Series("3D reference", balls, own.tolist(), "markers", bars=ends))
+            series.append(Series(reference.label, balls, own.tolist(), "markers", bars=ends))
         panels.append(Panel(f"screw's flank {side}", "ball", "contact load / N", tuple(series), zero=True, integer_x=True))
     rows: list[Row] = []
     for i, s in zip(*np.nonzero(result.load > 0.0), strict=True):
@@ -136,8 +209,9 @@ def _loads(scene: Scene, result: StaticResult, reference: Reference | None) -> S
             Quantity("side", "flank", "", "s"): SIDES[int(s)],
             Quantity("load", "load", "N", ".1f"): float(result.load[i, s]),
         }
-        if reference is not None:
-            row[Quantity("reference", "3D reference", "N", ".1f")] = float(reference.load[i, s])
+        for reference in references:
+            key = "given" if reference.stated else "reference"
+            row[Quantity(key, reference.label, "N", ".1f")] = float(reference.load[i, s])
         row[Quantity("angle", "contact angle", "deg", ".2f")] = float(np.degrees(result.contact_angle[i, s]))
         row[Quantity("pressure", "peak pressure", "MPa", ".0f")] = float(pressure[i, s])
         rows.append(row)
@@ -177,11 +251,16 @@ def _stiffness(found: Answers, tangent: Tangent) -> Section:
     return Section("stiffness", "Stiffness", (first, Table.of("tangent", "Stiffness 6 x 6", cells, note)))
 
 
-def _error(scene: Scene, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None) -> Section:
+def _error(
+    scene: Scene, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None, given: Against | None = None
+) -> Section:
     """Measured error with u_val where a reference is stored, expected error, and where the scene lies."""
     from rollbench.comparison.commands.solving.solve_output import model_form_text
 
     items: list[Text | Table | Figure] = []
+    if given is not None:
+        said = f"{given.stated[:1].upper()}{given.stated[1:]}: {given.words}, uncertain by up to {given.uncertainty:.2f} %."
+        items.append(Text((said,)))
     if judged and reference is not None:
         levels = ", ".join(str(run.level) for run in reference.runs)
         rows: list[Row] = [
@@ -212,10 +291,11 @@ def _error(scene: Scene, worth: ModelForm, judged: Sequence[Validated], referenc
     return Section("error", "How far these numbers may be trusted", items)
 
 
-def _notes(result: StaticResult) -> Section:
+def _notes(result: StaticResult, warnings: Sequence[str] = ()) -> Section:
     """Warnings, assumptions, what is left out."""
     items: list[Text | Table | Figure] = []
-    for head, lines in (("Warning", result.warnings), ("Assumed", result.assumed), ("Left out", result.left_out)):
+    warned = (*warnings, *result.warnings)
+    for head, lines in (("Warning", warned), ("Assumed", result.assumed), ("Left out", result.left_out)):
         if lines:
             items.append(Text(tuple(f"{head}: {line}" for line in lines), bullets=True))
     return Section("assumptions", "Assumptions", items)
@@ -241,7 +321,7 @@ def _files(scene: Scene, reference: Reference | None, stores: Sequence[Path]) ->
     return out | {path.name: sha256(path.read_bytes()) for path in paths if path.exists()}
 
 
-def _provenance(name: str, scene: Scene, text: str, reference: Reference | None) -> dict[str, str]:
+def _provenance(name: str, scene: Scene, text: str, reference: Reference | None, own: Path | None = None) -> dict[str, str]:
     out = {
         "scene": f"{Path(name).name}, SHA-256 {sha256(text)}",
         "rollbench": f"{__version__}, commit {commit()}",
@@ -255,6 +335,8 @@ def _provenance(name: str, scene: Scene, text: str, reference: Reference | None)
             f"level {r.level} of {r.date}, rollbench {r.versions.get('rollbench', '?')}" for r in reference.runs
         )
         out["3D reference"] = runs
+    if own is not None:
+        out["reference"] = f"{own.name}, SHA-256 {sha256(own.read_bytes())}"
     if scene.source:
         out["source"] = scene.source
     return out

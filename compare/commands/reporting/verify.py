@@ -67,11 +67,12 @@ def run_verify(report: Path, store: Path) -> Answer:
     return Answer(parts=[*(row.line for row in shown), count], code=1 if wrong else 0)
 
 
-def run_page(scene: str, out: Path, store: Path, against: Path | None) -> Answer:
-    """Write the page of a scene, and list what moved against an earlier one. Raises InputError as `make_page`, `read`."""
+def run_page(scene: str, out: Path, store: Path, against: Path | None, reference: Path | None = None) -> Answer:
+    """Write the page of a scene, and list what moved against an earlier one; exit code 1 where a load case did not
+    converge. Raises InputError as `make_page`, `read`."""
     before = None if against is None else read(against)[1]
-    page = make_page(scene, out, store)
-    parts = [page.verdict, f"page: {out / 'index.html'}"]
+    page = make_page(scene, out, store, reference)
+    parts = [*(f"WARNING: {warning}" for warning in page.warnings), page.verdict, f"page: {out / 'index.html'}"]
     if before is not None:
         after = read(out)[1]
         lines = [
@@ -79,7 +80,7 @@ def run_page(scene: str, out: Path, store: Path, against: Path | None) -> Answer
             *moved(_stable(before["results"]), _stable(after["results"])),
         ]
         parts += lines or ["nothing moved"]
-    return Answer(parts=parts)
+    return Answer(parts=parts, code=int(page.results["status"] != "converged"))
 
 
 def _inputs(manifest: dict[str, Any]) -> dict[str, Any]:
@@ -90,7 +91,8 @@ def _inputs(manifest: dict[str, Any]) -> dict[str, Any]:
 
 def _stable(results: dict[str, Any]) -> dict[str, Any]:
     """Results without what is another in every run: the solver's seconds."""
-    return {key: value for key, value in results.items() if key != "solver"}
+    kept = {key: value for key, value in results.items() if key != "solver"}
+    return kept | ({"cases": [_stable(one) for one in results["cases"]]} if "cases" in results else {})
 
 
 def moved(old: Any, new: Any, path: str = "") -> Iterator[str]:

@@ -10,7 +10,13 @@ import numpy as np
 
 from rollbench.comparison.commands.printing import Column, cell
 from rollbench.comparison.commands.solving.axis_summary import set_summary, stiffness_json, whole_summary
-from rollbench.comparison.commands.solving.solve_output import equilibrium_json, per_side, solver_json, solver_lines
+from rollbench.comparison.commands.solving.solve_output import (
+    equilibrium_json,
+    last_lines,
+    per_side,
+    solver_json,
+    solver_lines,
+)
 from rollbench.comparison.models.axis_answers import AxisAnswers, SetAnswers
 from rollbench.comparison.models.registry import random_errors
 from rollbench.comparison.quantities import number
@@ -132,9 +138,11 @@ def as_json(assembly: Assembly, result: AxisResult, found: AxisAnswers | None = 
     }
 
 
-def as_table(assembly: Assembly, result: AxisResult, *, block: str = "", balls: bool = True) -> list[RenderableType]:
-    """The result for the terminal: block of answers, sets, balls and rollers where asked for, housings, stiffness, solver,
-    assumptions."""
+def as_table(
+    assembly: Assembly, result: AxisResult, *, block: str = "", balls: bool = True, details: bool = True
+) -> list[RenderableType]:
+    """The result for the terminal: block of answers, sets, balls and rollers where asked for, housings, stiffness,
+    warnings; solver and assumptions, or where they are."""
     parts: list[Any] = [
         f"{assembly.name}, {len(assembly.sets)} sets, model {result.model}: {result.status}",
         assembly.title,
@@ -151,14 +159,12 @@ def as_table(assembly: Assembly, result: AxisResult, *, block: str = "", balls: 
         held = ", ".join(f"{x:.5g}" for x in h.wrench[:3])
         parts.append(f"{h.name}: {moved}; the frame holds it with ({held}) N; balance {h.residual:.1e}")
     parts += _stiffness_lines(result)
-    e, s = result.equilibrium, result.solver
+    e = result.equilibrium
+    behind = solver_lines(result.solver)
     if e is not None:
-        parts.append(f"balance of the shaft: force {e.force_residual:.1e}, moment {e.moment_residual:.1e} (relative)")
-    parts += solver_lines(s)
-    headed = ("warning", result.warnings), ("note", s.notes), ("assumed", result.assumed), ("left out", result.left_out)
-    for heading, lines in headed:
-        parts += [f"{heading}: {line}" for line in lines]
-    return parts
+        balance = f"balance of the shaft: force {e.force_residual:.1e}, moment {e.moment_residual:.1e} (relative)"
+        behind = [balance, *behind]
+    return [*parts, *last_lines(result, behind, details=details or not block)]
 
 
 def _set_rows(result: AxisResult) -> list[dict[str, Any]]:

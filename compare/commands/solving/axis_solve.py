@@ -36,7 +36,7 @@ def solve_axis(assembly: Assembly, choices: Choices, station: float) -> Answer:
     result = result if found is None else with_answers(assembly, result, found)
     written = _write(assembly, result, choices) if result.converged else []
     text = "" if found is None else block(assembly, result, found, text_width())
-    parts = [*as_table(assembly, result, block=text, balls=choices.balls), *written]
+    parts = [*as_table(assembly, result, block=text, balls=choices.balls, details=choices.assumptions), *written]
     code = 1 if not result.converged or (choices.strict and above(result.warnings)) else 0
     return Answer(as_json(assembly, result, found, choices.member), parts, code, folded=True)
 

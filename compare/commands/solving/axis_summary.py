@@ -9,7 +9,8 @@ import numpy as np
 from rollbench.comparison.commands.solving.solve_output import summary
 from rollbench.comparison.commands.solving.summary import PRELOAD, contact_entries, contacts_json, entry, loads_json
 from rollbench.comparison.models.axis_answers import AxisAnswers, SetAnswers
-from rollbench.comparison.quantities import number, record
+from rollbench.comparison.quantities import number, quantity, record
+from rollbench.comparison.registration import offered
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import FREEDOMS
@@ -25,6 +26,23 @@ def stiffness_json(result: AxisResult) -> dict[str, Any] | None:
     return {"at": result.stiffness_at, **own}
 
 
+#: Answers on a bearing's torque.
+STARTING = (
+    quantity("torque_Nmm"),
+    quantity("factor"),
+    quantity("equivalent_load_N"),
+    quantity("static_rating_N", "rating"),
+)
+
+
+def starting_torque(s: SetResult, found: SetAnswers) -> dict[str, Any] | None:
+    """Starting torque of a bearing that carries thrust one way, under its preload; None without one, and for nuts."""
+    ways = offered("starting torque")
+    if not ways or s.of.kind != "bearing" or s.of.thrust not in ("+z", "-z") or not (found.preload and found.preload.axial):
+        return None
+    return record(STARTING, ways[0](found.parts, found.preload.axial))
+
+
 def set_summary(s: SetResult, found: SetAnswers | None) -> dict[str, Any]:
     """Summary of one set; empty for rollers."""
     if s.balls is None or not np.isfinite(s.balls.load).all():
@@ -33,7 +51,7 @@ def set_summary(s: SetResult, found: SetAnswers | None) -> dict[str, Any]:
     if found is None:
         return data
     own = {"loads": loads_json(s.balls.load), **contacts_json(found.loads), "preload": record(PRELOAD, found.preload)}
-    return data | own
+    return data | own | {"starting_torque": starting_torque(s, found)}
 
 
 def whole_summary(result: AxisResult, found: AxisAnswers | None) -> dict[str, Any]:
@@ -56,7 +74,7 @@ def whole_summary(result: AxisResult, found: AxisAnswers | None) -> dict[str, An
     i = worst(found)
     if i is not None:
         own = set_summary(result.sets[i], found.sets[i])
-        data |= {"worst_set": i + 1} | {k: own[k] for k in own if k not in ("sides", "preload")}
+        data |= {"worst_set": i + 1} | {k: own[k] for k in own if k not in ("sides", "preload", "starting_torque")}
     return data
 
 
@@ -92,5 +110,13 @@ def block(assembly: Assembly, result: AxisResult, found: AxisAnswers, width: int
         if own is not None and own.preload is not None and own.preload.loaded
     ]
     lines.append(("preload", "; ".join(held) or "no contact of balls carries load when the loads are away"))
-    lines.append(("assumed", f"{len(result.assumed)} statements, {len(result.left_out)} things left out: listed below"))
+    torques = {
+        s.of.name: found_torque["torque_Nmm"]
+        for s, own in zip(result.sets, found.sets, strict=True)
+        if own is not None and (found_torque := starting_torque(s, own)) is not None
+    }
+    if torques:
+        each = "; ".join(f"{name} {value:.3g} N mm" for name, value in torques.items())
+        words = "in all by Palmgren's load formula (Smith 2.33), without lubricant and seals"
+        lines.append(("starting", f"torque {sum(torques.values()):.3g} N mm {words}: {each}"))
     return "\n".join(entry(label, text, width) for label, text in lines)

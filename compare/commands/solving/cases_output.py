@@ -49,11 +49,11 @@ def case_json(one: Solved, tangent: Tangent | None = None) -> dict[str, Any]:
     return as_json(one.scene, one.result, one.expected, answers)
 
 
-def case_table(one: Solved, *, balls: bool = False) -> list[Any]:
-    """A solved scene for the terminal; balls: with the table of every ball."""
+def case_table(one: Solved, *, balls: bool = False, details: bool = False) -> list[Any]:
+    """A solved scene for the terminal; balls: with the table of every ball; details: with what lies behind the answers."""
     speed = None if one.scene.motion is None else one.scene.motion.speed
     text = "" if one.answers is None else block(one.scene, one.result, one.answers, one.expected, text_width(), speed)
-    return as_table(one.scene, one.result, one.expected, block=text, balls=balls)
+    return as_table(one.scene, one.result, one.expected, block=text, balls=balls, details=details)
 
 
 def stiffness_json(tangent: Tangent) -> dict[str, Any]:
@@ -99,7 +99,9 @@ def together_json(whole: Together) -> dict[str, Any]:
     }
 
 
-def cases_table(cycle: DutyCycle, solved: Sequence[Solved], whole: Together, *, balls: bool = False) -> list[Any]:
+def cases_table(
+    cycle: DutyCycle, solved: Sequence[Solved], whole: Together, *, balls: bool = False, details: bool = False
+) -> list[Any]:
     """What the cases say together, a row on each, then each by itself; what is assumed is said once."""
     data = cases_json(cycle, solved, whole)
     parts: list[Any] = [f"{cycle.name}, model {data['model']}: {len(solved)} load cases, {data['status']}", ""]
@@ -107,7 +109,7 @@ def cases_table(cycle: DutyCycle, solved: Sequence[Solved], whole: Together, *, 
     parts += [aligned([*case_rows(data["cases"])], ".4g"), ""]
     said: set[str] = set()
     for case, one in zip(cycle.cases, solved, strict=True):
-        lines = [x for x in case_table(one, balls=balls) if not (isinstance(x, str) and x in said)]
+        lines = [x for x in case_table(one, balls=balls, details=details) if not (isinstance(x, str) and x in said)]
         said |= {x for x in lines if isinstance(x, str) and x.startswith(("assumed: ", "left out: "))}
         parts += [f"case {case.name}, share {case.share:.4g}", *lines, ""]
     return parts

@@ -43,7 +43,11 @@ def run_solve(name: str, choices: Choices) -> Answer:
         asked_for = one.answers is not None and choices.stiffness_at
         tangent = tangent_of(scene, station, model, options) if asked_for else None
     written = _write(one, tangent, model, options, choices)
-    parts = [*case_table(one, balls=choices.balls), *([] if tangent is None else stiffness_lines(tangent)), *written]
+    parts = [
+        *case_table(one, balls=choices.balls, details=choices.assumptions),
+        *([] if tangent is None else stiffness_lines(tangent)),
+        *written,
+    ]
     return Answer(case_json(one, tangent), parts, code_of([one], choices), folded=True)
 
 
@@ -61,7 +65,7 @@ def _run_cases(cycle: DutyCycle, name: str, model: str, choices: Choices) -> Ans
             with named(case.scene.name, name):
                 solved.append(solve_one(case.scene, model, options))
     whole = together(cycle, solved)
-    parts = cases_table(cycle, solved, whole, balls=choices.balls)
+    parts = cases_table(cycle, solved, whole, balls=choices.balls, details=choices.assumptions)
     if choices.loads_csv is not None:
         rows = [
             {"case": case.name, **row}

@@ -10,7 +10,7 @@ from pathlib import Path
 class Choices:
     """What the command line says: model, whether to leave nothing out, specimen, condensed bodies, whether to print the
     table of balls, station of the stiffness and its file, files of the load curve and of the contact loads, seconds after
-    which to give up, whether a warning above the answers makes the exit code 1."""
+    which to give up, whether a warning above the answers makes the exit code 1, whether to print what lies behind them."""
 
     model: str = ""
     everything: bool = False
@@ -23,3 +23,4 @@ class Choices:
     loads_csv: Path | None = None
     time_limit: float | None = None
     strict: bool = False
+    assumptions: bool = False

@@ -11,10 +11,12 @@ import numpy as np
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.model_form import ModelForm
 from rollbench.comparison.quantities import number
-from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult
+from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.lowfi.statics.result import Equilibrium, Solved, SolverReport, StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.lowfi.warned import above
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 
 if TYPE_CHECKING:
@@ -108,18 +110,16 @@ def model_form_text(m: ModelForm) -> str:
     )
 
 
-def discretisation_percent(result: StaticResult) -> float | None:
-    """Discretisation error of the beam in per cent of the mean loaded contact, where it was measured."""
-    return _discretisation(result.solver)
+def discretisation_percent(scene: Scene, result: StaticResult) -> float | None:
+    """Discretisation error of the beam in per cent of the mean contact load, where it was measured."""
+    change = result.solver.discretisation
+    if change is None:
+        return None
+    return number(float(error_percent(change, 0.0, mean_load(result.load, nominal_contacts(scene)))))
 
 
-def _discretisation(solver: SolverReport) -> float | None:
-    measured = solver.discretisation
-    return None if measured is None else number(float(error_percent(measured[0], 0.0, measured[1])))
-
-
-def solver_json(s: SolverReport) -> dict[str, Any]:
-    """How the solution came about."""
+def solver_json(s: SolverReport, discretisation: float | None = None) -> dict[str, Any]:
+    """How the solution came about; discretisation: error of the beam in per cent of the mean contact load."""
     return {
         "iterations": s.iterations,
         "residual": number(s.residual),
@@ -130,7 +130,7 @@ def solver_json(s: SolverReport) -> dict[str, Any]:
         "engine": s.engine,
         "formulation": s.formulation,
         "round_off_bound": number(s.round_off_bound),
-        "discretisation_percent": _discretisation(s),
+        "discretisation_percent": discretisation,
         "notes": list(s.notes),
     }
 
@@ -163,7 +163,7 @@ def as_json(
             for z, u in zip(result.centreline_z, result.centreline, strict=True)
         ],
         "equilibrium": equilibrium_json(result.equilibrium),
-        "solver": solver_json(s),
+        "solver": solver_json(s, discretisation_percent(scene, result)),
         "model_form": _model_form(worth),
         "assumed": list(result.assumed),
         "left_out": list(result.left_out),
@@ -177,10 +177,16 @@ def _cell(value: float, form: str) -> str:
 
 
 def as_table(
-    scene: Scene, result: StaticResult, worth: ModelForm | None = None, *, block: str = "", balls: bool = True
+    scene: Scene,
+    result: StaticResult,
+    worth: ModelForm | None = None,
+    *,
+    block: str = "",
+    balls: bool = True,
+    details: bool = True,
 ) -> list[RenderableType]:
-    """The result for the terminal: block of answers (before all tables), ball table, balance, solver, model-form error (in
-    the block where there is one), warnings, assumptions, what was left out."""
+    """The result for the terminal: block of answers (before all tables), ball table, warnings; then, with details or
+    without a block, model-form error, balance, solver, assumptions and what was left out, else where they are."""
     drawn = f", member {result.member} of its random errors" if scene.errors.random else ""
     title = f"{scene.name}{drawn}, model {result.model}: {result.status}"
     parts: list[Any] = [title]
@@ -190,18 +196,24 @@ def as_table(
         parts += ["", block, ""]
     if balls and (result.load > 0.0).any():
         parts += [_ball_table(result), "", _summary_table(result), ""]
-    if result.equilibrium is not None:
-        parts += _balance(result.equilibrium)
-    s = result.solver
-    error = discretisation_percent(result)
+    error = discretisation_percent(scene, result)
     measured = "" if error is None else f" (discretisation error {error:.1e} % of the mean load)"
-    parts += solver_lines(s, measured)
+    behind = [] if result.equilibrium is None else _balance(result.equilibrium)
+    behind += solver_lines(result.solver, measured)
     if worth is not None and not block:
-        parts.append(model_form_text(worth))
-    headed = ("warning", result.warnings), ("note", s.notes), ("assumed", result.assumed), ("left out", result.left_out)
-    for heading, lines in headed:
-        parts += [f"{heading}: {line}" for line in lines]
-    return parts
+        behind.append(model_form_text(worth))
+    return [*parts, *last_lines(result, behind, details=details or not block)]
+
+
+def last_lines(result: Solved, behind: Sequence[str], *, details: bool) -> list[str]:
+    """Warnings, then what lies behind the answers: lines on balance and solver, notes, assumptions, what was left out; or
+    where to find it."""
+    warnings = [f"warning: {line}" for line in result.warnings]
+    if not details:
+        count = f"{len(result.assumed)} assumptions, {len(result.left_out)} things left out, balance and solver"
+        return [*warnings, f"{count}: --assumptions"]
+    headed = ("note", result.solver.notes), ("assumed", result.assumed), ("left out", result.left_out)
+    return [*behind, *warnings, *(f"{heading}: {line}" for heading, lines in headed for line in lines)]
 
 
 def solver_lines(s: SolverReport, measured: str = "") -> list[str]:

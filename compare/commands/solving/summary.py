@@ -88,6 +88,7 @@ RIGIDITIES = (
     quantity("contacts_alone", lambda three: 1e-6 * three.contacts),
     quantity("with_bodies", lambda three: three.bodies and 1e-6 * three.bodies),
     quantity("with_unequal_loads", lambda three: three.unequal and 1e-6 * three.unequal),
+    quantity("makers_practice", lambda three: three.practice and 1e-6 * three.practice),
 )
 PRELOAD = (quantity("mean_N"), quantity("max_N", "largest"), quantity("axial_N"), quantity("loaded_contacts", "loaded"))
 CONTACT_LOST = (
@@ -158,7 +159,6 @@ def entries(
         ("life", _life(data, speed)),
         ("ratings", _ratings(data)),
         ("error", "not estimated" if worth is None else model_form_text(worth).removeprefix(MODEL_FORM).lstrip(": ")),
-        ("assumed", f"{len(result.assumed)} statements, {len(result.left_out)} things left out: listed below"),
     )
 
 
@@ -211,7 +211,8 @@ def _rigidities(three: dict[str, Any], tangent: float | None) -> str:
 
     own = known(("secant", three["with_unequal_loads"]), ("tangent", tangent))
     formulas = known(("contacts alone", three["contacts_alone"]), ("contacts and bodies", three["with_bodies"]))
-    return f"rigidity in N/um: {own or 'none'} by this model; {formulas} by formulas at the nominal contact angle"
+    practice = known((", of which makers advise to take 80 %:", three["makers_practice"]))
+    return f"rigidity in N/um: {own or 'none'} by this model; {formulas} by formulas at the nominal contact angle{practice}"
 
 
 def _contact(data: dict[str, Any]) -> str:

@@ -74,17 +74,14 @@ def assumed_table(study: Study) -> Table:
 
 
 def agreement_figure(found: Sequence[Evidence]) -> Figure:
-    """Error of every number of class hard and band against the published one, in its own order."""
-    series = []
-    start = 0
-    for table in dict.fromkeys(e.printed.table for e in found):
-        own = [e for e in found if e.printed.table == table and e.printed.cls in ("hard", "band")]
-        errors = [e.error_percent for e in own if e.error_percent is not None]
-        x = [float(start + k + 1) for k in range(len(errors))]
-        start += len(errors)
-        if errors:
-            series.append(Series(SOURCES[table], x, errors, "markers"))
-    panel = Panel("computed against published", "entry", "error / %", tuple(series), integer_x=True)
+    """Error of every number of class hard and band against the published one, by source."""
+    errors: dict[str, list[float]] = {}
+    for e in found:
+        if e.printed.cls in ("hard", "band") and e.error_percent is not None:
+            errors.setdefault(SOURCES[e.printed.table], []).append(e.error_percent)
+    points = [(float(k), error) for k, own in enumerate(errors.values(), start=1) for error in own]
+    series = (Series("error", [x for x, _ in points], [y for _, y in points], "markers"),)
+    panel = Panel("computed against published", "", "error / %", series, names=list(errors))
     caption = "Numbers of class hard and band; claims and open entries are in the tables."
     return Figure("external-errors", "Error against published values", (panel,), caption, columns=1)
 
@@ -116,7 +113,6 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     text = (
         "Values that neither this project nor the sources of its models made: other programs, makers' catalogues, "
         "textbooks. Each is a row of the gate by its class, with what was inferred to run it.",
-        summary(found),
         f"With one conformity inferred for the whole series, the rigidities of GMN's catalogue come out to {inferred:g} % "
         "RMS; one of them is a slip of the catalogue.",
     )
@@ -127,4 +123,4 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         rigid,
         assumed_table(study),
     )
-    return Section("external", "External evidence: other programs, catalogues, textbooks", items)
+    return Section("external", "External evidence: other programs, catalogues, textbooks", items, conclusion=summary(found))

@@ -11,6 +11,7 @@ REGISTRATION = Registration(
             meshed="no motion against the static reference, sizes of bodies",
             beside=True,
             needs=("bearings",),
+            page="rolling",
         ),
     ),
     functions={"computations": "sources.kalker.computations:COMPUTATIONS"},

@@ -80,7 +80,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     times = _times(stores)
     if times is not None:
         items.append(times)
-    return Section("rolling", "Rolling in 3D: balls that touch", items, _headline(found))
+    return Section("rolling", "Rolling in 3D: balls that touch", items, conclusion=_conclusion(found))
 
 
 def _finite(stores: Sequence[Path], sizes: Sizes, proof: Sequence[Proof]) -> list[Text | Table | Figure | PressureMap]:
@@ -184,11 +184,11 @@ def _maps(patches: Sequence[PatchField]) -> list[Text | Table | Figure | Pressur
     ]
 
 
-def _headline(found: dict[str, list[RollingRow]]) -> tuple[tuple[str, str], ...]:
+def _conclusion(found: dict[str, list[RollingRow]]) -> str:
     row = next((r for r in found["lin-pair-a"] if r.quantity == "force 1-2"), None)
     if row is None or row.error_percent is None:
-        return ()
-    return (("ball-to-ball force, low-order against 3D", f"{row.error_percent:+.2f} %"),)
+        return ""
+    return f"The low-order model's force between two touching balls is off by {row.error_percent:+.2f} % of the 3D model's."
 
 
 def _words(found: dict[str, list[RollingRow]], proof: Sequence[Proof]) -> list[str]:

@@ -4,14 +4,14 @@ from rollbench.comparison.registration import Part, Registration
 
 REGISTRATION = Registration(
     parts=(
-        Part("hertz", "sources.lin.sections.hertz"),
-        Part("cases", "sources.lin.sections.cases", runs=True),
-        Part("errors", "sources.lin.sections.errors"),
-        Part("manufacturing", "sources.lin.sections.manufacturing"),
-        Part("steering", "sources.lin.sections.steering"),
-        Part("friction", "sources.lin.sections.friction", needs=("friction",)),
-        Part("friction-screw", "sources.lin.sections.friction_screw", needs=("friction",)),
-        Part("formulations", "sources.lin.sections.formulations"),
+        Part("hertz", "sources.lin.sections.hertz", page="reference"),
+        Part("cases", "sources.lin.sections.cases", runs=True, page="cases"),
+        Part("errors", "sources.lin.sections.errors", page="tolerances"),
+        Part("manufacturing", "sources.lin.sections.manufacturing", page="tolerances"),
+        Part("steering", "sources.lin.sections.steering", page="friction"),
+        Part("friction", "sources.lin.sections.friction", needs=("friction",), page="friction"),
+        Part("friction-screw", "sources.lin.sections.friction_screw", needs=("friction",), page="friction"),
+        Part("formulations", "sources.lin.sections.formulations", page="robustness"),
     ),
     functions={
         "computations": "sources.lin.computations:COMPUTATIONS",

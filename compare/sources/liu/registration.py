@@ -4,7 +4,7 @@ from rollbench.comparison.registration import Part, Registration
 
 REGISTRATION = Registration(
     needs=("random_errors",),
-    parts=(Part("liu", "sources.liu.section"),),
+    parts=(Part("liu", "sources.liu.section", page="sources"),),
     functions={
         "computations": "sources.liu.computations:COMPUTATIONS",
         "bench": "sources.liu.bench:jobs",

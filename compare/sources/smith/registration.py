@@ -4,6 +4,6 @@ from rollbench.comparison.registration import Part, Registration
 
 REGISTRATION = Registration(
     needs=("bearings",),
-    parts=(Part("smith", "sources.smith.section"),),
+    parts=(Part("smith", "sources.smith.section", page="sources"),),
     functions={"computations": "sources.smith.computations:COMPUTATIONS"},
 )

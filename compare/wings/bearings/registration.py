@@ -1,5 +1,8 @@
-"""What the wing of bearings adds: formulas that sources are computed by, and nothing of its own."""
+"""What the wing of bearings adds: formulas that sources are computed by, and what makers print of pairs."""
 
 from rollbench.comparison.registration import Registration
 
-REGISTRATION = Registration(folders=("lowfi/bearings",))
+REGISTRATION = Registration(
+    folders=("lowfi/bearings",),
+    functions={"conformity": "wings.bearings.pairs:conformity", "starting torque": "wings.bearings.pairs:starting_torque"},
+)

@@ -3,5 +3,6 @@
 from rollbench.comparison.registration import Part, Registration
 
 REGISTRATION = Registration(
-    commands={"bench": "wings.bench.arguments"}, parts=(Part("timing", "wings.bench.section", long=True),)
+    commands={"bench": "wings.bench.arguments"},
+    parts=(Part("timing", "wings.bench.section", long=True, page="robustness"),),
 )

@@ -17,7 +17,7 @@ from rollbench.reports.records import Quantity, Row, Section, Table, Text
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
-    """Section of the report, with its headlines."""
+    """Section of the report."""
     done = [*run_bench(step), *(job for added in offered("timing jobs") for job in added()), *axis_jobs(5)]
     rows: list[dict[str, Any]] = [asdict(job) for job in done]
     printed: list[Row] = [
@@ -58,21 +58,15 @@ def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG0
             *(table for added in offered("timing") for table in added(step)),
             Table.of("timing-printed", "Table 2.2 as printed", printed),
         ),
-        headline(done),
+        conclusion=conclusion(done),
     )
 
 
-def headline(done: Sequence[Job]) -> tuple[tuple[str, str], ...]:
-    """Seconds of case 1, and the ratios to the source's Newton."""
-    by_name = {job.job: job for job in done}
-    lines = []
-    for name, label in (
-        ("cold solve, case 1", "source's Newton from a good guess over the energy solver"),
-        ("cold solve, no guess", "source's Newton by load steps over the energy solver"),
-    ):
-        job = by_name[name]
-        if name == "cold solve, case 1" and job.seconds is not None:
-            lines.append(("cold solve of case 1", f"{1e6 * job.seconds:.0f} µs"))
-        if job.ratio is not None:
-            lines.append((label, f"{job.ratio:.0f} times"))
-    return tuple(lines)
+def conclusion(done: Sequence[Job]) -> str:
+    """Time of case 1, and its ratio to the source's Newton from a good guess."""
+    job = next(job for job in done if job.job == "cold solve, case 1")
+    if job.seconds is None or job.ratio is None:
+        return ""
+    return (
+        f"A cold solve of case 1 takes {1e6 * job.seconds:.0f} µs, the source's formulation {job.ratio:.0f} times as long."
+    )

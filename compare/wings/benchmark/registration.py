@@ -3,5 +3,6 @@
 from rollbench.comparison.registration import Part, Registration
 
 REGISTRATION = Registration(
-    commands={"benchmark": "wings.benchmark.arguments"}, parts=(Part("benchmark", "wings.benchmark.section", runs=True),)
+    commands={"benchmark": "wings.benchmark.arguments"},
+    parts=(Part("benchmark", "wings.benchmark.section", runs=True, page="outside"),),
 )

@@ -21,14 +21,11 @@ ABOUT = (
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report, with its headline."""
+    """Section of the report."""
     found = programs(study, step)
     said = conclusion(found)
     return Section(
-        "benchmark",
-        f"The benchmark {NAME}",
-        (Text((said, ABOUT)), program_table(found), problem_table()),
-        (("benchmark: problems that the refined model passes", _of(_by_label(found)[MODELS[DEFAULT].label])),),
+        "benchmark", f"The benchmark {NAME}", (Text((ABOUT,)), program_table(found), problem_table()), conclusion=said
     )
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -26,17 +25,8 @@ from rollbench.comparison.wings.friction.output import (
     sums,
     warnings_of,
 )
-from rollbench.comparison.wings.friction.whole import (
-    COMPILING,
-    NO_SPEED,
-    ONE_TURN,
-    Choices,
-    coefficients,
-    settled,
-    status_of,
-)
-from rollbench.lowfi.friction.whole.state import FrictionState, friction_state, will_compile
-from rollbench.lowfi.jit import cached
+from rollbench.comparison.wings.friction.whole import NO_SPEED, ONE_TURN, Choices, coefficients, settled, status_of
+from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Friction, Motion, Scene
@@ -94,8 +84,6 @@ def _states(result: AxisResult, friction: Friction, motion: Motion) -> Solved:
     for i, s in enumerate(result.sets):
         if s.balls is None or not isinstance(s.of.parts, Scene):
             continue
-        if will_compile(s.of.parts, friction) and not cached():
-            sys.stderr.write(COMPILING)
         out.append((i, s, friction_state(s.of.parts, s.balls, friction, motion)))
     return out
 

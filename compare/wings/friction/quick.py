@@ -9,7 +9,7 @@ from rollbench.comparison.models.registry import Options
 from rollbench.comparison.scenes.fault import TOLERANCE, Fault, mm
 from rollbench.lowfi.friction.whole.circuit import ONE_TURN, CircuitError, circuits, travel
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state, will_compile
-from rollbench.lowfi.jit import cached
+from rollbench.lowfi.jit import CONTACT, cached
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.parts import Friction, Motion, Scene
 
@@ -17,7 +17,7 @@ from rollbench.meshes.parts import Friction, Motion, Scene
 def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tuple[FrictionState | None, str]:
     """Friction of a scene that gives a coefficient, where no kernel has to be compiled for it; else what to do."""
     assert scene.friction is not None
-    if will_compile(scene, scene.friction) and not cached():
+    if will_compile(scene, scene.friction) and not cached(CONTACT):
         return None, "kernels are not compiled yet; rollbench friction SCENE does it, once"
     try:
         state = friction_state(scene, result, scene.friction, scene.motion or ONE_TURN, options.member)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Any
 
 from rollbench.comparison.commands.printing import Answer
@@ -12,9 +11,7 @@ from rollbench.comparison.scenes.load_cases import DutyCycle
 from rollbench.comparison.scenes.scene_file import Described
 from rollbench.comparison.watch import checked, watched
 from rollbench.comparison.wings.friction.answer import FrictionAnswer, as_table
-from rollbench.comparison.wings.friction.whole import COMPILING, Choices, coefficients, solve_scene
-from rollbench.lowfi.friction.whole.state import will_compile
-from rollbench.lowfi.jit import cached
+from rollbench.comparison.wings.friction.whole import Choices, solve_scene
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 
@@ -34,9 +31,6 @@ def run_friction(
 def solve_friction(name: str, choices: Choices) -> FrictionAnswer:
     """Solve a shipped scene or a file of any kind. Raises InputError."""
     scene = catalogue.any_scene(name)
-    one = scene.parts if isinstance(scene, DutyCycle) else scene
-    if isinstance(one, Scene) and any(will_compile(one, pair) for pair in coefficients(one, choices.mu)) and not cached():
-        sys.stderr.write(COMPILING)
     return solve_any(scene, choices, f"with {name}")
 
 

@@ -49,7 +49,6 @@ NO_SPEED = (
     "The scene has no [motion]: the screw turns once a second. Losses and speeds are proportional to that, torques and "
     "efficiencies do not depend on it."
 )
-COMPILING = "rollbench: compiling the friction kernels, once on this machine: some 20 s\n"
 
 
 @dataclass(frozen=True)

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from rollbench.comparison.models.answers import unloaded_place
 from rollbench.comparison.models.axis_answers import along_axis, axial_load
+from rollbench.comparison.models.load_cases import cycle_life
 from rollbench.comparison.models.loading import preload, scaled, solve_scaled
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.registration import offered
+from rollbench.comparison.scenes.load_cases import DutyCycle
 from rollbench.lowfi.rating.life import life
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force
 from rollbench.lowfi.statics.nominal import nominal_contacts
@@ -55,6 +58,20 @@ def outputs(scene: Scene, result: StaticResult, model: str, options: Options) ->
         if scene.friction is None
         else _friction_torque([(scene, result)], scene.friction, scene.motion, options),
         "life_million_revolutions": _life([(scene, load)]),
+    }
+
+
+def cycle_outputs(cycle: DutyCycle, loads: Sequence[Array], each: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """`OUTPUTS` of load cases: those of the case with the largest contact load, which ``at`` names; but the life over the
+    duty cycle, and the mean torque over its revolutions. loads: of every case [N]; each: its outputs."""
+    case, worst = max(zip(cycle.cases, each, strict=True), key=lambda pair: float(pair[1]["largest_load_N"]))
+    torques = [(share, one["torque_Nmm"]) for share, one in zip(cycle.shares, each, strict=True) if share > 0.0]
+    known = all(torque is not None for _, torque in torques)
+    rated, _ = cycle_life(cycle, loads)
+    return worst | {
+        "torque_Nmm": sum(share * torque for share, torque in torques) if known else None,
+        "life_million_revolutions": None if rated is None else rated.revolutions,
+        "at": f"case {case.name}: {worst['at']}",
     }
 
 

@@ -4,6 +4,6 @@ from rollbench.comparison.registration import Part, Registration
 
 REGISTRATION = Registration(
     commands={"sweep": "wings.sweep.arguments"},
-    parts=(Part("tolerances", "wings.sweep.section"),),
+    parts=(Part("tolerances", "wings.sweep.section", page="tolerances"),),
     functions={"sweep": "wings.sweep.command:library"},
 )

@@ -66,8 +66,7 @@ class Sweep:
         known = AXIS_MODELS if isinstance(scene, Assembly) else tuple(name for name in MODELS if name != "condensed")
         if self.model not in known:
             raise InputError("command line", "--model", self.model, ", ".join(known), "see: rollbench list")
-        if not isinstance(scene, Assembly):
-            scene_file.whole(scene, self.origin)
+        scene_file.each_case(scene, self.origin)
         for vary in self.keys:
             for value in vary.ends:
                 scene_file.keys_of(changed(raw, [vary], [value]), self.origin)

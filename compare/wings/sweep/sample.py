@@ -13,9 +13,10 @@ from threadpoolctl import threadpool_limits
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.scenes import scene_file
+from rollbench.comparison.scenes.load_cases import DutyCycle
 from rollbench.comparison.wings.sweep import store
 from rollbench.comparison.wings.sweep.keys import Vary, changed
-from rollbench.comparison.wings.sweep.outputs import axis_outputs, outputs
+from rollbench.comparison.wings.sweep.outputs import axis_outputs, cycle_outputs, outputs
 from rollbench.meshes.axis import Assembly
 
 CONVERGED, REFUSED = "converged", "refused"
@@ -37,14 +38,25 @@ def solve_sample(
         scene = scene_file.read_tables(changed(_tables(text, origin), keys, values), origin)
         if isinstance(scene, Assembly):
             return _solve_axis(scene, model, engine)
-        scene = scene_file.whole(scene, origin)
         options = Options(discretisation=False, engine=engine)
+        if isinstance(scene, DutyCycle):
+            return _solve_cases(scene, model, options)
+        scene = scene_file.whole(scene, origin)
         result = run_model(scene, model, options)
         kept = outputs(scene, result, model, options) if result.converged else {}
         return {"status": result.status, **kept}
     except InputError as error:
         reason = _NUMBER.sub("#", f"{error.key}: {error.allowed or error.value}")  # the range depends on the sample
         return {"status": f"{REFUSED}: {error}", "reason": reason}
+
+
+def _solve_cases(cycle: DutyCycle, model: str, options: Options) -> dict[str, Any]:
+    solved = [(case, run_model(case.scene, model, options)) for case in cycle.cases]
+    lost = next((f"case {case.name}: {result.status}" for case, result in solved if not result.converged), None)
+    if lost is not None:
+        return {"status": lost}
+    each = [outputs(case.scene, result, model, options) for case, result in solved]
+    return {"status": CONVERGED, **cycle_outputs(cycle, [result.load for _, result in solved], each)}
 
 
 def _solve_axis(assembly: Assembly, model: str, engine: str) -> dict[str, Any]:

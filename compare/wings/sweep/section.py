@@ -62,11 +62,13 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     load = found["outputs"][MAIN]
     luck = next(row for row in rows if row["range"] == "any")
     first, second = [row for row in rows if row is not luck][:2]
-    text = (
+    conclusion = (
         f"{found['converged']} of {found['solved']} screws converged. Their largest contact load is {load['mean']:.0f} N "
         f"on average and {load['quantile_0.95']:.0f} N in one of twenty. What matters most for it is {first['key']} (total "
         f"index {first['total']:.2f}), then {second['key']} ({second['total']:.2f}); which screw of the same "
-        f"tolerances it is has {luck['total']:.2f}.",
+        f"tolerances it is has {luck['total']:.2f}."
+    )
+    text = (
         "The ranges are assumed, each from nothing to what is common: the source has no tolerances. The indices are shares "
         "of the variance over these ranges: the first alone, the total with all that it does together with others; their "
         f"{100 * found['indices']['confidence']:g} % intervals come from resampling the design.",
@@ -84,4 +86,6 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     )
     table = Table("tolerances", "Effect of each tolerance on the largest contact load", columns, rows)
     figures = of_summary("tolerances", keys, found, short)
-    return Section("tolerances", "Tolerances of case 3: which matters most", (Text(text), table, *figures))
+    return Section(
+        "tolerances", "Tolerances of case 3: which matters most", (Text(text), table, *figures), conclusion=conclusion
+    )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from rollbench.lowfi.friction.whole.feedback import JAMMED, feed_back, feeds_bac
 from rollbench.lowfi.friction.whole.losses import BallFriction, ball_friction, closing_speeds
 from rollbench.lowfi.friction.whole.neighbours import Neighbours, neighbours
 from rollbench.lowfi.friction.whole.torque import ScrewTorque, sum_up
-from rollbench.lowfi.jit import CONTACT, cached, loaded
+from rollbench.lowfi.jit import CONTACT, afterwards, cached, loaded
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Friction, Scene
@@ -19,6 +20,8 @@ from rollbench.meshes.parts import Motion as Drive
 
 #: Balls from which compiling the kernels (20 s, once) pays for a single solve, without feedback and with it.
 COMPILE_ABOVE, COUPLED_ABOVE = 1000, 8
+#: Balls up to which nobody waits for the kernels to be compiled: interpreted ones take some 0.1 s a ball.
+UNCOMPILED = 50
 
 
 @dataclass(frozen=True)
@@ -54,17 +57,24 @@ def will_compile(scene: Scene, friction: Friction) -> bool:
     return scene.ball_count > (COUPLED_ABOVE if often else COMPILE_ABOVE)
 
 
-def friction_state(scene: Scene, result: StaticResult, friction: Friction, drive: Drive, member: int = 0) -> FrictionState:
+def friction_state(
+    scene: Scene, result: StaticResult, friction: Friction, drive: Drive, member: int = 0, *, fast: bool | None = None
+) -> FrictionState:
     """Friction of a solved scene, fed back on the places of the balls and with neighbours that push each other where
     ``friction`` says so. Both: neighbours push at the loads that each ball's own friction leaves, as in a run in time.
 
     Friction of a ring runs along its groove and moves no ball. Arguments as for ``contacts_of`` and ``ball_friction``,
-    which say what they refuse.
+    which say what they refuse. fast: compiled kernels; unless given where they pay, but few balls do not wait for them to
+    be compiled: `lowfi.jit.compile_afterwards` does that.
     """
     at = contacts_of(scene, result, member)
     coupled = feeds_back(scene, friction)
     pushed = friction.neighbours
-    fast = will_compile(scene, friction) or loaded(CONTACT) or ((coupled or pushed) and cached())
+    first = fast is None and not cached(CONTACT) and not loaded(CONTACT) and not pushed and scene.ball_count <= UNCOMPILED
+    if first and will_compile(scene, friction):
+        afterwards(CONTACT, partial(friction_state, scene, result, friction, drive, member, fast=True))
+    if fast is None:
+        fast = not first and (will_compile(scene, friction) or loaded(CONTACT) or (coupled and cached(CONTACT)))
     balls = ball_friction(scene, at, friction, drive, fast)
     torque = bare = sum_up(scene, at, balls, drive)
     unsettled: tuple[int, ...] = ()

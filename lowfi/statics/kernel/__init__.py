@@ -10,8 +10,6 @@ from .elastic_balls import ball_rows, contact_law, evaluate_balls, rest
 from .flanks import flank_members
 from .members import answers, ensemble
 from .newton import evaluate, solve_beam, start_and_solve
-from .pair import pair_alone
-from .press import press_members
 from .rollers import roller_forces
 
 __all__ = [
@@ -25,8 +23,6 @@ __all__ = [
     "evaluate_axis",
     "evaluate_balls",
     "flank_members",
-    "pair_alone",
-    "press_members",
     "rest",
     "roller_forces",
     "settle_ball",

@@ -269,35 +269,6 @@ def settle_ball(
 
 
 @kernel
-def nudge(
-    p: Array, shift: Array, geometry: Array, r_ball: float, profile: Array, tiny: float, contact: Array, pulls: Array
-) -> float:
-    """One step of Newton's method of a ball's centre towards its equilibrium, from where it is: ``settle_ball`` in parts,
-    for iterations that move the flanks a little between them.
-
-    Fills ``contact`` where the ball was and p where it goes; pulls (2, 2): forces of the ball on the screw's flanks [N]
-    there, to first order. Returns the net force that it was left with over its largest one.
-    """
-    touch(p[0], p[1], shift, geometry, r_ball, profile, contact)
-    net, scale = net_force(contact)
-    pulls[:, :] = 0.0
-    if scale <= tiny:
-        for s in range(4):
-            contact[s, FORCE] = 0.0
-        return 0.0
-    sx, sz, _ = newton_step(contact)
-    p[0] += sx
-    p[1] += sz
-    for s in range(2):
-        f = contact[s, FORCE]
-        if f > 0.0:
-            hxx, hxz, hzz = block(contact, s)
-            pulls[s, 0] = f * contact[s, MX] + hxx * sx + hxz * sz
-            pulls[s, 1] = f * contact[s, MZ] + hxz * sx + hzz * sz
-    return net / scale
-
-
-@kernel
 def block(contact: Array, s: int) -> tuple[float, float, float]:
     """Stiffness h_s = F' m m^T + F kt t t^T of contact s: (xx, xz, zz) [N/m]."""
     if contact[s, FORCE] <= 0.0:

@@ -11,6 +11,7 @@ import pytest
 from rollbench.comparison.cli import main
 from rollbench.comparison.definitions import _known, definition
 from rollbench.comparison.registration import data_files
+from rollbench.comparison.scenes.template import template
 
 #: Keys that number, name or count, in tables whose headings say what they are.
 NO_QUANTITY = (
@@ -38,7 +39,7 @@ COMMANDS = (
     "solve lin-random --model lin --members 3 --balls",
     "friction lin-case3 --model lin --mu 0.1",
     "friction lin-case1 --model lin --mu 0.1",
-    "check lin-case1 --model lin --no-compute",
+    "check lin-case1 --model lin --no-compute --limit angle=1",
     "compare lin-case1 --model lin",
 )
 
@@ -55,7 +56,12 @@ def answered(command: str) -> object:
 def printed(tmp_path_factory) -> list[tuple[str, object]]:
     turning = tmp_path_factory.mktemp("definitions") / "turning.toml"
     turning.write_text(f'{data_files("scenes")["lin-case1"].read_text()}\n[motion]\nspeed = "60 rpm"\n')
-    commands = (*COMMANDS, f"solve {turning} --model lin")
+    bearings = turning.with_name("bearings.toml")
+    bearings.write_text(template("support-bearings"))
+    cases = turning.with_name("lin.toml")  # its only case has the stored runs of lin-case1
+    cases.write_text(f'{data_files("scenes")["lin-case1"].read_text()}\n[[cases]]\nname = "case1"\nshare = 1\n')
+    of_cases = [f"{one} {cases} --model lin" for one in ("solve", "friction", "compare", "check --no-compute")]
+    commands = (*COMMANDS, *of_cases, *(f"solve {file} --model lin" for file in (turning, bearings)))
     return list(chain.from_iterable(leaves(answered(command)) for command in commands))
 
 

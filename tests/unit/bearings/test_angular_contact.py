@@ -1,5 +1,7 @@
 """Angular-contact ball bearing under thrust: limits, derivatives, Hertz contact, and the load as an energy's derivative."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -14,6 +16,7 @@ from rollbench.lowfi.bearings.angular_contact import (
     of_angle,
     thrust_state,
 )
+from rollbench.lowfi.bearings.inverse import AngleRows, conformity_of_pair, state_under
 
 STEEL = (207e9, 0.3)
 
@@ -178,3 +181,29 @@ def test_faulty_loads_are_refused():
     for difference in (-0.1, 1.0):
         with pytest.raises(ValueError, match="curvature difference"):
             contact_parameters(difference)
+
+
+def test_many_bearings_under_given_loads_and_back_from_their_rigidity() -> None:
+    """Arrays of bearings are single ones, a state under a load is that of its displacement, the conformity comes back."""
+    angle = np.radians([15.0, 25.0, 40.0])
+    many = AngleRows(
+        np.array([12.0, 15.0, 16.0]),
+        np.array([4.8e-3, 8e-3, 22.23e-3]),
+        np.array([24e-3, 54e-3, 125e-3]),
+        np.array([0.515, 0.52, 0.5232]),
+        angle,
+        *STEEL,
+    )
+    load = np.array([50.0, 300.0, 5000.0])
+    state = state_under(many, load)
+    assert state.load == pytest.approx(load, rel=1e-9)
+    for k in range(3):
+        size = (float(many.ball_diameter[k]), float(many.pitch_diameter[k]), (float(many.conformity[k]),) * 2)
+        alone = of_angle(int(many.balls[k]), *size, float(angle[k]), *STEEL)
+        assert float(state.displacement[k]) == pytest.approx(displacement(alone, float(load[k])), rel=1e-9)
+    begin = replace(many, conformity=np.full(3, 0.54))
+    assert conformity_of_pair(begin, load, 2.0 * state.stiffness) == pytest.approx(many.conformity, rel=1e-7)
+    with pytest.raises(ValueError, match=r"no conformity of 0\.503 to 0\.65"):
+        conformity_of_pair(begin, load, 20.0 * state.stiffness)
+    with pytest.raises(ValueError, match="beyond what Hertz contact describes"):
+        state_under(many, 1e9 * load)

@@ -64,11 +64,18 @@ def test_every_model_runs_from_the_command_line(capsys: pytest.CaptureFixture[st
     assert axial == pytest.approx(5000.0 / 0.70711 / 0.98193, rel=0.02)
 
 
-def test_the_table_shows_loads_and_assumptions(capsys: pytest.CaptureFixture[str]) -> None:
-    code, out, _ = run(capsys, "solve", "lin-case3", "--model", "lin", "--balls")
+@pytest.mark.parametrize("scene", ["lin-case3", "double-nut"])
+def test_answers_come_first_and_the_last_line_says_where_assumptions_are(capsys: pytest.CaptureFixture[str], scene) -> None:
+    code, out, _ = run(capsys, "solve", scene, "--model", "lin", "--balls")
+    _, whole, _ = run(capsys, "solve", scene, "--model", "lin", "--balls", "--assumptions")
     assert code == 0
-    for text in ("SL N", "SR N", "assumed:", "left out:", "residual"):
-        assert text in out
+    assert "SL" in out
+    behind = ("\nassumed: ", "\nleft out: ", "\nbalance of the ", "\nsolver: ")
+    assert not any(text in out for text in behind)
+    assert all(text in whole for text in behind)
+    count = whole.count("\nassumed: "), whole.count("\nleft out: ")
+    last = "{} assumptions, {} things left out, balance and solver: --assumptions".format(*count)
+    assert out.rstrip().endswith(last)
 
 
 def test_a_scene_without_equilibrium_is_said_and_exits_1(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
@@ -182,8 +189,8 @@ def test_report_of_one_section(capsys: pytest.CaptureFixture[str], tmp_path: Pat
     code, out, _ = run(capsys, "report", "--only", "hertz", "--out", str(tmp_path / "r"))
     assert code == 0
     assert "[1/2] hertz" in out
-    assert 'href="hertz.html"' in (tmp_path / "r" / "index.html").read_text()
-    assert "only as printed" in (tmp_path / "r" / "hertz.html").read_text()
+    assert 'href="reference.html"' in (tmp_path / "r" / "index.html").read_text()
+    assert "only as printed" in (tmp_path / "r" / "reference.html").read_text()
     assert (tmp_path / "r" / "tables" / "hertz-B1.csv").exists()
 
 

@@ -20,7 +20,9 @@ from rollbench.comparison.wings.friction.answer import as_table, increase
 from rollbench.comparison.wings.friction.band import feedback_warnings
 from rollbench.comparison.wings.friction.solve import run_friction, solve_friction
 from rollbench.comparison.wings.friction.whole import Choices, solve_scene
+from rollbench.lowfi import jit
 from rollbench.lowfi.friction.whole import feedback as ball_feedback
+from rollbench.lowfi.friction.whole import state
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.parts import BallErrors, Errors, Friction, Motion, Time
 
@@ -255,13 +257,15 @@ def test_balls_that_do_not_settle_are_named_and_leave_no_drag(monkeypatch):
     assert found.data["feedback"]["unsettled_balls"] == 20
 
 
-def test_compiling_is_said_where_it_happens(monkeypatch, tmp_path, capsys):
+def test_few_balls_do_not_wait_for_kernels(monkeypatch, tmp_path):
     path = tmp_path / "my.toml"
-    for count, code_on_disk, said in ((20, False, True), (20, True, False), (8, False, False)):
-        monkeypatch.setattr(friction_answer, "cached", lambda here=code_on_disk: here)
+    for name in ("cached", "loaded"):
+        monkeypatch.setattr(state, name, lambda _: False)
+    monkeypatch.setattr(jit, "_afterwards", {})
+    for count, later in ((8, []), (10, [jit.CONTACT])):
         path.write_text(MINE.replace("count = 20", f"count = {count}"))
         assert run_friction(str(path), Choices("lin")).code == 0
-        assert ("compiling" in capsys.readouterr().err) == said
+        assert [*jit._afterwards] == later
 
 
 def test_flanks_without_contact_have_no_angle():

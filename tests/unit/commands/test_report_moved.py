@@ -6,6 +6,7 @@ import json
 from dataclasses import replace
 
 import pytest
+from tests.report_samples import paged
 
 from rollbench.comparison.commands.reporting import moved as report_moved
 from rollbench.comparison.commands.reporting.moved import checked, moved, tables
@@ -25,7 +26,7 @@ TEXTS = {"two-balls": catalogue.scene_text("two-balls")}
 
 def report(tmp_path, name: str, table: Table = TABLE):
     origin = {"rollbench": "1.0", "inputs": inputs((tmp_path / "store",), TEXTS)}
-    whole = Report("a report", "", {}, (Section("s", "S", (table,)),), origin=origin)
+    whole = Report("a report", "", {}, paged(Section("s", "S", (table,))), origin=origin)
     return write(whole, tmp_path / name).parent
 
 

@@ -6,12 +6,13 @@ from pathlib import Path
 import pytest
 
 from rollbench.comparison.commands.reporting import report
-from rollbench.comparison.commands.reporting.parts import PARTS
+from rollbench.comparison.commands.reporting.parts import PAGES, PARTS, WHOLE, conclusion
 from rollbench.comparison.commands.reporting.report import save_model_form, wanted_parts
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models import ladder, model_form
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.store import shipped_store
+from rollbench.reports.records import Section, Table
 
 
 def test_every_part_has_a_module_with_a_section():
@@ -29,11 +30,17 @@ def test_wanted_parts():
         wanted_parts(["no-such"])
 
 
-def test_the_first_screen_comes_first_and_misprints_in_the_appendix():
-    assert PARTS[0].name == "overview"
-    appendix = [part.name for part in PARTS if part.appendix]
-    assert appendix == ["verdicts", "audit", "notes"]
-    assert [part.name for part in PARTS][-len(appendix) :] == appendix
+def test_every_section_stands_on_a_named_page_and_there_are_twelve_at_most():
+    assert {part.page for part in PARTS} <= PAGES.keys()
+    assert len([name for name in PAGES if name not in WHOLE]) + 1 <= 12  # and the first one
+
+
+def test_a_page_opens_with_the_first_conclusion_or_the_verdicts_of_its_tables():
+    rows = [{"verdict": "reproduced"}, {"verdict": "contradicted"}, {"verdict": "reproduced"}]
+    judged = Section("a", "A", (Table.of("t", "T", rows),))
+    assert conclusion([judged]) == "Of 3 printed numbers and claims on this page: 2 reproduced, 1 contradicted."
+    assert conclusion([judged, Section("b", "B", (), conclusion="So it is.")]) == "So it is."
+    assert conclusion([Section("c", "C", ())]) == ""
 
 
 def test_points_of_the_estimate_are_a_step_of_their_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -114,7 +114,7 @@ def test_the_same_page_made_again_has_not_moved(html: str, tmp_path, monkeypatch
         folder.mkdir()
     (old / "index.html").write_text(html, encoding="utf-8")
 
-    def made(scene: str, out, _):
+    def made(scene: str, out, *_: object):
         again = scene_page.page_of(scene, (scene_page.shipped_store(),))
         later = replace(again, picture=None, provenance={**again.provenance, "date": "later"})
         (out / "index.html").write_text(render(later), encoding="utf-8")

@@ -38,7 +38,7 @@ from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.parts import BallErrors, Errors, Scene
 
 QUIET = Options(discretisation=False)
-LABELS = ("loads", "axial", "contact", "ellipse", "static", "preload", "friction", "life", "ratings", "error", "assumed")
+LABELS = ("loads", "axial", "contact", "ellipse", "static", "preload", "friction", "life", "ratings", "error")
 
 
 @pytest.fixture(scope="module")

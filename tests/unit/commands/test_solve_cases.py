@@ -10,8 +10,12 @@ from tests.load_cases import CASES, SHIPPED, TEXT, written
 
 import rollbench
 from rollbench.comparison.cli import main
+from rollbench.comparison.commands.reporting.verify import _stable, read
 from rollbench.comparison.models.load_cases import solve_one
 from rollbench.comparison.models.registry import Options
+from rollbench.comparison.wings.sweep.keys import read_vary
+from rollbench.comparison.wings.sweep.run import Sweep
+from rollbench.comparison.wings.sweep.sample import solve_sample
 from rollbench.lowfi.rating.life import life, over_cases
 
 #: A ring that nothing holds across its two balls, without and with a force across them.
@@ -71,7 +75,7 @@ def test_one_case_gives_the_life_of_today_to_the_last_digit(tmp_path: Path, caps
 
 
 def test_text_names_the_worst_cases(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run("solve", written(tmp_path), "--model", "lin") == 0
+    assert run("solve", written(tmp_path), "--model", "lin", "--assumptions") == 0
     text = capsys.readouterr().out
     assert "3 load cases, converged" in text
     assert "largest in case push" in text
@@ -111,3 +115,29 @@ def test_friction_of_all_cases_and_its_mean_over_the_revolutions(
     assert found["summary"]["largest_friction_torque_case"] == "push"
     assert [one["case"] for one in found["cases"]] == ["balls", "push", "loose"]
     assert rollbench.friction(written(tmp_path), model="lin").data["cases"][1]["torque"] == found["cases"][1]["torque"]
+
+
+@pytest.mark.slow
+def test_a_page_shows_all_cases_and_the_worst_one_in_full(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    page = str(tmp_path / "page")
+    assert run("report", written(tmp_path), "--out", page) == 0
+    said = capsys.readouterr().out
+    assert said.startswith("Of 3 load cases push is the worst.")
+    assert "of the duty cycle" in said
+    found = read(Path(page))[1]["results"]
+    assert [one["case"] for one in found["cases"]] == ["balls", "push", "loose"]
+    assert "seconds" in str(found)
+    assert "seconds" not in str(_stable(found)), "a page made again has not moved"
+
+
+def test_a_sweep_takes_the_worst_case_and_the_life_over_the_cycle(tmp_path: Path) -> None:
+    sweep = Sweep(TEXT, "two.toml", read_vary(["cases[1].supports[0].displace.uz=4 um,9 um"]), 2, "grid", model="lin")
+    sweep.check()
+    low, high = (solve_sample(TEXT, "two.toml", sweep.keys, [f"{x} um"], "lin", "interpreted") for x in (4, 9))
+    assert low["at"].startswith("case balls: ")
+    assert high["at"].startswith("case push: ")
+    pushed = rollbench.solve(written(tmp_path, TEXT.replace('uz = "8 um"', 'uz = "9 um"')), "lin")
+    life_of_cycle = pushed["summary.life.L10_million_revolutions"]
+    assert high["life_million_revolutions"] == pytest.approx(life_of_cycle, rel=1e-12)
+    text = TEXT.replace(CASES, OPEN).replace('fix = ["uy", ', "fix = [")
+    assert solve_sample(text, "two.toml", (), (), "lin", "interpreted")["status"].startswith("case open: ")

@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -175,10 +176,32 @@ def test_a_page_whose_folder_cannot_be_made_is_refused_before_any_work(tmp_path,
         assert "Not a directory" in capsys.readouterr().err
 
 
+def test_the_tree_s_state_is_read_before_a_report_writes_into_it(tmp_path, monkeypatch):
+    from rollbench.comparison import provenance
+    from rollbench.comparison.commands.reporting import report
+
+    said = iter(["f" * 40, ""])
+    provenance.commit.cache_clear()
+    monkeypatch.setattr(provenance.subprocess, "run", lambda *_, **__: SimpleNamespace(stdout=next(said, "M times.json")))
+    seen = []
+
+    def build(*_):
+        seen.append(provenance.commit.cache_info().currsize)
+        raise InputError("report", "build", "begun", "nothing", "the rest is not needed here")
+
+    monkeypatch.setattr(report, "build", build)
+    with pytest.raises(InputError, match="begun"):
+        report.make_report(["hertz"], tmp_path / "out", stored=True)
+    assert seen == [1]
+    assert provenance.commit() == "f" * 40, "what is written afterwards is no change"
+    provenance.commit.cache_clear()
+
+
 def test_a_matplotlibrc_of_the_working_folder_changes_no_figure(tmp_path):
     (tmp_path / "matplotlibrc").write_text("text.usetex: True\nlines.linewidth: 9\nfigure.facecolor: red\n")
     program = """
 from pathlib import Path
+from types import SimpleNamespace
 from rollbench.reports.figures import draw
 from rollbench.reports.records import Figure, Panel, Series
 print(draw(Figure("f", "t", [Panel("p", "x", "y", [Series("a", [0.0, 1.0], [0.0, 1.0], "line")])])))

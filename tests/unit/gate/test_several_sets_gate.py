@@ -22,7 +22,8 @@ def told(capsys, *tokens):
 
 
 def test_a_double_nut_is_judged_by_its_own_3d(capsys):
-    code, found = told(capsys, "check", "double-nut", "--no-compute", "--model", "lin", "--max-error", "30", "--json")
+    """29.1 % at ball 68, 0.89 ball radii from its nut's free face: its load is uncertain by some per cent."""
+    code, found = told(capsys, "check", "double-nut", "--no-compute", "--model", "lin", "--max-error", "32", "--json")
     assert code == 0
     assert [(v["scene"], v["set"], v["word"]) for v in found["verdicts"]] == [("double-nut", name, "pass") for name in NUTS]
     assert all(v["contacts"] == 136 and 1.0 < v["max_percent_of_mean"] < 30.0 for v in found["verdicts"])

@@ -2,19 +2,22 @@
 
 import numpy as np
 import pytest
+from tests.judging_levels import COUNT, chosen, name_of
 
 from rollbench.comparison.models import total_uncertainty
 from rollbench.comparison.models.answers import load_answers
-from rollbench.comparison.models.grid_coverage import MANY, coverage, experience, levelled, share_of
+from rollbench.comparison.models.grid_coverage import MANY, coverage, experience, judges, levelled, share_of
 from rollbench.comparison.models.modelling import VARIED, combined, varied
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.convergence import observe
-from rollbench.comparison.reference.grid_parts import moving, read
+from rollbench.comparison.reference.grid_parts import both_flanks, moving, read
 from rollbench.comparison.reference.levels import LEVELS
 from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison.scenes import scene_file
 from rollbench.comparison.sections.reference_mesh import coverage_table, shared_text
 from rollbench.comparison.wings.crosscheck.data import load, shipped
 from rollbench.comparison.wings.crosscheck.fit import extrapolate
+from rollbench.comparison.wings.extremes.survey.draw import SEED, scene_text
 from rollbench.meshes.loads import mean_load
 
 pytestmark = pytest.mark.xdist_group("grid_coverage")
@@ -30,6 +33,20 @@ def test_bars_of_two_levels_or_more_hold_95_per_cent_of_the_contacts() -> None:
     assert all(h.judge > h.level for h in own)
     for level in (2, 3):
         assert 0.93 <= share_of([h for h in own if h.level == level]) <= 0.99
+
+
+def test_drawn_judges_are_those_of_the_rule() -> None:
+    """Chosen by a seed among the small ones, whatever their bars hold; their scenes are those of the survey."""
+    loads, scenes = judges(shipped_store())
+    known = {name_of(number): number for number in chosen()}
+    assert len(known) == COUNT
+    assert set(scenes) <= set(known)
+    assert {name for name, own in loads.items() if set(own) == {1, 2, 3}} == set(scenes)
+    for name, scene in scenes.items():
+        assert scene == scene_file.loads(scene_text(SEED, known[name]), f"{name}.toml")
+    both = [both_flanks(own[3]) for name, own in loads.items() if name in scenes]
+    assert any(both)
+    assert not all(both)
 
 
 def test_a_single_level_s_bar_is_what_experience_says() -> None:

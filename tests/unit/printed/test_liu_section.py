@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from tests.evidence_study import GROUP, STUDY
 
+from rollbench.comparison.evidence.left_out import misprints
 from rollbench.comparison.evidence.registry import evidence
 from rollbench.comparison.gate.gate import evidence_row
 from rollbench.comparison.printed.printed_data import load_table
-from rollbench.comparison.sections import notes
 from rollbench.comparison.sources.liu import section as liu
 from rollbench.comparison.sources.liu.evidence import bodies
 from rollbench.reports.figures import draw
@@ -31,7 +31,7 @@ def test_tables_show_every_entry(made):
 
 
 def test_misprints_have_evidence():
-    rows = notes.misprints("liu")
+    rows = [row for row in misprints() if row["source"] == "liu"]
     assert len(rows) == 19
     assert all(set(row) >= {"place", "wrong", "right", "evidence"} and all(row.values()) for row in rows)
 

@@ -85,7 +85,7 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
     assert any("the same to 10 %" in line for line in words)
     assert any("off by 1.5 %" in line and "leaves 0.05 %" in line and "within 0.02 %" in line for line in words)
     assert [row["verdict"] for row in tables["rolling-choices"].rows] == ["beyond", "within"]
-    assert made.headline
+    assert made.conclusion
     finite = {row["scene"]: row for row in tables["rolling-bodies"].rows if row["quantity"] in ("force 1-2", "torque")}
     assert set(finite) == set(LOW)
     assert finite["lin-pair-a"]["change"] == pytest.approx(-0.21, abs=0.03)

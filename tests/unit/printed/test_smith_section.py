@@ -7,11 +7,11 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 
 from rollbench.comparison.evidence.entries import Entries
+from rollbench.comparison.evidence.left_out import misprints
 from rollbench.comparison.evidence.registry import evidence
 from rollbench.comparison.gate.gate import evidence_row
 from rollbench.comparison.printed.printed_data import load_table
 from rollbench.comparison.scenes import units
-from rollbench.comparison.sections import notes
 from rollbench.comparison.sources.smith import section as smith
 from rollbench.comparison.sources.smith.evidence import case
 from rollbench.reports.figures import draw
@@ -41,10 +41,10 @@ def test_tables_show_every_entry(made):
 
 
 def test_misprints_have_evidence():
-    rows = notes.misprints("smith")
+    rows = [row for row in misprints() if row["source"] == "smith"]
     assert len(rows) == 40
     assert all(set(row) >= {"place", "wrong", "right", "evidence"} and all(row.values()) for row in rows)
-    assert len(notes.misprints()) == 23
+    assert sum(row["source"] == "lin" for row in misprints()) == 23
 
 
 def test_figure_can_be_drawn(made):

@@ -22,6 +22,7 @@ def loads(*columns: int) -> np.ndarray:
 
 def test_one_case_is_the_life_of_its_loads_to_the_last_digit() -> None:
     load = loads(0, 3)
+    assert np.array_equal(over_cases([load], [1.0]), load)
     assert life(SCREW, over_cases([load], [1.0])) == life(SCREW, load)
     assert life(SCREW, over_cases([load, 9.0 * load], [1.0, 0.0])) == life(SCREW, load), "a static check wears nothing"
 

@@ -31,22 +31,26 @@ def test_caches_of_the_child_are_empty_and_its_own(monkeypatch: pytest.MonkeyPat
 def test_a_level_is_timed_in_a_process_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
     """With a set-up that takes no time, the interpreter, the imports and the cores are left."""
     known = (
-        "run = type('R', (), dict(peak_MB=float(Task((catalogue.scene(ask['scene']),), ask['level']).level), status='x'))"
+        "import numpy as np\nlevel = float(Task((catalogue.scene(ask['scene']),), ask['level']).level)\n"
+        "run = type('R', (), dict(peak_MB=level, status='x', load=np.eye(4), solve_seconds=0.5))"
     )
     lines = [known if "(run,) =" in line else line for line in cold.LEVEL_CHILD.splitlines()]
     monkeypatch.setattr(cold, "LEVEL_CHILD", "\n".join(lines))
     found = measure_level("lin-case1", 2)
     assert (found.level, found.memory, found.status) == (2, 2.0, "x")
+    assert (found.scene, found.contacts, found.load_case) == ("lin-case1", 4, 0.5)
     assert found.process > 0.1
     assert found.cpu > 0.1
 
 
 def test_cold_levels_are_kept(tmp_path: Path) -> None:
-    kept = Kept("a machine", "today", {}, {}, (ColdLevel(1, 12.0, 20.0, 1400.0, "converged"),))
+    level = ColdLevel(1, 12.0, 20.0, 1400.0, "converged", "unseen-25x5", 264, 4.0)
+    kept = Kept("a machine", "today", {}, {}, (level,))
     save(tmp_path, kept)
     assert load([tmp_path]) == kept
-    (table,) = level_table(kept.levels).rows
-    assert table == {"level": 1, "cold": 12.0, "cpu": 20.0, "memory": 1400.0, "status": "converged"}
+    (row,) = level_table(kept.levels).rows
+    where = {"scene": "unseen-25x5", "contacts": 264, "level": 1}
+    assert row == where | {"cold": 12.0, "cpu": 20.0, "load_case": 4.0, "memory": 1400.0, "status": "converged"}
 
 
 def test_a_process_that_fails_is_no_time() -> None:

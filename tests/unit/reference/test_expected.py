@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rollbench.comparison.costs import run_times
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.reference import expected as module
 from rollbench.comparison.reference import jobs
@@ -45,8 +46,21 @@ def test_a_second_process_takes_less_time_and_more_memory() -> None:
 def test_with_many_contacts_the_second_process_adds_what_patches_take() -> None:
     scene = catalogue.scene("unseen-25x5")
     few, many = (expected(Task((scene,), 1, processes=n)).memory_GB for n in (1, 2))
-    assert many - few == pytest.approx(module.BASE_GB[1])
+    assert many - few == pytest.approx(module.PATCHES_ALONE * module.BASE_GB[1])
     assert module.TOGETHER == TOGETHER
+
+
+def test_memory_of_many_contacts_is_told_as_it_was_measured() -> None:
+    """228 and 264 contacts on level 1 in two processes: at most a tenth more is told, and less than 3 GB."""
+    kept = run_times.load((shipped_store(),))
+    assert kept is not None
+    large = [c for c in kept.levels if (c.contacts or 0) > 200]
+    assert {c.contacts for c in large} == {228, 264}
+    for c in large:
+        assert c.memory is not None
+        told = expected(Task((catalogue.scene(c.scene),), c.level, processes=2)).memory_GB
+        assert 1.0 <= told / (1e-3 * c.memory) <= 1.1
+        assert told < 3.0
 
 
 def test_a_machine_that_is_too_small_is_refused_before_anything_runs(

@@ -140,11 +140,11 @@ def test_a_run_that_did_not_settle_is_kept_with_what_it_may_move_by(
     kept = load(scene, 1, stores=(tmp_path,))
     assert kept is not None
     assert (kept.status, kept.moving) == (status, 0.5)
-    alone = reference_of("lin-case1", (kept,))
+    alone = reference_of("lin-case1", catalogue.scene("lin-case1"), (kept,))
     assert alone.unsettled == f"level 1 {status}"
     assert (alone.uncertainty >= 0.5).all()
-    settled = reference_of("lin-case1", (own, good))
-    found = reference_of("lin-case1", (own, replace(good, status=status, moving=0.5)))
+    settled = reference_of("lin-case1", catalogue.scene("lin-case1"), (own, good))
+    found = reference_of("lin-case1", catalogue.scene("lin-case1"), (own, replace(good, status=status, moving=0.5)))
     assert settled.unsettled == ""
     assert settled.uncertainty is not None
     assert found.uncertainty is not None

@@ -6,6 +6,7 @@ import zlib
 from dataclasses import replace
 
 import pytest
+from tests.report_samples import paged
 
 from rollbench.reports import first_pages
 from rollbench.reports.html import check_target, write
@@ -17,7 +18,7 @@ TABLE = Table("models", "Models over all scenes", COLUMNS, ({"name": 'a "b" #c *
 NARROW = replace(FIGURE, name="narrow")
 SUMMARY = Summary("How far?", "Up to 2 um.", FIGURE, NARROW, ["covers #this"], ["limits *that*"], TABLE)
 OVERVIEW = Section("overview", "Overview", (), summary=SUMMARY)
-REPORT = Report("a report", "", {"rollbench": "1.0", "date": "a day"}, (OVERVIEW,))
+REPORT = Report("a report", "", {"rollbench": "1.0", "date": "a day"}, paged(OVERVIEW))
 
 
 def test_pages_hold_question_answer_table_and_limits_as_they_are_written():

@@ -58,33 +58,32 @@ def test_front_holds_what_nothing_beats_in_both() -> None:
     assert [s.name for s in front(standings(POINTS))] == ["lin", "refined", "3D level 1", "3D level 3"]
 
 
-def test_answer_names_errors_times_and_the_reference() -> None:
-    said = answer(POINTS, [0.12, 0.68])
-    assert said.startswith("On 3 screws and bearings")
-    for words in (
-        "3.0 % with the refined model (RMS up to 1.5 %, 2 s from a cold start)",
-        "18.0 % with the source's low-order model",
-        "40.0 % with Mei's axial bars (2 scenes, ",
-        "known to 0.1 to 0.7 % and takes 2.2 min.",
-    ):
-        assert words in said
-    assert "known to no bound (one mesh level only)" in answer(POINTS, [])
+def test_answer_names_errors_and_the_reference_in_forty_words() -> None:
+    said = answer(POINTS, [0.12, 0.68], 7.41)
+    assert said == (
+        "On 3 screws and bearings a contact load is off by at most 3.0 % (refined) or 18.0 % (lin) of the mean; the 3D "
+        "reference by 0.1 to 0.7 %, 7.4 % with unprinted choices and tolerances."
+    )
+    assert len(said.split()) <= 40
+    assert answer(POINTS, []).endswith("the 3D reference by no bound (one mesh level only).")
 
 
 @pytest.mark.parametrize("all_names", [True, False])
 def test_figure_shows_every_point_light_and_every_median_with_its_bar(all_names: bool) -> None:
     figure = time_figure(POINTS, "f", (8.0, 4.0), all_names=all_names)
-    (panel,) = figure.panels
+    panel, solves = figure.panels
     light = [s for s in panel.series if s.light]
     assert sum(len(s.x) for s in light) == 3 * 6 - 1
     mids = [s for s in panel.series if s.texts]
     texts = [text for s in mids for text in s.texts if text]
     assert sorted(texts) == sorted(
-        ["refined", "lin", "mei", "3D level 1", "3D level 3"] + (["source"] if all_names else [])
+        ["refined", "lin", "3D level 1", "3D level 3"] + (["mei", "source"] if all_names else [])
     )
     assert set(KINDS) <= set(texts)
     assert all(s.bars is not None for s in mids)
-    (line,) = (s for s in panel.series if s.style == "line")
+    line, limit = (s for s in panel.series if s.style == "line")
+    assert set(limit.y) == {7.0}
+    assert "further solve" in solves.xlabel
     assert list(line.x) == [1.0, 2.0, 40.0, 130.0]
     drawn = draw_parts(figure).panels[0]
     assert "refined, a\n2\n1</title>" in drawn

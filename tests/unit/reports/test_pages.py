@@ -6,11 +6,11 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
-from tests.report_samples import contents, figure, report, screw, table
+from tests.report_samples import contents, figure, paged, report, screw, table
 
 from rollbench.reports import cells, figures, html, scene3d
 from rollbench.reports.pages import SEARCH
-from rollbench.reports.records import Quantity, Summary, Table
+from rollbench.reports.records import Quantity, Summary, Table, Text
 
 PNG_START = b"\x89PNG\r\n\x1a\n"
 
@@ -88,20 +88,22 @@ class TestPage:
         text = (written / SEARCH).read_text(encoding="utf-8")
         entries = json.loads(text.removeprefix("window.rollbenchSearch = ").strip().removesuffix(";"))
         assert [(e["t"], e["h"]) for e in entries] == [
+            ("Second", "second.html"),
             ("First & foremost", "first.html"),
+            ("First & foremost", "first.html#section-first"),
             ("Printed <and> computed", "first.html#table-printed"),
             ("Loads & errors", "first.html#figure-loads"),
-            ("Second", "second.html"),
+            ("Second", "second.html#section-second"),
             ("None", "second.html#table-empty"),
         ]
-        assert "two lines" in entries[1]["x"]
-        assert "A < B." in entries[0]["x"]
+        assert "two lines" in entries[3]["x"]
+        assert "A < B." in entries[2]["x"]
 
     def test_first_screen_comes_before_all_else(self, tmp_path):
         small = figure("small", panels=figure().panels[:1])
         summary = Summary("How far?", "So far: 2 um.", small, figure("narrow", panels=small.panels), ["all"], ["none"])
         made = report()
-        made = replace(made, sections=(replace(made.sections[0], summary=summary), made.sections[1]))
+        made = replace(made, pages=paged(replace(made.sections[0], summary=summary), made.sections[1]))
         index = Page(html.write(made, tmp_path / "out").read_text(encoding="utf-8"))
         text = " ".join("".join(index.text).split())
         places = [
@@ -112,14 +114,30 @@ class TestPage:
         assert (tmp_path / "out" / "figures" / "small.svg").is_file()
         assert len({i for i in index.attributes("id") if i.startswith("fig-")}) > 10
 
-    def test_an_appendix_stands_under_its_own_heading(self, tmp_path):
-        made = report(table())
-        made = replace(made, sections=(made.sections[0], replace(made.sections[1], appendix=True)))
-        html.write(made, tmp_path / "out")
+    def test_a_page_opens_with_its_conclusion_and_names_lead_to_tables(self, tmp_path):
+        made = report(Text(["See table printed, and table nowhere."]), table())
+        page = replace(made.pages[0], sections=made.sections, conclusion="All is well.")
+        index = html.write(replace(made, pages=[page]), tmp_path / "out")
         text = (tmp_path / "out" / "first.html").read_text(encoding="utf-8")
-        assert text.index("first.html") < text.index(">Appendix<") < text.index("second.html")
-        html.write(report(table()), tmp_path / "out")
-        assert ">Appendix<" not in (tmp_path / "out" / "first.html").read_text(encoding="utf-8")
+        assert text.index("All is well.") < text.index("See table")
+        assert 'table <a href="first.html#table-printed">printed</a>, and table nowhere.' in text
+        assert "First &amp; foremost</a>: All is well." in index.read_text(encoding="utf-8")
+        assert not (tmp_path / "out" / "second.html").exists()
+
+    @pytest.mark.parametrize(("whole", "rows", "columns"), [(False, 8, 8), (True, 12, 11)])
+    def test_a_long_table_shows_its_first_rows_and_the_verdict(self, tmp_path, whole, rows, columns):
+        keys = [*"abcdefghij", "verdict"]
+        wide = Table(
+            "t", "T", [Quantity(k, k, format="s") for k in keys], [dict.fromkeys(keys, f"x{n}") for n in range(12)]
+        )
+        made = report(wide)
+        html.write(replace(made, pages=[replace(made.pages[0], whole=whole)]), tmp_path / "out")
+        text = (tmp_path / "out" / "first.html").read_text(encoding="utf-8")
+        assert text.count("<tr>") == rows + 1
+        assert text.count("<th ") == columns
+        assert ">verdict" in text
+        assert ("8 of 12 rows; the CSV has all." in text) is not whole
+        assert (tmp_path / "out" / "tables" / "t.csv").read_text(encoding="utf-8").count("\n") == 13
 
     def test_everything_is_escaped_and_nothing_is_missing(self, written):
         page = Page("".join(p.read_text(encoding="utf-8") for p in sorted(written.glob("*.html"))))
@@ -132,14 +150,12 @@ class TestPage:
             "First & foremost",
             "A < B.",
             "two <i>",
-            "Table 1. Printed <and> computed",
-            "Table 2. None",
-            "Figure 1. Loads & errors. Axial load.",
+            "Table printed. Printed <and> computed",
+            "Table empty. None",
+            "Figure loads. Loads & errors. Axial load.",
             '<b>"a"</b>',
             "Error: 1 < 2.",
             "Force [N]",
-            "case.toml",
-            "abc123",
             "no rows",
             "95 % band 2 210 to 230",
         ):

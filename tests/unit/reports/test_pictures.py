@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.fe_meshes import LOCAL, cube, face_nodes
+from tests.report_samples import paged
 
 from rollbench.comparison.sections import pressures
 from rollbench.hifi.contact.hertz import hertz
@@ -109,7 +110,7 @@ class TestRefusals:
 
         monkeypatch.setattr(field3d, "draw_field", fail)
         said = []
-        html.write(Report("t", "s", {}, (Section("one", "One", (picture(),)),)), tmp_path / "r", said.append)
+        html.write(Report("t", "s", {}, paged(Section("one", "One", (picture(),)))), tmp_path / "r", said.append)
         page = (tmp_path / "r" / "one.html").read_text(encoding="utf-8")
         assert "This picture was left out. 3D picture: no off-screen OpenGL" in page
         assert not (tmp_path / "r/figures/cube.png").exists()

@@ -7,6 +7,7 @@ import subprocess
 
 import numpy as np
 import pytest
+from tests.report_samples import paged
 
 from rollbench.reports import pages, view3d
 from rollbench.reports.html import write
@@ -51,7 +52,7 @@ def test_without_the_viewer_the_report_is_whole_and_says_what_installs_it(tmp_pa
     monkeypatch.setattr(view3d, "write_view", refused)
     monkeypatch.setattr(pages.scene3d, "draw_loaded_screw", lambda _, path: path.write_bytes(b""))
     said = []
-    page = write(Report("a report", "", {}, (Section("cases", "Cases", (PICTURE,)),)), tmp_path / "report", said.append)
+    page = write(Report("a report", "", {}, paged(Section("cases", "Cases", (PICTURE,)))), tmp_path / "report", said.append)
     assert "view-bearing.html" not in (page.parent / "cases.html").read_text(encoding="utf-8")
     assert any("view-bearing.html left out" in line and "pip install trimesh" in line for line in said)
 

@@ -14,7 +14,7 @@ from rollbench.comparison.models.registry import AXIS_MODELS, MODELS, Model, run
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.scenes.catalogue import scene_text
 from rollbench.comparison.scenes.kinds import json_schema
-from rollbench.comparison.scenes.template import AXES, template
+from rollbench.comparison.scenes.template import AXES, BEARINGS, template
 from rollbench.comparison.scenes.units import show
 from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.parts import Scene
@@ -65,7 +65,7 @@ def test_shipped_axes_are_named_apart_from_whole_screws():
         assert all(sentence.endswith(".") for sentence in found.assumed)
 
 
-@pytest.mark.parametrize("kind", AXES)
+@pytest.mark.parametrize("kind", [*AXES, *BEARINGS])
 def test_templates_are_read_as_they_stand(kind):
     found = scene_file.read(template(kind.replace(" ", "-")), "mine.toml")
     assert isinstance(found, Assembly)

@@ -79,6 +79,12 @@ def test_the_commented_cases_of_a_new_scene_are_read():
         ('name = "push"', 'name = "a/b"', "cases[1].name", "letters, digits"),
         ('at = "7 mm"\ndisplace = { uz = "8', 'at = "8 mm"\ndisplace = { uz = "8', "cases[1].supports[0].at", "7 mm"),
         ('displace = { uz = "8 um" }', "", "cases[1].supports[0].displace", "add a [displace] table"),
+        (
+            'displace = { uz = "8 um" }',
+            'displace = { uz = "8 um" }\n[[cases.supports]]\nat = "7 mm"\ndisplace = { uz = "9 um" }',
+            "cases[1].supports[1].displace.uz",
+            "each freedom once",
+        ),
         ('oversize = "2 um"', 'oversize = "2 mm"', "cases[2].oversize", "the ball would jam"),
         ('oversize = "2 um"', "oversized = 1", "cases[2].oversized", "did you mean oversize?"),
         ("share = 0\n", 'share = 0\nloads = [{ at = "20 mm" }]\n', "cases[2].loads[0].at", "0 mm to 14 mm"),

@@ -61,8 +61,26 @@ def test_old_machine_code_goes(tmp_path, monkeypatch):
     assert folder == tmp_path / "kernels" / jit.digest()
     assert sorted(f.name for f in folder.parent.iterdir()) == sorted([jit.digest(), "old3", "old4", "old5"])
     assert not jit.cached()
-    (folder / "f.nbi").write_text("machine code")
-    assert jit.cached()
+    (folder / f"{jit.CONTACT}_1").mkdir()
+    (folder / f"{jit.CONTACT}_1" / "f.nbi").write_text("machine code")
+    assert (jit.cached(), jit.cached(jit.CONTACT), jit.cached(jit.STATICS)) == (True, True, False)
+
+
+def test_what_waits_for_the_answer_is_done_once(monkeypatch):
+    done = []
+    monkeypatch.setattr(jit, "_afterwards", {})
+    for number in range(2):
+        jit.afterwards(jit.CONTACT, lambda number=number: done.append(number))
+    jit.compile_afterwards()
+    jit.compile_afterwards()
+    assert done == [1]
+
+
+def test_compiling_is_said_once(capsys):
+    jit._announce.cache_clear()
+    jit._announce()
+    jit._announce()
+    assert capsys.readouterr().err.count("compiling kernels, once on this machine") == 1
 
 
 def test_machine_code_that_others_may_write_is_not_run(tmp_path, monkeypatch, capsys):

@@ -1,0 +1,192 @@
+"""What a gate judges beside contact loads: quantities of every contact and of the whole; what a reference says of them.
+
+Hertz' approach of the two bodies of a contact, as `lowfi.hertz` defines it, goes as F^(2/3), its pressure at the pole as
+F^(1/3), and life as F^-3: where no limit is given, a quantity may be off by what the limit of the loads makes of it. A
+contact angle is judged in degrees.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.models.answers import load_answers, unloaded_place
+from rollbench.comparison.models.compared_point import pull
+from rollbench.comparison.models.comparison import Loads, from_run, uncertainties_of
+from rollbench.comparison.models.loading import solve_scaled
+from rollbench.comparison.models.registry import DEFAULT, Options, run_model
+from rollbench.comparison.quantities import split_unit, unit_of
+from rollbench.comparison.reference.convergence import observe
+from rollbench.comparison.reference.estimate import Reference
+from rollbench.comparison.registration import offered
+from rollbench.lowfi.statics.problem import nominal_hertz
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import Scene
+
+#: Options of the solution that gives the place without loads, and lends its contacts to friction.
+INTERPRETED = Options(discretisation=False, engine="interpreted")
+#: What is said of quantities that are computed from loads.
+BY_FORMULA = "this project's formula on the reference's loads"
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A quantity that is judged: its key, whose ending says the unit; what it is called; how many times the limit of the
+    loads its own is, or the limit itself, in its unit."""
+
+    key: str
+    name: str
+    times: float = 1.0
+    limit: float | None = None
+
+    @property
+    def unit(self) -> str:
+        """Unit for people."""
+        return split_unit(self.key)[1]
+
+    @property
+    def factor(self) -> float:
+        """From SI to its unit; of a life 1."""
+        unit = unit_of(self.key)[1]
+        return 1.0 if unit is None else unit.factor
+
+
+ANGLE = Quantity("contact_angle_deg", "contact angle", limit=1.0)
+APPROACH = Quantity("approach_um", "approach", 2.0 / 3.0)
+PRESSURE = Quantity("pressure_MPa", "pressure", 1.0 / 3.0)
+DISPLACEMENT = Quantity("displacement_um", "displacement")
+RIGIDITY = Quantity("rigidity_N_per_um", "rigidity")
+TORQUE = Quantity("torque_Nmm", "torque")
+LIFE = Quantity("life_million_revolutions", "life", 3.0)
+#: Of every contact, by the columns that hold them, and of the whole.
+OF_CONTACTS = {"angle": ANGLE, "approach": APPROACH, "pressure": PRESSURE}
+OF_WHOLE = (DISPLACEMENT, RIGIDITY, TORQUE, LIFE)
+QUANTITIES = {q.name: q for q in (*OF_CONTACTS.values(), *OF_WHOLE)}
+
+
+def parse_limits(texts: Sequence[str]) -> dict[str, float]:
+    """Limits by quantity of ``--limit NAME=NUMBER``: in per cent, of the contact angle in degrees. Raises InputError."""
+    out: dict[str, float] = {}
+    for text in texts:
+        name, _, number = text.partition("=")
+        name = name.strip().lower().replace("_", " ")
+        name = ANGLE.name if name == "angle" else name
+        allowed = f"{', '.join(QUANTITIES)}, each once, = a number above 0"
+        advice = "in per cent, of the contact angle in degrees: --limit rigidity=10; of the loads it is --max-error"
+        try:
+            value = float(number)
+        except ValueError:
+            value = float("nan")
+        if name not in QUANTITIES or name in out or not 0.0 < value < float("inf"):
+            raise InputError("command line", "--limit", f'"{text}"', allowed, advice)
+        out[name] = value
+    return out
+
+
+def limit_of(quantity: Quantity, given: Mapping[str, float], of_loads: float) -> float:
+    """Limit of a quantity, in per cent (of an angle in degrees): that given, or what the loads' limit [%] makes it."""
+    return given.get(quantity.name, quantity.times * of_loads if quantity.limit is None else quantity.limit)
+
+
+def hertz_of(scene: Scene, quantity: Quantity, load: Array) -> Array:
+    """Approach [m] or pressure [Pa] of contact loads ``(n, 4)`` [N], error-free radii."""
+    h = nominal_hertz(scene)
+    return h.pressure(load) if quantity is PRESSURE else np.asarray(h.C * np.cbrt(load) ** 2)
+
+
+def by_loads(of: Callable[[Array], Array | float | None], load: Array, bar: Array) -> Array | float | None:
+    """What loads ``(n, 4)`` [N] leave uncertain by their own ``bar`` in a quantity that is monotone in each of them: the
+    larger change where all are moved up or down together; None where the quantity has no value."""
+    own = np.where(load > 0.0, bar, 0.0)
+    value, *ends = (of(x) for x in (load, load + own, np.maximum(load - own, 0.0)))
+    if value is None or any(end is None for end in ends):
+        return None
+    return np.max([np.abs(end - value) for end in ends], axis=0)  # type: ignore[operator, no-any-return]
+
+
+def of_contacts(scene: Scene, found: Reference, quantity: Quantity) -> tuple[Array, Array]:
+    """A reference's values of every contact ``(n, 4)`` [SI], and their uncertainty, nan where it is not known."""
+    own = found.further.get(quantity.name)
+    if quantity is ANGLE:
+        bars = np.zeros_like(found.load) if found.stated else uncertainties_of(found, lambda run: run.angle)
+        return np.radians(found.best.angle), np.radians(bars)
+    bar = by_loads(lambda load: hertz_of(scene, quantity, load), found.load, found.uncertainty)
+    return hertz_of(scene, quantity, found.load) if own is None else own, np.asarray(bar)
+
+
+@dataclass(frozen=True)
+class Whole:
+    """A scene for quantities of the whole of an answer or of a reference."""
+
+    scene: Scene
+
+    @cached_property
+    def start(self) -> float:
+        """Axial place [m] of the screw without loads, by the default model: no run of the reference is without."""
+        return unloaded_place(self.scene, solve_scaled(self.scene, 0.0, DEFAULT, INTERPRETED))
+
+    def of(self, quantity: Quantity, answer: Loads, station: float | None = None) -> float | None:
+        """A quantity of an answer [SI]; None where it has none. station [m]: of a displacement, the nut's centre unless
+        given."""
+        angle = np.radians(answer.angle)
+        if quantity is LIFE:
+            found = load_answers(self.scene, answer.load, angle).life
+            return None if found is None else found.revolutions
+        if quantity is TORQUE:
+            return self._torque(answer.load, angle)
+        at = self.scene.nut.position if station is None else station
+        if not answer.stations.size:
+            return None
+        moved = float(np.interp(at, answer.stations, answer.line[:, 2])) - self.start
+        if quantity is DISPLACEMENT:
+            return moved
+        force = pull(self.scene, answer.load, angle)
+        return force / moved if moved * force > 0.0 else None
+
+    def reference(
+        self, quantity: Quantity, found: Reference, station: float | None = None
+    ) -> tuple[float | None, float | None]:
+        """A reference's value [SI] and its uncertainty, None where either is not known."""
+        answers = [from_run(run, "") for run in found.runs]
+        if quantity in (TORQUE, LIFE):
+            best = answers[-1]
+            bar = by_loads(lambda load: self.of(quantity, replace(best, load=load)), found.load, found.uncertainty)
+            return self.of(quantity, best), None if bar is None else float(bar)
+        values = [value for answer in answers if (value := self.of(quantity, answer, station)) is not None]
+        if len(values) < len(answers):
+            return None, None
+        return values[-1], observe(values, found.sizes).uncertainty
+
+    def why_not(self, quantity: Quantity, found: Reference) -> str:
+        """Why a reference has no value of a quantity."""
+        if quantity is TORQUE:
+            return "the scene has no [friction]" if self.scene.friction is None else "friction finds none"
+        if quantity is LIFE:
+            return load_answers(self.scene, found.load, np.radians(found.best.angle)).words or "no contact carries load"
+        return f"{found.label} holds none" if found.stated else "the screw does not move with its load"
+
+    def words(self, quantity: Quantity) -> str:
+        """What is said beside a quantity."""
+        if quantity in (TORQUE, LIFE):
+            return BY_FORMULA
+        return f"from the place without loads, by {DEFAULT} {1e6 * self.start:.3g} um" if self.start else ""
+
+    def _torque(self, load: Array, angle: Array) -> float | None:
+        """Friction torque [N m] of contact loads ``(n, 4)`` [N] at angles ``(n, 4)`` [rad], the model's own where nan."""
+        lent = self._lent
+        if self.scene.friction is None or not lent.converged:
+            return None
+        result = replace(lent, load=load, contact_angle=np.where(np.isfinite(angle), angle, lent.contact_angle))
+        for torque in offered("torque"):
+            found = torque([(self.scene, result)], self.scene.friction, self.scene.motion, INTERPRETED)
+            return None if found is None else 1e-3 * float(found)
+        return None
+
+    @cached_property
+    def _lent(self) -> StaticResult:
+        return run_model(self.scene, DEFAULT, INTERPRETED)

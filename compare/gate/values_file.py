@@ -1,0 +1,91 @@
+"""Values of the whole screw as a CSV file with the columns quantity, value, unit, and where they hold."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.gate.judged import DISPLACEMENT, LIFE, OF_WHOLE, RIGIDITY, TORQUE, Quantity
+from rollbench.comparison.gate.loads_file import Rows
+from rollbench.comparison.scenes.units import UnitError, expected, parse
+
+COLUMNS = ("quantity", "value", "unit")
+WHERE = "where"
+EXAMPLE = "write a first line quantity,value,unit,where and rows such as rigidity,540,N/um,5 kN"
+DIMENSIONS = {DISPLACEMENT: "length", RIGIDITY: "stiffness", TORQUE: "moment"}
+#: Million revolutions of units of life.
+LIVES = {"million revolutions": 1.0, "1e6 revolutions": 1.0, "revolutions": 1e-6}
+
+
+@dataclass(frozen=True)
+class GivenValue:
+    """A value [SI, life in million revolutions] as a line of a file gives it; force [N]: size of the axial load at which it
+    holds, None for the scene's loads; station [m]: of a displacement, None for the nut's centre; where: these in words."""
+
+    quantity: Quantity
+    value: float
+    force: float | None = None
+    station: float | None = None
+    where: str = ""
+
+    @property
+    def name(self) -> str:
+        """Quantity and where it holds."""
+        return self.quantity.name + (f" at {self.where}" if self.where else "")
+
+
+def read_values(path: Path) -> tuple[list[GivenValue], tuple[str, ...]]:
+    """Values of a file, and headings that nothing is known of. Raises InputError."""
+    table = Rows.read(path, COLUMNS, EXAMPLE)
+    out: dict[tuple[str, float | None, float | None], GivenValue] = {}
+    for number, cells in table.rows:
+        found = _value(path, f"line {number}", cells, decimal_comma=table.decimal_comma)
+        key = (found.quantity.name, found.force, found.station)
+        if key in out:
+            raise InputError(str(path), f"line {number}", f"{found.name} again", "each once", "keep one of the rows")
+        out[key] = found
+    if not out:
+        raise InputError(str(path), "file", "no values", "a row for every value", EXAMPLE)
+    known = (*COLUMNS, WHERE)
+    return list(out.values()), tuple(f'"{title}"' for title in table.titles if title.lower() not in known)
+
+
+def _value(path: Path, line: str, cells: dict[str, str], *, decimal_comma: bool) -> GivenValue:
+    name, number, unit = (cells.get(column, "") for column in COLUMNS)
+    quantity = next((q for q in OF_WHOLE if q.name == name.lower()), None)
+    if quantity is None:
+        allowed = ", ".join(q.name for q in OF_WHOLE)
+        raise InputError(str(path), f"{line}: quantity", name or "nothing", allowed, "values of contacts go to --loads")
+    text = f"{number.replace(',', '.') if decimal_comma else number} {unit}"
+    try:
+        value = _life(text.split(" ")[0], unit) if quantity is LIFE else parse(text, DIMENSIONS[quantity])
+    except UnitError as error:
+        allowed = expected(DIMENSIONS[quantity])
+        raise InputError(str(path), f"{line}: value, unit", text.strip() or "nothing", allowed, error.advice) from None
+    except ValueError:
+        allowed = f"a number and one of: {', '.join(LIVES)}"
+        raise InputError(str(path), f"{line}: value, unit", text.strip() or "nothing", allowed, EXAMPLE) from None
+    where = cells.get(WHERE, "")
+    force, station = (_size(where.replace(",", ".") if decimal_comma else where, of) for of in ("force", "length"))
+    if where and force is None and (station is None or quantity is not DISPLACEMENT):
+        allowed = "an axial load, e.g. 5 kN" + (", or a station, e.g. 400 mm" if quantity is DISPLACEMENT else "")
+        raise InputError(str(path), f"{line}: {WHERE}", where, allowed, "leave it empty for the scene's own loads")
+    return GivenValue(quantity, value, force, station, where)
+
+
+def _life(number: str, unit: str) -> float:
+    """Million revolutions. Raises ValueError for anything else."""
+    value = float(number) * LIVES.get(unit.lower(), float("nan"))
+    if not 0.0 < value < float("inf"):
+        raise ValueError(unit)
+    return value
+
+
+def _size(where: str, dimension: str) -> float | None:
+    """A size of a dimension; None for anything else."""
+    try:
+        found = parse(where, dimension)
+    except UnitError:
+        return None
+    return found if found > 0.0 or dimension == "length" else None

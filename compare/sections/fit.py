@@ -1,0 +1,71 @@
+"""What the models are fit for and what not, from all scenes that were compared with the 3D reference."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from rollbench.comparison.models.model_form import QUANTITIES, Point, shipped_points, surveyed_points
+from rollbench.comparison.models.registry import DEFAULT
+from rollbench.comparison.models.study import Study
+from rollbench.reports.records import Quantity, Row, Section, Table, Text
+
+#: Limit [%] that a use is counted by, and words of the errors.
+LIMIT = 7.0
+WORDS = {
+    "percent": "largest contact load error, of the mean",
+    "rms_percent": "contact loads, RMS of the mean",
+    "displacement_percent": "axial displacement",
+    "rigidity_percent": "axial tangent rigidity",
+    "pressure_percent": "largest pressure",
+}
+NOT_FIT = (
+    "Less sure: balls within some 1.4 ball radii of a nut's face, and ends displaced by many times the contact approach "
+    "under a light load. The largest errors of the table are theirs.",
+    "Not fit for: lubrication films, plastic contact, dynamics of recirculation, heat but as a given temperature. Friction "
+    "torque is a band as wide as the coefficient's.",
+    "Not fit for: more than what was compared. Outside of it a result says that its error is not covered.",
+)
+
+
+def rows(points: Sequence[Point]) -> list[Row]:
+    """Median, 95th percentile and largest error of every model, and the share within the limit."""
+    found: list[Row] = []
+    for model in dict.fromkeys(p.model for p in points):
+        for key in QUANTITIES:
+            errors = np.array([abs(v) for p in points if p.model == model and (v := getattr(p, key)) is not None])
+            if errors.size:
+                within = float(np.mean(errors <= LIMIT))
+                found.append(
+                    {
+                        "quantity": WORDS[key],
+                        "model": model,
+                        Quantity("scenes", "scenes", "", "s"): int(errors.size),
+                        Quantity("median", "median", "%", ".2f"): float(np.median(errors)),
+                        Quantity("p95", "95 of 100", "%", ".2f"): float(np.percentile(errors, 95)),
+                        Quantity("largest", "largest", "%", ".1f"): float(errors.max()),
+                        Quantity("within", f"within {LIMIT:g} %", "%", ".0f"): 100.0 * within,
+                        "verdict": "yes" if within >= 0.95 else "no",
+                    }
+                )
+    return found
+
+
+def conclusion(found: Sequence[Row]) -> str:
+    """What 95 of 100 compared scenes are fit for."""
+    good = [str(row["quantity"]) for row in found if row["model"] == DEFAULT and row["verdict"] == "yes"]
+    bad = [str(row["quantity"]) for row in found if row["model"] == "lin" and row["verdict"] == "no"]
+    return (
+        f"Fit for: {', '.join(good)} of ordinary screws by {DEFAULT}, within {LIMIT:g} % on at least 95 of 100 compared "
+        f"scenes. Not fit for, by lin: {', '.join(bad) or 'none of these'}."
+    )
+
+
+def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
+    """Section of the report."""
+    step("all compared scenes")
+    found = rows((*shipped_points(), *surveyed_points()))
+    note = "Shipped scenes and those of the survey, each against the 3D reference. Verdict: 95 of 100 within the limit."
+    table = Table.of("fit-for", "Errors of all compared scenes by quantity", found, note, shown=None)
+    return Section("fit", "Fit for, not fit for", (table, Text(NOT_FIT, bullets=True)), conclusion=conclusion(found))

@@ -1,0 +1,9 @@
+"""What makers' tables add."""
+
+from rollbench.comparison.registration import Part, Registration
+
+REGISTRATION = Registration(
+    needs=("bearings", "friction"),
+    parts=(Part("outside", "sources.makers.section", page="outside"),),
+    functions={"outside": "sources.makers.values:first_page"},
+)

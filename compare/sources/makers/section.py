@@ -1,0 +1,155 @@
+"""Outside values in the report: how far what is computed lies from what others print and measure, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from rollbench.comparison.measure import error_percent
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.sources.makers.laws import nuts, torque
+from rollbench.comparison.sources.makers.outside import MEASURED, Outside, Standing, every, grouped, standing, summary
+from rollbench.comparison.sources.makers.tables import tables
+from rollbench.comparison.sources.makers.values import outside_values
+from rollbench.lowfi.rating.rigidity import PRACTICE
+from rollbench.reports.records import Cell, Figure, Panel, Quantity, Section, Series, Table, Text
+
+TITLE = "Outside values: makers' tables, measurements, other programs"
+
+
+def _of(found: Sequence[Outside], quantity: str, law: str = "", maker: str = "") -> Standing:
+    own = [x for x in found if x.quantity == quantity and x.law.startswith(law) and x.maker.startswith(maker)]
+    one = standing(own)
+    assert one is not None
+    return one
+
+
+def conclusion(found: Sequence[Outside]) -> str:
+    """How many values there are, and how far the computed ones lie off where nothing is free."""
+    judged = [x for x in found if not x.left]
+    clear, stiff = (_of(found, quantity, "bearing whose angle turns") for quantity in ("displacement", "rigidity"))
+    of_clear = [x for x in judged if x.quantity == "displacement" and x.unit == "um" and x.scale]
+    off = np.array([x.computed.value - x.value for x in of_clear])
+    sets = [_of(found, quantity, "sets and preloads", "NSK") for quantity in ("preload", "rigidity", "torque")]
+    within = sum(x.verdict == "in the band" for x in judged)
+    return (
+        f"{len(judged)} values of others are held against what is computed; {within} lie in its band. Where nothing is "
+        "free, they come out: preload, rigidity and starting torque of NSK's sets from the pair with bias and scatter of "
+        + ", ".join(f"{s.bias:+.1f} and {s.scatter:.1f} %" for s in sets)
+        + f"; {clear.number} axial clearances, with balls from the ratings and the conformity from one rigidity of each "
+        f"bearing, to {np.sqrt((off**2).mean()):.2f} um RMS ({int((np.abs(off) <= 1.0).sum())} within 1 um), and the "
+        f"rigidities at the other preloads to {stiff.bias:+.1f} and {stiff.scatter:.1f} %. So NSK's clearances, called "
+        "measured, are a computation with a turning contact angle."
+    )
+
+
+def why_softer(found: Sequence[Outside]) -> str:
+    """What explains that printed rigidities of nuts are below the computed ones, and what does not."""
+    own = [x for x in found if not x.left and x.practice is not None]
+    most = [x for x in own if x.maker != "Rexroth"]
+    rest = grouped(most, "maker")
+    after = {key: [float(error_percent(x.practice or 0.0, x.value)) for x in one] for key, one in rest.items()}
+    means = [float(np.mean(errors)) for errors in after.values()]
+    close = sum(abs(error) <= 10.0 for errors in after.values() for error in errors)
+    bare = standing(most)
+    rex = standing([x for x in own if x.maker == "Rexroth"])
+    assert bare is not None
+    assert rex is not None
+    return (
+        f"Printed rigidities of nuts are lower because makers print about {100.0 * PRACTICE:g} % of the computed "
+        f"one. The number of loaded balls is the maker's own, from his C_0; contacts and tubes then lie {bare.bias:+.0f} "
+        f"% from what is printed, {100.0 * PRACTICE:g} % of them {min(means):+.0f} to {max(means):+.0f} % by maker, "
+        f"and {close} of {len(most)} nuts within 10 %. Rexroth's do not come out ({rex.bias:+.0f} %): a factor of 0.43 at "
+        "every size and preload, whose origin (ISO 3408-4's factor of accuracy is named, its value is not readable here) "
+        "stays open; their growth with preload does."
+    )
+
+
+def balls_counted(found: Sequence[Outside]) -> str:
+    """What the ratings say on the number of balls."""
+    shares = dict[str, list[tuple[float, float]]]()
+    for source in tables("nuts-"):
+        for row in source.rows:
+            if row["ball_mm"] and not source.misprinted(row["nut"]) and source.head["maker"] != "Rexroth":
+                nut, unit = nuts.nut_of(source, row), source.unit("load_unit")
+                both = nuts.of_ratings(nut, nuts.CONFORMITY, 1.0)
+                printed = [source.number(row[key]) * unit / x for key, x in zip(("C", "C0"), both, strict=True)]
+                shares.setdefault(nuts.family(source, row), []).append((printed[0] ** 1.5, printed[1]))
+    words = ", ".join(
+        f"{name} {np.median([x for _, x in own]):.2f} ({np.median([x for x, _ in own]):.2f} by C)"
+        for name, own in shares.items()
+    )
+    rex = [x for x in found if x.maker == "Rexroth" and x.quantity == "rating"]
+    high = [
+        float(np.median([x.computed.value / x.value for x in rex if x.item.endswith(f" {key}")])) for key in ("C", "C0")
+    ]
+    return (
+        f"C and C_0 of one nut give the same share of the balls that touch, from two formulas: {words}. A nut with one "
+        f"deflector a turn is rated with two thirds of it. Rexroth's C is that of full turns ({high[0]:.2f} of it "
+        f"computed), his C_0 is not ({high[1]:.2f}): another definition. SNFA's ratings are ISO's times constants of the "
+        "series."
+    )
+
+
+def drag(found: Sequence[Outside]) -> str:
+    """Which of the makers' formulas agrees with sliding balls, and the measured screws."""
+    rows = torque.sweep()
+    leads = [r.lead for r in rows]
+    own = [torque.order([getattr(r, key) for r in rows], leads) for key in ("single", "double")]
+    theirs = [torque.order([r.formulas[k] for r in rows], leads) for k in range(len(torque.FORMULAS))]
+    named = ", ".join(f"{name.split(':')[0]} {x:.2f}" for (name, _), x in zip(torque.FORMULAS, theirs, strict=True))
+    shares = [torque.SHARE, 2.0 * torque.SHARE]
+    over = [
+        torque.order([torque.torque_of_ball(torque.size(0.01), x, torque.DEFAULT, double=d) for x in shares], shares)
+        for d in (False, True)
+    ]
+    cases = [x for x in found if x.cls == MEASURED]
+    one = cases[0]
+    words = ", ".join(f"{x.value:g} {x.item.split(', ')[1]}" for x in cases)
+    return (
+        f"Drag torque grows with the lead to the power {own[0]:.2f} (balls pressed on four flanks) and {own[1]:.2f} "
+        f"(double nut) by the sliding of the balls; by the makers' formulas {named}. So none is right: Rexroth's is "
+        "nearest for single nuts, THK's for double ones, and a constant K_p over the lead is far from either. Over the "
+        f"preload the sliding gives {over[0]:.2f} and {over[1]:.2f}, all formulas 1. Two measured screws (N m: {words}): "
+        f"{one.computed.value:.2f} at the default coefficient of {torque.DEFAULT:g}, band {one.computed.low:.2f} to "
+        f"{one.computed.high:.2f} for diameters of 25 to 40 mm and either kind of nut; which one they are is open, "
+        "because neither is printed, and worn ones have lost a preload that nobody prints."
+    )
+
+
+def sweep_table() -> Table:
+    """Drag torque over preload times nominal diameter, over the lead."""
+    rows: list[dict[Quantity | str, Cell]] = []
+    for one in torque.sweep():
+        row: dict[Quantity | str, Cell] = {
+            Quantity("lead", "lead", "mm", "g3"): 1e3 * one.lead,
+            Quantity("single", "single nut", "1e-3", ".1f"): 1e3 * one.single,
+            Quantity("double", "double nut", "1e-3", ".1f"): 1e3 * one.double,
+        }
+        for (name, _), value in zip(torque.FORMULAS, one.formulas, strict=True):
+            row[Quantity(name, name, "1e-3", ".1f")] = 1e3 * value
+        rows.append(row)
+    note = (
+        f"Nominal diameter {torque.SWEPT[0]:g} mm, balls of {torque.BALL:g} mm, {torque.SHARE:g} N each, coefficient 0.1."
+    )
+    return Table.of("outside-drag", "Drag torque over preload times nominal diameter", rows, note)
+
+
+def figure(found: Sequence[Outside]) -> Figure:
+    """Computed over printed value, by maker, for what has no band of percents."""
+    series = []
+    for (quantity,), own in grouped([x for x in found if not x.left and not x.scale], "quantity").items():
+        if len(own) > 20:
+            x = [float(k + 1) / len(own) for k in range(len(own))]
+            series.append(Series(quantity, x, sorted(v.error_percent for v in own), "line"))
+    panel = Panel("", "share of the values", "error of the computed value / %", tuple(series))
+    return Figure("outside-errors", "Errors against outside values", (panel,), "Each quantity's values in rising order.", 1)
+
+
+def section(study: Study, step: Callable[[str], None]) -> Section:
+    """Section of the report."""
+    step("outside values")
+    found = outside_values(study)
+    items = (Text((why_softer(found), balls_counted(found), drag(found))), summary(found), figure(found), sweep_table())
+    return Section("outside", TITLE, (*items, every(found)), conclusion=conclusion(found))

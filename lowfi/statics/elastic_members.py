@@ -1,0 +1,142 @@
+"""Many members of a scene with elastic bodies that differ in the radii of their balls alone: one system serves them all.
+
+The bodies' compliance, the shaft and its supports are those of the scene; a member has its own approaches, Hertz constants
+and terms that follow the typical force of a contact. Each is solved from the solution of the first one.
+"""
+
+from __future__ import annotations
+
+from types import ModuleType
+
+import numpy as np
+
+from rollbench.lowfi.compliance.bodies import Backend
+from rollbench.lowfi.statics.elastic import Solution, flank_forces, iterate, round_off, solve_sides, untouched
+from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild, one_thread, pair_data, typical_force
+from rollbench.lowfi.statics.problem import distances, hertz_C
+from rollbench.lowfi.statics.selection import all_sides, choose_sides
+from rollbench.lowfi.statics.settle import ACCEPTED, CONVERGED, ITERATIONS
+from rollbench.lowfi.statics.shaft import node_motions, rigid_nodes, rows_of
+from rollbench.lowfi.statics.static import force_floor, least_force
+from rollbench.meshes.arrays import Array, Mask
+from rollbench.meshes.errors import alike_in_shape, specimen, specimens, without_draws
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import Scene
+
+
+class ElasticMembers:
+    """Members of a scene whose random errors are those of the balls' radii (`shared`)."""
+
+    def __init__(self, scene: Scene, backend: Backend, engine: ModuleType) -> None:
+        """Nothing is built yet. backend: what answers the contact forces; engine: kernels."""
+        self.scene, self.backend, self.engine = scene, backend, engine
+        self.layout = ball_layout(scene)
+        self._systems: dict[bytes, _System | None] = {}
+
+    def solve(self, first: int, count: int) -> tuple[Array, Array, Array]:
+        """Loads ``(count, N, 4)`` [N], relative residuals and works ``(count,)`` [J], loads times the motions of their
+        stations, of members from ``first`` on; nan for those that have to be solved by themselves."""
+        drawn = specimens(self.scene, self.layout, first, count)
+        offset, closure = distances(self.scene, drawn)
+        nominal = specimen(without_draws(self.scene), self.layout)
+        C = hertz_C(self.scene, nominal, drawn.ball_radius)
+        loads, numbers = np.full((count, self.layout.z.size, 4), np.nan), np.full((2, count), np.nan)
+        with one_thread():
+            for k in range(count):
+                use = choose_sides(self.scene, nominal, (offset[k], closure[k]))
+                system = self._system(use)
+                if system is None:
+                    continue
+                found = system.solve(drawn.ball_radius[k], offset[k], closure[k], C[k])
+                if found is None and not np.array_equal(use, all_sides(self.scene)):
+                    system = self._system(all_sides(self.scene))
+                    found = None if system is None else system.solve(drawn.ball_radius[k], offset[k], closure[k], C[k])
+                if found is not None:
+                    loads[k], numbers[:, k] = found[0], found[1:]
+        return loads, *numbers
+
+    def _system(self, use: Mask) -> _System | None:
+        """The system with some sides, or with all where they are touched, in the solution of member 0, whatever members are
+        asked for; None where it serves no other."""
+        key = use.tobytes()
+        if key not in self._systems:
+            self._systems[key] = None
+            drawn = specimen(self.scene, self.layout)
+            parts = Rebuild(self.scene, drawn, self.layout, use, None, self.backend, None, self.engine, False, 1)
+            solved = solve_sides(parts)
+            if isinstance(solved, Solution) and solved.outcome.status == CONVERGED and solved.elastic.flanks.lent == 0.0:
+                self._systems[key] = _System(solved.elastic)
+        return self._systems[key]
+
+
+def shared(scene: Scene) -> bool:
+    """Whether members of a scene differ in the radii of their balls alone, and one pass of the solver finishes each."""
+    alike = alike_in_shape(scene) and len(specimens(scene, ball_layout(scene), 0, 2).centre) == 1
+    return alike and scene.ingredients.hertz != "actual" and scene.ingredients.screw != "rigid"
+
+
+class _System:
+    """Elastic bodies in the solution of one member, and what the others change in it."""
+
+    def __init__(self, elastic: Elastic) -> None:
+        self.elastic = elastic
+        self.start = [part.copy() for part in elastic.state]
+        self.local = elastic.contacts.local.copy()
+        self.size = float(np.cbrt(typical_force(elastic.problem)))
+        self.by_pushes, self.by_motions, self.at_rest = _work(elastic)
+
+    def solve(self, radii: Array, offset: Array, closure: Array, C: Array) -> tuple[Array, float, float] | None:
+        """Loads ``(N, 4)`` [N], relative residual and work [J] of a member: radii ``(N,)`` [m], `distances` and Hertz
+        constants ``(N, 4)``; None where it does not converge, or a flank that was left out may be touched."""
+        self._place(radii, offset, closure, C)
+        elastic = self.elastic
+        outcome = iterate(elastic, False)
+        if outcome.status not in (CONVERGED, ITERATIONS):
+            return None
+        if outcome.residual > ACCEPTED and outcome.residual > round_off(elastic, outcome.scale):
+            return None
+        whole = np.array_equal(elastic.problem.use, all_sides(elastic.problem.scene))
+        if not whole and (outcome.status != CONVERGED or not untouched(elastic)):
+            return None
+        contact = elastic.state.contact
+        loads = np.zeros(offset.shape[:2])
+        loads[:, slice(None) if elastic.pair is None else elastic.pair] = contact[..., 0]
+        on_screw = flank_forces(elastic)[:, [s for s in (0, 1) if elastic.problem.use[s]]].swapaxes(0, 1).ravel()
+        work = float(self.by_pushes @ on_screw + self.by_motions @ elastic.state.a) + self.at_rest
+        return loads, outcome.residual, work
+
+    def _place(self, radii: Array, offset: Array, closure: Array, C: Array) -> None:
+        """Put a member's balls into the arrays of the kernels, and the state back to the first member's."""
+        elastic, problem = self.elastic, self.elastic.problem
+        problem.geometry[..., :4], problem.geometry[..., 4] = offset, C
+        problem.closure[:], problem.drawn.ball_radius[:] = closure, radii
+        size, slope = float(np.cbrt(typical_force(problem))), elastic.flanks.slope
+        local = elastic.contacts.local
+        local[:] = self.local
+        local[..., 0] += slope * np.log(size / self.size)
+        local[..., 2] += slope * (1.0 / size - 1.0 / self.size)
+        if elastic.pair is not None:
+            elastic.contacts.pair[:] = pair_data(problem, elastic.pair, local[..., 0], local[..., 2])
+        for part, start in zip(elastic.state, self.start, strict=True):
+            part[:] = start
+        elastic.options = elastic.options._replace(
+            tiny=least_force(problem), floor=force_floor(problem), furthest=float(radii.max())
+        )
+
+
+def _work(elastic: Elastic) -> tuple[Array, Array, float]:
+    """Loads of the scene times the motions of their stations [J]: by the flanks' forces ``(2 c,)`` [N], side after side, by
+    the amplitudes ``(k,)`` of the free motions, and without either."""
+    problem, shaft, squeeze = elastic.problem, elastic.shaft, elastic.flanks.squeeze
+    load = problem.load.ravel()
+    dof, rows = rows_of(problem, [s for s in range(2) if problem.use[s]])
+    by_flanks = np.zeros((load.size, 2 * len(rows)))
+    for c in range(len(rows)):
+        by_flanks[dof[c], 2 * c], by_flanks[dof[c], 2 * c + 1] = rows[c]
+    given, inside = np.zeros(load.size), np.zeros_like(by_flanks)
+    if squeeze is not None:
+        by_flanks += squeeze.wrenches.T @ squeeze.jumps
+        given = squeeze.wrenches.T @ squeeze.given
+        inside = np.where(problem.fixed.ravel()[:, None], 0.0, squeeze.inside)
+    moved = node_motions(shaft, given, np.zeros(elastic.state.a.size)).ravel()
+    return load @ (shaft.solve(by_flanks) + inside), load @ rigid_nodes(shaft), float(load @ moved)

@@ -1,0 +1,166 @@
+"""Makers' tables and measurements: what is predicted without a free parameter, what lies in bands, what is not judged."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tests.evidence_study import GROUP, STUDY
+
+from rollbench.comparison.registration import offered
+from rollbench.comparison.sources.makers import section, values
+from rollbench.comparison.sources.makers.laws import bearings, nuts, torque
+from rollbench.comparison.sources.makers.outside import BIAS, MEASURED, NUMBER, Band, Outside, standing, summary
+from rollbench.comparison.sources.makers.tables import Table, half_step, table
+
+pytestmark = pytest.mark.xdist_group(GROUP)
+
+
+def one(value: float, computed: Band, **said: object) -> Outside:
+    shared = {"quantity": "rigidity", "law": "law", "maker": "maker", "item": "item", "cls": "class", "origin": ""}
+    return Outside(**shared, unit="N/um", value=value, rounding=0.5, computed=computed, **said)  # type: ignore[arg-type]
+
+
+def test_sets_of_equal_gaps_at_a_constant_angle() -> None:
+    """Closed forms: a row of a pair deflects by u; of three rows, one by P^(2/3), two by (P/2)^(2/3), 2 u in all."""
+    preload = (2.0 / (1.0 + 2.0 ** (-2 / 3))) ** 1.5
+    found = bearings.over_pair("DBD")
+    assert found[0] == pytest.approx(preload, rel=1e-12)
+    assert found[1] == pytest.approx(preload ** (1 / 3) * 0.5 * (1.0 + 2.0 * 2.0 ** (-1 / 3)), rel=1e-12)
+    assert found[2] == pytest.approx(preload ** (4 / 3) * 0.5 * (1.0 + 2.0 * 2.0 ** (-4 / 3)), rel=1e-12)
+    assert bearings.over_pair("DBB") == pytest.approx((2.0, 2.0, 2.0), rel=1e-12)
+    assert bearings.over_pair("DBT")[0] == pytest.approx((2.0 / (1.0 + 3.0 ** (-2 / 3))) ** 1.5, rel=1e-12)
+
+
+@pytest.mark.parametrize(("quantity", "number", "bias", "scatter"), [("preload", 80, 0.5, 1.0), ("rigidity", 77, 1.0, 2.0)])
+def test_nsk_sets_follow_from_their_pairs(quantity: str, number: int, bias: float, scatter: float) -> None:
+    own = [x for x in bearings.sets() if x.quantity == quantity and not x.item.endswith(" DB")]
+    found = standing(own)
+    assert found is not None
+    assert (found.number, abs(found.bias) < bias, found.scatter < scatter) == (number, True, True)
+    wrong = [x.item for x in own if x.left == "a misprint"]
+    assert wrong == ([f"{bore}TAC47B C9 DBD" for bore in (15, 17, 20)] if quantity == "rigidity" else [])
+
+
+def test_nsk_clearances_and_rigidities_without_a_free_parameter() -> None:
+    found = list(bearings.ball_bearings())
+    clear = np.array([x.computed.value - x.value for x in found if x.quantity == "displacement"])
+    assert clear.size == 728
+    assert float(np.sqrt((clear**2).mean())) < 0.6
+    assert float((np.abs(clear) <= 1.0).mean()) > 0.94
+    stiff = standing([x for x in found if x.quantity == "rigidity"])
+    assert stiff is not None
+    assert (stiff.number, abs(stiff.bias) < 0.6, stiff.scatter < 2.0) == (546, True, True)
+    factor = standing([x for x in found if x.quantity == "rating"])
+    assert factor is not None
+    assert (factor.number, abs(factor.bias) < 0.1, factor.scatter < 1.0) == (91, True, True)
+
+
+def test_balls_come_back_from_their_ratings() -> None:
+    ring = bearings.ring(14, 6e-3, 40e-3, np.radians(15.0))
+    both = bearings.rating(ring), bearings.static_rating(ring)
+    count, ball = bearings.balls_of(*both, 40e-3, np.radians(15.0))
+    assert (count, ball) == pytest.approx((14.0, 6e-3), rel=1e-4)
+
+
+def test_two_ratings_of_a_nut_count_the_same_balls() -> None:
+    """C and C_0 are two formulas; HIWIN's nuts of deflectors are rated with two thirds of a turn, the others with all."""
+    shares: dict[str, list[float]] = {}
+    source = table("nuts-hiwin")
+    for row in source.rows:
+        if not source.misprinted(row["nut"]):
+            nut = nuts.nut_of(source, row)
+            dynamic, static = nuts.of_ratings(nut, nuts.CONFORMITY, 1.0)
+            by_static, by_dynamic = source.number(row["C0"]) / static, (source.number(row["C"]) / dynamic) ** 1.5
+            shares.setdefault(nuts.family(source, row), []).append(by_static)
+            shares.setdefault(nuts.family(source, row) + " by C", []).append(by_dynamic)
+    middle = {name: float(np.median(x)) for name, x in shares.items()}
+    for name, share in (("HIWIN, whole recirculation", 1.0), ("HIWIN, one-turn recirculation", 2.0 / 3.0)):
+        assert middle[name] == pytest.approx(share, rel=0.03)
+        assert middle[f"{name} by C"] == pytest.approx(share, rel=0.03)
+
+
+def test_four_fifths_of_the_computed_rigidity_is_what_makers_print() -> None:
+    own = [x for x in nuts.nut_rigidity() if not x.left]
+    errors = np.array([(x.practice or 0.0) / x.value - 1.0 for x in own])
+    assert len(own) == 472
+    assert abs(float(np.median(errors))) < 0.1
+    assert float((np.abs(errors) < 0.2).mean()) > 0.85
+    growth = standing([x for x in nuts.preloaded_nuts() if x.law == "growth with preload"])
+    assert growth is not None
+    assert (growth.number, abs(growth.bias) < 2.0, growth.scatter < 2.0) == (126, True, True)
+
+
+@pytest.mark.parametrize(
+    ("circuits", "turns", "known"),
+    [
+        ("4", "T4 of the name", (4.0, True)),
+        ("4", "K4 of the name", (4.0, False)),
+        ("22.8", "rows x turns", (5.6, False)),
+        ("31", "rows x turns", (3.0, True)),
+        ("1x4", "1x4", (4.0, True)),
+        ("2", "1.7", (3.4, False)),
+        ("", "1,2x4", (4.8, False)),
+    ],
+)
+def test_turns_as_printed(circuits: str, turns: str, known: tuple[float, bool]) -> None:
+    assert nuts.turns_printed({"circuits": circuits, "turns": turns}) == pytest.approx(known)
+
+
+def test_drag_torque_of_the_measured_screws() -> None:
+    """New screws lie in the band of what is not printed; over the lead sliding grows less than all formulas but one."""
+    new = [x for x in torque.measured() if x.item.endswith("new")]
+    assert [x.verdict for x in new] == ["in the band"] * 2
+    assert {x.cls for x in new} == {MEASURED}
+    rows = torque.sweep()
+    grows = torque.order([r.single for r in rows], [r.lead for r in rows])
+    assert 0.1 < grows < 0.2
+    assert torque.by_slope(3000.0, 41.75e-3, 10e-3) == pytest.approx(0.865, rel=2e-3)  # THK's example
+
+
+def test_all_values_and_their_table() -> None:
+    found = values.outside_values(STUDY)
+    judged = [x for x in found if not x.left]
+    assert len(judged) >= 1500
+    assert {"contact load", "displacement", "pressure", "torque", "rigidity", "rating"} <= {x.quantity for x in judged}
+    assert all(x.computed.low <= x.computed.value <= x.computed.high and x.origin for x in found)
+    assert len(summary(found).rows) <= 30
+    (first_page,) = offered("outside")
+    columns = first_page(STUDY)
+    assert sum(row[NUMBER] for row in columns.values()) == len(judged)
+    assert abs(columns["preload"][BIAS]) < 0.5
+
+
+def test_section_says_its_conclusion_first() -> None:
+    made = section.section(STUDY, lambda _: None)
+    text = made.items[0]
+    assert text.paragraphs[0].startswith("36")  # type: ignore[union-attr]
+    assert [x.name for x in made.items[1:]] == ["outside-summary", "outside-errors", "outside-drag", "outside"]  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize(
+    ("text", "half"), [("2 150", 5.0), ("0.14", 0.005), ("7", 0.5), ("1,5", 0.05), ("-12", 0.5), ("300", 50.0)]
+)
+def test_half_of_the_last_step(text: str, half: float) -> None:
+    assert half_step(text) == pytest.approx(half)
+
+
+def test_verdicts_and_what_does_not_count() -> None:
+    band = Band.within(100.0, 0.02)
+    assert [one(x, band).verdict for x in (97.4, 97.6, 102.4, 102.6)] == [
+        "below the band",
+        "in the band",
+        "in the band",
+        "above the band",
+    ]
+    formula = replace(one(97.0, band), left="a formula in disguise")
+    assert formula.verdict == "a formula in disguise"
+    assert standing([formula]) is None
+    both = standing([one(80.0, band), one(125.0, band), formula])
+    assert both is not None
+    assert (both.number, both.bias, both.scatter) == (2, pytest.approx(2.5), pytest.approx(22.5))
+
+
+def test_numbers_as_tables_write_them() -> None:
+    assert Table("x", {"decimal": ","}, ()).number("1 250,5") == 1250.5
+    assert Table("x", {"thousands": ","}, ()).number("12,500") == 12500.0
+    assert Table("x", {}, ()).number("\u00a02 150") == 2150.0

@@ -1,0 +1,118 @@
+"""Sets of bearings by name: rows, preload of a set and a pair, conformity from a rigidity, starting torque, refusals."""
+
+import numpy as np
+import pytest
+
+from rollbench.comparison.errors import InputError, SceneError
+from rollbench.comparison.models.registry import run_model
+from rollbench.comparison.registration import offered
+from rollbench.comparison.scenes import scene_file
+from rollbench.comparison.scenes.arrangement import preload_of_set
+from rollbench.comparison.scenes.template import template
+from rollbench.lowfi.bearings.angular_contact import BallRow, of_angle
+from rollbench.lowfi.bearings.sets import PointRow, arrangement, equilibrium
+from rollbench.meshes.axis import ARRANGEMENTS, Assembly
+from rollbench.meshes.parts import Scene
+
+SET = template("support-bearings")
+
+
+def read(text: str) -> Assembly:
+    found = scene_file.read(text, "set.toml")
+    assert isinstance(found, Assembly)
+    return found
+
+
+def changed(*pairs: tuple[str, str]) -> str:
+    text = SET
+    for old, new in pairs:
+        assert old in text
+        text = text.replace(old, new)
+    return text
+
+
+def row_of(found: Assembly) -> BallRow:
+    parts = found.sets[0].parts
+    assert isinstance(parts, Scene)
+    ball, steel = 2.0 * parts.balls.radius, parts.nut.material
+    size = (ball, 2.0 * parts.track.pitch_radius, (parts.nut.groove_radius / ball,) * 2, parts.track.contact_angle)
+    return BallRow(of_angle(parts.ball_count, *size, steel.youngs_modulus, steel.poissons_ratio))
+
+
+@pytest.mark.parametrize("name", [name for name in ARRANGEMENTS if name != "DT"])
+def test_preload_of_a_set_follows_from_that_of_a_pair(name: str) -> None:
+    """Against the equilibrium of point contacts with equal gaps."""
+    rows = tuple(1 if way == "+z" else -1 for way in ARRANGEMENTS[name])
+    one = PointRow(1e10)
+    loads = equilibrium(arrangement(one, rows, one.deflection(2150.0))).loads
+    assert preload_of_set(name, 2150.0) == pytest.approx(loads[np.array(rows) == 1].sum(), rel=1e-9)
+
+
+def test_rows_stand_side_by_side_and_share_the_preload() -> None:
+    found = read(SET)
+    assert [s.name for s in found.sets] == ["support 1", "support 2", "support 3"]
+    assert [s.thrust for s in found.sets] == ["-z", "+z", "+z"]
+    assert [s.position for s in found.sets] == pytest.approx([0.035, 0.05, 0.065])
+    assert [s.parts.nut.position for s in found.sets] == pytest.approx([0.035, 0.05, 0.065])  # type: ignore[union-attr]
+    total = preload_of_set("DBD", 3350.0)
+    assert [s.preload for s in found.sets] == pytest.approx([total, 0.5 * total, 0.5 * total])
+    own = read(
+        changed(('pair_preload = "3350 N"', 'preload = "4500 N"'), ('pair_rigidity = "1030 N/um"', ""), ("# conf", "conf"))
+    )
+    assert [s.preload for s in own.sets] == pytest.approx([4500.0, 2250.0, 2250.0])
+    tandem = (
+        ('arrangement = "DBD"', 'arrangement = "DT"'),
+        ('pair_preload = "3350 N"', ""),
+        ('pair_rigidity = "1030 N/um"', ""),
+    )
+    free = read(changed(*tandem, ("# conf", "conf")))
+    assert [(s.thrust, s.preload) for s in free.sets] == [("+z", 0.0)] * 2
+
+
+def test_conformity_gives_the_rigidity_of_the_pair_back() -> None:
+    found = read(SET)
+    one = row_of(found)
+    assert 2e-6 * one.stiffness(one.deflection(3350.0)) == pytest.approx(1030.0, rel=1e-6)
+    assert any("from the rigidity of a pair, 1030 N/um at 3350 N" in text for text in found.assumed)
+
+
+def test_a_solved_set_carries_its_preload_as_the_rows_alone_do() -> None:
+    """The source's model, without the load; NSK's ratio of rigidities is 1.43."""
+    found = read(changed(('force = ["0 N", "0 N", "2 kN"]', 'force = ["0 N", "0 N", "0 N"]')))
+    result = run_model(found, "lin")
+    assert result.converged
+    total = preload_of_set("DBD", 3350.0)
+    assert [abs(s.force[2]) for s in result.sets] == pytest.approx([total, 0.5 * total, 0.5 * total], rel=1e-6)
+    one = row_of(found)
+    alone = one.stiffness(one.deflection(total)) + 2.0 * one.stiffness(one.deflection(0.5 * total))
+    assert sum(s.stiffness[2, 2] for s in result.sets) == pytest.approx(alone, rel=2e-3)
+    assert alone / 1030e6 == pytest.approx(1.433, abs=0.01)
+
+
+def test_starting_torque_grows_with_the_thrust_to_the_power_four_thirds() -> None:
+    (torque,) = offered("starting torque")
+    parts = read(SET).sets[0].parts
+    one, two = (torque(parts, thrust) for thrust in (1000.0, -2000.0))
+    assert two.torque / one.torque == pytest.approx(2.0 ** (4 / 3), rel=1e-9)
+    assert one.torque == pytest.approx(one.factor * 1000.0 * 0.046)
+    assert one.factor == pytest.approx(0.0013 * np.cbrt(300.0 / one.rating))
+
+
+@pytest.mark.parametrize(
+    ("pairs", "key"),
+    [
+        ([('arrangement = "DBD"', 'arrangement = "DXD"')], "arrangement"),
+        ([('arrangement = "DBD"', 'arrangement = "DT"')], "pair_preload"),
+        ([('arrangement = "DBD"', "")], "pair_preload"),
+        ([('arrangement = "DBD"', 'arrangement = "DBD"\nthrust = "+z"')], "thrust"),
+        ([('arrangement = "DBD"', 'arrangement = "DBD"\noffset = "4 um"')], "offset"),
+        ([('pair_preload = "3350 N"', 'pair_preload = "3350 N"\npreload = "1 kN"')], "preload"),
+        ([('pair_preload = "3350 N"', "")], "pair_rigidity"),
+        ([("# conformity", "conformity")], "pair_rigidity"),
+        ([('lead = "0 mm"', 'lead = "10 mm"')], "arrangement"),
+        ([('pair_rigidity = "1030 N/um"', 'pair_rigidity = "9000 N/um"')], "pair_rigidity"),
+    ],
+)
+def test_what_does_not_fit_is_refused(pairs: list[tuple[str, str]], key: str) -> None:
+    with pytest.raises((SceneError, InputError), match=rf"sets\[0\]\.{key}"):
+        read(changed(*pairs))

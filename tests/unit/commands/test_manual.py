@@ -1,0 +1,56 @@
+"""The manual: pages that the program writes, its workflow, and paths and links that it names."""
+
+import re
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+
+TOP = Path(__file__).resolve().parents[3]
+DOCS = TOP / "docs"
+PAGES = sorted(DOCS.rglob("*.md"))
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("reference")
+    sys.path.insert(0, str(DOCS))
+    try:
+        import generate
+
+        generate.pages(folder)
+    finally:
+        sys.path.remove(str(DOCS))
+    return folder
+
+
+def test_reference_has_every_command_key_and_quantity(written: Path) -> None:
+    commands = (written / "commands.md").read_text(encoding="utf-8")
+    for name in ("solve", "compare", "check", "benchmark", "friction", "doctor"):
+        assert f"## `rollbench {name}`" in commands
+    scene = (written / "scene-file.md").read_text(encoding="utf-8")
+    for table in ("[track]", "[[sets]]".strip("[]"), "[nut.flange]", "[cases"):
+        assert table in scene
+    assert "`loads.max_N`" in (written / "quantities.md").read_text(encoding="utf-8")
+    assert "Table B.1" in (written / "misprints.md").read_text(encoding="utf-8")
+
+
+def test_workflow_keeps_the_reference_also_when_the_job_fails() -> None:
+    job = yaml.safe_load((DOCS / "gate.yml").read_text(encoding="utf-8"))["jobs"]["gate"]
+    uses = [step.get("uses", "") for step in job["steps"]]
+    assert any(use.startswith("actions/cache/restore@") for use in uses)
+    for step in job["steps"]:
+        if step.get("uses", "").startswith(("actions/cache/save@", "actions/upload-artifact@")):
+            assert step["if"] == "always()"
+    assert sum("rollbench check" in step.get("run", "") for step in job["steps"]) == 1
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(DOCS)))
+def test_named_files_exist(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    for named in re.findall(r"`((?:lowfi|hifi|compare|meshes|reports|tests)/[\w./*-]+)`", text):
+        assert list(TOP.glob(named)), named
+    for target in re.findall(r"\]\(([^)#:]+?)(?:#[^)]*)?\)", text):
+        made = page.parent / target
+        assert made.exists() or made.stem in ("commands", "quantities", "scene-file", "misprints"), target

@@ -1,0 +1,86 @@
+"""What changed since earlier verdicts, in text, JSON and Markdown; the chart and the picture of the worst ball."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from rollbench.comparison.cli import main
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.gate.baseline import changes
+from rollbench.comparison.gate.publish import HEADS, Outcome, markdown, table, worst
+
+NEAR = ((3, 100.0, 101.0, 0.5), (4, 110.0, 102.0, 0.5))
+
+
+def row(word: str, error: str, quantity: str = "largest error", scene: str = "mine", limit: str = "7") -> Outcome:
+    return Outcome(word == "pass", (word, scene, "a.csv", quantity, error, "0.1", limit, "4", "SL", ""), NEAR)
+
+
+def test_what_changed_is_said(tmp_path: Path) -> None:
+    before = [row("pass", "-5.1"), row("pass", "1.234"), row("pass", "0.2 deg", "contact angle", limit="1 deg")]
+    before[1] = row("pass", "1.234", scene="same")
+    (tmp_path / "old.csv").write_text(table([*before, row("pass", "2", "life")]), encoding="utf-8")
+    after = [
+        row("undecided", "6.8"),
+        row("pass", "1.2341", scene="same"),
+        row("fail", "1.3 deg", "contact angle", limit="1 deg"),
+    ]
+    found = [c.line() for c in changes(tmp_path / "old.csv", [*after, row("pass", "3", "torque")])]
+    assert found == [
+        "mine: largest error 5.10 -> 6.80 %, limit 7, pass -> undecided",
+        "mine: contact angle 0.20 deg -> 1.30 deg, limit 1 deg, pass -> fail",
+        "mine: life: no more, pass",
+        "mine: torque: new, pass",
+    ]
+    assert changes(tmp_path / "old.csv", [*before, row("pass", "2", "life")]) == []
+
+
+@pytest.mark.parametrize("text", ["", "a,b\n1,2\n", "{}", '{"verdicts": 3}', ",".join(HEADS) + "\nx\n", "[" * 99])
+def test_another_file_is_refused(tmp_path: Path, text: str) -> None:
+    (tmp_path / "a.csv").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match="verdicts that --csv or --json wrote"):
+        changes(tmp_path / "a.csv", [row("pass", "1")])
+
+
+def test_the_chart_is_of_the_worst_ball_of_what_is_not_green() -> None:
+    rows = [row("pass", "9"), row("fail", "-8", scene='a"b'), row("fail", "7.5"), Outcome(False, row("fail", "99").cells)]
+    shown = worst(rows)
+    assert shown is rows[1]
+    text = markdown(rows, ["WARNING: a | b"])
+    assert "- WARNING: a \\| b\n" in text
+    chart = text.split("```mermaid\n")[1].split("\n```")[0].splitlines()
+    assert [line.strip() for line in chart] == [
+        "xychart-beta",
+        'title "a\'b, ball 4 SL: 8.00 %, limit 7 %"',
+        'x-axis "ball" [3, 4]',
+        'y-axis "contact load / N" 0 --> 121',
+        "bar [101, 102]",
+        "line [100, 110]",
+    ]
+    assert "mermaid" not in markdown([Outcome(True, row("pass", "1").cells)])
+
+
+def run(capsys: pytest.CaptureFixture[str], *tokens: str) -> str:
+    with pytest.raises(SystemExit):
+        main(["check", "two-balls", "--no-compute", *tokens])
+    return capsys.readouterr().out
+
+
+def test_the_command_tells_what_changed_since_a_file_of_either_form(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    old, new = tmp_path / "old.csv", tmp_path / "gate.md"
+    (tmp_path / "old.json").write_text(run(capsys, "--model", "lin", "--csv", str(old), "--json"), encoding="utf-8")
+    line = next(
+        x for x in run(capsys, "--baseline", str(old), "--markdown", str(new)).splitlines() if x.startswith("since")
+    )
+    assert line.startswith("since old.csv: two-balls: largest error of a contact load ")
+    assert " -> " in line
+    assert line.endswith(" %, limit 7, fail -> pass")
+    assert f"- {line}" in new.read_text(encoding="utf-8")
+    assert new.with_suffix(".svg").read_text(encoding="utf-8").count("<svg") == 1
+    data = json.loads(run(capsys, "--baseline", str(tmp_path / "old.json"), "--json"))
+    (change,) = data["changed"]
+    assert (change["quantity"], change["verdict"]) == ("largest error of a contact load", ["fail", "pass"])
+    assert f" a contact load {' -> '.join(change['error'])} %, limit 7" in line

@@ -1,0 +1,165 @@
+"""A user's own loads in the place of the 3D reference: `check`, `compare`, `report SCENE`; its uncertainty decides."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rollbench.comparison.cli import main
+from rollbench.comparison.commands.reporting.scene_page import page_of
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.gate.reference_file import exceeding, read_reference
+from rollbench.comparison.reference.estimate import reference
+from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison.scenes import catalogue
+from rollbench.meshes.parts import SIDES, Scene
+from rollbench.reports.records import Figure, Table
+
+SCENE = "two-balls"
+
+
+def scene() -> Scene:
+    found = catalogue.scene(SCENE)
+    assert isinstance(found, Scene)
+    return found
+
+
+def written(path: Path, *notes: str, factor: float = 1.0, column: str = "", each: float = 0.0) -> Path:
+    """The stored reference's own loads, that of ball 2 SR times a factor."""
+    found = reference(scene())
+    assert found is not None
+    load = found.load.copy()
+    load[1, 1] *= factor
+    heads = "ball,flank,newton" + (f",{column}" if column else "")
+    rows = [f"{b + 1},{s},{load[b, k]:.9g}{f',{each}' if column else ''}" for b in range(2) for k, s in enumerate(SIDES)]
+    path.write_text("\n".join([*notes, heads, *rows]) + "\n", encoding="utf-8")
+    return path
+
+
+def run(capsys: pytest.CaptureFixture[str], *tokens: str) -> tuple[int, str, str]:
+    with pytest.raises(SystemExit) as stop:
+        main(list(tokens))
+    out, err = capsys.readouterr()
+    return int(stop.value.code or 0), out, err
+
+
+def test_ones_own_reference_flips_a_verdict(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    file = written(tmp_path / "bench.csv", "# provenance: load cells of 2026,,", "#uncertainty: 1 %", factor=1.2)
+    code, _, _ = run(capsys, "check", SCENE, "--no-compute")
+    assert code == 0
+    code, out, _ = run(capsys, "check", SCENE, "--reference", str(file))
+    assert code == 1
+    assert out.startswith("FAIL: two-balls, refined: ")
+    assert "against bench.csv (load cells of 2026), uncertain by 1 % of the mean load" in out
+    wide = written(tmp_path / "bench.csv", "# uncertainty: 12 %", factor=1.2)
+    code, out, _ = run(capsys, "check", SCENE, "--reference", str(wide))
+    assert code == 3, "an uncertainty that leaves it open"
+    assert out.splitlines()[0].startswith("WARNING: the uncertainty of bench.csv, ")
+    assert "exceeds the limit of 7 % that it should judge" in out
+    same = written(tmp_path / "same.csv")
+    code, out, _ = run(capsys, "check", SCENE, "--reference", str(same), "--loads", str(file), "--json")
+    (verdict,) = json.loads(out)["verdicts"]
+    assert (code, verdict["word"], verdict["levels"]) == (1, "fail", [])
+    assert "whose uncertainty is taken as zero: it states none" in verdict["detail"]
+    assert "by the stored 3D reference: 20.00 % - 0.44 % > 7 %, fail" in verdict["detail"]
+
+
+def test_uncertainty_by_column_by_note_or_zero(tmp_path: Path) -> None:
+    mean = reference(scene()).mean  # type: ignore[union-attr]
+    for notes, column, each, expected in (
+        ((), "", 0.0, 0.0),
+        (("# uncertainty: 2 N",), "", 0.0, 2.0),
+        (("# uncertainty: 0.5 %",), "", 0.0, 0.005 * mean),
+        ((), "uncertainty_kN", 0.003, 3.0),
+    ):
+        found, unknown = read_reference(written(tmp_path / "a.csv", *notes, column=column, each=each), scene())
+        np.testing.assert_allclose(found.uncertainty, expected, rtol=1e-12)
+        assert (unknown, found.label, found.levels) == ((), "a.csv", ())
+    found, _ = read_reference(written(tmp_path / "a.csv", column="uncertainty_percent", each=2.0), scene())
+    np.testing.assert_allclose(found.uncertainty, 0.02 * found.load)
+    assert exceeding(found, 2.1) == ""
+    assert "2 % at ball" in exceeding(found, 1.9)
+
+
+@pytest.mark.parametrize(
+    ("notes", "change", "part"),
+    [
+        (("# uncertainty: lots",), ("", ""), "0.5 %"),
+        (("# uncertainty: -1 %",), ("", ""), "0.5 %"),
+        ((), ("2,NR", "2,NX"), "SL, SR, NL, NR"),
+        ((), ("newton", "uncertainty_N"), "a column newton"),
+    ],
+)
+def test_faulty_references_are_refused(tmp_path: Path, notes: tuple[str, ...], change: tuple[str, str], part: str) -> None:
+    file = written(tmp_path / "a.csv", *notes)
+    file.write_text(file.read_text(encoding="utf-8").replace(*change), encoding="utf-8")
+    with pytest.raises(InputError, match=part):
+        read_reference(file, scene())
+
+
+def test_every_flank_is_needed_and_one_uncertainty(tmp_path: Path) -> None:
+    file = written(tmp_path / "a.csv", "# uncertainty: 1 N", column="uncertainty_N", each=1.0)
+    with pytest.raises(InputError, match="one column or one note"):
+        read_reference(file, scene())
+    lines = [x for x in written(tmp_path / "a.csv").read_text(encoding="utf-8").splitlines() if ",NL," not in x]
+    file.write_text("\n".join(lines), encoding="utf-8")
+    with pytest.raises(InputError, match="no loads on NL"):
+        read_reference(file, scene())
+
+
+@pytest.mark.parametrize(
+    ("tokens", "words"),
+    [
+        (("check", SCENE, "lin-case1"), "one scene, not 2"),
+        (("check", SCENE, "--levels", "2"), "the file is the reference"),
+        (("check", "double-nut"), "a scene of one set"),
+        (("check",), "name the scenes"),
+        (("compare", SCENE, "lin-case1"), "one scene, not 2"),
+        (("compare", SCENE, "--levels", "1"), "--levels"),
+        (("compare", SCENE, "--fresh"), "--fresh"),
+        (("compare", SCENE, "--model", "condensed"), "condensed bodies"),
+        (("report",), "name the scene"),
+    ],
+)
+def test_what_it_cannot_stand_with_is_one_line(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, tokens: tuple[str, ...], words: str
+) -> None:
+    code, out, err = run(capsys, *tokens, "--reference", str(written(tmp_path / "a.csv")))
+    assert (code, err.count("\n")) == (2, 1), out
+    assert words in err
+
+
+def test_compare_sets_models_and_ours_beside_it(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    file = written(tmp_path / "bench.csv", "# uncertainty: 1 %", factor=1.2)
+    tokens = ("compare", SCENE, "--reference", str(file), "--store", str(tmp_path / "store"))
+    code, out, _ = run(capsys, *tokens)
+    assert code == 0
+    assert "against bench.csv, uncertain by 1 % of the mean load" in out
+    rows = {line.split("  ")[0]: line for line in out.splitlines()}
+    assert {"bench.csv", "refined", "stored 3D reference"} <= rows.keys()
+    assert "nan" not in out
+    figure = (tmp_path / "store" / "two-balls-compare.svg").read_text(encoding="utf-8")
+    assert "bench.csv" in figure
+    assert "stored 3D reference" in figure
+    _, out, _ = run(capsys, *tokens, "--json")
+    (told,) = json.loads(out)["scenes"]
+    assert (told["levels"], told["uncertainty_percent"]) == ([], pytest.approx(1.0))
+    assert told["answers"]["bench.csv"]["axial"]["displacement_um"] is None
+    assert told["answers"]["stored 3D reference"]["axial"]["displacement_um"] is not None
+
+
+def test_the_page_of_a_scene_shows_both(tmp_path: Path) -> None:
+    page = page_of(SCENE, (shipped_store(),), written(tmp_path / "bench.csv", "# uncertainty: 30 %", factor=1.2))
+    assert "against bench.csv, uncertain by 30 % of the mean load, loads are off by up to" in page.verdict
+    assert "exceeds the limit" in page.warnings[0]
+    assert page.provenance["reference"].startswith("bench.csv, SHA-256 ")
+    figure, table = page.parts[0].items
+    assert isinstance(figure, Figure)
+    series = figure.panels[1].series
+    assert [one.label for one in series] == ["refined", "bench.csv", "3D reference"]
+    own = series[1]
+    assert own.bars is not None
+    assert own.bars[1][1] - own.bars[0][1] == pytest.approx(0.6 * reference(scene()).mean, rel=0.2)  # type: ignore[union-attr]
+    assert isinstance(table, Table)
+    assert {"bench.csv", "3D reference"} <= {column.label for column in table.columns}

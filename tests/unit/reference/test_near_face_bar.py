@@ -1,0 +1,104 @@
+"""What a level leaves out of a contact's compliance beside a free face, and what its load is wrong by."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from tests.near_face import CASES, measured, scene_of
+
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.models.total_uncertainty import beside_face, total
+from rollbench.comparison.reference.near_face import AWAY, FILE, read, too_large
+from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison.scenes import catalogue
+from rollbench.hifi.meshing.expected import hertz_units
+from rollbench.meshes.helix import ball_layout
+
+ROWS = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))
+KNOWN = read(shipped_store())
+
+
+def test_the_record_is_of_its_cases_and_can_be_repeated() -> None:
+    assert [(row["scene"], row["radii"]) for row in ROWS] == [
+        (scene_of(number).name, distance) for number, distances, _ in CASES for distance in distances
+    ]
+    row = next(row for row in ROWS if row["radii"] == 1.35)
+    assert measured(None, 1.35, 1) == pytest.approx(row["lip"] - row["missing"]["1"], abs=2e-4)
+
+
+def test_finer_bodies_and_larger_distances_leave_less_out() -> None:
+    """Levels 1, 3 and 4 at every distance but for the scatter of meshes; in every scene less than a fifth of the lip."""
+    scatter = 0.02
+    for row in ROWS:
+        assert 0.0 < row["missing"]["1"] < 0.2 * row["lip"]
+    for level, own in KNOWN.missing.items():
+        assert (np.diff(own) < scatter).all()
+        assert (own <= KNOWN.missing[1] + 1e-12).all(), level
+    assert (KNOWN.missing[4] < 0.6 * KNOWN.missing[1])[:-1].all()
+    assert KNOWN.at(np.array([AWAY, 5.0]), 1)[1] == pytest.approx([0.0, 0.0])
+    assert KNOWN.at(np.array([1.1]), 5)[1] == pytest.approx(KNOWN.missing[4][2])
+    assert np.diff(KNOWN.missing[1])[:2] / np.diff(KNOWN.radii)[:2] == pytest.approx(
+        [np.diff(KNOWN.missing[1])[1] / np.diff(KNOWN.radii)[1]] * 2
+    )
+    first = KNOWN.missing[1]
+    others = [np.interp(row["radii"], KNOWN.radii, first) >= row["missing"]["1"] - 1e-12 for row in ROWS]
+    assert all(others)  # of other leads and balls too
+
+
+def near(distance: float = 1.2, **solid):
+    """Case 1 in a nut that ends so many ball radii beyond its last balls."""
+    scene = catalogue.scene("lin-case1")
+    z = ball_layout(scene).z - scene.nut.position
+    length = 2.0 * (float(z.max()) + distance * scene.balls.radius)
+    return replace(scene, nut=replace(scene.nut, length=length), solid=replace(scene.solid, **solid))
+
+
+def test_it_concerns_the_flank_that_is_pressed_towards_a_free_face() -> None:
+    load, scene = np.full((32, 4), 200.0), near()
+    last, first = int(ball_layout(scene).z.argmax()), int(ball_layout(scene).z.argmin())
+    found = too_large(scene, load, 1)
+    assert found[last, [0, 3]] == pytest.approx(found.max())
+    assert found[last, [1, 2]] == pytest.approx([0.0, 0.0])
+    assert not found[first].any()  # held there
+    turned = too_large(near(nut_held="right face"), load, 1)
+    assert turned[first, [1, 2]] == pytest.approx(found[last, [0, 3]], rel=1e-9)
+    assert not turned[last].any()
+    assert too_large(near(nut_held="outer surface"), load, 1) == pytest.approx(np.maximum(found, turned))
+    for other in (near(nut_held="both faces"), near(nut="rigid"), catalogue.scene("two-balls")):
+        assert not too_large(other, np.full((other.ball_count, 4), 200.0), 1).any()
+    assert not too_large(scene, 0.0 * load, 1).any()
+    assert too_large(scene, load, 3).max() < 0.6 * found.max()
+
+
+def test_the_load_that_a_missing_compliance_adds() -> None:
+    """Two Hertz contacts and a lip in a row at a given approach, the lip with and without what the level leaves out."""
+    scene, force = near(1.1), 300.0
+    unit = 1.0 / (scene.nut.material.youngs_modulus * scene.balls.radius)
+    lip, missing = (unit * float(x[0]) for x in KNOWN.at(np.array([1.1]), 1))
+    soft = sum(hertz_units(scene)[s].approach for s in (0, 3))
+
+    def approach(f: float, compliance: float) -> float:
+        return soft * f ** (2.0 / 3.0) + compliance * f
+
+    true = brentq(lambda f: approach(f, lip) - approach(force, lip - missing), 0.5 * force, force)
+    found = too_large(scene, np.full((32, 4), force), 1).max()
+    assert found == pytest.approx(force - true, rel=0.05)
+    assert 0.01 * force < found < 0.05 * force
+
+
+def test_it_is_said_by_name() -> None:
+    study = Study()
+    scene, found = study.scene("liu-screw"), study.reference("liu-screw")
+    assert found is not None
+    largest, place = beside_face(found)
+    last = int(ball_layout(scene).z.argmax())
+    assert place == f"ball {last + 1} SL"
+    assert found.uncertainty[last, 0] > found.beside_face[last, 0] > 0.0
+    words = total(scene, found, inputs=False)
+    assert f"of it {largest:.2f} % at {place} beside the nut's free face" in words.text
+    assert words.as_json()["beside_free_face_at"] == place
+    far = study.reference("unseen-25x5")
+    assert beside_face(far) == (0.0, "")
+    assert "free face" not in total(study.scene("unseen-25x5"), far, inputs=False).text

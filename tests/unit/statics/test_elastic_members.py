@@ -1,0 +1,37 @@
+"""Members with elastic bodies on one system are those that are solved one by one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rollbench.comparison.models.ensemble import work_of
+from rollbench.comparison.models.registry import Options, run_model
+from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi import jit
+from rollbench.lowfi.compliance.bodies import LADDER
+from rollbench.lowfi.statics.elastic_members import ElasticMembers, shared
+from rollbench.meshes.parts import Scene
+
+
+def _two_sides() -> Scene:
+    """Balls that are all too small to be tight, so that the idle diagonal is left out."""
+    scene = catalogue.scene("lin-random")
+    return replace(scene, errors=replace(scene.errors, balls=replace(scene.errors.balls, oversize=-12e-6)))
+
+
+@pytest.mark.parametrize("scene", [catalogue.scene("lin-random"), _two_sides()], ids=["four sides", "loose balls"])
+def test_members_on_one_system_are_those_solved_one_by_one(scene: Scene) -> None:
+    assert shared(scene)
+    loads, residuals, works = ElasticMembers(scene, LADDER["refined"], jit.kernels(jit.STATICS, compiled=False)).solve(3, 3)
+    assert not np.isnan(residuals).any()
+    for k in range(3):
+        alone = run_model(scene, "refined", Options(member=3 + k, discretisation=False))
+        assert np.abs(loads[k] - alone.load).max() <= 1e-11 * alone.load.max()
+        assert works[k] == pytest.approx(work_of(scene, alone), rel=1e-11)
+
+
+def test_grooves_with_random_errors_are_solved_one_by_one() -> None:
+    assert not shared(catalogue.scene("lin-combined"))
