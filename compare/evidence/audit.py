@@ -18,12 +18,15 @@ from rollbench.comparison.evidence.registry import by_table, evidence, not_compu
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import Printed, load_table, tables
 
-Verdict = Literal["reproduced", "only as printed", "band", "contradicted", "not identifiable", "input", "identity"]
+Verdict = Literal[
+    "reproduced", "only as printed", "band", "inferred", "contradicted", "not identifiable", "input", "identity"
+]
 #: Verdicts, those that say something of the source's models first; in words.
 VERDICTS: dict[Verdict, str] = {
     "reproduced": "the text determines it, and it comes out to the digits printed",
     "only as printed": "it comes out only when a fault of the source is repeated",
     "band": "under-specified or random, and within a range of stated origin",
+    "inferred": "the text leaves it open; it comes out under readings that were inferred from another printed number",
     "contradicted": "computation, or the source itself, says otherwise",
     "not identifiable": "the text does not determine it: measured, of another program, or resting on what is not printed",
     "input": "given by the source and taken over",
@@ -119,7 +122,7 @@ def _judge_open(found: Evidence, words: str) -> tuple[Verdict, str]:
     for pattern, why in contradicted().items():
         if fnmatchcase(name, pattern):
             return "contradicted", sentences(why[:1].upper() + why[1:], words)
-    return "not identifiable", words
+    return ("inferred" if found.reading is not None and found.holds else "not identifiable"), words
 
 
 def audit(study: Study, *names: str) -> list[Audited]:
@@ -173,7 +176,8 @@ def trust(row: Mapping[str, Any]) -> str:
     return (
         f"{row['source']}: of {n} numbers and claims that a model can be judged by, {share['reproduced']} come out as "
         f"printed, {share['band']} lie within a band, {share['only as printed']} come out only with a fault repeated, "
-        f"{share['contradicted']} are contradicted and {share['not identifiable']} cannot be identified from the text."
+        f"{share['inferred']} under inferred readings that another printed number bears out, {share['contradicted']} "
+        f"are contradicted and {share['not identifiable']} cannot be identified from the text."
     )
 
 

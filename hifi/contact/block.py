@@ -237,7 +237,7 @@ def study(
         mesh = tetrahedra(int(element[1]), influence, size * a)
     else:
         raise ValueError(f"element {element!r}: one of P1, P2, Q1, Q2")
-    return _run(job, mesh, b_over_h, perf_counter() - start, far_field)
+    return on_mesh(job, mesh, b_over_h, perf_counter() - start, far_field=far_field)
 
 
 def source_study(job: HertzJob) -> HertzRun:
@@ -245,11 +245,12 @@ def source_study(job: HertzJob) -> HertzRun:
     start = perf_counter()
     radius = SOURCE_RADIUS
     mesh = tetrahedra(1, Influence(SOURCE_FINE, (radius, radius, radius), 0.2, SOURCE_COARSE), SOURCE_COARSE)
-    return _run(job, mesh, job.exact.semi_y / SOURCE_FINE, perf_counter() - start, True)
+    return on_mesh(job, mesh, job.exact.semi_y / SOURCE_FINE, perf_counter() - start)
 
 
-def _run(job: HertzJob, mesh: BlockMesh, b_over_h: float, seconds: float, far_field: bool) -> HertzRun:
-    """Compliance, contact and reading of one mesh."""
+def on_mesh(job: HertzJob, mesh: BlockMesh, b_over_h: float, seconds: float = 0.0, *, far_field: bool = True) -> HertzRun:
+    """Solve a job on a mesh of a quarter block; b_over_h: its cells across the short semi-axis; seconds: it took to make;
+    far_field: as for `study`. Raises ArithmeticError for a contact that fails."""
     margin = 1.0 + 1.5 / (int(mesh.element[1]) * b_over_h)  # the contact may end one node too far
     reach = (margin * job.exact.semi_x, margin * job.exact.semi_y)
     surface = surface_compliance(mesh, reach, job.young, job.poisson)

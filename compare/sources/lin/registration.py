@@ -6,6 +6,9 @@ REGISTRATION = Registration(
     parts=(
         Part("hertz", "sources.lin.sections.hertz", page="reference"),
         Part("cases", "sources.lin.sections.cases", runs=True, page="cases"),
+        Part(
+            "reconstruction", "sources.lin.sections.reconstruction", runs=True, needs=("friction", "rolling"), page="cases"
+        ),
         Part("errors", "sources.lin.sections.errors", page="tolerances"),
         Part("manufacturing", "sources.lin.sections.manufacturing", page="tolerances"),
         Part("steering", "sources.lin.sections.steering", page="friction"),

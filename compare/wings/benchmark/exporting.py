@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from string import Template
 from typing import Any
@@ -21,11 +22,13 @@ from rollbench.comparison.wings.benchmark.schema import schema
 from rollbench.comparison.writing import replace_file
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.bridge import write_mesh
-from rollbench.meshes.parts import SIDES
+from rollbench.meshes.parts import SIDES, BallErrors, Errors
 
 Step = Callable[[str], None]
 #: Mesh level of the whole bodies that are written.
 LEVEL = 1
+#: Oversize [m] with which all flanks of a set touch, to refine their meshes.
+TOUCHING = 2e-6
 
 
 def export(folder: Path, *, meshes: bool, step_files: bool, step: Step) -> list[str]:
@@ -120,7 +123,9 @@ def write_meshes(one: Problem, folder: Path) -> list[Path]:
     from rollbench.hifi.several_sets import bodies_of
 
     scene = one.described
-    bodies = bodies_of(scene)[0].bodies if isinstance(scene, Assembly) else scene
+    bodies = scene
+    if isinstance(bodies, Assembly):  # its errors are between the sets: all flanks touch where balls are too large
+        bodies = replace(bodies_of(bodies)[0].bodies, errors=Errors(balls=BallErrors(oversize=TOUCHING)))
     folder.mkdir(parents=True, exist_ok=True)
     out = []
     for part in BODIES:

@@ -10,7 +10,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.commands.export import part_mesh
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.modelling import varied
 from rollbench.comparison.scenes import catalogue, scene_file
@@ -23,7 +22,6 @@ from rollbench.comparison.wings.benchmark.scoring import Given, read, score
 from rollbench.comparison.wings.benchmark.step_files import off, write_step
 from rollbench.hifi.several_sets import bodies_of
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.bridge import write_mesh
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.solid import dimensions
 
@@ -265,15 +263,16 @@ def test_the_distance_from_a_flank_is_seen():
     assert np.abs(off(scene, 3, 1.0001 * points, 0.0)).max() > 5e-7
 
 
-def test_a_mesh_opens_in_meshio_and_scikit_fem(tmp_path):
+@pytest.mark.parametrize(("name", "radius"), [("two-balls", 4e-3), ("double-nut", 3.175e-3)])
+def test_meshes_open_in_meshio_and_scikit_fem(name, radius, tmp_path):
     meshio, skfem = pytest.importorskip("meshio"), pytest.importorskip("skfem")
-    path = tmp_path / "ball.vtu"
-    write_mesh(path, part_mesh(PROBLEMS["two-balls"].described, "ball", 1), {}, form="vtu")
-    cells = meshio.read(path).cells_dict
-    mesh = skfem.MeshTet2.load(path)
-    assert mesh.t.shape[1] == len(cells["tetra10"])
-    volume = skfem.Functional(lambda w: 1.0 + 0.0 * w.x[0]).assemble(skfem.Basis(mesh, skfem.ElementTetP2()))
-    assert volume == pytest.approx(4.0 / 3.0 * np.pi * 4e-3**3, rel=2e-3)
+    paths = exporting.write_meshes(PROBLEMS[name], tmp_path)
+    assert [path.name for path in paths] == [f"{name}-{part}.vtu" for part in ("screw", "nut", "ball")]
+    meshes = [skfem.MeshTet2.load(path) for path in paths]
+    assert [mesh.t.shape[1] for mesh in meshes] == [len(meshio.read(path).cells_dict["tetra10"]) for path in paths]
+    ball = skfem.Basis(meshes[-1], skfem.ElementTetP2())
+    volume = skfem.Functional(lambda w: 1.0 + 0.0 * w.x[0]).assemble(ball)
+    assert volume == pytest.approx(4.0 / 3.0 * np.pi * radius**3, rel=2e-3)
 
 
 @pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")

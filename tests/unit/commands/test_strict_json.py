@@ -27,6 +27,7 @@ ELSEWHERE = {
     "solve": "below",
     "friction": "below",
     "sweep": "tests/unit/sweep/test_run.py reads its JSON",
+    "benchmark": "tests/unit/benchmark reads its JSON",
     "crosscheck": "tests/unit/crosscheck reads its JSON",
     "bench": "it times for a minute; tests/unit/commands/test_bench.py",
 }

@@ -211,11 +211,11 @@ def test_new_like_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFi
     with pytest.raises(SystemExit) as stop:
         main(["new", str(file), "--like", "40x10"])
     assert not stop.value.code
-    assert file.read_text(encoding="utf-8") == scene_like("40x10")
+    assert file.read_text(encoding="utf-8").split("\n", 1)[1] == scene_like("40x10")
     with pytest.raises(SystemExit) as stop:
         main(["new", str(tmp_path / "b.toml"), "--like", "40x10", "--kind", "double-nut"])
     assert not stop.value.code
-    assert (tmp_path / "b.toml").read_text(encoding="utf-8") == double_nut_like("40x10")
+    assert (tmp_path / "b.toml").read_text(encoding="utf-8").split("\n", 1)[1] == double_nut_like("40x10")
 
 
 @pytest.mark.parametrize("size", ["6x1", "40x10", "63x20", "20x20"])

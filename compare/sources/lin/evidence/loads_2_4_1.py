@@ -11,6 +11,7 @@ from rollbench.comparison.measure import error_percent, load_error
 from rollbench.comparison.models.comparison import PRINTED
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import entry
+from rollbench.comparison.sources.lin.reconstruction.combined import predicted
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.partition import fixed_partition
 
@@ -106,7 +107,9 @@ def _case_3(study: Study, sheet: Sheet) -> None:
 
 
 def _against_ansys(study: Study, sheet: Sheet) -> None:
-    """The source's errors against ANSYS stay open; those of its model against the 3D reference are filed with them."""
+    """The source's errors against ANSYS: those of its model against the 3D reference, and what readings of the text predict
+    that also give its ratio."""
+    readings = {p.key: p for p in predicted(study, "own")}
     for name, (largest, rms, _) in PRINTED.items():
         found = study.reference(name)
         if found is None:
@@ -117,4 +120,9 @@ def _against_ansys(study: Study, sheet: Sheet) -> None:
                 "computed here: the source's model against this project's 3D reference, in per cent of each load "
                 f"({mean:.2f} % of the mean load); the source's ANSYS loads are not printed"
             )
-            sheet.number(key, own, words)
+            p = readings[key]
+            inferred = (
+                f"readings that also give the printed ratio: {p.nearest:.2f} %, with the scatter of the source's mesh "
+                f"{p.meshed_low:.2f} to {p.meshed_high:.2f} % (section reconstruction; inference)"
+            )
+            sheet.number(key, own, f"{words}; {inferred}", reading=p.nearest, holds=p.comes_out)

@@ -216,8 +216,10 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
             load_table(study),
             Text(
                 (
-                    "The printed errors against ANSYS compare with loads that are only drawn in a figure; they stay "
-                    "open, with the errors against this project's own 3D reference in section reference. The printed "
+                    "The printed errors against ANSYS compare with loads that are only drawn in a figure: what they "
+                    "may come "
+                    "from is in section reconstruction, errors against this project's own 3D reference in section "
+                    "reference. The printed "
                     "ratio of case 1 compares with the spread of the choices that the source leaves open: "
                     f"{spread_of_choices(study)}.",
                 )
