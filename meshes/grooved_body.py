@@ -55,6 +55,8 @@ from rollbench.meshes.sockets import (
 
 #: Longest edges on flanks over the coarse element size: a long groove of a small section makes most of a body's cells.
 FLANK = 0.48
+#: Longest edges on a flange over its thickness.
+THICKNESS = 0.25
 #: Circles of a flanged nut nearer to each other [m] are one.
 SAME = 1e-8
 
@@ -295,22 +297,24 @@ class Surface:
                 self._tube("bore" if self.spec.outer else "outside", r, circles[0], circles[1], self.z, limit)
             else:
                 names, places = outline(self.spec.flange, r, self.z)
-                circles = self._outline(names, places, limit)
+                circles = self._outline(names, places, limit, max(THICKNESS * self.spec.flange.thickness, self.shell.fine))
             for loop, ring, (radius, _) in zip(loops, (circles[0], circles[-1]), (places[0], places[-1]), strict=True):
                 loop.insert(1 if self.spec.outer else 0, [ring.on(seen(radius))])
         for name, z, loop in zip(("low end", "high end"), self.z, loops, strict=True):
             self.shell.face(name, loop, flat(z), np.inf)
 
-    def _outline(self, names: list[str], places: list[tuple[float, float]], limit: float) -> list[Curve]:
-        """The surface between circles at ``places``, by name; returns the circles."""
-        circles = [self._circle(r, z, limit) for r, z in places]
-        for name, k in zip(names, range(len(names)), strict=True):
+    def _outline(self, names: list[str], places: list[tuple[float, float]], limit: float, thin: float) -> list[Curve]:
+        """The surface between circles at ``places``, by name; returns the circles. thin: longest edges on the flange."""
+        sizes = [limit if name in ("centring", "outside") else min(thin, limit) for name in names]
+        around = [min(pair) for pair in zip([limit, *sizes], [*sizes, limit], strict=True)]
+        circles = [self._circle(r, z, size) for (r, z), size in zip(places, around, strict=True)]
+        for k, (name, size) in enumerate(zip(names, sizes, strict=True)):
             (r, z), (other, end) = places[k : k + 2]
             if r == other:
-                self._tube(name, r, circles[k], circles[k + 1], (z, end), limit)
+                self._tube(name, r, circles[k], circles[k + 1], (z, end), size)
             else:
                 outer, inner = sorted(((r, circles[k]), (other, circles[k + 1])), key=lambda x: -x[0])
-                self.shell.face(name, [[c.on(seen(x))] for x, c in (outer, inner)], flat(z), limit)
+                self.shell.face(name, [[c.on(seen(x))] for x, c in (outer, inner)], flat(z), size)
         return circles
 
     def _ring(self) -> list[list[Side]]:

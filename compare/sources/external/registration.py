@@ -5,6 +5,7 @@ from rollbench.comparison.registration import Part, Registration
 REGISTRATION = Registration(
     parts=(
         Part("external", "sources.external.section", runs=True, needs=("bearings", "friction", "rolling"), page="outside"),
+        Part("holding", "sources.external.holding", runs=True, page="outside"),
     ),
     functions={"computations": "sources.external.computations:COMPUTATIONS", "gate": "sources.external.gate:external_rows"},
 )

@@ -1,14 +1,22 @@
 """A nut's flange in 3D: named surfaces with their areas, the volume that it adds, on either side."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tests.fe_meshes import outer_faces, volume_of
 
 from rollbench.comparison.scenes import catalogue
+from rollbench.hifi.condensation.responses import nut_transform
+from rollbench.hifi.elements.assembly import assemble
+from rollbench.hifi.elements.forms import elasticity
+from rollbench.hifi.linear_algebra.solvers import factor
+from rollbench.meshes.fem import nodes_on
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import BodySpec, outline
 from rollbench.meshes.parts import Flange
 from rollbench.meshes.sockets import SocketSize
+from rollbench.meshes.solid import dimensions
 from rollbench.meshes.whole_bodies import Refinement, whole_body
 
 CASE = catalogue.scene("lin-case1")
@@ -49,6 +57,22 @@ def test_surfaces_of_a_flange_are_named_and_whole(side, plain: float) -> None:
         assert area[name] == pytest.approx(MM2 * size, rel=0.02), name
     face = ENDS[0] + 6e-3 if side == "left" else ENDS[1] - 6e-3
     assert np.abs(made.points[made.named["seat"], 2] - face).max() < 1e-9
+
+
+def test_single_bolts_hold_less_than_the_annulus() -> None:
+    """The nut pulled along its axis by its lands: fewer bolts, more give; the annulus is stiffer than any number."""
+    made, given = body(replace(FLANGE, seat=(24e-3, 33e-3))), []
+    lands = nodes_on(made.mesh, "land")
+    K = assemble(elasticity(210e9, 0.28), made.mesh)
+    pull = np.zeros(K.shape[0])
+    pull[3 * lands + 2] = 1.0 / lands.size
+    for bolts in (0, 24, 6, 3):
+        nut = replace(CASE.nut, flange=replace(FLANGE, seat=(24e-3, 33e-3), bolts=bolts))
+        T = nut_transform(made, dimensions(replace(CASE, nut=nut)))  # type: ignore[arg-type]
+        given.append(float(pull @ (T @ factor((T.T @ K @ T).tocsc()).solve(T.T @ pull))))
+    assert given == sorted(given)
+    assert 1.2 * given[0] < given[1] < 1.5 * given[2]
+    assert 1.5 * given[0] < given[2] < 3.0 * given[0]
 
 
 def test_an_annulus_that_fills_the_face_leaves_no_other_surface() -> None:
