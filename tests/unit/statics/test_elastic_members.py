@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from rollbench.comparison.models.ensemble import work_of
+from rollbench.comparison.models.loading import scaled
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.scenes import catalogue
 from rollbench.lowfi import jit
@@ -22,7 +23,14 @@ def _two_sides() -> Scene:
     return replace(scene, errors=replace(scene.errors, balls=replace(scene.errors.balls, oversize=-12e-6)))
 
 
-@pytest.mark.parametrize("scene", [catalogue.scene("lin-random"), _two_sides()], ids=["four sides", "loose balls"])
+SCENES = {
+    "four sides": catalogue.scene("lin-random"),
+    "loose balls": _two_sides(),
+    "errors that press more than the load": scaled(catalogue.scene("lin-random"), 0.02),
+}
+
+
+@pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
 def test_members_on_one_system_are_those_solved_one_by_one(scene: Scene) -> None:
     assert shared(scene)
     loads, residuals, works = ElasticMembers(scene, LADDER["refined"], jit.kernels(jit.STATICS, compiled=False)).solve(3, 3)
