@@ -117,7 +117,9 @@ def fixed_text(one: Problem) -> str:
         "shaft": dims.shaft,
     }
     lines = [f'{key} = "{1e3 * value:.10g} mm"' for key, value in solid.items()]
-    lines += [f'nut_held = "{described.solid.nut_held or dims.nut_held}"', f'screw_held = "{dims.screw_held}"']
+    lines.append(f'screw_held = "{dims.screw_held}"')
+    if "held" not in tomllib.loads(one.text)["nut"]:
+        lines += ["", "[nut.held]", f'at = "{dims.nut_held}"']
     without = re.sub(r"(?ms)^\[solid\]\n.*?(?=^\[|\Z)", "", one.text)
     assert "solid" not in tomllib.loads(without)
     return f"{without.rstrip()}\n\n[solid]\n" + "\n".join(lines) + "\n"

@@ -218,7 +218,8 @@ def test_the_scene_leaves_no_dimension_to_an_assumption(name, folder):
     assert own.assumed[0].startswith(("The groove runs", "Flat ends"))
     assert (own.land, own.hole, own.shaft) == pytest.approx((ours.land, ours.hole, ours.shaft), rel=1e-9)
     assert (own.nut_held, own.screw_held) == (ours.nut_held, ours.screw_held)
-    assert replace(found, solid=meant.solid, name=meant.name) == meant
+    said = tuple(words for words in meant.assumed if not words.startswith("The former key"))
+    assert replace(found, solid=meant.solid, name=meant.name) == replace(meant, assumed=said)
 
 
 def test_step_files_open_in_gmsh(tmp_path):
