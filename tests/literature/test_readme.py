@@ -38,6 +38,9 @@ def test_table_and_first_sentence_are_the_report_s() -> None:
     first = " ".join(text.split("\n\n")[1].split())
     assert "{:.1f} % of the mean contact load in the median and by {:.1f} % on 19 of 20".format(*refined) in first
     assert "rigid-nut model by {:.1f} and {:.0f} %".format(*lin) in first
+    bars = {f"{float(row['grid uncertainty [% of mean]']):.1f} %" for row in stored("ladder")}
+    assert bars == {"0.1 %"}
+    assert "the reference's mesh leaves 0.1 %," in first
 
 
 def test_one_page() -> None:

@@ -1,5 +1,6 @@
 """The manual: pages that the program writes, its workflow, and paths and links that it names."""
 
+import csv
 import re
 import sys
 from pathlib import Path
@@ -54,3 +55,12 @@ def test_named_files_exist(page: Path) -> None:
     for target in re.findall(r"\]\(([^)#:]+?)(?:#[^)]*)?\)", text):
         made = page.parent / target
         assert made.exists() or made.stem in ("commands", "quantities", "scene-file", "misprints"), target
+
+
+@pytest.mark.parametrize(("page", "model"), [("refined-model", "refined"), ("beam-model", "lin")])
+def test_stated_errors_of_models_are_the_report_s(page: str, model: str) -> None:
+    rows = csv.DictReader((TOP / "reports/validation/tables/stability-survey.csv").read_text(encoding="utf-8").splitlines())
+    row = next(r for r in rows if (r["model"], r["error"]) == (model, "largest_percent"))
+    text = (DOCS / "theory" / f"{page}.md").read_text(encoding="utf-8")
+    assert f"{float(row['median']):.1f} %" in text
+    assert re.search(rf"{float(row['p95']):.2g} %\s+at the\s+95th percentile", text)
