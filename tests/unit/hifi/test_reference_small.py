@@ -309,14 +309,14 @@ force = ["0 N", "0 N", "400 N"]
 """
 
 
+@pytest.mark.slow
 def test_a_command_whose_reference_does_not_settle_says_so_keeps_it_and_ends_with_a_code_of_its_own(
     small, tmp_path, monkeypatch, capsys
 ):
-    """Two updates of directions and gaps settle these loads, one does not."""
+    """One update of directions and gaps does not settle these loads."""
     file, store = tmp_path / "two.toml", tmp_path / "store"
     file.write_text(TWO_BALLS)
-    monkeypatch.setattr(setup, "prepare", lambda *_, **__: small)
-    bars = {}
+    monkeypatch.setattr(setup, "prepare", lambda *given, **_: replace(small, settings=given[2]))
     for updates, code in ((1, 5), (reference.ROUNDS, 0)):
         monkeypatch.setitem(reference.solve_reference.__kwdefaults__, "updates", updates)
         with pytest.raises(SystemExit) as stop:
@@ -324,11 +324,15 @@ def test_a_command_whose_reference_does_not_settle_says_so_keeps_it_and_ends_wit
         assert (stop.value.code or 0) == code
         (said,) = json.loads(capsys.readouterr().out)["scenes"]
         (kept,) = (json.loads(run.read_text()) for run in store.glob("two-level1-*.json"))
-        assert said["reference_status"] == ("converged" if code == 0 else f"level 1 {kept['status']}")
-        bars[code] = said["uncertainty"]["discretisation_percent"], kept
-    assert bars[5][1]["status"].startswith("not settled: loads may still move by")
-    assert bars[0][1]["moving"] == 0.0
-    assert bars[5][0] > bars[0][0]
+        load, told = np.array(kept["load"]), said["uncertainty"]["discretisation_percent"]
+        may_move = 100.0 * kept["moving"] / load[load > 0.0].mean()
+        if code:
+            assert kept["status"].startswith("not settled: loads may still move by")
+            assert said["reference_status"] == f"level 1 {kept['status']}"
+            assert told >= may_move > 1.0
+        else:
+            assert (kept["status"], said["reference_status"], may_move) == ("converged", "converged", 0.0)
+            assert told < 1.0
 
 
 def test_what_is_left_is_the_rest_of_a_geometric_series():
