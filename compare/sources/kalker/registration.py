@@ -14,5 +14,4 @@ REGISTRATION = Registration(
             page="rolling",
         ),
     ),
-    functions={"computations": "sources.kalker.computations:COMPUTATIONS"},
 )

@@ -17,7 +17,6 @@ REGISTRATION = Registration(
         Part("formulations", "sources.lin.sections.formulations", page="robustness"),
     ),
     functions={
-        "computations": "sources.lin.computations:COMPUTATIONS",
         "bench": "sources.lin.hooks:bench_jobs",
         "timing": "sources.lin.hooks:timing_tables",
         "stability": "sources.lin.hooks:stability_items",

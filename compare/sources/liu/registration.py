@@ -6,7 +6,6 @@ REGISTRATION = Registration(
     needs=("random_errors",),
     parts=(Part("liu", "sources.liu.section", page="sources"),),
     functions={
-        "computations": "sources.liu.computations:COMPUTATIONS",
         "bench": "sources.liu.bench:jobs",
         "timing jobs": "sources.liu.bench:jobs",
         "references": "sources.liu.evidence.bodies:references",

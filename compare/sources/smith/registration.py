@@ -2,8 +2,4 @@
 
 from rollbench.comparison.registration import Part, Registration
 
-REGISTRATION = Registration(
-    needs=("bearings",),
-    parts=(Part("smith", "sources.smith.section", page="sources"),),
-    functions={"computations": "sources.smith.computations:COMPUTATIONS"},
-)
+REGISTRATION = Registration(needs=("bearings",), parts=(Part("smith", "sources.smith.section", page="sources"),))
