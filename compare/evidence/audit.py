@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import json
-import tomllib
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import cache
-from importlib import resources
 from typing import Any, Literal
 
+from rollbench.comparison import data
 from rollbench.comparison.evidence.record import Evidence, sentences
 from rollbench.comparison.evidence.registry import by_table, evidence, not_computed
 from rollbench.comparison.models.study import Study
@@ -90,12 +89,8 @@ class Audited:
 @cache
 def contradicted() -> dict[str, str]:
     """Patterns "table:key" of open entries that are contradicted, and by what."""
-    found: dict[str, str] = tomllib.loads(_text("open.toml"))["contradicted"]
+    found: dict[str, str] = data.table("printed/audit/open.toml")["contradicted"]
     return found
-
-
-def _text(name: str) -> str:
-    return resources.files("rollbench.comparison").joinpath("printed", "audit", name).read_text(encoding="utf-8")
 
 
 def judge(found: Evidence) -> tuple[Verdict, str]:
@@ -192,7 +187,7 @@ def data_digest(printed: Printed) -> str:
 @cache
 def stored() -> dict[str, tuple[str, str]]:
     """The list of verdicts that is held by tests: "table:key" -> (digest of its data, verdict)."""
-    return {name: (row[0], row[1]) for name, row in json.loads(_text("verdicts.json")).items()}
+    return {name: (row[0], row[1]) for name, row in json.loads(data.text("printed/audit/verdicts.json")).items()}
 
 
 def as_stored(rows: Sequence[Audited]) -> str:
