@@ -5,7 +5,7 @@ from __future__ import annotations
 from rollbench.comparison import data
 
 #: Unknown key, in lower case with underscores, and what it is called in a scene.
-WORDS: dict[str, str] = data.table("scenes/words.toml")
+WORDS: dict[str, str] = data.table("words.toml")
 
 
 def hint(name: str) -> str:
