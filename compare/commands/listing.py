@@ -63,6 +63,6 @@ def _trace_tables(traces: Sequence[Trace]) -> Iterator[Table]:
     for heading in ("table", "key", "printed", "class", "scenes, or why none", "computed by", "test"):
         out.add_column(heading, overflow="ellipsis" if heading == "printed" else "fold")
     for t in traces:
-        test = t.test.removeprefix("tests/literature/")
+        test = t.test.removeprefix("tests/sources/")
         out.add_row(t.table, t.key, t.printed, t.cls, ", ".join(t.scenes) or t.no_scene, t.computation, test or "–")
     yield out
