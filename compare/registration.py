@@ -60,13 +60,14 @@ class Part:
 class Registration:
     """What a wing or a source adds. Modules are named below ``rollbench.comparison``, functions as ``module:function``.
 
-    folders: of the repository, which belong to it beside its own; needs: wings without which it is not there; commands:
-    module by name of the command, which adds it to the command line; kinds: record of ``scenes.kinds.Kind`` by kind of
-    scene; parts: sections of the report; functions: by a name of `HOOKS`.
+    folders: of the repository, which belong to it beside its own; needs: wings without which it is not there; title: of a
+    source whose printed tables are judged; commands: module by name of the command, which adds it to the command line;
+    kinds: record of ``scenes.kinds.Kind`` by kind of scene; parts: sections of the report; functions: by a name of `HOOKS`.
     """
 
     folders: tuple[str, ...] = ()
     needs: tuple[str, ...] = ()
+    title: str = ""
     commands: Mapping[str, str] = field(default_factory=dict)
     kinds: Mapping[str, str] = field(default_factory=dict)
     parts: tuple[Part, ...] = ()

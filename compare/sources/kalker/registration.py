@@ -3,6 +3,7 @@
 from rollbench.comparison.registration import Part, Registration
 
 REGISTRATION = Registration(
+    title="Kalker (1990)",
     needs=("rolling",),
     parts=(
         Part(

@@ -3,6 +3,7 @@
 from rollbench.comparison.registration import Part, Registration
 
 REGISTRATION = Registration(
+    title="Lin (2019)",
     parts=(
         Part("hertz", "sources.lin.sections.hertz", page="reference"),
         Part("cases", "sources.lin.sections.cases", runs=True, page="cases"),

@@ -3,6 +3,7 @@
 from rollbench.comparison.registration import Part, Registration
 
 REGISTRATION = Registration(
+    title="Liu et al. (2025)",
     needs=("random_errors",),
     parts=(Part("liu", "sources.liu.section", page="sources"),),
     functions={

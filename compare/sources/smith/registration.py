@@ -2,4 +2,6 @@
 
 from rollbench.comparison.registration import Part, Registration
 
-REGISTRATION = Registration(needs=("bearings",), parts=(Part("smith", "sources.smith.section", page="sources"),))
+REGISTRATION = Registration(
+    title="Smith (1994)", needs=("bearings",), parts=(Part("smith", "sources.smith.section", page="sources"),)
+)
