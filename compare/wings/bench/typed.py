@@ -44,8 +44,8 @@ class Typed:
 _SOLVE = "commands.solving.solve"
 TYPED = (
     Typed("list", _BASE, "commands.listing", 0.35),
-    Typed("solve lin-case1", f"{_LINEAR}, numba", _SOLVE, 0.6),
-    Typed("solve lin-case1 --model lin", f"{_LINEAR}, numba", _SOLVE, 0.4),
+    Typed("solve lin-case1", _LINEAR, _SOLVE, 0.6),
+    Typed("solve lin-case1 --model lin", _LINEAR, _SOLVE, 0.4),
     Typed("friction lin-case1", f"{_LINEAR}, numba", "wings.friction.whole", 0.6),
     Typed("solve lin-random --members 100 --model lin", f"{_LINEAR}, numba", "commands.solving.members", 1.0),
     Typed("solve lin-random --members 20", f"{_LINEAR}, numba", "commands.solving.members", 1.0),
