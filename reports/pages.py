@@ -42,7 +42,7 @@ COLUMNS = 8
 #: Rows beyond those of a table that it shows sooner than says that they are in its CSV.
 SPARED = 2
 #: Columns of a table in full length that so small a share of its rows fills are left to the CSV.
-RARE = 0.02
+RARE = 0.1
 #: Keys of columns that stay where others are left to the CSV, and on a phone.
 VERDICTS = ("class", "verdict", "status")
 _NAMED = re.compile(r"\b([Tt]ables?|[Ff]igures?|[Ss]ections?) ([a-z0-9][\w.-]*\w)")
@@ -258,7 +258,7 @@ def table_view(table: Table, whole: bool, folder: Path) -> dict[str, Any]:
     if len(shown) < len(columns):
         said.append(f"In the CSV alone: {', '.join(c.label for c in columns if c not in shown)}.")
     note = "\n".join(filter(None, [table.note, *said]))
-    return {"kind": "table", "table": table, "columns": heads, "rows": cells, "note": note}
+    return {"kind": "table", "table": table, "columns": heads, "rows": cells, "note": note, "whole": whole}
 
 
 def _share(column: Quantity, table: Table) -> float:
