@@ -57,6 +57,50 @@ def test_named_files_exist(page: Path) -> None:
         assert made.exists() or made.stem in ("commands", "quantities", "scene-file", "misprints"), target
 
 
+def test_first_page_states_the_report_s_errors() -> None:
+    rows = list(
+        csv.DictReader((TOP / "reports/validation/tables/stability-survey.csv").read_text(encoding="utf-8").splitlines())
+    )
+    text = re.sub(r"\s+", " ", (DOCS / "index.md").read_text(encoding="utf-8"))
+    for model in ("refined", "lin"):
+        row = next(r for r in rows if (r["model"], r["error"]) == (model, "largest_percent"))
+        assert f"{float(row['median']):.1f} %" in text
+    assert f"{row['scenes']} screws" in text
+
+
+def test_every_drawing_is_made_and_shown(tmp_path: Path, written: Path) -> None:
+    sys.path.insert(0, str(DOCS))
+    try:
+        import drawings
+    finally:
+        sys.path.remove(str(DOCS))
+    drawings.draw(tmp_path)
+    scene = (written / "scene-file.md").read_text(encoding="utf-8")
+    for drawn in tmp_path.glob("*.svg"):
+        assert f"_static/{drawn.name}" in scene
+    lengths = " ".join(p.read_text(encoding="utf-8") for p in tmp_path.glob("*.svg"))
+    for key in (
+        "screw.length",
+        "nut.length",
+        "track.lead",
+        "nut.flange.seat",
+        "solid.shaft",
+        "groove_radius",
+        "screw.bore",
+    ):
+        assert key in lengths
+
+
+def test_quantities_have_units(written: Path) -> None:
+    text = (written / "quantities.md").read_text(encoding="utf-8")
+    for row in (
+        "| `axial.rigidity_N_per_um` | N/µm |",
+        "| `loads.worst_ball` | – |",
+        "| `rigidities_N_per_um.with_bodies` | N/µm |",
+    ):
+        assert row in text
+
+
 @pytest.mark.parametrize(("page", "model"), [("refined-model", "refined"), ("beam-model", "lin")])
 def test_stated_errors_of_models_are_the_report_s(page: str, model: str) -> None:
     rows = csv.DictReader((TOP / "reports/validation/tables/stability-survey.csv").read_text(encoding="utf-8").splitlines())
