@@ -145,7 +145,7 @@ def quantities() -> Iterator[str]:
 
 def unit_of_path(path: str) -> str:
     """Unit of a quantity: the ending of the last part of its path that names one; a dash for counts, words and ratios."""
-    units = (unit_of(part.removesuffix("[]"))[1] for part in reversed(path.split(".")))
+    units = (unit_of(part.removesuffix("[]").removesuffix("_per_100N"))[1] for part in reversed(path.split(".")))
     return next((unit.text for unit in units if unit is not None), "–").replace("um", "µm")
 
 
