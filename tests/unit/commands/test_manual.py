@@ -38,7 +38,20 @@ def test_reference_has_every_command_key_and_quantity(written: Path) -> None:
 
 
 def test_workflow_keeps_the_reference_also_when_the_job_fails() -> None:
-    job = yaml.safe_load((DOCS / "gate.yml").read_text(encoding="utf-8"))["jobs"]["gate"]
+    workflow = yaml.safe_load((DOCS / "gate.yml").read_text(encoding="utf-8"))
+    reference, job = workflow["jobs"]["reference"]["steps"], workflow["jobs"]["gate"]
+    restore = next(step for step in reference if step.get("uses", "").startswith("actions/cache/restore@"))
+    (save,) = [step for step in reference if step.get("uses", "").startswith("actions/cache/save@")]
+    assert save["if"].startswith("always() && ")
+    assert "job.status == 'success'" in save["with"]["key"]
+    assert restore["with"]["restore-keys"].startswith("rollbench-part-")
+    assert "part-{0}-{1}" in save["with"]["key"]
+    assert any("-c constraints.txt" in step.get("run", "") for step in reference)
+    assert set(workflow[True]) == {"push", "pull_request"}  # the word "on" is true in YAML 1.1
+    for one in workflow["jobs"].values():
+        assert all({"uses", "run"} & step.keys() for step in one["steps"])
+        assert one["runs-on"]
+    assert any("gate.xml" in step.get("with", {}).get("path", "") for step in job["steps"])
     uses = [step.get("uses", "") for step in job["steps"]]
     assert any(use.startswith("actions/cache/restore@") for use in uses)
     for step in job["steps"]:
