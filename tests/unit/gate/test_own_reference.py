@@ -113,7 +113,7 @@ def test_every_flank_is_needed_and_one_uncertainty(tmp_path: Path) -> None:
     [
         (("check", SCENE, "lin-case1"), "one scene, not 2"),
         (("check", SCENE, "--levels", "2"), "the file is the reference"),
-        (("check", "double-nut"), "a scene of one set"),
+        (("check", "double-nut"), "no rows of set 1"),
         (("check",), "name the scenes"),
         (("compare", SCENE, "lin-case1"), "one scene, not 2"),
         (("compare", SCENE, "--levels", "1"), "--levels"),
