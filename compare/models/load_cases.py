@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models import axis_answers
 from rollbench.comparison.models.answers import Answers, LoadAnswers, gather
 from rollbench.comparison.models.loading import axial_of
 from rollbench.comparison.models.model_form import ModelForm, estimate
-from rollbench.comparison.models.outside import with_answers
+from rollbench.comparison.models.outside import outside
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.scenes.load_cases import DutyCycle, LoadCase
 from rollbench.lowfi.rating.equivalent import EquivalentLife, equivalent_life
@@ -21,6 +21,9 @@ from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Load, Scene
+
+if TYPE_CHECKING:
+    from rollbench.comparison.models.axis_answers import AxisAnswers
 
 #: What is said of a shaft without a set of balls.
 NO_BALLS = "none: rollers are not rated"
@@ -64,7 +67,7 @@ class SolvedAxis:
 
     scene: Assembly
     result: AxisResult
-    answers: axis_answers.AxisAnswers | None = None
+    answers: AxisAnswers | None = None
     expected: None = None
 
     @property
@@ -88,11 +91,9 @@ def solve_any(scene: Scene | Assembly, model: str, options: Options) -> Solved |
 
 def solve_axis(scene: Assembly, model: str, options: Options) -> SolvedAxis:
     """Solve several sets and gather all answers. Raises InputError as `run_model`."""
-    result = run_model(scene, model, Options(member=options.member))
-    if not result.converged:
-        return SolvedAxis(scene, result)
-    found = axis_answers.gather(scene, result)
-    return SolvedAxis(scene, with_answers(scene, result, found), found)
+    from rollbench.comparison.models.axis_answers import solve_sets
+
+    return SolvedAxis(scene, *solve_sets(scene, model, options.member))
 
 
 def solve_one(scene: Scene, model: str, options: Options) -> Solved:
@@ -101,7 +102,8 @@ def solve_one(scene: Scene, model: str, options: Options) -> Solved:
     if not result.converged:
         return Solved(scene, result)
     found = gather(scene, result, model, options)
-    result = with_answers(scene, result, found)
+    warned = outside(scene, found.loads, axial_of(found.preload))
+    result = replace(result, warnings=(*result.warnings, *warned))
     return Solved(scene, result, found, estimate(scene, result))
 
 

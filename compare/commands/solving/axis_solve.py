@@ -10,7 +10,6 @@ from rollbench.comparison.commands.solving.load_curve import FACTORS, write_rows
 from rollbench.comparison.commands.solving.matrix_files import write_stiffness
 from rollbench.comparison.commands.solving.solve_choices import Choices
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.gate.loads_file import loads_csv
 from rollbench.comparison.models.axis_answers import curve
 from rollbench.lowfi.statics.result import AxisResult
 from rollbench.meshes.axis import Assembly
@@ -28,12 +27,6 @@ def check(assembly: Assembly, choices: Choices) -> None:
     if choices.loads_csv is not None and not assembly.ball_count:
         advice = "rollers have no flanks: leave it out"
         raise InputError("command line", "--loads-csv", str(choices.loads_csv), "a set of balls", advice)
-
-
-def load_rows(result: AxisResult) -> list[dict[str, str]]:
-    """Rows of all contacts of what converged, with the number of their set."""
-    sets = [(k, s.balls) for k, s in enumerate(result.sets, 1) if s.balls is not None and result.converged]
-    return [{"set": str(k)} | row for k, b in sets for row in loads_csv(b.load, b.azimuth, b.z)]
 
 
 def write(assembly: Assembly, result: AxisResult, choices: Choices) -> list[str]:

@@ -7,14 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from rollbench.comparison.commands.printing import Answer
-from rollbench.comparison.commands.solving import axis_solve
 from rollbench.comparison.commands.solving.cases_output import case_json, case_table, cases_json, cases_table
-from rollbench.comparison.commands.solving.load_curve import write_curve
-from rollbench.comparison.commands.solving.matrix_files import check_matrix, write_matrix
 from rollbench.comparison.commands.solving.solve_choices import Choices
 from rollbench.comparison.commands.solving.solve_output import stiffness_lines
 from rollbench.comparison.errors import InputError, named, one_line
-from rollbench.comparison.gate.loads_file import loads_csv, write_loads
 from rollbench.comparison.models.answers import tangent_of
 from rollbench.comparison.models.load_cases import Solved, SolvedAxis, solve_any, together
 from rollbench.comparison.models.registry import Options, default_model
@@ -23,6 +19,7 @@ from rollbench.comparison.scenes.load_cases import DutyCycle
 from rollbench.comparison.scenes.scene_file import each_case
 from rollbench.comparison.watch import checked, watched
 from rollbench.comparison.writing import need_writable
+from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.lowfi.warned import above
 from rollbench.meshes.axis import Assembly
@@ -53,8 +50,8 @@ def run_solve(name: str, choices: Choices) -> Answer:
                 tangents.append(tangent_of(scene, station, model, options) if there and isinstance(scene, Scene) else None)
                 written += _write(solved[-1], tangents[-1], options, files)
     names = [case.name for case in cases]
-    if choices.loads_csv is not None and (rows := _load_rows(solved, names)):
-        written.append(write_loads(choices.loads_csv, rows))
+    if choices.loads_csv is not None:
+        written += _write_loads(choices.loads_csv, solved, names)
     code, shown = code_of(solved, choices), {"balls": choices.balls, "details": choices.assumptions}
     if not isinstance(described, DutyCycle):
         lines = [] if tangents[0] is None else stiffness_lines(tangents[0])
@@ -75,22 +72,30 @@ def _of_case(choices: Choices, name: str) -> Choices:
     return replace(choices, matrix=own(choices.matrix), curve=own(choices.curve))
 
 
-def _load_rows(solved: Sequence[Solved | SolvedAxis], names: Sequence[str]) -> list[dict[str, str]]:
-    """Rows of all contacts of what converged, of load cases with their name, of several sets with their number."""
+def _write_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Sequence[str]) -> list[str]:
+    """Write all contacts of what converged, of load cases with their name, of several sets with their number; lines that
+    say so."""
+    from rollbench.comparison.gate.loads_file import loads_csv, write_loads
+
     rows = []
     for one, name in zip(solved, names or [""], strict=True):
         head = {"case": name} if name else {}
-        if isinstance(one, SolvedAxis):
-            rows += [head | row for row in axis_solve.load_rows(one.result)]
-        elif one.result.converged:
-            rows += [head | row for row in loads_csv(one.result.load, one.result.azimuth, one.result.z)]
-    return rows
+        sets: list[tuple[dict[str, str], StaticResult]]
+        if isinstance(one, Solved):
+            sets = [({}, one.result)]
+        else:
+            sets = [({"set": str(k)}, s.balls) for k, s in enumerate(one.result.sets, 1) if s.balls is not None]
+        for own, balls in sets if one.result.converged else ():
+            rows += [head | own | row for row in loads_csv(balls.load, balls.azimuth, balls.z)]
+    return [write_loads(path, rows)] if rows else []
 
 
 def _check_parts(scene: Scene | Assembly, choices: Choices, station: float) -> None:
     """Raises InputError for a station beyond the screw or shaft, and for what several sets do not have."""
     if isinstance(scene, Assembly):
-        axis_solve.check(scene, choices)
+        from rollbench.comparison.commands.solving.axis_solve import check
+
+        check(scene, choices)
     if choices.stiffness_at and not 0.0 <= station <= scene.screw.length:
         allowed = f"0 mm to {1e3 * scene.screw.length:g} mm"
         what = "shaft" if isinstance(scene, Assembly) else "screw"
@@ -114,6 +119,8 @@ def _checked(choices: Choices) -> tuple[str, float]:
     if choices.matrix is not None:
         if not choices.stiffness_at:
             raise InputError("command line", "--matrix", str(choices.matrix), "with --stiffness-at", "give a station")
+        from rollbench.comparison.commands.solving.matrix_files import check_matrix
+
         check_matrix(choices.matrix)
     if choices.curve is not None:
         if choices.curve.suffix.lower() != ".csv":
@@ -135,11 +142,17 @@ def _write(one: Solved | SolvedAxis, tangent: Tangent | None, options: Options, 
     if not one.result.converged:
         return []
     if isinstance(one, SolvedAxis):
-        return axis_solve.write(one.scene, one.result, choices)
+        from rollbench.comparison.commands.solving.axis_solve import write
+
+        return write(one.scene, one.result, choices)
     lines = []
     if choices.matrix is not None and tangent is not None and tangent.status == "converged":
+        from rollbench.comparison.commands.solving.matrix_files import write_matrix
+
         write_matrix(choices.matrix, tangent, one.scene.name, one.result.model)
         lines.append(f"wrote {choices.matrix}: the matrix, symmetric, in N, m and rad")
     if choices.curve is not None:
+        from rollbench.comparison.commands.solving.load_curve import write_curve
+
         lines += write_curve(choices.curve, one.scene, one.result.model, options)
     return lines
