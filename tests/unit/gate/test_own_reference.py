@@ -154,7 +154,7 @@ def test_the_page_of_a_scene_shows_both(tmp_path: Path) -> None:
     assert "against bench.csv, uncertain by 30 % of the mean load, loads are off by up to" in page.verdict
     assert "exceeds the limit" in page.warnings[0]
     assert page.provenance["reference"].startswith("bench.csv, SHA-256 ")
-    figure, table = page.parts[0].items
+    figure, table = next(part for part in page.parts if part.name == "loads").items
     assert isinstance(figure, Figure)
     series = figure.panels[1].series
     assert [one.label for one in series] == ["refined", "bench.csv", "3D reference"]
