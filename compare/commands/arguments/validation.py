@@ -41,7 +41,8 @@ def report(
         A shipped name or a scene file: write one self-contained page on it instead. The 3D reference is set beside it where
         runs are stored; none is computed.
     only
-        Names of the sections to make; all but the costly ones unless given.
+        Names of the sections to make; all but the costly ones unless given. With timing the models' run times are measured
+        anew and kept in --store: reference timing.
     out
         Folder to write to.
     quick
@@ -55,7 +56,8 @@ def report(
     fresh
         Recompute all runs, whatever is stored, and make all sections.
     everything
-        Also make the slow sections: pictures, friction, verification, stability, timing.
+        Also make the slow sections: pictures, friction, verification, stability, timing. Cold run times are the stored
+        ones, beside a sample measured now.
     against
         An earlier report, or with a scene an earlier page on it, to list what moved.
     reference
