@@ -57,8 +57,8 @@ def conclusion(found: Sequence[Row]) -> str:
     good = [_plain(row) for row in found if row["model"] == DEFAULT and row["verdict"] == "yes"]
     bad = [_plain(row) for row in found if row["model"] == "lin" and row["verdict"] == "no"]
     return (
-        f"On ordinary screws {DEFAULT} is fit for {_listed(good) or 'nothing'}: within {LIMIT:g} % on at least 95 of 100 "
-        f"compared scenes. lin is not fit for {_listed(bad) or 'nothing of it'}."
+        f"On ordinary screws {DEFAULT} suits the {_listed(good) or 'nothing'}: within {LIMIT:g} % on 95 of 100 or more "
+        f"compared scenes. lin does not suit the {_listed(bad) or 'none of these'}."
     )
 
 
