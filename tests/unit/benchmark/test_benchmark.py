@@ -279,7 +279,7 @@ def test_meshes_open_in_meshio_and_scikit_fem(name, radius, tmp_path):
 @pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
 def test_calculix_solves_the_deck_of_an_exported_scene(folder, tmp_path):
     """Half an element across the short half axis is far too few: the contacts come out too stiff, none by more than 80 N of
-    500; those of a ball, which balance it, agree."""
+    500 (24 N with a whole one); those of a ball, which balance it, agree."""
     pytest.importorskip("gmsh")
     from rollbench.comparison.wings.crosscheck.calculix import run_calculix
     from rollbench.comparison.wings.crosscheck.export_deck import DeckChoices, run_deck
