@@ -8,7 +8,6 @@ import struct
 import zipfile
 from dataclasses import asdict, replace
 from functools import cache
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -124,13 +123,12 @@ def test_damaged_bytes_are_refused(tmp_path, capsys):
     refused(capsys, "solve", SCENE, "--condensed", str(path))
 
 
-def test_a_fault_of_ours_is_no_damaged_file(tmp_path, monkeypatch):
+@pytest.mark.parametrize("place", ["PACKED", "HEAD", "_array", "checksum"])
+def test_a_fault_of_ours_is_no_damaged_file(place, tmp_path, monkeypatch):
     bodies().save(tmp_path / "x.npz")
-    for place, wrong in (("_array", TypeError), ("checksum", AttributeError), ("_unpacked", KeyError)):
-        with monkeypatch.context() as patched:
-            patched.setattr(condensed, place, Mock(side_effect=wrong))
-            with pytest.raises(wrong):
-                load_condensed(tmp_path / "x.npz")
+    monkeypatch.setattr(condensed, place, None)
+    with pytest.raises((TypeError, AttributeError), match="NoneType"):
+        load_condensed(tmp_path / "x.npz")
 
 
 @pytest.mark.parametrize("changed", [{"compress_type": zipfile.ZIP_LZMA}, {"flag_bits": 1}])
