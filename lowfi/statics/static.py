@@ -76,8 +76,8 @@ class Prepared:
 def pick_engine(engine: Engine, balls: int, uneven: bool = False) -> ModuleType:
     """Interpreted kernels for one small solve, compiled ones for large or many; uneven: flanks that are no arcs."""
     most = COMPILE_UNEVEN if uneven else COMPILE_ABOVE
-    ready = uneven or balls > COMPILE_ALONE or jit.cached(jit.STATICS)
-    fast = engine == "compiled" or (engine == "auto" and (jit.loaded(jit.STATICS) or (balls > most and ready)))
+    many = balls > most and (uneven or balls > COMPILE_ALONE or jit.cached(jit.STATICS))
+    fast = engine == "compiled" or (engine == "auto" and (jit.loaded(jit.STATICS) or many))
     return jit.kernels(jit.STATICS, compiled=fast)
 
 

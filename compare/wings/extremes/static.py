@@ -49,6 +49,8 @@ FORMULATIONS = (ENERGY, *BACKENDS, *SOURCE)
 CONVERGED = "converged"
 #: The source's dense Jacobian is not attempted above this many unknowns.
 DENSE_LIMIT = 2000
+#: Balls beyond which no elastic bodies are attempted.
+ELASTIC_LIMIT = 250
 #: Loads of two formulations that differ by less than this share of the largest load [%] are the same solution.
 SAME = 1e-4
 
@@ -279,9 +281,12 @@ def _ours(case: Case) -> Attempt:
 
 
 def _elastic(case: Case, formulation: str) -> Attempt:
-    """A case with elastic bodies; where its dimensions leave no body (no land, no wall) it is not attempted."""
+    """A case with elastic bodies; where its dimensions leave no body (no land, no wall), or more balls than `ELASTIC_LIMIT`
+    would take minutes, it is not attempted."""
     begin = perf_counter()
     try:
+        if case.scene.ball_count > ELASTIC_LIMIT:
+            raise ValueError(f"{case.scene.ball_count} balls")
         result = solve_elastic(case.scene, backend=LADDER[BACKENDS[formulation]], engine="compiled")
     except ValueError as error:
         status, spent = f"not attempted: {error}", perf_counter() - begin
