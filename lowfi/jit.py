@@ -279,6 +279,33 @@ def _load(package: str) -> ModuleType:
     return module
 
 
+def driver_of(system: str, driver: str) -> ModuleType:
+    """The module ``driver`` of a kernel package, loaded once more for the module of name ``system`` there, whose functions
+    it then calls (`system_of`): numba keeps machine code of functions, but not of closures over other functions."""
+    package = system.rpartition(".")[0]
+    name = f"{package}.{driver}_of_{system.rpartition('.')[2]}"
+    if name not in sys.modules:
+        source = importlib.util.find_spec(f"{package}.{driver}")
+        spec = importlib.util.spec_from_file_location(name, source.origin) if source and source.origin else None
+        if spec is None or spec.loader is None:
+            raise ImportError(f"no module {driver} in {package}")
+        sys.modules[name] = module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+    return sys.modules[name]
+
+
+def system_of(name: str) -> ModuleType:
+    """The module of functions that a driver loaded under a name serves, see `driver_of`.
+
+    Raises ImportError for a driver that is imported by its own name.
+    """
+    package, _, own = name.rpartition(".")
+    system = sys.modules.get(f"{package}.{own.partition('_of_')[2]}")
+    if system is None:
+        raise ImportError(f"{name} serves no system: see rollbench.lowfi.jit.driver_of")
+    return system
+
+
 @contextmanager
 def _numba_writes_to(folder: Path | None) -> Iterator[None]:
     """numba's cache folder while kernels are declared: each keeps the folder that it finds then."""

@@ -15,6 +15,7 @@ import numpy as np
 
 from rollbench.lowfi.compliance.bodies import REFINED, Backend, idealised
 from rollbench.lowfi.compliance.imported import Condensed
+from rollbench.lowfi.hertz import contact_stiffness
 from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild, one_thread
 from rollbench.lowfi.statics.mechanism import Mechanism, free_motions
 from rollbench.lowfi.statics.records import Outcome
@@ -71,7 +72,7 @@ def contacts_of(elastic: Elastic) -> tuple[Array, Array, Array]:
             problem.closure[i],
             problem.drawn.ball_radius[i],
             problem.drawn.profile,
-            elastic.options.tiny,
+            elastic.contacts.tiny,
             single,
         )
     return p, contact, moved
@@ -105,7 +106,7 @@ def round_off(elastic: Elastic, scale: float) -> float:
     if scale == 0.0:
         return 0.0
     problem = elastic.problem
-    stiff = float((1.5 * np.cbrt(elastic.state.contact[..., 0]) / problem.C.min()).max(initial=0.0))
+    stiff = float(contact_stiffness(elastic.state.contact[..., 0], problem.C.min()).max(initial=0.0))
     lengths = float(np.abs(flank_shifts(elastic)).max()) + float(np.abs(elastic.flanks.v0).max(initial=0.0))
     lengths += problem.scene.balls.radius if problem.drawn.profile.shape[1] else 0.0
     return float(ROUND_OFF * lengths * stiff / scale)

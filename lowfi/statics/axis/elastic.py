@@ -32,7 +32,7 @@ from rollbench.lowfi.statics.elastic_system import (
     typical_axes,
 )
 from rollbench.lowfi.statics.problem import Problem, nominal_hertz
-from rollbench.lowfi.statics.records import BallContacts, Bodies, BodyOptions, BodyState
+from rollbench.lowfi.statics.records import BallContacts, Bodies, BodyState, Options
 from rollbench.lowfi.statics.shaft import Shaft, flank_response, shaft_of
 from rollbench.lowfi.statics.squeeze import Squeeze, squeezed, stretch_of
 from rollbench.lowfi.statics.static import MAX_ITERATIONS, TOLERANCE
@@ -79,7 +79,7 @@ class ElasticAxis:
     contacts: BallContacts
     state: BodyState
     springs: Array
-    options: BodyOptions
+    options: Options
     arms: Array
     engine: ModuleType
     assumed: tuple[str, ...]
@@ -251,9 +251,8 @@ def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticAxis:
     springs = np.concatenate(
         [spring_rows(whole, None, stiffness) * used[:, None, :].repeat(2, axis=2), roller_springs(rollers.count, stiffness)]
     )
-    options = BodyOptions(
-        TOLERANCE, MAX_ITERATIONS, stiffness, 1e-14 * force, 1e3, floor, float(system.contacts.r_ball.max())
-    )
+    furthest = float(system.contacts.r_ball.max())
+    options = Options(TOLERANCE, MAX_ITERATIONS, stiffness, system.arm, 1e3, floor, furthest)
     contacts = BallContacts(
         system.contacts.geometry,
         system.contacts.closure,
@@ -262,6 +261,7 @@ def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticAxis:
         system.contacts.profile,
         np.zeros((balls, 7)),
         rollers.contacts,
+        1e-14 * force,
     )
     state = BodyState(np.zeros((N, 8)), np.zeros(work.size), np.zeros((N, 3)), np.zeros((N, 4, 5)))
     cut = max(low, high) / compliance

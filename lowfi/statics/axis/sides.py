@@ -6,11 +6,11 @@ the flanks left out at the solution without them, that is the solution with them
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
 
+from rollbench.lowfi.hertz import contact_approach, contact_force
 from rollbench.lowfi.statics.axis.system import USE, BallSet, Placed, System
 from rollbench.lowfi.statics.problem import distances, nominal_hertz
 from rollbench.lowfi.statics.records import AxisState
@@ -42,14 +42,13 @@ def axial_place(assembly: Assembly, sets: Sequence[tuple[RollingSet, Scene]]) ->
         return float(held[0])
     sin = np.array([np.sin(scene.track.contact_angle) for _, scene in sets])
     C = np.array([nominal_hertz(scene).C for _, scene in sets])
-    k = sin**2.5 * [scene.ball_count for _, scene in sets] / (C[:, 0] + C[:, 3]) ** 1.5
+    each, pair = sin * [scene.ball_count for _, scene in sets], C[:, 0] + C[:, 3]
     offset = np.array([s.offset for s, _ in sets])
-    pairs = list(zip(k.tolist(), offset.tolist(), strict=True))  # few sets: plain numbers are faster than arrays
 
     def rest(u: float) -> float:
-        return sum(math.copysign(x * abs(u - o) ** 1.5, u - o) for x, o in pairs) - force
+        return float(np.sum(np.sign(u - offset) * each * contact_force(abs(u - offset) * sin, pair))) - force
 
-    reach = 1e-9 + (abs(force) / k.min()) ** (2.0 / 3.0)
+    reach = 1e-9 + float((contact_approach(abs(force) / each, pair) / sin).max())
     return float(brentq(rest, offset.min() - reach, offset.max() + reach, xtol=1e-9))
 
 

@@ -12,7 +12,7 @@ from math import sqrt
 from rollbench.lowfi.jit import kernel
 from rollbench.lowfi.statics.records import Array
 
-from .contact import arc, flank
+from .contact import arc, flank, hertz
 
 WX, WZ, SIZE, APPROACH, HERTZ, USE, RADIUS, SX, SZ = range(9)
 FORCE, MX, MZ, KN, KT = range(5)
@@ -109,10 +109,8 @@ def press(contact: Array, s: int, met: tuple[float, float, float, float], c: flo
     delta, contact[s, MX], contact[s, MZ], kt = met
     if not delta > 0.0:
         return 0.0
-    x = delta / c
-    root = sqrt(x)
-    contact[s, FORCE], contact[s, KN], contact[s, KT] = x * root, 1.5 * root / c, x * root * kt
-    energy: float = 0.4 * c * x * x * root
+    force, slope, energy = hertz(delta, c)
+    contact[s, FORCE], contact[s, KN], contact[s, KT] = force, slope, force * kt
     return energy
 
 
@@ -187,24 +185,21 @@ def press_pair(a: int, total: float, p: Array, shift: Array, geometry: Array, co
     more, size = total * geometry[b, HERTZ] / both - geometry[b, APPROACH], geometry[b, SIZE]
     p[0] = shift[b, 0] + ((dx + vx) * more + (vx - nx * change) * size) / dist + (nx * size - geometry[b, WX])
     p[1] = shift[b, 1] + ((dz + vz) * more + (vz - nz * change) * size) / dist + (nz * size - geometry[b, WZ])
-    x = total / both
-    root = sqrt(x)
-    force = x * root
+    force, slope, energy = hertz(total, both)
     for s in range(4):
         contact[s, FORCE] = 0.0
         if s == a or b == s:
             sign, own = (1.0 if s == b else -1.0) / dist, geometry[s, HERTZ]
             contact[s, FORCE] = force
             contact[s, MX], contact[s, MZ] = sign * (dx + vx), sign * (dz + vz)
-            contact[s, KN] = 1.5 * root / own
-            contact[s, KT] = force / (geometry[s, SIZE] + own * x - geometry[s, APPROACH])
+            contact[s, KN] = slope * both / own
+            contact[s, KT] = force / (geometry[s, SIZE] + total * own / both - geometry[s, APPROACH])
         elif geometry[s, USE] != 0.0:
             wx, wz, reach = geometry[s, WX], geometry[s, WZ], geometry[s, SIZE]
             delta, mx, mz, _ = arc(p[0] - shift[s, 0], p[1] - shift[s, 1], wx, wz, reach, geometry[s, APPROACH])
             contact[s, MX], contact[s, MZ] = mx, mz
             if delta > 0.0:
                 return -1.0
-    energy: float = 0.4 * both * x * x * root
     return energy
 
 

@@ -19,7 +19,7 @@ from rollbench.lowfi.statics.records import Array, FlankCommon, FlankMembers, Fl
 
 from .ball import FORCE, MX, MZ, reduced_hessian, settle_ball
 from .coupling import cholesky_lower, triangular
-from .newton import CONVERGED, ITERATIONS
+from .status import CONVERGED, ITERATIONS
 
 #: Specimens side by side, most steps, and the share of the residual that a step has to leave at most.
 LANES, STEPS, LEFT = 16, 12, 0.9

@@ -69,7 +69,7 @@ def motions(elastic, phi, amplitudes):
 def balls(elastic, v):
     """Energy and forces of all balls at motions v, states left as they are."""
     f, state = np.empty_like(v), BodyState(*(x.copy() for x in elastic.state))
-    energy, _ = elastic.engine.evaluate_balls(np.ascontiguousarray(v), elastic.contacts, state, f, elastic.options.tiny)
+    energy, _ = elastic.engine.evaluate_balls(np.ascontiguousarray(v), elastic.contacts, state, f)
     return energy, f, state
 
 
