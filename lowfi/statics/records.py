@@ -202,9 +202,9 @@ class AxisArrays(NamedTuple):
 class AxisBalls(NamedTuple):
     """Balls between flanks that move with rows of an `AxisArrays`, of all sets."""
 
-    #: Row (N, 4) whose motion moves a flank, -1 where it stands.
+    #: First row (N, 4) whose motion moves a flank, -1 where it stands.
     row: Array
-    #: Motion of the flanks (N, 4, 2, 6) along x3, z3 by that of their rows about their places.
+    #: Motion of the flanks (N, 4, 2, m) along x3, z3 by that of their row, m = 6, or of that and the next one, m = 12.
     B: Array
     #: Prescribed motion of the flanks (N, 4, 2) [m].
     v0: Array

@@ -98,7 +98,7 @@ def evaluate_axis(
         gradient[e, 3] += lengths[e] * f[1]
         gradient[e, 4] -= lengths[e] * f[0]
     energy += spring_forces(axis, q, gradient)
-    shift = np.zeros((4, 2))
+    shift, flat, m = np.zeros((4, 2)), gradient.ravel(), balls.B.shape[3]
     for i in range(balls.r_ball.shape[0]):
         ball_shift(balls, q, i, shift)
         energy += settle_ball(
@@ -110,8 +110,8 @@ def evaluate_axis(
             scale = max(scale, force)
             if force > 0.0 and row >= 0:
                 fx, fz = force * contact[i, s, MX], force * contact[i, s, MZ]
-                for k in range(6):
-                    gradient[row, k] -= fx * balls.B[i, s, 0, k] + fz * balls.B[i, s, 1, k]
+                for k in range(m):
+                    flat[6 * row + k] -= fx * balls.B[i, s, 0, k] + fz * balls.B[i, s, 1, k]
     more, largest = roller_forces(rollers, q, state.slices, gradient)
     return energy + more, max(scale, largest)
 
@@ -146,13 +146,14 @@ def spring_forces(axis: AxisArrays, q: Array, gradient: Array) -> float:
 @kernel
 def ball_shift(balls: AxisBalls, q: Array, i: int, shift: Array) -> None:
     """Motions (4, 2) [m] of the flanks of ball i."""
+    flat = q.ravel()
     for s in range(4):
         row = balls.row[i, s]
         for a in range(2):
             x = balls.v0[i, s, a]
             if row >= 0:
-                for k in range(6):
-                    x += balls.B[i, s, a, k] * q[row, k]
+                for k in range(balls.B.shape[3]):
+                    x += balls.B[i, s, a, k] * flat[6 * row + k]
             shift[s, a] = x
 
 
