@@ -57,23 +57,13 @@ def is_compiled(module_name: str) -> bool:
 
 def kernel(function: F) -> F:
     """Compile ``function`` where its module belongs to a compiled copy; otherwise return it unchanged."""
-    return _compiled(function, set())
-
-
-def summing(function: F) -> F:
-    """The same for sums whose terms may be taken in any order: the compiler then takes several side by side."""
-    return _compiled(function, {"reassoc"})
-
-
-def _compiled(function: F, allowed: set[str]) -> F:
-    """``function`` compiled with what LLVM's ``allowed`` flags permit of floating point numbers; see ``kernel``."""
     if not is_compiled(function.__module__):
         return function
     import numba
 
     _hold_signals_back()
     keep = code_folder() is not None
-    compiled_function: F = numba.njit(cache=keep, nogil=True, error_model="numpy", fastmath=allowed)(function)
+    compiled_function: F = numba.njit(cache=keep, nogil=True, error_model="numpy")(function)
     return compiled_function
 
 

@@ -24,7 +24,8 @@ SETTLED = 1e-9
 
 @kernel
 def start_centre(p: Array, shift: Array, geometry: Array, closure: Array) -> int:
-    """Starting centre: two-contact solutions of the diagonal pairs that close, else the mean shift of the flanks.
+    """Starting centre: two-contact solutions of the diagonal pairs that close, or of the only one, whose flanks share the
+    gap; else the mean shift of the flanks.
 
     With D = o_a - o_b between opposite groove centres the interference is its nominal value ``closure`` (2,) plus
     |D + v_a - v_b| - |D|, and the pair shares it as C_a : C_b (exact for circular flanks). Writes p (2,), relative to
@@ -43,8 +44,8 @@ def start_centre(p: Array, shift: Array, geometry: Array, closure: Array) -> int
         if dist <= 1e-30 or dist0 <= 1e-30:
             continue
         change = (vx * (2.0 * dx + vx) + vz * (2.0 * dz + vz)) / (dist + dist0)
-        total = closure[a] + change
-        if total > 0.0:
+        total, alone = closure[a] + change, geometry[1 - a, USE] == 0.0 and geometry[2 + a, USE] == 0.0
+        if total > 0.0 or alone:
             # from b's groove centre along D + v by the size of w_b that gives b its share of the interference; the
             # turn of that direction is (v - D/|D| change)/|D + v|: no difference of unit vectors
             nx, nz = dx / dist0, dz / dist0

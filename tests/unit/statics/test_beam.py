@@ -176,10 +176,7 @@ def test_motion_beyond_the_ends_is_rigid():
 
 @pytest.mark.parametrize("engine", ["interpreted", "compiled"])
 def test_banded_solver(engine):
-    """Both engines against a dense solution of a random band, well conditioned and scaled like the beam.
-
-    A band of 12 is a chain's: the nodes of six unknowns are coupled to the next one only.
-    """
+    """Both engines against a dense solution of a random band, well conditioned and scaled like the beam."""
     kernels = jit.kernels(jit.STATICS, compiled=engine == "compiled").banded
     rng = np.random.default_rng(1)
     for n, width in ((1, 1), (5, 5), (12, 12), (60, 12), (60, 24)):
@@ -187,8 +184,6 @@ def test_banded_solver(engine):
         band[:, 0] = 2.0 * width
         for j in range(n):
             band[j, n - j :] = 0.0
-            if width == 12:
-                band[j, 12 - j % 6 :] = 0.0
         scale = 10.0 ** rng.uniform(-3, 3, n)
         for j in range(n):
             m = min(width, n - j)
@@ -207,15 +202,7 @@ def test_banded_solver(engine):
 def test_banded_solver_refuses_an_indefinite_matrix(engine):
     kernels = jit.kernels(jit.STATICS, compiled=engine == "compiled").newton
     assert not kernels.factor_band(np.array([[1.0, 2.0], [1.0, 0.0]]))
-    for row, columns, value in (7, 1, 2.0), (2, 6, 2.0), (8, 3, 2.0), (9, 2, -2.0), (11, 0, -1.0), (2, 0, 0.0):
-        band = np.zeros((12, 12))
-        band[:, 0] = 1.0
-        band[row, columns] = value  # one entry makes a chain of two nodes indefinite, or singular
-        assert not kernels.factor_band(band), (row, columns)
-    band = np.zeros((12, 12))
-    band[:, 0] = 1.0
-    band[7:9, 0] = -1.0  # two of them, so that the determinant is positive
-    assert not kernels.factor_band(band)
+    assert not kernels.factor_band(np.array([[-1.0, 0.0], [-1.0, 0.0]]))  # a positive determinant
 
 
 def test_the_sources_partition_has_27_elements():
