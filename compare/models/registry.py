@@ -74,7 +74,7 @@ def read_condensed(scene: Scene, options: Options) -> Condensed:
 
 def _elastic(scene: Scene, options: Options, *, name: str) -> StaticResult:
     """A model with elastic bodies, by the name of its backend; "condensed" takes them from a file."""
-    from rollbench.lowfi.compliance.bodies import LADDER, REFINED
+    from rollbench.lowfi.compliance.parts import LADDER, REFINED
     from rollbench.lowfi.statics.elastic import solve_elastic
     from rollbench.lowfi.statics.static import with_discretisation
 
@@ -122,7 +122,7 @@ def _axis_lin(assembly: Assembly, options: Options) -> AxisResult:
 
 
 def _axis_elastic(assembly: Assembly, options: Options, *, name: str) -> AxisResult:
-    from rollbench.lowfi.compliance.bodies import LADDER
+    from rollbench.lowfi.compliance.parts import LADDER
     from rollbench.lowfi.statics.axis.refined import solve_refined
 
     return solve_refined(

@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rollbench.lowfi.compliance.bodies import REFINED, Backend, idealised
 from rollbench.lowfi.compliance.imported import Condensed
+from rollbench.lowfi.compliance.parts import REFINED, Backend, idealised
 from rollbench.lowfi.hertz import contact_stiffness
 from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild, one_thread
 from rollbench.lowfi.statics.mechanism import Mechanism, free_motions

@@ -10,7 +10,7 @@ from types import ModuleType
 
 import numpy as np
 
-from rollbench.lowfi.compliance.bodies import Backend
+from rollbench.lowfi.compliance.parts import Backend
 from rollbench.lowfi.statics.elastic import Solution, flank_forces, iterate, round_off, solve_sides, untouched
 from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild, one_thread, pair_data, typical_force
 from rollbench.lowfi.statics.kernel.status import CONVERGED, ITERATIONS

@@ -13,16 +13,10 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 from threadpoolctl import ThreadpoolController
 
-from rollbench.lowfi.compliance.bodies import (
-    Backend,
-    BallCompliance,
-    ball_compliance,
-    body_compliance,
-    geometry_only,
-    grooved_section,
-)
+from rollbench.lowfi.compliance.bodies import BallCompliance, ball_compliance, body_compliance
 from rollbench.lowfi.compliance.imported import PARTS, Condensed
 from rollbench.lowfi.compliance.modes import soft_modes
+from rollbench.lowfi.compliance.parts import Backend, geometry_only, grooved_section
 from rollbench.lowfi.hertz import contact_stiffness
 from rollbench.lowfi.statics.conformity import oblique_term
 from rollbench.lowfi.statics.problem import Problem, build, nominal_hertz

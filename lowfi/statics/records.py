@@ -180,8 +180,9 @@ class AxisArrays(NamedTuple):
 
     #: Lengths (n - 1,) of the shaft's elements [m].
     lengths: Array
-    #: EA [N], EI [N m^2], GJ [N m^2], kGA [N] of the elements, (n - 1, 4).
+    #: EA [N], EI [N m^2], GJ [N m^2], kGA [N] of the elements, (n - 1, 4), and the constants (n - 1, 5) of `BeamArrays`.
     sections: Array
+    constants: Array
     #: Which freedoms of the rows are held (r, 6).
     fixed: Array
     #: Loads on the rows (r, 6) [N, N m].

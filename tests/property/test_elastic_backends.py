@@ -10,7 +10,7 @@ from tests.property.test_invariance import end_for_end, mirrored
 
 from rollbench.comparison.scenes import catalogue
 from rollbench.lowfi import jit
-from rollbench.lowfi.compliance.bodies import LADDER, REFINED, held_at
+from rollbench.lowfi.compliance.parts import LADDER, REFINED, held_at
 from rollbench.lowfi.statics.elastic import iterate, solve_elastic
 from rollbench.lowfi.statics.elastic_system import Rebuild, ready
 from rollbench.lowfi.statics.kernel import elastic as kernel

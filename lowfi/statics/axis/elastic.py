@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag, cho_factor, cho_solve, qr
 
-from rollbench.lowfi.compliance.bodies import Backend, ball_compliance, body_compliance, geometry_only, grooved_section
+from rollbench.lowfi.compliance.bodies import ball_compliance, body_compliance
 from rollbench.lowfi.compliance.modes import soft_modes
+from rollbench.lowfi.compliance.parts import Backend, geometry_only, grooved_section
 from rollbench.lowfi.statics.axis.rollers import RollerElements, roller_elements, roller_springs
 from rollbench.lowfi.statics.axis.structure import Structure, threaded
 from rollbench.lowfi.statics.axis.system import BallSet, System, widened

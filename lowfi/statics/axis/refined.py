@@ -9,7 +9,7 @@ from time import perf_counter
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from rollbench.lowfi.compliance.bodies import REFINED, Backend
+from rollbench.lowfi.compliance.parts import REFINED, Backend
 from rollbench.lowfi.statics.axis.elastic import ElasticAxis, ready, section_of
 from rollbench.lowfi.statics.axis.loose import loose_motions, pinned
 from rollbench.lowfi.statics.axis.mount import mount

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from rollbench.lowfi.rollers.roller_slices import middles
 from rollbench.lowfi.rollers.tapered_roller import TaperedBearing
 from rollbench.lowfi.statics.axis.structure import Structure, structure_of
+from rollbench.lowfi.statics.kernel.beam import element_constants
 from rollbench.lowfi.statics.problem import Problem, flank_rows, hertz_C, pack_geometry
 from rollbench.lowfi.statics.records import AxisArrays, AxisBalls, AxisRollers, AxisState
 from rollbench.lowfi.statics.settle import Contacts, Flanks
@@ -337,9 +338,11 @@ def _axis(structure: Structure, contacts: AxisBalls, slices: AxisRollers) -> Axi
     size = np.arange(6 * r) - first + 1
     start = np.concatenate([np.cumsum(size) - size - first, [size.sum()]]).astype(np.int64)
     sections = np.array([(s.EA, s.EI, s.GJ, s.kGA) for s in structure.sections])
+    lengths = np.diff(structure.nodes)
     return AxisArrays(
-        np.diff(structure.nodes),
+        lengths,
         sections,
+        np.array([element_constants(*x) for x in zip(lengths, sections, strict=True)]),
         structure.fixed,
         structure.load,
         structure.ends,

@@ -24,9 +24,8 @@ from rollbench.lowfi.statics.records import (
 )
 
 from .axis_matrix import add_axis, add_balls, add_rollers, hold
-from .ball import FORCE, MX, MZ, USE, block, settle_ball
-from .beam import element_force, positions
-from .newton import finish, furthest, residual_at, slope_along, unbalanced  # noqa: F401 - for the driver
+from .ball import FORCE, MX, MZ, USE, flank_hessian, settle_ball
+from .newton import evaluate_beam, finish, furthest, least_force, residual_at, slope_along, unbalanced  # noqa: F401 - for the driver
 from .rollers import roller_forces
 from .skyline import factor, substitute
 
@@ -35,68 +34,20 @@ KEPT = 0.0
 
 
 @kernel
-def flank_hessian(contact: Array, out: Array) -> None:
-    """Hessian of the ball's energy by the motion of its four flanks, its centre eliminated: out (8, 8) [N/m].
-
-    As `lowfi.statics.kernel.ball.reduced_hessian`, of which the first half of rows and columns is that.
-    """
-    out[:, :] = 0.0
-    h = np.zeros((4, 3))
-    txx, txz, tzz = 0.0, 0.0, 0.0
-    for s in range(4):
-        h[s, 0], h[s, 1], h[s, 2] = block(contact, s)
-        txx, txz, tzz = txx + h[s, 0], txz + h[s, 1], tzz + h[s, 2]
-    det = txx * tzz - txz * txz
-    if det <= 0.0:
-        return
-    ixx, ixz, izz = tzz / det, -txz / det, txx / det
-    for s in range(4):
-        if contact[s, FORCE] <= 0.0:
-            continue
-        a00, a01 = h[s, 0] * ixx + h[s, 1] * ixz, h[s, 0] * ixz + h[s, 1] * izz
-        a10, a11 = h[s, 1] * ixx + h[s, 2] * ixz, h[s, 1] * ixz + h[s, 2] * izz
-        for t in range(4):
-            if t == s or contact[t, FORCE] <= 0.0:
-                continue
-            o, c = 2 * s, 2 * t
-            x = a00 * h[t, 0] + a01 * h[t, 1]
-            y = a00 * h[t, 1] + a01 * h[t, 2]
-            z = a10 * h[t, 0] + a11 * h[t, 1]
-            w = a10 * h[t, 1] + a11 * h[t, 2]
-            out[o, c], out[o, c + 1], out[o + 1, c], out[o + 1, c + 1] = -x, -y, -z, -w
-            out[o, o] += x
-            out[o, o + 1] += y
-            out[o + 1, o] += z
-            out[o + 1, o + 1] += w
-
-
-@kernel
 def evaluate_axis(
     axis: AxisArrays, balls: AxisBalls, rollers: AxisRollers, state: AxisState, out: AxisSlopes
 ) -> tuple[float, float]:
     """Energy and gradient at the state; fills out; returns energy and the largest force met [N]."""
-    lengths, load = axis.lengths, axis.load
+    load = axis.load
     q, d, p, contact, _ = state
     gradient, hessians = out
-    positions(q, d, lengths)
-    energy, scale = 0.0, 0.0
-    for i in range(q.shape[0]):
+    energy, scale = evaluate_beam(axis, q, d, gradient)
+    for i in range(d.shape[0] + 1, q.shape[0]):
         for k in range(6):
             gradient[i, k] = -load[i, k]
             energy -= load[i, k] * q[i, k]
             if k < 3:
                 scale = max(scale, abs(load[i, k]))
-    f = np.empty(6)
-    for e in range(lengths.shape[0]):
-        element_force(d[e], lengths[e], axis.sections[e], f)
-        for k in range(6):
-            energy += 0.5 * f[k] * d[e, k]
-            gradient[e, k] -= f[k]
-            gradient[e + 1, k] += f[k]
-            if k < 3:
-                scale = max(scale, abs(f[k]))
-        gradient[e, 3] += lengths[e] * f[1]
-        gradient[e, 4] -= lengths[e] * f[0]
     energy += spring_forces(axis, q, gradient)
     shift, flat, m = np.zeros((4, 2)), gradient.ravel(), balls.B.shape[3]
     for i in range(balls.r_ball.shape[0]):
@@ -268,17 +219,6 @@ def keep(state: AxisState, room: AxisRoom) -> None:
 def move(given: AxisSystem, state: AxisState, room: AxisRoom, t: float) -> None:
     """State t steps from where the step begins."""
     advance_axis(given.shaft, state, room.q0, room.d0, room.step, t)
-
-
-@kernel
-def least_force(given: AxisSystem, state: AxisState, options: Options) -> float:
-    """Least force [N] that residuals are measured by, as ``newton.least_force``."""
-    floor, f = options.floor, np.empty(6)
-    for e in range(state.d.shape[0]):
-        element_force(state.d[e], given.shaft.lengths[e], given.shaft.sections[e], f)
-        for k in range(3, 6):
-            floor = max(floor, abs(f[k]) / options.arm)
-    return floor
 
 
 minimise = driver_of(__name__, "descent").minimise

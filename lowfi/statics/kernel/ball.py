@@ -274,42 +274,39 @@ def block(contact: Array, s: int) -> tuple[float, float, float]:
 
 
 @kernel
-def reduced_hessian(contact: Array, out: Array) -> None:
-    """Hessian of the ball's energy by the motion of its screw flanks, its centre eliminated: out (4, 4) [N/m].
+def flank_hessian(contact: Array, out: Array) -> None:
+    """Hessian of the ball's energy by the motion of its flanks, its centre eliminated: out (4, 4) of the screw's, or (8, 8)
+    of all [N/m], in the order SL x, SL z, SR x, ...
 
     With H the sum of the blocks h_s: -h_s H^-1 h_t off the diagonal and h_s H^-1 (H - h_s) on it (the others summed,
-    not subtracted: no cancellation). Order SL x, SL z, SR x, SR z.
+    not subtracted: no cancellation).
     """
+    out[:, :] = 0.0
+    txx, txz, tzz = 0.0, 0.0, 0.0
     for s in range(4):
-        out[s, 0], out[s, 1], out[s, 2], out[s, 3] = 0.0, 0.0, 0.0, 0.0
-    nxx, nxz, nzz = block(contact, 2)
-    oxx, oxz, ozz = block(contact, 3)
-    nxx, nxz, nzz = nxx + oxx, nxz + oxz, nzz + ozz
-    axx, axz, azz = block(contact, 0)
-    bxx, bxz, bzz = block(contact, 1)
-    txx, txz, tzz = nxx + axx + bxx, nxz + axz + bxz, nzz + azz + bzz
+        x, y, z = block(contact, s)
+        txx, txz, tzz = txx + x, txz + y, tzz + z
     det = txx * tzz - txz * txz
     if det <= 0.0:
         return
-    ixx, ixz, izz = tzz / det, -txz / det, txx / det
-    for s in range(2):
+    ixx, ixz, izz, flanks = tzz / det, -txz / det, txx / det, out.shape[0] // 2
+    for s in range(flanks):
         if contact[s, FORCE] <= 0.0:
             continue
-        if s == 0:
-            hxx, hxz, hzz = axx, axz, azz
-            rxx, rxz, rzz = bxx, bxz, bzz
-        else:
-            hxx, hxz, hzz = bxx, bxz, bzz
-            rxx, rxz, rzz = axx, axz, azz
+        hxx, hxz, hzz = block(contact, s)
         a00, a01 = hxx * ixx + hxz * ixz, hxx * ixz + hxz * izz
         a10, a11 = hxz * ixx + hzz * ixz, hxz * ixz + hzz * izz
-        o, t = 2 * s, 2 - 2 * s
-        oxx, oxz, ozz = nxx + rxx, nxz + rxz, nzz + rzz
-        out[o, o] = a00 * oxx + a01 * oxz
-        out[o, o + 1] = a00 * oxz + a01 * ozz
-        out[o + 1, o] = a10 * oxx + a11 * oxz
-        out[o + 1, o + 1] = a10 * oxz + a11 * ozz
-        out[o, t] = -(a00 * rxx + a01 * rxz)
-        out[o, t + 1] = -(a00 * rxz + a01 * rzz)
-        out[o + 1, t] = -(a10 * rxx + a11 * rxz)
-        out[o + 1, t + 1] = -(a10 * rxz + a11 * rzz)
+        o = 2 * s
+        for t in range(4):
+            if t == s or contact[t, FORCE] <= 0.0:
+                continue
+            hxx, hxz, hzz = block(contact, t)
+            x, y = a00 * hxx + a01 * hxz, a00 * hxz + a01 * hzz
+            z, w = a10 * hxx + a11 * hxz, a10 * hxz + a11 * hzz
+            out[o, o] += x
+            out[o, o + 1] += y
+            out[o + 1, o] += z
+            out[o + 1, o + 1] += w
+            if t < flanks:
+                c = 2 * t
+                out[o, c], out[o, c + 1], out[o + 1, c], out[o + 1, c + 1] = -x, -y, -z, -w

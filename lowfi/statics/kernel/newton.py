@@ -11,6 +11,7 @@ import numpy as np
 from rollbench.lowfi.jit import driver_of, kernel
 from rollbench.lowfi.statics.records import (
     Array,
+    AxisArrays,
     BeamArrays,
     BeamContacts,
     BeamRoom,
@@ -24,7 +25,7 @@ from rollbench.lowfi.statics.records import (
     RowState,
 )
 
-from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, net_force, reduced_hessian, settle_ball
+from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, flank_hessian, net_force, settle_ball
 from .banded import factor_band, substitute_band
 from .beam import force_of
 
@@ -56,12 +57,9 @@ def pull(gradient: Array, B: Array, i: int, s: int, m: int, start: int, fx: floa
 
 
 @kernel
-def evaluate_beam(beam: BeamArrays, q: Array, d: Array, gradient: Array) -> tuple[float, float]:
+def evaluate_beam(beam: BeamArrays | AxisArrays, q: Array, d: Array, gradient: Array) -> tuple[float, float]:
     """Fill the nodes' motions q (n, 6) from the first node's and the element deformations d, and the gradient (n, 6) of the
-    energy of beam and loads; returns that energy and the largest force of either.
-
-    ``beam.positions`` and ``beam.force_of`` in one pass, whose numbers the compiler keeps in registers.
-    """
+    energy of beam and loads; returns that energy and the largest force of either. Rows beyond the nodes are left alone."""
     last, energy, scale = d.shape[0], 0.0, 0.0
     fx, fy, fz, mx, my, mz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     x, y, z, a, b, c = q[0, 0], q[0, 1], q[0, 2], q[0, 3], q[0, 4], q[0, 5]
@@ -105,7 +103,7 @@ def evaluate(beam: BeamArrays, contacts: BeamContacts, state: BeamState, out: Be
         else:
             flank_shift(contacts, flat, i, m, shift)
         energy += settle_ball(p[i], shift, geometry[i], closure[i], r_ball[i], profile, tiny, contact[i])
-        reduced_hessian(contact[i], hessians[i])
+        flank_hessian(contact[i], hessians[i])
         for s in range(4):
             scale = max(scale, contact[i, s, FORCE])
         for s in range(2):
@@ -284,7 +282,7 @@ def finish(given: Rows, state: RowState, room: RowRoom) -> None:
 
 
 @kernel
-def least_force(given: BeamSystem, state: BeamState, options: Options) -> float:
+def least_force(given: Rows, state: RowState, options: Options) -> float:
     """Least force [N] that residuals are measured by: a screw bent by moments alone, or pushed off its last contact, has no
     force left to compare with."""
     floor, f = options.floor, np.empty(6)

@@ -8,7 +8,7 @@ from tests.axes import ROLLERS, assembly, bearing, double_nut, fixed_axis, mirro
 from tests.helpers import ALL_BUT_AXIAL, relative, small_screw
 
 from rollbench.comparison.models.registry import MODELS
-from rollbench.lowfi.compliance.bodies import LADDER, geometry_only, smooth_body
+from rollbench.lowfi.compliance.parts import LADDER, geometry_only, smooth_body
 from rollbench.lowfi.statics import kernel
 from rollbench.lowfi.statics.axis import elastic
 from rollbench.lowfi.statics.axis.refined import solve_refined

@@ -7,7 +7,8 @@ from tests.helpers import STEEL, dense, relative, with_ingredients
 from rollbench.comparison.scenes import catalogue
 from rollbench.lowfi import jit
 from rollbench.lowfi.as_source.static import element_stiffness
-from rollbench.lowfi.statics.kernel import banded, beam
+from rollbench.lowfi.statics.kernel import banded, beam, newton
+from rollbench.lowfi.statics.records import BeamArrays
 from rollbench.lowfi.statics.shape import motions_at, rigid_transport, shape_polynomials
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.partition import beam_nodes, contact_stations, fixed_partition
@@ -82,10 +83,8 @@ def test_element_force_of_a_deformation(length):
     k = element_stiffness(length, SECTION)
     for _ in range(5):
         q = rng.normal(size=12) * np.tile([length] * 3 + [1.0] * 3, 2)
-        moved, f = np.empty(6), np.empty(6)
-        beam.transport(q[:6], length, moved)
-        assert moved == pytest.approx(rigid_transport(length) @ q[:6], rel=1e-14)
-        beam.element_force(q[6:] - moved, length, STIFFNESSES, f)
+        f = np.empty(6)
+        beam.force_of(q[6:] - rigid_transport(length) @ q[:6], beam.element_constants(length, STIFFNESSES), f)
         expected = k @ q
         size = np.sqrt(np.diag(k)) * np.abs(np.sqrt(np.diag(k)) * q).max()
         found = np.concatenate([-rigid_transport(length).T @ f, f])
@@ -102,11 +101,13 @@ def test_rigid_motion_strains_nothing(nodes):
 
 
 def test_positions_of_a_rigid_beam():
-    lengths, q = np.array([0.1, 0.25]), np.zeros((3, 6))
+    lengths, q, nothing = np.array([0.1, 0.25]), np.zeros((3, 6)), np.zeros((3, 6))
+    constants = np.array([beam.element_constants(length, STIFFNESSES) for length in lengths])
+    shaft = BeamArrays(lengths, nothing > 0.0, nothing, constants, np.zeros((18, 12)))
     q[0] = [1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3]
-    beam.positions(q, np.zeros((2, 6)), lengths)
+    assert newton.evaluate_beam(shaft, q, np.zeros((2, 6)), np.zeros((3, 6))) == (0.0, 0.0)
     assert q[2] == pytest.approx([1e-3 + 0.35 * 5e-3, 2e-3 - 0.35 * 4e-3, 3e-3, 4e-3, 5e-3, 6e-3], rel=1e-14)
-    beam.positions(q, np.array([[0, 0, 1e-6, 0, 0, 0], [7e-6, 0, 0, 0, 0, 0]]), lengths)
+    newton.evaluate_beam(shaft, q, np.array([[0, 0, 1e-6, 0, 0, 0], [7e-6, 0, 0, 0, 0, 0]]), np.zeros((3, 6)))
     assert q[2, :3] == pytest.approx([1e-3 + 0.35 * 5e-3 + 7e-6, 2e-3 - 0.35 * 4e-3, 3.001e-3], rel=1e-14)
 
 

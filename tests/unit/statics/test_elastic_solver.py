@@ -11,7 +11,7 @@ from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.wings.extremes.survey.draw import SEED, scene_text
 from rollbench.lowfi import jit
 from rollbench.lowfi.as_source.static import beam_matrix
-from rollbench.lowfi.compliance.bodies import LADDER, REFINED, geometry_only, grooved_section
+from rollbench.lowfi.compliance.parts import LADDER, REFINED, geometry_only, grooved_section
 from rollbench.lowfi.statics import elastic_system as model
 from rollbench.lowfi.statics.elastic import contacts_of, flank_shifts, iterate, solve_elastic
 from rollbench.lowfi.statics.elastic_system import Rebuild, ready
