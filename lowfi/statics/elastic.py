@@ -24,7 +24,7 @@ from rollbench.lowfi.statics.selection import all_clear, all_sides, choose_sides
 from rollbench.lowfi.statics.settle import NO_LOADS, Contacts, Flanks, lost, report_of, settled, verdict
 from rollbench.lowfi.statics.shaft import flank_loads, node_forces, node_motions
 from rollbench.lowfi.statics.solved import SolvedState
-from rollbench.lowfi.statics.static import PIN_SHOWN, ROUND_OFF, Engine, Unheld, pick_engine, pin, unheld, with_other_pin
+from rollbench.lowfi.statics.static import ROUND_OFF, Engine, Unheld, pick_engine, pin, unheld, with_other_pin
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS, assemble_result, failed_result
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimen, specimen
@@ -241,17 +241,13 @@ def _solve(
     source = idealised(backend, scene) if condensed is None else (condensed.describe(),)
     assumed = (*ELASTIC_ASSUMPTIONS, *source, *elastic.assumed)
     result = assemble_result(solved_state(elastic), name, status, report, left, assumed)
-    if (
-        result.equilibrium is not None
-        and result.equilibrium.pin_share > PIN_SHOWN
-        and result.converged
-        and mechanism.others
-    ):
+
+    def otherwise() -> Array | None:
         again = pin(problem, mechanism, True)
-        other = replace(rebuild, held=(again.fixed, again.prescribed, again.pins))()
-        other, found = settle(other)
-        result = with_other_pin(result, mechanism, None if lost(found) else contacts_of(other)[1][..., 0])
-    return result
+        other, found = settle(replace(rebuild, held=(again.fixed, again.prescribed, again.pins))())
+        return None if lost(found) else contacts_of(other)[1][..., 0]
+
+    return with_other_pin(result, mechanism, otherwise)
 
 
 def _cut(elastic: Elastic) -> tuple[str, ...]:

@@ -277,17 +277,13 @@ def solve_static(
     report = report_of(outcome, kernels, (start, solved.prepared_at), system, bound, solved.notes)
     left_out = describe_left_out(problem, mechanism, everything=everything)
     result = assemble_result(solved_state(prepared), "lin", status, report, left_out, model_assumptions(scene))
-    if (
-        result.equilibrium is not None
-        and result.equilibrium.pin_share > PIN_SHOWN
-        and result.converged
-        and mechanism.others
-    ):
-        other = prepare(
-            pin(build(scene, drawn, layout, use, everything=everything, refine=refine), mechanism, True), kernels
-        )
-        found = settle(other, profile=False)
-        result = with_other_pin(result, mechanism, other.force if not lost(found) else None)
+
+    def otherwise() -> Array | None:
+        built = build(scene, drawn, layout, use, everything=everything, refine=refine)
+        other = prepare(pin(built, mechanism, True), kernels)
+        return None if lost(settle(other, profile=False)) else other.force
+
+    result = with_other_pin(result, mechanism, otherwise)
     if discretisation and result.converged:
         result = with_discretisation(scene, result, partial(solve_static, engine=engine, member=member, drawn=drawn))
     return result
@@ -309,8 +305,13 @@ def _names(mask: NDArray[np.bool_]) -> list[str]:
     return [n for n, m in zip(("SL", "SR", "NL", "NR"), mask, strict=True) if m]
 
 
-def with_other_pin(result: StaticResult, mechanism: Mechanism, load: Array | None) -> StaticResult:
-    """The result with a note on how much the choice of the pin moves its loads; load: ``(N, 4)`` [N] with the other one."""
+def with_other_pin(result: StaticResult, mechanism: Mechanism, otherwise: Callable[[], Array | None]) -> StaticResult:
+    """The result, with a note on how much the choice of the pin moves its loads where the pin takes any; otherwise: finds
+    the loads ``(N, 4)`` [N] with the other one, None where there are none."""
+    balance = result.equilibrium
+    if balance is None or balance.pin_share <= PIN_SHOWN or not result.converged or not mechanism.others:
+        return result
+    load = otherwise()
     pins, others = (" and ".join(FREEDOMS[k] for k in x) for x in (mechanism.pins, mechanism.others))
     words = f"{mechanism.text} is held by {pins} of the first node; held by {others} instead, "
     if load is None:
