@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from operator import attrgetter
 from typing import Any, NamedTuple
 
-from rollbench.reports.records import Quantity
+from rollbench.reports.quantity import Quantity
 
 
 class Unit(NamedTuple):

@@ -11,7 +11,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from rollbench.comparison.registration import misprint_files
+from rollbench.comparison.registration import source_files
 
 WORDS = {"COLUMNS": "96", "NO_COLOR": "1", "TERM": "dumb"}
 
@@ -120,7 +120,7 @@ def quantities() -> Iterator[str]:
 def misprints() -> Iterator[str]:
     """The sources' misprints, from the data of each source."""
     yield "# Misprints of the sources\n\nThe right value stands in the models; as-printed modes show what a misprint does."
-    for path in misprint_files():
+    for path in source_files("misprints.toml"):
         found = tomllib.loads(path.read_text())
         yield f"\n## {found['title']}\n\n| where | printed | right | evidence |\n|---|---|---|---|"
         for row in found["row"]:

@@ -2,31 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rollbench.reports.quantity import Quantity as Quantity
+
 Cell = str | float | int | bool | None
 Numbers = Sequence[float] | NDArray[np.float64]
 Rows = Sequence[Sequence[float]] | NDArray[np.float64] | NDArray[np.int64]
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """What a column of a table holds: key, heading, unit and format; value: it, of a record that has it.
-
-    Formats: ``"g4"`` for 4 significant digits, ``"s"`` for text, or Python's such as ``".2f"``. Quantities with
-    the keys ``class`` and ``verdict`` are marked in the page.
-    """
-
-    key: str
-    label: str
-    unit: str = ""
-    format: str = "g4"
-    value: Callable[[Any], Any] = field(default=lambda _: None, compare=False)
 
 
 #: A row of a table: values by what they are; a word alone is the heading of a column of texts.

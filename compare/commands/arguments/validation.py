@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from rollbench.comparison.commands.arguments.terminal import Flag, Json, Tls, Word, app, cache_folder, engine
+from rollbench.comparison.commands.arguments.terminal import Flag, Json, Where, Word, app, cache_folder, engine
 from rollbench.comparison.commands.printing import print_answer
 from rollbench.comparison.errors import InputError
 
@@ -24,10 +24,7 @@ def report(
     store: Path = Path("rollbench-reference"),
     fresh: Flag = False,
     everything: Annotated[Flag, Parameter(name="--all")] = False,
-    backend: str = "joblib",
-    scheduler: str | None = None,
-    workers: int | None = None,
-    tls: Tls | None = None,
+    where: Where | None = None,
     against: Path | None = None,
     reference: Path | None = None,
 ) -> int:
@@ -59,12 +56,6 @@ def report(
         Compute all runs anew, whatever the folder and the package hold, and make all sections.
     everything
         Make the sections too that take most of the time: pictures, friction, verification, stability, timing.
-    backend
-        joblib (this machine) or dask (a cluster), for the 3D reference.
-    scheduler
-        Address of the Dask scheduler.
-    workers
-        Runs of the 3D reference at the same time, each of 1 to 3 GB; 2 here, or what the cluster has, unless given.
     against
         An earlier report, or with a scene an earlier page on it, to list what moved.
     reference
@@ -76,7 +67,13 @@ def report(
         need_packages("matplotlib")  # which the next line imports
         from rollbench.comparison.commands.reporting.verify import run_page
 
-        given = {"--only": only, "--quick": quick, "--stored": stored, "--fresh": fresh, "--scheduler": scheduler}
+        given = {
+            "--only": only,
+            "--quick": quick,
+            "--stored": stored,
+            "--fresh": fresh,
+            "--scheduler": where and where.scheduler,
+        }
         for name, value in given.items():
             if value:
                 raise InputError("command line", name, str(value), "without a scene", "leave it out")
@@ -85,9 +82,8 @@ def report(
         raise InputError("command line", "--reference", str(reference), "with a scene", "name the scene that it is of")
     from rollbench.comparison.commands.reporting.report import make_report
 
-    where = engine(backend, scheduler, workers or (2 if scheduler is None else None), tls)
     kinds = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything}
-    return print_answer(make_report(only or (), out, store=store, engine=where, against=against, **kinds))
+    return print_answer(make_report(only or (), out, store=store, engine=engine(where, 2), against=against, **kinds))
 
 
 @app.command

@@ -140,30 +140,42 @@ def as_json(
 ) -> dict[str, Any]:
     """The result as a JSON-ready object: angles in deg, stations in mm, displacements in um, forces in N; worth: the
     model-form error to expect, where it was estimated; answers: what else stands in the summary."""
-    s = result.solver
     finite = np.isfinite(result.load).all()
     return {
         "scene": scene.name,
         "model": result.model,
         "member": result.member if scene.errors.random else None,
         "status": result.status,
-        "balls": [
-            {
-                "index": i + 1,
-                "azimuth_deg": number(math.degrees(result.azimuth[i])),
-                "z_mm": number(1e3 * result.z[i]),
-                "load_N": per_side(result.load[i]),
-                "contact_angle_deg": per_side(np.degrees(result.contact_angle[i])),
-            }
-            for i in range(result.z.size)
-        ],
+        "balls": ball_rows(result),
         "summary": {"sides": summary(result.load), **(answers or {})} if finite else {},
+        **behind_json(result, discretisation_percent(scene, result), worth),
+    }
+
+
+def ball_rows(balls: StaticResult) -> list[dict[str, Any]]:
+    """Place, loads and contact angles of every ball, numbered from 1."""
+    return [
+        {
+            "index": i + 1,
+            "azimuth_deg": number(math.degrees(balls.azimuth[i])),
+            "z_mm": number(1e3 * balls.z[i]),
+            "load_N": per_side(balls.load[i]),
+            "contact_angle_deg": per_side(np.degrees(balls.contact_angle[i])),
+        }
+        for i in range(balls.z.size)
+    ]
+
+
+def behind_json(result: Solved, discretisation: float | None = None, worth: ModelForm | None = None) -> dict[str, Any]:
+    """What the JSON of one set and of several ends with: centreline, balance, solver, expected error, assumptions,
+    warnings. discretisation: as for `solver_json`."""
+    return {
         "centreline": [
             {"z_mm": number(1e3 * z), "ux_um": number(1e6 * u[0]), "uy_um": number(1e6 * u[1]), "uz_um": number(1e6 * u[2])}
             for z, u in zip(result.centreline_z, result.centreline, strict=True)
         ],
         "equilibrium": equilibrium_json(result.equilibrium),
-        "solver": solver_json(s, discretisation_percent(scene, result)),
+        "solver": solver_json(result.solver, discretisation),
         "model_form": _model_form(worth),
         "assumed": list(result.assumed),
         "left_out": list(result.left_out),

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.comparison.commands.printing import Column, cell
+from rollbench.comparison.commands.wrapping import listed
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.quantities import number
 from rollbench.comparison.wings.friction.left_out import left_out_of_kind
@@ -100,19 +101,12 @@ def energy_line(values: dict[str, Any]) -> str:
 
 def as_table(answer: FrictionAnswer, *, balls: bool = False) -> list[RenderableType]:
     """The answer for the terminal: results in a few lines, tables, warnings, assumptions."""
-    from rich.table import Table
-
     data = answer.data
     drawn = "" if data.get("member") is None else f", member {data['member']} of its random errors"
     parts: list[Any] = [f"{data['scene']}{drawn}, {data['kind']}: {data['status']}", data["title"]]
     parts += [*filter(None, [answer.warning]), *answer.lines]
     for title, columns, rows in [*answer.tables, *(answer.ball_tables if balls else ())]:
-        table = Table(title=title, title_justify="left")
-        for _, heading, _ in columns:
-            table.add_column(heading, justify="right")
-        for row in rows:
-            table.add_row(*(cell(row[name], form) for name, _, form in columns))
-        parts += ["", table]
+        parts += ["", listed(title, columns, rows)]
     parts += [""] if answer.tables else []
     if answer.ball_tables and not balls:
         parts.append("motion, loads and losses of every ball: --balls")

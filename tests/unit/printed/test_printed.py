@@ -34,7 +34,7 @@ def row(table, key):
 
 def test_tables_are_shipped():
     assert set(TABLES) >= {"lin-B1", "lin-2.4.1", "lin-2.4.2", "lin-2.2", "lin-4.3.2"}
-    assert catalogue.printed_tables() == TABLES
+    assert printed_data.tables() == TABLES
 
 
 @pytest.mark.parametrize("name", TABLES)
