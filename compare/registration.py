@@ -42,8 +42,8 @@ def source_files(name: str) -> list[Path]:
 class Part:
     """A section of the report by name: its module in ``compare``; long: left out of a quick report; runs: shows
     runs of the 3D reference; meshes: needs gmsh; meshed: what of it needs gmsh, where the rest does not; page: on which it
-    stands, named in `commands.reporting.parts`; beside: may be made by a second process; needs: wings without which it
-    is left out."""
+    stands, named in `commands.reporting.parts`; beside: may be made by a second process; alone: measures times, so it is
+    made last, by one process; needs: wings without which it is left out."""
 
     name: str
     module: str
@@ -53,6 +53,7 @@ class Part:
     meshed: str = ""
     page: str = "outside"
     beside: bool = False
+    alone: bool = False
     needs: tuple[str, ...] = ()
 
 

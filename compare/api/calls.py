@@ -257,7 +257,7 @@ def sweep(
     """A scene solved at many values of its keys: statistics, effects and Sobol indices of its outputs.
 
     scene: name or file; vary: as ``--vary`` of the command, ``["errors.balls.oversize=0 um:7 um"]``; out: folder of the
-    samples (samples.csv) and the summary: what it holds is not solved again. Raises InputError.
+    samples (samples.csv) and the summary: samples stored there are not solved again. Raises InputError.
     """
     found = needed("sweep", "sweep", "vary", " ".join(vary))(str(scene), vary, samples, method, model, seed, Path(out))
     return Result(found, "outputs", (f"{found['converged']} of {found['solved']} samples converged: {Path(out)}",))

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from rollbench.comparison.commands.printing import Answer, cell
-from rollbench.comparison.commands.wrapping import ruled
+from rollbench.comparison.commands.tables import ruled
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.evidence.audit import APART, VERDICTS, Audited, as_stored, audit, changes, counts, trust
 from rollbench.comparison.evidence.left_out import left_out, misprints

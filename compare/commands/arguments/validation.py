@@ -41,7 +41,8 @@ def report(
         A shipped name or a scene file: write one self-contained page on it instead. The 3D reference is set beside it where
         runs are stored; none is computed.
     only
-        Names of the sections to make; all but the costly ones unless given.
+        Names of the sections to make; all but the costly ones unless given. With timing the models' run times are measured
+        anew and kept in --store: reference timing.
     out
         Folder to write to.
     quick
@@ -50,12 +51,13 @@ def report(
     stored
         Compute no run of the 3D reference: use those that come with the package, and leave out what they do not hold.
     store
-        Folder of the runs of the 3D reference that are computed; an interrupted report goes on from there. Runs of the
+        Folder of the runs of the 3D reference that are computed; an interrupted report resumes there. Runs of the
         package are used where the key of all that they depend on holds.
     fresh
-        Compute all runs anew, whatever the folder and the package hold, and make all sections.
+        Recompute all runs, whatever is stored, and make all sections.
     everything
-        Make the sections too that take most of the time: pictures, friction, verification, stability, timing.
+        Also make the slow sections: pictures, friction, verification, stability, timing. Cold run times are the stored
+        ones, beside a sample measured now.
     against
         An earlier report, or with a scene an earlier page on it, to list what moved.
     reference
@@ -88,7 +90,7 @@ def report(
 
 @app.command
 def verify(report: Path, /, *, store: Path = Path("rollbench-reference")) -> int:
-    """Compute the hashes of a scene's page or of a whole report again: its files, scenes, sources, printed data, reference
+    """Recompute the hashes of a scene's page or of a whole report: its files, scenes, sources, printed data, reference
     runs; exit 1 where one differs.
 
     Parameters
@@ -159,7 +161,7 @@ def check(
         Unless given: contact angle 1, approach two thirds, pressure a third and life three times the limit of the loads,
         which is also that of the others. A model is judged on the quantities that are named.
     strict
-        Take a column that is not known for an error; else it is a warning.
+        Treat an unknown column as an error, not as a warning.
     reference
         Judge by this file in place of the 3D reference: your own loads in the columns of --loads, of every flank, with a
         column uncertainty_N, or a line "# uncertainty: 0.5 %" above, and "# provenance: words"; without, zero is taken.
@@ -180,7 +182,7 @@ def check(
     csv
         Also write them as CSV.
     baseline
-        Say what changed since the verdicts of this file, that an earlier --csv or --json wrote.
+        Report what changed since this file of verdicts, written by an earlier --csv or --json.
     """
     from rollbench.comparison.commands.comparing.check import Files, run_check, run_shipped
     from rollbench.comparison.gate.user import asked

@@ -11,7 +11,7 @@ from rollbench.comparison.commands.printing import Column
 from rollbench.comparison.commands.solving.axis_summary import set_summary, stiffness_json, whole_summary
 from rollbench.comparison.commands.solving.solve_output import ball_rows as rows_of
 from rollbench.comparison.commands.solving.solve_output import behind_json, last_lines, solver_lines
-from rollbench.comparison.commands.wrapping import listed
+from rollbench.comparison.commands.tables import listed
 from rollbench.comparison.models.axis_answers import AxisAnswers, SetAnswers
 from rollbench.comparison.models.registry import random_errors
 from rollbench.comparison.quantities import number

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.comparison.commands.printing import Answer, on_terminal
-from rollbench.comparison.commands.wrapping import ruled
+from rollbench.comparison.commands.tables import ruled
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.member_blocks import KEPT, OF_SET, WHOLE, columns, with_seed
 from rollbench.comparison.models.members import Bands, Members, run_members, statistics

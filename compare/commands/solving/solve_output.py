@@ -10,7 +10,7 @@ import numpy as np
 
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.model_form import ModelForm
-from rollbench.comparison.quantities import number
+from rollbench.comparison.quantities import number, shown
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import Equilibrium, Solved, SolverReport, StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
@@ -207,9 +207,11 @@ def as_table(
     if block:
         parts += ["", block, ""]
     if balls and (result.load > 0.0).any():
-        parts += [_ball_table(result), "", _summary_table(result), ""]
-    error = discretisation_percent(scene, result)
-    measured = "" if error is None else f" (discretisation error {error:.1e} % of the mean load)"
+        error = None if worth is None or worth.percent is None else worth.percent / 100.0
+        error = error and error * mean_load(result.load, nominal_contacts(scene))
+        parts += [_ball_table(result, error), "", _summary_table(result, error), ""]
+    grid = discretisation_percent(scene, result)
+    measured = "" if grid is None else f" (discretisation error {grid:.1e} % of the mean load)"
     behind = [] if result.equilibrium is None else _balance(result.equilibrium)
     behind += solver_lines(result.solver, measured)
     if worth is not None and not block:
@@ -261,13 +263,14 @@ def _plain(headings: Sequence[str]) -> Table:
     return table
 
 
-def _ball_table(result: StaticResult) -> RenderableType:
-    shown = [k for k in range(4) if (result.load[:, k] > 0.0).any()]
-    table = _plain(["ball", "deg", "z mm", *(x for k in shown for x in (f"{SIDES[k]} N", "angle"))])
+def _ball_table(result: StaticResult, error: float | None) -> RenderableType:
+    """Every ball; error [N] to expect of a load."""
+    sides = [k for k in range(4) if (result.load[:, k] > 0.0).any()]
+    table = _plain(["ball", "deg", "z mm", *(x for k in sides for x in (f"{SIDES[k]} N", "angle"))])
     for i in range(result.z.size):
         cells = [str(i + 1), f"{math.degrees(result.azimuth[i]):.1f}", f"{1e3 * result.z[i]:.2f}"]
-        for k in shown:
-            cells += [f"{result.load[i, k]:.2f}", _cell(math.degrees(result.contact_angle[i, k]), ".2f")]
+        for k in sides:
+            cells += [shown(result.load[i, k], error), _cell(math.degrees(result.contact_angle[i, k]), ".2f")]
         table.add_row(*cells)
     return table
 
@@ -286,10 +289,9 @@ def stiffness_lines(tangent: Tangent) -> list[RenderableType]:
     return ["", head, table]
 
 
-def _summary_table(result: StaticResult) -> RenderableType:
+def _summary_table(result: StaticResult, error: float | None) -> RenderableType:
     table = _plain(["side", "max N", "min N", "max/min", "loaded", "lost"])
     for side, row in summary(result.load).items():
-        table.add_row(
-            side, f"{row['max_N']:.3f}", f"{row['min_N']:.3f}", f"{row['ratio']:.4f}", str(row["loaded"]), str(row["lost"])
-        )
+        most, least, ratio = shown(row["max_N"], error), shown(row["min_N"], error), shown(row["ratio"])
+        table.add_row(side, most, least, ratio, str(row["loaded"]), str(row["lost"]))
     return table

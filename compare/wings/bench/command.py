@@ -7,7 +7,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from rollbench.comparison.commands.printing import Answer, cell, on_terminal
-from rollbench.comparison.commands.wrapping import ruled
+from rollbench.comparison.commands.tables import ruled
 from rollbench.comparison.costs.timing import Job
 from rollbench.comparison.registration import offered
 from rollbench.comparison.wings.bench.axis_bench import jobs as axis_jobs

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.comparison.commands.printing import Column, cell
-from rollbench.comparison.commands.wrapping import listed
+from rollbench.comparison.commands.tables import listed
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.quantities import number
 from rollbench.comparison.wings.friction.left_out import left_out_of_kind

@@ -24,7 +24,7 @@ def sweep(
     as_json: Json = False,
     where: Where | None = None,
 ) -> int:
-    """Solve a scene at many values of its keys; one stored record a sample, an interrupted sweep goes on.
+    """Solve a scene at many values of its keys; each sample is stored, and an interrupted sweep resumes.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def sweep(
     seed
         Seed of the design.
     out
-        Folder of the records and the summary; what it holds is not solved again.
+        Folder of the records and the summary; samples stored there are not solved again.
     """
     from rollbench.comparison.wings.sweep.command import run_sweep, sweep_of
 

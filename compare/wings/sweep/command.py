@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from rollbench.comparison.commands.printing import Answer, cell, on_terminal
-from rollbench.comparison.commands.wrapping import ruled
+from rollbench.comparison.commands.tables import ruled
 from rollbench.comparison.models.registry import DEFAULT, default_model
 from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.scenes import catalogue, scene_file
