@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.hertz import contact_approach, contact_force, contact_stiffness
+from rollbench.lowfi.hertz import contact_approach, contact_force, contact_slope
 from rollbench.lowfi.statics.mechanism import free_motions
 from rollbench.lowfi.statics.problem import SIGNS, Problem, build, error_free
 from rollbench.lowfi.statics.result import SolverReport, StaticResult
@@ -157,9 +157,8 @@ def _contacts(
     d = p - a
     dist = np.linalg.norm(d, axis=1)
     n = d / dist[:, None]
-    c = problem.C[:, side]
-    force = contact_force(problem.drawn.ball_radius - dist, c)
-    return n, t, t1, dist, force, contact_stiffness(force, c), dof, m0, m1
+    c, delta = problem.C[:, side], problem.drawn.ball_radius - dist
+    return n, t, t1, dist, contact_force(delta, c), contact_slope(delta, c), dof, m0, m1
 
 
 def equations(system: System, x: Array, load: Array, *, jacobian: bool = True) -> tuple[Array, Array | None, Array]:

@@ -17,7 +17,7 @@ from typing import Protocol
 
 import numpy as np
 
-from rollbench.lowfi.hertz import HertzConstants, contact_force, contact_modulus, contact_stiffness, hertz_constants
+from rollbench.lowfi.hertz import HertzConstants, contact_force, contact_modulus, hertz_constants
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.roots import brentq
 
@@ -200,7 +200,7 @@ def thrust_state(bearing: BallRows, displacement: Array | float) -> ThrustState:
     sin, cos = np.sin(angle), np.cos(angle)
     # dQ/du: by the approach, sin(alpha) per u, and by the angle, cos(alpha)/s per u
     by_angle = _compliance_by_angle(bearing, angle, inner, outer)
-    slope = contact_stiffness(q, c) * (sin - approach * by_angle / c * cos / s)
+    slope = contact_slope(approach, c) * (sin - approach * by_angle / c * cos / s)
     load, stiffness = bearing.balls * q * sin, bearing.balls * (slope * sin + q * cos**2 / s)
     return ThrustState(u, angle, approach, q, load, stiffness, inner, outer)
 

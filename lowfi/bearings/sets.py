@@ -17,7 +17,7 @@ from typing import Protocol
 
 import numpy as np
 
-from rollbench.lowfi.hertz import contact_approach, contact_force, contact_stiffness
+from rollbench.lowfi.hertz import contact_approach, contact_force, contact_slope
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.roots import brentq
 
@@ -52,7 +52,7 @@ class PointRow:
 
     def stiffness(self, deflection: float) -> float:
         """dF/du [N/m]; zero where the row is loose."""
-        return float(contact_stiffness(self.load(deflection), self.C))
+        return float(contact_slope(deflection, self.C))
 
     def deflection(self, load: float) -> float:
         """Deflection [m] under a thrust [N]."""

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
 
-from rollbench.lowfi.hertz import contact_approach, contact_force, contact_stiffness
+from rollbench.lowfi.hertz import contact_approach, contact_force, contact_slope
 from rollbench.lowfi.statics.problem import SIGNS, distances, error_free, hertz_C
 from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult
 from rollbench.meshes.arrays import Array
@@ -101,8 +101,7 @@ def _contact(chain: _Chain, x: Array) -> tuple[Array, Array]:
     """Normal forces ``(N, 2)`` of the pairs (SL, NR) and (SR, NL) and their tangents by the closure."""
     relative = x[chain.screw] - np.where(chain.nut >= 0, x[chain.nut], 0.0)
     delta = chain.closure + chain.slope * relative[:, None] * np.array([1.0, -1.0])
-    force = contact_force(delta, chain.C)
-    return force, contact_stiffness(force, chain.C)
+    return contact_force(delta, chain.C), contact_slope(delta, chain.C)
 
 
 def _gradient(chain: _Chain, x: Array) -> tuple[Array, Array, Array]:
