@@ -17,7 +17,7 @@ from typing import Protocol
 
 import numpy as np
 
-from rollbench.lowfi.hertz import HertzConstants, contact_force, contact_modulus, hertz_constants
+from rollbench.lowfi.hertz import HertzConstants, contact_force, contact_modulus, contact_slope, hertz_constants
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.roots import brentq
 
