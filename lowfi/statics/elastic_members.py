@@ -120,9 +120,8 @@ class _System:
             elastic.contacts.pair[:] = pair_data(problem, elastic.pair, local[..., 0], local[..., 2])
         for part, start in zip(elastic.state, self.start, strict=True):
             part[:] = start
-        elastic.options = elastic.options._replace(
-            tiny=least_force(problem), floor=force_floor(problem), furthest=float(radii.max())
-        )
+        elastic.contacts = elastic.contacts._replace(tiny=least_force(problem))
+        elastic.options = elastic.options._replace(floor=force_floor(problem), furthest=float(radii.max()))
 
 
 def _work(elastic: Elastic) -> tuple[Array, Array, float]:

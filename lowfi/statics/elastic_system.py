@@ -115,7 +115,7 @@ def typical_force(problem: Problem) -> float:
 
 def contact_compliance(problem: Problem, force: float) -> float:
     """Tangent compliance [m/N] of a contact under a force [N]."""
-    return float(1.0 / contact_stiffness(force, np.mean(problem.C)))
+    return float(1.0 / contact_stiffness(force, float(np.mean(problem.C))))
 
 
 def by_ball(N: int, sides: int) -> NDArray[np.int64]:

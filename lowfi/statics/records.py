@@ -289,7 +289,9 @@ class AxisRoom(NamedTuple):
 
 
 #: Systems whose unknowns are rows of motions, with their states and rooms.
-Rows, RowState, RowRoom = BeamSystem | AxisSystem, BeamState | AxisState, BeamRoom | AxisRoom
+Rows = BeamSystem | AxisSystem
+RowState = BeamState | AxisState
+RowRoom = BeamRoom | AxisRoom
 
 
 class Bodies(NamedTuple):

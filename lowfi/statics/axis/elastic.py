@@ -200,8 +200,8 @@ def inner_rows(system: System, rollers: RollerElements) -> Array:
 def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticAxis:
     """Arrays for the kernels.
 
-    Some set has balls. Raises ValueError for inner rings on housings that stand on springs, too many elements, or bodies
-    that the dimensions make impossible.
+    Some set has balls, and the system has the `section_of` the backend. Raises ValueError for inner rings on housings that
+    stand on springs, too many elements, or bodies that the dimensions make impossible.
     """
     rollers = roller_elements(system.rollers)
     balls = system.contacts.r_ball.size

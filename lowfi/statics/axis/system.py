@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -192,8 +193,8 @@ def motions_of(structure: Structure, stations: Array) -> tuple[Ints, Array]:
     nodes = structure.nodes
     element = np.clip(np.searchsorted(nodes, stations, side="right") - 1, 0, nodes.size - 2)
     sections = [structure.sections[e] for e in element]
-    constants = (np.array([getattr(s, name) for s in sections]) for name in ("EA", "EI", "GJ", "kGA"))
-    return motion_matrices(stations, nodes, BeamSection(*constants))
+    EA, EI, GJ, kGA = np.array([(s.EA, s.EI, s.GJ, s.kGA) for s in sections]).T
+    return motion_matrices(stations, nodes, BeamSection(EA, EI, GJ, kGA))
 
 
 def widened(row: Ints, B: Array, width: int, rows: int) -> tuple[Ints, Array]:
@@ -247,7 +248,7 @@ def _all_balls(sets: list[BallSet]) -> AxisBalls:
         own[:, : b.problem.drawn.profile.shape[1]] = b.problem.drawn.profile
         profile.append(np.broadcast_to(own, (N, 4, degree)))
 
-    def joined(arrays: list[Array], shape: tuple[int, ...]) -> Array:
+    def joined(arrays: Sequence[NDArray[Any]], shape: tuple[int, ...]) -> NDArray[Any]:
         return np.ascontiguousarray(np.concatenate([np.zeros((0, *shape)), *arrays]))
 
     geometry = joined([b.problem.geometry for b in sets], (4, 9))

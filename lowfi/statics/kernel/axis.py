@@ -5,6 +5,7 @@ unknowns are the motions of the shaft's nodes and of the bodies; the matrix is h
 the cost is linear in the number of sets. See ``newton`` for the case of one set whose nut stands.
 """
 
+from collections.abc import Callable
 from math import sqrt
 
 import numpy as np
@@ -221,7 +222,7 @@ def move(given: AxisSystem, state: AxisState, room: AxisRoom, t: float) -> None:
     advance_axis(given.shaft, state, room.q0, room.d0, room.step, t)
 
 
-minimise = driver_of(__name__, "descent").minimise
+minimise: Callable[..., Outcome] = driver_of(__name__, "descent").minimise
 
 
 @kernel

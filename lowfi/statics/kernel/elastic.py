@@ -7,6 +7,8 @@ energy phi G phi/2 - work a + balls(v), whose unknowns never are the beam's node
 the modes of the bodies that are softer than a contact exactly and iterate on the rest (``modes``).
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
 from rollbench.lowfi.jit import driver_of, kernel
@@ -306,7 +308,7 @@ def furthest(given: BodySystem, state: BodyState) -> float:
     return moved
 
 
-minimise = driver_of(__name__, "descent").minimise
+minimise: Callable[..., Outcome] = driver_of(__name__, "descent").minimise
 
 
 @kernel

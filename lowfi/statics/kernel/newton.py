@@ -4,6 +4,7 @@ E(q) = beam(q) - f q + sum over balls of min over the centre of the contact ener
 banded Cholesky, so the cost is linear in the number of balls.
 """
 
+from collections.abc import Callable
 from math import sqrt
 
 import numpy as np
@@ -309,7 +310,7 @@ def unbalanced(state: RowState, scale: float) -> float:
     return ball_mismatch(state.contact, scale)
 
 
-minimise = driver_of(__name__, "descent").minimise
+minimise: Callable[..., Outcome] = driver_of(__name__, "descent").minimise
 
 
 @kernel
