@@ -11,7 +11,7 @@ from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.models.loading import LiftOff, Preload, lift_off, preload, solve_scaled
 from rollbench.comparison.models.registry import MODELS, Options, blamed, read_condensed
 from rollbench.comparison.registration import offered
-from rollbench.lowfi.compliance.bodies import LADDER, REFINED
+from rollbench.lowfi.compliance.parts import LADDER, REFINED
 from rollbench.lowfi.rating.contacts import Contact, StaticSafety, Truncation, static_safety, truncation, worst_contact
 from rollbench.lowfi.rating.life import Life, life
 from rollbench.lowfi.rating.rigidity import Rigidities, axial_displacement, axial_force, rigidities

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.lowfi.compliance.bodies import REFINED, Backend
 from rollbench.lowfi.compliance.imported import Condensed
+from rollbench.lowfi.compliance.parts import REFINED, Backend
 from rollbench.lowfi.statics import elastic, static
 from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild, one_thread
 from rollbench.lowfi.statics.problem import Problem, distances

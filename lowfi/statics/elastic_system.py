@@ -13,19 +13,14 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 from threadpoolctl import ThreadpoolController
 
-from rollbench.lowfi.compliance.bodies import (
-    Backend,
-    BallCompliance,
-    ball_compliance,
-    body_compliance,
-    geometry_only,
-    grooved_section,
-)
+from rollbench.lowfi.compliance.bodies import BallCompliance, ball_compliance, body_compliance
 from rollbench.lowfi.compliance.imported import PARTS, Condensed
 from rollbench.lowfi.compliance.modes import soft_modes
+from rollbench.lowfi.compliance.parts import Backend, geometry_only, grooved_section
+from rollbench.lowfi.hertz import contact_stiffness
 from rollbench.lowfi.statics.conformity import oblique_term
 from rollbench.lowfi.statics.problem import Problem, build, nominal_hertz
-from rollbench.lowfi.statics.records import NO_ROLLERS, BallContacts, Bodies, BodyOptions, BodyState
+from rollbench.lowfi.statics.records import NO_ROLLERS, BallContacts, Bodies, BodyState, Options
 from rollbench.lowfi.statics.shaft import Shaft, flank_response, shaft_of
 from rollbench.lowfi.statics.squeeze import Squeeze, squeezed, stretch_of
 from rollbench.lowfi.statics.static import MAX_ITERATIONS, TOLERANCE, force_floor, least_force, reference_scale
@@ -98,7 +93,7 @@ class Elastic:
     contacts: BallContacts
     state: BodyState
     springs: Array
-    options: BodyOptions
+    options: Options
     arms: Array
     history: Array
     assumed: tuple[str, ...]
@@ -120,7 +115,7 @@ def typical_force(problem: Problem) -> float:
 
 def contact_compliance(problem: Problem, force: float) -> float:
     """Tangent compliance [m/N] of a contact under a force [N]."""
-    return float(2.0 / 3.0 * np.mean(problem.C) / np.cbrt(force))
+    return float(1.0 / contact_stiffness(force, float(np.mean(problem.C))))
 
 
 def by_ball(N: int, sides: int) -> NDArray[np.int64]:
@@ -294,17 +289,19 @@ def ready(
     if N >= MODES_FROM:
         modes = [soft_modes(G, contact_compliance(problem, typical_force(problem))) for G in (flanks.first, flanks.second)]
     bodies = Bodies(flanks.first, flanks.second, flanks.R, flanks.v0, flanks.work, *modes)
-    profile = np.repeat(problem.drawn.profile[None], N, axis=0)
-    contacts = BallContacts(problem.geometry, problem.closure, local, problem.drawn.ball_radius, profile, rows, NO_ROLLERS)
+    profile, tiny = np.repeat(problem.drawn.profile[None], N, axis=0), least_force(problem)
+    contacts = BallContacts(
+        problem.geometry, problem.closure, local, problem.drawn.ball_radius, profile, rows, NO_ROLLERS, tiny
+    )
     state = BodyState(
         np.zeros(flanks.v0.shape), np.zeros(flanks.work.size), np.zeros((N, 3)), np.zeros((N, 1 if pair else 4, 5))
     )
     furthest = float(problem.drawn.ball_radius.max())
-    options = BodyOptions(
+    options = Options(
         tolerance=TOLERANCE,
         most=MAX_ITERATIONS,
         stiffness=float(stiffness),
-        tiny=least_force(problem),
+        arm=float(problem.scene.track.pitch_radius),
         bound=1e3,
         floor=force_floor(problem),
         furthest=furthest,

@@ -23,7 +23,7 @@ from rollbench.comparison.models.registry import MODELS
 from rollbench.comparison.models.study import with_balls
 from rollbench.comparison.scenes.catalogue import scene as shipped
 from rollbench.lowfi.as_source.static import Start, solve_source
-from rollbench.lowfi.compliance.bodies import LADDER
+from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.problem import build
 from rollbench.lowfi.statics.result import StaticResult

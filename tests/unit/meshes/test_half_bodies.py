@@ -8,8 +8,8 @@ import pytest
 
 from rollbench.comparison.scenes import catalogue
 from rollbench.meshes.fem import mesh_of
+from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.grooved_body import BodySpec
 from rollbench.meshes.half_bodies import HalfRing, half_sphere
 from rollbench.meshes.quality import arc_deviation
 from rollbench.meshes.shell import BEND, Shell

@@ -12,7 +12,7 @@ from rollbench.comparison.models.loading import scaled
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.scenes import catalogue
 from rollbench.lowfi import jit
-from rollbench.lowfi.compliance.bodies import LADDER
+from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.statics.elastic_members import ElasticMembers, shared
 from rollbench.meshes.parts import Load, Scene
 
