@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from functools import cache
-from importlib import resources
 from typing import NamedTuple
+
+from rollbench.comparison import data
 
 
 class Definition(NamedTuple):
@@ -18,8 +18,7 @@ class Definition(NamedTuple):
 
 @cache
 def _known() -> tuple[tuple[re.Pattern[str], Definition], ...]:
-    text = resources.files("rollbench.comparison").joinpath("definitions.toml").read_text(encoding="utf-8")
-    listed = [one for table in tomllib.loads(text)["table"] for one in table["quantity"]]
+    listed = [one for table in data.table("definitions.toml")["table"] for one in table["quantity"]]
     return tuple((_pattern(one["path"]), Definition(one["is"], one.get("error", ""))) for one in listed)
 
 

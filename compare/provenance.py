@@ -8,7 +8,7 @@ from functools import cache
 from importlib import resources
 from pathlib import Path
 
-from rollbench.comparison.registration import ROOT, data_files, misprint_files
+from rollbench.comparison.registration import ROOT, data_files, source_files
 from rollbench.reports.manifest import sha256
 
 #: Packages whose sources are part of what a page rests on.
@@ -57,7 +57,7 @@ def sources_hash(folders: Sequence[str] = PACKAGES, more: str = "") -> str:
 def printed_files() -> dict[str, Path]:
     """Printed data by the name that manifests have: tables, misprints of a source, what the audit holds them against."""
     found = {f"{name}.toml": path for name, path in data_files("printed").items()}
-    found |= {f"misprints/{path.parent.name}.toml": path for path in misprint_files()}
+    found |= {f"misprints/{path.parent.name}.toml": path for path in source_files("misprints.toml")}
     return found | {f"audit/{path.name}": path for pattern in PRINTED for path in ROOT.glob(f"printed/audit/{pattern}")}
 
 

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from operator import attrgetter
 from typing import Any, NamedTuple
 
-from rollbench.reports.records import Quantity
+from rollbench.reports.quantity import Quantity
 
 
 class Unit(NamedTuple):
@@ -77,6 +77,21 @@ def number(value: float) -> float | None:
     """A JSON number: nan and infinity become null, and no zero has a sign."""
     value = float(value) + 0.0
     return value if math.isfinite(value) else None
+
+
+def shown(value: float, error: float | None = None, digits: int = 4) -> str:
+    """A number for people to so many significant digits, and none beyond the place after the leading digit of its error,
+    which is in its own unit; JSON has all digits.
+
+    >>> shown(237.46, 4.3), shown(785.24, 11.0), shown(36523.0), shown(838.6, 840.0), shown(0.94, 2.2), shown(0.0)
+    ('237.5', '785', '36520', '840', '0.9', '0')
+    """
+    if not value or not math.isfinite(value):
+        return f"{value:g}"
+    place = math.floor(math.log10(abs(value))) - digits + 1
+    if error:
+        place = max(place, math.floor(math.log10(abs(error))) - 1)
+    return f"{round(value, -place) + 0.0:.{max(-place, 0)}f}"
 
 
 def _ready(value: Any, factor: float) -> Any:

@@ -32,9 +32,9 @@ def data_files(folder: str) -> dict[str, Path]:
     return {path.stem: path for path in sorted(found, key=lambda path: path.stem)}
 
 
-def misprint_files() -> list[Path]:
-    """Lists of misprints, one a source, in the order of the sources."""
-    found = {path.parent.name: path for path in ROOT.glob("sources/*/misprints.toml")}
+def source_files(name: str) -> list[Path]:
+    """Files of that name, one a source, in the order of the sources."""
+    found = {path.parent.name: path for path in ROOT.glob(f"sources/*/{name}")}
     return [found[name] for name in (*ORDER, *sorted(found.keys() - set(ORDER))) if name in found]
 
 
@@ -42,8 +42,8 @@ def misprint_files() -> list[Path]:
 class Part:
     """A section of the report by name: its module in ``compare``; long: left out of a quick report; runs: shows
     runs of the 3D reference; meshes: needs gmsh; meshed: what of it needs gmsh, where the rest does not; page: on which it
-    stands, named in `commands.reporting.parts`; beside: may be made by a second process; needs: wings without which it
-    is left out."""
+    stands, named in `commands.reporting.parts`; beside: may be made by a second process; alone: measures times, so it is
+    made last, by one process; needs: wings without which it is left out."""
 
     name: str
     module: str
@@ -53,6 +53,7 @@ class Part:
     meshed: str = ""
     page: str = "outside"
     beside: bool = False
+    alone: bool = False
     needs: tuple[str, ...] = ()
 
 
@@ -60,13 +61,14 @@ class Part:
 class Registration:
     """What a wing or a source adds. Modules are named below ``rollbench.comparison``, functions as ``module:function``.
 
-    folders: of the repository, which belong to it beside its own; needs: wings without which it is not there; commands:
-    module by name of the command, which adds it to the command line; kinds: record of ``scenes.kinds.Kind`` by kind of
-    scene; parts: sections of the report; functions: by a name of `HOOKS`.
+    folders: of the repository, which belong to it beside its own; needs: wings without which it is not there; title: of a
+    source whose printed tables are judged; commands: module by name of the command, which adds it to the command line;
+    kinds: record of ``scenes.kinds.Kind`` by kind of scene; parts: sections of the report; functions: by a name of `HOOKS`.
     """
 
     folders: tuple[str, ...] = ()
     needs: tuple[str, ...] = ()
+    title: str = ""
     commands: Mapping[str, str] = field(default_factory=dict)
     kinds: Mapping[str, str] = field(default_factory=dict)
     parts: tuple[Part, ...] = ()
@@ -76,7 +78,6 @@ class Registration:
 #: What the core asks of wings and sources, by name: what it calls, and what that returns.
 HOOKS = {
     "bench": "(): jobs of rollbench bench",
-    "computations": "no function: the tuple of `evidence.registry.Computation` of a source",
     "conformity": "(parts of a set, preload [N], rigidity [N/m] of a pair): conformity of its grooves",
     "deck": "(program, unit, balls, b over h, growth, stiffness, scene, file): the answer of rollbench export --deck",
     "drawn friction": "(state): JSON-ready sums of a state of friction",

@@ -45,7 +45,7 @@ copybutton_selector = "div:not(.output) > div.highlight > pre"
 autodoc_typehints = "description"
 autodoc_member_order = "bysource"
 napoleon_use_rtype = False
-suppress_warnings = ["myst.strikethrough"]
+suppress_warnings = ["myst.strikethrough", "myst-nb.lexer"]  # the latter where cells are not run
 
 
 def inline_formula(translator: nodes.NodeVisitor, node: nodes.math) -> None:

@@ -9,15 +9,15 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Arc, Circle, Rectangle, Wedge
 
 STEEL, NUT, BALL = "#d7dce3", "#b9c7dd", "#f3c969"
-CODE = {"fontsize": 8, "family": "monospace"}
+CODE = {"fontsize": 9, "family": "monospace"}
 
 
 def draw(folder: Path) -> None:
-    """Writes every drawing into a folder as SVG, each only where it is not there."""
+    """Writes every drawing into a folder as SVG, each only where it is older than this file."""
     mpl.rcParams["svg.fonttype"] = "none"
-    for name, drawing in {"lengths": lengths, "contact": contact}.items():
+    for name, drawing in {"lengths": lengths, "contact": contact, "flange": flange}.items():
         path = folder / f"{name}.svg"
-        if not path.exists():
+        if not path.exists() or path.stat().st_mtime < Path(__file__).stat().st_mtime:
             drawing(path)
 
 
@@ -113,5 +113,42 @@ def contact(path: Path) -> None:
     axes.text(1.75, -0.78, "land", fontsize=8)
     axes.set_xlim(-2.4, 2.4)
     axes.set_ylim(-2.2, 2.2)
+    figure.savefig(path)
+    plt.close(figure)
+
+
+def flange(path: Path) -> None:
+    """Upper half of a section through a flanged nut on a hollow screw: lengths of flange, bore, lands and 3D stretch."""
+    figure, axes = _axes((10, 5.2))
+    axes.add_patch(Rectangle((0, 5), 150, 14, fc=STEEL, ec="black", lw=0.8))
+    axes.add_patch(Rectangle((40, 21), 76, 17, fc=NUT, ec="black", lw=0.8))
+    axes.add_patch(Rectangle((40, 38), 14, 16, fc=NUT, ec="black", lw=0.8))
+    for z in range(62, 112, 10):
+        axes.add_patch(Circle((z, 20), 3, fc=BALL, ec="black", lw=0.7))
+    for y in np.arange(45, 53, 2.0):
+        axes.plot([54, 57], [y, y + 2.0], color="black", lw=0.7)
+    axes.plot([-8, 160], [0, 0], color="black", lw=0.6, ls=(0, (12, 3, 2, 3)))
+    for z in (14, 142):
+        axes.plot([z, z], [3, 25], color="grey", lw=0.8, ls="--")
+    _across(axes, (40, 60), (54, 60), "nut.flange.thickness")
+    _across(axes, (54, 42), (84, 42), "nut.flange.centring")
+    axes.plot([84, 84], [38, 44], color="black", lw=0.5)
+    _across(axes, (116, 27), (142, 27), "solid.shaft")
+    _upright(axes, (30, 0), (30, 54), "", 30)
+    axes.text(28, 44, "nut.flange.diameter / 2", ha="right", va="center", **CODE)
+    axes.plot([30, 40], [54, 54], color="black", lw=0.5)
+    axes.annotate(
+        "nut.flange.seat\n(two diameters of the ring\nby which it is held)",
+        xy=(57, 51),
+        xytext=(70, 54),
+        **CODE,
+        arrowprops={"arrowstyle": "->", "lw": 0.7},
+    )
+    _upright(axes, (66, 0), (66, 5), "screw.bore / 2", 2.5)
+    _upright(axes, (120, 0), (120, 21), "solid.nut_inner_diameter / 2", 11)
+    axes.plot([116, 122], [21, 21], color="black", lw=0.5)
+    axes.text(-8, -4, "axis; the dashed lines bound the 3D stretch of the shaft", fontsize=9)
+    axes.set_xlim(-22, 184)
+    axes.set_ylim(-8, 66)
     figure.savefig(path)
     plt.close(figure)

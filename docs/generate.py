@@ -11,7 +11,8 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from rollbench.comparison.registration import misprint_files
+from rollbench.comparison.quantities import unit_of
+from rollbench.comparison.registration import source_files
 
 WORDS = {"COLUMNS": "96", "NO_COLOR": "1", "TERM": "dumb"}
 
@@ -39,6 +40,30 @@ def commands() -> Iterator[str]:
         yield f"\n## `rollbench {name}`\n\n```text\n{said(name, '--help').strip()}\n```"
 
 
+#: Drawings of the lengths of a scene: name, what it shows, caption.
+DRAWINGS = (
+    (
+        "lengths",
+        "lengths of a ball screw in a scene file",
+        "Section through a screw with its nut: stations from the left end.",
+    ),
+    (
+        "contact",
+        "one ball in its grooves",
+        "One ball between its four flanks: SL and SR of the screw, NL and NR of the nut.",
+    ),
+    (
+        "flange",
+        "lengths of a flanged nut and of the 3D stretch",
+        "A nut with a flange, and what only the 3D reference needs.",
+    ),
+)
+
+
+def _figure(name: str, alt: str, caption: str) -> str:
+    return f"```{{figure}} ../_static/{name}.svg\n:alt: {alt}\n\n{caption}\n```\n"
+
+
 def scene_file() -> Iterator[str]:
     """Every table and key of a scene file of a screw, bearing or axis, from the JSON Schema; friction's kinds by name."""
     schema = json.loads(said("schema"))
@@ -48,8 +73,7 @@ def scene_file() -> Iterator[str]:
         ' `"20 mm"`, `"5 kN"`, `"45 deg"`.'
         " `rollbench schema` prints the JSON Schema from which this page is made; editors complete and check"
         " keys with it. `rollbench new FILE` writes a scene with every key as a comment.\n\n"
-        "```{figure} ../_static/lengths.svg\n:alt: lengths of a ball screw in a scene file\n\nLengths of a scene: section"
-        " through a screw with its nut, and one ball in its grooves.\n```\n"
+        + "\n".join(_figure(*drawing) for drawing in DRAWINGS)
     )
     seen: set[str] = set()
     for kind in schema["oneOf"]:
@@ -112,15 +136,23 @@ def quantities() -> Iterator[str]:
     )
     text = resources.files("rollbench.comparison").joinpath("definitions.toml").read_text()
     for table in tomllib.loads(text)["table"]:
-        yield f"\n## {table['title']}\n\n{table.get('about', '')}\n\n| path | definition | its error |\n|---|---|---|"
+        head = "| path | unit | definition | its error |\n|---|---|---|---|"
+        yield f"\n## {table['title']}\n\n{table.get('about', '')}\n\n{head}"
         for one in table["quantity"]:
-            yield f"| `{one['path']}` | {_cell(one['is'])} | {_cell(one.get('error', '–'))} |"
+            unit = unit_of_path(one["path"])
+            yield f"| `{one['path']}` | {unit} | {_cell(one['is'])} | {_cell(one.get('error', '–'))} |"
+
+
+def unit_of_path(path: str) -> str:
+    """Unit of a quantity: the ending of the last part of its path that names one; a dash for counts, words and ratios."""
+    units = (unit_of(part.removesuffix("[]").removesuffix("_per_100N"))[1] for part in reversed(path.split(".")))
+    return next((unit.text for unit in units if unit is not None), "–").replace("um", "µm")
 
 
 def misprints() -> Iterator[str]:
     """The sources' misprints, from the data of each source."""
     yield "# Misprints of the sources\n\nThe right value stands in the models; as-printed modes show what a misprint does."
-    for path in misprint_files():
+    for path in source_files("misprints.toml"):
         found = tomllib.loads(path.read_text())
         yield f"\n## {found['title']}\n\n| where | printed | right | evidence |\n|---|---|---|---|"
         for row in found["row"]:

@@ -131,8 +131,8 @@ def verdict(text: str) -> str:
         return "open"
     first = re.split(r"\W", text.strip().lower(), maxsplit=1)[0]
     kinds = {
-        "good": ("reproduced", "band", "within", "converged", "agrees", "passed", "yes"),
-        "bad": ("contradicted", "not", "no", "failed", "fails", "diverged", "differs"),
+        "good": ("reproduced", "band", "within", "converged", "agrees", "passed", "reached", "yes"),
+        "bad": ("contradicted", "not", "no", "failed", "fails", "diverged", "differs", "beyond"),
         "open": ("open", "partly", "mechanism"),
     }
     return next((kind for kind, words in kinds.items() if first in words), "other")

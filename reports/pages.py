@@ -12,7 +12,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from rollbench.reports import field3d, figures, first_pages, scene3d, view3d
+from rollbench.reports import field3d, figures, first_pages, scene3d, sketch, view3d
 from rollbench.reports.cells import cell_view, filled, is_number, micro, write_csv
 from rollbench.reports.manifest import write_manifest
 from rollbench.reports.panels import draw_parts, themed
@@ -25,6 +25,7 @@ from rollbench.reports.records import (
     Quantity,
     Report,
     Section,
+    Sketch,
     Summary,
     Table,
     Text,
@@ -38,12 +39,16 @@ SEARCH = "search.js"
 KNOWN = 4000
 #: Columns of a table that a page shows; its CSV has all of them, and all rows.
 COLUMNS = 8
+#: Rows beyond those of a table that it shows sooner than says that they are in its CSV.
+SPARED = 2
+#: Columns of a table in full length that so small a share of its rows fills are left to the CSV.
+RARE = 0.1
 #: Keys of columns that stay where others are left to the CSV, and on a phone.
 VERDICTS = ("class", "verdict", "status")
 _NAMED = re.compile(r"\b([Tt]ables?|[Ff]igures?|[Ss]ections?) ([a-z0-9][\w.-]*\w)")
 
 Progress = Callable[[str], None]
-Item = Text | Table | Figure | LoadedScrew | FieldPicture | PressureMap
+Item = Text | Table | Figure | Sketch | LoadedScrew | FieldPicture | PressureMap
 
 
 @dataclass
@@ -180,8 +185,8 @@ def _item(item: Item, page: str, whole: bool, writer: _Writer) -> dict[str, Any]
         across = max(1, min(item.columns, len(item.panels), 3))
         panels = [Markup(panel) for panel in drawn.panels]
         return {**view, "file": f"{name}.svg", "panels": panels, "legend": Markup(drawn.legend), "across": across}
-    if isinstance(item, PressureMap):
-        svg = figures.draw_map(item)
+    if isinstance(item, PressureMap | Sketch):
+        svg = figures.draw_map(item) if isinstance(item, PressureMap) else sketch.draw(item)
         _write(writer.folder / f"{name}.svg", svg)
         return {**view, "file": f"{name}.svg", "panels": [Markup(themed(_inline(svg)))]}
     return view | _picture(item, f"{name}.png", f"{page}#figure-{item.name}", writer)
@@ -224,11 +229,14 @@ def table_view(table: Table, whole: bool, folder: Path) -> dict[str, Any]:
     verdict. Writes its CSV, which has all of it."""
     write_csv(table, folder / "tables" / f"{table.name}.csv")
     columns, empty = filled(table)
-    shown = columns if whole else _first(columns)
-    rows = table.rows if whole else table.rows[: table.shown]
+    shown = [c for c in columns if not whole or _share(c, table) > RARE]
+    shown = shown if whole else _first(columns)
+    few = table.shown is None or len(table.rows) <= table.shown + SPARED
+    rows = table.rows if whole or few else table.rows[: table.shown]
     numbers = [is_number(column, table) for column in shown]
     measured = [k for k, number in enumerate(numbers) if number and k]
-    value = next((k for k in measured if shown[k].unit), measured[0] if measured else -1)
+    errors = (k for k in measured if shown[k].label.startswith(("error", "largest error")))
+    value = next(errors, next((k for k in measured if shown[k].unit), measured[0] if measured else -1))
     names = [k for k, number in enumerate(numbers) if not number][:2]
     heads: Sequence[dict[str, str]] = [
         {
@@ -250,7 +258,12 @@ def table_view(table: Table, whole: bool, folder: Path) -> dict[str, Any]:
     if len(shown) < len(columns):
         said.append(f"In the CSV alone: {', '.join(c.label for c in columns if c not in shown)}.")
     note = "\n".join(filter(None, [table.note, *said]))
-    return {"kind": "table", "table": table, "columns": heads, "rows": cells, "note": note}
+    return {"kind": "table", "table": table, "columns": heads, "rows": cells, "note": note, "whole": whole}
+
+
+def _share(column: Quantity, table: Table) -> float:
+    """Share of a table's rows that fill a column."""
+    return sum(row.get(column.key) not in (None, "", "–") for row in table.rows) / max(len(table.rows), 1)
 
 
 def _first(columns: Sequence[Quantity]) -> list[Quantity]:

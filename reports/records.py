@@ -2,31 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rollbench.reports.quantity import Quantity as Quantity
+
 Cell = str | float | int | bool | None
 Numbers = Sequence[float] | NDArray[np.float64]
 Rows = Sequence[Sequence[float]] | NDArray[np.float64] | NDArray[np.int64]
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """What a column of a table holds: key, heading, unit and format; value: it, of a record that has it.
-
-    Formats: ``"g4"`` for 4 significant digits, ``"s"`` for text, or Python's such as ``".2f"``. Quantities with
-    the keys ``class`` and ``verdict`` are marked in the page.
-    """
-
-    key: str
-    label: str
-    unit: str = ""
-    format: str = "g4"
-    value: Callable[[Any], Any] = field(default=lambda _: None, compare=False)
 
 
 #: A row of a table: values by what they are; a word alone is the heading of a column of texts.
@@ -148,6 +134,36 @@ class LoadedScrew:
 
 
 @dataclass(frozen=True)
+class Sketch:
+    """A sketch of a screw or bearing from the side; lengths in m, stations along z from the shaft's left end.
+
+    nut: stations of its faces; flange: diameter and stations of its faces; balls: (station, height above the axis, distance
+    before it); held: (station, inner and outer radius) of rings by which the nut is held, ``held_outside``: by its outer
+    surface; supports: (station, lines of words); loads: (station, (force along z, force across), words); ``shaft``,
+    ``around``: what its two parts are called.
+    """
+
+    name: str
+    title: str
+    screw_length: float
+    screw_diameter: float
+    bore: float
+    nut: tuple[float, float]
+    nut_diameter: float
+    pitch_diameter: float
+    ball_radius: float
+    balls: Sequence[tuple[float, float, float]]
+    supports: Sequence[tuple[float, Sequence[str]]] = ()
+    loads: Sequence[tuple[float, tuple[float, float], str]] = ()
+    held: Sequence[tuple[float, float, float]] = ()
+    held_outside: bool = False
+    flange: tuple[float, float, float] | None = None
+    shaft: str = "screw"
+    around: str = "nut"
+    caption: str = ""
+
+
+@dataclass(frozen=True)
 class MeshPart:
     """A piece of a mesh in a picture: points (n, 3) [m], cells of ``kind`` ``"P1"``, ``"P2"`` (4, 10-node tetrahedra) or
     ``"Q2"`` (27-node hexahedra), nodes in gmsh's order; ``values`` (n) colour it, else ``colour`` does; ``edges``: draw
@@ -227,10 +243,11 @@ class PressureMap:
 
 @dataclass(frozen=True)
 class Text:
-    """Paragraphs of plain text, or a list of statements when ``bullets``."""
+    """Paragraphs of plain text, or a list of statements when ``bullets``; heading: stands above them."""
 
     paragraphs: Sequence[str]
     bullets: bool = False
+    heading: str = ""
 
 
 @dataclass(frozen=True)
@@ -256,7 +273,7 @@ class Section:
 
     name: str
     title: str
-    items: Sequence[Text | Table | Figure | LoadedScrew | FieldPicture | PressureMap]
+    items: Sequence[Text | Table | Figure | Sketch | LoadedScrew | FieldPicture | PressureMap]
     conclusion: str = ""
     summary: Summary | None = None
 

@@ -18,11 +18,11 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from rollbench.reports import figures, scene3d
+from rollbench.reports import figures, scene3d, sketch
 from rollbench.reports.cells import micro
 from rollbench.reports.html import MARKER, format_cell
 from rollbench.reports.manifest import all_texts, parsed, sha256
-from rollbench.reports.records import Figure, LoadedScrew, Section
+from rollbench.reports.records import Figure, LoadedScrew, Section, Sketch
 
 #: Blocks of the page that hold data, by id.
 BLOCKS = ("manifest", "scene", "results")
@@ -104,8 +104,8 @@ def _embedded(data: Any) -> Markup:
     return Markup(text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026"))
 
 
-def _drawn(item: Figure) -> Markup:
-    svg = figures.draw(item)
+def _drawn(item: Figure | Sketch) -> Markup:
+    svg = sketch.draw(item) if isinstance(item, Sketch) else figures.draw(item)
     body = svg[svg.index("<svg") :]
     return Markup(re.sub(r"\s*<(metadata|title)>.*?</\1>", "", body, flags=re.DOTALL))
 

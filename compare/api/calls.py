@@ -69,13 +69,9 @@ def loads_and_angles(result: StaticResult) -> tuple[Array, Array]:
 def _solve_axis(axis: Assembly, model: str, member: int) -> Solution:
     """A shaft with several rolling sets."""
     from rollbench.comparison.commands.solving.axis_output import as_json
-    from rollbench.comparison.models.axis_answers import gather
-    from rollbench.comparison.models.outside import with_answers
-    from rollbench.comparison.models.registry import Options, run_model
+    from rollbench.comparison.models.axis_answers import solve_sets
 
-    result = run_model(axis, model, Options(member=member))
-    found = gather(axis, result) if result.converged else None
-    result = result if found is None else with_answers(axis, result, found)
+    result, found = solve_sets(axis, model, member)
     data = as_json(axis, result, found, member)
     return Solution(data, "sets", (f"{axis.name}, {data['model']}: {data['status']}", *result.warnings))
 
@@ -261,7 +257,7 @@ def sweep(
     """A scene solved at many values of its keys: statistics, effects and Sobol indices of its outputs.
 
     scene: name or file; vary: as ``--vary`` of the command, ``["errors.balls.oversize=0 um:7 um"]``; out: folder of the
-    samples (samples.csv) and the summary: what it holds is not solved again. Raises InputError.
+    samples (samples.csv) and the summary: samples stored there are not solved again. Raises InputError.
     """
     found = needed("sweep", "sweep", "vary", " ".join(vary))(str(scene), vary, samples, method, model, seed, Path(out))
     return Result(found, "outputs", (f"{found['converged']} of {found['solved']} samples converged: {Path(out)}",))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from rollbench.comparison.definitions import definition
 from rollbench.comparison.quantities import split_unit, unit_of
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES
+from rollbench.reports.cells import micro
 
 
 @dataclass(frozen=True)
@@ -70,15 +72,19 @@ class Result:
         return "\n".join([*(f"{name:<{width}}  {value} {unit}".rstrip() for name, value, unit in rows), *self.notes])
 
     def _repr_html_(self) -> str:
-        """The table for a notebook."""
-        cells = "".join(
-            f"<tr><td>{html.escape(name)}</td><td style='text-align:right'>{html.escape(value)}</td>"
-            f"<td style='text-align:left'>{html.escape(unit)}</td></tr>"
-            for name, value, unit in self.rows()
-        )
+        """The table for a notebook, a heading for every quantity that has parts."""
+        body = ""
+        for group, rows in groupby(self.rows(), lambda row: row[0].rpartition(": ")[0]):
+            body += f"<tr><th colspan='3' style='text-align:left'>{html.escape(group)}</th></tr>" if group else ""
+            body += "".join(
+                f"<tr><td style='text-align:left'>{html.escape(name.removeprefix(f'{group}: '))}</td>"
+                f"<td style='text-align:right'>{html.escape(value)}</td>"
+                f"<td style='text-align:left'>{html.escape(micro(unit))}</td></tr>"
+                for name, value, unit in rows
+            )
         notes = "".join(f"<p>{html.escape(note)}</p>" for note in self.notes)
         head = "<thead><tr><th>quantity</th><th>value</th><th>unit</th></tr></thead>"
-        return f"<table>{head}<tbody>{cells}</tbody></table>{notes}"
+        return f"<table>{head}<tbody>{body}</tbody></table>{notes}"
 
 
 @dataclass(frozen=True, repr=False)

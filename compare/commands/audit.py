@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from rollbench.comparison.commands.printing import Answer, cell
+from rollbench.comparison.commands.tables import ruled
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.evidence.audit import APART, VERDICTS, Audited, as_stored, audit, changes, counts, trust
 from rollbench.comparison.evidence.left_out import left_out, misprints
@@ -21,8 +22,6 @@ def run_audit(only: Sequence[str], *, write: Path | None) -> Answer:
     unknown = [name for name in only if name not in tables()]
     if unknown:
         raise InputError("command line", "--only", unknown[0], ", ".join(tables()), "see: rollbench list")
-    if write is not None and only:
-        raise InputError("command line", "--write", str(write), "without --only", "the list holds all tables")
     rows = audit(Study(), *only)
     if write is not None:
         replace_file(write, as_stored(rows))
@@ -45,11 +44,8 @@ def as_table(rows: Sequence[Audited], changed: Sequence[str]) -> list[Any]:
     """The same for the terminal; misprints and what is left out as counts."""
     from rich.table import Table
 
-    table = Table(title="printed entries by verdict", title_justify="left")
-    for heading in ("source", *VERDICTS, "judged", "all"):
-        table.add_column(heading + (" (apart)" if heading in APART else ""), justify="right")
-    for row in counts(rows):
-        table.add_row(*(str(value) for value in row.values()))
+    headings = [name + (" (apart)" if name in APART else "") for name in ("source", *VERDICTS, "judged", "all")]
+    table = ruled("printed entries by verdict", headings, (map(str, row.values()) for row in counts(rows)))
     entries = Table(title="entries", title_justify="left")
     for heading in ("entry", "printed", "as printed", "right", "3D", "error %", "verdict", "reason"):
         entries.add_column(heading, overflow="fold")

@@ -32,7 +32,7 @@ def _shipped_json() -> dict[str, dict[str, Any]]:
         "scenes": {k: {n: t for n, t in titles.items() if catalogue.kind(n) == k} for k in (*WHOLE, AXIS, *kinds())},
         "models": {model.name: model.about for model in MODELS.values()},
         "models of several sets on one shaft": {name: MODELS[name].label for name in AXIS_MODELS},
-        "printed_tables": {name: len(printed_data.load_table(name)) for name in catalogue.printed_tables()},
+        "printed_tables": {name: len(printed_data.load_table(name)) for name in printed_data.tables()},
     }
 
 
@@ -63,6 +63,6 @@ def _trace_tables(traces: Sequence[Trace]) -> Iterator[Table]:
     for heading in ("table", "key", "printed", "class", "scenes, or why none", "computed by", "test"):
         out.add_column(heading, overflow="ellipsis" if heading == "printed" else "fold")
     for t in traces:
-        test = t.test.removeprefix("tests/literature/")
+        test = t.test.removeprefix("tests/sources/")
         out.add_row(t.table, t.key, t.printed, t.cls, ", ".join(t.scenes) or t.no_scene, t.computation, test or "–")
     yield out

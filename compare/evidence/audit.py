@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import hashlib
 import json
-import tomllib
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import cache
-from importlib import resources
 from typing import Any, Literal
 
+from rollbench.comparison import data
 from rollbench.comparison.evidence.record import Evidence, sentences
 from rollbench.comparison.evidence.registry import by_table, evidence, not_computed
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import Printed, load_table, tables
+from rollbench.comparison.registration import registered, source_files
 
 Verdict = Literal[
     "reproduced", "only as printed", "band", "inferred", "contradicted", "not identifiable", "input", "identity"
@@ -34,16 +34,11 @@ VERDICTS: dict[Verdict, str] = {
 }
 #: Verdicts that are counted apart: they say nothing of a model.
 APART: tuple[Verdict, ...] = ("input", "identity")
-#: Other programs, makers and textbooks together; each table says which.
-EXTERNAL = "other programs, makers, textbooks"
-#: The sources, by the beginning of their tables' names.
-SOURCES = {
-    "lin": "Lin (2019)",
-    "smith": "Smith (1994)",
-    "liu": "Liu et al. (2025)",
-    "kalker": "Kalker (1990)",
-    "external": EXTERNAL,
-}
+
+
+def sources() -> dict[str, str]:
+    """Titles of the sources with printed tables, by the beginning of the tables' names."""
+    return {name: one.title for name, one in registered().items() if one.title}
 
 
 @dataclass(frozen=True)
@@ -63,7 +58,7 @@ class Audited:
     @property
     def source(self) -> str:
         """Name of the source."""
-        return SOURCES[self.found.printed.table.split("-")[0]]
+        return sources()[self.found.printed.table.split("-")[0]]
 
     def as_json(self) -> dict[str, Any]:
         """JSON-ready."""
@@ -90,12 +85,8 @@ class Audited:
 @cache
 def contradicted() -> dict[str, str]:
     """Patterns "table:key" of open entries that are contradicted, and by what."""
-    found: dict[str, str] = tomllib.loads(_text("open.toml"))["contradicted"]
+    found: dict[str, str] = data.table("printed/audit/open.toml")["contradicted"]
     return found
-
-
-def _text(name: str) -> str:
-    return resources.files("rollbench.comparison").joinpath("printed", "audit", name).read_text(encoding="utf-8")
 
 
 def judge(found: Evidence) -> tuple[Verdict, str]:
@@ -158,7 +149,7 @@ def counts(rows: Sequence[Audited]) -> list[dict[str, Any]]:
     """Entries by source and verdict, one row a source and one for all: verdicts, ``judged`` (without inputs and
     identities), ``all``."""
     out = []
-    for source in (*SOURCES.values(), "all"):
+    for source in (*sources().values(), "all"):
         own = Counter(row.verdict for row in rows if source in (row.source, "all"))
         if own:
             judged = sum(n for verdict, n in own.items() if verdict not in APART)
@@ -191,8 +182,10 @@ def data_digest(printed: Printed) -> str:
 
 @cache
 def stored() -> dict[str, tuple[str, str]]:
-    """The list of verdicts that is held by tests: "table:key" -> (digest of its data, verdict)."""
-    return {name: (row[0], row[1]) for name, row in json.loads(_text("verdicts.json")).items()}
+    """The list of verdicts that is held by tests: "table:key" -> (digest of its data, verdict); of all tables, and what a
+    source's folder has in a ``verdicts.json`` of its own."""
+    texts = [data.text("printed/audit/verdicts.json"), *(path.read_text("utf-8") for path in source_files("verdicts.json"))]
+    return {name: (row[0], row[1]) for text in texts for name, row in json.loads(text).items()}
 
 
 def as_stored(rows: Sequence[Audited]) -> str:

@@ -7,14 +7,14 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from rollbench.comparison.registration import ROOT, misprint_files
+from rollbench.comparison.registration import ROOT, source_files
 
 
 @cache
 def misprints() -> list[dict[str, str]]:
     """Misprints and faults of all sources: source, place, wrong, right, evidence, command that shows it, test."""
     out = []
-    for path in misprint_files():
+    for path in source_files("misprints.toml"):
         for row in _rows(path):
             shown = f"rollbench audit --only {row['shown']}" if "shown" in row else f"pytest {row['test']}"
             kept = {key: row[key] for key in ("place", "wrong", "right", "evidence")}

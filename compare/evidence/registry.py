@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import tomllib
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import cache
+from typing import Any
 
 from rollbench.comparison.evidence.record import Evidence
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import KINDS, Printed, load_table, tables
-from rollbench.comparison.registration import load, offered, registered
+from rollbench.comparison.registration import load, registered, source_files
 
 #: Scenes, or why there is none; empty where the kind of the entry says so (an input, arithmetic on printed numbers).
 Behind = tuple[str, ...] | str
@@ -54,9 +56,16 @@ class Computation:
 
 @cache
 def computations() -> tuple[Computation, ...]:
-    """Those of all sources, in order, without those that need an absent wing."""
-    every = (one for of_source in offered("computations") for one in of_source)
+    """Those of ``computations.toml`` of all sources, in order, without those that need an absent wing."""
+    files = (path for path in source_files("computations.toml") if path.parent.name in registered())
+    every = (_described(table, keys) for path in files for table, keys in tomllib.loads(path.read_text("utf-8")).items())
     return tuple(one for one in every if set(one.needs) <= registered().keys())
+
+
+def _described(table: str, keys: Mapping[str, Any]) -> Computation:
+    """The computation of a printed table from its keys in the file."""
+    behind = tuple((pattern, x if isinstance(x, str) else tuple(x)) for pattern, x in keys["behind"].items())
+    return Computation(table, keys.get("function", ""), keys.get("test", ""), behind, tuple(keys.get("needs", ())))
 
 
 @cache

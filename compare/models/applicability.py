@@ -14,7 +14,7 @@ from functools import cache
 
 import numpy as np
 
-from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison import data
 from rollbench.comparison.scenes import catalogue
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
@@ -115,7 +115,7 @@ SURVEY = "survey.json"
 def surveyed() -> tuple[dict[str, float], ...]:
     """Descriptors by name of every drawn screw that was compared; none where the record is absent or damaged."""
     try:
-        scenes = json.loads((shipped_store() / SURVEY).read_text(encoding="utf-8"))["scenes"]
+        scenes = json.loads((data.place("references") / SURVEY).read_text(encoding="utf-8"))["scenes"]
         return tuple({d.name: float(row["places"][d.name]) for d in DESCRIPTORS} for row in scenes if row.get("points"))
     except (OSError, ValueError, TypeError, KeyError):
         return ()

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rollbench.comparison.models.answers import LoadAnswers, load_answers
-from rollbench.comparison.models.loading import Preload, scaled
+from rollbench.comparison.models.loading import Preload, axial_of, scaled
+from rollbench.comparison.models.outside import outside
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.lowfi.statics.axis.stiffness import asked
 from rollbench.lowfi.statics.result import AxisResult, SetResult
@@ -69,6 +70,17 @@ def gather(assembly: Assembly, result: AxisResult) -> AxisAnswers:
     sets = tuple(_of_set(s, bare.sets[i] if bare.converged else None) for i, s in enumerate(result.sets))
     moved = along_axis(assembly, result) - along_axis(assembly, bare) if bare.converged else None
     return AxisAnswers(sets, axial_load(assembly), moved)
+
+
+def solve_sets(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisResult, AxisAnswers | None]:
+    """The result with all warnings, and its answers where it converged. Raises InputError and Refusal as `run_model`."""
+    result = run_model(assembly, model, Options(member=member))
+    if not result.converged:
+        return result, None
+    found = gather(assembly, result)
+    sets = (x for x in found.sets if x is not None)
+    warned = (w.of(x.name) for x in sets for w in outside(x.parts, x.loads, axial_of(x.preload)))
+    return replace(result, warnings=(*result.warnings, *warned)), found
 
 
 def _of_set(s: SetResult, bare: SetResult | None) -> SetAnswers | None:

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
-from importlib import resources
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 
+from rollbench.comparison import data
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.measure import error_percent, load_error
 from rollbench.comparison.models.registry import MODELS, Model, Options, run_model
@@ -283,10 +282,7 @@ class Exceedance:
 
 def known_exceedances() -> list[Exceedance]:
     """Named exceedances of the gate, shipped as data."""
-    text = (
-        resources.files("rollbench.comparison").joinpath("references", "known_exceedances.toml").read_text(encoding="utf-8")
-    )
-    return [Exceedance(**row) for row in tomllib.loads(text).get("row", [])]
+    return [Exceedance(**row) for row in data.table("references/known_exceedances.toml").get("row", [])]
 
 
 @dataclass(frozen=True)

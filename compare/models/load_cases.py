@@ -4,7 +4,7 @@ together."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.answers import Answers, gather
 from rollbench.comparison.models.loading import axial_of
 from rollbench.comparison.models.model_form import ModelForm, estimate
-from rollbench.comparison.models.outside import with_answers
+from rollbench.comparison.models.outside import outside
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.scenes.load_cases import DutyCycle, LoadCase
 from rollbench.lowfi.rating.equivalent import EquivalentLife, equivalent_life
@@ -38,7 +38,8 @@ def solve_one(scene: Scene, model: str, options: Options) -> Solved:
     if not result.converged:
         return Solved(scene, result)
     found = gather(scene, result, model, options)
-    result = with_answers(scene, result, found)
+    warned = outside(scene, found.loads, axial_of(found.preload))
+    result = replace(result, warnings=(*result.warnings, *warned))
     return Solved(scene, result, found, estimate(scene, result))
 
 

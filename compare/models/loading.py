@@ -10,7 +10,6 @@ import numpy as np
 
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, slope_of
-from rollbench.lowfi.statics.axis.stiffness import asked
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.axis import Assembly, Housing
@@ -82,6 +81,8 @@ def scaled(scene: Scene | Assembly, factor: float) -> Scene | Assembly:
     loads = tuple(map(times, scene.loads))
     if isinstance(scene, Scene):
         return replace(scene, loads=loads if factor else ())
+    from rollbench.lowfi.statics.axis.stiffness import asked  # loads the solver of several sets
+
     return replace(scene, loads=loads, housings=tuple(map(times, scene.housings)), stiffness_at=asked(scene))
 
 

@@ -18,10 +18,9 @@ from pathlib import Path
 
 import numpy as np
 
+from rollbench.comparison import data
 from rollbench.comparison.models.applicability import SURVEY, outside
 from rollbench.comparison.models.registry import MODELS
-from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.writing import replace_file
 from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
@@ -153,6 +152,8 @@ def _scaled(values: dict[str, float], scales: Mapping[str, tuple[str, float]]) -
 def save_points(store: Path, points: Sequence[Point]) -> None:
     """Write the points of all models."""
     text = json.dumps([asdict(p) for p in points], indent=1, sort_keys=True) + "\n"
+    from rollbench.comparison.writing import replace_file
+
     replace_file(store / FILE, text)
 
 
@@ -170,8 +171,8 @@ def surveyed_points() -> tuple[Point, ...]:
 
 def _points(name: str) -> tuple[Point, ...]:
     try:
-        data = json.loads((shipped_store() / name).read_text(encoding="utf-8"))
-        rows = data if name == FILE else [p for scene in data["scenes"] for p in scene.get("points", ())]
+        kept = json.loads(data.text(f"references/{name}"))
+        rows = kept if name == FILE else [p for scene in kept["scenes"] for p in scene.get("points", ())]
         found = tuple(Point(**row) for row in rows)
         return tuple(p for p in found if set(p.features) - {FLANGE} == set(SCALES))
     except (OSError, ValueError, TypeError, KeyError):

@@ -3,30 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
-from typing import overload
 
-from rollbench.comparison.models.answers import Answers, LoadAnswers
-from rollbench.comparison.models.axis_answers import AxisAnswers
-from rollbench.comparison.models.loading import axial_of
+from rollbench.comparison.models.answers import LoadAnswers
 from rollbench.lowfi.rating.life import rating
-from rollbench.lowfi.statics.result import AxisResult, Solved, StaticResult
 from rollbench.lowfi.warned import Warned
-from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
-
-
-@overload
-def with_answers(scene: Scene, result: StaticResult, found: Answers) -> StaticResult: ...
-@overload
-def with_answers(scene: Assembly, result: AxisResult, found: AxisAnswers) -> AxisResult: ...
-def with_answers(scene: Scene | Assembly, result: Solved, found: Answers | AxisAnswers) -> Solved:
-    """The result with the warnings that follow from its answers, those of several sets with their names."""
-    if isinstance(found, AxisAnswers):
-        warned = [w.of(x.name) for x in found.sets if x is not None for w in outside(x.parts, x.loads, axial_of(x.preload))]
-    else:
-        warned = [*outside(scene, found.loads, axial_of(found.preload))] if isinstance(scene, Scene) else []
-    return replace(result, warnings=(*result.warnings, *warned))
 
 
 def outside(scene: Scene, loads: LoadAnswers, preload: float) -> Iterator[Warned]:

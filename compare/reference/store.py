@@ -6,12 +6,13 @@ import glob
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cache, partial
-from importlib import metadata, resources
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from rollbench.comparison import data
 from rollbench.comparison.reference.sealing import sealed, unsealed
 from rollbench.comparison.reference.sets import meant
 from rollbench.comparison.reference.tasks import Solvable, plain, serves
@@ -183,7 +184,7 @@ def _rows(array: Array) -> list[list[float | None]]:
 
 def shipped_store() -> Path:
     """Folder of the runs that come with the package."""
-    return Path(str(resources.files("rollbench.comparison").joinpath("references")))
+    return data.place("references")
 
 
 def load(scene: Solvable, level: int, variant: str = "", stores: Sequence[Path] | None = None) -> Run | None:

@@ -1,4 +1,4 @@
-"""What the package ships: scenes of all kinds by name, each read once, and the names of the printed tables."""
+"""What the package ships: scenes of all kinds by name, each read once."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.printed import printed_data
 from rollbench.comparison.registration import data_files, kinds
 from rollbench.comparison.scenes.names import AXIS
 from rollbench.meshes.parts import Scene
@@ -111,11 +110,6 @@ def looks_like_path(text: str) -> bool:
         return bool(text) and Path(text).exists()
     except (OSError, ValueError):
         return False
-
-
-def printed_tables() -> list[str]:
-    """Names of the printed tables, sorted; ``compare.printed.printed_data.load_table`` reads one."""
-    return printed_data.tables()
 
 
 def _unknown(name: str) -> InputError:

@@ -53,7 +53,7 @@ SOLIDS = (1e9, 1e12)
 class Table(BaseModel):
     """A table of a scene file: no other keys, no silent conversions."""
 
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, validate_default=True)
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, validate_default=True, defer_build=True)
 
 
 class MaterialKeys(Table):

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from math import ceil, floor, pi, sin
 from typing import Any
 
+from rollbench.comparison import data
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.scenes.circuits import touching_angle
 
@@ -30,185 +32,12 @@ SIGMA = 0.04
 #: Share of a nut's length between the nuts of a double nut.
 SPACER = 0.1
 
-#: What every size assumes.
-ASSUMED = """\
-  "The balls are the largest in stock up to {per_lead:g} of the lead and {per_diameter:g} of the nominal diameter.",
-  "Pitch circle {beyond:g} ball diameters beyond the nominal diameter, which is that of the lands.",
-  "Conformity (groove radius over ball diameter) 0.525: within the usual 0.52 to 0.53; makers do not print it.",
-  "{circuits} circuits of {each:g} turns, {percent:g} % filled; number and gaps of circuits differ from maker to maker.",
-  "Preload of {preload:g} % of the dynamic load rating{rigid}: catalogues have 3 to 8 %.",
-  "Ball radii scatter as in a lot of grade 10 (ISO 3290-1: diameters within 0.5 um, six standard deviations).",
-  "Walls of the nut of {wall:g} ball diameters under the grooves; {holding}.",
-  "Fixed bearing at the left end of the screw, floating bearing at the right one; {nuts} in the middle.",
-"""
-
-TEXT = (
-    """\
-# A ball screw of nominal size {size}, as is usual for it: edit what your drawing says otherwise.
-# Solve it with: rollbench solve FILE; judge it with: rollbench check FILE. All keys: rollbench schema
-title = "Ball screw {size}: {turns:g} turns of {ball:g} mm balls, preloaded, {force:g} kN"
-assumed = [
-"""
-    + ASSUMED
-    + """]
-
-[material]
-name = "bearing steel"
-
-[track]
-pitch_diameter = "{pitch:g} mm"
-lead = "{lead:g} mm"
-contact_angle = "45 deg"
-# hand = "left"
-# starts = 2
-
-[screw]
-length = "{length:g} mm"  # between the bearings
-outer_diameter = "{outer:g} mm"  # of the lands
-# bore = "{bore:g} mm"  # hollow screw
-conformity = 0.525
-
-[nut]
-position = "{middle:g} mm"  # of its centre, from the left end of the screw
-length = "{nut:g} mm"
-outer_diameter = "{outside:g} mm"
-conformity = 0.525
-
-[nut.flange]
-diameter = "{rim:g} mm"
-thickness = "{thick:g} mm"
-side = "left"
-# centring = "{fit:g} mm"  # length beside the flange that fits the housing's bore
-
-[nut.held]
-at = "flange face"  # or: at = "left face", "outer surface", ...
-# inner_diameter = "{outside:g} mm"  # of the annulus that bears on the housing
-# outer_diameter = "{rim:g} mm"
-# centring = "bonded"  # the fit holds the nut, too
-
-[balls]
-diameter = "{ball:g} mm"
-filling = {filling:g}  # or: count = ...
-turns = {each:g}  # of each circuit
-circuits = {circuits}
-circuit_gap = {gap:g}  # turns without balls from one circuit to the next
-# material = {{ name = "silicon nitride" }}
-
-[preload]
-force = "{preload:g} % of C"  # or: force = "500 N", or: oversize = "3 um", added to every ball radius
-
-[errors]
-seed = 1
-
-[errors.balls]
-sigma = "{sigma:g} um"  # of the radii: a lot of grade 10, diameters within 0.5 um; for: rollbench solve FILE --members 1000
-
-[[supports]]  # fixed bearing; the nut takes the load along the axis
-at = "0 mm"
-fix = ["ux", "uy", "rx", "ry", "rz"]
-
-[[supports]]
-at = "{length:g} mm"
-fix = ["ux", "uy"]
-
-[[loads]]
-at = "0 mm"
-force = ["0 N", "0 N", "{force:g} kN"]
-
-# [[cases]]  # load cases in place of the one above, with their shares of the revolutions
-# name = "cutting"
-# share = 0.3  # or: time = "20 s" and speed = "200 rpm"
-# [[cases.loads]]
-# at = "0 mm"
-# force = ["0 N", "0 N", "{force:g} kN"]
-# [[cases]]
-# name = "rapid"
-# share = 0.7
-# [[cases.loads]]
-# at = "0 mm"
-# force = ["0 N", "0 N", "{rapid:g} kN"]
-
-# [friction]  # for: rollbench friction
-# coefficient = 0.1
-
-# [gate]  # for: rollbench check, in per cent
-# max_error = 7
-"""
-)
-
-DOUBLE = (
-    """\
-# A double nut of nominal size {size}, as is usual for it: edit what your drawing says otherwise.
-# Solve it with: rollbench solve FILE. All keys: rollbench schema
-title = "Double nut {size}: {turns:g} turns of {ball:g} mm balls in each nut, preloaded, {force:g} kN"
-assumed = [
-"""
-    + ASSUMED
-    + """\
-  "Both nuts and the spacer between them are one rigid body, which is held.",
-]
-kind = "axis"
-
-[material]
-name = "bearing steel"
-
-[screw]
-length = "{length:g} mm"  # between the bearings
-outer_diameter = "{outer:g} mm"  # of the lands
-conformity = 0.525
-
-[[supports]]  # fixed bearing; the nuts take the load along the axis
-at = "0 mm"
-fix = ["ux", "uy", "rx", "ry", "rz"]
-
-[[supports]]
-at = "{length:g} mm"
-fix = ["ux", "uy"]
-
-[[loads]]
-at = "0 mm"
-force = ["0 N", "0 N", "{force:g} kN"]
-
-# [friction]  # for: rollbench friction
-# coefficient = 0.1
-"""
-)
-
-#: One nut of a double nut, which carries thrust one way.
-NUT = """
-[[sets]]
-name = "nut {number}"
-thrust = "{thrust}"
-preload = "{preload:g} % of C"  # or: preload = "500 N"
-
-[sets.track]
-pitch_diameter = "{pitch:g} mm"
-lead = "{lead:g} mm"
-contact_angle = "45 deg"
-
-[sets.nut]
-position = "{at:g} mm"  # of its centre, from the left end of the screw
-length = "{nut:g} mm"
-outer_diameter = "{outside:g} mm"
-conformity = 0.525
-
-[sets.balls]
-diameter = "{ball:g} mm"
-filling = {filling:g}  # or: count = ...
-turns = {each:g}  # of each circuit
-circuits = {circuits}
-circuit_gap = {gap:g}  # turns without balls from one circuit to the next
-
-[sets.errors.balls]
-sigma = "{sigma:g} um"  # of the radii: a lot of grade 10, diameters within 0.5 um
-"""
-
 
 def scene_like(size: str) -> str:
     """Text of a scene of a nominal size ``DIAMETERxLEAD`` in mm. Raises InputError where the rules do not reach."""
     values = _values(size)
     holding = f"held by a flange of {RIM:g} by {THICK:g} of its diameter"
-    return _tidy(TEXT.format(**values, rigid=", between rigid bodies", nuts="the nut", holding=holding), values)
+    return _tidy(_text("screw", values, rigid=", between rigid bodies", nuts="the nut", holding=holding), values)
 
 
 def double_nut_like(size: str) -> str:
@@ -217,11 +46,17 @@ def double_nut_like(size: str) -> str:
     apart = values["nut"] + max(1.0, round(SPACER * values["nut"]))
     places = [values["middle"] - 0.5 * apart, values["middle"] + 0.5 * apart]
     nuts = [
-        NUT.format(**values, number=k + 1, thrust=thrust, at=at)
+        _text("nut", values, number=k + 1, thrust=thrust, at=at)
         for k, (thrust, at) in enumerate(zip(("-z", "+z"), places, strict=True))
     ]
-    head = DOUBLE.format(**values, rigid=" of each nut", nuts="the nuts", holding="no flanges, held at the left faces")
+    head = _text("double-nut", values, rigid=" of each nut", nuts="the nuts", holding="no flanges, held at the left faces")
     return _tidy("".join((head, *nuts)), values)
+
+
+def _text(name: str, values: Mapping[str, Any], **more: object) -> str:
+    """A text of the folder ``like_texts``, filled; ``{assumed}`` in it is what every size assumes."""
+    text = data.text(f"scenes/like_texts/{name}.txt")
+    return text.replace("{assumed}", data.text("scenes/like_texts/assumed.txt")).format(**values, **more)
 
 
 def _tidy(text: str, values: dict[str, Any]) -> str:

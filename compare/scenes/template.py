@@ -5,9 +5,9 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Iterator, Mapping
 from copy import deepcopy
-from importlib import resources
 from typing import Any
 
+from rollbench.comparison import data
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.registration import kinds
 from rollbench.comparison.scenes.catalogue import scene_text
@@ -55,7 +55,7 @@ def template(kind: str = "ball screw") -> str:
         raise InputError("command line", "--kind", kind, allowed, "a whole screw is a ball-screw")
     if name == "ball screw" or name in BEARINGS:
         file = "template.toml" if name == "ball screw" else f"template-{name.replace(' ', '-')}.toml"
-        return resources.files("rollbench.comparison").joinpath(file).read_text(encoding="utf-8")
+        return data.text(file)
     values = tomllib.loads(scene_text(EXAMPLES[name])) | {"title": f"My {name}", "kind": name}
     for said in ("source", "assumed"):
         values.pop(said, None)

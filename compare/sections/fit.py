@@ -14,8 +14,8 @@ from rollbench.reports.records import Quantity, Row, Section, Table, Text
 #: Limit [%] that a use is counted by, and words of the errors.
 LIMIT = 7.0
 WORDS = {
-    "percent": "largest contact load error, of the mean",
-    "rms_percent": "contact loads, RMS of the mean",
+    "percent": "worst contact load, of the mean load",
+    "rms_percent": "RMS of the contact loads, of the mean load",
     "displacement_percent": "axial displacement",
     "rigidity_percent": "axial tangent rigidity",
     "pressure_percent": "largest pressure",
@@ -54,12 +54,20 @@ def rows(points: Sequence[Point]) -> list[Row]:
 
 def conclusion(found: Sequence[Row]) -> str:
     """What 95 of 100 compared scenes are fit for."""
-    good = [str(row["quantity"]) for row in found if row["model"] == DEFAULT and row["verdict"] == "yes"]
-    bad = [str(row["quantity"]) for row in found if row["model"] == "lin" and row["verdict"] == "no"]
+    good = [_plain(row) for row in found if row["model"] == DEFAULT and row["verdict"] == "yes"]
+    bad = [_plain(row) for row in found if row["model"] == "lin" and row["verdict"] == "no"]
     return (
-        f"Fit for: {', '.join(good)} of ordinary screws by {DEFAULT}, within {LIMIT:g} % on at least 95 of 100 compared "
-        f"scenes. Not fit for, by lin: {', '.join(bad) or 'none of these'}."
+        f"On ordinary screws {DEFAULT} is fit for {_listed(good) or 'nothing'}: within {LIMIT:g} % on at least 95 of 100 "
+        f"compared scenes. lin is not fit for {_listed(bad) or 'nothing of it'}."
     )
+
+
+def _plain(row: Row) -> str:
+    return str(row["quantity"]).removesuffix(", of the mean load")
+
+
+def _listed(names: Sequence[str]) -> str:
+    return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study

@@ -86,7 +86,7 @@ def history_figure(releases: Sequence[tuple[str, Release]]) -> Figure:
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report; a timed study adds the present version to its store."""
+    """Section of the report; a study that keeps adds the present version to its store."""
     step("numbers of this report beside those of the releases")
     points = study.once(all_points, step)
     title = "History of the releases"
@@ -95,7 +95,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     if any(name in points for name in REFERENCED):
         now = measured(points, study.references(tuple(points)), commit())
         releases.append((NOW, now))
-        if study.timed and study.stores and not study.quick:
+        if study.keeps and study.stores and not study.quick:
             save(study.stores[0], added(known, now))
     if not releases:
         return Section("history", title, (Text(("No release and no run of the 3D reference was found.",)),))

@@ -292,7 +292,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     step("every model on every quantity")
     items = (quantity_table(study), contact_figure(study, found))
     summary = Summary(QUESTION, said, wide, narrow, covered, limits, table, items)
-    return Section("overview", title, (table, Text((*covered, *limits), bullets=True)), conclusion=said, summary=summary)
+    return Section("overview", title, (table,), conclusion=said, summary=summary)
 
 
 def largest_total(study: Study, found: Mapping[str, Reference]) -> float | None:
@@ -351,9 +351,10 @@ def contact_figure(study: Study, found: Mapping[str, Reference]) -> Figure:
                 y += [float(value[i, s]) for i, s in at]
                 names += [f"{rung.scene}, {i + 1} {SIDES[s]}" for i, s in at]
         series.append(Series(model, x, y, "markers", light=model == "lin", names=names))
-    ends = [0.0, max((max(s.x, default=1.0) for s in series), default=1.0)]
-    for factor, name in ((1.0, "equal"), (1.0 - LINE / 100.0, f"-{LINE:g} %"), (1.0 + LINE / 100.0, f"+{LINE:g} %")):
-        series.append(Series(name, ends, [factor * end for end in ends], "line"))
+    end = max((max(s.x, default=1.0) for s in series), default=1.0)
+    low, high = (1.0 - LINE / 100.0) * end, (1.0 + LINE / 100.0) * end
+    series.append(Series("equal", [0.0, end], [0.0, end], "line"))
+    series.append(Series(f"±{LINE:g} %", [0.0, end, end, 0.0, end], [0.0, low, np.nan, 0.0, high], "line"))
     panel = Panel("", "3D reference / mean load", "computed / mean load", tuple(series))
     caption = f"{len(series[0].x)} contacts of {len(found)} scenes; lines: {LINE:g} % of a load; small dots: lin."
     return Figure("contacts", "Computed against reference, every contact", (panel,), caption, columns=1, size=(7.0, 5.0))

@@ -12,6 +12,7 @@ from rollbench.comparison.printed.printed_data import KINDS
 from rollbench.comparison.sections.finding_table import printed_table
 from rollbench.reports.records import Quantity, Row, Section, Table, Text
 
+PLURALS = {"computed number": "computed numbers", "claim in words": "claims in words"}
 #: What was inferred from printed results, and from which.
 INFERRED = (
     "the screw's outer diameter of 32 mm (from the groove range of 2.4.2); the helix phase (from the last balls of case "
@@ -24,9 +25,9 @@ def total_text(rows: Sequence[Audited]) -> str:
     """All entries and their verdicts in one sentence, claims, table values and computed results apart."""
     total = audited_counts(rows)[-1]
     kinds = Counter(r.found.printed.kind for r in rows if r.verdict == "reproduced")
-    parts = ", ".join(f"{n} {KINDS[kind]}" for kind, n in kinds.most_common())
+    parts = " and ".join(f"{n} {PLURALS.get(KINDS[kind], KINDS[kind])}" for kind, n in kinds.most_common())
     words = ", ".join(f"{total[v]} {v}" for v in VERDICTS)
-    return f"Of {total['all']} printed entries: {words}. Of those reproduced: {parts}."
+    return f"Of {total['all']} printed entries: {words}. Those reproduced are {parts}."
 
 
 def kinds_table(rows: Sequence[Audited]) -> Table:

@@ -23,6 +23,8 @@ from rollbench.meshes.arrays import Array, Index
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
+#: Share of a unit load that reaches a line, below which it is none: less than round-off.
+NONE_LEFT = 1e-18
 #: Gauss points of the 9-node quadrilateral: three a side.
 GAUSS = np.array([-np.sqrt(0.6), 0.0, np.sqrt(0.6)])
 WEIGHT = np.array([5.0, 8.0, 5.0]) / 9.0
@@ -352,12 +354,13 @@ def _sweep(body: Body, blocks: list[Block], n: int, watched: Index, springs: Seq
     """Block Cholesky along z, forward only: with K = L L^T and Y = L^-1 E the answer is Y^T Y.
 
     Of a block X = L^-1 (C^T, E), C to the first line of the block after it: X^T X is what that line and its loads lose,
-    and a share of the answer.
+    and a share of the answer. What harmonic n leaves of a load decays as exp(-n z / r): loads of which less than round-off
+    reaches a line are none for all lines after it, so that time grows with the length of a body but for harmonics 0 and 1.
     """
     powers = factor_c(n) * np.array([1.0, n, n * n])
     ends = end_motions(body, n) if springs else np.zeros((0, 0))
     total = int(watched.max()) + 1
-    found, seen = np.zeros((total + len(ends),) * 2), np.zeros(0, dtype=np.int64)
+    found, seen, first = np.zeros((total + len(ends),) * 2), np.zeros(0, dtype=np.int64), 0
     lost, loads = np.zeros((0, 0)), np.zeros((0, 0))
     for k, block in enumerate(blocks):
         own, last = block.own, k == len(blocks) - 1
@@ -370,7 +373,7 @@ def _sweep(body: Body, blocks: list[Block], n: int, watched: Index, springs: Seq
         new = np.flatnonzero(watched[own] >= 0)
         high = total + np.arange(len(ends) if last else 0)
         after = 0 if last else blocks[k + 1].lower.shape[1]
-        known = after + seen.size
+        known = after + seen.size - first
         X = np.zeros((own.size, known + new.size + high.size), order="F")
         if not last:
             X[:, :after] = np.tensordot(powers, blocks[k + 1].lower, 1).T
@@ -380,8 +383,10 @@ def _sweep(body: Body, blocks: list[Block], n: int, watched: Index, springs: Seq
             X[:, -high.size :] = ends[:, own - (3 * body.grid.r.size - ends.shape[1])].T
         seen = np.concatenate([seen, watched[own[new]], high])
         P = forward(diagonal, X)
-        lost, loads = P[:after, :after], P[:after, after:]
-        found[: seen.size, : seen.size] += P[after:, after:]
+        found[first : seen.size, first : seen.size] += P[after:, after:]
+        felt = np.abs(P[:after, after:]).max(axis=0, initial=0.0) > NONE_LEFT
+        gone = int(felt.argmax()) if felt.any() else felt.size
+        lost, loads, first = P[:after, :after], P[:after, after + gone :], first + gone
     answer = np.zeros_like(found)
     answer[np.ix_(seen, seen)] = found[: seen.size, : seen.size]
     return answer

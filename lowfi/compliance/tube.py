@@ -19,8 +19,8 @@ from rollbench.meshes.section import BeamSection, shear_coefficient, tube_sectio
 #: the angle between two contacts, the others as the sine.
 PARTS = ((0, 0), (1, 1), (2, 2), (0, 2), (1, 0), (1, 2))
 EVEN = 4
-#: Numbers of a harmonic's motions times harmonics that are taken together: those of 32 contacts, and not much memory.
-TOGETHER = 200_000
+#: Share of a patch on a node below which the patch does not reach it: less than round-off.
+UNREACHED = 1e-18
 #: Lines of a grid as near as this [m] are one; ends of elements as near to a flange's, over their length, give way to it.
 SAME, NEAR = 1e-9, 0.4
 #: Points and weights of the quadrature over a patch, and the shapes of an element there.
@@ -222,21 +222,19 @@ def contact_compliance(found: TubeCompliance, points: Points, *, resultant: bool
     A load at azimuth s makes cos(n (t - s)) of radial and axial motion and sin(n (t - s)) of the other (the reverse if it
     acts around the axis), so that only the angle between two contacts counts.
     """
+    from scipy.sparse import csr_array
+
     tube, k, count = found.tube, found.z.size, points.z.size
     weights = patch_weights(found.z, points.z, tube.width)
+    near = csr_array(np.where(np.abs(weights) > UNREACHED, weights, 0.0))
     total = np.zeros((count, len(PARTS), count))
-    at_once = max(1, TOGETHER // total.size)
-    for first in range(0, len(found.parts), at_once):
-        parts = found.parts[first : first + at_once]
-        n = np.arange(first, first + len(parts))[:, None]
-        share = np.where(n > 1 if resultant else n >= 0, np.exp(-((n * tube.width / tube.radius) ** 2)), 1.0)
+    for n, part in enumerate(found.parts):
+        share = np.exp(-((n * tube.width / tube.radius) ** 2)) if n > 1 or not resultant else 1.0
         c, s = np.cos(n * points.azimuth), np.sin(n * points.azimuth)
-        c_load, s_load = (share * c)[:, None], (share * s)[:, None]
-        c, s = c[..., None], s[..., None]
-        moved = ((weights @ parts).reshape(-1, k) @ weights.T).reshape(-1, count, len(PARTS), count)
+        moved = (near @ (near @ part).reshape(-1, k).T).T.reshape(count, len(PARTS), count)
         # cosine and sine of n times the angle between two contacts
-        total[:, :EVEN] += np.einsum("nipj,nij->ipj", moved[:, :, :EVEN], c * c_load + s * s_load)
-        total[:, EVEN:] += np.einsum("nipj,nij->ipj", moved[:, :, EVEN:], s * c_load - c * s_load)
+        total[:, :EVEN] += moved[:, :EVEN] * (share * (np.outer(c, c) + np.outer(s, s)))[:, None]
+        total[:, EVEN:] += moved[:, EVEN:] * (share * (np.outer(s, c) - np.outer(c, s)))[:, None]
     whole = np.empty((count, 3, 3, count))
     for k, (i, j) in enumerate(PARTS):
         whole[:, i, j], whole[:, j, i] = total[:, k], total[:, k].T

@@ -37,7 +37,7 @@ from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import Scene
 
 #: Largest number of balls: compliance between all contacts is formed whole, so memory and set-up grow as its square.
-LARGEST = 250
+LARGEST = 1000
 #: Share of a contact's tangent compliance that Hertz's law may lend to the bodies: it falls with the force's cube root, and
 #: is left positive up to 64 times the typical force.
 LENT = 0.25

@@ -17,7 +17,7 @@ def doctor(
     requirements: Literal["check", "solve", "compare", "report", "all"] | None = None,
     as_json: Json = False,
 ) -> int:
-    """Check this machine: packages, system libraries, drawing, folders, memory; what lacks, what that costs, licences.
+    """Check this machine: packages, system libraries, drawing, folders, memory; what is missing and disabled; licences.
 
     Exit codes: 0 nothing is missing (programs marked optional may be), 1 something is.
 

@@ -25,7 +25,8 @@ def audit(
     only
         Names of printed tables; all unless given.
     write
-        File to write the list of verdicts to, as compare/printed/audit/verdicts.json holds it.
+        File to write the list of verdicts to, as compare/printed/audit/verdicts.json holds it, or with --only the
+        verdicts.json of a source's folder.
     """
     from rollbench.comparison.commands.audit import run_audit
 

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from rollbench.comparison.commands.arguments.terminal import Flag, Json, Tls, Word, app, cache_folder, engine
+from rollbench.comparison.commands.arguments.terminal import Flag, Json, Where, Word, app, cache_folder, engine
 from rollbench.comparison.commands.printing import print_answer
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.registration import needed
@@ -24,10 +24,7 @@ def mesh_study(
     fresh: Flag = False,
     bodies: str = "half-space",
     as_json: Json = False,
-    backend: str = "joblib",
-    scheduler: str | None = None,
-    workers: int | None = None,
-    tls: Tls | None = None,
+    where: Where | None = None,
 ) -> int:
     """Run the 3D reference on several mesh levels: observed orders, uncertainty, modelling spread.
 
@@ -47,28 +44,14 @@ def mesh_study(
         Compute runs even where they are stored.
     bodies
         Of scenes of friction: half-space, or finite (patches of the static reference, or a ball and grooved bars).
-    backend
-        joblib (this machine) or dask (a cluster).
-    scheduler
-        Address of the Dask scheduler.
-    workers
-        Runs at the same time, each of 1 to 3 GB; 1 here, or what the cluster has, unless given.
     """
-    from rollbench.comparison.commands.comparing.kinds import all_of_friction, known_bodies, refuse_options
+    from rollbench.comparison.commands.comparing.kinds import all_rolling
     from rollbench.comparison.commands.comparing.study import run_mesh_study
-    from rollbench.comparison.system import need_packages
 
-    rolling = all_of_friction(scenes)
-    bodies = known_bodies(bodies, rolling=rolling)
-    if rolling:
-        need_packages("scikit-fem")
-        run_rolling_study = needed("rolling study", "command line", "scenes", " ".join(scenes))
-        refuse_options({"--spread": spread})
-        where = engine(backend, scheduler, workers, tls)
-        found = run_rolling_study(scenes, levels, store, where, source=source_mesh, fresh=fresh, bodies=bodies)
-        return print_answer(found, as_json)
-    where = engine(backend, scheduler, workers, tls)
-    found = run_mesh_study(scenes, levels, store, where, spread=spread, source=source_mesh, fresh=fresh)
+    if rolling := all_rolling(scenes, bodies, "rolling study", {"--spread": spread}):
+        found = rolling(scenes, levels, store, engine(where), source=source_mesh, fresh=fresh, bodies=bodies)
+    else:
+        found = run_mesh_study(scenes, levels, store, engine(where), spread=spread, source=source_mesh, fresh=fresh)
     return print_answer(found, as_json)
 
 
@@ -84,10 +67,7 @@ def compare(
     reference: Path | None = None,
     bodies: str = "half-space",
     as_json: Json = False,
-    backend: str = "joblib",
-    scheduler: str | None = None,
-    workers: int | None = None,
-    tls: Tls | None = None,
+    where: Where | None = None,
 ) -> int:
     """Compare low-order models with the 3D reference of scenes; the reference is computed where none is stored.
 
@@ -117,28 +97,18 @@ def compare(
         check.
     bodies
         Of scenes of friction: half-space, or finite (patches of the static reference, or a ball and grooved bars).
-    backend
-        joblib (this machine) or dask (a cluster).
-    scheduler
-        Address of the Dask scheduler.
-    workers
-        Runs at the same time, each of 1 to 3 GB; 1 here, or what the cluster has, unless given.
     """
-    from rollbench.comparison.commands.comparing.kinds import all_of_friction, known_bodies, refuse_options
+    from rollbench.comparison.commands.comparing.kinds import all_rolling
     from rollbench.comparison.commands.comparing.study import parse_levels, run_compare
-    from rollbench.comparison.system import need_packages
 
     wanted = None if levels is None else parse_levels(levels)
-    rolling = all_of_friction(scenes)
-    bodies = known_bodies(bodies, rolling=rolling)
-    if rolling:
-        need_packages("scikit-fem")
-        run_rolling_compare = needed("rolling compare", "command line", "scenes", " ".join(scenes))
-        refuse_options({"--model": model is not None, "--balls": balls, "--reference": reference is not None})
-        where = engine(backend, scheduler, workers, tls)
-        return print_answer(run_rolling_compare(scenes, wanted, store, where, fresh=fresh, bodies=bodies), as_json)
-    where = engine(backend, scheduler, workers, tls)
-    found = run_compare(scenes, model or (), wanted, store, where, fresh=fresh, balls=balls, reference=reference)
+    means_nothing = {"--model": model is not None, "--balls": balls, "--reference": reference is not None}
+    if rolling := all_rolling(scenes, bodies, "rolling compare", means_nothing):
+        found = rolling(scenes, wanted, store, engine(where), fresh=fresh, bodies=bodies)
+    else:
+        found = run_compare(
+            scenes, model or (), wanted, store, engine(where), fresh=fresh, balls=balls, reference=reference
+        )
     return print_answer(found, as_json)
 
 

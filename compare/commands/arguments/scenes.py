@@ -103,9 +103,9 @@ def solve(
     model
         refined unless given, or "condensed" where its file is given; see: rollbench list.
     everything
-        Build everything, also what the scene does not need.
+        Build all parts, even those that the scene does not need.
     member
-        Which specimen of a scene with random errors.
+        Number of the specimen, for a scene with random errors.
     condensed
         File that rollbench condense made of these parts: bodies of a condensed 3D model, for the model "condensed".
     balls
@@ -120,21 +120,21 @@ def solve(
         File for all contact loads, as check --loads reads it: ball, flank, newton, azimuth_deg, z_mm; of load cases with a
         column case.
     members
-        Solve so many members: distributions of the largest load, stiffness, lost contacts, life; with --balls bands of
+        Number of members to solve: distributions of the largest load, stiffness, lost contacts, life; with --balls bands of
         every ball.
     csv
-        With --members: file of one row a member.
+        With --members: file with one row per member.
     seed
         With --members: seed of the random errors in place of the scene's.
     workers
-        With --members: processes at the same time.
+        With --members: number of parallel processes.
     time_limit
         Seconds after which to give up, with exit code 1; none unless given.
     strict
-        Exit code 1 where a line WARNING stands above the answers: pressure, preload, static safety or rotations beyond
-        what the models mean.
+        Exit with 1 if a WARNING line stands above the answers: pressure, preload, static safety or rotations beyond the
+        validity of the models.
     assumptions
-        Also print what is assumed, what was left out, the balance and the solver.
+        Also print the assumptions, what is left out, the balance and the solver.
     """
     from rollbench.comparison.commands.solving.solve import run_solve
     from rollbench.comparison.commands.solving.solve_choices import Choices

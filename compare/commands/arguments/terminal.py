@@ -26,27 +26,34 @@ app = App(
 #: A switch that is off unless given, and a word or path that is none unless given.
 Flag = Annotated[bool, Parameter(negative="", show_default=False)]
 Word = Annotated[str, Parameter(show_default=False)]
+#: What is said of the runs at the same time.
+WORKERS = "Runs at the same time, 1 to 3 GB each of the 3D reference; 1 here, 2 of a report, the cluster's unless given."
 Json = Annotated[bool, Parameter(name="--json", negative="", show_default=False, help="Print exactly one JSON value.")]
 
 
 @Parameter(name="*")
 @dataclass(frozen=True)
-class Tls:
-    """Certificates for a Dask scheduler at tls://HOST:PORT."""
+class Where:
+    """Where runs are made: on this machine or a cluster, and certificates for its scheduler."""
 
+    backend: Annotated[str, Parameter(help="joblib (this machine) or dask (a cluster).")] = "joblib"
+    scheduler: Annotated[str | None, Parameter(help="Address of the Dask scheduler.")] = None
+    workers: Annotated[int | None, Parameter(help=WORKERS)] = None
     tls_ca: Annotated[Path | None, Parameter(help="Certificate of the authority of a scheduler at tls://HOST:PORT.")] = None
     tls_cert: Annotated[Path | None, Parameter(help="This machine's certificate for such a scheduler.")] = None
     tls_key: Annotated[Path | None, Parameter(help="The key of that certificate.")] = None
 
 
-def engine(backend: str, scheduler: str | None, workers: int | None, tls: Tls | None) -> Engine:
-    """Where jobs run. Raises InputError for certificates that cannot be used."""
+def engine(where: Where | None, here: int | None = None) -> Engine:
+    """Where jobs run; here: how many at a time on this machine, unless given. Raises InputError for certificates that
+    cannot be used."""
     from rollbench.comparison.reference.jobs import Engine
     from rollbench.comparison.reference.parallel import use_tls
 
-    if tls is not None:
-        use_tls(*(None if file is None else str(file) for file in (tls.tls_ca, tls.tls_cert, tls.tls_key)))
-    return Engine(backend, scheduler, workers, cache_folder())
+    where = where or Where()
+    use_tls(*(None if file is None else str(file) for file in (where.tls_ca, where.tls_cert, where.tls_key)))
+    workers = here if where.workers is None and where.scheduler is None else where.workers
+    return Engine(where.backend, where.scheduler, workers, cache_folder())
 
 
 def cache_folder() -> Path | None:

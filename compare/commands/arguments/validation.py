@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from rollbench.comparison.commands.arguments.terminal import Flag, Json, Tls, Word, app, cache_folder, engine
+from rollbench.comparison.commands.arguments.terminal import Flag, Json, Where, Word, app, cache_folder, engine
 from rollbench.comparison.commands.printing import print_answer
 from rollbench.comparison.errors import InputError
 
@@ -24,10 +24,7 @@ def report(
     store: Path = Path("rollbench-reference"),
     fresh: Flag = False,
     everything: Annotated[Flag, Parameter(name="--all")] = False,
-    backend: str = "joblib",
-    scheduler: str | None = None,
-    workers: int | None = None,
-    tls: Tls | None = None,
+    where: Where | None = None,
     against: Path | None = None,
     reference: Path | None = None,
 ) -> int:
@@ -44,7 +41,8 @@ def report(
         A shipped name or a scene file: write one self-contained page on it instead. The 3D reference is set beside it where
         runs are stored; none is computed.
     only
-        Names of the sections to make; all but the costly ones unless given.
+        Names of the sections to make; all but the costly ones unless given. With timing the models' run times are measured
+        anew and kept in --store: reference timing.
     out
         Folder to write to.
     quick
@@ -53,18 +51,13 @@ def report(
     stored
         Compute no run of the 3D reference: use those that come with the package, and leave out what they do not hold.
     store
-        Folder of the runs of the 3D reference that are computed; an interrupted report goes on from there. Runs of the
+        Folder of the runs of the 3D reference that are computed; an interrupted report resumes there. Runs of the
         package are used where the key of all that they depend on holds.
     fresh
-        Compute all runs anew, whatever the folder and the package hold, and make all sections.
+        Recompute all runs, whatever is stored, and make all sections.
     everything
-        Make the sections too that take most of the time: pictures, friction, verification, stability, timing.
-    backend
-        joblib (this machine) or dask (a cluster), for the 3D reference.
-    scheduler
-        Address of the Dask scheduler.
-    workers
-        Runs of the 3D reference at the same time, each of 1 to 3 GB; 2 here, or what the cluster has, unless given.
+        Also make the slow sections: pictures, friction, verification, stability, timing. Cold run times are the stored
+        ones, beside a sample measured now.
     against
         An earlier report, or with a scene an earlier page on it, to list what moved.
     reference
@@ -76,7 +69,13 @@ def report(
         need_packages("matplotlib")  # which the next line imports
         from rollbench.comparison.commands.reporting.verify import run_page
 
-        given = {"--only": only, "--quick": quick, "--stored": stored, "--fresh": fresh, "--scheduler": scheduler}
+        given = {
+            "--only": only,
+            "--quick": quick,
+            "--stored": stored,
+            "--fresh": fresh,
+            "--scheduler": where and where.scheduler,
+        }
         for name, value in given.items():
             if value:
                 raise InputError("command line", name, str(value), "without a scene", "leave it out")
@@ -85,14 +84,13 @@ def report(
         raise InputError("command line", "--reference", str(reference), "with a scene", "name the scene that it is of")
     from rollbench.comparison.commands.reporting.report import make_report
 
-    where = engine(backend, scheduler, workers or (2 if scheduler is None else None), tls)
     kinds = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything}
-    return print_answer(make_report(only or (), out, store=store, engine=where, against=against, **kinds))
+    return print_answer(make_report(only or (), out, store=store, engine=engine(where, 2), against=against, **kinds))
 
 
 @app.command
 def verify(report: Path, /, *, store: Path = Path("rollbench-reference")) -> int:
-    """Compute the hashes of a scene's page or of a whole report again: its files, scenes, sources, printed data, reference
+    """Recompute the hashes of a scene's page or of a whole report: its files, scenes, sources, printed data, reference
     runs; exit 1 where one differs.
 
     Parameters
@@ -163,7 +161,7 @@ def check(
         Unless given: contact angle 1, approach two thirds, pressure a third and life three times the limit of the loads,
         which is also that of the others. A model is judged on the quantities that are named.
     strict
-        Take a column that is not known for an error; else it is a warning.
+        Treat an unknown column as an error, not as a warning.
     reference
         Judge by this file in place of the 3D reference: your own loads in the columns of --loads, of every flank, with a
         column uncertainty_N, or a line "# uncertainty: 0.5 %" above, and "# provenance: words"; without, zero is taken.
@@ -184,7 +182,7 @@ def check(
     csv
         Also write them as CSV.
     baseline
-        Say what changed since the verdicts of this file, that an earlier --csv or --json wrote.
+        Report what changed since this file of verdicts, written by an earlier --csv or --json.
     """
     from rollbench.comparison.commands.comparing.check import Files, run_check, run_shipped
     from rollbench.comparison.gate.user import asked

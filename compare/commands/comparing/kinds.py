@@ -3,41 +3,37 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.reference.body_names import FINITE, HALF_SPACE
+from rollbench.comparison.registration import needed
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.scenes.kinds import KindScene
+from rollbench.comparison.system import need_packages
 
 
-def all_of_friction(names: Sequence[str]) -> bool:
-    """Whether all scenes are of kinds that only friction solves. Raises InputError where some are and some are not."""
+def all_rolling(names: Sequence[str], bodies: str, hook: str, means_nothing: Mapping[str, bool]) -> Any:
+    """What a wing does with scenes that are all of kinds that only friction solves; None for whole screws and bearings.
+
+    hook: its name in `registration.HOOKS`; means_nothing: options that rolling balls do not know, and whether each was
+    given. Raises InputError where some are and some are not, for an unknown name of bodies, for finite bodies under whole
+    screws, and for such an option.
+    """
     kinds = [isinstance(catalogue.any_scene(name), KindScene) for name in names]
     if any(kinds) and not all(kinds):
-        raise InputError(
-            "command line", "scenes", " ".join(names), "whole screws and bearings, or scenes of friction", "name them apart"
-        )
-    return bool(kinds) and all(kinds)
-
-
-def known_bodies(bodies: str, *, rolling: bool) -> str:
-    """The name of bodies as it is. Raises InputError for an unknown one, and for half spaces under whole screws."""
+        allowed = "whole screws and bearings, or scenes of friction"
+        raise InputError("command line", "scenes", " ".join(names), allowed, "name them apart")
     if bodies not in (HALF_SPACE, FINITE):
         raise InputError("command line", "--bodies", bodies, f"{HALF_SPACE} or {FINITE}", "half spaces are the faster ones")
-    if bodies != HALF_SPACE and not rolling:
-        raise InputError(
-            "command line", "--bodies", bodies, "scenes of friction", "the static reference is of finite bodies"
-        )
-    return bodies
-
-
-def refuse_options(given: Mapping[str, bool]) -> None:
-    """Raises InputError for an option that means nothing to rolling balls; given: whether each was."""
-    for option in (name for name, is_given in given.items() if is_given):
-        raise InputError(
-            "command line",
-            option,
-            "scenes of friction",
-            "whole screws and bearings",
-            "leave it out: it would change nothing",
-        )
+    if not any(kinds):
+        if bodies != HALF_SPACE:
+            advice = "the static reference is of finite bodies"
+            raise InputError("command line", "--bodies", bodies, "scenes of friction", advice)
+        return None
+    need_packages("scikit-fem")
+    found = needed(hook, "command line", "scenes", " ".join(names))
+    for option in (name for name, given in means_nothing.items() if given):
+        advice = "leave it out: it would change nothing"
+        raise InputError("command line", option, "scenes of friction", "whole screws and bearings", advice)
+    return found

@@ -1,7 +1,7 @@
 """Sections of a report made in two processes side by side: those on models beside 3D, and all others.
 
 The two share no result that takes long: the first rest on the ladder, the points of error against run time and on rolling
-contacts, the others on the evidence of printed tables. What is timed is made by one process alone.
+contacts, the others on the evidence of printed tables. What measures times is made after both, by one process alone.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ class Made:
 
 
 def split(wanted: Sequence[Part], study: Study) -> tuple[list[Part], list[Part]]:
-    """Parts for a second process, and those for this one: all of them where something is timed, this machine has one core,
-    or there is nothing to make beside."""
+    """Parts for a second process, and those for this one: all of them where the models are timed, this machine has one
+    core, or there is nothing to make beside."""
     aside = [part for part in wanted if part.beside]
-    if study.timed or cores() < 2 or len(aside) == len(wanted):
+    if study.timed or cores() < 2 or all(part.beside or part.alone for part in wanted):
         aside = []
     return aside, [part for part in wanted if part not in aside]
 
@@ -49,13 +49,14 @@ def build(
     """
     if not aside:
         return make(others, announce, step, study, then).sections
+    last = [part for part in others if part.alone]
     with _another(aside, study, then) as other:
-        own = make(others, announce, step, study, then)
+        own = make([part for part in others if not part.alone], announce, step, study, then)
         announce(f"what is left of {', '.join(part.name for part in aside)}")
         found: Made = next(other)
     study.scenes.update(found.study.scenes)
     study.others.update(found.study.others)
-    return found.sections | own.sections
+    return found.sections | own.sections | make(last, announce, step, study, then).sections
 
 
 def make(parts: Sequence[Part], announce: Step, step: Step, study: Study, then: Callable[[Study], None]) -> Made:

@@ -24,9 +24,20 @@ PAGES = {
     "entries": "Every printed entry",
 }
 WHOLE = ("entries",)
+#: Verdicts that say nothing of a model, and others as a sentence has them.
+APART = {"input": "inputs", "identity": "identities"}
+WORDS = {
+    "reproduced": "are reproduced",
+    "only as printed": "come out only with the source's own fault",
+    "band": "lie in their band",
+    "contradicted": "are contradicted",
+    "not identifiable": "are not identifiable",
+    "inferred": "are inferred",
+}
 #: Sections of the core; wings and sources register theirs.
 CORE = (
     Part("how-to-read", "sections.how_to_read", runs=True, beside=True, page="reading"),
+    Part("sheets", "sections.sheets", runs=True, beside=True, page="cases"),
     Part("reference", "sections.reference", runs=True, meshes=True, beside=True, page="cases"),
     Part("overview", "sections.overview", runs=True, beside=True, page="accuracy"),
     Part("ladder", "sections.ladder", runs=True, meshes=True, beside=True, page="accuracy"),
@@ -41,7 +52,7 @@ CORE = (
     Part("audit", "sections.audit", runs=True, page="entries"),
 )
 #: Sections that stand before others of their page.
-FIRST = ("overview", "reference", "reference-mesh", "stability", "tolerances", "friction", "outside", "fit")
+FIRST = ("overview", "sheets", "reference", "reference-mesh", "stability", "tolerances", "friction", "outside", "fit")
 
 
 def _place(part: Part) -> tuple[int, int]:
@@ -73,7 +84,10 @@ def conclusion(sections: Sequence[Section]) -> str:
         return said
     tables = [item for section in sections for item in section.items if isinstance(item, Table)]
     tally = Counter(str(row["verdict"]) for table in tables for row in table.rows if row.get("verdict"))
-    if not tally:
+    judged = {verdict: count for verdict, count in tally.most_common() if verdict not in APART}
+    if not judged:
         return ""
-    words = ", ".join(f"{count} {verdict}" for verdict, count in tally.most_common())
-    return f"Of {tally.total()} printed numbers and claims on this page: {words}."
+    apart = " and ".join(f"{tally[verdict]} {words}" for verdict, words in APART.items() if tally[verdict])
+    total, of = sum(judged.values()), f"; another {apart} say nothing of a model" if apart else ""
+    words = ", ".join(f"{count} {WORDS.get(verdict, verdict)}" for verdict, count in judged.items())
+    return f"Of {total} printed numbers and claims that test something here, {words}{of}."

@@ -157,8 +157,9 @@ def make_report(
 
     quick: coarsest meshes of the 3D reference only; stored: the runs that come with the package; store: folder in which
     computed runs are kept, so that an interrupted report goes on; fresh: compute them even if it holds them; everything:
-    the costly sections too; against: an earlier report, to list what moved. Raises InputError for a bad section name or
-    folder.
+    the costly sections too, and the present version is added to the history in ``store``; against: an earlier report, to
+    list what moved. The models' run times are those kept, measured anew with ``fresh`` and where the section of run times
+    is named. Raises InputError for a bad section name or folder.
     """
     need_packages("matplotlib", "scikit-fem")
     before = None if against is None else report_moved.tables(against)
@@ -181,7 +182,8 @@ def make_report(
     source = Source(None if stored else own, engine or Engine(), not stored and meshing, quick, fresh)
     runs = any(part.runs for part in wanted)
     checking = runs and meshing and not (only or stored or fresh or quick)
-    study = Study(source.stores, quick=quick, timed=everything or fresh, cache=source.engine.cache)
+    timed = fresh or "timing" in only
+    study = Study(source.stores, quick=quick, timed=timed, keeps=everything or fresh, cache=source.engine.cache)
     aside, others = split(wanted, study)
     progress = Progress(len(others) + bool(aside) + runs + checking + 1)
     start = perf_counter()

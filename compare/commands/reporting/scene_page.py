@@ -33,6 +33,7 @@ from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.scenes.load_cases import DutyCycle
 from rollbench.comparison.sections.applicability import range_figure, range_table
 from rollbench.comparison.sections.loaded_screw import loaded_screw
+from rollbench.comparison.sections.sketch import sketch_of
 from rollbench.comparison.system import libraries
 from rollbench.comparison.writing import need_writable, replace_file
 from rollbench.lowfi.statics.problem import nominal_hertz
@@ -43,6 +44,7 @@ from rollbench.reports.manifest import sha256
 from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 from rollbench.reports.scene_page import ScenePage
 
+SKETCH = "The scene, to scale about the nut; hatched: where a 3D model holds it"
 LIBRARIES = ("numpy", "scipy", "numba")
 
 
@@ -122,6 +124,7 @@ def _page_of_scene(name: str, scene: Scene, stores: Sequence[Path], own: Path | 
     speed = None if scene.motion is None else scene.motion.speed
     text = _scene_text(name)
     sections = (
+        Section("scene", "The scene", (sketch_of(scene, "sketch", SKETCH),)),
         _loads(scene, result, [reference for reference in (given, stored) if reference is not None]),
         _stiffness(found, tangent),
         *(part for make in offered("friction of a page") if (part := make(scene, result, options)) is not None),

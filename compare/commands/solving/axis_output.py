@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollbench.comparison.commands.printing import Column, cell
+from rollbench.comparison.commands.printing import Column
 from rollbench.comparison.commands.solving.axis_summary import set_summary, stiffness_json, whole_summary
-from rollbench.comparison.commands.solving.solve_output import (
-    equilibrium_json,
-    last_lines,
-    per_side,
-    solver_json,
-    solver_lines,
-)
+from rollbench.comparison.commands.solving.solve_output import ball_rows as rows_of
+from rollbench.comparison.commands.solving.solve_output import behind_json, last_lines, solver_lines
+from rollbench.comparison.commands.tables import listed
 from rollbench.comparison.models.axis_answers import AxisAnswers, SetAnswers
 from rollbench.comparison.models.registry import random_errors
 from rollbench.comparison.quantities import number
@@ -67,19 +62,8 @@ def _set(i: int, s: SetResult, found: SetAnswers | None) -> dict[str, Any]:
 
 def ball_rows(result: AxisResult) -> list[dict[str, Any]]:
     """One row per ball, numbered from 1 in each set."""
-    return [
-        {
-            "set": k + 1,
-            "index": i + 1,
-            "azimuth_deg": number(math.degrees(s.balls.azimuth[i])),
-            "z_mm": number(1e3 * s.balls.z[i]),
-            "load_N": per_side(s.balls.load[i]),
-            "contact_angle_deg": per_side(np.degrees(s.balls.contact_angle[i])),
-        }
-        for k, s in enumerate(result.sets)
-        if s.balls is not None
-        for i in range(s.balls.z.size)
-    ]
+    of_balls = ((k, s.balls) for k, s in enumerate(result.sets, 1) if s.balls is not None)
+    return [{"set": k} | row for k, balls in of_balls for row in rows_of(balls)]
 
 
 def roller_rows(result: AxisResult) -> list[dict[str, Any]]:
@@ -124,17 +108,7 @@ def as_json(assembly: Assembly, result: AxisResult, found: AxisAnswers | None = 
         "summary": whole_summary(result, found),
         "housings": [_housing(h) for h in result.housings],
         "stiffness": stiffness_json(result),
-        "centreline": [
-            {"z_mm": number(1e3 * z), "ux_um": number(1e6 * u[0]), "uy_um": number(1e6 * u[1]), "uz_um": number(1e6 * u[2])}
-            for z, u in zip(result.centreline_z, result.centreline, strict=True)
-        ],
-        "equilibrium": equilibrium_json(result.equilibrium),
-        "solver": solver_json(result.solver),
-        "model_form": None,
-        "assumed": list(result.assumed),
-        "left_out": list(result.left_out),
-        "warning": above(result.warnings) or None,
-        "warnings": list(result.warnings),
+        **behind_json(result),
     }
 
 
@@ -150,7 +124,7 @@ def as_table(
         *(["", block, ""] if block else []),
     ]
     if result.sets and result.converged:
-        parts += [_table("sets: force on the shaft, stiffness of the set alone", SET_COLUMNS, _set_rows(result))]
+        parts += [listed("sets: force on the shaft, stiffness of the set alone", SET_COLUMNS, _set_rows(result))]
         parts += _element_tables(result) if balls else []
     for h in result.housings if result.converged else ():
         moved = ", ".join(
@@ -182,7 +156,7 @@ def _set_rows(result: AxisResult) -> list[dict[str, Any]]:
 
 def _element_tables(result: AxisResult) -> list[RenderableType]:
     """Balls by set and index, with the sides that carry load; rollers."""
-    out = []
+    out: list[RenderableType] = []
     rows = ball_rows(result)
     shown = [s for s in SIDES if any((r["load_N"][s] or 0.0) > 0.0 for r in rows)]
     if rows and shown:
@@ -193,12 +167,12 @@ def _element_tables(result: AxisResult) -> list[RenderableType]:
             r | {f"{s} N": r["load_N"][s] for s in shown} | {f"{s} deg": r["contact_angle_deg"][s] for s in shown}
             for r in rows
         ]
-        out.append(_table("balls", columns, flat))
+        out.append(listed("balls", columns, flat))
     rollers = roller_rows(result)
     if rollers:
         names = (("set", "set", "s"), ("index", "roller", "s"), ("azimuth_deg", "azimuth deg", ".2f"))
         more = (("load_N", "load N", ".3f"), ("largest_line_load_N_mm", "largest N/mm", ".3f"))
-        out.append(_table("rollers", (*names, *more), rollers))
+        out.append(listed("rollers", (*names, *more), rollers))
     return out
 
 
@@ -217,14 +191,3 @@ def _stiffness_lines(result: AxisResult) -> list[str]:
         f"tangent stiffness of the whole, {result.stiffness_at}, the other freedoms held: {', '.join(words)}",
         f"the same, the other freedoms following: {', '.join(lone)}",
     ]
-
-
-def _table(title: str, columns: Sequence[Column], rows: Sequence[dict[str, Any]]) -> RenderableType:
-    from rich.table import Table
-
-    table = Table(title=title, title_justify="left")
-    for _, heading, _ in columns:
-        table.add_column(heading, justify="right")
-    for row in rows:
-        table.add_row(*(cell(row[name], form) for name, _, form in columns))
-    return table

@@ -15,9 +15,7 @@ from rollbench.comparison.commands.solving.matrix_files import write_stiffness
 from rollbench.comparison.commands.solving.solve_choices import Choices
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.gate.loads_file import loads_csv, write_loads
-from rollbench.comparison.models.axis_answers import curve, gather
-from rollbench.comparison.models.outside import with_answers
-from rollbench.comparison.models.registry import Options, run_model
+from rollbench.comparison.models.axis_answers import curve, solve_sets
 from rollbench.lowfi.statics.result import AxisResult
 from rollbench.lowfi.warned import above
 from rollbench.meshes.axis import Assembly
@@ -31,9 +29,7 @@ def solve_axis(assembly: Assembly, choices: Choices, station: float) -> Answer:
     _check(assembly, choices, station)
     if choices.stiffness_at:
         assembly = replace(assembly, stiffness_at=station)
-    result = run_model(assembly, choices.model, Options(member=choices.member))
-    found = gather(assembly, result) if result.converged else None
-    result = result if found is None else with_answers(assembly, result, found)
+    result, found = solve_sets(assembly, choices.model, choices.member)
     written = _write(assembly, result, choices) if result.converged else []
     text = "" if found is None else block(assembly, result, found, text_width())
     parts = [*as_table(assembly, result, block=text, balls=choices.balls, details=choices.assumptions), *written]

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.comparison.commands.printing import Answer, on_terminal
+from rollbench.comparison.commands.tables import ruled
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.member_blocks import KEPT, OF_SET, WHOLE, columns, with_seed
 from rollbench.comparison.models.members import Bands, Members, run_members, statistics
@@ -130,19 +131,15 @@ def _balls(bands: Bands) -> list[list[dict[str, Any]]]:
 
 
 def _statistics(title: str, headings: Mapping[str, str], rows: Mapping[str, dict[str, Any] | None]) -> Any:
-    from rich.table import Table
-
-    table = Table(title=title, title_justify="left")
-    table.add_column("")
-    for heading in ("mean", "standard error", "deviation", "smallest", "5 %", "median", "95 %", "99 %", "largest"):
-        table.add_column(heading, justify="right")
+    table = []
     for key, own in rows.items():
         if own is None:
             continue
         q = {row["level"]: f"{row['value']:.4g} ({row['low']:.4g} to {row['high']:.4g})" for row in own["quantiles"]}
         first = (f"{own[k]:.4g}" for k in ("mean", "standard_error", "standard_deviation", "smallest"))
-        table.add_row(headings[key], *first, q[0.05], q[0.5], q[0.95], q[0.99], f"{own['largest']:.4g}")
-    return table
+        table.append([headings[key], *first, q[0.05], q[0.5], q[0.95], q[0.99], f"{own['largest']:.4g}"])
+    heads = ("", "mean", "standard error", "deviation", "smallest", "5 %", "median", "95 %", "99 %", "largest")
+    return ruled(title, heads, table, ("",))
 
 
 def as_table(found: Members, *, balls: bool = False) -> list[Any]:
@@ -163,12 +160,7 @@ def as_table(found: Members, *, balls: bool = False) -> list[Any]:
 
 
 def _bands(data: dict[str, Any], width: float) -> Any:
-    from rich.table import Table
-
-    table = Table(title=f"bands of the contact loads / N (to {width:.2g} N)", title_justify="left")
-    keys = list(data["balls"][0]) if data["balls"] else []
-    for key in (key for key in keys if key != "quantile_0.5_N"):
-        table.add_column(key.removesuffix("_N").replace("_", " "), justify="right")
-    for row in data["balls"]:
-        table.add_row(*(v if isinstance(v, str) else f"{v:.4g}" for k, v in row.items() if k != "quantile_0.5_N"))
-    return table
+    keys = [key for key in (data["balls"][0] if data["balls"] else ()) if key != "quantile_0.5_N"]
+    rows = ([v if isinstance(v := row[key], str) else f"{v:.4g}" for key in keys] for row in data["balls"])
+    headings = (key.removesuffix("_N").replace("_", " ") for key in keys)
+    return ruled(f"bands of the contact loads / N (to {width:.2g} N)", headings, rows)

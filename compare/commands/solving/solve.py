@@ -6,12 +6,9 @@ from collections.abc import Sequence
 
 from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.commands.solving.cases_output import case_json, case_table, cases_json, cases_table
-from rollbench.comparison.commands.solving.load_curve import write_curve
-from rollbench.comparison.commands.solving.matrix_files import check_matrix, write_matrix
 from rollbench.comparison.commands.solving.solve_choices import Choices
 from rollbench.comparison.commands.solving.solve_output import stiffness_lines
 from rollbench.comparison.errors import InputError, named, one_line
-from rollbench.comparison.gate.loads_file import loads_csv, write_loads
 from rollbench.comparison.models.answers import tangent_of
 from rollbench.comparison.models.load_cases import Solved, solve_one, together
 from rollbench.comparison.models.registry import DEFAULT, Options
@@ -67,6 +64,8 @@ def _run_cases(cycle: DutyCycle, name: str, model: str, choices: Choices) -> Ans
     whole = together(cycle, solved)
     parts = cases_table(cycle, solved, whole, balls=choices.balls, details=choices.assumptions)
     if choices.loads_csv is not None:
+        from rollbench.comparison.gate.loads_file import loads_csv, write_loads
+
         rows = [
             {"case": case.name, **row}
             for case, one in zip(cycle.cases, solved, strict=True)
@@ -101,6 +100,8 @@ def _checked(choices: Choices) -> tuple[str, float]:
     if choices.matrix is not None:
         if not choices.stiffness_at:
             raise InputError("command line", "--matrix", str(choices.matrix), "with --stiffness-at", "give a station")
+        from rollbench.comparison.commands.solving.matrix_files import check_matrix
+
         check_matrix(choices.matrix)
     if choices.curve is not None:
         if choices.curve.suffix.lower() != ".csv":
@@ -121,10 +122,16 @@ def _write(one: Solved, tangent: Tangent | None, model: str, options: Options, c
     """Files that were asked for; lines that say so."""
     scene, result, lines = one.scene, one.result, []
     if choices.matrix is not None and tangent is not None and tangent.status == "converged":
+        from rollbench.comparison.commands.solving.matrix_files import write_matrix
+
         write_matrix(choices.matrix, tangent, scene.name, model)
         lines.append(f"wrote {choices.matrix}: the matrix, symmetric, in N, m and rad")
     if choices.curve is not None and result.converged:
+        from rollbench.comparison.commands.solving.load_curve import write_curve
+
         lines += write_curve(choices.curve, scene, model, options)
     if choices.loads_csv is not None and result.converged:
+        from rollbench.comparison.gate.loads_file import loads_csv, write_loads
+
         lines.append(write_loads(choices.loads_csv, loads_csv(result.load, result.azimuth, result.z)))
     return lines

@@ -10,7 +10,7 @@ import numpy as np
 
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.model_form import ModelForm
-from rollbench.comparison.quantities import number
+from rollbench.comparison.quantities import number, shown
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import Equilibrium, Solved, SolverReport, StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
@@ -140,30 +140,42 @@ def as_json(
 ) -> dict[str, Any]:
     """The result as a JSON-ready object: angles in deg, stations in mm, displacements in um, forces in N; worth: the
     model-form error to expect, where it was estimated; answers: what else stands in the summary."""
-    s = result.solver
     finite = np.isfinite(result.load).all()
     return {
         "scene": scene.name,
         "model": result.model,
         "member": result.member if scene.errors.random else None,
         "status": result.status,
-        "balls": [
-            {
-                "index": i + 1,
-                "azimuth_deg": number(math.degrees(result.azimuth[i])),
-                "z_mm": number(1e3 * result.z[i]),
-                "load_N": per_side(result.load[i]),
-                "contact_angle_deg": per_side(np.degrees(result.contact_angle[i])),
-            }
-            for i in range(result.z.size)
-        ],
+        "balls": ball_rows(result),
         "summary": {"sides": summary(result.load), **(answers or {})} if finite else {},
+        **behind_json(result, discretisation_percent(scene, result), worth),
+    }
+
+
+def ball_rows(balls: StaticResult) -> list[dict[str, Any]]:
+    """Place, loads and contact angles of every ball, numbered from 1."""
+    return [
+        {
+            "index": i + 1,
+            "azimuth_deg": number(math.degrees(balls.azimuth[i])),
+            "z_mm": number(1e3 * balls.z[i]),
+            "load_N": per_side(balls.load[i]),
+            "contact_angle_deg": per_side(np.degrees(balls.contact_angle[i])),
+        }
+        for i in range(balls.z.size)
+    ]
+
+
+def behind_json(result: Solved, discretisation: float | None = None, worth: ModelForm | None = None) -> dict[str, Any]:
+    """What the JSON of one set and of several ends with: centreline, balance, solver, expected error, assumptions,
+    warnings. discretisation: as for `solver_json`."""
+    return {
         "centreline": [
             {"z_mm": number(1e3 * z), "ux_um": number(1e6 * u[0]), "uy_um": number(1e6 * u[1]), "uz_um": number(1e6 * u[2])}
             for z, u in zip(result.centreline_z, result.centreline, strict=True)
         ],
         "equilibrium": equilibrium_json(result.equilibrium),
-        "solver": solver_json(s, discretisation_percent(scene, result)),
+        "solver": solver_json(result.solver, discretisation),
         "model_form": _model_form(worth),
         "assumed": list(result.assumed),
         "left_out": list(result.left_out),
@@ -195,9 +207,11 @@ def as_table(
     if block:
         parts += ["", block, ""]
     if balls and (result.load > 0.0).any():
-        parts += [_ball_table(result), "", _summary_table(result), ""]
-    error = discretisation_percent(scene, result)
-    measured = "" if error is None else f" (discretisation error {error:.1e} % of the mean load)"
+        error = None if worth is None or worth.percent is None else worth.percent / 100.0
+        error = error and error * mean_load(result.load, nominal_contacts(scene))
+        parts += [_ball_table(result, error), "", _summary_table(result, error), ""]
+    grid = discretisation_percent(scene, result)
+    measured = "" if grid is None else f" (discretisation error {grid:.1e} % of the mean load)"
     behind = [] if result.equilibrium is None else _balance(result.equilibrium)
     behind += solver_lines(result.solver, measured)
     if worth is not None and not block:
@@ -249,13 +263,14 @@ def _plain(headings: Sequence[str]) -> Table:
     return table
 
 
-def _ball_table(result: StaticResult) -> RenderableType:
-    shown = [k for k in range(4) if (result.load[:, k] > 0.0).any()]
-    table = _plain(["ball", "deg", "z mm", *(x for k in shown for x in (f"{SIDES[k]} N", "angle"))])
+def _ball_table(result: StaticResult, error: float | None) -> RenderableType:
+    """Every ball; error [N] to expect of a load."""
+    sides = [k for k in range(4) if (result.load[:, k] > 0.0).any()]
+    table = _plain(["ball", "deg", "z mm", *(x for k in sides for x in (f"{SIDES[k]} N", "angle"))])
     for i in range(result.z.size):
         cells = [str(i + 1), f"{math.degrees(result.azimuth[i]):.1f}", f"{1e3 * result.z[i]:.2f}"]
-        for k in shown:
-            cells += [f"{result.load[i, k]:.2f}", _cell(math.degrees(result.contact_angle[i, k]), ".2f")]
+        for k in sides:
+            cells += [shown(result.load[i, k], error), _cell(math.degrees(result.contact_angle[i, k]), ".2f")]
         table.add_row(*cells)
     return table
 
@@ -274,10 +289,9 @@ def stiffness_lines(tangent: Tangent) -> list[RenderableType]:
     return ["", head, table]
 
 
-def _summary_table(result: StaticResult) -> RenderableType:
+def _summary_table(result: StaticResult, error: float | None) -> RenderableType:
     table = _plain(["side", "max N", "min N", "max/min", "loaded", "lost"])
     for side, row in summary(result.load).items():
-        table.add_row(
-            side, f"{row['max_N']:.3f}", f"{row['min_N']:.3f}", f"{row['ratio']:.4f}", str(row["loaded"]), str(row["lost"])
-        )
+        most, least, ratio = shown(row["max_N"], error), shown(row["min_N"], error), shown(row["ratio"])
+        table.add_row(side, most, least, ratio, str(row["loaded"]), str(row["lost"]))
     return table

@@ -10,7 +10,7 @@ import numpy as np
 from rollbench.comparison.commands.solving.solve_output import MODEL_FORM, model_form_text
 from rollbench.comparison.models.answers import Answers, LoadAnswers
 from rollbench.comparison.models.model_form import ModelForm
-from rollbench.comparison.quantities import number, quantity, record
+from rollbench.comparison.quantities import number, quantity, record, shown
 from rollbench.comparison.registration import offered
 from rollbench.lowfi.rating.contacts import ALLOWED
 from rollbench.lowfi.statics.nominal import nominal_contacts
@@ -151,8 +151,8 @@ def entries(
     """The eleven entries of the block: label and sentence."""
     data = answers_json(scene, result, found)
     return (
-        ("loads", _loads(data)),
-        ("axial", _axial(data)),
+        ("loads", _loads(data, worth)),
+        ("axial", _axial(data, worth)),
         *contact_entries(data, speed)[1:4],
         ("preload", _preload(data)),
         ("friction", _friction(data)),
@@ -181,35 +181,51 @@ def entry(label: str, text: str, width: int) -> str:
     )
 
 
-def _loads(data: dict[str, Any]) -> str:
+def load_error(mean: float, worth: ModelForm | None) -> float | None:
+    """Error [N] to expect of a contact load; None where it is not covered."""
+    return None if worth is None or worth.percent is None else mean * worth.percent / 100.0
+
+
+def _share(value: float, percent: float | None) -> float | None:
+    return None if percent is None else abs(value) * percent / 100.0
+
+
+def _loads(data: dict[str, Any], worth: ModelForm | None = None) -> str:
     d = data["loads"]
     if d is None:
         return "no contact carries load"
     lost = f"; {d['balls_without_load']} balls without load" if d["balls_without_load"] else ""
     if d["contacts_in_mean"] != d["loaded_contacts"]:
         lost += f"; the mean is their sum over the {d['contacts_in_mean']} contacts that the screw without errors loads"
+    error = load_error(d["mean_N"], worth)
+    most, mean, least = (shown(d[key], error) for key in ("max_N", "mean_N", "min_N"))
     return (
-        f"ball {d['worst_ball']} {d['worst_side']} carries most, {d['max_N']:.1f} N; mean {d['mean_N']:.1f} N, least "
-        f"{d['min_N']:.1f} N of {d['loaded_contacts']} loaded contacts{lost}"
+        f"ball {d['worst_ball']} {d['worst_side']} carries most, {most} N; mean {mean} N, least {least} N of "
+        f"{d['loaded_contacts']} loaded contacts{lost}"
     )
 
 
-def _axial(data: dict[str, Any]) -> str:
+def _axial(data: dict[str, Any], worth: ModelForm | None) -> str:
     d, three = data["axial"], data["rigidities_N_per_um"]
-    text = f"{d['displacement_um']:.3g} um under {d['force_N']:.5g} N at the nut's centre"
+    moved = None if worth is None else worth.displacement_percent
+    stiff = None if worth is None else worth.rigidity_percent
+    moves = shown(d["displacement_um"], _share(d["displacement_um"], moved), 3)
+    text = f"{moves} um under {d['force_N']:.5g} N at the nut's centre"
     if three is None:
         return f"{text}; no rigidity without axial load"
     why = f"; no tangent: {d['tangent_words']}" if d["tangent_words"] else ""
-    return f"{text}; {_rigidities(three, d['tangent_N_per_um'])}{why}"
+    return f"{text}; {_rigidities(three, d['tangent_N_per_um'], moved, stiff)}{why}"
 
 
-def _rigidities(three: dict[str, Any], tangent: float | None) -> str:
-    """The model's own rigidity, and those of formulas, which take another contact angle: no one bounds another."""
+def _rigidities(three: dict[str, Any], tangent: float | None, moved: float | None, stiff: float | None) -> str:
+    """The model's own rigidity, and those of formulas, which take another contact angle: no one bounds another. moved,
+    stiff: errors [%] to expect of secant and tangent."""
 
-    def known(*named: tuple[str, float | None]) -> str:
-        return ", ".join(f"{name} {value:.4g}" for name, value in named if value is not None)
+    def known(*named: tuple[str, float | None], off: float | None = None) -> str:
+        return ", ".join(f"{name} {shown(value, _share(value, off))}" for name, value in named if value is not None)
 
-    own = known(("secant", three["with_unequal_loads"]), ("tangent", tangent))
+    secant = known(("secant", three["with_unequal_loads"]), off=moved)
+    own = ", ".join(filter(None, [secant, known(("tangent", tangent), off=stiff)]))
     formulas = known(("contacts alone", three["contacts_alone"]), ("contacts and bodies", three["with_bodies"]))
     practice = known((", of which makers advise to take 80 %:", three["makers_practice"]))
     return f"rigidity in N/um: {own or 'none'} by this model; {formulas} by formulas at the nominal contact angle{practice}"
@@ -255,12 +271,12 @@ def _preload(data: dict[str, Any]) -> str:
         return "not known: the scene does not solve without its loads"
     if not d["loaded_contacts"]:
         return "none: no contact carries load when the scene's loads are away"
-    text = f"{d['mean_N']:.1f} N a contact, {d['axial_N']:.0f} N along the axis, without the scene's loads"
+    text = f"{shown(d['mean_N'], digits=3)} N a contact, {shown(d['axial_N'])} N along the axis, without the scene's loads"
     if lost is None:
         return text
     if lost["load_factor"] is None:
         return f"{text}; first contact lost: {lost['words']}"
-    axial = f" ({lost['axial_force_N']:.0f} N axial)" if lost["axial_force_N"] else ""
+    axial = f" ({shown(lost['axial_force_N'])} N axial)" if lost["axial_force_N"] else ""
     where = f"ball {lost['ball']} {lost['side']}"
     return f"{text}; first contact lost at {lost['load_factor']:.3g} times the loads{axial}, {where}"
 
@@ -269,12 +285,19 @@ def _friction(data: dict[str, Any]) -> str:
     d = data["friction"]
     if d is None:
         return f"not computed: {data['friction_words']}"
-    text = f"torque {d['friction_torque_Nmm']:.4g} N mm"
+    # the coefficient is known to a factor of about three, and with it all that friction costs
+    torque = d["friction_torque_Nmm"]
+    text = f"torque {shown(torque, torque)} N mm"
     if d["efficiency_forward_percent"] is None:
         return text
     back = d["efficiency_backward_percent"]
-    backward = "self-locking" if back is None else f"{back:.1f} % with it"
-    return f"{text}; efficiency {d['efficiency_forward_percent']:.1f} % against the load, {backward}"
+    backward = "self-locking" if back is None else f"{_efficiency(back)} % with it"
+    return f"{text}; efficiency {_efficiency(d['efficiency_forward_percent'])} % against the load, {backward}"
+
+
+def _efficiency(percent: float) -> str:
+    """An efficiency whose loss is known to its order of magnitude."""
+    return shown(percent, 100.0 - percent)
 
 
 def _life(data: dict[str, Any], speed: float | None) -> str:
@@ -283,8 +306,8 @@ def _life(data: dict[str, Any], speed: float | None) -> str:
         return f"not rated: {data['rating_refused'] or 'no load'}"
     hours = f" ({d['L10_hours']:.3g} h)" if speed and "L10_hours" in d else ""
     return (
-        f"L10 {d['L10_million_revolutions']:.4g} million revolutions{hours} of this load distribution, equivalent load "
-        f"{d['equivalent_load_N']:.0f} N, rating {d['rating_as_computed_N']:.0f} N as computed by "
+        f"L10 {shown(d['L10_million_revolutions'])} million revolutions{hours} of this load distribution, equivalent load "
+        f"{shown(d['equivalent_load_N'])} N, rating {shown(d['rating_as_computed_N'])} N as computed by "
         f"{d['standard']}, not a maker's"
     )
 
@@ -294,6 +317,6 @@ def _ratings(data: dict[str, Any]) -> str:
     if d is None:
         return f"none: {data['rating_refused']}"
     return (
-        f"C {d['dynamic_N']:.0f} N ({d['dynamic_standard']}), C0 {d['static_N']:.0f} N ({d['static_standard']}), both "
-        f"{d['direction']}, as computed of these parts, not a maker's"
+        f"C {shown(d['dynamic_N'])} N ({d['dynamic_standard']}), C0 {shown(d['static_N'])} N ({d['static_standard']}), "
+        f"both {d['direction']}, as computed of these parts, not a maker's"
     )

@@ -3,9 +3,10 @@
 from rollbench.comparison.registration import Part, Registration
 
 REGISTRATION = Registration(
+    title="other programs, makers, textbooks",
     parts=(
         Part("external", "sources.external.section", runs=True, needs=("bearings", "friction", "rolling"), page="outside"),
         Part("holding", "sources.external.holding", runs=True, page="outside"),
     ),
-    functions={"computations": "sources.external.computations:COMPUTATIONS", "gate": "sources.external.gate:external_rows"},
+    functions={"gate": "sources.external.gate:external_rows"},
 )

@@ -58,7 +58,7 @@ FINER = LEVELS[max(LEVELS)][0] / LEVELS[min(LEVELS)][0]
 EXAMPLE_GRIDS = (22, 33, EXAMPLE_CELLS)
 #: A contact at rest beside the static reference: quantities, errors to reach [%], cells of that one's zone; where.
 #: What is to be reached is what that one's grid leaves open: from 6 x 6 to 10 x 10 cells its peak falls by 2.9 %, its
-#: semi-axes grow by 1.4 and 1.0 % (`pytest -m survey tests/literature/test_rolling_at_rest.py`).
+#: semi-axes grow by 1.4 and 1.0 % (`pytest -m survey tests/sources/kalker/literature/test_rolling_at_rest.py`).
 AT_REST = ("approach [um]", "semi-axis along [um]", "semi-axis across [um]", "peak pressure [MPa]")
 STATIC_REACH, STATIC_CELLS = (0.5, 1.5, 2.0, 2.5), (10, 10)
 SCREW, LINEAR = "lin-screw-pair-a-inferred", "lin-pair-a"

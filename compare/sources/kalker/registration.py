@@ -3,6 +3,7 @@
 from rollbench.comparison.registration import Part, Registration
 
 REGISTRATION = Registration(
+    title="Kalker (1990)",
     needs=("rolling",),
     parts=(
         Part(
@@ -14,5 +15,4 @@ REGISTRATION = Registration(
             page="rolling",
         ),
     ),
-    functions={"computations": "sources.kalker.computations:COMPUTATIONS"},
 )

@@ -3,6 +3,7 @@
 from rollbench.comparison.registration import Part, Registration
 
 REGISTRATION = Registration(
+    title="Lin (2019)",
     parts=(
         Part("hertz", "sources.lin.sections.hertz", page="reference"),
         Part("cases", "sources.lin.sections.cases", runs=True, page="cases"),
@@ -17,7 +18,6 @@ REGISTRATION = Registration(
         Part("formulations", "sources.lin.sections.formulations", page="robustness"),
     ),
     functions={
-        "computations": "sources.lin.computations:COMPUTATIONS",
         "bench": "sources.lin.hooks:bench_jobs",
         "timing": "sources.lin.hooks:timing_tables",
         "stability": "sources.lin.hooks:stability_items",

@@ -3,10 +3,10 @@
 from rollbench.comparison.registration import Part, Registration
 
 REGISTRATION = Registration(
+    title="Liu et al. (2025)",
     needs=("random_errors",),
     parts=(Part("liu", "sources.liu.section", page="sources"),),
     functions={
-        "computations": "sources.liu.computations:COMPUTATIONS",
         "bench": "sources.liu.bench:jobs",
         "timing jobs": "sources.liu.bench:jobs",
         "references": "sources.liu.evidence.bodies:references",

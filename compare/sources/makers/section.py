@@ -28,19 +28,29 @@ def _of(found: Sequence[Outside], quantity: str, law: str = "", maker: str = "")
 def conclusion(found: Sequence[Outside]) -> str:
     """How many values there are, and how far the computed ones lie off where nothing is free."""
     judged = [x for x in found if not x.left]
-    clear, stiff = (_of(found, quantity, "bearing whose angle turns") for quantity in ("displacement", "rigidity"))
+    clear = _of(found, "displacement", "bearing whose angle turns")
     of_clear = [x for x in judged if x.quantity == "displacement" and x.unit == "um" and x.scale]
     off = np.array([x.computed.value - x.value for x in of_clear])
     sets = [_of(found, quantity, "sets and preloads", "NSK") for quantity in ("preload", "rigidity", "torque")]
     within = sum(x.verdict == "in the band" for x in judged)
     return (
-        f"{len(judged)} values of others are held against what is computed; {within} lie in its band. Where nothing is "
-        "free, they come out: preload, rigidity and starting torque of NSK's sets from the pair with bias and scatter of "
+        f"Of {len(judged)} values that others print or measure {within} lie in the band of what is computed. Where nothing "
+        "is free, they come out: bias and scatter of preload, rigidity and starting torque of NSK's sets are "
         + ", ".join(f"{s.bias:+.1f} and {s.scatter:.1f} %" for s in sets)
-        + f"; {clear.number} axial clearances, with balls from the ratings and the conformity from one rigidity of each "
-        f"bearing, to {np.sqrt((off**2).mean()):.2f} um RMS ({int((np.abs(off) <= 1.0).sum())} within 1 um), and the "
-        f"rigidities at the other preloads to {stiff.bias:+.1f} and {stiff.scatter:.1f} %. So NSK's clearances, called "
-        "measured, are a computation with a turning contact angle."
+        + f", and {clear.number} axial clearances come out to {np.sqrt((off**2).mean()):.2f} um RMS."
+    )
+
+
+def clearances(found: Sequence[Outside]) -> str:
+    """What NSK's clearances and rigidities are, from what comes out."""
+    stiff = _of(found, "rigidity", "bearing whose angle turns")
+    of_clear = [x for x in found if not x.left and x.quantity == "displacement" and x.unit == "um" and x.scale]
+    off = np.array([x.computed.value - x.value for x in of_clear])
+    return (
+        "NSK's axial clearances, called measured, are a computation with a turning contact angle: with balls from the "
+        f"ratings and the conformity from one rigidity of each bearing {int((np.abs(off) <= 1.0).sum())} of "
+        f"{off.size} come out within 1 um, and the rigidities at the other preloads to {stiff.bias:+.1f} and "
+        f"{stiff.scatter:.1f} %, bias and scatter."
     )
 
 
@@ -156,5 +166,10 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report."""
     step("outside values")
     found = outside_values(study)
-    items = (Text((why_softer(found), balls_counted(found), drag(found))), summary(found), figure(found), sweep_table())
+    items = (
+        Text((clearances(found), why_softer(found), balls_counted(found), drag(found))),
+        summary(found),
+        figure(found),
+        sweep_table(),
+    )
     return Section("outside", TITLE, (*items, every(found)), conclusion=conclusion(found))

@@ -3,7 +3,5 @@
 from rollbench.comparison.registration import Part, Registration
 
 REGISTRATION = Registration(
-    needs=("bearings",),
-    parts=(Part("smith", "sources.smith.section", page="sources"),),
-    functions={"computations": "sources.smith.computations:COMPUTATIONS"},
+    title="Smith (1994)", needs=("bearings",), parts=(Part("smith", "sources.smith.section", page="sources"),)
 )

@@ -6,7 +6,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from rollbench.comparison.commands.printing import Answer, on_terminal
+from rollbench.comparison.commands.printing import Answer, cell, on_terminal
+from rollbench.comparison.commands.tables import ruled
 from rollbench.comparison.costs.timing import Job
 from rollbench.comparison.registration import offered
 from rollbench.comparison.wings.bench.axis_bench import jobs as axis_jobs
@@ -31,22 +32,7 @@ def run_bench_command() -> Answer:
 
 
 def _tables(jobs: Sequence[Job]) -> Iterator[Table]:
-    from rich.table import Table
-
-    table = Table(title="bench", title_justify="left")
-    for heading in ("job", "seconds", "ratio", "unknowns", "peak MB", "what is included"):
-        table.add_column(heading, justify="left" if heading in ("job", "what is included") else "right")
-
-    def cell(value: float | None, form: str) -> str:
-        return "–" if value is None else format(value, form)
-
-    for job in jobs:
-        table.add_row(
-            job.job,
-            cell(job.seconds, ".3g"),
-            cell(job.ratio, ".4g"),
-            cell(job.unknowns, "d"),
-            cell(job.peak_MB, ".0f"),
-            job.note,
-        )
-    yield table
+    forms = {"seconds": ".3g", "ratio": ".4g", "unknowns": "d", "peak_MB": ".0f"}
+    rows = ([job.job, *(cell(getattr(job, name), form) for name, form in forms.items()), job.note] for job in jobs)
+    headings = ("job", "seconds", "ratio", "unknowns", "peak MB", "what is included")
+    yield ruled("bench", headings, rows, ("job", "what is included"))

@@ -53,7 +53,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
                 )
             ),
             spent_table(commands),
-            *scaling(study.quick),
+            *scaling(study),
             Table(
                 "timing-jobs",
                 "Jobs",

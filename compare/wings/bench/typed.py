@@ -3,19 +3,25 @@ goes; and how time and memory grow with balls and members."""
 
 from __future__ import annotations
 
+import json
 import resource
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from time import process_time
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from rollbench.comparison.costs.run_times import today
 from rollbench.comparison.costs.timing import Job, launch
 from rollbench.comparison.models.members import run_members
 from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.models.study import with_balls
+from rollbench.comparison.models.study import Study, with_balls
+from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.scenes.catalogue import scene as shipped
+from rollbench.comparison.system import machine
+from rollbench.comparison.writing import replace_file
 from rollbench.lowfi.statics.elastic_system import LARGEST
 from rollbench.meshes.memory import peak_MB, reset_peak
 from rollbench.reports.records import Figure, Panel, Quantity, Row, Series, Table
@@ -44,14 +50,16 @@ class Typed:
 _SOLVE = "commands.solving.solve"
 TYPED = (
     Typed("list", _BASE, "commands.listing", 0.35),
-    Typed("solve lin-case1", f"{_LINEAR}, numba", _SOLVE, 0.6),
-    Typed("solve lin-case1 --model lin", f"{_LINEAR}, numba", _SOLVE, 0.4),
+    Typed("solve lin-case1", _LINEAR, _SOLVE, 0.6),
+    Typed("solve lin-case1 --model lin", _LINEAR, _SOLVE, 0.4),
     Typed("friction lin-case1", f"{_LINEAR}, numba", "wings.friction.whole", 0.6),
     Typed("solve lin-random --members 100 --model lin", f"{_LINEAR}, numba", "commands.solving.members", 1.0),
     Typed("solve lin-random --members 20", f"{_LINEAR}, numba", "commands.solving.members", 1.0),
     Typed("solve lin-random --members 1000", f"{_LINEAR}, numba", "commands.solving.members", 2.0, 2),
 )
-#: Numbers of balls and of members over which time and memory are shown, and the most members of a quick look.
+#: File of a store that holds time and memory over size.
+GROWTH = "growth.json"
+#: Numbers of balls and of members over which they are shown, and the most members of a quick look.
 BALLS, MEMBERS, FEW = (8, 16, 32, 64, 125, 250, 500, 1000), (10, 100, 1000, 10_000, 100_000), 100
 
 
@@ -127,14 +135,16 @@ def by_balls(counts: Sequence[int] = BALLS) -> dict[str, list[tuple[float, float
     """Balls, processor seconds with set-up and MB at the peak of one solve, by model."""
     case = shipped("lin-case1")
     found: dict[str, list[tuple[float, float, float]]] = {"lin": [], "refined": []}
+    options = Options(engine="compiled", discretisation=False)
     with threadpool_limits(1, "blas"):
         for model, points in found.items():
+            for count in (8, 64):  # compiles both ways to solve
+                run_model(with_balls(case, count), model, options)
             for count in (n for n in counts if model == "lin" or n <= LARGEST):
                 scene = with_balls(case, count)
-                run_model(scene, model, Options(engine="compiled", discretisation=False))
                 reset_peak()
                 other, begin = replace(scene, screw=replace(scene.screw, length=scene.screw.length + 1e-3)), process_time()
-                run_model(other, model, Options(engine="compiled", discretisation=False))
+                run_model(other, model, options)
                 points.append((float(count), process_time() - begin, peak_MB() or 0.0))
     return found
 
@@ -153,15 +163,29 @@ def by_members(counts: Sequence[int] = MEMBERS) -> dict[str, list[tuple[float, f
     return found
 
 
-def scaling(quick: bool) -> tuple[Table, Figure]:
+def growth(study: Study) -> tuple[Mapping[str, Mapping[str, Sequence[Sequence[float]]]], str]:
+    """Points by what grows and by model, and a sentence on where and when they were measured: those kept, measured anew and
+    kept in the first store where the study is timed or none are."""
+    if study.quick:
+        few = [n for n in MEMBERS if n <= FEW]
+        return {"balls": by_balls(BALLS[:4]), "members": by_members(few)}, "Measured for this report."
+    for store in () if study.timed else (*(study.stores or ()), shipped_store()):
+        with suppress(OSError, ValueError, KeyError):
+            kept = json.loads((store / GROWTH).read_text(encoding="utf-8"))
+            return kept["points"], f"Kept, of {kept['date']} on {kept['machine']}."
+    points = {"balls": by_balls(), "members": by_members()}
+    if study.stores:
+        kept = {"machine": machine(), "date": today(), "points": points}
+        replace_file(study.stores[0] / GROWTH, f"{json.dumps(kept, indent=1)}\n")
+    return points, "Measured for this report."
+
+
+def scaling(study: Study) -> tuple[Table, Figure]:
     """Time and memory over balls and members, with the observed exponents of the larger half of the sizes."""
     rows: list[Row] = []
     panels = []
-    measured = (
-        ("balls", by_balls(BALLS[:4] if quick else BALLS)),
-        ("members", by_members([n for n in MEMBERS if n <= FEW] if quick else MEMBERS)),
-    )
-    for of, found in measured:
+    measured, said = growth(study)
+    for of, found in measured.items():
         for place, unit in ((1, "s"), (2, "MB")):
             series = []
             for model, points in found.items():
@@ -179,7 +203,7 @@ def scaling(quick: bool) -> tuple[Table, Figure]:
             for model, points in found.items()
             for p in points
         ]
-    note = "One solve with its set-up, bodies of a new geometry; ensembles of lin-random with their bands."
+    note = f"One solve with its set-up, bodies of a new geometry; ensembles of lin-random with their bands. {said}"
     return Table.of("scaling", "Time and memory over size", rows), Figure(
         "scaling", "Growth with size", tuple(panels), note
     )

@@ -28,7 +28,7 @@ def crosscheck(
     run
         Solve with CalculiX (ccx) now those of its decks that have no stored result, and rewrite the stored results.
     fresh
-        With --run: solve all of its decks anew, up to an hour of one core.
+        With --run: solve all decks again, up to an hour of one core.
     data
         Folder of the stored results; that of the package unless given.
     work

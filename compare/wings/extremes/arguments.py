@@ -42,15 +42,15 @@ def stability(
     model
         Model of the campaign's contact loads; lin unless given.
     files
-        Besides, so many mutated scene files and half as many mutated stored files.
+        Also this many mutated scene files, and half as many mutated stored files.
     kills
-        Besides, so often a process that writes is killed.
+        Also kill a writing process this many times.
     survey
         Number of drawn catalogue screws; the report's are 200.
     out
-        Folder of the survey: a line a scene, and the runs of the 3D reference; an interrupted survey goes on there.
+        Folder of the survey: a line a scene, and the runs of the 3D reference; an interrupted survey resumes there.
     workers
-        Scenes of the survey at the same time; each needs up to 4 GB.
+        Number of scenes of the survey in parallel; each needs up to 4 GB.
     keep
         File to write the campaign's counts or the survey's record to, for the report's table; an interrupted campaign goes
         on from what it left there, and a survey does not solve the scenes again that this file answers.

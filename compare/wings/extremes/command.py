@@ -11,7 +11,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rollbench.comparison.commands.printing import Answer
+from rollbench.comparison.commands.printing import Answer, cell
+from rollbench.comparison.commands.tables import ruled
+from rollbench.comparison.commands.wrapping import aligned
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.wings.extremes.rows import tally, wide_rows
 from rollbench.comparison.wings.extremes.static import FORMULATIONS, Attempt, failures, table
@@ -37,17 +39,9 @@ def run_stability(*, as_json: bool) -> Answer:
 
 
 def _parts(rows: Sequence[Attempt], bad: Sequence[Attempt]) -> Iterator[RenderableType]:
-    from rich.table import Table as Terminal
-
-    out = Terminal(title="stability: cases by formulations", title_justify="left")
-    for heading in ("case", *FORMULATIONS, "residual"):
-        out.add_column(heading, justify="right" if heading == "residual" else "left")
-    for line in wide_rows(rows):
-        residual = line["residual"]
-        out.add_row(
-            str(line["case"]), *(str(line[f]) for f in FORMULATIONS), "–" if residual is None else f"{residual:.1e}"
-        )
-    yield out
+    words = ("case", *FORMULATIONS)
+    lines = ([*(str(line[f]) for f in words), cell(line["residual"], ".1e")] for line in wide_rows(rows))
+    yield ruled("stability: cases by formulations", (*words, "residual"), lines, words)
     for name, (solved, tried, total) in tally(rows).items():
         yield f"{name}: {solved} of {tried} tried ({total} cases)"
     for row in bad:
@@ -122,7 +116,6 @@ def run_drawn(count: int, folder: Path, workers: int, keep: Path | None) -> Answ
     Raises InputError for counts out of range, a folder that is no survey's, and a file that cannot be written.
     """
     from rollbench.comparison.commands.printing import on_terminal
-    from rollbench.comparison.commands.wrapping import aligned
     from rollbench.comparison.wings.extremes.survey import run
     from rollbench.comparison.wings.extremes.survey.draw import SCENES, SEED
     from rollbench.comparison.writing import need_writable, replace_file

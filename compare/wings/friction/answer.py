@@ -10,6 +10,7 @@ import numpy as np
 
 from rollbench.comparison.commands.printing import Column, cell, text_width
 from rollbench.comparison.commands.solving.summary import entry
+from rollbench.comparison.commands.tables import listed
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.quantities import number
 from rollbench.comparison.wings.friction.left_out import left_out_of_kind
@@ -108,8 +109,6 @@ def energy_line(values: dict[str, Any], label: str = "energy") -> Line:
 
 def as_table(answer: FrictionAnswer, *, balls: bool = False) -> list[RenderableType]:
     """The answer for the terminal: results in a few lines, tables, warnings, assumptions."""
-    from rich.table import Table
-
     data = answer.data
     drawn = "" if data.get("member") is None else f", member {data['member']} of its random errors"
     parts: list[Any] = [f"{data['scene']}{drawn}, {data['kind']}: {data['status']}", data["title"]]
@@ -117,12 +116,7 @@ def as_table(answer: FrictionAnswer, *, balls: bool = False) -> list[RenderableT
     if answer.lines:
         parts += ["", "\n".join(entry(label, text, text_width()) for label, text in answer.lines)]
     for title, columns, rows in [*answer.tables, *(answer.ball_tables if balls else ())]:
-        table = Table(title=title, title_justify="left")
-        for _, heading, _ in columns:
-            table.add_column(heading, justify="right")
-        for row in rows:
-            table.add_row(*(cell(row[name], form) for name, _, form in columns))
-        parts += ["", table]
+        parts += ["", listed(title, columns, rows)]
     parts += [""] if answer.tables else []
     if answer.ball_tables and not balls:
         parts.append("motion, loads and losses of every ball: --balls")

@@ -10,8 +10,7 @@ import numpy as np
 
 from rollbench.comparison.commands.printing import Column
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.axis_answers import gather
-from rollbench.comparison.models.outside import with_answers
+from rollbench.comparison.models.axis_answers import solve_sets
 from rollbench.comparison.models.registry import run_model
 from rollbench.comparison.quantities import number
 from rollbench.comparison.wings.friction.answer import NOTHING, FrictionAnswer, Line
@@ -56,14 +55,13 @@ def solve_axis(assembly: Assembly, choices: Choices) -> FrictionAnswer:
         raise InputError(
             assembly.name, "motion.turns", '"nut"', '"screw"', "several outer parts stand while the shaft turns"
         )
-    result = run_model(assembly, choices.model)
+    result, _ = solve_sets(assembly, choices.model)
     head = {"scene": assembly.name, "title": assembly.title, "kind": assembly.kind, "model": result.model}
     if not result.converged:
         said = {"assumed": list(assembly.assumed), "left_out": [], "warnings": []}
         return FrictionAnswer(
             head | {"status": f"contact loads: {result.status}", "converged": False} | said, [], [], False
         )
-    result = with_answers(assembly, result, gather(assembly, result))
     solved = _states(result, friction, motion)
     drag = _drag(assembly, result.model, friction, motion)
     return _answer(head, assembly, result, (friction, motion, solved, drag))

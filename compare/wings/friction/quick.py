@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 from rollbench.comparison.models.registry import Options
@@ -11,16 +12,21 @@ from rollbench.lowfi.friction.whole.circuit import ONE_TURN, CircuitError, circu
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state, will_compile
 from rollbench.lowfi.jit import CONTACT, cached
 from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.kept import kept
 from rollbench.meshes.parts import Friction, Motion, Scene
+
+_kept_state = kept(FrictionState)(friction_state)
 
 
 def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tuple[FrictionState | None, str]:
-    """Friction of a scene that gives a coefficient, where no kernel has to be compiled for it; else what to do."""
+    """Friction of a scene that gives a coefficient, where no kernel has to be compiled for it; else what to do. Kept on
+    disc between commands for equal scenes and loads: loading the machine code takes longer than all else of a solve."""
     assert scene.friction is not None
     if will_compile(scene, scene.friction) and not cached(CONTACT):
         return None, "kernels are not compiled yet; rollbench friction SCENE does it, once"
     try:
-        state = friction_state(scene, result, scene.friction, scene.motion or ONE_TURN, options.member)
+        loads = replace(result, solver=replace(result.solver, seconds=0.0, setup_seconds=0.0), warnings=())
+        state = _kept_state(scene, loads, scene.friction, scene.motion or ONE_TURN, options.member)
     except ValueError as error:
         return None, str(error)
     return state, ""

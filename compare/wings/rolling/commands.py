@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from rollbench.comparison.commands.printing import Answer, on_terminal
+from rollbench.comparison.commands.tables import ruled
 from rollbench.comparison.commands.wrapping import aligned
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.reference.body_names import HALF_SPACE
@@ -78,43 +79,30 @@ def finite(row: dict[str, Any]) -> dict[str, Any]:
     return {k: None if isinstance(v, float) and abs(v) == float("inf") else v for k, v in row.items()}
 
 
+#: Columns of the table after the quantity: attribute of a row, heading, format.
+COLUMNS = (
+    ("low", "low-order", ".5g"),
+    ("reference", "3D", ".5g"),
+    ("uncertainty", "+-", ".2g"),
+    ("error_percent", "error %", ".2f"),
+    ("uncertainty_percent", "+- %", ".2f"),
+    ("printed", "printed", ".5g"),
+    ("printed_ansys", "ANSYS", ".5g"),
+    ("flat", "3D flat", ".5g"),
+    ("rigid", "3D rigid", ".5g"),
+    ("half_space", "3D half space", ".5g"),
+)
+
+
+def _cell(value: float | None, form: str) -> str:
+    return "–" if value is None or abs(value) == float("inf") else format(value, form)
+
+
 def _table(name: str, own: Sequence[RollingRow]) -> Any:
-    from rich.table import Table
-
     state = f" ({own[0].load_state} load state{UNSTATED})" if own[0].load_state else ""
-    table = Table(title=f"{name}{state}: low-order model against the 3D model of rolling", title_justify="left")
-    for column in (
-        "quantity",
-        "low-order",
-        "3D",
-        "+-",
-        "error %",
-        "+- %",
-        "printed",
-        "ANSYS",
-        "3D flat",
-        "3D rigid",
-        "3D half space",
-    ):
-        table.add_column(column, justify="left" if column == "quantity" else "right")
-
-    def cell(value: float | None, form: str = ".5g") -> str:
-        return "–" if value is None or abs(value) == float("inf") else format(value, form)
-
-    for row in own:
-        table.add_row(
-            f"{row.quantity} [{row.unit}]",
-            cell(row.low),
-            cell(row.reference),
-            cell(row.uncertainty, ".2g"),
-            cell(row.error_percent, ".2f"),
-            cell(row.uncertainty_percent, ".2f"),
-            cell(row.printed),
-            cell(row.printed_ansys),
-            cell(row.flat),
-            cell(row.rigid),
-            cell(row.half_space),
-        )
+    title = f"{name}{state}: low-order model against the 3D model of rolling"
+    rows = ([f"{row.quantity} [{row.unit}]", *(_cell(getattr(row, key), form) for key, _, form in COLUMNS)] for row in own)
+    table = ruled(title, ["quantity", *(heading for _, heading, _ in COLUMNS)], rows, ["quantity"])
     table.caption = f"3D: {own[0].seconds:.2f} s on the finest grid; low-order: {1e3 * own[0].low_seconds:.2f} ms"
     return table
 

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from rollbench.comparison.commands.arguments.terminal import Json, Tls, Word, app, engine
+from rollbench.comparison.commands.arguments.terminal import Json, Where, Word, app, engine
 from rollbench.comparison.commands.printing import print_answer
 
 
@@ -22,12 +22,9 @@ def sweep(
     seed: int = 0,
     out: Path = Path("rollbench-sweep"),
     as_json: Json = False,
-    backend: str = "joblib",
-    scheduler: str | None = None,
-    workers: int | None = None,
-    tls: Tls | None = None,
+    where: Where | None = None,
 ) -> int:
-    """Solve a scene at many values of its keys; one stored record a sample, an interrupted sweep goes on.
+    """Solve a scene at many values of its keys; each sample is stored, and an interrupted sweep resumes.
 
     Parameters
     ----------
@@ -46,15 +43,9 @@ def sweep(
     seed
         Seed of the design.
     out
-        Folder of the records and the summary; what it holds is not solved again.
-    backend
-        joblib (this machine) or dask (a cluster).
-    scheduler
-        Address of the Dask scheduler.
-    workers
-        Processes at the same time; 1 here, or what the cluster has, unless given.
+        Folder of the records and the summary; samples stored there are not solved again.
     """
     from rollbench.comparison.wings.sweep.command import run_sweep, sweep_of
 
     what = sweep_of(scene, vary, samples, method, seed, model)
-    return print_answer(run_sweep(what, out, engine(backend, scheduler, workers, tls)), as_json)
+    return print_answer(run_sweep(what, out, engine(where)), as_json)

@@ -9,7 +9,8 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from rollbench.comparison.commands.printing import Answer, on_terminal
+from rollbench.comparison.commands.printing import Answer, cell, on_terminal
+from rollbench.comparison.commands.tables import ruled
 from rollbench.comparison.models.registry import DEFAULT, default_model
 from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.scenes import catalogue, scene_file
@@ -77,41 +78,27 @@ def samples_csv(keys: Sequence[Vary], records: Mapping[int, Record]) -> str:
 
 def terminal(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[Any]:
     """The summary for the terminal: counts, statistics, effects and indices of the largest load, worst cases."""
-    from rich.table import Table
-
     parts: list[Any] = [f"{found['solved']} samples, {found['converged']} converged"]
     parts += [f"failed: {row['samples']} samples: {row['reason']}" for row in found["failures"][:5]]
     names = ("mean", "standard_error", "standard_deviation", "smallest", "quantile_0.05", "quantile_0.95", "largest")
-    table = Table(title="outputs", title_justify="left")
-    for heading in ("", *(n.replace("_", " ") for n in names)):
-        table.add_column(heading, justify="right")
-    for name, own in found["outputs"].items():
-        table.add_row(OUTPUTS[name], *("–" if own is None else f"{own[n]:.5g}" for n in names))
-    parts.append(table)
+    rows = ([OUTPUTS[name], *(cell(own and own[n], ".5g") for n in names)] for name, own in found["outputs"].items())
+    parts.append(ruled("outputs", ["", *(n.replace("_", " ") for n in names)], rows))
     parts.append(_effects(keys, found))
-    worst = Table(title="worst samples", title_justify="left")
-    for heading in ("sample", OUTPUTS[MAIN], "at", *(v.name for v in keys)):
-        worst.add_column(heading, justify="right")
-    for row in found["worst"]:
-        worst.add_row(str(row["sample"]), f"{row[MAIN]:.5g}", row["at"], *(str(v) for v in row["values"]))
-    return [*parts, worst]
+    worst = ([str(row["sample"]), f"{row[MAIN]:.5g}", row["at"], *map(str, row["values"])] for row in found["worst"])
+    return [*parts, ruled("worst samples", ["sample", OUTPUTS[MAIN], "at", *(v.name for v in keys)], worst)]
 
 
 def _effects(keys: Sequence[Vary], found: Mapping[str, Any]) -> Any:
-    from rich.table import Table
-
     own = found["indices"].get("outputs", {}).get(MAIN)
     why = found["indices"].get("none", "the largest load does not change")
     title = "effect of each key on the largest contact load" + (f" ({why})" if own is None else "")
-    table = Table(title=title, title_justify="left")
-    for heading in ("key", "smallest mean / N", "largest mean / N", "first index", "total index"):
-        table.add_column(heading, justify="right")
+    rows = []
     for vary in keys:
         means = [g["mean"] for g in found["main_effects"][vary.key]]
         cells = [f"{min(means):.5g}", f"{max(means):.5g}"] if means else ["–", "–"]
         cells += [_interval(own[vary.key], kind) if own is not None else "–" for kind in ("first", "total")]
-        table.add_row(vary.label, *cells)
-    return table
+        rows.append([vary.label, *cells])
+    return ruled(title, ("key", "smallest mean / N", "largest mean / N", "first index", "total index"), rows)
 
 
 def _interval(row: Mapping[str, float], kind: str) -> str:

@@ -32,6 +32,10 @@ def words(vary: Vary) -> str:
     return next((text for start, text in WORDS.items() if vary.key.startswith(start)), vary.name)
 
 
+def _short(row: Mapping[str, Cell]) -> str:
+    return str(row["key"]).partition(":")[0].capitalize()
+
+
 def effects(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[dict[str, Cell]]:
     """A row a key, that of the largest total index first: mean of the largest load over the range, Sobol indices."""
     own = found["indices"]["outputs"][MAIN]
@@ -63,16 +67,16 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     luck = next(row for row in rows if row["range"] == "any")
     first, second = [row for row in rows if row is not luck][:2]
     conclusion = (
-        f"{found['converged']} of {found['solved']} screws converged. Their largest contact load is {load['mean']:.0f} N "
-        f"on average and {load['quantile_0.95']:.0f} N in one of twenty. What matters most for it is {first['key']} (total "
-        f"index {first['total']:.2f}), then {second['key']} ({second['total']:.2f}); which screw of the same "
-        f"tolerances it is has {luck['total']:.2f}."
+        f"Of {found['converged']} screws within tolerances the largest contact load is {load['mean']:.0f} N on average and "
+        f"more than {load['quantile_0.95']:.0f} N on one in twenty. {_short(first)} matters most for it (total index "
+        f"{first['total']:.2f}), then {_short(second).lower()} ({second['total']:.2f}); chance, which screw of the same "
+        f"tolerances it is, has {luck['total']:.2f}."
     )
     text = (
         "The ranges are assumed, each from nothing to what is common: the source has no tolerances. The indices are shares "
         "of the variance over these ranges: the first alone, the total with all that it does together with others; their "
         f"{100 * found['indices']['confidence']:g} % intervals come from resampling the design.",
-        f"Computed by: {command(found)}; its summary.json is stored.",
+        f"Computed by: {command(found)}.",
     )
     columns = (
         Quantity("key", "key", "", "s"),

@@ -39,8 +39,9 @@ def test_values_have_units(solved: rollbench.Solution) -> None:
 
 def test_results_are_tables_in_a_notebook(solved: rollbench.Solution) -> None:
     page = solved._repr_html_()
-    assert "<td>axial: displacement</td>" in page
-    assert ">um</td>" in page
+    assert "<th colspan='3' style='text-align:left'>axial</th></tr>" in page
+    assert "<td style='text-align:left'>displacement</td>" in page
+    assert ">µm</td>" in page
     assert "rigidities: contacts alone" in str(solved)
     assert len(solved.balls().splitlines()) == 33
     assert "<script>" not in rollbench.Result({"a<script>": 1.0})._repr_html_()

@@ -1,5 +1,6 @@
 """The examples that are shipped run, and give what they say."""
 
+import ast
 import json
 from importlib import resources
 from typing import Any
@@ -23,14 +24,28 @@ def test_a_spreadsheet_that_is_8_percent_off_fails(factor: float, word: str, cap
     assert ("(ball 5 SL)" in capsys.readouterr().out) is (word == "fail")
 
 
-def test_the_notebook_runs_from_top_to_bottom(monkeypatch: pytest.MonkeyPatch, tmp_path: Any) -> None:
+def shown(value: Any) -> str:
+    """What a notebook keeps of the value of a cell: its table, or its text."""
+    return str(value._repr_html_()) if hasattr(value, "_repr_html_") else repr(value)
+
+
+def test_the_notebook_is_shipped_with_the_outputs_that_it_gives(monkeypatch: pytest.MonkeyPatch, tmp_path: Any) -> None:
     monkeypatch.chdir(tmp_path)
     text = resources.files("rollbench.comparison").joinpath("examples", "notebook.ipynb").read_text(encoding="utf-8")
     names: dict[str, Any] = {}
     for cell in json.loads(text)["cells"]:
-        assert not cell.get("outputs")
         if cell["cell_type"] == "code":
-            exec("".join(cell["source"]), names)
+            *body, last = ast.parse("".join(cell["source"])).body
+            exec(compile(ast.Module(body, []), "cell", "exec"), names)
+            assert isinstance(last, ast.Expr)
+            (output,) = cell["outputs"]
+            kept = output["data"].get("text/html") or output["data"]["text/plain"]
+            value = eval(compile(ast.Expression(last.value), "cell", "eval"), names)
+            if not hasattr(type(value), "magnitude"):  # a unit's own table is pint's
+                assert "".join(kept) == shown(value), "run: jupyter execute --inplace compare/examples/notebook.ipynb"
     assert names["solution"].converged
+    assert len(repr(names["solution"]).splitlines()) == 5
     assert names["judged"].word in ("pass", "fail")
-    assert "<table>" in names["beside"]._repr_html_()
+    page = names["solution"]._repr_html_()
+    assert "<th colspan='3' style='text-align:left'>worst contact</th>" in page
+    assert ">µm<" in page

@@ -12,6 +12,7 @@ import pytest
 
 from rollbench.comparison.costs import timing
 from rollbench.comparison.costs.timing import Job, timed
+from rollbench.comparison.models.study import Study
 from rollbench.comparison.scenes.catalogue import scene as shipped
 from rollbench.comparison.sources.liu import bench as chain_bench
 from rollbench.comparison.wings.bench import bench, startup, typed
@@ -175,6 +176,20 @@ def test_growth_with_size_is_a_figure_with_exponents(monkeypatch):
     points = [(n, 1e-3 * n**1.5, 2.0 * n) for n in (8.0, 16.0, 32.0, 64.0)]
     for name in ("by_balls", "by_members"):
         monkeypatch.setattr(typed, name, lambda _: {"lin": points})
-    table, figure = typed.scaling(quick=True)
+    table, figure = typed.scaling(Study(quick=True))
     assert len(table.rows) == 8
     assert [s.label for panel in figure.panels for s in panel.series] == ["lin: exponent 1.50", "lin: exponent 1.00"] * 2
+
+
+def test_growth_is_measured_once_and_kept(monkeypatch, tmp_path):
+    measured = []
+    for name in ("by_balls", "by_members"):
+        monkeypatch.setattr(typed, name, lambda: measured.append(1) or {"lin": [(8.0, 1e-3, 2.0), (16.0, 2e-3, 4.0)]})
+    monkeypatch.setattr(typed, "shipped_store", lambda: tmp_path / "none")
+    points, said = typed.growth(Study((tmp_path,)))
+    again, kept = typed.growth(Study((tmp_path,)))
+    assert len(measured) == 2
+    assert again == {of: {model: [list(p) for p in own] for model, own in found.items()} for of, found in points.items()}
+    assert (said, kept.split(",")[0]) == ("Measured for this report.", "Kept")
+    typed.growth(Study((tmp_path,), timed=True))
+    assert len(measured) == 4

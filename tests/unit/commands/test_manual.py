@@ -38,7 +38,20 @@ def test_reference_has_every_command_key_and_quantity(written: Path) -> None:
 
 
 def test_workflow_keeps_the_reference_also_when_the_job_fails() -> None:
-    job = yaml.safe_load((DOCS / "gate.yml").read_text(encoding="utf-8"))["jobs"]["gate"]
+    workflow = yaml.safe_load((DOCS / "gate.yml").read_text(encoding="utf-8"))
+    reference, job = workflow["jobs"]["reference"]["steps"], workflow["jobs"]["gate"]
+    restore = next(step for step in reference if step.get("uses", "").startswith("actions/cache/restore@"))
+    (save,) = [step for step in reference if step.get("uses", "").startswith("actions/cache/save@")]
+    assert save["if"].startswith("always() && ")
+    assert "job.status == 'success'" in save["with"]["key"]
+    assert restore["with"]["restore-keys"].startswith("rollbench-part-")
+    assert "part-{0}-{1}" in save["with"]["key"]
+    assert any("-c constraints.txt" in step.get("run", "") for step in reference)
+    assert set(workflow[True]) == {"push", "pull_request"}  # the word "on" is true in YAML 1.1
+    for one in workflow["jobs"].values():
+        assert all({"uses", "run"} & step.keys() for step in one["steps"])
+        assert one["runs-on"]
+    assert any("gate.xml" in step.get("with", {}).get("path", "") for step in job["steps"])
     uses = [step.get("uses", "") for step in job["steps"]]
     assert any(use.startswith("actions/cache/restore@") for use in uses)
     for step in job["steps"]:
@@ -55,6 +68,50 @@ def test_named_files_exist(page: Path) -> None:
     for target in re.findall(r"\]\(([^)#:]+?)(?:#[^)]*)?\)", text):
         made = page.parent / target
         assert made.exists() or made.stem in ("commands", "quantities", "scene-file", "misprints"), target
+
+
+def test_first_page_states_the_report_s_errors() -> None:
+    rows = list(
+        csv.DictReader((TOP / "reports/validation/tables/stability-survey.csv").read_text(encoding="utf-8").splitlines())
+    )
+    text = re.sub(r"\s+", " ", (DOCS / "index.md").read_text(encoding="utf-8"))
+    for model in ("refined", "lin"):
+        row = next(r for r in rows if (r["model"], r["error"]) == (model, "largest_percent"))
+        assert f"{float(row['median']):.1f} %" in text
+    assert f"{row['scenes']} screws" in text
+
+
+def test_every_drawing_is_made_and_shown(tmp_path: Path, written: Path) -> None:
+    sys.path.insert(0, str(DOCS))
+    try:
+        import drawings
+    finally:
+        sys.path.remove(str(DOCS))
+    drawings.draw(tmp_path)
+    scene = (written / "scene-file.md").read_text(encoding="utf-8")
+    for drawn in tmp_path.glob("*.svg"):
+        assert f"_static/{drawn.name}" in scene
+    lengths = " ".join(p.read_text(encoding="utf-8") for p in tmp_path.glob("*.svg"))
+    for key in (
+        "screw.length",
+        "nut.length",
+        "track.lead",
+        "nut.flange.seat",
+        "solid.shaft",
+        "groove_radius",
+        "screw.bore",
+    ):
+        assert key in lengths
+
+
+def test_quantities_have_units(written: Path) -> None:
+    text = (written / "quantities.md").read_text(encoding="utf-8")
+    for row in (
+        "| `axial.rigidity_N_per_um` | N/µm |",
+        "| `loads.worst_ball` | – |",
+        "| `rigidities_N_per_um.with_bodies` | N/µm |",
+    ):
+        assert row in text
 
 
 @pytest.mark.parametrize(("page", "model"), [("refined-model", "refined"), ("beam-model", "lin")])

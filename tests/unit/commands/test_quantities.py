@@ -5,7 +5,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from rollbench.comparison.quantities import UNITS, quantity, record
+from rollbench.comparison.commands.solving import summary
+from rollbench.comparison.quantities import UNITS, quantity, record, shown
 from rollbench.reports.records import Quantity, Table
 
 #: Units whose values are kept in them: percent, hours and revolutions are no SI.
@@ -38,3 +39,29 @@ def test_rows_say_the_columns_of_their_table():
         ("error", "largest error", ".2f"),
     ]
     assert table.rows == [{"scene": "a"}, {"scene": "b", "error": 1.0}]
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "text"),
+    [
+        (1234.56, 4.3, "1235"),
+        (1234.56, 0.43, "1235"),
+        (12.3456, 0.43, "12.35"),
+        (12.3456, 5.0, "12.3"),
+        (-838.6, 900.0, "-840"),
+    ],
+)
+def test_people_see_one_digit_beyond_the_first_that_the_error_touches(value: float, error: float, text: str) -> None:
+    assert shown(value, error) == text
+    assert abs(float(text) - value) <= max(0.05 * 10.0 ** math.floor(math.log10(error)), abs(value) * 5e-4)
+
+
+def test_a_friction_torque_known_to_a_factor_has_two_digits() -> None:
+    data = {
+        "friction": {
+            "friction_torque_Nmm": 838.6123,
+            "efficiency_forward_percent": 94.8571,
+            "efficiency_backward_percent": None,
+        }
+    }
+    assert summary._friction(data) == "torque 840 N mm; efficiency 94.9 % against the load, self-locking"

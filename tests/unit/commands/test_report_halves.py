@@ -35,6 +35,29 @@ def test_sections_of_both_processes_are_those_of_one():
     assert told == ["crosscheck", "tolerances", "tolerances", "what is left of crosscheck"]
 
 
+def test_what_measures_times_is_made_last_and_alone(monkeypatch):
+    order = []
+
+    @contextmanager
+    def another(*_):
+        yield iter([Made({}, Study())])
+
+    def note(parts, *_):
+        order.extend(part.name for part in parts)
+        return Made({}, Study())
+
+    monkeypatch.setattr(report_halves, "_another", another)
+    monkeypatch.setattr(report_halves, "make", note)
+    monkeypatch.setattr(report_halves, "cores", lambda: 2)
+    timing = Part("timing", "wings.bench.section", alone=True)
+    aside, others = split([timing, ASIDE, OWN], Study())
+    assert (aside, others) == ([ASIDE], [timing, OWN])
+    build(aside, others, order.append, lambda _: None, Study(), abs)
+    assert order == ["tolerances", "what is left of crosscheck", "timing"]
+    assert split([timing, ASIDE], Study()) == ([], [timing, ASIDE])
+    assert [part.name for part in PARTS if part.alone] == ["timing"]
+
+
 def test_scenes_of_both_processes_are_noted(monkeypatch):
     there = Study()
     there.uses(["two-balls", "lin-pair-a"])

@@ -36,9 +36,12 @@ def test_every_section_stands_on_a_named_page_and_there_are_twelve_at_most():
 
 
 def test_a_page_opens_with_the_first_conclusion_or_the_verdicts_of_its_tables():
-    rows = [{"verdict": "reproduced"}, {"verdict": "contradicted"}, {"verdict": "reproduced"}]
+    rows = [{"verdict": verdict} for verdict in ("reproduced", "contradicted", "reproduced", "input")]
     judged = Section("a", "A", (Table.of("t", "T", rows),))
-    assert conclusion([judged]) == "Of 3 printed numbers and claims on this page: 2 reproduced, 1 contradicted."
+    assert conclusion([judged]) == (
+        "Of 3 printed numbers and claims that test something here, 2 are reproduced, 1 are contradicted; another 1 inputs "
+        "say nothing of a model."
+    )
     assert conclusion([judged, Section("b", "B", (), conclusion="So it is.")]) == "So it is."
     assert conclusion([Section("c", "C", ())]) == ""
 

@@ -108,7 +108,7 @@ def test_scenes_beyond_the_model_are_refused_with_the_reason(name, word, tmp_pat
 
 def test_whole_screws_and_rolling_balls_are_not_mixed():
     with pytest.raises(InputError, match="name them apart"):
-        rolling_choices.all_of_friction(["lin-case1", "lin-pair-a"])
+        rolling_choices.all_rolling(["lin-case1", "lin-pair-a"], "half-space", "rolling study", {})
 
 
 def row(low, reference, bar):

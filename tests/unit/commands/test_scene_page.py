@@ -34,7 +34,8 @@ def test_the_page_answers_first_and_needs_nothing_from_outside(page, html: str) 
     assert html.index(page.verdict) < html.index("<table")
     assert [label for label, _ in page.answers][:3] == ["loads", "axial", "contact"]
     assert not re.search(r'(src|href)="(?!data:|#)', html)
-    assert {part.name for part in page.parts} == {"loads", "stiffness", "error", "assumptions"}
+    assert {part.name for part in page.parts} == {"scene", "loads", "stiffness", "error", "assumptions"}
+    assert 'id="figure-sketch"' in html
     for name in ("contacts", "rigidity", "applicability"):
         assert f'id="table-{name}"' in html
     assert 'id="figure-loads"' in html

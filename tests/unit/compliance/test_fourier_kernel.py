@@ -11,6 +11,7 @@ from scipy.sparse.linalg import spsolve
 from tests.helpers import relative
 
 from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi.compliance import fourier
 from rollbench.lowfi.compliance.bodies import REFINED, contact_frames, geometry_only, smooth_body, smooth_compliance
 from rollbench.lowfi.compliance.fourier import Body, end_motions, factor_c, line_compliance, on_last, solved, tube_grid
 from rollbench.lowfi.compliance.groove import half_space
@@ -377,6 +378,19 @@ def test_line_compliance_is_that_of_the_whole_body():
                 rows = np.concatenate([rows, high])
             size = np.sqrt(np.diag(S))
             np.testing.assert_allclose(S / size / size[:, None], rows @ dense @ rows.T / size / size[:, None], atol=1e-8)
+
+
+def test_a_load_that_reaches_no_further_is_left_out_and_nothing_else(monkeypatch):
+    """A long tube, harmonic by harmonic, with every load taken along to its far end, and without those that vanish."""
+    body = tube(3, 60, 0.6)
+    held = np.zeros((*body.grid.shape, 3), dtype=bool)
+    held[0] = True
+    harmonics = (0, 1, 8)
+    cut = line_compliance(body, harmonics, held.ravel(), 6, (0, 121))
+    monkeypatch.setattr(fourier, "NONE_LEFT", -1.0)
+    for n, short, whole in zip(harmonics, cut, line_compliance(body, harmonics, held.ravel(), 6, (0, 121)), strict=True):
+        assert abs(short - whole).max() < 1e-15 * abs(whole).max()
+        assert (short[:60, -60:] == 0.0).all() == (n == 8)
 
 
 def far_apart(width, held):

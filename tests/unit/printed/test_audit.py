@@ -75,7 +75,7 @@ def test_every_pattern_of_contradicted_entries_fits_open_entries():
 def test_counts_are_those_of_the_stored_list():
     rows = [audit.Audited(Evidence(row), audit.stored()[f"{row.table}:{row.key}"][1], "") for row in ENTRIES]
     counted = audit.counts(rows)
-    assert [row["source"] for row in counted] == [*audit.SOURCES.values(), "all"]
+    assert [row["source"] for row in counted] == [*audit.sources().values(), "all"]
     total = Counter(row.verdict for row in rows)
     assert {v: counted[-1][v] for v in audit.VERDICTS} == {v: total[v] for v in audit.VERDICTS}
     assert counted[-1]["all"] == len(ENTRIES) == sum(row["all"] for row in counted[:-1])
@@ -101,5 +101,5 @@ def test_every_misprint_has_a_command_and_a_test(row):
 
 def test_what_is_left_out_has_a_reason():
     whole = {"Kalker (1990)"}  # whose one table is entered whole
-    assert {row["source"] for row in left_out()} == {*audit.SOURCES.values(), "all"} - whole
+    assert {row["source"] for row in left_out()} == {*audit.sources().values(), "all"} - whole
     assert all(len(row["reason"]) > 10 for row in left_out())

@@ -34,7 +34,7 @@ def row(table, key):
 
 def test_tables_are_shipped():
     assert set(TABLES) >= {"lin-B1", "lin-2.4.1", "lin-2.4.2", "lin-2.2", "lin-4.3.2"}
-    assert catalogue.printed_tables() == TABLES
+    assert printed_data.tables() == TABLES
 
 
 @pytest.mark.parametrize("name", TABLES)
@@ -238,7 +238,7 @@ def test_counts_of_the_report_keep_kinds_apart():
     said = verdicts.total_text(audited)
     assert said.startswith("Of 5 printed entries: 2 reproduced, ")
     assert all(f"{of_audit[key]} {key}" in said for key in VERDICTS)
-    assert said.endswith("Of those reproduced: 1 computed number, 1 claim in words.")
+    assert said.endswith("Those reproduced are 1 computed numbers and 1 claims in words.")
     table = {row["kind"]: row for row in verdicts.kinds_table(audited).rows}
     assert table["input, taken over"]["input"] == 1
     assert table["input, taken over"]["contradicted"] == 1

@@ -88,7 +88,7 @@ def test_command(capsys):
     (row,) = (r for r in rows if (r["table"], r["key"]) == ("lin-3.2", "F_IR_II"))
     assert row["computation"] == "rollbench.comparison.sources.lin.evidence.rotary_linear:table_3_2"
     assert row["scenes"] == ["lin-rotary-2-printed", "lin-rotary-2"]
-    assert row["test"] == "tests/literature/test_lin_chapter3_rotary.py::test_entry[lin-3.2:F_IR_II]"
+    assert row["test"] == "tests/sources/lin/literature/test_lin_chapter3_rotary.py::test_entry[lin-3.2:F_IR_II]"
     commands()(["list", "--trace"], result_action="return_value")
     assert "F_IR_II" in capsys.readouterr().out
 
@@ -101,7 +101,7 @@ def test_one_table_in_a_pipe_breaks_no_name(capsys):
     commands()(["list", "--table", "smith-5"], result_action="return_value")
     out = capsys.readouterr().out
     for row in rows:
-        assert {row["key"], row["computation"], row["test"].removeprefix("tests/literature/")} <= set(out.split())
+        assert {row["key"], row["computation"], row["test"].removeprefix("tests/sources/")} <= set(out.split())
         assert row["no_scene"] in out
     with pytest.raises(InputError, match='"smith-7"'):
         commands()(["list", "--table", "smith-7"], result_action="return_value")

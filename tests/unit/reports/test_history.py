@@ -54,7 +54,7 @@ def test_numbers_of_a_report_are_those_of_its_points():
     assert [s.x for s in figure.panels[0].series if s.label == "lin"] == [[1.0, 2.0]]
 
 
-def test_only_a_timed_report_adds_a_release(tmp_path, monkeypatch):
+def test_only_a_report_that_keeps_adds_a_release(tmp_path, monkeypatch):
     study = Study((tmp_path, shipped_store()))
     lin = TimePoint(MODELS["lin"].label, "model", 6.0, 2.0, None, None, 1.0, 0.1, 9, 90.0)
     level = TimePoint("3D reference, level 4", "level", 0.0, 0.0, None, None, 90.0, 1.0, 9, 900.0)
@@ -64,6 +64,6 @@ def test_only_a_timed_report_adds_a_release(tmp_path, monkeypatch):
     section = history.section(study, step)
     assert [row["release"] for row in section.items[1].rows][:: len(QUANTITIES)] == ["0.1", history.NOW]
     assert list(tmp_path.iterdir()) == []
-    study.timed = True
+    study.keeps = True
     history.section(study, step)
     assert [row.version for row in load([tmp_path])] == ["0.1", __version__]

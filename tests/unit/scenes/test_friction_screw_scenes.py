@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.errors import SceneError
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.sources.lin.evidence.source_cases import double_row, four_point, inferred, lin_3_4_4, plain
 from rollbench.comparison.wings.friction.kind_solvers import solve_kind
@@ -253,113 +252,6 @@ def test_bearing_scene_is_the_library_s(tilt):
 def test_rows_face_to_face_are_turned_round():
     rows = loaded("lin-bearing-pairs", ('back to back"\n', 'face to face"\n')).double_row.rows
     assert [r.contacts for r in rows] == [DIAGONAL, OTHER]
-
-
-# --- refusals
-
-CASES = {  # name: (scene, changes, key, value as found, a part of range or advice)
-    "unknown kind": (0, [('"screw pair"', '"screw pear"')], "kind", '"screw pear"', '"screw run"'),
-    "unknown key": (0, [("oversize =", "oversise =")], "errors.balls.oversise", '"0 um"', "did you mean oversize?"),
-    "key of another kind": (0, [("[angles]", '[angles]\nphase = "0 deg"')], "angles.phase", '"0 deg"', "unknown key"),
-    "missing table": (4, [('[time]\nduration = "2 s"\nsteps = 200\n', "")], "time", "nothing", "[time] table"),
-    "missing key": (0, [('lead = "20 mm"\n', "")], "track.lead", "nothing", "add lead = "),
-    "no unit": (0, [('"50 N"', "50")], "load.force", "50", "-1 MN to 1 MN"),
-    "no lead": (0, [('"20 mm"', '"0 mm"')], "track.lead", '"0 mm"', "above 0 mm"),
-    "two grooves": (
-        0,
-        [("conformity = 0.56", 'conformity = 0.56\ngroove_radius = "4 mm"')],
-        "screw.groove_radius",
-        "both",
-        "one of",
-    ),
-    "groove below the ball": (
-        0,
-        [("conformity = 0.56", 'groove_radius = "2 mm"')],
-        "screw.groove_radius",
-        '"2 mm"',
-        "above 2.778 mm",
-    ),
-    "small pitch radius": (0, [('"16.5 mm"', '"3 mm"')], "track.pitch_radius", '"3 mm"', "above 3.11136 mm"),
-    "balls too large": (
-        0,
-        [('"16.5 mm"', '"3.2 mm"'), ('"20 mm"', '"1 mm"')],
-        "balls.radius",
-        '"2.778 mm"',
-        "smaller balls",
-    ),
-    "oversize": (0, [('"0 um"', '"0.5 mm"')], "errors.balls.oversize", '"0.5 mm"', "between -0.33336 mm and 0.33336 mm"),
-    "one deviation": (0, [('"0 deg", ', "")], "angles.deviations", '["2 deg"]', "2 entries"),
-    "deviation": (0, [('"2 deg"', '"20 deg"')], "angles.deviations[1]", '"20 deg"', "-15 deg to 15 deg"),
-    "angles past 90 deg": (
-        0,
-        [('"2 deg"', '"-14 deg"'), ('"45 deg"', '"80 deg"')],
-        "angles.deviations",
-        '["0 deg"',
-        "below 90 deg",
-    ),
-    "pattern": (0, [("[1, 1, 0, 0]", "[1, 2, 0, 0]")], "angles.pattern[1]", "2", "-1 to 1"),
-    "direction": (0, [('"axial"', '"sideways"')], "load.direction", '"sideways"', '"radial"'),
-    "coupling": (0, [('coupling = "ball"', 'coupling = "screw"')], "friction.coupling", '"screw"', '"ball and screw"'),
-    "no load": (0, [('"50 N"', '"0 N"')], "load.force", '"0 N"', "oversize above 0 um"),
-    "coefficient": (4, [("ient = 0.1", "ient = -0.1")], "friction.coefficient", "-0.1", "0 to 2"),
-    "Hertz": (
-        0,
-        [('"20 mm"', '"1 m"'), ("[load]", '[ingredients]\nhertz = "as printed"\n[load]')],
-        "ingredients.hertz",
-        '"as printed"',
-        "steep",
-    ),
-    "groove conforms": (
-        0,
-        [("= 0.56", "= 0.5000000000000001"), ("= 0.56", "= 0.5000000000000001"), ('"2.778 mm"', '"1.02 mm"')],
-        "screw.conformity",
-        "0.5000000000000001",
-        "take a wider groove",
-    ),
-    "too many balls": (4, [("count = 37", "count = 38")], "balls.count", "38", "2 to 37"),
-    "one ball": (4, [("count = 37", "count = 1")], "balls.count", "1", "a whole number from 2 to 1000"),
-    "no steps": (4, [("steps = 200", "steps = 0")], "time.steps", "0", "a whole number from 1"),
-    "steps too many to keep": (
-        4,
-        [("= 37", "= 370"), ("turns = 2", "turns = 20"), ("= 200", "= 100000")],
-        "time.steps",
-        "100000",
-        "1 to 13513 with 370 balls",
-    ),
-    "duration": (4, [('"2 s"', '"0 s"')], "time.duration", '"0 s"', "above 0 s"),
-    "duration without unit": (4, [('"2 s"', "2")], "time.duration", "2", "a number and one of s, ms, min"),
-    "nothing turns": (4, [('"1 rps"', '"0 rps"')], "motion.speed", '"0 rps"', "against each other"),
-    "bearing's balls overlap": (5, [("count = 9", "count = 18")], "four_point.balls.count", "18", "1 to 17"),
-    "angles not ascending": (5, [('"2 deg", "4 deg"', '"4 deg", "2 deg"')], "load.angles", '["0 deg"', "ascending"),
-    "load angle": (5, [('"30 deg"', '"100 deg"')], "load.angles[15]", '"100 deg"', "0 deg to 90 deg"),
-    "bearing's clearance": (
-        5,
-        [('"0 um"', '"0.6 mm"')],
-        "four_point.errors.balls.oversize",
-        '"0.6 mm"',
-        "-0.5 mm and 0.5 mm",
-    ),
-    "bearing at rest": (5, [('"10 rps"', '"0 rps"')], "motion.speed", '"0 rps"', "not zero"),
-    "tilt": (5, [("tilt = true", "tilt = 1")], "load.tilt", "1", "true, false"),
-}
-FILES = ("lin-screw-pair-a", "", "", "", "lin-screw-run", "lin-bearing-pairs")
-
-
-@pytest.mark.parametrize("case", list(CASES))
-def test_bad_input_is_one_line(tmp_path, case):
-    which, changes, key, value, hint = CASES[case]
-    path = tmp_path / "my.toml"
-    path.write_text(changed(FILES[which], *changes), encoding="utf-8")
-    with pytest.raises(SceneError) as caught:
-        catalogue.any_scene(str(path))
-    error, line = caught.value, str(caught.value)
-    assert (error.file, error.key) == (str(path), key)
-    assert error.value.startswith(value)
-    assert hint in line
-    for part in ("; allowed: ", "; advice: "):
-        assert part in line
-    assert "\n" not in line
-    assert "pydantic" not in line
 
 
 # --- printing

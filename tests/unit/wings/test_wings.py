@@ -5,14 +5,13 @@ import random
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
+from tests.copies import ROOT, copy_of_tree, rollbench
 
 from rollbench.comparison.evidence.registry import computations
 from rollbench.comparison.registration import HOOKS, load, registered
 
-ROOT = Path(__file__).parents[3]
 WINGS = sorted(path.parent.name for path in ROOT.glob("compare/wings/*/registration.py"))
 #: Commands that go with a wing, and those of wings that need it.
 COMMANDS = {
@@ -25,12 +24,6 @@ COMMANDS = {
 COMMANDS |= {"sweep": {"sweep", "stability"}, "bearings": set(), "random_errors": set(), "rolling": set()}
 #: Commands of the core that are run without a wing, and their exit codes.
 CORE = (("list",), ("solve", "two-balls"), ("check", "lin-case1", "--no-compute"), ("list", "--trace"), ("schema",))
-
-
-def rollbench(tree, *tokens, cwd):
-    environment = os.environ | {"PYTHONPATH": str(tree / ".import")}
-    command = [sys.executable, "-m", "rollbench", *tokens]
-    return subprocess.run(command, capture_output=True, text=True, env=environment, timeout=250, cwd=cwd)
 
 
 @pytest.mark.parametrize("name", registered())
@@ -75,11 +68,7 @@ def test_a_solve_loads_no_wing_whose_answer_it_does_not_print(tmp_path):
 
 def without(wing, tmp_path):
     """A copy of the tree without the folders of a wing."""
-    tree = tmp_path / "tree"
-    kept = shutil.ignore_patterns("__pycache__", ".git", "validation", "tests", ".venv")
-    tree.mkdir()
-    for name in (".import", "compare", "hifi", "lowfi", "meshes", "reports"):
-        shutil.copytree(ROOT / name, tree / name, symlinks=True, ignore=None if name == ".import" else kept)
+    tree = copy_of_tree(tmp_path / "tree")
     for folder in (f"compare/wings/{wing}", *registered()[wing].folders):
         shutil.rmtree(tree / folder)
     return tree

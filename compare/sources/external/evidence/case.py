@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import tomllib
-from functools import cache
-from pathlib import Path
 from typing import Any
 
+from rollbench.comparison import data
 from rollbench.comparison.models.registry import run_model
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.scenes import catalogue
@@ -18,10 +16,9 @@ from rollbench.meshes.axis import Assembly
 PREFIX = "external-"
 
 
-@cache
 def inputs() -> dict[str, Any]:
     """The tables of ``cases.toml`` as they stand, quantities as texts."""
-    return tomllib.loads(Path(__file__).parents[1].joinpath("cases.toml").read_text(encoding="utf-8"))
+    return data.table("sources/external/cases.toml")
 
 
 def given(case: str, key: str, quantity: str) -> float:

@@ -25,7 +25,7 @@ from rollbench.meshes.parts import Scene
 #: Folder of the runs.
 RUNS = Path(__file__).parent / "runs"
 #: Readings that move largest over smallest load by more than 0.5 % and that the text does not speak against: these are
-#: combined in 3D (tests/literature/test_reconstruction.py).
+#: combined in 3D (tests/sources/lin/literature/test_reconstruction.py).
 MOVERS = ("plain", "runout", "outer-half", "tetrahedra")
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 from tests.evidence_study import GROUP
-from tests.literature.entries import check, keys
+from tests.sources.entries import check, keys
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.evidence_study import GROUP, STUDY
-from tests.literature.entries import check, keys
+from tests.sources.entries import check, keys
 
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.sources.lin.evidence.lash_4_2_1 import PATTERNS, places

@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 from tests.evidence_study import GROUP
-from tests.literature.entries import check, keys
+from tests.sources.entries import check, keys
 
 from rollbench.comparison.printed.printed_data import Printed, load_table
 from rollbench.comparison.scenes.catalogue import scene

@@ -5,7 +5,7 @@ from collections import Counter
 import numpy as np
 import pytest
 from tests.evidence_study import GROUP, STUDY
-from tests.literature.entries import check, found, keys
+from tests.sources.entries import check, found, keys
 
 from rollbench.comparison.evidence.audit import judge
 from rollbench.comparison.evidence.entries import Entries

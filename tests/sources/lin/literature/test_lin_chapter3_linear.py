@@ -5,7 +5,7 @@ from math import radians
 import numpy as np
 import pytest
 from tests.evidence_study import GROUP
-from tests.literature.entries import check, keys
+from tests.sources.entries import check, keys
 
 from rollbench.comparison.printed.printed_data import load_table
 from rollbench.comparison.sources.lin.evidence.rotary_linear import claim_maps, pair

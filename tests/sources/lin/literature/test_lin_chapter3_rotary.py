@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from tests.evidence_study import GROUP
-from tests.literature.entries import check, found, keys
+from tests.sources.entries import check, found, keys
 
 from rollbench.comparison.printed.printed_data import Printed, load_table
 from rollbench.comparison.sources.lin.evidence import source_cases

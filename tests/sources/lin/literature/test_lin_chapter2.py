@@ -2,7 +2,7 @@
 
 import pytest
 from tests.evidence_study import GROUP, STUDY
-from tests.literature.entries import check, found, keys
+from tests.sources.entries import check, found, keys
 
 from rollbench.comparison.sources.lin.evidence.loads_2_4_1 import CASES, ratio
 from rollbench.comparison.sources.lin.sections import case3, cases

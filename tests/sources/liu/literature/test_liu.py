@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.evidence_study import GROUP, STUDY
-from tests.literature.entries import check, keys
+from tests.sources.entries import check, keys
 
 from rollbench.comparison.evidence.audit import judge
 from rollbench.comparison.evidence.record import Evidence

@@ -1,0 +1,25 @@
+"""Shipped files: texts, tables and folders, by their path below the folder ``compare``."""
+
+from __future__ import annotations
+
+import tomllib
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+
+def place(path: str) -> Path:
+    """Where a shipped file or folder is."""
+    return Path(str(resources.files("rollbench.comparison").joinpath(*path.split("/"))))
+
+
+def text(path: str) -> str:
+    """What a shipped file says."""
+    return place(path).read_text(encoding="utf-8")
+
+
+@cache
+def table(path: str) -> dict[str, Any]:
+    """A shipped TOML file, read once: not to be changed."""
+    return tomllib.loads(text(path))

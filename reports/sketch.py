@@ -1,0 +1,218 @@
+"""A sketch of a screw or bearing as SVG: shaft, nut in section, balls, supports, loads and the lengths of its inputs.
+
+The stretch about the nut is to scale, along and across. A shaft that goes on far beyond it is shortened, and a break shows
+where; what stands there is labelled with its station.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from html import escape
+
+from rollbench.reports.records import Sketch
+
+#: Colours: those of `panels.THEME` follow the page, the faces of steel stay.
+INK, FRAME, SHAFT, NUT, BALL, FORCE = "#222222", "#8a8f98", "#c9ced6", "#9fb4d3", "#f3c969", "#D55E00"
+#: Pixels: width of the drawing, height of the thickest part, length of a shortened end, text.
+WIDTH, TALL, END, TEXT = 520.0, 130.0, 90.0, 12.0
+#: Nut lengths of shaft to scale beyond either face of the nut, and least room [pixels] at either side.
+BEYOND, SIDE = 0.25, 44.0
+
+
+@dataclass(frozen=True)
+class _Scale:
+    """From stations and radii [m] to pixels: ``low`` and ``high`` bound the stretch to scale, ``length`` is the shaft's."""
+
+    low: float
+    high: float
+    length: float
+    left: float
+    per_metre: float
+    middle: float
+
+    def x(self, station: float) -> float:
+        """Abscissa of a station."""
+        if station < self.low:
+            share = (self.low - station) / max(self.low, 1e-12)
+            return self.left - share * self._end(self.low)
+        right = self.left + self.per_metre * (self.high - self.low)
+        if station > self.high:
+            beyond = self.length - self.high
+            return right + (station - self.high) / max(beyond, 1e-12) * self._end(beyond)
+        return self.left + self.per_metre * (station - self.low)
+
+    def y(self, radius: float) -> float:
+        """Ordinate of a height above the axis."""
+        return self.middle - self.per_metre * radius
+
+    def _end(self, length: float) -> float:
+        return min(self.per_metre * length, END)
+
+    def cut(self, length: float) -> bool:
+        """Whether an end so long [m] is shortened."""
+        return self.per_metre * length > END
+
+
+def draw(sketch: Sketch) -> str:
+    """The sketch as an SVG document, the same bytes for the same record."""
+    scale = _scale(sketch)
+    high = TALL / 2.0
+    below = scale.middle + high + 26.0
+    parts = [*_shaft(sketch, scale), *_nut(sketch, scale), *_balls(sketch, scale), *_acting(sketch, scale, below)]
+    height = below + 12.0 + 2.6 * TEXT
+    head = (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH:.0f} {height:.0f}" width="{WIDTH:.0f}" '
+        f'height="{height:.0f}" role="img" aria-label="{escape(sketch.title)}" font-size="{TEXT}" '
+        'font-family="Helvetica, Arial, sans-serif">'
+    )
+    return "\n".join([head, *parts, "</svg>"]) + "\n"
+
+
+def _scale(sketch: Sketch) -> _Scale:
+    low, high = sketch.nut
+    room = BEYOND * (high - low)
+    ends = max(low - room, 0.0), min(high + room, sketch.screw_length)
+    tallest = max(sketch.nut_diameter, sketch.flange[0] if sketch.flange else 0.0)
+    free = WIDTH - 2.0 * (SIDE + END)
+    per_metre = min(free / (ends[1] - ends[0]), TALL / tallest)
+    left = (WIDTH - per_metre * (ends[1] - ends[0])) / 2.0
+    return _Scale(*ends, sketch.screw_length, left, per_metre, 2.2 * TEXT + 30.0 + TALL / 2.0)
+
+
+def _shaft(sketch: Sketch, scale: _Scale) -> Iterator[str]:
+    """Shaft, its bore, its groove's lines and breaks, its axis."""
+    radius = sketch.screw_diameter / 2.0
+    x0, x1 = scale.x(0.0), scale.x(sketch.screw_length)
+    yield _box(x0, scale.y(radius), x1 - x0, 2.0 * (scale.middle - scale.y(radius)), SHAFT)
+    for end, length, at in (
+        (-1.0, scale.low, scale.left - END / 2.0),
+        (1.0, scale.length - scale.high, scale.x(scale.high) + END / 2.0),
+    ):
+        if scale.cut(length):
+            top, foot = scale.y(radius) - 4.0, scale.y(-radius) + 4.0
+            wave = f"q {4 * end} {(foot - top) / 4:.1f} 0 {(foot - top) / 2:.1f} t 0 {(foot - top) / 2:.1f}"
+            yield f'<path d="M {at - 2.5:.1f} {top:.1f} {wave}" fill="none" stroke="#ffffff" stroke-width="5"/>'
+            for side in (-5.0, 0.0):
+                yield f'<path d="M {at + side:.1f} {top:.1f} {wave}" fill="none" stroke="{INK}" stroke-width="0.8"/>'
+    if sketch.bore:
+        for side in (-1.0, 1.0):
+            yield _line(x0, scale.y(side * sketch.bore / 2.0), x1, scale.y(side * sketch.bore / 2.0), dash="4 3")
+    yield _line(x0 - 10.0, scale.middle, x1 + 10.0, scale.middle, FRAME, "9 3 2 3")
+    yield _text(x1 + 13.0, scale.middle + 4.0, "z", "start")
+
+
+def _nut(sketch: Sketch, scale: _Scale) -> Iterator[str]:
+    """The nut in section, its flange, hatching where it is held, its length above."""
+    low, high = (scale.x(z) for z in sketch.nut)
+    inner, outer = sketch.pitch_diameter / 2.0, sketch.nut_diameter / 2.0
+    thick = scale.per_metre * (outer - inner)
+    for side in (-1.0, 1.0):
+        yield _box(low, min(scale.y(side * outer), scale.y(side * inner)), high - low, thick, NUT)
+        if sketch.flange:
+            rim, start, end = sketch.flange
+            wide = scale.per_metre * (rim / 2.0 - outer)
+            top = scale.y(rim / 2.0) if side > 0 else scale.y(-outer)
+            yield _box(scale.x(start), top, scale.x(end) - scale.x(start), wide, NUT)
+        for z, r0, r1 in sketch.held:
+            x, y0, y1 = scale.x(z), scale.y(side * r0), scale.y(side * r1)
+            yield from _hatch(x, min(y0, y1), max(y0, y1), -1.0 if z <= sum(sketch.nut) / 2.0 else 1.0)
+        if sketch.held_outside:
+            y = scale.y(side * outer)
+            for k in range(int((high - low) // 7.0)):
+                yield _line(low + 7.0 * k, y, low + 7.0 * k + 5.0, y - side * 5.0)
+    top = scale.middle - TALL / 2.0 - 12.0
+    yield from _across(
+        low, high, top, f"{sketch.around} {1e3 * (sketch.nut[1] - sketch.nut[0]):.4g} mm, Ø {1e3 * 2 * outer:.4g}"
+    )
+
+
+def _hatch(x: float, top: float, foot: float, side: float) -> Iterator[str]:
+    """Hatching beside an upright edge that is held."""
+    for k in range(int((foot - top) // 5.0) + 1):
+        yield _line(x, top + 5.0 * k, x + 5.0 * side, top + 5.0 * k + 5.0)
+
+
+def _balls(sketch: Sketch, scale: _Scale) -> Iterator[str]:
+    """Balls as they are seen from the side, those behind the axis pale."""
+    for z, height, front in sorted(sketch.balls, key=lambda ball: ball[2]):
+        radius = scale.per_metre * sketch.ball_radius
+        pale = "" if front >= 0.0 else ' opacity="0.45"'
+        where = f'cx="{scale.x(z):.1f}" cy="{scale.y(height):.1f}" r="{radius:.1f}"'
+        yield f'<circle {where} fill="{BALL}" stroke="{INK}" stroke-width="0.6"{pale}/>'
+
+
+def _acting(sketch: Sketch, scale: _Scale, below: float) -> Iterator[str]:
+    """Supports under the shaft and loads on it, with their words, beside the nut where it hides them; the shaft's length at
+    the foot."""
+    edge = scale.y(-sketch.screw_diameter / 2.0)
+    x0, x1 = scale.x(0.0), scale.x(sketch.screw_length)
+    for at, words in sketch.supports:
+        x, hidden = scale.x(at), sketch.nut[0] <= at <= sketch.nut[1]
+        if not hidden:
+            yield f'<path d="M {x:.1f} {edge:.1f} l -7 12 h 14 z" fill="{FRAME}" stroke="{INK}" stroke-width="0.8"/>'
+        for n, word in enumerate(words):
+            down = n * 1.2 * TEXT
+            if hidden:
+                yield _text(scale.x(sketch.nut[1]) + 30.0, scale.middle + 4.0 + down, f"shaft: {word}", "start")
+            else:
+                yield _text(_clear(x, word), edge + 25.0 + down, word)
+    above = scale.y(sketch.screw_diameter / 2.0)
+    count: dict[float, int] = {}
+    for at, (axial, lateral), words in sketch.loads:
+        n = count[at] = count.get(at, -1) + 1
+        hidden = sketch.nut[0] <= at <= sketch.nut[1]
+        x, top = (scale.x(sketch.nut[0]) - 22.0, scale.middle) if hidden else (scale.x(at), above)
+        if axial:
+            tail = x - 34.0 if axial > 0.0 else x + 34.0
+            yield _line(tail, scale.middle, x, scale.middle, FORCE, width=2.2)
+            yield _head(x, scale.middle, 1.0 if axial > 0.0 else -1.0, 0.0)
+        if lateral:
+            yield _line(x, top - 34.0, x, top, FORCE, width=2.2)
+            yield _head(x, top, 0.0, 1.0) if lateral < 0.0 else _head(x, top - 34.0, 0.0, -1.0)
+        if hidden:
+            yield _text(x - 40.0, scale.middle + 4.0 + n * 1.2 * TEXT, words, "end", FORCE)
+        else:
+            up = 40.0 if lateral else 10.0
+            yield _text(_clear(x, words), above - up - n * 1.2 * TEXT, words, colour=FORCE)
+    words = f"{sketch.shaft} {1e3 * sketch.screw_length:.4g} mm, Ø {1e3 * sketch.screw_diameter:.4g}"
+    yield from _across(x0, x1, below + 2.0 * TEXT, words)
+
+
+def _clear(x: float, words: str) -> float:
+    """The middle of a text near ``x`` that stays on the drawing."""
+    half = 0.27 * TEXT * len(words)
+    return min(max(x, half + 2.0), WIDTH - half - 2.0)
+
+
+def _across(x0: float, x1: float, y: float, words: str) -> Iterator[str]:
+    """A dimension line with its words above it."""
+    yield _line(x0, y, x1, y, FRAME)
+    for x in (x0, x1):
+        yield _line(x, y - 4.0, x, y + 4.0, FRAME)
+    yield _text((x0 + x1) / 2.0, y - 5.0, words)
+
+
+def _box(x: float, y: float, width: float, height: float, fill: str) -> str:
+    place = f'x="{x:.1f}" y="{y:.1f}" width="{width:.1f}" height="{height:.1f}"'
+    return f'<rect {place} fill="{fill}" stroke="{INK}" stroke-width="0.8"/>'
+
+
+def _line(x0: float, y0: float, x1: float, y1: float, colour: str = INK, dash: str = "", width: float = 0.8) -> str:
+    dashes = f' stroke-dasharray="{dash}"' if dash else ""
+    place = f'x1="{x0:.1f}" y1="{y0:.1f}" x2="{x1:.1f}" y2="{y1:.1f}"'
+    return f'<line {place} stroke="{colour}" stroke-width="{width:g}"{dashes}/>'
+
+
+def _head(x: float, y: float, along: float, down: float) -> str:
+    """The head of an arrow whose tip is at (x, y)."""
+    points: Sequence[tuple[float, float]] = (
+        (x, y),
+        (x - 9.0 * along - 4.0 * down, y - 9.0 * down - 4.0 * along),
+        (x - 9.0 * along + 4.0 * down, y - 9.0 * down + 4.0 * along),
+    )
+    return f'<polygon points="{" ".join(f"{a:.1f},{b:.1f}" for a, b in points)}" fill="{FORCE}"/>'
+
+
+def _text(x: float, y: float, words: str, anchor: str = "middle", colour: str = INK) -> str:
+    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" fill="{colour}">{escape(words)}</text>'

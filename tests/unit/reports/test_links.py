@@ -1,0 +1,53 @@
+"""No link inside the pages is dead: those of the shipped report, and of the pages that a reader opens first."""
+
+import re
+from functools import cache
+from html import unescape
+from pathlib import Path
+from urllib.parse import unquote
+
+import pytest
+
+TOP = Path(__file__).resolve().parents[3]
+REPORT = TOP / "reports/validation"
+
+
+@cache
+def ids(page: Path) -> frozenset[str]:
+    return frozenset(re.findall(r'\bid="([^"]+)"', page.read_text(encoding="utf-8")))
+
+
+def dead(page: Path) -> list[str]:
+    """Addresses in a page that lead nowhere."""
+    text = re.sub(r"<script.*?</script>", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+    found = []
+    for address in set(map(unescape, re.findall(r'(?:href|src)="([^"]*)"', text))):
+        if re.match(r"[a-z]+:", address):
+            continue
+        file, _, anchor = unquote(address).partition("#")
+        target = page.parent / file if file else page
+        if not target.exists() or (anchor and target.suffix == ".html" and anchor not in ids(target)):
+            found.append(address)
+    return sorted(found)
+
+
+@pytest.mark.parametrize("page", sorted(REPORT.glob("*.html")), ids=lambda page: page.name)
+def test_no_link_of_the_report_is_dead(page: Path) -> None:
+    assert not dead(page)
+
+
+def test_a_dead_link_is_found(tmp_path: Path) -> None:
+    (tmp_path / "b.html").write_text('<p id="there">')
+    page = tmp_path / "a.html"
+    page.write_text('<a href="b.html#there"><a href="b.html#gone"><a href="c.html"><a href="https://a.b"><a href="#x">')
+    assert dead(page) == ["#x", "b.html#gone", "c.html"]
+
+
+@pytest.mark.parametrize("name", ["README.md", "CONTRIBUTING.md", "CHANGELOG.md"])
+def test_no_path_of_the_first_pages_is_dead(name: str) -> None:
+    text = (TOP / name).read_text(encoding="utf-8")
+    for target in re.findall(r"\]\(([^):]+?)(?:#[^)]*)?\)", text):
+        assert (TOP / target).exists(), target
+    if name != "CHANGELOG.md":
+        for named in re.findall(r"`((?:lowfi|hifi|compare|meshes|reports|tests|docs)/[\w./*-]+)`", text):
+            assert list(TOP.glob(named.rstrip("/"))), named

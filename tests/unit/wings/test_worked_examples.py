@@ -1,0 +1,166 @@
+"""What a newcomer adds (a key of the scene, a model, a paper), in the places that CONTRIBUTING says: tried end to end in a
+copy of the tree."""
+
+import json
+import re
+
+import pytest
+from tests.copies import ROOT, copy_of_tree, python, rollbench
+
+pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("worked examples")]
+
+MODEL = """
+    Model(
+        "lin-rigid-screw",
+        "lin with a rigid screw",
+        "the source's model, screw rigid",
+        "screw and nut rigid, balls half spaces",
+        _lin,
+        compared=True,
+        ingredients=(("screw", "rigid"),),
+    ),
+"""
+PAPER = {
+    "compare/sources/acme/__init__.py": "",
+    "compare/sources/acme/registration.py": """
+from rollbench.comparison.registration import Part, Registration
+
+REGISTRATION = Registration(title="Acme (1901)", parts=(Part("acme", "sources.acme.section", page="sources"),))
+""",
+    "compare/sources/acme/printed/acme-1.toml": """
+title = "Contact modulus of steel on steel"
+source = "Acme (1901)"
+place = "Table 1"
+
+[[row]]
+key = "modulus"
+label = "contact modulus"
+printed = "113.9"
+unit = "GPa"
+class = "hard"
+""",
+    "compare/sources/acme/computations.toml": """
+["acme-1"]
+function = "sources.acme.evidence:table_1"
+test = "tests/sources/acme/literature/test_acme.py"
+behind = { "*" = "one contact, in closed form" }
+""",
+    "compare/sources/acme/evidence.py": '''
+from rollbench.comparison.evidence.record import Sheet
+from rollbench.lowfi.hertz import contact_modulus
+
+
+def table_1(study):
+    """Table 1."""
+    sheet = Sheet("acme-1")
+    sheet.number("modulus", 1e-9 * contact_modulus(210e9, 0.28, 210e9, 0.28))
+    return sheet.evidence()
+''',
+    "compare/sources/acme/section.py": '''
+from rollbench.comparison.evidence.registry import evidence
+from rollbench.comparison.sections.finding_table import printed_table
+from rollbench.reports.records import Section
+
+
+def section(study, step):
+    """Section of the report."""
+    return Section("acme", "Acme (1901)", (printed_table("acme-1", "Table 1", evidence(study, "acme-1")),))
+''',
+    "tests/sources/acme/literature/test_acme.py": """
+import pytest
+from tests.sources.entries import check, keys
+
+
+@pytest.mark.parametrize("key", keys("acme-1"))
+def test_entry(key):
+    check(key)
+""",
+}
+
+
+@pytest.fixture(scope="module")
+def tree(tmp_path_factory):
+    return copy_of_tree(
+        tmp_path_factory.mktemp("worked") / "tree", ("evidence_study.py", "sources/entries.py", "shipped_texts.py")
+    )
+
+
+def change(tree, file, pattern, new):
+    """Change the one place of a file that fits."""
+    path = tree / file
+    text, count = re.subn(pattern, new, path.read_text(encoding="utf-8"), count=1)
+    assert count == 1, (file, pattern)
+    path.write_text(text, encoding="utf-8")
+
+
+def found(done, code=0):
+    assert done.returncode == code, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_a_key_of_the_scene_takes_three_places(tree, tmp_path):
+    """Record with its frozen default, schema, template: read with its unit, refused with another, no stored run lost."""
+    change(tree, "meshes/parts.py", r"(class Track:(?:.|\n)*?    phase: float = 0.0\n)", r"\1    wear: float = 0.0\n")
+    change(tree, "meshes/frozen_defaults.py", r'("Track": \{[^}]*?),?\s*\}', r'\1, "wear": "0"}')
+    line = '    wear: Deviation = key("depth that the track has lost", "0 um", "2 um")\n'
+    change(tree, "compare/scenes/schema.py", r'(    phase: Azimuth = key\("azimuth of the helix[^\n]*\n)', rf"\1{line}")
+    change(tree, "compare/template.toml", r"(?m)^(# starts = 1)", r'# wear = "0 um"\n\1')
+    assert '"wear"' in rollbench(tree, "schema", cwd=tmp_path).stdout
+    rollbench(tree, "new", "my.toml", cwd=tmp_path)
+    text = (tmp_path / "my.toml").read_text(encoding="utf-8")
+    assert '# wear = "0 um"' in text
+    for value, code in (("2 um", 0), ("2 N", 2)):
+        (tmp_path / "worn.toml").write_text(text.replace('# wear = "0 um"', f'wear = "{value}"'), encoding="utf-8")
+        done = rollbench(tree, "solve", "worn.toml", "--model", "lin", cwd=tmp_path)
+        assert done.returncode == code, done.stderr
+    assert "track.wear: got" in done.stderr
+    said = "import rollbench; print(rollbench.read('worn.toml').track.wear)"
+    (tmp_path / "worn.toml").write_text(text.replace('# wear = "0 um"', 'wear = "2 um"'), encoding="utf-8")
+    assert python(tree, "-c", said, cwd=tmp_path).stdout == "2e-06\n"
+    assert rollbench(tree, "check", "lin-case1", "--no-compute", cwd=tmp_path).returncode == 0
+
+
+def test_a_model_takes_one_place(tree, tmp_path):
+    """Its record: list, solve and compare know it, and its answer is another than that of the model it is a variant of."""
+    change(tree, "compare/models/registry.py", r"_ALL = \(\n", "_ALL = (" + MODEL)
+    assert "lin-rigid-screw" in found(rollbench(tree, "list", "--json", cwd=tmp_path))["models"]
+    solved = found(rollbench(tree, "solve", "two-balls", "--model", "lin-rigid-screw", "--json", cwd=tmp_path))
+    assert (solved["model"], solved["status"]) == ("lin-rigid-screw", "converged")
+    words = ("compare", "lin-case1", "--model", "lin", "lin-rigid-screw", "--json")
+    data = found(rollbench(tree, *words, cwd=tmp_path))
+    answers = data["scenes"][0]["answers"]
+    loads = {name: answers[name]["loads"]["max_N"] for name in answers}
+    assert loads["lin-rigid-screw"] != pytest.approx(loads["lin"], rel=1e-3)
+
+
+def test_a_paper_takes_two_folders(tree, tmp_path):
+    """Its folder in compare/sources, its tests in tests/sources: traced, judged, in the report, tested."""
+    for name, text in PAPER.items():
+        (tree / name).parent.mkdir(parents=True, exist_ok=True)
+        (tree / name).write_text(text, encoding="utf-8")
+    verdicts = tree / "compare/sources/acme/verdicts.json"
+    audit = "audit", "--only", "acme-1", "--json"
+    judged = found(rollbench(tree, *audit, cwd=tmp_path), 1)
+    assert [row["verdict"] for row in judged["entries"]] == ["reproduced"]
+    assert len(judged["changed_verdicts"]) == 1
+    assert found(rollbench(tree, *audit, "--write", str(verdicts), cwd=tmp_path))["changed_verdicts"] == []
+    (row,) = found(rollbench(tree, "list", "--table", "acme-1", "--json", cwd=tmp_path))
+    assert row["test"] == "tests/sources/acme/literature/test_acme.py::test_entry[acme-1:modulus]"
+    done = rollbench(tree, "report", "--only", "acme", "--stored", "--out", "out", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "113.9" in (tmp_path / "out/tables/acme-1.csv").read_text(encoding="utf-8")
+    tests = python(tree, "-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/sources/acme", cwd=tree)
+    assert "1 passed" in tests.stdout, tests.stdout
+
+
+def test_contributing_says_these_places():
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    rows = dict(re.findall(r"(?m)^\| (a [^|]+?) \| ([^|]+) \|$", text))
+    assert set(re.findall(r"`([^`]+)`", rows["a key of the scene"])) == {
+        "meshes/parts.py",
+        "meshes/frozen_defaults.py",
+        "compare/scenes/schema.py",
+        "compare/template.toml",
+    }
+    assert re.findall(r"`([^`]+)`", rows["a model"]) == ["compare/models/registry.py"]
+    assert re.findall(r"`([^`]+)`", rows["a paper"]) == ["compare/sources", "tests/sources"]
