@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.contact.ellipse import Contacts, Friction
-from rollbench.lowfi.friction.contact.kernel import COLD
 from rollbench.lowfi.friction.contact.laws import Law, Sigmoid
 from rollbench.lowfi.jit import CONTACT, kernels
 from rollbench.meshes.arrays import Array
@@ -88,7 +87,7 @@ def least_dissipation(problem: Problem, start: Array | None = None, fast: bool =
     maps, drives = np.ascontiguousarray(problem.maps, dtype=float), np.ascontiguousarray(problem.drives, dtype=float)
     push = np.ascontiguousarray(problem.push, dtype=float)
     code, left, steps = kernels(CONTACT, compiled=fast).least_dissipation(
-        shape, maps, drives, push, start is not None, COLD, q, forces, rest, bounds
+        shape, maps, drives, push, start is not None, q, forces, rest, bounds
     )
     total = float(np.sum(at.strength))
     motion = problem.motion_at(q)

@@ -64,35 +64,3 @@ class CellState(NamedTuple):
     force: Array
     #: Normals (N, 4, 2) along x, z.
     normal: Array
-
-
-class SeatArrays(NamedTuple):
-    """N balls between their grooves without friction."""
-
-    #: From the centre of each groove's profile to the ball's centre (N, 4, 2) along x3, z3 [m].
-    away: Array
-    #: Its length (N, 4) where ball and groove just touch [m].
-    reach: Array
-    #: Hertz constants (N, 4) [m/N^(2/3)].
-    C: Array
-    #: Direction (3,) of the screw's axis in x3, y3, z3.
-    axis: Array
-
-
-class RubArrays(NamedTuple):
-    """What the friction of N balls depends on beside their contact forces and normals."""
-
-    #: Semi-axes (N, 4, 2) over the cube root of the force, the longer first [m/N^(1/3)].
-    axes: Array
-    #: Whether the longer one lies across the groove (N, 4).
-    across: Array
-    #: Coefficients of friction (4,) as parts of the largest, and that one.
-    part: Array
-    top: float
-    #: Radii (N,) of the balls [m].
-    radius: Array
-    #: Rotation axes (4, 3) of the motions in x3, y3, z3, and length of path per angle [m].
-    turns: Array
-    rate: float
-    #: Angular speed (4,) of the body that each contact is on [rad/s].
-    body: Array

@@ -97,11 +97,11 @@ def contacts_at(scene: Scene, result: StaticResult | ContactLoads, drawn: Specim
     force = np.maximum(result.load, 0.0)
     angle = np.where(force > 0.0, np.nan_to_num(result.contact_angle), scene.track.contact_angle)
     c_a, c_b, across = _ellipses(scene, drawn, angle)
-    cube = cube_roots(force)
+    cube = _cube(force)
     return StaticContacts(drawn.ball_radius, force, angle, c_a * cube, c_b * cube, across, layout)
 
 
-def cube_roots(force: Array) -> Array:
+def _cube(force: Array) -> Array:
     """Cube roots of forces (N, 4), for the ellipses: a contact without load keeps a vanishing one."""
     most = force.max(axis=1, keepdims=True)
     return np.asarray(np.cbrt(np.maximum(force, np.maximum(FAINT * most, 1e-30))))
@@ -109,7 +109,7 @@ def cube_roots(force: Array) -> Array:
 
 def with_loads(at: StaticContacts, force: Array, angle: Array) -> StaticContacts:
     """The contacts at other forces (N, 4) [N] and contact angles (N, 4) [rad]; Hertz constants stay."""
-    grown = cube_roots(force) / cube_roots(at.force)
+    grown = _cube(force) / _cube(at.force)
     return replace(at, force=force, angle=angle, a=at.a * grown, b=at.b * grown)
 
 

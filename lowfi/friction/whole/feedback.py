@@ -12,12 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.friction.contact.records import RubArrays, SeatArrays
-from rollbench.lowfi.friction.screw.arrays import plain_array as plain
+from rollbench.lowfi.friction.screw.motion import Mixer
 from rollbench.lowfi.friction.screw.path import ON_SCREW
-from rollbench.lowfi.friction.whole.contacts import StaticContacts, cube_roots, with_loads
-from rollbench.lowfi.friction.whole.losses import BallFriction, KernelMotion, ball_path, friction_of, shares
-from rollbench.lowfi.jit import CONTACT, kernels
+from rollbench.lowfi.friction.whole.contacts import StaticContacts, with_loads
+from rollbench.lowfi.friction.whole.losses import BallFriction, ball_friction
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.meshes.arrays import Array
@@ -32,6 +30,8 @@ AGREED, ACCEPTED, ROUNDS = 1e-7, 1e-4, 200
 DISPLACED, ANOTHER = 3.0, 1e-3
 #: Coefficient of friction from which a second, jammed state of a ball was seen.
 JAMMED = 0.3
+#: Force out of balance as a fraction of a ball's contact forces; Newton steps; longest step as a fraction of the reach.
+GOAL, STEPS, FAR = 1e-13, 60, 0.3
 
 
 @dataclass(frozen=True)
@@ -82,6 +82,76 @@ def seats_at(at: StaticContacts, drawn: Specimen, C: Array) -> Seats:
     return seats(at, C, reach, drawn.centre)
 
 
+def forces(place: Seats, shift: Array) -> tuple[Array, Array, Array]:
+    """Contact forces (N, 4) [N], normals (N, 4, 2), lengths (N, 4) [m] after shifts (N, 3): ball x3, z3, screw along z."""
+    move = np.repeat(shift[:, None, :2], 4, axis=1)
+    move[:, ON_SCREW] -= shift[:, None, 2:] * place.axis[[0, 2]]
+    away = place.away + move
+    length = np.hypot(away[..., 0], away[..., 1])
+    depth = np.maximum(length - place.reach, 0.0) / place.C
+    return depth**1.5, away / length[..., None], length
+
+
+def settle_seats(place: Seats, given: Array, start: Array) -> tuple[Array, Array, Array, Array]:
+    """Shifts (N, 3) [m] at which contacts balance given forces (N, 3) [N] on balls (x3, z3) and screw (z), by Newton.
+
+    Each ball is the minimum of a convex energy. start (N, 3): shifts to begin from. Returns shifts, forces (N, 4),
+    normals (N, 4, 2), and the largest force out of balance of each ball (N,) [N].
+    """
+    x, along = start.copy(), place.axis[[0, 2]]
+    force, normal, length = forces(place, x)
+    left = _left(force, normal, along, given)
+    for _ in range(STEPS):
+        size = force.sum(axis=1) + np.abs(given).sum(axis=1)
+        open_ = np.abs(left).max(axis=1) > GOAL * size
+        if not open_.any():
+            break
+        step = -np.linalg.solve(_stiffness(place, force, normal, length), left[..., None])[..., 0]
+        most = np.abs(step).max(axis=1)
+        scale = np.where(open_, np.minimum(1.0, FAR * place.reach.min(axis=1) / np.maximum(most, 1e-300)), 0.0)
+        worst, energy = np.abs(left).max(axis=1), _energy(place, force, given, x)
+        slope = np.einsum("ni,ni->n", left, step)
+        for _ in range(40):
+            trial = x + scale[:, None] * step
+            new = forces(place, trial)
+            off = np.abs(_left(new[0], new[1], along, given)).max(axis=1)
+            falls = _energy(place, new[0], given, trial) <= energy + 1e-4 * scale * slope
+            good = (scale == 0.0) | falls | (off < 0.5 * worst)
+            if good.all():
+                break
+            scale = np.where(good, scale, 0.5 * scale)
+        x = x + np.where(good, scale, 0.0)[:, None] * step
+        force, normal, length = forces(place, x)
+        left = _left(force, normal, along, given)
+        if not (good & open_).any():
+            break
+    return x, force, normal, np.abs(left).max(axis=1)
+
+
+def _energy(place: Seats, force: Array, given: Array, x: Array) -> Array:
+    """Elastic energy less the work of the given forces, (N,) [J]."""
+    return np.asarray((0.4 * place.C * force ** (5.0 / 3.0)).sum(axis=1) - np.einsum("ni,ni->n", given, x))
+
+
+def _left(force: Array, normal: Array, along: Array, given: Array) -> Array:
+    """Derivatives of the energy (N, 3) [N]."""
+    push = force[..., None] * normal
+    screw = -np.einsum("nsi,i->n", push[:, ON_SCREW], along)
+    return np.column_stack([push.sum(axis=1), screw]) - given
+
+
+def _stiffness(place: Seats, force: Array, normal: Array, length: Array) -> Array:
+    """Second derivatives of the energy (N, 3, 3) [N/m], with a floor for balls that float."""
+    k_n, k_t = 1.5 * np.cbrt(force) / place.C, force / length
+    each = k_t[..., None, None] * np.eye(2) + (k_n - k_t)[..., None, None] * np.einsum("nsi,nsj->nsij", normal, normal)
+    rows = np.zeros((4, 2, 3))
+    rows[:, :, :2] = np.eye(2)
+    rows[ON_SCREW, :, 2] = -place.axis[[0, 2]]
+    full = np.einsum("sia,nsij,sjb->nab", rows, each, rows)
+    floor = 1e-12 * max(float(k_n.max()), 1.0)
+    return np.asarray(full + floor * np.eye(3))
+
+
 @dataclass(frozen=True)
 class FedBack:
     """Contacts and friction that agree, balls whose feedback did not settle (N,), and rounds.
@@ -107,46 +177,35 @@ def feed_back(
     drive: Drive,
     fast: bool = False,
     near: Array | None = None,
-    motion: Array | None = None,
 ) -> FedBack:
     """Contacts and friction in agreement, ball by ball; begun at the static state, so that of several states it is the one
-    that rolls on from there; near (N, 3): forces of friction of a similar state (``FedBack.push``) to begin with instead,
-    motion (N, 4): the balls' motions there [rad/s].
+    that rolls on from there; near (N, 3): forces of friction of a similar state (``FedBack.push``) to begin with instead.
 
     Failure is data: see ``FedBack.failed``.
     """
-    loaded = np.flatnonzero(at.force.sum(axis=1) > 0.0)
-    part, top = shares(friction)
-    some, path = at.part(loaded), ball_path(scene, drive, scene.balls.radius)
-    seat = SeatArrays(*(plain(x[loaded]) for x in (place.away, place.reach, place.C)), plain(place.axis))
-    axes = np.stack([some.a, some.b], axis=-1) / cube_roots(some.force)[..., None]
-    body = np.where(ON_SCREW, path.screw_speed, path.nut_speed)
-    rubs = RubArrays(
-        axes, plain(some.across), part, top, plain(some.ball_radius), plain(path.turns), path.radius, plain(body)
-    )
-    force, normal, solved = some.force.copy(), plain(some.normals[..., [0, 2]]), KernelMotion.room(loaded.size, 3)
-    guess = np.zeros((loaded.size, 3)) if near is None else plain(near[loaded])
-    if motion is not None:
-        solved.q[:] = motion[loaded]
-    rounds = kernels(CONTACT, compiled=fast).feed_back_many(
-        seat, rubs, near is not None, AGREED, ROUNDS, force, normal, guess, *solved
-    )
-    new_force, angle, push = at.force.copy(), at.angle.copy(), np.zeros((at.force.shape[0], 3))
-    new_force[loaded], angle[loaded], push[loaded] = force, contact_angles(normal), guess
-    now = with_loads(at, new_force, angle)
-    final = friction_of(scene, now, friction, drive, loaded, solved)
-    still = _balance(at, place.axis)
-    off = _balance(now, place.axis) - still - _answer(final, now, place.axis)
+    count = at.force.shape[0]
+    along, loaded = place.axis[[0, 2]], at.force.sum(axis=1) > 0.0
+    still = _left(at.force, at.normals[..., [0, 2]], along, np.zeros((count, 3)))
+    guess, shift, mixers = np.zeros((count, 3)), np.zeros((count, 3)), [Mixer(2, 40) for _ in range(count)]
+    now, active, rounds = at, np.flatnonzero(loaded), 0
+    if near is not None and active.size:
+        guess[active] = near[active]
+        now, shift[active], _ = _seated(at, place, active, still[active] + guess[active], shift[active], at)
+    failed = np.zeros(count, dtype=bool)
+    while active.size and rounds < ROUNDS:
+        rounds += 1
+        some = now.part(active)
+        found = ball_friction(scene, some, friction, drive, fast)
+        answer = _answer(found, some, place.axis)
+        more = (np.abs(answer - guess[active]).max(axis=1) > AGREED * some.force.sum(axis=1)) | failed[active]
+        for k in np.flatnonzero(more):
+            guess[active[k]] = mixers[active[k]].next(guess[active[k]], answer[k])
+        active = active[more]
+        now, shift[active], failed[active] = _seated(now, place, active, still[active] + guess[active], shift[active], at)
+    final = ball_friction(scene, now, friction, drive, fast)
+    off = _left(now.force, now.normals[..., [0, 2]], along, still + _answer(final, now, place.axis))
     change = np.abs(off).max(axis=1) / np.maximum(now.force.sum(axis=1), 1e-300)
-    failed = change > ACCEPTED
-    failed[loaded] |= solved.outcome[:, 2] > 0.0
-    return FedBack(now, final, failed, int(rounds), float(change.max(initial=0.0)), push)
-
-
-def _balance(at: StaticContacts, axis: Array) -> Array:
-    """Contact forces on balls along x3, z3 and on the screw along its axis (3,), (N, 3) [N]."""
-    push = at.force[..., None] * at.normals[..., [0, 2]]
-    return np.column_stack([push.sum(axis=1), -np.einsum("nsi,i->n", push[:, ON_SCREW], axis[[0, 2]])])
+    return FedBack(now, final, failed | (change > ACCEPTED), rounds, float(change.max(initial=0.0)), guess)
 
 
 def _answer(found: BallFriction, at: StaticContacts, axis: Array) -> Array:
@@ -173,3 +232,16 @@ def second_states(
             apart = np.abs(again.at.force - found.at.force).max(axis=1) > ANOTHER * np.maximum(size, 1e-300)
             other |= apart & ~again.failed & ~found.failed & (size > 0.0)
     return tuple(int(k) for k in np.flatnonzero(other))
+
+
+def _seated(
+    now: StaticContacts, place: Seats, which: NDArray[np.int64], given: Array, start: Array, bare: StaticContacts
+) -> tuple[StaticContacts, Array, NDArray[np.bool_]]:
+    """Contacts with the balls ``which`` where forces (k, 3) hold them, their shifts (k, 3), and which did not settle."""
+    part = Seats(place.away[which], place.reach[which], place.C[which], place.axis)
+    x, force, normal, left = settle_seats(part, given, start)
+    failed = left > 1e-8 * np.maximum(force.sum(axis=1), bare.force[which].sum(axis=1))
+    new_force, angle = now.force.copy(), now.angle.copy()
+    new_force[which] = force
+    angle[which] = contact_angles(normal)
+    return with_loads(now, new_force, angle), x, failed

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,40 +96,17 @@ def ball_friction(scene: Scene, at: StaticContacts, friction: Friction, drive: D
     """
     if drive.speed == 0.0:
         raise ValueError("friction at rest is not determined: give a speed")
+    count = at.force.shape[0]
     loaded = np.flatnonzero(at.force.sum(axis=1) > 0.0)
-    part, _ = shares(friction)
-    rubs = rubs_of(scene, at.part(loaded), part, drive)
-    solved = KernelMotion.room(loaded.size)
-    kernels(CONTACT, compiled=fast).least_dissipation_many(rubs.shape, rubs.maps, rubs.drives, *solved)
-    return friction_of(scene, at, friction, drive, loaded, solved)
-
-
-class KernelMotion(NamedTuple):
-    """What the kernels write of n balls: motions q (n, 4) [rad/s], friction over the largest coefficient on the grooves
-    (n, 4, 3), contacts at rest (n, 4), status and force out of balance (n, 2 or more)."""
-
-    q: Array
-    forces: Array
-    rest: Array
-    outcome: Array
-
-    @classmethod
-    def room(cls, count: int, told: int = 2) -> KernelMotion:
-        """Room for that many balls; motions nan, from which nothing begins."""
-        return cls(np.full((count, 4), np.nan), np.zeros((count, 4, 3)), np.zeros((count, 4)), np.zeros((count, told)))
-
-
-def friction_of(
-    scene: Scene, at: StaticContacts, friction: Friction, drive: Drive, loaded: NDArray[np.int64], solved: KernelMotion
-) -> BallFriction:
-    """Friction of all balls from what the kernels found for the ``loaded`` ones."""
-    count, some, (part, top) = at.force.shape[0], at.part(loaded), shares(friction)
+    some = at.part(loaded)
+    part, top = shares(friction)
     rubs = rubs_of(scene, some, part, drive)
-    q, forces, rests, outcome = solved
+    n = loaded.size
+    q, forces, rests, outcome = np.zeros((n, 4)), np.zeros((n, 4, 3)), np.zeros((n, 4)), np.zeros((n, 2))
+    kernels(CONTACT, compiled=fast).least_dissipation_many(rubs.shape, rubs.maps, rubs.drives, q, forces, rests, outcome)
     seen = rubs.drives + np.einsum("nirj,nj->nir", rubs.maps, q)
     seen[rests > 0.0] = 0.0
     turn_back(some, seen)
-    forces = forces.copy()
     turn_back(some, forces)
     orbit, rotation = np.full(count, np.nan), np.full((count, 3), np.nan)
     motion, pull = np.full((count, 4, 3), np.nan), np.zeros((count, 4, 3))

@@ -3,18 +3,14 @@
 from .band import solve_with_pivots
 from .dissipation import dissipation, dissipation_many
 from .minimum import descend, evaluate, speeds_at
-from .motion import COLD, least_dissipation, least_dissipation_many
+from .motion import least_dissipation, least_dissipation_many
 from .rings import hertz_contact, minimise_energy, press
-from .seat import contact_forces, feed_back_many
 
 __all__ = [
-    "COLD",
-    "contact_forces",
     "descend",
     "dissipation",
     "dissipation_many",
     "evaluate",
-    "feed_back_many",
     "hertz_contact",
     "least_dissipation",
     "least_dissipation_many",

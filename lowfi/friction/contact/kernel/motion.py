@@ -10,8 +10,6 @@ from .minimum import column_units, descend, drive_speed, evaluate, residual, rol
 
 #: Status: rest and slip exact; regularised only (a contact on the verge of slip); nothing drives the body.
 EXACT, REGULARISED, AT_REST = 0, 1, 2
-#: Regularising speeds to begin with, as parts of the drive's: far from the solution, and from one of a similar problem.
-COLD, WARM = 0.1, 1e-6
 
 
 @kernel
@@ -188,20 +186,11 @@ def lock(
 
 @kernel
 def least_dissipation(
-    shape: Array,
-    maps: Array,
-    drives: Array,
-    push: Array,
-    warm: bool,
-    part: float,
-    q: Array,
-    forces: Array,
-    rest: Array,
-    bounds: Array,
+    shape: Array, maps: Array, drives: Array, push: Array, warm: bool, q: Array, forces: Array, rest: Array, bounds: Array
 ) -> tuple[int, float, int]:
     """Motion of least dissipation; arguments as in ``evaluate``; writes q (n,), forces (m, 3), rest (m,), bounds (2,).
 
-    A regularising speed falls from ``part`` of the drive's to 1e-6 times it (further, to 1e-10, where a contact is on
+    A regularising speed falls from a tenth of the drive's to 1e-6 times it (further, to 1e-10, where a contact is on
     the verge of slip), each minimum the start of the next; then contacts at rest are locked. bounds: the least
     dissipation less the work of push lies between them, by joint convexity in motion and speed. ``warm`` starts from q.
     Returns the status, the largest force out of balance [N], and the Newton steps.
@@ -219,7 +208,7 @@ def least_dissipation(
         q[:] = rolling_start(shape, maps, drives)
     n = q.shape[0]
     grad, hess = np.empty(n), np.empty((n, n))
-    count, balance = 0, 0.0
+    part, count, balance = 0.1, 0, 0.0
     while part > 1e-10:
         at_end = part <= 1.0001e-6
         goal = 1e-11 if at_end else 1e-3
@@ -255,7 +244,5 @@ def least_dissipation_many(
     """
     none, bounds, cold = np.zeros(q.shape[1]), np.empty(2), bool(np.bool_(False))
     for k in range(q.shape[0]):
-        status, left, _ = least_dissipation(
-            shape[k], maps[k], drives[k], none, cold, COLD, q[k], forces[k], rest[k], bounds
-        )
+        status, left, _ = least_dissipation(shape[k], maps[k], drives[k], none, cold, q[k], forces[k], rest[k], bounds)
         outcome[k, 0], outcome[k, 1] = status, left

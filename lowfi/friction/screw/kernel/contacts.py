@@ -9,7 +9,7 @@ from rollbench.lowfi.friction.screw.records import BallArrays, GrooveArrays
 from rollbench.lowfi.jit import CONTACT, is_compiled, kernel, kernels
 
 _OTHER = kernels(CONTACT, compiled=is_compiled(__name__))  # the kernels of one contact, compiled where these are
-COLD, dissipation, evaluate, least_dissipation = _OTHER.COLD, _OTHER.dissipation, _OTHER.evaluate, _OTHER.least_dissipation
+dissipation, evaluate, least_dissipation = _OTHER.dissipation, _OTHER.evaluate, _OTHER.least_dissipation
 hertz_contact, solve_with_pivots = _OTHER.hertz_contact, _OTHER.solve_with_pivots
 
 
@@ -111,4 +111,4 @@ def alone(balls: BallArrays, x: Array) -> None:
     forces, rest, bounds, none, cold = np.empty((4, 3)), np.empty(4), np.empty(2), np.zeros(4), bool(np.bool_(False))
     for k in range(x.shape[0]):
         if np.sum(balls.shape[k, :, 2]) > 0.0:
-            least_dissipation(balls.shape[k], balls.maps[k], balls.drives[k], none, cold, COLD, x[k], forces, rest, bounds)
+            least_dissipation(balls.shape[k], balls.maps[k], balls.drives[k], none, cold, x[k], forces, rest, bounds)
