@@ -15,9 +15,9 @@ import numpy as np
 import scipy.sparse as sp
 from skfem import Mesh, condense
 
-from rollbench.hifi.bodies.coarse import Socket, assemble, freedoms, isostatic, mode_rows, of_order, patch_modes
+from rollbench.hifi.bodies.coarse import Socket, assemble, freedoms, isostatic, of_order
 from rollbench.hifi.bodies.patch import CondensedPatch, PatchMesh, field
-from rollbench.hifi.condensation.responses import ball_compliance, nut_transform, screw_transform
+from rollbench.hifi.condensation.responses import ball_compliance, nut_transform, screw_transform, with_modes
 from rollbench.hifi.condensation.sides import condense_side, side_of
 from rollbench.hifi.contact.balls import solve_balls
 from rollbench.hifi.contact.compliance import BallBlock, uncoupled
@@ -140,13 +140,11 @@ def _answer(setup: Setup, mesh: GroovedBody, forces: dict[int, Array], T: sp.csc
     material = (setup.scene.screw if screw else setup.scene.nut).material
     own = {s: p.groove for s, p in setup.patches.items() if (s < 2) == screw}
     sockets = placed(mesh, sockets_of(setup.layout, setup.sides, screw))
-    e, nu = material.youngs_modulus, material.poissons_ratio
-    K = assemble(of_order(mesh.mesh, body_kind(setup.settings)), sockets, own, e, nu)
-    kept = {s: patch_modes(p, setup.settings.modes) for s, p in own.items()}
-    Q = mode_rows(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0])
-    none = np.zeros(setup.layout.z.size)
+    K, Q, kept = with_modes(material, mesh.mesh, sockets, own, setup.settings.modes, setup.settings)
     amplitude = [
-        kept[s][0].T @ (forces[s][i] if s in forces else np.zeros(len(own[s].A))) for i in range(none.size) for s in own
+        kept[s][0].T @ (forces[s][i] if s in forces else np.zeros(len(own[s].A)))
+        for i in range(setup.layout.z.size)
+        for s in own
     ]
     q = factor((T.T @ K @ T).tocsc()).solve(T.T @ (Q.T @ np.concatenate(amplitude)))
     return np.asarray(T @ q).reshape(-1, 3)

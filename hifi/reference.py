@@ -98,8 +98,30 @@ def solve_reference(
     """
     if leave_out - set(INGREDIENTS):
         raise ValueError(f"unknown ingredients {sorted(leave_out - set(INGREDIENTS))}")
+    begin, moving = perf_counter(), updates > 0 and "moving normals" not in leave_out
+    own = PlacedSet(setup, scene, tuple(s for s in setup.sides if sides is None or s in sides))
     with threadpool_limits(1):  # many small factors: the threads of two BLAS libraries only wait for one another
-        return _solve(setup, scene, updates, setup.sides if sides is None else sides, leave_out, frozen, step)
+        case = Case((own,), Frame.of(scene), mounted_screw(setup, scene, leave_out), leave_out)
+        ended = end(case, updates or ROUNDS, telling(scene.name, begin, step), moving=moving, frozen=frozen)
+        last = ended.last
+        stations, line, _ = case.centreline(last)
+        return ReferenceResult(
+            ended.status,
+            last.load,
+            last.angle,
+            case.ball_motions(last)[0],
+            stations,
+            line,
+            own.sides,
+            last.directions[0],
+            last.result,
+            *case.unbalanced(last),
+            setup.unknowns,
+            {**setup.seconds, "contact": ended.seconds},
+            ended.updates,
+            ended.moving,
+            ended.frozen,
+        )
 
 
 class Round(NamedTuple):
@@ -245,9 +267,15 @@ class Case:
         z, first = np.unique(z, return_index=True)
         return z, line[first], housings
 
-    def unbalanced(self, last: Round) -> float:
-        """Largest unbalanced force on shaft and housings, by their unheld rigid motions [N]."""
-        return float(np.abs(last.by_rigid.T @ last.result.forces + self.mounted.work).max(initial=0.0))
+    def unbalanced(self, last: Round) -> tuple[float, float, float]:
+        """Largest unbalanced force on a ball, that along its groove, and that on shaft and housings by their unheld rigid
+        motions, over the largest load."""
+        nets = [(f[..., None] * d).sum(axis=1) for f, d in zip(last.forces, last.directions, strict=True)]
+        along = [net @ tangent(p.setup) for p, net in zip(self.sets, nets, strict=True)]
+        rigid = last.by_rigid.T @ last.result.forces + self.mounted.work
+        a, b, c = (float(np.abs(np.concatenate(x)).max(initial=0.0)) for x in (nets, along, [rigid]))
+        largest = max(float(last.load.max()), 1e-300)
+        return a / largest, b / largest, c / largest
 
 
 def _nominal(p: PlacedSet) -> Array:
@@ -264,46 +292,6 @@ def _offsets(p: PlacedSet, zones: Zones) -> Array:
         if s >= 2:
             out[part] = p.offset * np.cos(alpha) * np.array([0.0, -np.sin(alpha), np.cos(alpha)])
     return out
-
-
-def _solve(
-    setup: Setup,
-    scene: Scene,
-    updates: int,
-    sides: tuple[int, ...],
-    leave_out: frozenset[str],
-    frozen: bool,
-    step: Callable[[str], None],
-) -> ReferenceResult:
-    begin = perf_counter()
-    own = PlacedSet(setup, scene, tuple(s for s in setup.sides if s in sides))
-    mounted = mounted_screw(setup, scene, leave_out)
-    case = Case((own,), Frame.of(scene), mounted, leave_out)
-    moving = updates > 0 and "moving normals" not in leave_out
-    ended = end(case, updates or ROUNDS, telling(scene.name, begin, step), moving=moving, frozen=frozen)
-    last = ended.last
-    net = (last.forces[0][..., None] * last.directions[0]).sum(axis=1)
-    largest = max(float(last.load.max()), 1e-300)
-    stations, line, _ = case.centreline(last)
-    return ReferenceResult(
-        ended.status,
-        last.load,
-        last.angle,
-        case.ball_motions(last)[0],
-        stations,
-        line,
-        own.sides,
-        last.directions[0],
-        last.result,
-        float(np.abs(net).max()) / largest,
-        float(np.abs(net @ tangent(setup)).max()) / largest,
-        case.unbalanced(last) / largest,
-        setup.unknowns,
-        {**setup.seconds, "contact": ended.seconds},
-        ended.updates,
-        ended.moving,
-        ended.frozen,
-    )
 
 
 class Ended(NamedTuple):

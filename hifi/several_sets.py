@@ -15,7 +15,6 @@ from time import perf_counter
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from rollbench.hifi.contact_kinematics import tangent
 from rollbench.hifi.coupling import PlacedSet
 from rollbench.hifi.linear_algebra.response import transport
 from rollbench.hifi.meshing.expected import closing
@@ -245,8 +244,6 @@ def _on_shaft(case: Case, last: Round) -> list[Array]:
 
 def _result(case: Case, ended: Ended, unmet: str, seconds: float) -> AxisReference:
     last = ended.last
-    largest = max(float(last.load.max()), 1e-300)
-    nets = [(f[..., None] * d).sum(axis=1) for f, d in zip(last.forces, last.directions, strict=True)]
     stations, line, housings = case.centreline(last)
     ends = np.cumsum([p.count for p in case.sets])[:-1]
     frozen = [None] * len(case.sets) if ended.frozen is None else np.split(ended.frozen, ends)
@@ -265,9 +262,7 @@ def _result(case: Case, ended: Ended, unmet: str, seconds: float) -> AxisReferen
         line,
         housings,
         np.array([p.offset for p in case.sets]),
-        max(float(np.abs(net).max()) for net in nets) / largest,
-        max(float(np.abs(net @ tangent(p.setup)).max()) for p, net in zip(case.sets, nets, strict=True)) / largest,
-        case.unbalanced(last) / largest,
+        *case.unbalanced(last),
         ended.updates,
         ended.moving,
         seconds,

@@ -198,14 +198,18 @@ def bodies(picture: LoadedScrew, coarse: float) -> list[tuple[Any, str]]:
     found: list[tuple[Any, str]] = [(sheet, _STEEL) for sheet in _shaft(picture, grooves, coarse)]
     found += [(sheet, _NUT) for sheet in body] + [(sheet, _CUT) for sheet in cuts]
     loads = np.asarray(picture.ball_loads, float)
-    low, high, _ = (
-        _round_scale(float(loads[loads > 0.0].min()), float(loads.max())) if (loads > 0.0).any() else (0.0, 1.0, 1)
-    )
+    low, high = load_scale(picture)
     for centre, load in zip(np.asarray(picture.ball_radii_centres, float).reshape(-1, 3) * 1e3, loads, strict=True):
-        ball = pyvista.Sphere(radius=picture.ball_radius * 1e3, center=centre, theta_resolution=16, phi_resolution=14)
+        ball = pyvista.Sphere(radius=picture.ball_radius * 1e3, center=centre, theta_resolution=24, phi_resolution=20)
         colour = to_hex(colormaps["viridis"]((load - low) / (high - low))) if load > 0.0 else _IDLE
         found.append((ball, colour))
     return found + list(_arrows(picture))
+
+
+def load_scale(picture: LoadedScrew) -> tuple[float, float]:
+    """Ends [N] of the scale by which balls are coloured."""
+    loads = np.asarray(picture.ball_loads, float)
+    return _round_scale(float(loads[loads > 0.0].min()), float(loads.max()))[:2] if (loads > 0.0).any() else (0.0, 1.0)
 
 
 def _render(picture: LoadedScrew, path: str) -> None:

@@ -28,8 +28,46 @@ COARSE = 5.0
 #: Shares of a colour that are seen in the viewer's light and without it.
 DIFFUSE, AMBIENT = 0.45, 0.2
 #: What the page says of the mouse.
-HOW = "Drag to turn, wheel to come closer, right button to shift."
+HOW = "Drag to turn, wheel to come closer, right button to shift; point at a ball for its load."
+#: Angle [deg] between faces up to which a surface is shaded as a smooth one.
+SMOOTH = 35.0
 _STYLE = "position:fixed;left:12px;top:10px;max-width:60ch;font:13px/1.4 sans-serif;color:#1d2127;text-shadow:0 0 3px #fff"
+_CORNER = "position:fixed;right:18px;bottom:18px;font:13px/1.2 sans-serif;color:#1d2127"
+_VALUE = (
+    "position:fixed;pointer-events:none;background:#fff;border:1px solid #8a8f98;border-radius:4px;padding:3px 8px;"
+    "font:13px sans-serif"
+)
+#: The viewer has its camera, scene and renderer under these names; a ball is hit where the first surface under the pointer
+#: is its own.
+_POINT = """
+const known = DATA, shown = document.getElementById("value"), ray = new THREE.Raycaster();
+function ballAt(x, y) {
+  if (!camera) return -1;
+  ray.setFromCamera(new THREE.Vector2(2 * x / innerWidth - 1, 1 - 2 * y / innerHeight), camera);
+  const hit = ray.intersectObjects(scene.children, true)[0];
+  if (!hit) return -1;
+  return known.balls.findIndex(b => hit.point.distanceTo(new THREE.Vector3(b[0], b[1], b[2])) < 1.02 * known.radius);
+}
+const loading = setInterval(() => {
+  if (!camera) return;
+  clearInterval(loading);
+  scene.traverse(part => {  // the scene's file has no normals; its vertices are apart at edges
+    if (!part.isMesh) return;
+    part.geometry.computeVertexNormals();
+    part.material.flatShading = false;
+    part.material.needsUpdate = true;
+  });
+  render();
+}, 50);
+addEventListener("pointermove", event => {
+  const at = ballAt(event.clientX, event.clientY);
+  shown.hidden = at < 0;
+  if (at < 0) return;
+  shown.textContent = `ball ${at + 1}: ${known.balls[at][3].toFixed(1)} N`;
+  shown.style.left = `${event.clientX + 14}px`;
+  shown.style.top = `${event.clientY + 10}px`;
+});
+"""
 
 
 def view_file(picture: LoadedScrew) -> str:
@@ -62,7 +100,35 @@ def write_view(picture: LoadedScrew, path: Path, marker: str, back: str) -> None
     )
     head, rest = html.split("<head>", 1)
     rest = rest.replace("trimesh: threejs viewer", title, 1).replace("<body>", f"<body>{words}", 1)
+    rest = rest.replace("</body>", f"{_scale(picture)}{_pointer(picture)}</body>", 1)
     path.write_text(f"{head}<head>{marker}{rest}", encoding="utf-8")
+
+
+def _scale(picture: LoadedScrew) -> str:
+    """The scale of the balls' colours, from top to bottom."""
+    from matplotlib import colormaps
+    from matplotlib.colors import to_hex
+
+    low, high = scene3d.load_scale(picture)
+    stops = ", ".join(to_hex(colormaps["viridis"](part)) for part in np.linspace(0.0, 1.0, 9))
+    bar = f"height:180px;width:16px;background:linear-gradient(to top, {stops})"
+    labels = "".join(f"<span>{value:.4g}</span>" for value in np.linspace(high, low, 5))
+    column = "display:flex;flex-direction:column;justify-content:space-between;padding-left:6px"
+    return (
+        f'<div id="scale" style="{_CORNER}">ball load [N]<div style="display:flex;margin-top:6px">'
+        f'<div style="{bar}"></div><div style="{column}">{labels}</div></div></div>'
+    )
+
+
+def _pointer(picture: LoadedScrew) -> str:
+    """What shows the load of the ball under the pointer."""
+    middle = np.array([0.0, 0.0, picture.nut_position])
+    centres = 1e3 * (np.asarray(picture.ball_radii_centres, float).reshape(-1, 3) - middle)
+    data = {
+        "radius": 1e3 * picture.ball_radius,
+        "balls": [[*(round(float(x), 4) for x in c), load] for c, load in zip(centres, picture.ball_loads, strict=True)],
+    }
+    return f'<div id="value" style="{_VALUE}" hidden></div><script>{_POINT.replace("DATA", json.dumps(data))}</script>'
 
 
 @dataclass(frozen=True)
@@ -96,7 +162,8 @@ def _export(picture: LoadedScrew, path: str) -> None:
     middle = np.array([0.0, 0.0, picture.nut_position * 1e3])  # the viewer's light shines towards the origin
     for mesh, colour in scene3d.bodies(picture, COARSE):
         faces = pyvista.PolyData(mesh.points - middle, mesh.faces)  # without lines, which would take the colour alone
-        plotter.add_mesh(faces, color=colour)
+        smooth = faces.compute_normals(feature_angle=SMOOTH, split_vertices=True, cell_normals=False)
+        plotter.add_mesh(smooth, color=colour)
     extent = 1e3 * max(2.0 * picture.nut_radius, picture.nut_length)
     plotter.camera.focal_point = (0.0, 0.0, 0.0)
     plotter.camera.position = 3.2 * extent * scene3d.sight()

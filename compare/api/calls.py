@@ -13,10 +13,9 @@ from rollbench.comparison.errors import InputError
 from rollbench.comparison.registration import needed
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.scenes.load_cases import DutyCycle, cases_by_name
-from rollbench.comparison.scenes.scene_file import Described, each_case, solvable, whole
+from rollbench.comparison.scenes.scene_file import Described, each_case, solvable
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
@@ -40,40 +39,25 @@ def solve(scene: Described | str | Path, model: str = "", *, member: int = 0) ->
     random errors.
     Raises InputError for what cannot be solved so; no equilibrium is no error: see ``Solution.converged``.
     """
-    described = _described(scene)
-    if isinstance(described, Assembly):
-        return _solve_axis(described, model, member)
     from rollbench.comparison.commands.solving.cases_output import case_json, cases_json
-    from rollbench.comparison.models.load_cases import solve_one, together
+    from rollbench.comparison.models.load_cases import solve_any, together
     from rollbench.comparison.models.registry import Options, default_model
 
-    options = Options(member=member)
-    if isinstance(described, DutyCycle):
-        name = model or default_model(described.parts)
-        solved = [solve_one(case.scene, name, options) for case in described.cases]
-        data = cases_json(described, solved, together(described, solved))
-        notes = (f"{described.name}, {name}: {data['status']}", *(w for one in solved for w in one.result.warnings))
-        each = [loads_and_angles(one.result) for one in solved]
-        return Solution(data, "summary", notes, *map(np.array, zip(*each, strict=True)))
-    own = whole(described, described.name)
-    one = solve_one(own, model or default_model(own), options)
-    notes = (f"{own.name}, {one.result.model}: {one.result.status}", *one.result.warnings)
-    return Solution(case_json(one), "summary", notes, *loads_and_angles(one.result))
+    described, options = _described(scene), Options(member=member)
+    scenes = each_case(described, described.name)
+    solved = [solve_any(one, model or default_model(one), options) for one in scenes]
+    cycle = described if isinstance(described, DutyCycle) else None
+    data = case_json(solved[0]) if cycle is None else cases_json(cycle, solved, together(cycle, solved))
+    notes = (f"{described.name}, {data['model']}: {data['status']}", *(w for one in solved for w in one.result.warnings))
+    each = [loads_and_angles(one.result) for one in solved if isinstance(one.result, StaticResult)]
+    if not each:
+        return Solution(data, "sets" if cycle is None else "summary", notes)
+    return Solution(data, "summary", notes, *(each[0] if cycle is None else map(np.array, zip(*each, strict=True))))
 
 
 def loads_and_angles(result: StaticResult) -> tuple[Array, Array]:
     """Contact loads [N] and, where there is load, angles [deg], ``(n, 4)`` each."""
     return result.load, np.where(result.load > 0.0, np.degrees(result.contact_angle), np.nan)
-
-
-def _solve_axis(axis: Assembly, model: str, member: int) -> Solution:
-    """A shaft with several rolling sets."""
-    from rollbench.comparison.commands.solving.axis_output import as_json
-    from rollbench.comparison.models.axis_answers import solve_sets
-
-    result, found = solve_sets(axis, model, member)
-    data = as_json(axis, result, found, member)
-    return Solution(data, "sets", (f"{axis.name}, {data['model']}: {data['status']}", *result.warnings))
 
 
 def friction(scene: Described | str | Path, *, mu: Sequence[float] = (), model: str = "") -> Friction:
@@ -106,7 +90,7 @@ def compare(
     from rollbench.comparison.commands.comparing.compared_cases import together_json
     from rollbench.comparison.commands.comparing.study import named, unconverged
     from rollbench.comparison.commands.printing import on_terminal
-    from rollbench.comparison.gate.user import judged_by
+    from rollbench.comparison.gate.user import judged_by, stored_beside
     from rollbench.comparison.models.comparison import compared_models, suited
     from rollbench.comparison.models.referenced import Referenced, referenced
     from rollbench.comparison.reference.jobs import Engine, ensure, plan
@@ -118,31 +102,32 @@ def compare(
     own, stores = each_case(described, described.name), (Path(store), shipped_store())
     chosen, cases = compared_models(tuple(models)), cases_by_name([described])
     warnings: list[str] = []
-    given = None
-    if reference is not None:
-        if levels is not None or len(own) != 1:
-            raise InputError("compare", "reference", str(reference), "one scene, without levels", "leave one out")
-        found, one_set = judged_by(Path(reference), own[0], warnings.append)
-        given = Referenced(one_set, found)
-    missing = [x for x in own if given is None and (levels is not None or not referenced(x, stores))]
+    if reference is not None and levels is not None:
+        raise InputError("compare", "reference", str(reference), "without levels", "leave one out")
+    given: dict[str, list[Referenced]] = {}
+    for x in own if reference is not None else ():
+        case = cases[x.name].case.name if x.name in cases else None
+        given[x.name] = judged_by(Path(str(reference)), x, warnings.append, case=case)
+    missing = [x for x in own if not given and (levels is not None or not referenced(x, stores))]
     failed = []
     if missing:
         wanted = range(1, (levels or len(LEVELS)) + 1)
         failed = ensure(plan(missing, wanted), stores[0], Engine(cache=default_root()), on_terminal, stores)
     pairs = []
     for x in own:
-        stored = referenced(x, stores)
-        sets = stored if given is None else [given]
+        sets = given.get(x.name) or referenced(x, stores)
         if not sets:
             raise unconverged(x.name, failed)
-        beside = stored[0].found if stored and given is not None else None
-        pairs += [(one, compared(one.scene, chosen or suited(x), one.found, stores, one.of, beside)) for one in sets]
+        for one in sets:
+            beside = stored_beside(one, stores) if given else None
+            pairs.append((one, compared(one.scene, chosen or suited(x), one.found, stores, one.of, beside)))
     lines = (*(f"WARNING: {words}" for words in warnings), *(verdict(each, one.found) for one, each in pairs))
     told = [_compared_json(each, one.found) | named(one) for one, each in pairs]
     if isinstance(described, DutyCycle):
-        rows = [row | cases[one.scene.name].keys for row, (one, _) in zip(told, pairs, strict=True)]
-        whole = together_json(described, {one.scene.name: each for one, each in pairs})
-        return Result({"scene": described.name, "summary": whole, "cases": rows}, "summary", lines)
+        rows = [row | cases[one.described].keys for row, (one, _) in zip(told, pairs, strict=True)]
+        whole = together_json(described, {(one.described, one.set): each for one, each in pairs})
+        summary = whole[0] if len(whole) == 1 else {row["set"]: row for row in whole}
+        return Result({"scene": described.name, "summary": summary, "cases": rows}, "summary", lines)
     if isinstance(described, Scene):
         return Result(told[0], "models", lines)
     return Result({"scene": described.name, "sets": told}, "sets", lines)

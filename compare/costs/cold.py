@@ -62,7 +62,7 @@ ask = json.loads({ask!r})
 (run,) = compute(Task((catalogue.scene(ask["scene"]),), ask["level"], processes=cores()))
 contacts = int((run.load > 0.0).sum())
 own = {{"memory": run.peak_MB, "status": run.status, "contacts": contacts, "load_case": run.solve_seconds}}
-print(json.dumps({{"done": time(), **own}}))
+print(json.dumps({{"done": time(), "stages": run.stages, **own}}))
 """
 
 
@@ -70,7 +70,7 @@ print(json.dumps({{"done": time(), **own}}))
 class ColdLevel:
     """A level of the 3D reference, from the start of the interpreter to its loads: seconds, CPU seconds of all processes,
     sum of their peaks of memory [MB] (None: not measured), status; scene, contacts with load, seconds that a further load
-    case takes (None: not measured)."""
+    case takes, and those of every stage of the set-up by name (None: not measured)."""
 
     level: int
     process: float
@@ -80,6 +80,7 @@ class ColdLevel:
     scene: str = "lin-case1"
     contacts: int | None = None
     load_case: float | None = None
+    stages: dict[str, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -117,8 +118,8 @@ def measure_level(scene: str, level: int) -> ColdLevel:
     begin, found = _alone(LEVEL_CHILD, {"scene": scene, "level": level}, f"level {level} of {scene}", {})
     after = os.times()
     cpu = sum(y - x for x, y in zip(before[2:4], after[2:4], strict=True))
-    process, contacts = found["done"] - begin, found["contacts"]
-    return ColdLevel(level, process, cpu, found["memory"], found["status"], scene, contacts, found["load_case"])
+    known = {name: found[name] for name in ("contacts", "load_case", "stages")}
+    return ColdLevel(level, found["done"] - begin, cpu, found["memory"], found["status"], scene, **known)
 
 
 def _alone(child: str, ask: dict[str, Any], what: str, environment: dict[str, str]) -> tuple[float, dict[str, Any]]:

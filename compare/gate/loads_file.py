@@ -23,6 +23,9 @@ COLUMNS = ("ball", "flank", "newton")
 PLACE = {"azimuth", "z"}
 #: What a file may say of contacts besides, by the names of `gate.columns`.
 FURTHER = ("angle", "approach", "pressure", "uncertainty", "uncertain share")
+#: Which rows of a file are read: by column the words that they have there, the usual one first.
+Only = Mapping[str, Sequence[str]]
+EVERY: Only = {}
 #: Largest file [bytes]: four loads of 100 000 balls.
 MAX_BYTES = 16_000_000
 EXAMPLE = "write a first line ball,flank,newton and rows such as 1,SL,225.4"
@@ -101,11 +104,11 @@ class Rows:
         return cls(titles, heads, above + 1, separator != ",", kept, notes)
 
 
-def read_loads(path: Path, balls: int, scene: Scene | None = None, case: str | None = None) -> GivenLoads:
+def read_loads(path: Path, balls: int, scene: Scene | None = None, only: Only = EVERY) -> GivenLoads:
     """Loads of a file for a scene of ``balls`` balls, and what else it says of their contacts.
 
     scene: whose balls are told by azimuth and station where the file has both columns of `PLACE`, else by their numbers;
-    case: whose rows are read, those of one case where it is None.
+    only: which rows are read, by their words in the columns case and set; those of one case where it says none.
 
     Headings say the units (`gate.columns`). Every ball must be given on every flank that is named, 0 where it carries
     nothing: a row that was lost is not taken for a contact without load. Raises InputError.
@@ -118,7 +121,7 @@ def read_loads(path: Path, balls: int, scene: Scene | None = None, case: str | N
     for number, row in table.rows:
         named = {c.name: (head, c.factor, row.get(head.lower(), "")) for head, c in own.items()}
         cells = _Row(path, f"line {number}", named, decimal_comma=table.decimal_comma)
-        if case is not None and cells.word("case") != case:
+        if any(cells.word(name) not in words for name, words in only.items()):
             continue
         cases.add(cells.word("case"))
         if len(cases) > 1:
@@ -131,9 +134,10 @@ def read_loads(path: Path, balls: int, scene: Scene | None = None, case: str | N
             raise InputError(str(path), f"line {number}", value, "each contact once", "keep one of the rows")
         for name, of in values.items():
             of[ball, side] = cells.amount(name)
-    if case is not None and not cases:
-        advice = "rollbench solve SCENE --loads-csv FILE writes all cases, told apart by the column case"
-        raise InputError(str(path), "case", f"no rows of case {case}", "rows of every load case of the scene", advice)
+    if only and not cases:
+        which, value = " and ".join(only), " of ".join(f"{name} {words[0]}" for name, words in reversed([*only.items()]))
+        advice = f"rollbench solve SCENE --loads-csv FILE writes all, told apart by the column {which}"
+        raise InputError(str(path), which, f"no rows of {value}", f"rows of every {which} of the scene", advice)
     unknown = tuple(f'"{head}"' for head, c in own.items() if not c.name)
     further = {name: of for name, of in values.items() if name != "load" and name in {c.name for c in own.values()}}
     found = _whole(path, values["load"])

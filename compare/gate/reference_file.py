@@ -9,7 +9,7 @@ import numpy as np
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.gate.judged import OF_CONTACTS
-from rollbench.comparison.gate.loads_file import GivenLoads, read_loads
+from rollbench.comparison.gate.loads_file import EVERY, GivenLoads, Only, read_loads
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.comparison import gate_points
 from rollbench.comparison.reference.estimate import Reference
@@ -25,20 +25,23 @@ from rollbench.meshes.parts import SIDES, Scene
 UNCERTAINTY, PROVENANCE = "uncertainty", "provenance"
 
 
-def read_reference(path: Path, scene: Scene) -> tuple[Reference, tuple[str, ...]]:
-    """The reference of a file with the columns of `loads_file`, of every flank; headings that nothing is known of.
+def read_reference(
+    path: Path, scene: Scene, only: Only = EVERY, contacts: int | None = None
+) -> tuple[Reference, tuple[str, ...]]:
+    """The reference of a file with the columns of `loads_file`, of every flank; headings that nothing is known of. only:
+    rows that are read; contacts: how many the nominal screw loads, where the scene itself does not tell.
 
     Its uncertainty is a column (``uncertainty_N``, or ``uncertainty_percent`` of each load), or one note above the table,
     ``# uncertainty: 0.5 %`` of the mean load or ``2 N``; zero without, which is said. Raises InputError.
     """
-    given = read_loads(path, scene.ball_count, scene)
+    given = read_loads(path, scene.ball_count, scene, only)
     left = [side for side in SIDES if side not in given.flanks]
     if left:
         advice = "write 0 for contacts that carry nothing: what is not known cannot judge"
         raise InputError(str(path), "rows", f"no loads on {', '.join(left)}", "every ball on SL, SR, NL and NR", advice)
     if not given.load.any():
         raise InputError(str(path), "file", "no loads but zero", "a load", "is this the scene's reference?")
-    contacts = nominal_contacts(scene)
+    contacts = nominal_contacts(scene) if contacts is None else contacts
     bars, words = _uncertainty(path, given, mean_load(given.load, contacts))
     source = given.notes.get(PROVENANCE, "")
     stated = f"against {path.name}{f' ({source})' if source else ''}, {words}"

@@ -8,15 +8,15 @@ from pathlib import Path
 
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.gate.further import Contacts, contact_verdicts, contacts_by, value_verdict, values_by
-from rollbench.comparison.gate.judged import limit_of, parse_limits
-from rollbench.comparison.gate.loads_file import GivenLoads, read_loads
+from rollbench.comparison.gate.judged import LIFE, limit_of, parse_limits
+from rollbench.comparison.gate.loads_file import GivenLoads, Only, read_loads
 from rollbench.comparison.gate.loads_looks import looks
 from rollbench.comparison.gate.reference_file import exceeding, read_reference
 from rollbench.comparison.gate.values_file import GivenValue, read_values
 from rollbench.comparison.gate.verdict import LARGEST, LIMIT, Limits, Verdict, judge
 from rollbench.comparison.models.comparison import compared_models, from_result, options_for
 from rollbench.comparison.models.loading import scaled
-from rollbench.comparison.models.referenced import Referenced, answered, referenced
+from rollbench.comparison.models.referenced import Referenced, SetOf, answered, referenced
 from rollbench.comparison.models.registry import DEFAULT, MODELS, run_model
 from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.reference.jobs import Engine, ensure, plan
@@ -33,6 +33,7 @@ NONE_STORED = "no stored run of its 3D reference, and none is to be computed"
 #: Columns that are known, in words.
 KNOWN = "ball, flank, newton, azimuth_deg, z_mm, contact_angle_deg, approach_um, pressure_MPa, uncertainty_N in any unit"
 NO_OTHERS: Mapping[str, float] = {}
+NO_CASES: Mapping[str, str] = {}
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,7 @@ class Asked:
     or `LIMIT`), and limits of other quantities; levels of the reference to compute at least (None: the best stored,
     `ENOUGH` where there are fewer); compute: whether runs that are missing may be computed; stores: folders of runs, the
     first takes those that are computed; reference: file of the user's own, in place of all of them; strict: whether
-    headings that nothing is known of are an error; case: the load case whose rows of ``loads`` are judged."""
+    headings that nothing is known of are an error."""
 
     stores: tuple[Path, ...]
     model: str = DEFAULT
@@ -53,7 +54,6 @@ class Asked:
     limits: Mapping[str, float] = field(default_factory=dict)
     reference: Path | None = None
     strict: bool = False
-    case: str | None = None
 
 
 def asked(
@@ -103,13 +103,13 @@ def asked(
 
 @dataclass(frozen=True)
 class Files:
-    """What files say of the one scene that they are for: loads and values of another program, with the scene at the axial
-    loads [N] of the latter; the user's own reference."""
+    """What files say of a scene or load case: loads of another program, of each of its sets in order, and values, with the
+    scene at the axial loads [N] of these; the user's own reference of each set."""
 
-    loads: GivenLoads | None = None
+    loads: tuple[GivenLoads, ...] = ()
     values: tuple[GivenValue, ...] = ()
     at: Mapping[float, Scene] = field(default_factory=dict)
-    reference: Reference | None = None
+    reference: tuple[Referenced, ...] = ()
 
 
 def check_scenes(
@@ -118,20 +118,25 @@ def check_scenes(
     engine: Engine,
     step: Callable[[str], None],
     warn: Callable[[str], None] = lambda _: None,
+    cases: Mapping[str, str] = NO_CASES,
 ) -> list[Verdict]:
     """Verdicts on scenes, in their order; each has one, two where it limits the RMS error too, and one on each further
     quantity that a file gives or that is given a limit; of several sets on one shaft each set has its own.
 
     References that are missing are computed first, scenes of one geometry together; warn: takes what a user should see
-    before. Raises InputError for files that do not fit the scene, Refusal where the model cannot take it.
+    before; cases: which load case each scene is, by their names, where files hold the rows of all. Raises InputError for
+    files that do not fit the scene, Refusal where the model cannot take it.
     """
-    files = _files(scenes, what, warn)
-    why = _computed([*scenes, *files.at.values()], what, engine, step) if what.compute else {}
+    said: dict[str, None] = {}
+    read = [_files(scene, what, said.setdefault, cases.get(scene.name)) for scene in _of_files(scenes, what, cases)]
+    for words in said:
+        warn(words)
+    each_files = read or [Files()] * len(scenes)
+    why = _computed([*scenes, *(s for f in read for s in f.at.values())], what, engine, step) if what.compute else {}
     out: list[Verdict] = []
-    for scene in scenes:
+    for scene, files in zip(scenes, each_files, strict=True):
         limits = limits_of(scene, what.max_error, what.limits)
-        own = () if files.reference is None else (Referenced(_of_one_set(scene, "--reference"), files.reference),)
-        each = own or referenced(scene, what.stores)
+        each: Sequence[Referenced] = files.reference or referenced(scene, what.stores)
         reason = why.get(scene.name, NONE_STORED)
         if what.values is None or what.loads is not None:
             out += [v for one in each for v in _verdicts(one, files, limits, what)]
@@ -139,28 +144,33 @@ def check_scenes(
             out += [] if each else [_not_covered(scene, judged, LARGEST, limits.largest, reason)]
         for value in files.values:
             here = each if value.force is None else referenced(files.at[value.force], what.stores)
-            out.append(_value(value, here, scene, limits, what, reason))
+            out.append(_value(value, [x for x in here if of_set(x, value.set)], scene, limits, what, reason))
     return out
 
 
 def _verdicts(one: Referenced, files: Files, limits: Limits, what: Asked) -> list[Verdict]:
     """Verdicts on what a file or a model says of the contacts of a scene, or of a set."""
-    if files.loads is None or what.loads is None:
-        found = _model(one, what.model, limits, what.stores)
-        return found if one.of is None else [replace(v, scene=one.of.assembly.name, set=one.of.name) for v in found]
-    given, judged = files.loads, what.loads.name
+    if what.loads is None:
+        return _named(_model(one, what.model, limits, what.stores), one)
+    given, judged = files.loads[0 if one.of is None else one.of.number], what.loads.name
     detail = "; ".join(part for part in _said(given, one.found, limits) if part)
     verdicts = judge(judged, given.load, one.found, limits, given.flanks, detail)
     further = Contacts(given.load, given.further, given.flanks)
-    return _beside(verdicts, given, one, limits, what) + contact_verdicts(judged, further, one.scene, one.found, limits)
+    found = _beside(verdicts, given, one, limits, what) + contact_verdicts(judged, further, one.scene, one.found, limits)
+    return _named(found, one)
+
+
+def _named(verdicts: list[Verdict], one: Referenced) -> list[Verdict]:
+    """Verdicts under the names of scene and set."""
+    return verdicts if one.of is None else [replace(v, scene=one.of.assembly.name, set=one.of.name) for v in verdicts]
 
 
 def _beside(verdicts: list[Verdict], given: GivenLoads, one: Referenced, limits: Limits, what: Asked) -> list[Verdict]:
     """Verdicts by a user's own reference, with what ours says beside the first, where it is stored."""
-    ours = referenced(one.scene, what.stores) if one.found.stated else []
-    if not ours:
+    ours = stored_beside(one, what.stores) if one.found.stated else None
+    if ours is None:
         return verdicts
-    other = judge("", given.load, ours[0].found, limits, given.flanks)[0]
+    other = judge("", given.load, ours, limits, given.flanks)[0]
     words = f"by the stored 3D reference: {other.compared()}, {other.word}"
     return [replace(verdicts[0], detail=f"{verdicts[0].detail}; {words}"), *verdicts[1:]]
 
@@ -168,67 +178,118 @@ def _beside(verdicts: list[Verdict], given: GivenLoads, one: Referenced, limits:
 def _value(
     value: GivenValue, each: Sequence[Referenced], scene: Solvable, limits: Limits, what: Asked, reason: str
 ) -> Verdict:
-    """The verdict on a value of the whole."""
+    """The verdict on a value of the whole, of several sets on one shaft on the life of one."""
     assert what.values is not None
-    if not each:
+    one = next(iter(each), None)
+    if one is None or (one.of is not None and value.quantity is not LIFE):
         limit = limit_of(value.quantity, limits.others, limits.largest)
+        reason = reason if one is None else "of several sets on one shaft only the life of each is judged"
         return _not_covered(scene, what.values.name, value.name, limit, reason)
-    return value_verdict(what.values.name, value, each[0].scene, each[0].found, limits)
+    return _named([value_verdict(what.values.name, value, one.scene, one.found, limits)], one)[0]
+
+
+def of_set(one: Referenced, word: str) -> bool:
+    """Whether a word, a number from 1 or a name, is that of a set; the only one has any."""
+    return one.of is None or word in _words(one.of.assembly, one.of.number)
+
+
+def _words(assembly: Assembly, k: int) -> tuple[str, str]:
+    return str(k + 1), assembly.sets[k].name
 
 
 def _not_covered(scene: Solvable, judged: str, quantity: str, limit: float, why: str) -> Verdict:
     return Verdict(scene.name, judged, quantity, "not covered", None, None, limit, detail=why)
 
 
-def _files(scenes: Sequence[Solvable], what: Asked, warn: Callable[[str], None]) -> Files:
-    """What the files say that are asked for. Raises InputError for files that do not fit, or several scenes for them."""
+def _of_files(scenes: Sequence[Solvable], what: Asked, cases: Mapping[str, str]) -> Sequence[Solvable]:
+    """The scenes that files are asked to say something of; none where no file is. Raises InputError for several that are
+    not the load cases of one."""
     named = {"--loads": what.loads, "--values": what.values, "--reference": what.reference}
     for option, path in named.items():
-        if path is not None and len(scenes) != 1:
+        if path is not None and len(scenes) != 1 and len(cases) != len(scenes):
             advice = "check the scenes one by one, each with its file"
             raise InputError("command line", option, str(path), f"one scene, not {len(scenes)}", advice)
-    reference, loads = None, None
-    values: list[GivenValue] = []
+    return scenes if any(named.values()) else ()
+
+
+def _files(scene: Solvable, what: Asked, warn: Callable[[str], None], case: str | None) -> Files:
+    """What the files say that are asked for, of a scene or its load case. Raises InputError for files that do not fit."""
+    reference: list[Referenced] = []
+    loads, values = [], list[GivenValue]()
     at: dict[float, Scene] = {}
     if what.reference is not None:
-        limit = limits_of(scenes[0], what.max_error).largest
-        reference, _ = judged_by(what.reference, scenes[0], warn, limit, strict=what.strict)
+        limit = limits_of(scene, what.max_error).largest
+        reference = judged_by(what.reference, scene, warn, limit, strict=what.strict, case=case)
     if what.loads is not None:
-        scene = _of_one_set(scenes[0], "--loads")
-        loads = read_loads(what.loads, scene.ball_count, scene, what.case)
-        _unknown(what.loads, loads.unknown, warn, strict=what.strict)
+        for of, only in parts_of(scene, case):
+            loads.append(read_loads(what.loads, of.ball_count, of, only))
+            _unknown(what.loads, loads[-1].unknown, warn, strict=what.strict)
     if what.values is not None:
-        scene = _of_one_set(scenes[0], "--values")
-        values, unknown = read_values(what.values)
+        values, unknown = read_values(what.values, case)
         _unknown(what.values, unknown, warn, strict=what.strict)
+        _check_sets(scene, values, what.values)
         at = {value.force: _loaded(scene, value, what.values) for value in values if value.force is not None}
-    return Files(loads, tuple(values), at, reference)
+    return Files(tuple(loads), tuple(values), at, tuple(reference))
+
+
+def parts_of(scene: Solvable, case: str | None) -> list[tuple[Scene, Only]]:
+    """The sets of a scene, and which rows of a file are of each. Raises InputError for rollers."""
+    of_case: Only = {} if case is None else {"case": (case,)}
+    if isinstance(scene, Scene):
+        return [(scene, of_case)]
+    out: list[tuple[Scene, Only]] = []
+    for k, s in enumerate(scene.sets):
+        if not isinstance(s.parts, Scene):
+            raise InputError(scene.name, "sets", s.name, "sets of balls", "rollers have no flanks: judge a model instead")
+        out.append((SetOf(scene, k).scene, {**of_case, "set": _words(scene, k)}))
+    return out
 
 
 def judged_by(
-    path: Path, scene: Solvable, warn: Callable[[str], None], limit: float | None = None, *, strict: bool = False
-) -> tuple[Reference, Scene]:
-    """A user's own reference, and the scene that it is of; limit [%]: that it is to judge, the scene's own unless given.
-    Raises InputError."""
-    of = _of_one_set(scene, "--reference")
-    found, unknown = read_reference(path, of)
-    _unknown(path, unknown, warn, strict=strict)
-    if words := exceeding(found, limits_of(of, limit).largest):
-        warn(words)
-    return found, of
+    path: Path,
+    scene: Solvable,
+    warn: Callable[[str], None],
+    limit: float | None = None,
+    *,
+    strict: bool = False,
+    case: str | None = None,
+) -> list[Referenced]:
+    """A scene beside the user's own reference, set by set; limit [%]: that it is to judge, the scene's own unless given;
+    case: whose rows are read. Raises InputError."""
+    out = []
+    for k, (of, only) in enumerate(parts_of(scene, case)):
+        one = None if isinstance(scene, Scene) else SetOf(scene, k)
+        found, unknown = read_reference(path, of, only, None if one is None else one.contacts)
+        found = found if one is None else replace(found, scene=f"{scene.name}, {one.name}")
+        _unknown(path, unknown, warn, strict=strict)
+        if words := exceeding(found, limits_of(scene, limit).largest):
+            warn(words)
+        out.append(Referenced(of, found, one))
+    return out
 
 
-def _of_one_set(scene: Solvable, option: str) -> Scene:
-    """The scene. Raises InputError for several sets on one shaft."""
-    if isinstance(scene, Assembly):
-        allowed, advice = "a scene of one set", "leave it out: a model is judged set by set"
-        raise InputError("command line", option, f"with {scene.name}", allowed, advice)
-    return scene
+def stored_beside(one: Referenced, stores: Sequence[Path]) -> Reference | None:
+    """This project's stored reference of what a user has one of; None without."""
+    found = referenced(one.scene if one.of is None else one.of.assembly, stores)
+    return found[0 if one.of is None else one.of.number].found if found else None
 
 
-def _loaded(scene: Scene, value: GivenValue, path: Path) -> Scene:
-    """The scene with its loads in proportion to the axial one of a value."""
+def _check_sets(scene: Solvable, values: Sequence[GivenValue], path: Path) -> None:
+    """Raises InputError for a value of a set that the scene does not have, or that is not named."""
+    if isinstance(scene, Scene):
+        return
+    known = [word for k in range(len(scene.sets)) for word in _words(scene, k)]
+    for value in values:
+        if value.set not in known:
+            advice = "name the set of every value in a column set"
+            raise InputError(str(path), "set", value.set or "nothing", ", ".join(known), advice)
+
+
+def _loaded(scene: Solvable, value: GivenValue, path: Path) -> Scene:
+    """The scene with its loads in proportion to the axial one of a value. Raises InputError."""
     assert value.force is not None
+    if isinstance(scene, Assembly):
+        raise InputError(str(path), "where", value.where, "empty", "several sets are judged under the scene's own loads")
     axial = abs(sum(load.force[2] for load in scene.loads))
     if axial == 0.0:
         advice = "leave it empty: loads are raised in proportion to the scene's"

@@ -21,13 +21,15 @@ LIVES = {"million revolutions": 1.0, "1e6 revolutions": 1.0, "revolutions": 1e-6
 @dataclass(frozen=True)
 class GivenValue:
     """A value [SI, life in million revolutions] as a line of a file gives it; force [N]: size of the axial load at which it
-    holds, None for the scene's loads; station [m]: of a displacement, None for the nut's centre; where: these in words."""
+    holds, None for the scene's loads; station [m]: of a displacement, None for the nut's centre; where: these in words;
+    set: of several on one shaft, by number or name."""
 
     quantity: Quantity
     value: float
     force: float | None = None
     station: float | None = None
     where: str = ""
+    set: str = ""
 
     @property
     def name(self) -> str:
@@ -35,19 +37,21 @@ class GivenValue:
         return self.quantity.name + (f" at {self.where}" if self.where else "")
 
 
-def read_values(path: Path) -> tuple[list[GivenValue], tuple[str, ...]]:
-    """Values of a file, and headings that nothing is known of. Raises InputError."""
-    table = Rows.read(path, COLUMNS, EXAMPLE)
-    out: dict[tuple[str, float | None, float | None], GivenValue] = {}
+def read_values(path: Path, case: str | None = None) -> tuple[list[GivenValue], tuple[str, ...]]:
+    """Values of a file, of a load case by their column case, and headings that nothing is known of. Raises InputError."""
+    table = Rows.read(path, (*COLUMNS, *(("case",) if case else ())), EXAMPLE)
+    out: dict[tuple[str, ...], GivenValue] = {}
     for number, cells in table.rows:
+        if case is not None and cells.get("case") != case:
+            continue
         found = _value(path, f"line {number}", cells, decimal_comma=table.decimal_comma)
-        key = (found.quantity.name, found.force, found.station)
+        key = (found.name, found.set)
         if key in out:
             raise InputError(str(path), f"line {number}", f"{found.name} again", "each once", "keep one of the rows")
         out[key] = found
-    if not out:
+    if not out and case is None:
         raise InputError(str(path), "file", "no values", "a row for every value", EXAMPLE)
-    known = (*COLUMNS, WHERE)
+    known = (*COLUMNS, WHERE, "set", *(("case",) if case else ()))
     return list(out.values()), tuple(f'"{title}"' for title in table.titles if title.lower() not in known)
 
 
@@ -71,7 +75,7 @@ def _value(path: Path, line: str, cells: dict[str, str], *, decimal_comma: bool)
     if where and force is None and (station is None or quantity is not DISPLACEMENT):
         allowed = "an axial load, e.g. 5 kN" + (", or a station, e.g. 400 mm" if quantity is DISPLACEMENT else "")
         raise InputError(str(path), f"{line}: {WHERE}", where, allowed, "leave it empty for the scene's own loads")
-    return GivenValue(quantity, value, force, station, where)
+    return GivenValue(quantity, value, force, station, where, cells.get("set", ""))
 
 
 def _life(number: str, unit: str) -> float:

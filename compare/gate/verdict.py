@@ -85,9 +85,8 @@ class Verdict:
 
     @property
     def of(self) -> str:
-        """Scene and set or case, in words."""
-        inner = self.set or (self.case and f"case {self.case}")
-        return f"{self.scene}, {inner}" if inner else self.scene
+        """Scene, case and set, in words."""
+        return ", ".join(filter(None, [self.scene, self.case and f"case {self.case}", self.set]))
 
     def as_json(self) -> dict[str, Any]:
         """JSON-ready: numbers by keys whose ending says their unit; those in per cent are null where they have another."""

@@ -1,15 +1,15 @@
-"""A scene of one set solved with all its answers, the load cases of a duty cycle one after the other, and what they say
-together."""
+"""A scene solved with all its answers, the load cases of a duty cycle one after the other, and what they say together."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models.answers import Answers, gather
+from rollbench.comparison.models.answers import Answers, LoadAnswers, gather
 from rollbench.comparison.models.loading import axial_of
 from rollbench.comparison.models.model_form import ModelForm, estimate
 from rollbench.comparison.models.outside import outside
@@ -17,9 +17,29 @@ from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.scenes.load_cases import DutyCycle, LoadCase
 from rollbench.lowfi.rating.equivalent import EquivalentLife, equivalent_life
 from rollbench.lowfi.rating.life import Life, life, over_cases
-from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.parts import Scene
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import Load, Scene
+
+if TYPE_CHECKING:
+    from rollbench.comparison.models.axis_answers import AxisAnswers
+
+#: What is said of a shaft without a set of balls.
+NO_BALLS = "none: rollers are not rated"
+
+
+@dataclass(frozen=True)
+class OfSet:
+    """What a solved scene says of one set of balls for a duty cycle. parts: with the loads and supports of the scene; load:
+    of its contacts ``(n, 4)`` [N]; force: of the shaft on it ``(3,)`` [N]; preload: axial force [N] between two halves with
+    a lead offset."""
+
+    parts: Scene
+    load: Array
+    force: Array
+    answers: LoadAnswers
+    preload: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -30,6 +50,50 @@ class Solved:
     result: StaticResult
     answers: Answers | None = None
     expected: ModelForm | None = None
+
+    @property
+    def sets(self) -> dict[str, OfSet]:
+        """Its one set, without a name; none where it did not converge."""
+        if self.answers is None or self.result.equilibrium is None:
+            return {}
+        preload = axial_of(self.answers.preload) if self.scene.errors.lead_offset else 0.0
+        force = -self.result.equilibrium.contact_force
+        return {"": OfSet(self.scene, self.result.load, force, self.answers.loads, preload)}
+
+
+@dataclass(frozen=True)
+class SolvedAxis:
+    """Several sets on one shaft by one model, in the words of `Solved`; no error to expect is known of them."""
+
+    scene: Assembly
+    result: AxisResult
+    answers: AxisAnswers | None = None
+    expected: None = None
+
+    @property
+    def sets(self) -> dict[str, OfSet]:
+        """Its sets of balls by name; none where it did not converge."""
+        if self.answers is None:
+            return {}
+        on_housings = (Load(h.at, h.force, h.moment) for h in self.scene.housings)
+        loads, out = (*self.scene.loads, *on_housings), {}
+        for s, own in zip(self.result.sets, self.answers.sets, strict=True):
+            if own is not None and s.balls is not None:
+                parts = replace(own.parts, name=self.scene.name, loads=loads, supports=self.scene.supports)
+                out[s.of.name] = OfSet(parts, s.balls.load, -s.force, own.loads)
+        return out
+
+
+def solve_any(scene: Scene | Assembly, model: str, options: Options) -> Solved | SolvedAxis:
+    """Solve a scene of one set or several and gather all answers. Raises InputError and Refusal as `run_model`."""
+    return solve_axis(scene, model, options) if isinstance(scene, Assembly) else solve_one(scene, model, options)
+
+
+def solve_axis(scene: Assembly, model: str, options: Options) -> SolvedAxis:
+    """Solve several sets and gather all answers. Raises InputError as `run_model`."""
+    from rollbench.comparison.models.axis_answers import solve_sets
+
+    return SolvedAxis(scene, *solve_sets(scene, model, options.member))
 
 
 def solve_one(scene: Scene, model: str, options: Options) -> Solved:
@@ -52,25 +116,15 @@ class Extreme:
 
 
 @dataclass(frozen=True)
-class Together:
-    """What the cases of a duty cycle say together.
+class Lives:
+    """Life of one set over a duty cycle. life: of its contact loads, standard: by the standards' equivalent loads, each
+    None with words that say why; set: its name, empty where it is the only one."""
 
-    pressure [Pa], safety, error [% of the mean load]: largest pressure, least static safety and largest expected error of
-    the converged cases; uncovered: cases whose error nothing says; unsolved: status of those that did not converge; life:
-    of the contact loads over the cycle, standard: by the standards' equivalent loads, each None with words that say why;
-    speed: mean one [rad/s].
-    """
-
-    pressure: Extreme | None
-    safety: Extreme | None
-    error: Extreme | None
-    uncovered: tuple[str, ...]
-    unsolved: dict[str, str]
     life: Life | None
     life_words: str
     standard: EquivalentLife | None
     standard_words: str
-    speed: float | None
+    set: str = ""
 
     @property
     def difference_percent(self) -> float | None:
@@ -80,51 +134,79 @@ class Together:
         return float(error_percent(self.life.revolutions, self.standard.revolutions))
 
 
-def together(cycle: DutyCycle, solved: Sequence[Solved]) -> Together:
+@dataclass(frozen=True)
+class Together:
+    """What the cases of a duty cycle say together.
+
+    pressure [Pa], safety, error [% of the mean load]: largest pressure, least static safety and largest expected error of
+    the converged cases; uncovered: cases whose error nothing says; unsolved: status of those that did not converge; lives:
+    of every set of balls, in order; speed: mean one [rad/s].
+    """
+
+    pressure: Extreme | None
+    safety: Extreme | None
+    error: Extreme | None
+    uncovered: tuple[str, ...]
+    unsolved: dict[str, str]
+    lives: tuple[Lives, ...]
+    speed: float | None
+
+    @property
+    def least(self) -> Lives:
+        """Of the set that lives shortest; the first of which nothing is known, where there is one."""
+        none = Lives(None, NO_BALLS, None, NO_BALLS)
+        return min(self.lives, key=lambda own: 0.0 if own.life is None else own.life.revolutions, default=none)
+
+
+def together(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis]) -> Together:
     """Extremes and lives of the solved cases of a cycle, in its order."""
     pairs = list(zip(cycle.cases, solved, strict=True))
-    found = [(case, one.answers.loads) for case, one in pairs if one.answers is not None]
+    found = [(case, s.answers) for case, one in pairs for s in one.sets.values()]
     errors = [(case, None if one.expected is None else one.expected.percent) for case, one in pairs if one.answers]
-    rated, words = cycle_life(cycle, [one.result.load if one.answers else None for one in solved])
-    standard, why = (None, words) if rated is None else _by_standard(cycle, solved)
     return Together(
         _extreme(max, ((case, a.worst.pressure) for case, a in found if a.worst)),
         _extreme(min, ((case, a.safety.factor) for case, a in found if a.safety)),
         _extreme(max, errors),
         tuple(case.name for case, percent in errors if percent is None),
         {case.name: one.result.status for case, one in pairs if one.answers is None},
-        rated,
-        words,
-        standard,
-        why,
+        tuple(_lives(cycle, name, [one.sets.get(name) for one in solved]) for name in cycle.sets),
         cycle.speed,
     )
 
 
-def cycle_life(cycle: DutyCycle, loads: Sequence[Array | None]) -> tuple[Life | None, str]:
-    """Life over the cycle of contact loads ``(n, 4)`` [N] of every case (None: it has none), or why there is none."""
+def cycle_life(cycle: DutyCycle, name: str, loads: Sequence[Array | None]) -> tuple[Life | None, str]:
+    """Life over the cycle of contact loads ``(n, 4)`` [N] of a set in every case (None: it has none), or why there is
+    none; name: of the set (`DutyCycle.sets`)."""
     lacking = [case.name for case, load in zip(cycle.cases, loads, strict=True) if load is None and case.share > 0.0]
     if lacking:
         return None, f"none, because case {lacking[0]} has no loads"
     try:
         known = [np.zeros((1, 4)) if load is None else load for load in loads]
-        rated = life(cycle.parts, over_cases(known, cycle.shares))
+        rated = life(cycle.sets[name], over_cases(known, cycle.shares))
     except ValueError as error:
         return None, str(error)
     return rated, "" if rated is not None else "no load"
 
 
-def _by_standard(cycle: DutyCycle, solved: Sequence[Solved]) -> tuple[EquivalentLife | None, str]:
-    """Life by the standards' equivalent loads, or why there is none."""
-    used = [(case, one) for case, one in zip(cycle.cases, solved, strict=True) if case.share > 0.0]
-    forces = [-one.result.equilibrium.contact_force for _, one in used if one.result.equilibrium is not None]
-    offset = cycle.parts.errors.lead_offset != 0.0
-    preload = max(axial_of(one.answers.preload) for _, one in used if one.answers is not None) if offset else 0.0
+def loads_of(result: StaticResult | AxisResult) -> dict[str, Array]:
+    """Contact loads ``(n, 4)`` [N] of each set of balls by its name in `DutyCycle.sets`."""
+    if isinstance(result, StaticResult):
+        return {"": result.load}
+    return {s.of.name: s.balls.load for s in result.sets if s.balls is not None}
+
+
+def _lives(cycle: DutyCycle, name: str, each: Sequence[OfSet | None]) -> Lives:
+    """Lives of a set; each: in every case, None where it has no loads."""
+    rated, words = cycle_life(cycle, name, [None if own is None else own.load for own in each])
+    if rated is None:
+        return Lives(rated, words, None, words, name)
+    used = [(own, case.share) for own, case in zip(each, cycle.cases, strict=True) if own is not None and case.share > 0.0]
+    parts, shares, forces = [own.parts for own, _ in used], [share for _, share in used], [own.force for own, _ in used]
     try:
-        found = equivalent_life([c.scene for c, _ in used], [c.share for c, _ in used], forces, preload)
+        found = equivalent_life(parts, shares, forces, max(own.preload for own, _ in used))
     except ValueError as error:
-        return None, str(error)
-    return found, "" if found is not None else "no load"
+        return Lives(rated, words, None, str(error), name)
+    return Lives(rated, words, found, "" if found is not None else "no load", name)
 
 
 def _extreme(pick: Callable[..., tuple[float, str]], values: Iterable[tuple[LoadCase, float | None]]) -> Extreme | None:

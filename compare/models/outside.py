@@ -14,13 +14,13 @@ def outside(scene: Scene, loads: LoadAnswers, preload: float) -> Iterator[Warned
     """Static safety below one, and a preload [N] beyond the dynamic load rating."""
     if loads.safety is not None and loads.safety.factor < 1.0:
         factor = f"{loads.safety.factor:.3g}"
-        words = "hardened steel keeps a lasting dent, of which neither life nor friction knows"
+        words = "hardened steel keeps a permanent dent, which life and friction do not take into account"
         yield Warned("safety", f"static safety of {factor}, below 1: {words}", f"static safety {factor}, below 1")
     try:
         C = rating(scene)
     except ValueError:  # said with the answers
         return
     if preload > C:
-        words = "the life is that of the preload, and catalogues stop at 8 % of it"
+        words = "the preload alone sets the life; catalogues stop at 8 % of the rating"
         text = f"preload of {preload:.4g} N, beyond the dynamic load rating of {C:.4g} N: {words}"
         yield Warned("preload", text, f"preload {preload:.4g} N, above C = {C:.4g} N")

@@ -37,6 +37,19 @@ class SetOf:
         """Of the set."""
         return self.assembly.sets[self.number].name
 
+    @property
+    def scene(self) -> Scene:
+        """Its parts as a scene under the name of both. Raises ValueError for rollers."""
+        parts = self.assembly.sets[self.number].parts
+        if not isinstance(parts, Scene):
+            raise ValueError(f"{self.name} has no balls")
+        return replace(parts, name=re.sub(r"[^\w.-]+", "-", f"{self.assembly.name}-{self.name}"))
+
+    @property
+    def contacts(self) -> int:
+        """How many contacts the nominal set loads."""
+        return _contacts(self.assembly)[self.number]
+
 
 @dataclass(frozen=True)
 class Referenced:
@@ -45,6 +58,16 @@ class Referenced:
     scene: Scene
     found: Reference
     of: SetOf | None = None
+
+    @property
+    def described(self) -> str:
+        """Name of the scene that it is of, or that its set is of."""
+        return self.scene.name if self.of is None else self.of.assembly.name
+
+    @property
+    def set(self) -> str:
+        """Name of the set, empty where it is the only one."""
+        return "" if self.of is None else self.of.name
 
 
 @dataclass(frozen=True)
@@ -70,13 +93,12 @@ def referenced_by(described: Solvable, runs: tuple[Run, ...]) -> list[Referenced
     """The reference of runs, coarse to fine, set by set."""
     if isinstance(described, Scene):
         return [Referenced(described, reference_of(described.name, described, runs, contacts=nominal_contacts(described)))]
-    out, counts = [], _contacts(described)
-    for k, (s, own) in enumerate(zip(described.sets, balls_of(described), strict=True)):
-        assert isinstance(s.parts, Scene)
+    out = []
+    for k, own in enumerate(balls_of(described)):
+        one = SetOf(described, k)
         of_set = tuple(replace(r, load=r.load[own], angle=r.angle[own], frozen=r.frozen[own]) for r in runs)
-        found = reference_of(f"{described.name}, {s.name}", s.parts, of_set, contacts=counts[k])
-        stem = re.sub(r"[^\w.-]+", "-", f"{described.name}-{s.name}")
-        out.append(Referenced(replace(s.parts, name=stem), found, SetOf(described, k)))
+        found = reference_of(f"{described.name}, {one.name}", one.scene, of_set, contacts=one.contacts)
+        out.append(Referenced(one.scene, found, one))
     return out
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from rollbench.comparison import __version__
 from rollbench.comparison.reference.levels import LEVELS
-from rollbench.comparison.reference.sets import recorded, refused, set_ups
+from rollbench.comparison.reference.sets import SetUp, recorded, refused, set_ups
 from rollbench.comparison.reference.store import Run, versions
 from rollbench.comparison.reference.tasks import Task, needed_sides, settings_of
 from rollbench.comparison.reference.variants import VARIANTS
@@ -25,6 +25,7 @@ from rollbench.meshes.parts import Scene
 if TYPE_CHECKING:
     from rollbench.hifi.meshing.settings import Settings
     from rollbench.hifi.setup import Setup
+    from rollbench.hifi.several_sets import AxisReference
 
 Step = Callable[[str], None]
 
@@ -52,8 +53,8 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
     from rollbench.hifi.setup import prepare
     from rollbench.meshes.cache import Cache
 
-    if task.assembly is not None:
-        return [_compute_sets(task, task.assembly, step)], None
+    if task.assemblies:
+        return _compute_sets(task, task.assemblies, step), None
     scenes = task.single
     if task.variant:
         scenes = tuple(VARIANTS[task.variant].change(scene) for scene in scenes)
@@ -83,40 +84,49 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
     return runs, condensed_bodies(setup, task.level) if good and with_bodies(task) else None
 
 
-def _compute_sets(task: Task, assembly: Assembly, step: Step) -> Run:
-    """The run of several sets on one shaft; patches are enlarged as for one set, those of all sets together. Raises Refusal
-    and InputError as `compute_with_bodies`."""
+def _compute_sets(task: Task, assemblies: Sequence[Assembly], step: Step) -> list[Run]:
+    """The runs of load cases of several sets on one shaft; patches are enlarged as for one set, those of all sets together.
+    Raises Refusal and InputError as `compute_with_bodies`."""
     from rollbench.hifi.reference import AT_RIM
     from rollbench.hifi.setup import prepare
     from rollbench.hifi.several_sets import solve_sets
     from rollbench.meshes.cache import Cache
 
-    ups = set_ups(assembly, task.level)
+    ups, names = set_ups(assemblies, task.level), [s.name for s in assemblies[0].sets]
     for attempt in range(ENLARGE + 1):
         by_set: dict[int, Setup] = {}
         try:
             for up in ups:
-                step(f"bodies of {', '.join(assembly.sets[k].name for k in up.sets)}")
+                step(f"bodies of {', '.join(names[k] for k in up.sets)}")
                 setup = prepare(up.bodies, up.sides, up.settings, step, cache=Cache(task.cache), processes=task.processes)
                 by_set |= dict.fromkeys(up.sets, setup)
-            setups = [by_set[k] for k in range(len(assembly.sets))]
-            found = solve_sets(assembly, setups, [s.sides for s in setups], frozen=True, step=step)
+            setups = [by_set[k] for k in range(len(names))]
+            sides = [s.sides for s in setups]
+            found = [solve_sets(assembly, setups, sides, frozen=True, step=step) for assembly in assemblies]
         except MemoryError as error:
             raise out_of_memory(error) from error
         except ValueError as error:
-            raise refused(assembly, error) from error
-        if found.status != AT_RIM or attempt == ENLARGE:
+            raise refused(assemblies[0], error) from error
+        full = [one for one in found if one.status == AT_RIM]
+        if not full or attempt == ENLARGE:
             break
         larger = []
         for up in ups:
-            loads = [found.sets[k] for k in up.sets]
+            loads = [one.sets[k] for one in full for k in up.sets]
             settings, why = enlarged(by_set[up.sets[0]], [(s.load, s.angle) for s in loads], max(0, ENLARGE - 1 - attempt))
             larger.append(up if settings is None else replace(up, settings=settings))
         if tuple(larger) == ups:
-            found = replace(found, status=f"{AT_RIM}: {why}")
+            found = [replace(one, status=f"{AT_RIM}: {why}") if one.status == AT_RIM else one for one in found]
             break
         ups = tuple(larger)
         step("a contact reaches the rim of its patch, larger patches")
+    return [_run_of_sets(task, *own, setups, ups, step) for own in zip(assemblies, found, strict=True)]
+
+
+def _run_of_sets(
+    task: Task, assembly: Assembly, found: AxisReference, setups: Sequence[Setup], ups: Sequence[SetUp], step: Step
+) -> Run:
+    """The run of one load case of several sets."""
     step(f"contact loads: {found.seconds:.1f} s, {assembly.name} {found.status}")
     shared = list({id(s): s for s in setups}.values())
     return Run(
@@ -200,7 +210,7 @@ def enlarged(setup: Setup, found: Sequence[tuple[Array, Array]], left: int) -> t
 
 def with_bodies(task: Task) -> bool:
     """Whether a task also stores its bodies, condensed to the contacts: one set, base variant on a regular mesh level."""
-    return task.assembly is None and not task.variant and task.level in LEVELS
+    return not task.assemblies and not task.variant and task.level in LEVELS
 
 
 def _one(task: Task, number: int, scene: Scene, setup: Setup, sides: tuple[int, ...], step: Step) -> Run:

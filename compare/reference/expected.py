@@ -46,10 +46,10 @@ class Expected:
 
 def expected(task: Task) -> Expected:
     """What a task will take."""
-    if task.assembly is None:
+    if not task.assemblies:
         made = [len({s for scene in task.single for s in needed_sides(scene)}) * task.scenes[0].ball_count]
     else:
-        made = [len(up.sides) * up.bodies.ball_count for up in set_ups(task.assembly, task.level)]
+        made = [len(up.sides) * up.bodies.ball_count for up in set_ups(task.assemblies, task.level)]
     contacts = sum(made)
     times = len(task.scenes) * (6 if task.ablate else 1)
     stages = {name: GROWTH[task.level] * A_CONTACT.get(name, 0.0) * contacts for name in STAGES}

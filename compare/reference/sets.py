@@ -17,6 +17,7 @@ from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
+    from rollbench.hifi.meshing.expected import ExpectedContacts
     from rollbench.hifi.meshing.settings import Settings
 
 
@@ -48,28 +49,44 @@ def no_bodies(assembly: Assembly) -> str:
     return ""
 
 
-def set_ups(assembly: Assembly, level: int) -> tuple[SetUp, ...]:
-    """The set-ups of an assembly on a mesh level. A set that is expected to carry nothing is meshed for a tenth of the mean
-    contact load of the others. Raises Refusal for sets without 3D bodies, and where no contacts can be expected."""
+def stations(assembly: Assembly) -> tuple[float, ...]:
+    """Stations [m] of supports and loads: the 3D shaft has freedoms there."""
+    return tuple(sorted({*(x.at for x in assembly.supports), *(x.at for x in assembly.loads)}))
+
+
+def _expected(assembly: Assembly, bodies: Sequence[Scene]) -> tuple[ExpectedContacts, ...]:
+    """Contacts to expect of each set; of one that carries nothing as of a tenth of the mean contact load of the others.
+    Raises Refusal where none can be expected."""
     from rollbench.hifi.meshing.expected import carrying, expected_by_set
+
+    try:
+        found = expected_by_set(assembly)
+        carried = np.concatenate([e.load[e.load > 0.0] for e in found])
+        light = 0.1 * float(carried.mean()) if carried.size else 0.0
+        return tuple(e if e.load.any() else carrying(own, e, light) for own, e in zip(bodies, found, strict=True))
+    except ValueError as error:
+        raise refused(assembly, error) from error
+
+
+def set_ups(assemblies: Sequence[Assembly], level: int) -> tuple[SetUp, ...]:
+    """The set-ups on a mesh level that load cases of the same sets share. Raises Refusal for sets without 3D bodies, and
+    where no contacts can be expected."""
     from rollbench.hifi.meshing.settings import Settings, rounded
     from rollbench.hifi.several_sets import bodies_of
 
     try:
-        bodies, found = [b.bodies for b in bodies_of(assembly)], expected_by_set(assembly)
-        carried = np.concatenate([e.load[e.load > 0.0] for e in found])
-        light = 0.1 * float(carried.mean()) if carried.size else 0.0
-        found = tuple(e if e.load.any() else carrying(own, e, light) for own, e in zip(bodies, found, strict=True))
+        bodies = [b.bodies for b in bodies_of(assemblies[0])]
     except ValueError as error:
-        raise refused(assembly, error) from error
+        raise refused(assemblies[0], error) from error
+    found = [*zip(*(_expected(assembly, bodies) for assembly in assemblies), strict=True)]
     shared: dict[tuple[Scene, tuple[int, ...]], list[int]] = {}
-    for k, (own, e) in enumerate(zip(bodies, found, strict=True)):
-        sides = tuple(sorted({side for touching in e.sides() for side in (touching, 3 - touching)}))
+    for k, own in enumerate(bodies):
+        sides = tuple(sorted({side for e in found[k] for touching in e.sides() for side in (touching, 3 - touching)}))
         shared.setdefault((own, sides), []).append(k)
     out = []
     for (own, sides), sets in shared.items():
         sizes = scaled(level, own.balls.radius, ())
-        semi, reach = ([rounded(getattr(found[k], name)()) for k in sets] for name in ("semi", "reach"))
+        semi, reach = ([rounded(getattr(e, name)()) for k in sets for e in found[k]] for name in ("semi", "reach"))
         sizes["semi"] = (min(a for a, _ in semi), min(b for _, b in semi))
         sizes["reach"] = (max(a for a, _ in reach), max(b for _, b in reach))
         sizes["element"] = "P1" if level == SOURCE_LEVEL else "Q2"
@@ -92,7 +109,7 @@ def recorded(ups: Sequence[SetUp]) -> dict[str, Any]:
 def serves_sets(assembly: Assembly, level: int, settings: Mapping[str, Any]) -> bool:
     """Whether the meshes of a run serve an assembly: cells at least as fine, patches as large, all sides that may touch."""
     try:
-        wanted = recorded(set_ups(assembly, level))["sets"]
+        wanted = recorded(set_ups([assembly], level))["sets"]
     except Refusal:
         return False
     found = settings.get("sets", ())

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.reference.levels import LEVELS, SOURCE_LEVEL, scaled
-from rollbench.comparison.reference.sets import refused, serves_sets
+from rollbench.comparison.reference.sets import refused, serves_sets, stations
 from rollbench.comparison.reference.variants import VARIANTS
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.canonical import Fields, canonical
@@ -33,16 +33,21 @@ def needed_sides(scene: Scene) -> tuple[int, ...]:
         raise refused(scene, error) from error
 
 
-def geometry_of(scene: Scene) -> tuple[Any, ...]:
+def geometry_of(scene: Solvable) -> tuple[Any, ...]:
     """What scenes must share to share a set-up."""
+    if isinstance(scene, Assembly):
+        each = (
+            (s.parts if not isinstance(s.parts, Scene) else geometry_of(s.parts), s.position, s.carrier) for s in scene.sets
+        )
+        return (*each, scene.screw, scene.thermal_strain, stations(scene))
     return scene.track, scene.screw, scene.nut, scene.balls, scene.solid, scene.ingredients.screw
 
 
 def groups(scenes: Sequence[Solvable]) -> list[list[Solvable]]:
-    """Scenes of one geometry together, in order; several sets on one shaft stand alone."""
+    """Scenes of one geometry together, in order."""
     found: dict[object, list[Solvable]] = {}
     for scene in scenes:
-        found.setdefault(scene if isinstance(scene, Assembly) else geometry_of(scene), []).append(scene)
+        found.setdefault(geometry_of(scene), []).append(scene)
     return list(found.values())
 
 
@@ -107,7 +112,7 @@ def plain(settings: Mapping[str, Any]) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Task:
-    """One set-up and its load cases: scenes of one geometry on one level, with a variant, or several sets on one shaft;
+    """One set-up and its load cases: scenes of one geometry, of one set or several, on one level, with a variant;
     ``ablate``: also leave out every ingredient in turn; ``cache``: folder of the mesh cache; ``processes`` that one set-up
     may use; ``cut_cells``: element size of the shafts that say what a cut does, over the level's."""
 
@@ -120,9 +125,9 @@ class Task:
     cut_cells: float = 1.0
 
     @property
-    def assembly(self) -> Assembly | None:
-        """The several sets on one shaft that it is for; None for scenes of one set."""
-        return self.scenes[0] if isinstance(self.scenes[0], Assembly) else None
+    def assemblies(self) -> tuple[Assembly, ...]:
+        """Its scenes of several sets on one shaft."""
+        return tuple(scene for scene in self.scenes if isinstance(scene, Assembly))
 
     @property
     def single(self) -> tuple[Scene, ...]:

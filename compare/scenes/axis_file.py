@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 from rollbench.comparison.scenes.arrangement import arrangement_faults, bearings_of, with_conformity
-from rollbench.comparison.scenes.axis_schema import AxisKeys, HousingKeys, SetKeys, StiffKeys
+from rollbench.comparison.scenes.axis_schema import AxisCaseKeys, AxisKeys, CaseHousingKeys, HousingKeys, SetKeys, StiffKeys
 from rollbench.comparison.scenes.body_checks import geometry_faults
 from rollbench.comparison.scenes.fault import TOLERANCE, Fault, mm
 from rollbench.comparison.scenes.key_checks import choice_faults, friction_choice_faults
+from rollbench.comparison.scenes.load_cases import DutyCycle, case_faults, duty_cycle, of_case
 from rollbench.comparison.scenes.preload import force_of
 from rollbench.comparison.scenes.quantity import ShareOfRating
 from rollbench.comparison.scenes.records import friction_of, load_of, material_of, scene_of, support_of, vector
@@ -30,12 +31,41 @@ USUAL = 0.52
 NONE = diagonal((0.0,) * 6)
 
 
-def read_axis(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> Assembly | Scene:
-    """The assembly of keys; a single set of balls that stands and is not preloaded by an offset is a plain scene.
+def read_axis(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> Assembly | Scene | DutyCycle:
+    """The assembly of keys, or its load cases; a single set of balls that stands and is not preloaded by an offset is a
+    plain scene.
 
     Raises SceneError.
     """
-    refuse(origin, raw, list(_choice_faults(keys)))
+    parts = _parts(keys, raw, origin, name)
+    if not keys.cases:
+        return parts
+    cycle = duty_cycle(parts, keys.cases)
+    each = zip(cycle.cases, keys.cases, strict=True)
+    cycle = replace(cycle, cases=tuple(replace(case, scene=_on_housings(case.scene, own)) for case, own in each))
+    refuse(origin, raw, [of_case(f, k) for k, case in enumerate(cycle.cases) for f in _case_faults(case.scene)])
+    return cycle
+
+
+def _on_housings(scene: Scene | Assembly, keys: AxisCaseKeys) -> Scene | Assembly:
+    """A case with its own loads on housings."""
+    if isinstance(scene, Scene):
+        return scene
+    given = {h.name: (vector(h.force), vector(h.moment)) for h in keys.housings}
+    pairs = ((h, *given.get(h.name, (h.force, h.moment))) for h in scene.housings)
+    return replace(scene, housings=tuple(replace(h, force=force, moment=moment) for h, force, moment in pairs))
+
+
+def _case_faults(scene: Scene | Assembly) -> Iterator[Fault]:
+    """Bodies of sets that cannot be built in a case."""
+    for one in (scene,) if isinstance(scene, Scene) else (s.parts for s in scene.sets):
+        if isinstance(one, Scene):
+            yield from geometry_faults(one)
+
+
+def _parts(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> Assembly | Scene:
+    """What the sets stand on and in, under the scene's own loads."""
+    refuse(origin, raw, [*_choice_faults(keys), *case_faults(keys)])
     sets = tuple(_set(keys, i, raw, origin) for i in range(len(keys.sets)))
     refuse(origin, raw, list(_place_faults(keys, sets)))
     if _single(keys):
@@ -104,7 +134,8 @@ def _choice_faults(keys: AxisKeys) -> Iterator[Fault]:
     for i, one in enumerate(keys.sets):
         yield from _set_faults(keys, i, one)
     names = [h.name for h in keys.housings]
-    for table, given in (("sets", [s.name for s in keys.sets]), ("housings", names)):
+    of_cases = [(f"cases[{k}].housings", [h.name for h in case.housings]) for k, case in enumerate(keys.cases)]
+    for table, given in (("sets", [s.name for s in keys.sets]), ("housings", names), *of_cases):
         for i, own in enumerate(given):
             if own in given[:i]:
                 yield Fault((f"{table}[{i}].name",), "a name of its own", "results are told apart by it: change one")
@@ -112,6 +143,7 @@ def _choice_faults(keys: AxisKeys) -> Iterator[Fault]:
     asked: list[tuple[str, str | None]] = [(f"sets[{i}].housing", s.housing) for i, s in enumerate(keys.sets)]
     asked += [(f"sets[{i}].carrier", s.carrier) for i, s in enumerate(keys.sets)]
     asked += [(f"joints[{i}].between", name) for i, j in enumerate(keys.joints) for name in j.between]
+    asked += [(f"{table}[{i}].name", name) for table, given in of_cases for i, name in enumerate(given)]
     asked.append(("stiffness.housing", keys.stiffness.housing))
     for where, name in asked:
         if name is not None and name not in names:
@@ -253,6 +285,7 @@ def _place_faults(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[Fault]
     stations = [
         (f"{n}[{i}].at", x.at) for n in ("supports", "loads", "housings", "joints") for i, x in enumerate(getattr(keys, n))
     ]
+    stations += [(f"cases[{k}].loads[{i}].at", x.at) for k, c in enumerate(keys.cases) for i, x in enumerate(c.loads or ())]
     stations += [(f"sets[{i}].position", s.position) for i, s in enumerate(sets) if s.kind == "tapered roller bearing"]
     stations += [(f"screw.plain[{i}].end", p.end) for i, p in enumerate(keys.screw.plain)]
     if keys.stiffness.at is not None:
@@ -267,10 +300,14 @@ def _place_faults(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[Fault]
         if p.bore >= p.diameter:
             yield Fault((f"screw.plain[{i}].bore",), f"below {mm(p.diameter)}", "leave material around the hole")
         end = max(end, p.end)
-    for i, h in enumerate(keys.housings):
-        if set(h.fix) == set(FREEDOMS) and (any(h.force) or any(h.moment)):
-            yield Fault((f"housings[{i}].force",), "no load on a housing that is held", "free a freedom, or leave it out")
     stands = {h.name for h in keys.housings if set(h.fix) == set(FREEDOMS)}
+    given: list[tuple[str, HousingKeys | CaseHousingKeys]] = [
+        (f"housings[{i}].force", h) for i, h in enumerate(keys.housings)
+    ]
+    given += [(f"cases[{k}].housings[{i}].force", h) for k, c in enumerate(keys.cases) for i, h in enumerate(c.housings)]
+    for where, h in given:
+        if h.name in stands and (any(h.force) or any(h.moment)):
+            yield Fault((where,), "no load on a housing that is held", "free a freedom, or leave it out")
     for i, one in enumerate(keys.sets):
         if one.carrier in stands:
             yield Fault((f"sets[{i}].carrier",), "a housing that can move", "free a freedom of it, or leave the set out")

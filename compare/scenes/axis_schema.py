@@ -26,6 +26,7 @@ from rollbench.comparison.scenes.keys import (
 from rollbench.comparison.scenes.quantity import ForceOrShare, Quantity, ShareOfRating, key
 from rollbench.comparison.scenes.schema import (
     BallKeys,
+    CaseKeys,
     DisplaceKeys,
     ErrorKeys,
     FrictionKeys,
@@ -203,8 +204,28 @@ class AxisIngredientKeys(Table):
     )
 
 
+class CaseHousingKeys(Table):
+    """Loads on one of the scene's housings in a case."""
+
+    name: Name = key("name of the housing in the scene", example="carriage")
+    force: Annotated[list[Force], Field(min_length=3, max_length=3)] = key(
+        "force on it along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"]
+    )
+    moment: Annotated[list[Moment], Field(min_length=3, max_length=3)] = key(
+        "moment on it about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"]
+    )
+
+
+class AxisCaseKeys(CaseKeys):
+    """One of several load cases of the same parts; an oversize is that of the balls of every set."""
+
+    housings: Annotated[list[CaseHousingKeys], Field(max_length=100)] = key(
+        "loads on housings in place of the scene's", [], [{"name": "carriage", "force": ["0 N", "0 N", "5 kN"]}]
+    )
+
+
 class AxisKeys(HeadKeys):
-    """One load case of one shaft with several rolling sets: nuts, bearings, housings."""
+    """One shaft with several rolling sets, nuts, bearings, housings, in one load case or several."""
 
     kind: Literal["axis"] = key("what is described", "axis", "axis")
     material: MaterialKeys = key("material of every part that gives none", MaterialKeys(), MATERIAL)
@@ -221,6 +242,9 @@ class AxisKeys(HeadKeys):
     )
     loads: Annotated[list[LoadKeys], Field(max_length=1000)] = key(
         "loads on the shaft", [], [{"at": "0 mm", "force": ["0 N", "0 N", "5 kN"]}]
+    )
+    cases: Annotated[list[AxisCaseKeys], Field(max_length=1000)] = key(
+        "load cases of the same parts", [], [{"name": "cutting", "share": 1.0}]
     )
     stiffness: AskedKeys = key("where the stiffness is asked for", AskedKeys(), {"housing": "carriage"})
     heat: HeatKeys | None = key("warming of the shaft", None, {"warming": "10 K", "expansion": 11.5e-6})

@@ -5,13 +5,17 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rollbench.comparison.scenes.fault import Fault, mm
 from rollbench.comparison.scenes.records import load_of
 from rollbench.comparison.scenes.schema import CaseKeys, SceneKeys
+from rollbench.meshes.axis import Assembly
 from rollbench.meshes.partition import MERGE
-from rollbench.meshes.parts import Motion, Scene, Support
+from rollbench.meshes.parts import Errors, Motion, Scene, Support
+
+if TYPE_CHECKING:
+    from rollbench.comparison.scenes.axis_schema import AxisKeys
 
 #: Largest distance of the sum of shares from 1: shares are written with a few digits.
 ROUNDED = 1e-6
@@ -20,12 +24,12 @@ ROUNDED = 1e-6
 @dataclass(frozen=True)
 class LoadCase:
     """One load case. share: of the revolutions, 0 where it is checked statically only; speed: of the turning part [rad/s],
-    None where the shares are given; scene: the parts under its loads, supports and oversize."""
+    None where the shares are given; scene: the parts, of one set or several, under its loads, supports and oversize."""
 
     name: str
     share: float
     speed: float | None
-    scene: Scene
+    scene: Scene | Assembly
 
 
 @dataclass(frozen=True)
@@ -33,7 +37,7 @@ class DutyCycle:
     """A scene with several load cases, in the order of the file. parts: the scene without them; speed: mean speed of the
     turning part [rad/s], None where neither the cases nor the scene give one."""
 
-    parts: Scene
+    parts: Scene | Assembly
     cases: tuple[LoadCase, ...]
     speed: float | None
 
@@ -51,6 +55,13 @@ class DutyCycle:
     def assumed(self) -> tuple[str, ...]:
         """Of the scene."""
         return self.parts.assumed
+
+    @property
+    def sets(self) -> dict[str, Scene]:
+        """Parts of each set of balls by name; of the only one without a name."""
+        if isinstance(self.parts, Scene):
+            return {"": self.parts}
+        return {s.name: s.parts for s in self.parts.sets if isinstance(s.parts, Scene)}
 
     @property
     def shares(self) -> tuple[float, ...]:
@@ -77,7 +88,7 @@ def cases_by_name(described: Iterable[object]) -> dict[str, CaseOf]:
     return {case.scene.name: CaseOf(cycle, case) for cycle in cycles for case in cycle.cases}
 
 
-def duty_cycle(scene: Scene, keys: Sequence[CaseKeys]) -> DutyCycle:
+def duty_cycle(scene: Scene | Assembly, keys: Sequence[CaseKeys]) -> DutyCycle:
     """The record of faultless cases of a scene.
 
     Shares follow from times and speeds: revolutions of a case over those of the cycle, whichever way it turns.
@@ -90,22 +101,28 @@ def duty_cycle(scene: Scene, keys: Sequence[CaseKeys]) -> DutyCycle:
     return DutyCycle(scene, tuple(cases), speed)
 
 
-def _scene(scene: Scene, keys: CaseKeys) -> Scene:
+def _scene(scene: Scene | Assembly, keys: CaseKeys) -> Scene | Assembly:
     """The scene in one case, under a name of its own: stored runs and files are told apart by it."""
-    balls = scene.errors.balls
-    if keys.oversize is not None:
-        balls = replace(balls, oversize=keys.oversize)
     motion = scene.motion
     if keys.speed is not None:
         motion = Motion(keys.speed) if motion is None else replace(motion, speed=keys.speed)
-    return replace(
+    own = replace(
         scene,
         name=f"{scene.name}-{keys.name}",
         loads=scene.loads if keys.loads is None else tuple(map(load_of, keys.loads)),
         supports=tuple(_displaced(s, keys) for s in scene.supports),
-        errors=replace(scene.errors, balls=balls),
         motion=motion,
     )
+    if isinstance(own, Scene):
+        return replace(own, errors=_errors(own, keys))
+    each = ((s, s.parts) for s in own.sets)
+    sets = (replace(s, parts=replace(p, errors=_errors(p, keys))) if isinstance(p, Scene) else s for s, p in each)
+    return replace(own, sets=tuple(sets))
+
+
+def _errors(scene: Scene, keys: CaseKeys) -> Errors:
+    oversize = scene.errors.balls.oversize if keys.oversize is None else keys.oversize
+    return replace(scene.errors, balls=replace(scene.errors.balls, oversize=oversize))
 
 
 def _displaced(support: Support, keys: CaseKeys) -> Support:
@@ -116,7 +133,7 @@ def _displaced(support: Support, keys: CaseKeys) -> Support:
     return replace(support, fixed=tuple((name, moved.get(name, value)) for name, value in support.fixed))
 
 
-def case_faults(keys: SceneKeys) -> Iterator[Fault]:
+def case_faults(keys: SceneKeys | AxisKeys) -> Iterator[Fault]:
     """Names, shares and supports of the cases that do not fit together."""
     names = [case.name for case in keys.cases]
     for k, case in enumerate(keys.cases):
@@ -157,7 +174,7 @@ def _share_faults(case: CaseKeys, where: str) -> Iterator[Fault]:
         yield Fault((f"{where}.speed",), "any angular speed but zero", advice)
 
 
-def _support_faults(keys: SceneKeys, case: CaseKeys, where: str) -> Iterator[Fault]:
+def _support_faults(keys: SceneKeys | AxisKeys, case: CaseKeys, where: str) -> Iterator[Fault]:
     """A case displaces freedoms that the scene's supports hold, each once."""
     seen: set[tuple[int, str]] = set()
     for j, other in enumerate(case.supports):

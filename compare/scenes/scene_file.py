@@ -67,7 +67,7 @@ def each_case(scene: Described, origin: str) -> list[Scene] | list[Assembly]:
     """The scenes to be solved for one that is described: one, or that of every load case in order. Raises SceneError as
     `whole`."""
     if isinstance(scene, DutyCycle):
-        return [case.scene for case in scene.cases]
+        return [case.scene for case in scene.cases]  # type: ignore[return-value]
     found = solvable(scene, origin)
     return [found]  # type: ignore[return-value]
 
@@ -119,7 +119,7 @@ def read_tables(raw: dict[str, Any], origin: str) -> Described:
     return of.record(keys, escaped(Path(origin).stem))
 
 
-def _read_axis(raw: dict[str, Any], origin: str) -> Scene | Assembly:
+def _read_axis(raw: dict[str, Any], origin: str) -> Scene | Assembly | DutyCycle:
     from rollbench.comparison.scenes.axis_file import read_axis
 
     return read_axis(_axis_keys(raw, origin), raw, origin, Path(origin).stem)
@@ -178,7 +178,9 @@ def of_tables(raw: dict[str, Any], origin: str) -> Scene | DutyCycle:
     if not keys.cases:
         return scene
     cycle = duty_cycle(scene, keys.cases)
-    refuse(origin, raw, [of_case(f, k) for k, case in enumerate(cycle.cases) for f in _body_faults(case.scene)])
+    refuse(
+        origin, raw, [of_case(f, k) for k, case in enumerate(cycle.cases) for f in _body_faults(whole(case.scene, origin))]
+    )
     return cycle
 
 

@@ -28,6 +28,7 @@ from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.reference.grid_summary import uncertainty_percent
 from rollbench.comparison.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
 from rollbench.comparison.reference.store import Run, load
+from rollbench.comparison.sections.curves import lateral
 from rollbench.comparison.sections.reference_time import time_items
 from rollbench.meshes.parts import SIDES
 from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
@@ -196,25 +197,9 @@ def line_figure(study: Study, found: References) -> Figure:
     for name, ref in found.items():
         low = answer(study, name, "refined")
         line = ref.best.centreline
-        series = []
-        for k, axis in ((0, "x"), (1, "y")):
-            series.append(
-                Series(
-                    f"u{axis}, refined model",
-                    [1e3 * float(z) for z in low.stations],
-                    [1e6 * float(v) for v in low.line[:, k]],
-                    "line",
-                )
-            )
-            series.append(
-                Series(
-                    f"u{axis}, 3D reference",
-                    [1e3 * float(z) for z in line[:, 0]],
-                    [1e6 * float(v) for v in line[:, 1 + k]],
-                    "markers",
-                    emphasis=True,
-                )
-            )
+        model = lateral(low.stations, low.line, "u{}, refined model")
+        solid = lateral(line[:, 0], line[:, 1:], "u{}, 3D reference", "markers", emphasis=True)
+        series = (x for pair in zip(model, solid, strict=True) for x in pair)
         panels.append(Panel(name, "station / mm", "displacement / µm", tuple(series)))
     return Figure("reference-centreline", "Lateral displacement of the centreline", tuple(panels))
 

@@ -95,7 +95,7 @@ class Shaft:
     homogenised: Homogenised | None
 
 
-def _with_modes(
+def with_modes(
     material: Material,
     mesh: Mesh,
     sockets: Sequence[Socket],
@@ -115,7 +115,7 @@ def ball_compliance(
     """How one ball couples the contacts of all its sides, rigid motions held isostatically (its loads balance)."""
     own = {s: p.ball for s, p in patches.items()}
     sockets = [Socket(mesh.socket_nodes[s], np.eye(3), s) for s in own]
-    K, rows, kept = _with_modes(material, mesh.mesh, sockets, own, settings.ball_modes, settings)
+    K, rows, kept = with_modes(material, mesh.mesh, sockets, own, settings.ball_modes, settings)
     held = isostatic(mesh.points, np.concatenate([s.nodes for s in sockets]))
     free = np.setdiff1d(np.arange(K.shape[0]), held)
     G = compliance(condense(K, D=held, expand=False), rows[:, free])
@@ -157,7 +157,7 @@ def screw_response(
     """The 3D stretch of the screw between its ``ends``, held at its base; ``inside``: stations of supports and loads
     within it."""
     places = sockets_of(layout, sides, True)
-    K, modes, kept = _with_modes(material, mesh.mesh, placed(mesh, places), own, settings.modes, settings)
+    K, modes, kept = with_modes(material, mesh.mesh, placed(mesh, places), own, settings.modes, settings)
     low, high = ends
     bore = dims.screw_held == "bore"
     T = screw_transform(mesh, dims, high)
@@ -235,7 +235,7 @@ def nut_response(
 ) -> NutResponse:
     """Response of the nut held where ``dims`` says."""
     sockets = placed(mesh, sockets_of(layout, sides, False))
-    K, rows, kept = _with_modes(material, mesh.mesh, sockets, own, settings.modes, settings)
+    K, rows, kept = with_modes(material, mesh.mesh, sockets, own, settings.modes, settings)
     T = nut_transform(mesh, dims)
     K = (T.T @ K @ T).tocsc()
     rigid = np.asarray(rows @ rigid_modes(mesh.points, np.zeros(3)))

@@ -66,7 +66,9 @@ def _places(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[
     radius = problem.scene.balls.radius
     off = loaded & ((gamma < low) | (gamma > high))
     if off.any():
-        notes.append(f"{int(off.sum())} contact(s) lie beyond the groove's arc (apex or land edge): not valid there")
+        notes.append(
+            f"{int(off.sum())} contact(s) lie beyond the groove's arc (apex or land edge), where the model does not hold"
+        )
     semi_axis = nominal_hertz(problem.scene).C_a * np.cbrt(force)  # the long axis lies across the groove
     half = semi_axis / problem.drawn.radius
     cut = loaded & ~off & ((gamma - half < low) | (gamma + half > high))
@@ -77,7 +79,7 @@ def _places(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[
             f"{worst // 4 + 1}: pressure is higher there than Hertz's, and so is the approach"
         )
     if float(np.abs(shift).max(initial=0.0)) > 0.1 * radius:
-        notes.append("a ball moves by more than a tenth of its radius: small-displacement theory is left")
+        notes.append("a ball moves by more than a tenth of its radius: small-displacement theory no longer holds")
     return [Warned("place", note) for note in notes]
 
 
@@ -121,8 +123,8 @@ def contact_warnings(pressure: Array, semi_axis: Array, radius: float) -> list[W
         allowed, most = f"{1e-9 * DENT_PRESSURE:g} GPa", f"{1e-9 * float(pressure.max()):.3g} GPa"
         text = (
             f"contact pressure too high: {int(beyond.sum())} contact(s) above {allowed}, up to {most} on ball {ball}; "
-            "hardened steel keeps a dent of more than 1e-4 of the ball's diameter there (ISO 76), and the loads are those "
-            "of elastic bodies"
+            "hardened steel keeps a dent of more than 1e-4 of the ball's diameter there (ISO 76), and the computed loads "
+            "assume elastic bodies"
         )
         notes.append(Warned("pressure", text, f"contact pressure {most}, above {allowed}"))
     return notes
@@ -177,7 +179,7 @@ def profile_warning(solved: SolvedState, gamma: Array) -> list[Warned]:
     text = (
         f"the contact pattern is not unique: at ball {found[0] + 1} the groove's profile error shifts the flank's centre "
         f"of curvature by {100.0 * found[2]:.3g} % of its distance from the ball's, so that it may touch that flank in "
-        "more than one place, of which the model has one"
+        "more than one place; the model finds one of them"
     )
     return [Warned("profile", text)]
 
@@ -210,8 +212,5 @@ def _rotation(z: Array, motion: Array) -> list[Warned]:
         return []
     at = int(size.argmax())
     most, small = f"{1e3 * size[at]:.3g} mrad", f"{1e3 * SMALL_ROTATION:g} mrad"
-    text = (
-        f"a section of the screw turns by {most} (at {1e3 * z[at]:.4g} mm): rotations beyond {small} are not small, and "
-        "the beam is linear"
-    )
+    text = f"a section of the screw turns by {most} (at {1e3 * z[at]:.4g} mm): the linear beam holds up to {small}"
     return [Warned("rotation", text, f"rotations of {most}, above {small}")]

@@ -4,25 +4,32 @@ from importlib import import_module
 
 from cyclopts import App
 
-from rollbench.comparison.commands.arguments import machine, many, reference, scenes, validation
 from rollbench.comparison.commands.arguments.order import arrange
 from rollbench.comparison.commands.arguments.terminal import app
 from rollbench.comparison.registration import registered
 
+#: Modules of this folder and the commands of the core that they add.
+CORE = {
+    "scenes": ("list", "schema", "new", "solve", "condense"),
+    "reference": ("mesh-study", "compare", "export"),
+    "validation": ("report", "verify", "check"),
+    "many": ("audit",),
+    "machine": ("doctor", "completion"),
+}
 #: Commands that tell of all others.
 OF_ALL = ("completion",)
 
 
 def commands(first: str = "") -> App:
-    """The application with its commands; of the wings', the one that the command line begins with; all of them where it
-    begins with none that is known."""
-    wings = {name: module for one in registered().values() for name, module in one.commands.items()}
-    known = first in wings or (first in app and first not in OF_ALL and not first.startswith("-"))
-    for name, module in wings.items():
-        if name == first or not known:
-            import_module(f"rollbench.comparison.{module}")
+    """The application with the command that the command line begins with, all of them where it begins with none that is
+    known, or with one that tells of all."""
+    modules = {name: f"commands.arguments.{module}" for module, names in CORE.items() for name in names}
+    modules |= {name: module for one in registered().values() for name, module in one.commands.items()}
+    wanted = modules if first not in modules or first in OF_ALL else (first,)
+    for name in wanted:
+        import_module(f"rollbench.comparison.{modules[name]}")
     arrange(app)
     return app
 
 
-__all__ = ["app", "commands", "machine", "many", "reference", "scenes", "validation"]
+__all__ = ["CORE", "app", "commands"]

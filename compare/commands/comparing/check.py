@@ -79,12 +79,9 @@ def judged_cases(
     `check_scenes`."""
     cases = cases_by_name(described)
     scenes = [scene for one, name in zip(described, names, strict=True) for scene in each_case(one, name)]
-    out, runs = [], [(scenes, what)]
-    if (
-        what.loads and not (what.values or what.reference) and len(described) == 1 and cases
-    ):  # the file holds the rows of all cases
-        runs = [([scene], replace(what, case=cases[scene.name].case.name)) for scene in scenes]
-    for v in (v for own, asked in runs for v in check_scenes(own, asked, engine, on_terminal, warn)):
+    of_one = {scene: found.case.name for scene, found in cases.items()} if len(described) == 1 else {}
+    out = []
+    for v in check_scenes(scenes, what, engine, on_terminal, warn, of_one):
         found = cases.get(v.scene)
         lost: Word = "not converged" if v.word == "fail" and v.error is None else v.word
         out.append(v if found is None else replace(v, scene=found.cycle.name, case=found.case.name, word=lost))

@@ -17,21 +17,30 @@ def cycles_of(cases: Mapping[str, CaseOf]) -> Iterable[DutyCycle]:
     return {found.cycle.name: found.cycle for found in cases.values()}.values()
 
 
-def together_json(cycle: DutyCycle, each: Mapping[str, Comparison]) -> dict[str, Any]:
-    """Largest error of the model that the verdicts speak of, its case, and the lives over the cycle [10^6 revolutions] of
-    every model and of the reference; null where a case has none."""
-    found = [(case, each[case.scene.name]) for case in cycle.cases]
+#: What is compared of each case and set, by the names of their scene and set.
+Compared = Mapping[tuple[str, str], Comparison]
+
+
+def together_json(cycle: DutyCycle, each: Compared) -> list[dict[str, Any]]:
+    """Of each set: largest error of the model that the verdicts speak of, its case, and the lives over the cycle [10^6
+    revolutions] of every model and of the reference; null where a case has none."""
+    return [_of_set(cycle, name, each) for name in cycle.sets]
+
+
+def _of_set(cycle: DutyCycle, name: str, each: Compared) -> dict[str, Any]:
+    found = [(case, each[case.scene.name, name]) for case in cycle.cases]
     errors = [(whole.spoken.error.max_percent, case.name) for case, whole in found if whole.spoken.error is not None]
     error, worst = max(errors, default=(None, None))
     lives = {}
     for label in ("3D reference", *(b.label for b in found[0][1].models)):
         of_case = [{b.label: b for b in (whole.itself, *whole.models)}.get(label) for _, whole in found]
-        rated, _ = cycle_life(cycle, [None if b is None else b.answer.load for b in of_case])
+        rated, _ = cycle_life(cycle, name, [None if b is None else b.answer.load for b in of_case])
         lives[label] = None if rated is None else number(rated.revolutions)
     own, reference = lives[found[0][1].spoken.label], lives["3D reference"]
     off = None if own is None or reference is None else float(error_percent(own, reference))
     return {
         "scene": cycle.name,
+        **({"set": name} if name else {}),
         "model": found[0][1].spoken.label,
         "largest_error_percent": error,
         "largest_error_case": worst,
@@ -40,9 +49,12 @@ def together_json(cycle: DutyCycle, each: Mapping[str, Comparison]) -> dict[str,
     }
 
 
-def together_lines(cycle: DutyCycle, each: Mapping[str, Comparison]) -> list[str]:
+def together_lines(cycle: DutyCycle, each: Compared) -> list[str]:
     """The same for the terminal."""
-    data = together_json(cycle, each)
+    return [line for data in together_json(cycle, each) for line in ("", _line(data))]
+
+
+def _line(data: dict[str, Any]) -> str:
     lives, off = data["life_million_revolutions"], data["life_error_percent"]
     said = "no life over the duty cycle"
     if off is not None:
@@ -52,4 +64,4 @@ def together_lines(cycle: DutyCycle, each: Mapping[str, Comparison]) -> list[str
         )
     error = data["largest_error_percent"]
     worst = "" if error is None else f"{data['model']} is off most in case {data['largest_error_case']}, {error:.2f} %; "
-    return ["", f"{cycle.name}: {worst}{said}"]
+    return f"{data['scene']}{', ' + data['set'] if 'set' in data else ''}: {worst}{said}"

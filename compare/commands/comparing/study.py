@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +24,7 @@ from rollbench.comparison.commands.comparing.compared_cases import cycles_of, to
 from rollbench.comparison.commands.printing import Answer, on_terminal
 from rollbench.comparison.commands.wrapping import aligned
 from rollbench.comparison.errors import InputError, Refusal
-from rollbench.comparison.gate.user import judged_by
+from rollbench.comparison.gate.user import judged_by, stored_beside
 from rollbench.comparison.models.comparison import compared_models, finest_bodies, rows, suited
 from rollbench.comparison.models.mesh_study import closing, level_rows, quantity_table, study_table
 from rollbench.comparison.models.referenced import Referenced, referenced
@@ -185,7 +185,8 @@ def run_compare(
     cases = cases_by_name(described)
     stores = (store, shipped_store())
     warnings: list[str] = []
-    given = None if reference is None else _given(scenes, reference, levels, warnings, fresh=fresh)
+    names_of = {name: found.case.name for name, found in cases.items()}
+    given = None if reference is None else _given(scenes, reference, levels, warnings, names_of, fresh=fresh)
     without = [s for s in scenes if not referenced(s, stores)] if levels is None and not fresh else scenes
     without = [] if given is not None else without
     failed: list[Run] = []
@@ -201,9 +202,7 @@ def run_compare(
                     on_terminal(f"{one.found.scene}, by level {task.level} alone: {verdict(whole, one.found)}")
 
         failed = ensure(tasks, store, engine, on_terminal, stores, fresh=fresh, stored=first)
-    found = [referenced(scene, stores) for scene in scenes]
-    ours = found[0][0].found if given is not None and found[0] else None
-    found = found if given is None else [[given]]
+    found = [referenced(scene, stores) for scene in scenes] if given is None else given
 
     def each() -> Iterator[tuple[Referenced, Comparison]]:
         """References and what is compared with them, as they are asked for."""
@@ -211,16 +210,17 @@ def run_compare(
             if not sets:
                 raise unconverged(scene.name, failed)
             for one in sets:
+                ours = None if given is None else stored_beside(one, stores)
                 yield one, compared(one.scene, own or suited(scene), one.found, stores, one.of, ours)
 
     def heading(one: Referenced) -> dict[str, Any]:
-        return cases[one.scene.name].keys if one.scene.name in cases else named(one)
+        return named(one) | (cases[one.described].keys if one.described in cases else {})
 
     def parts() -> Iterator[Any]:
         yield from (f"WARNING: {warning}" for warning in warnings)
         told = []
         for one, whole in each():
-            told.append((one.scene.name, whole))
+            told.append(((one.described, one.set), whole))
             yield from (f"{one.found.scene}: {verdict(whole, one.found)}", "", *filter(None, [whole.total.beside]))
             yield from (answers_table(whole), *start_lines(whole), "", compared_table(whole.models, whole.itself), "")
             if balls:
@@ -241,29 +241,38 @@ def run_compare(
             for row in rows(one.scene, b.answer, one.found)
         ]
         told = [(one, answers_json(whole, one.found) | heading(one)) for one, whole in pairs]
-        found: dict[str, Any] = {"scenes": [x for one, x in told if one.scene.name not in cases], "rows": listed}
+        found: dict[str, Any] = {"scenes": [x for one, x in told if one.described not in cases], "rows": listed}
         found |= {"warnings": warnings} if given is not None else {}
         if not cases:
             return found
-        by_name = {one.scene.name: whole for one, whole in pairs}
-        summaries = [together_json(cycle, by_name) for cycle in cycles_of(cases)]
-        return found | {"summary": summaries, "cases": [x for one, x in told if one.scene.name in cases]}
+        by_name = {(one.described, one.set): whole for one, whole in pairs}
+        summaries = [row for cycle in cycles_of(cases) for row in together_json(cycle, by_name)]
+        return found | {"summary": summaries, "cases": [x for one, x in told if one.described in cases]}
 
     return Answer(data, parts(), code_of(one.found for sets in found for one in sets))
 
 
 def _given(
-    scenes: Sequence[Solvable], path: Path, levels: tuple[int, ...] | None, warnings: list[str], *, fresh: bool
-) -> Referenced:
-    """The one scene beside the user's own reference. Raises InputError for several, and for what it makes meaningless."""
+    scenes: Sequence[Solvable],
+    path: Path,
+    levels: tuple[int, ...] | None,
+    warnings: list[str],
+    cases: Mapping[str, str],
+    *,
+    fresh: bool,
+) -> list[list[Referenced]]:
+    """The one scene, or its load cases, beside the user's own reference, set by set; cases: which each scene is. Raises
+    InputError for several, and for what it makes meaningless."""
     for name, asked in (("--levels", levels is not None), ("--fresh", fresh)):
         if asked:
             raise InputError("command line", name, "with --reference", "one of both", "the file is the reference")
-    if len(scenes) != 1:
+    if len(scenes) != 1 and len(cases) != len(scenes):
         advice = "compare the scenes one by one, each with its file"
         raise InputError("command line", "--reference", str(path), f"one scene, not {len(scenes)}", advice)
-    found, scene = judged_by(path, scenes[0], warnings.append)
-    return Referenced(scene, found)
+    said: dict[str, None] = {}
+    found = [judged_by(path, scene, said.setdefault, case=cases.get(scene.name)) for scene in scenes]
+    warnings += said
+    return found
 
 
 def named(one: Referenced) -> dict[str, str]:

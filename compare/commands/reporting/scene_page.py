@@ -75,20 +75,18 @@ def page_of(name: str, stores: Sequence[Path], own: Path | None = None) -> Scene
     described = catalogue.any_scene(name)
     if not isinstance(described, DutyCycle):
         return _page_of_scene(name, scene_file.whole(described, name), stores, own)
-    if own is not None:
-        advice = "write the case as a scene of its own"
-        raise InputError("command line", "--reference", f"with {name}", "a scene of one load case", advice)
-    return _page_of_cases(name, described, stores)
+    return _page_of_cases(name, described, stores, own)
 
 
-def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path]) -> ScenePage:
+def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], own: Path | None) -> ScenePage:
     """The page of the most pressed load case, with what all cases say together above it."""
-    solved = [solve_one(case.scene, DEFAULT, Options()) for case in cycle.cases]
+    scenes = {case.name: scene_file.whole(case.scene, name) for case in cycle.cases}
+    solved = [solve_one(scene, DEFAULT, Options()) for scene in scenes.values()]
     whole = together(cycle, solved)
     if whole.pressure is None:
         raise Refusal(name, "cases", "no case carries load, or converges", "see: rollbench solve")
     worst = whole.pressure.case
-    page = _page_of_scene(name, next(case.scene for case in cycle.cases if case.name == worst), stores)
+    page = _page_of_scene(name, scenes[worst], stores, own, worst)
     data = cases_json(cycle, solved, whole)
     rows: list[Row] = [
         {Quantity(key, key, "", "s" if key == "case" else "g4"): value for key, value in row.items()}
@@ -109,10 +107,12 @@ def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path]) -> Scene
     )
 
 
-def _page_of_scene(name: str, scene: Scene, stores: Sequence[Path], own: Path | None = None) -> ScenePage:
+def _page_of_scene(
+    name: str, scene: Scene, stores: Sequence[Path], own: Path | None = None, case: str | None = None
+) -> ScenePage:
     """The page of one load case of the file or shipped scene of that name."""
     study, warnings = Study(stores, scenes={scene.name: scene}), list[str]()
-    given = None if own is None else judged_by(own, scene, warnings.append)[0]
+    given = None if own is None else judged_by(own, scene, warnings.append, case=case)[0].found
     options = Options()
     one = solve_one(scene, DEFAULT, options)
     result, found, worth = one.result, one.answers, one.expected

@@ -1,43 +1,21 @@
-"""``rollbench solve`` of several rolling sets on one shaft."""
+"""What ``rollbench solve`` refuses and writes of several rolling sets on one shaft."""
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from rollbench.comparison.commands.printing import Answer, text_width
-from rollbench.comparison.commands.solving.axis_output import as_json, as_table
-from rollbench.comparison.commands.solving.axis_summary import block
 from rollbench.comparison.commands.solving.load_curve import FACTORS, write_rows
 from rollbench.comparison.commands.solving.matrix_files import write_stiffness
 from rollbench.comparison.commands.solving.solve_choices import Choices
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.gate.loads_file import loads_csv, write_loads
-from rollbench.comparison.models.axis_answers import curve, solve_sets
+from rollbench.comparison.models.axis_answers import curve
 from rollbench.lowfi.statics.result import AxisResult
-from rollbench.lowfi.warned import above
 from rollbench.meshes.axis import Assembly
 
 
-def solve_axis(assembly: Assembly, choices: Choices, station: float) -> Answer:
-    """Solve an assembly; exit code 1 where it did not converge.
-
-    station [m]: of ``--stiffness-at``. Raises InputError for what does not fit, and for a model that knows one set only.
-    """
-    _check(assembly, choices, station)
-    if choices.stiffness_at:
-        assembly = replace(assembly, stiffness_at=station)
-    result, found = solve_sets(assembly, choices.model, choices.member)
-    written = _write(assembly, result, choices) if result.converged else []
-    text = "" if found is None else block(assembly, result, found, text_width())
-    parts = [*as_table(assembly, result, block=text, balls=choices.balls, details=choices.assumptions), *written]
-    code = 1 if not result.converged or (choices.strict and above(result.warnings)) else 0
-    return Answer(as_json(assembly, result, found, choices.member), parts, code, folded=True)
-
-
-def _check(assembly: Assembly, choices: Choices, station: float) -> None:
+def check(assembly: Assembly, choices: Choices) -> None:
     """Refuse what several sets do not have."""
     refused = (
         ("--all", choices.everything, "every set is built as its scene asks: leave it out"),
@@ -46,13 +24,13 @@ def _check(assembly: Assembly, choices: Choices, station: float) -> None:
     for option, value, advice in refused:
         if value:
             raise InputError("command line", option, f"with {assembly.name}", "one set on a shaft", advice)
-    if choices.stiffness_at and not 0.0 <= station <= assembly.screw.length:
-        allowed = f"0 mm to {1e3 * assembly.screw.length:g} mm"
-        raise InputError("command line", "--stiffness-at", choices.stiffness_at, allowed, "give a station of the shaft")
+    if choices.loads_csv is not None and not assembly.ball_count:
+        advice = "rollers have no flanks: leave it out"
+        raise InputError("command line", "--loads-csv", str(choices.loads_csv), "a set of balls", advice)
 
 
-def _write(assembly: Assembly, result: AxisResult, choices: Choices) -> list[str]:
-    """Files that were asked for; lines that say so."""
+def write(assembly: Assembly, result: AxisResult, choices: Choices) -> list[str]:
+    """Files that were asked for, but of loads; lines that say so. Raises InputError."""
     lines = []
     if choices.matrix is not None:
         K = result.stiffness
@@ -64,13 +42,6 @@ def _write(assembly: Assembly, result: AxisResult, choices: Choices) -> list[str
         lines.append(f"wrote {choices.matrix}: the matrix, symmetric, in N, m and rad")
     if choices.curve is not None:
         lines += write_axis_curve(choices.curve, assembly, result.model, choices.member)
-    if choices.loads_csv is not None:
-        sets = [(k, s.balls) for k, s in enumerate(result.sets, 1) if s.balls is not None]
-        rows = [{"set": str(k)} | row for k, b in sets for row in loads_csv(b.load, b.azimuth, b.z)]
-        if not rows:
-            advice = "rollers have no flanks: leave it out"
-            raise InputError("command line", "--loads-csv", str(choices.loads_csv), "a set of balls", advice)
-        lines.append(write_loads(choices.loads_csv, rows))
     return lines
 
 

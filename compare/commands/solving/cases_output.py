@@ -1,4 +1,4 @@
-"""A solved scene of one set, or the load cases of a duty cycle, as JSON and for the terminal."""
+"""A solved scene, or the load cases of a duty cycle, as JSON and for the terminal."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from rollbench.comparison.commands.printing import text_width
-from rollbench.comparison.commands.solving.solve_output import as_json, as_table
+from rollbench.comparison.commands.solving.solve_output import as_json, as_table, stiffness_lines
 from rollbench.comparison.commands.solving.summary import LIFE, answers_json, block, entry
 from rollbench.comparison.commands.wrapping import aligned
-from rollbench.comparison.models.load_cases import Solved, Together
+from rollbench.comparison.models.load_cases import Lives, Solved, SolvedAxis, Together
 from rollbench.comparison.quantities import number, quantity, record
 from rollbench.comparison.scenes.load_cases import DutyCycle, LoadCase
 from rollbench.lowfi.statics.tangent import Tangent
@@ -41,16 +41,25 @@ COLUMNS = (
 )
 
 
-def case_json(one: Solved, tangent: Tangent | None = None) -> dict[str, Any]:
-    """A solved scene for JSON; tangent: the stiffness at a station, where it was asked for."""
+def case_json(one: Solved | SolvedAxis, tangent: Tangent | None = None) -> dict[str, Any]:
+    """A solved scene for JSON; tangent: the stiffness at a station, where it was asked for of one set."""
+    if isinstance(one, SolvedAxis):
+        from rollbench.comparison.commands.solving import axis_output
+
+        return axis_output.as_json(one.scene, one.result, one.answers, one.result.member)
     answers = None if one.answers is None else answers_json(one.scene, one.result, one.answers)
     if answers is not None and tangent is not None:
         answers["stiffness"] = stiffness_json(tangent)
     return as_json(one.scene, one.result, one.expected, answers)
 
 
-def case_table(one: Solved, *, balls: bool = False, details: bool = False) -> list[Any]:
+def case_table(one: Solved | SolvedAxis, *, balls: bool = False, details: bool = False) -> list[Any]:
     """A solved scene for the terminal; balls: with the table of every ball; details: with what lies behind the answers."""
+    if isinstance(one, SolvedAxis):
+        from rollbench.comparison.commands.solving import axis_output, axis_summary
+
+        said = "" if one.answers is None else axis_summary.block(one.scene, one.result, one.answers, text_width())
+        return axis_output.as_table(one.scene, one.result, block=said, balls=balls, details=details)
     speed = None if one.scene.motion is None else one.scene.motion.speed
     text = "" if one.answers is None else block(one.scene, one.result, one.answers, one.expected, text_width(), speed)
     return as_table(one.scene, one.result, one.expected, block=text, balls=balls, details=details)
@@ -66,16 +75,18 @@ def stiffness_json(tangent: Tangent) -> dict[str, Any]:
     }
 
 
-def cases_json(cycle: DutyCycle, solved: Sequence[Solved], whole: Together) -> dict[str, Any]:
-    """The load cases in order, and what they say together."""
-    each = zip(cycle.cases, solved, strict=True)
+def cases_json(
+    cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis], whole: Together, tangents: Sequence[Tangent | None] = ()
+) -> dict[str, Any]:
+    """The load cases in order, and what they say together; tangents: of each, where they were asked for."""
+    each = zip(cycle.cases, solved, tangents or [None] * len(solved), strict=True)
     unsolved = "; ".join(f"case {name}: {status}" for name, status in whole.unsolved.items())
     return {
         "scene": cycle.name,
         "model": solved[0].result.model,
         "status": unsolved or "converged",
         "summary": together_json(whole),
-        "cases": [{**head(cycle, case), **case_json(one), "scene": cycle.name} for case, one in each],
+        "cases": [{**head(cycle, case), **case_json(one, own), "scene": cycle.name} for case, one, own in each],
     }
 
 
@@ -86,21 +97,34 @@ def head(cycle: DutyCycle, case: LoadCase) -> dict[str, Any]:
 
 def together_json(whole: Together) -> dict[str, Any]:
     """Extremes of the cases, and the lives over the cycle with words where there is none."""
-    data = record(TOGETHER, whole) or {}
-    data["life"] = record(LIFE, whole.life)
-    if whole.life is not None and whole.speed:
-        data["life"]["L10_hours"] = number(whole.life.hours(whole.speed))
-    off = whole.difference_percent
-    return data | {
-        "life_words": whole.life_words or None,
-        "standard_life": record(STANDARD_LIFE, whole.standard),
-        "standard_life_words": whole.standard_words or None,
+    data = (record(TOGETHER, whole) or {}) | _lives_json(whole.least, whole.speed)
+    if len(whole.lives) == 1:
+        return data
+    each = ({"name": own.set} | _lives_json(own, whole.speed) for own in whole.lives)
+    return data | {"life_set": whole.least.set, "sets": [*each]}
+
+
+def _lives_json(own: Lives, speed: float | None) -> dict[str, Any]:
+    rated, off = record(LIFE, own.life), own.difference_percent
+    if rated is not None and own.life is not None and speed:
+        rated["L10_hours"] = number(own.life.hours(speed))
+    return {
+        "life": rated,
+        "life_words": own.life_words or None,
+        "standard_life": record(STANDARD_LIFE, own.standard),
+        "standard_life_words": own.standard_words or None,
         "life_difference_percent": None if off is None else number(off),
     }
 
 
 def cases_table(
-    cycle: DutyCycle, solved: Sequence[Solved], whole: Together, *, balls: bool = False, details: bool = False
+    cycle: DutyCycle,
+    solved: Sequence[Solved | SolvedAxis],
+    whole: Together,
+    tangents: Sequence[Tangent | None] = (),
+    *,
+    balls: bool = False,
+    details: bool = False,
 ) -> list[Any]:
     """What the cases say together, a row on each, then each by itself; what is assumed is said once."""
     data = cases_json(cycle, solved, whole)
@@ -108,10 +132,10 @@ def cases_table(
     parts += [*(entry(label, text, text_width()) for label, text in together_entries(whole)), ""]
     parts += [aligned([*case_rows(data["cases"])], ".4g"), ""]
     said: set[str] = set()
-    for case, one in zip(cycle.cases, solved, strict=True):
+    for case, one, own in zip(cycle.cases, solved, tangents or [None] * len(solved), strict=True):
         lines = [x for x in case_table(one, balls=balls, details=details) if not (isinstance(x, str) and x in said)]
         said |= {x for x in lines if isinstance(x, str) and x.startswith(("assumed: ", "left out: "))}
-        parts += [f"case {case.name}, share {case.share:.4g}", *lines, ""]
+        parts += [f"case {case.name}, share {case.share:.4g}", *lines, *([] if own is None else stiffness_lines(own)), ""]
     return parts
 
 
@@ -127,9 +151,9 @@ def case_rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
 
 def together_entries(whole: Together) -> tuple[tuple[str, str], ...]:
     """Labels and sentences of what the cases say together."""
-    p, s, e, rated = whole.pressure, whole.safety, whole.error, whole.life
+    p, s, e = whole.pressure, whole.safety, whole.error
     lost = f"; not covered by comparisons: {', '.join(whole.uncovered)}" if whole.uncovered else ""
-    hours = f" ({rated.hours(whole.speed):.3g} h)" if rated is not None and whole.speed else ""
+    lives = (x for own in whole.lives for x in (("life", _life(own, whole.speed)), ("standard", _standard(own))))
     return (
         ("pressure", "none" if p is None else f"largest in case {p.case}: {1e-6 * p.value:.0f} MPa"),
         ("static", "none" if s is None else f"least safety in case {s.case}: {s.value:.3g}"),
@@ -137,22 +161,27 @@ def together_entries(whole: Together) -> tuple[tuple[str, str], ...]:
             "error",
             ("none" if e is None else f"largest to expect in case {e.case}: {e.value:.1f} % of the mean load") + lost,
         ),
-        (
-            "life",
-            whole.life_words
-            if rated is None
-            else f"L10 {rated.revolutions:.4g} million revolutions{hours} of the duty cycle, by the contact loads, the nut "
-            f"at one position; rating {rated.rating:.0f} N as computed by {rated.standard}",
-        ),
-        ("standard", _standard(whole)),
+        *lives,
     )
 
 
-def _standard(whole: Together) -> str:
+def _life(own: Lives, speed: float | None) -> str:
+    """Life by the contact loads."""
+    rated, of = own.life, f"{own.set}: " if own.set else ""
+    if rated is None:
+        return of + own.life_words
+    hours = f" ({rated.hours(speed):.3g} h)" if speed else ""
+    return (
+        f"{of}L10 {rated.revolutions:.4g} million revolutions{hours} of the duty cycle, by the contact loads, the nut at "
+        f"one position; rating {rated.rating:.0f} N as computed by {rated.standard}"
+    )
+
+
+def _standard(own: Lives) -> str:
     """Life by the equivalent loads, and what the contact loads make of it."""
-    found, off = whole.standard, whole.difference_percent
+    found, off, of = own.standard, own.difference_percent, f"{own.set}: " if own.set else ""
     if found is None:
-        return f"no life by equivalent loads: {whole.standard_words}"
+        return f"{of}no life by equivalent loads: {own.standard_words}"
     loads = " and ".join(f"{load:.0f} N" for load in found.loads if load > 0.0)
     than = "" if off is None else f"; by the contact loads {abs(off):.2g} % {'more' if off > 0.0 else 'less'}"
-    return f"L10 {found.revolutions:.4g} million revolutions by {found.standard}'s equivalent loads, {loads}{than}"
+    return f"{of}L10 {found.revolutions:.4g} million revolutions by {found.standard}'s equivalent loads, {loads}{than}"

@@ -6,6 +6,7 @@ import csv
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,16 +17,15 @@ from rollbench.comparison.commands.tables import ruled
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.member_blocks import KEPT, OF_SET, WHOLE, columns, with_seed
 from rollbench.comparison.models.members import Bands, Members, run_members, statistics
-from rollbench.comparison.models.registry import DEFAULT
+from rollbench.comparison.models.registry import default_model
 from rollbench.comparison.quantities import number
 from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.scene_file import whole
+from rollbench.comparison.scenes.load_cases import DutyCycle
+from rollbench.comparison.scenes.scene_file import each_case
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Scene
-
-Row = Callable[[int, str, Array], None]
 
 
 def run(
@@ -36,17 +36,30 @@ def run(
     described = catalogue.any_scene(name)
     if seed is not None and not 0 <= seed < 2**62:
         raise InputError("command line", "--seed", str(seed), f"0 to {2**62 - 1}", "leave it out for the scene's")
-    scene = described if isinstance(described, Assembly) else whole(described, name)
-    scene = scene if seed is None else with_seed(scene, seed)
-    with _rows(csv_out, columns(scene)) as row:
-        found = run_members(scene, model or (DEFAULT if isinstance(scene, Scene) else ""), count, engine, on_terminal, row)
-    shown = [*as_table(found, balls=balls), *([f"{csv_out}: one row a member"] if csv_out else [])]
-    return Answer(as_json(found), shown, 0 if len(found.failed) < count else 1)
+    cases = [case.name for case in described.cases] if isinstance(described, DutyCycle) else []
+    scenes = [scene if seed is None else with_seed(scene, seed) for scene in each_case(described, name)]
+    each: list[Members] = []
+    with _rows(csv_out, [*(["case"] if cases else []), "member", "status", *columns(scenes[0])]) as write:
+        for scene, head in zip(scenes, [[case] for case in cases] or [[]], strict=True):
+            row = partial(_row, write, head)
+            each.append(run_members(scene, model or default_model(scene), count, engine, on_terminal, row))
+    shown = [x for found in each for x in as_table(found, balls=balls)] + [f"{csv_out}: one row a member"] * bool(csv_out)
+    data = [as_json(found) for found in each]
+    whole = (
+        {"scene": described.name, "cases": [{"case": c} | x for c, x in zip(cases, data, strict=True)]}
+        if cases
+        else data[0]
+    )
+    return Answer(whole, shown, 0 if all(len(found.failed) < count for found in each) else 1)
+
+
+def _row(write: Callable[[list[Any]], None], head: Sequence[str], member: int, status: str, kept: Array) -> None:
+    write([*head, member, status, *("" if np.isnan(v) else repr(float(v)) for v in kept)])
 
 
 @contextmanager
-def _rows(path: Path | None, names: Sequence[str]) -> Iterator[Row]:
-    """What writes a member's row to the file, which takes its name only when it is whole."""
+def _rows(path: Path | None, names: Sequence[str]) -> Iterator[Callable[[list[Any]], None]]:
+    """What writes a row to the file, which takes its name only when it is whole."""
     if path is None:
         yield lambda *_: None
         return
@@ -54,12 +67,8 @@ def _rows(path: Path | None, names: Sequence[str]) -> Iterator[Row]:
     try:
         with part.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file)
-            writer.writerow(["member", "status", *names])
-
-            def row(member: int, status: str, kept: Array) -> None:
-                writer.writerow([member, status, *("" if np.isnan(v) else repr(float(v)) for v in kept)])
-
-            yield row
+            writer.writerow(names)
+            yield writer.writerow
         os.replace(part, path)
     except OSError as error:
         reason = error.strerror or str(error)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
 
 from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.commands.solving.cases_output import case_json, case_table, cases_json, cases_table
@@ -10,88 +12,105 @@ from rollbench.comparison.commands.solving.solve_choices import Choices
 from rollbench.comparison.commands.solving.solve_output import stiffness_lines
 from rollbench.comparison.errors import InputError, named, one_line
 from rollbench.comparison.models.answers import tangent_of
-from rollbench.comparison.models.load_cases import Solved, solve_one, together
-from rollbench.comparison.models.registry import DEFAULT, Options
+from rollbench.comparison.models.load_cases import Solved, SolvedAxis, solve_any, together
+from rollbench.comparison.models.registry import Options, default_model
 from rollbench.comparison.scenes import catalogue, units
 from rollbench.comparison.scenes.load_cases import DutyCycle
-from rollbench.comparison.scenes.scene_file import whole
+from rollbench.comparison.scenes.scene_file import each_case
 from rollbench.comparison.watch import checked, watched
 from rollbench.comparison.writing import need_writable
+from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.lowfi.warned import above
 from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import Scene
 
 
 def run_solve(name: str, choices: Choices) -> Answer:
-    """Solve one scene; exit code 1 where it did not converge. Raises InputError."""
-    model, station = _checked(choices)
+    """Solve one scene, or its load cases one after the other, of one set or several; exit code 1 where one did not
+    converge. Raises InputError."""
     described = catalogue.any_scene(name)
-    if isinstance(described, Assembly):
-        return _run_axis(described, name, choices, station)
-    if isinstance(described, DutyCycle):
-        return _run_cases(described, name, model, choices)
-    scene = whole(described, name)
+    scenes: Sequence[Scene | Assembly] = each_case(described, name)
+    model, station = _checked(choices)
+    model = model or default_model(scenes[0])
+    _check_parts(scenes[0], choices, station)
+    cases = described.cases if isinstance(described, DutyCycle) else ()
+    own = [_of_case(choices, case.name) for case in cases] or [choices]
+    options = Options(choices.everything, choices.member, condensed=choices.condensed)
+    solved: list[Solved | SolvedAxis] = []
+    tangents: list[Tangent | None] = []
+    written: list[str] = []
+    with watched(f"{described.name}, model {one_line(model)}", checked(choices.time_limit)):
+        for scene, files in zip(scenes, own, strict=True):
+            with named(scene.name, name):
+                if isinstance(scene, Assembly) and choices.stiffness_at:
+                    scene = replace(scene, stiffness_at=station)
+                solved.append(solve_any(scene, model, options))
+                there = choices.stiffness_at and solved[-1].answers is not None
+                tangents.append(tangent_of(scene, station, model, options) if there and isinstance(scene, Scene) else None)
+                written += _write(solved[-1], tangents[-1], options, files)
+    names = [case.name for case in cases]
+    if choices.loads_csv is not None:
+        written += _write_loads(choices.loads_csv, solved, names)
+    code, shown = code_of(solved, choices), {"balls": choices.balls, "details": choices.assumptions}
+    if not isinstance(described, DutyCycle):
+        lines = [] if tangents[0] is None else stiffness_lines(tangents[0])
+        return Answer(
+            case_json(solved[0], tangents[0]), [*case_table(solved[0], **shown), *lines, *written], code, folded=True
+        )
+    whole = together(described, solved)
+    data = cases_json(described, solved, whole, tangents)
+    return Answer(data, [*cases_table(described, solved, whole, tangents, **shown), *written], code, folded=True)
+
+
+def _of_case(choices: Choices, name: str) -> Choices:
+    """Files of one load case: its name stands in theirs."""
+
+    def own(path: Path | None) -> Path | None:
+        return None if path is None else path.with_stem(f"{path.stem}-{name}")
+
+    return replace(choices, matrix=own(choices.matrix), curve=own(choices.curve))
+
+
+def _write_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Sequence[str]) -> list[str]:
+    """Write all contacts of what converged, of load cases with their name, of several sets with their number; lines that
+    say so."""
+    from rollbench.comparison.gate.loads_file import loads_csv, write_loads
+
+    rows = []
+    for one, name in zip(solved, names or [""], strict=True):
+        head = {"case": name} if name else {}
+        sets: list[tuple[dict[str, str], StaticResult]]
+        if isinstance(one, Solved):
+            sets = [({}, one.result)]
+        else:
+            sets = [({"set": str(k)}, s.balls) for k, s in enumerate(one.result.sets, 1) if s.balls is not None]
+        for own, balls in sets if one.result.converged else ():
+            rows += [head | own | row for row in loads_csv(balls.load, balls.azimuth, balls.z)]
+    return [write_loads(path, rows)] if rows else []
+
+
+def _check_parts(scene: Scene | Assembly, choices: Choices, station: float) -> None:
+    """Raises InputError for a station beyond the screw or shaft, and for what several sets do not have."""
+    if isinstance(scene, Assembly):
+        from rollbench.comparison.commands.solving.axis_solve import check
+
+        check(scene, choices)
     if choices.stiffness_at and not 0.0 <= station <= scene.screw.length:
         allowed = f"0 mm to {1e3 * scene.screw.length:g} mm"
-        raise InputError("command line", "--stiffness-at", choices.stiffness_at, allowed, "give a station of the screw")
-    options = Options(choices.everything, choices.member, condensed=choices.condensed)
-    with watched(f"{scene.name}, model {one_line(model)}", checked(choices.time_limit)), named(scene.name, name):
-        one = solve_one(scene, model, options)
-        asked_for = one.answers is not None and choices.stiffness_at
-        tangent = tangent_of(scene, station, model, options) if asked_for else None
-    written = _write(one, tangent, model, options, choices)
-    parts = [
-        *case_table(one, balls=choices.balls, details=choices.assumptions),
-        *([] if tangent is None else stiffness_lines(tangent)),
-        *written,
-    ]
-    return Answer(case_json(one, tangent), parts, code_of([one], choices), folded=True)
+        what = "shaft" if isinstance(scene, Assembly) else "screw"
+        raise InputError("command line", "--stiffness-at", choices.stiffness_at, allowed, f"give a station of the {what}")
 
 
-def _run_cases(cycle: DutyCycle, name: str, model: str, choices: Choices) -> Answer:
-    """Solve the load cases of a scene one after the other."""
-    for option, value in (("--stiffness-at", choices.stiffness_at), ("--curve", choices.curve)):
-        if value:
-            advice = "it is of one load case: leave it out, or the other cases"
-            with_them = f"with {len(cycle.cases)} cases"
-            raise InputError("command line", option, with_them, "a scene without [[cases]]", advice)
-    options = Options(choices.everything, choices.member, condensed=choices.condensed)
-    solved = []
-    with watched(f"{cycle.name}, model {one_line(model)}", checked(choices.time_limit)):
-        for case in cycle.cases:
-            with named(case.scene.name, name):
-                solved.append(solve_one(case.scene, model, options))
-    whole = together(cycle, solved)
-    parts = cases_table(cycle, solved, whole, balls=choices.balls, details=choices.assumptions)
-    if choices.loads_csv is not None:
-        from rollbench.comparison.gate.loads_file import loads_csv, write_loads
-
-        rows = [
-            {"case": case.name, **row}
-            for case, one in zip(cycle.cases, solved, strict=True)
-            if one.answers is not None
-            for row in loads_csv(one.result.load, one.result.azimuth, one.result.z)
-        ]
-        parts += [write_loads(choices.loads_csv, rows)] if rows else []
-    return Answer(cases_json(cycle, solved, whole), parts, code_of(solved, choices), folded=True)
-
-
-def code_of(solved: Sequence[Solved], choices: Choices) -> int:
+def code_of(solved: Sequence[Solved | SolvedAxis], choices: Choices) -> int:
     """Exit code: 1 where one did not converge, or warns above its answers and that counts."""
     return int(any(one.answers is None or (choices.strict and above(one.result.warnings)) for one in solved))
 
 
-def _run_axis(axis: Assembly, name: str, choices: Choices, station: float) -> Answer:
-    """Solve several sets on one shaft."""
-    from rollbench.comparison.commands.solving.axis_solve import solve_axis
-
-    with watched(axis.name, checked(choices.time_limit)), named(axis.name, name):
-        return solve_axis(axis, choices, station)
-
-
 def _checked(choices: Choices) -> tuple[str, float]:
-    """Model and station [m] of the choices. Raises InputError for what does not go together or cannot be written."""
-    model = choices.model or (DEFAULT if choices.condensed is None else "condensed")
+    """Model (empty: not asked for) and station [m] of the choices. Raises InputError for what does not go together or
+    cannot be written."""
+    model = choices.model or ("" if choices.condensed is None else "condensed")
     if choices.condensed is not None and model != "condensed":
         advice = "leave --model out"
         raise InputError("command line", "--condensed", str(choices.condensed), "the model condensed", advice)
@@ -118,20 +137,22 @@ def _checked(choices: Choices) -> tuple[str, float]:
         raise InputError("command line", "--stiffness-at", choices.stiffness_at, allowed, f'"400 mm"; {error}') from None
 
 
-def _write(one: Solved, tangent: Tangent | None, model: str, options: Options, choices: Choices) -> list[str]:
-    """Files that were asked for; lines that say so."""
-    scene, result, lines = one.scene, one.result, []
+def _write(one: Solved | SolvedAxis, tangent: Tangent | None, options: Options, choices: Choices) -> list[str]:
+    """Files that were asked for, but of loads; lines that say so."""
+    if not one.result.converged:
+        return []
+    if isinstance(one, SolvedAxis):
+        from rollbench.comparison.commands.solving.axis_solve import write
+
+        return write(one.scene, one.result, choices)
+    lines = []
     if choices.matrix is not None and tangent is not None and tangent.status == "converged":
         from rollbench.comparison.commands.solving.matrix_files import write_matrix
 
-        write_matrix(choices.matrix, tangent, scene.name, model)
+        write_matrix(choices.matrix, tangent, one.scene.name, one.result.model)
         lines.append(f"wrote {choices.matrix}: the matrix, symmetric, in N, m and rad")
-    if choices.curve is not None and result.converged:
+    if choices.curve is not None:
         from rollbench.comparison.commands.solving.load_curve import write_curve
 
-        lines += write_curve(choices.curve, scene, model, options)
-    if choices.loads_csv is not None and result.converged:
-        from rollbench.comparison.gate.loads_file import loads_csv, write_loads
-
-        lines.append(write_loads(choices.loads_csv, loads_csv(result.load, result.azimuth, result.z)))
+        lines += write_curve(choices.curve, one.scene, one.result.model, options)
     return lines

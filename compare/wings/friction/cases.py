@@ -8,7 +8,9 @@ from rollbench.comparison.quantities import number
 from rollbench.comparison.scenes.load_cases import DutyCycle
 from rollbench.comparison.scenes.scene_file import kind_of
 from rollbench.comparison.wings.friction.answer import FrictionAnswer
+from rollbench.comparison.wings.friction.axis import solve_axis
 from rollbench.comparison.wings.friction.whole import Choices, solve_scene
+from rollbench.meshes.axis import Assembly
 
 COLUMNS = (
     ("case", "case", "s"),
@@ -24,9 +26,12 @@ def solve_cycle(cycle: DutyCycle, choices: Choices) -> FrictionAnswer:
     """Friction of every case in order; the mean torque is that of the whole work of friction over the revolutions.
 
     A case that does not converge leaves the others as they are, and the cycle without a mean. Raises InputError as
-    `solve_scene`.
+    `solve_scene` and `solve_axis`.
     """
-    each = [(case, solve_scene(case.scene, choices)) for case in cycle.cases]
+    each = [
+        (case, solve_axis(own, choices) if isinstance(own := case.scene, Assembly) else solve_scene(own, choices))
+        for case in cycle.cases
+    ]
     rows: list[dict[str, Any]] = []
     for case, one in each:
         torque = one.data.get("torque") or {}

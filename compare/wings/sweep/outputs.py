@@ -9,7 +9,7 @@ import numpy as np
 
 from rollbench.comparison.models.answers import unloaded_place
 from rollbench.comparison.models.axis_answers import along_axis, axial_load
-from rollbench.comparison.models.load_cases import cycle_life
+from rollbench.comparison.models.load_cases import cycle_life, loads_of
 from rollbench.comparison.models.loading import preload, scaled, solve_scaled
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.registration import offered
@@ -61,16 +61,20 @@ def outputs(scene: Scene, result: StaticResult, model: str, options: Options) ->
     }
 
 
-def cycle_outputs(cycle: DutyCycle, loads: Sequence[Array], each: Sequence[dict[str, Any]]) -> dict[str, Any]:
+def cycle_outputs(
+    cycle: DutyCycle, results: Sequence[StaticResult | AxisResult], each: Sequence[dict[str, Any]]
+) -> dict[str, Any]:
     """`OUTPUTS` of load cases: those of the case with the largest contact load, which ``at`` names; but the life over the
-    duty cycle, and the mean torque over its revolutions. loads: of every case [N]; each: its outputs."""
+    duty cycle, of the set that lives shortest, and the mean torque over its revolutions. results, each: of every case its
+    result and outputs."""
     case, worst = max(zip(cycle.cases, each, strict=True), key=lambda pair: float(pair[1]["largest_load_N"]))
     torques = [(share, one["torque_Nmm"]) for share, one in zip(cycle.shares, each, strict=True) if share > 0.0]
     known = all(torque is not None for _, torque in torques)
-    rated, _ = cycle_life(cycle, loads)
+    lives = [cycle_life(cycle, name, [loads_of(one)[name] for one in results])[0] for name in cycle.sets]
+    rated = [own.revolutions for own in lives if own is not None]
     return worst | {
         "torque_Nmm": sum(share * torque for share, torque in torques) if known else None,
-        "life_million_revolutions": None if rated is None else rated.revolutions,
+        "life_million_revolutions": min(rated) if len(rated) == len(lives) else None,
         "at": f"case {case.name}: {worst['at']}",
     }
 

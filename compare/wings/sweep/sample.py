@@ -17,7 +17,9 @@ from rollbench.comparison.scenes.load_cases import DutyCycle
 from rollbench.comparison.wings.sweep import store
 from rollbench.comparison.wings.sweep.keys import Vary, changed
 from rollbench.comparison.wings.sweep.outputs import axis_outputs, cycle_outputs, outputs
+from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import Scene
 
 CONVERGED, REFUSED = "converged", "refused"
 _NUMBER = re.compile(r"[0-9][0-9.]*(e[+-]?[0-9]+)?")
@@ -36,36 +38,34 @@ def solve_sample(
     """Status and outputs of one sample; a scene or model that refuses the values is a status, with its reason."""
     try:
         scene = scene_file.read_tables(changed(_tables(text, origin), keys, values), origin)
-        if isinstance(scene, Assembly):
-            return _solve_axis(scene, model, engine)
-        options = Options(discretisation=False, engine=engine)
         if isinstance(scene, DutyCycle):
-            return _solve_cases(scene, model, options)
-        scene = scene_file.whole(scene, origin)
-        result = run_model(scene, model, options)
-        kept = outputs(scene, result, model, options) if result.converged else {}
+            return _solve_cases(scene, model, engine)
+        result, kept = _solve(scene_file.solvable(scene, origin), model, engine)
         return {"status": result.status, **kept}
     except InputError as error:
         reason = _NUMBER.sub("#", f"{error.key}: {error.allowed or error.value}")  # the range depends on the sample
         return {"status": f"{REFUSED}: {error}", "reason": reason}
 
 
-def _solve_cases(cycle: DutyCycle, model: str, options: Options) -> dict[str, Any]:
-    solved = [(case, run_model(case.scene, model, options)) for case in cycle.cases]
-    lost = next((f"case {case.name}: {result.status}" for case, result in solved if not result.converged), None)
+def _solve_cases(cycle: DutyCycle, model: str, engine: str) -> dict[str, Any]:
+    solved = [_solve(case.scene, model, engine) for case in cycle.cases]
+    pairs = zip(cycle.cases, solved, strict=True)
+    lost = next((f"case {case.name}: {result.status}" for case, (result, _) in pairs if not result.converged), None)
     if lost is not None:
         return {"status": lost}
-    each = [outputs(case.scene, result, model, options) for case, result in solved]
-    return {"status": CONVERGED, **cycle_outputs(cycle, [result.load for _, result in solved], each)}
+    return {"status": CONVERGED, **cycle_outputs(cycle, *zip(*solved, strict=True))}
 
 
-def _solve_axis(assembly: Assembly, model: str, engine: str) -> dict[str, Any]:
-    """Status and outputs of several sets on one shaft; from `AXIS_COMPILED` balls on always by compiled kernels."""
-    kernels = "compiled" if assembly.ball_count >= AXIS_COMPILED else engine
-    result = run_model(assembly, model, Options(engine=kernels))
-    if not result.converged:
-        return {"status": result.status}
-    return {"status": CONVERGED, **axis_outputs(assembly, result, kernels)}
+def _solve(scene: Scene | Assembly, model: str, engine: str) -> tuple[StaticResult | AxisResult, dict[str, Any]]:
+    """Result and outputs of one load case; several sets are solved from `AXIS_COMPILED` balls on always by compiled
+    kernels."""
+    if isinstance(scene, Assembly):
+        kernels = "compiled" if scene.ball_count >= AXIS_COMPILED else engine
+        found = run_model(scene, model, Options(engine=kernels))
+        return found, axis_outputs(scene, found, kernels) if found.converged else {}
+    options = Options(discretisation=False, engine=engine)
+    result = run_model(scene, model, options)
+    return result, outputs(scene, result, model, options) if result.converged else {}
 
 
 def solve_batch(

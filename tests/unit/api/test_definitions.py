@@ -60,8 +60,10 @@ def printed(tmp_path_factory) -> list[tuple[str, object]]:
     bearings.write_text(template("support-bearings"))
     cases = turning.with_name("lin.toml")  # its only case has the stored runs of lin-case1
     cases.write_text(f'{data_files("scenes")["lin-case1"].read_text()}\n[[cases]]\nname = "case1"\nshare = 1\n')
+    sets = turning.with_name("sets.toml")
+    sets.write_text(f'{data_files("scenes")["double-nut"].read_text()}\n[[cases]]\nname = "one"\nshare = 1\n')
     of_cases = [f"{one} {cases} --model lin" for one in ("solve", "friction", "compare", "check --no-compute")]
-    commands = (*COMMANDS, *of_cases, *(f"solve {file} --model lin" for file in (turning, bearings)))
+    commands = (*COMMANDS, *of_cases, *(f"solve {file} --model lin" for file in (turning, bearings, sets)))
     return list(chain.from_iterable(leaves(answered(command)) for command in commands))
 
 

@@ -92,9 +92,18 @@ def test_a_case_without_equilibrium_ends_alone(tmp_path: Path, capsys: pytest.Ca
     assert "open" in found["status"]
 
 
-def test_what_is_of_one_load_case_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run("solve", written(tmp_path), "--stiffness-at", "7 mm") == 2
-    assert "--stiffness-at: got with 3 cases" in capsys.readouterr().err
+def test_stiffness_curve_and_members_are_of_every_case(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = TEXT.replace("[errors.balls]\n", '[errors.balls]\nsigma = "0.1 um"\n', 1)
+    path, matrix, csv_out = written(tmp_path, text), tmp_path / "k.mtx", tmp_path / "members.csv"
+    found = solve(capsys, path, "--stiffness-at", "7 mm", "--matrix", str(matrix))[1]
+    first, pushed = (one["summary"]["stiffness"]["matrix"] for one in found["cases"][:2])
+    assert first != pushed
+    assert {file.name for file in tmp_path.glob("k-*.mtx")} == {f"k-{name}.mtx" for name in ("balls", "push", "loose")}
+    code = run("solve", path, "--model", "lin", "--members", "2", "--csv", str(csv_out), "--json")
+    members = json.loads(capsys.readouterr().out)
+    assert (code, [one["case"] for one in members["cases"]]) == (0, ["balls", "push", "loose"])
+    rows = [row.split(",")[:2] for row in csv_out.read_text().splitlines()]
+    assert rows == [["case", "member"], *([name, str(k)] for name in ("balls", "push", "loose") for k in (0, 1))]
 
 
 def test_the_library_has_the_same(tmp_path: Path) -> None:

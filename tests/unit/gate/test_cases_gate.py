@@ -120,3 +120,28 @@ def test_a_file_of_loads_is_judged_case_by_case(tmp_path: Path, capsys: pytest.C
     Path(loads).write_text("\n".join(kept) + "\n")
     assert run(*words) == 2, "a case whose rows are missing is not passed over"
     assert "no rows of case push" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_one_file_with_three_cases_goes_through_all_commands_with_one_set_of_bodies(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from rollbench.hifi import setup
+
+    path, store, made, prepare = written(tmp_path, TEXT), str(tmp_path / "store"), [], setup.prepare
+    monkeypatch.setattr(setup, "prepare", lambda *given, **more: made.append(1) or prepare(*given, **more))
+    commands = {
+        "solve": (),
+        "compare": ("--levels", "1", "--store", store),
+        "check": ("--stored", store, "--limit", "life=50", "--limit", "contact angle=5"),
+        "friction": (),
+    }
+    for command, words in commands.items():
+        model = () if command == "compare" else ("--model", "lin")
+        run(command, path, *model, *words, "--json")
+        found = json.loads(capsys.readouterr().out)
+        assert list(dict.fromkeys(one["case"] for one in found["cases"])) == ["rest", "push", "loose"], command
+        assert "summary" in found or found["worst_cases"], command
+    assert run("report", path, "--out", str(tmp_path / "page"), "--store", store) == 0
+    assert "Of 3 load cases" in capsys.readouterr().out
+    assert len(made) == 1

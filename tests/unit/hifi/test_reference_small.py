@@ -1,5 +1,6 @@
 """The 3D reference on two balls: condensation against the whole mesh, statics, symmetry."""
 
+import json
 import os
 from dataclasses import replace
 from types import SimpleNamespace
@@ -9,6 +10,7 @@ import pytest
 import scipy.sparse as sp
 from scipy.linalg import block_diag
 
+from rollbench.comparison.cli import main
 from rollbench.comparison.scenes import catalogue
 from rollbench.hifi import condensed, contact_kinematics, coupling, reference, setup
 from rollbench.hifi.bodies import grid_wave, submodel
@@ -258,14 +260,79 @@ def test_a_helical_motion_of_the_screw_changes_no_load(small):
 
 
 def test_loads_that_did_not_settle_say_what_they_may_still_move_by(small):
+    """Places of the balls are solved with the loads, so that few rounds settle these."""
     turned = replace(
         small.scene, supports=(Support(0.0, small.scene.supports[0].fixed), Support(60e-3, (("ux", 5e-6), ("uy", 0.0))))
     )
     whole = reference.solve_reference(small, turned)
     assert (whole.status, whole.moving) == ("converged", 0.0)
+    assert whole.updates <= 3
     few = reference.solve_reference(small, turned, updates=1)
     assert few.status.startswith("not settled: loads may still move by")
     assert 0.0 < np.abs(few.load - whole.load).max() <= few.moving < np.inf
+
+
+#: `two_balls` as a file, with one end of the screw displaced.
+TWO_BALLS = """title = "two balls"
+[material]
+youngs_modulus = "210 GPa"
+poissons_ratio = 0.28
+[track]
+pitch_radius = "16.5 mm"
+lead = "20 mm"
+contact_angle = "45 deg"
+[screw]
+length = "60 mm"
+outer_diameter = "32 mm"
+groove_radius = "3.254 mm"
+[nut]
+position = "30 mm"
+length = "16 mm"
+outer_diameter = "48 mm"
+groove_radius = "3.254 mm"
+[balls]
+radius = "2.778 mm"
+azimuths = ["-0.35 rad", "0.3 rad"]
+[solid]
+shaft = "6 mm"
+shaft_diameter = "30 mm"
+[[supports]]
+at = "0 mm"
+fix = ["ux", "uy", "rx", "ry", "rz"]
+[[supports]]
+at = "60 mm"
+fix = ["uy"]
+displace = { ux = "5 um" }
+[[loads]]
+at = "0 mm"
+force = ["0 N", "0 N", "400 N"]
+"""
+
+
+@pytest.mark.slow
+def test_a_command_whose_reference_does_not_settle_says_so_keeps_it_and_ends_with_a_code_of_its_own(
+    small, tmp_path, monkeypatch, capsys
+):
+    """One update of directions and gaps does not settle these loads."""
+    file, store = tmp_path / "two.toml", tmp_path / "store"
+    file.write_text(TWO_BALLS)
+    monkeypatch.setattr(setup, "prepare", lambda *given, **_: replace(small, settings=given[2]))
+    for updates, code in ((1, 5), (reference.ROUNDS, 0)):
+        monkeypatch.setitem(reference.solve_reference.__kwdefaults__, "updates", updates)
+        with pytest.raises(SystemExit) as stop:
+            main(["compare", str(file), "--levels", "1", "--fresh", "--store", str(store), "--json"])
+        assert (stop.value.code or 0) == code
+        (said,) = json.loads(capsys.readouterr().out)["scenes"]
+        (kept,) = (json.loads(run.read_text()) for run in store.glob("two-level1-*.json"))
+        load, told = np.array(kept["load"]), said["uncertainty"]["discretisation_percent"]
+        may_move = 100.0 * kept["moving"] / load[load > 0.0].mean()
+        if code:
+            assert kept["status"].startswith("not settled: loads may still move by")
+            assert said["reference_status"] == f"level 1 {kept['status']}"
+            assert told >= may_move > 1.0
+        else:
+            assert (kept["status"], said["reference_status"], may_move) == ("converged", "converged", 0.0)
+            assert told < 1.0
 
 
 def test_what_is_left_is_the_rest_of_a_geometric_series():

@@ -1,5 +1,6 @@
 """Cold times are those of a new process with empty caches."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -32,25 +33,28 @@ def test_a_level_is_timed_in_a_process_of_its_own(monkeypatch: pytest.MonkeyPatc
     """With a set-up that takes no time, the interpreter, the imports and the cores are left."""
     known = (
         "import numpy as np\nlevel = float(Task((catalogue.scene(ask['scene']),), ask['level']).level)\n"
-        "run = type('R', (), dict(peak_MB=level, status='x', load=np.eye(4), solve_seconds=0.5))"
+        "run = type('R', (), dict(peak_MB=level, status='x', load=np.eye(4), solve_seconds=0.5, stages=dict(nut=2.0)))"
     )
     lines = [known if "(run,) =" in line else line for line in cold.LEVEL_CHILD.splitlines()]
     monkeypatch.setattr(cold, "LEVEL_CHILD", "\n".join(lines))
     found = measure_level("lin-case1", 2)
     assert (found.level, found.memory, found.status) == (2, 2.0, "x")
-    assert (found.scene, found.contacts, found.load_case) == ("lin-case1", 4, 0.5)
+    assert (found.scene, found.contacts, found.load_case, found.stages) == ("lin-case1", 4, 0.5, {"nut": 2.0})
     assert found.process > 0.1
     assert found.cpu > 0.1
 
 
 def test_cold_levels_are_kept(tmp_path: Path) -> None:
-    level = ColdLevel(1, 12.0, 20.0, 1400.0, "converged", "unseen-25x5", 264, 4.0)
+    stages = {"ball": 0.2, "nut": 1.5, "patches": 5.0, "screw": 3.0}
+    level = ColdLevel(1, 12.0, 20.0, 1400.0, "converged", "unseen-25x5", 264, 4.0, stages)
     kept = Kept("a machine", "today", {}, {}, (level,))
     save(tmp_path, kept)
     assert load([tmp_path]) == kept
     (row,) = level_table(kept.levels).rows
     where = {"scene": "unseen-25x5", "contacts": 264, "level": 1}
-    assert row == where | {"cold": 12.0, "cpu": 20.0, "load_case": 4.0, "memory": 1400.0, "status": "converged"}
+    told = {"load_case": 4.0, "stages": "patches 5.0 s, screw 3.0 s, nut 1.5 s", "memory": 1400.0, "status": "converged"}
+    assert row == where | {"cold": 12.0, "cpu": 20.0} | told
+    assert level_table([replace(level, stages=None)]).rows[0]["stages"] == "not measured"
 
 
 def test_a_process_that_fails_is_no_time() -> None:

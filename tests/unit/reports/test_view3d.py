@@ -69,6 +69,12 @@ def test_the_screw_is_drawn_from_a_file_without_network(tmp_path):
     assert pages.MARKER in html
     assert "A short &lt;screw&gt;" in html
     assert not re.search(r'(src|href)="https?:', html)
+    assert 'id="scale"' in html
+    look = "for (let y = 0; y < innerHeight; y += 4) for (let x = 0; x < innerWidth; x += 4) found.add(ballAt(x, y));"
+    smooth = "scene.traverse(part => { if (part.isMesh) found.add(part.material.flatShading); });"
+    tell = f"setTimeout(() => {{ const found = new Set(); {look} {smooth} document.title = [...found].join(); }}, 3000);"
+    tried = tmp_path / "tried.html"
+    tried.write_text(html.replace("</body>", f"<script>{tell}</script></body>"), encoding="utf-8")
     flags = ["--headless", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
     flags += ["--enable-logging=stderr", "--virtual-time-budget=5000", "--window-size=400,300", f"--screenshot={shot}"]
     done = subprocess.run(
@@ -78,6 +84,16 @@ def test_the_screw_is_drawn_from_a_file_without_network(tmp_path):
         timeout=120,
         check=True,
     )
+    dumped = subprocess.run(
+        [CHROMIUM, *flags[:-3], "--virtual-time-budget=8000", "--window-size=400,300", "--dump-dom", tried.as_uri()],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=True,
+    )
+    (seen,) = re.findall(r"<title>(.*?)</title>", dumped.stdout)
+    assert {"-1", "1", "false"} < set(seen.split(",")), "loads of balls under the pointer, smooth surfaces"
+    assert "true" not in seen
     assert not [line for line in done.stderr.splitlines() if "CONSOLE" in line]
     middle = np.asarray(Image.open(shot).convert("RGB"))[100:, 100:300]
     assert len(np.unique(middle.reshape(-1, 3), axis=0)) > 100  # a white page has one colour

@@ -188,6 +188,22 @@ def test_nine_of_ten_compared_screws_are_within_what_the_others_expect() -> None
             assert np.median(expected / errors) <= 2.5, quantity
 
 
+#: Drawn screws on which the refined model is beyond 1.5 % of the mean load, or 0.5 % RMS, and those that the other ones
+#: would have promised less: a tenth at most. What is known of the causes: docs/trust.md.
+BEYOND_REACH = {2, 5, 6, 10, 15, 28, 33, 37, 45, 56, 66, 75, 83, 86, 88, 89, 102, 104, 111, 116, 117, 130, 131, 132, 134}
+BEYOND_REACH |= {142, 165, 166, 187, 191, 201, 239}
+BEYOND_EXPECTED = {2, 6, 28, 37, 45, 56, 66, 78, 88, 89, 139, 141, 165, 166, 171, 172, 187, 194}
+
+
+def test_every_compared_screw_beyond_reach_or_expectation_is_known() -> None:
+    """One more fails, one less too: the list is then wrong."""
+    found = model_form.left_out(model_form.shipped_points(), DEFAULT)
+    far = {one.point.scene for one in found if one.point.percent > 1.5 or one.point.rms_percent > 0.5}
+    more = {one.point.scene for one in found if one.expected and one.point.percent > (one.expected["percent"] or np.inf)}
+    assert far == {f"survey {number}" for number in BEYOND_REACH}
+    assert more == {f"survey {number}" for number in BEYOND_EXPECTED}
+
+
 def test_an_expected_error_holds_the_share_that_it_says() -> None:
     """Drawn scenes whose errors follow their features but for a scatter that is not normal: new ones are held as told."""
     rng = np.random.default_rng(7)

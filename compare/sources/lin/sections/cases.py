@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from rollbench.comparison.models.study import Study
-from rollbench.comparison.sections.curves import loads
+from rollbench.comparison.sections.curves import lateral, load_panel, loads
 from rollbench.comparison.sections.finding_table import printed_table
 from rollbench.comparison.sections.loaded_screw import loaded_screw
 from rollbench.comparison.sources.lin.evidence.choices_2_4_1 import Choice, choices
@@ -88,75 +88,35 @@ def figures(study: Study) -> tuple[Figure, ...]:
     case1, mei, nut = (study.solve("lin-case1", m) for m in ("lin", "mei", "mei-nut"))
     coarse = study.solve(study.changed("lin-case1", partition="source", section="groove squared"))
     case2 = study.solve("lin-case2")
-    x, y = "ball", "contact load / N"
-    first = Panel(
+    first = load_panel(
         "case 1, SL = NR",
-        x,
-        y,
-        (
-            loads("low-order model", case1, 0, emphasis=True),
-            loads("source's partition, C.8 without root", coarse, 0),
-            loads("Mei, rigid nut", mei, 0),
-            loads("Mei, nut as a bar", nut, 0),
-        ),
-        integer_x=True,
+        loads("low-order model", case1, 0, emphasis=True),
+        loads("source's partition, C.8 without root", coarse, 0),
+        loads("Mei, rigid nut", mei, 0),
+        loads("Mei, nut as a bar", nut, 0),
     )
-    second = Panel(
-        f"case 2, SL = NR: {oversized(study.scene('lin-case2'))}",
-        x,
-        y,
-        (loads("case 2", case2, 0, emphasis=True), loads("case 1", case1, 0)),
-        integer_x=True,
-    )
+    title = f"case 2, SL = NR: {oversized(study.scene('lin-case2'))}"
+    second = load_panel(title, loads("case 2", case2, 0, emphasis=True), loads("case 1", case1, 0))
     panels = []
     for reading in READINGS:
         plain, offset = study.solve(reading.plain), study.solve(reading.offset)
         moved = f"offset {1e6 * offset_of(study.scene(reading.offset)):g} µm"
         panels.append(
-            Panel(
+            load_panel(
                 f"case 3, {reading.label} at the right end" + (" (as the text says)" if reading.of_text else ""),
-                x,
-                y,
-                (
-                    loads(f"SL, {moved}", offset, 0, emphasis=True),
-                    loads("SL, no offset", plain, 0),
-                    loads(f"SR, {moved}", offset, 1, emphasis=True),
-                    loads("SR, no offset", plain, 1),
-                ),
-                integer_x=True,
+                loads(f"SL, {moved}", offset, 0, emphasis=True),
+                loads("SL, no offset", plain, 0),
+                loads(f"SR, {moved}", offset, 1, emphasis=True),
+                loads("SR, no offset", plain, 1),
             )
         )
-    z = [1e3 * float(v) for v in case1.centreline_z]
+    axes = "z / mm", "displacement / µm"
+    straight = Series("Mei (both)", [0.0, 1e3 * float(case1.centreline_z[-1])], [0.0, 0.0], "line")
     line = Panel(
-        "case 1: lateral displacement of the centreline",
-        "z / mm",
-        "displacement / µm",
-        (
-            Series("u_x", z, [1e6 * float(v) for v in case1.centreline[:, 0]], "line"),
-            Series("u_y", z, [1e6 * float(v) for v in case1.centreline[:, 1]], "line"),
-            Series("Mei (both)", [0.0, z[-1]], [0.0, 0.0], "line"),
-        ),
+        "case 1: lateral displacement of the centreline", *axes, (*lateral(case1.centreline_z, case1.centreline), straight)
     )
     three = study.solve("lin-case3-offset")
-    bend = Panel(
-        "case 3 with offset",
-        "z / mm",
-        "displacement / µm",
-        (
-            Series(
-                "u_x",
-                [1e3 * float(v) for v in three.centreline_z],
-                [1e6 * float(v) for v in three.centreline[:, 0]],
-                "line",
-            ),
-            Series(
-                "u_y",
-                [1e3 * float(v) for v in three.centreline_z],
-                [1e6 * float(v) for v in three.centreline[:, 1]],
-                "line",
-            ),
-        ),
-    )
+    bend = Panel("case 3 with offset", *axes, lateral(three.centreline_z, three.centreline))
     return (
         Figure("cases-12", "Load distribution, case studies 1 and 2", (first, second)),
         Figure(

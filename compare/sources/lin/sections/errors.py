@@ -9,12 +9,12 @@ import numpy as np
 from rollbench.comparison.measure import load_error
 from rollbench.comparison.models.ensemble import EnsembleResult
 from rollbench.comparison.models.study import Study
-from rollbench.comparison.sections.curves import loads
+from rollbench.comparison.sections.curves import load_panel, loads
 from rollbench.comparison.sections.finding_table import printed_table
 from rollbench.comparison.sources.lin.evidence.errors_2_4_2 import section_2_4_2
 from rollbench.comparison.sources.lin.evidence.loads_2_4_1 import ratio
 from rollbench.meshes.parts import SIDES
-from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table
+from rollbench.reports.records import Figure, Quantity, Row, Section, Series, Table
 
 
 def band(label: str, ensemble: EnsembleResult, side: int) -> Series:
@@ -34,30 +34,20 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         ensembles[name] = study.ensemble(name)
     random, combined = ensembles["lin-random"], ensembles["lin-combined"]
     one, all_three = study.solve("lin-random"), study.solve("lin-combined")
-    left = Panel(
+    left = load_panel(
         "one kind of error at a time, SL = NR",
-        "ball",
-        "contact load / N",
-        (
-            loads("no errors (case 1)", base, 0, emphasis=True),
-            loads("profile errors", profile, 0),
-            loads("pitch errors", pitch, 0),
-            loads("random ball radii, one draw", one, 0),
-            band("random, 5 to 95 %", random, 0),
-        ),
-        integer_x=True,
+        loads("no errors (case 1)", base, 0, emphasis=True),
+        loads("profile errors", profile, 0),
+        loads("pitch errors", pitch, 0),
+        loads("random ball radii, one draw", one, 0),
+        band("random, 5 to 95 %", random, 0),
     )
-    right = Panel(
+    right = load_panel(
         "all three together",
-        "ball",
-        "contact load / N",
-        (
-            loads("SL, one draw", all_three, 0, emphasis=True),
-            loads("SR, one draw", all_three, 1),
-            band("SL, 5 to 95 %", combined, 0),
-            band("SR, 5 to 95 %", combined, 1),
-        ),
-        integer_x=True,
+        loads("SL, one draw", all_three, 0, emphasis=True),
+        loads("SR, one draw", all_three, 1),
+        band("SL, 5 to 95 %", combined, 0),
+        band("SR, 5 to 95 %", combined, 1),
     )
     rows: list[Row] = []
     for name, e in ensembles.items():

@@ -58,6 +58,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
             figure(found),
             one_at_a_time(found),
             met_table(found),
+            combination_table(found),
             other_table(study),
         ),
         conclusion=conclusion(study, found),
@@ -207,12 +208,21 @@ def one_at_a_time(found: list[Combined]) -> Table:
 
 def met_table(found: list[Combined]) -> Table:
     """The combinations that meet the ratio, the nearest first."""
-    rows: list[Row] = []
-    for c in meeting(found):
-        row: Row = {"low order": key_of(c.low), "3D": key_of(c.solid)}
-        rows.append(row | _cells(c))
+    rows = [_row(c) for c in meeting(found)]
     note = "The words of the keys stand in the table before, in its order; base: as by default."
     return Table.of("reconstruction-met", f"Combinations whose models both have about {printed_ratio():g}", rows, note)
+
+
+def combination_table(found: list[Combined]) -> Table:
+    """Every combination."""
+    rows = [_row(c) | {"meets the ratio": "yes" if c.meets() else "no"} for c in found]
+    note = "Keys as in the table before."
+    return Table.of("reconstruction-combinations", f"All {len(found)} combinations of readings", rows, note)
+
+
+def _row(c: Combined) -> Row:
+    row: Row = {"low order": key_of(c.low), "3D": key_of(c.solid)}
+    return row | _cells(c)
 
 
 def figure(found: list[Combined]) -> Figure:

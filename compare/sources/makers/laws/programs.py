@@ -15,8 +15,8 @@ PRINTED = {
     "external-nsk": ("NSK's programs", PROGRAM),
     "external-contact": ("CONTACT", PROGRAM),
     "external-vm63": ("Ansys", PROGRAM),
-    "external-harris": ("textbooks", "textbook"),
-    "external-sjovall": ("textbooks", "textbook"),
+    "external-harris": ("Jones and Harris", PROGRAM),
+    "external-sjovall": ("NSK", MAKER),
     "external-gmn": ("GMN", MAKER),
 }
 #: Quantity of an entry by its unit; those without unit are ratios of loads.
