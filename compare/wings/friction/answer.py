@@ -63,6 +63,11 @@ def head(scene: KindScene, status: str, converged: bool, coupling: str | None = 
     }
 
 
+def three(value: float) -> str:
+    """A value with three digits, without an exponent below a million."""
+    return f"{float(f'{value:.3g}'):g}"
+
+
 def by_side(sides: Sequence[str], values: Array) -> dict[str, Any]:
     """Values (n,) by the names of their contacts."""
     return {side: number(v) for side, v in zip(sides, values, strict=True)}

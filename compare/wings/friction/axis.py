@@ -13,7 +13,7 @@ from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.axis_answers import solve_sets
 from rollbench.comparison.models.registry import run_model
 from rollbench.comparison.quantities import number
-from rollbench.comparison.wings.friction.answer import NOTHING, FrictionAnswer, Line
+from rollbench.comparison.wings.friction.answer import NOTHING, FrictionAnswer, Line, three
 from rollbench.comparison.wings.friction.output import (
     BALL_COLUMNS,
     ball_rows,
@@ -141,7 +141,7 @@ def _answer(
         (
             "torque",
             f"{torque['driving_torque_on_screw_Nmm']:+.3g} N mm about +z drive the shaft at {motion.speed:.6g} rad/s; "
-            f"friction torque of all sets {torque['friction_torque_Nmm']:.3g} N mm",
+            f"friction torque of all sets {three(torque['friction_torque_Nmm'])} N mm",
         ),
         _energy_line(power),
     ]

@@ -11,7 +11,7 @@ import numpy as np
 from rollbench.comparison.models.loading import preload
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.quantities import number
-from rollbench.comparison.wings.friction.answer import Line
+from rollbench.comparison.wings.friction.answer import Line, three
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.warned import Warned
@@ -76,7 +76,7 @@ def band_lines(data: dict[str, Any]) -> list[Line]:
         text = (
             f"without load drag torque {_range(data['drag_torque_Nmm'])} N mm at these; makers' formula "
             "0.05/sqrt(tan(lead angle)) F l/(2 pi) for the preload of "
-            f"{data['preload_N']:.4g} N: {data['makers_formula_Nmm']:.3g} N mm"
+            f"{data['preload_N']:.4g} N: {three(data['makers_formula_Nmm'])} N mm"
         )
         lines.append(("drag", text))
     return lines

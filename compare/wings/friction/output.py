@@ -10,7 +10,7 @@ import numpy as np
 
 from rollbench.comparison.commands.printing import Column
 from rollbench.comparison.quantities import number
-from rollbench.comparison.wings.friction.answer import Line, increase
+from rollbench.comparison.wings.friction.answer import Line, increase, three
 from rollbench.comparison.wings.friction.left_out import BESIDES, WHOLE
 from rollbench.lowfi.friction.whole.feedback import JAMMED
 from rollbench.lowfi.friction.whole.heathcote import WIDE
@@ -240,7 +240,7 @@ def _driving_line(t: ScrewTorque, motion: Motion, part: str) -> Line:
     needed = 1e3 * t.on_screw * np.sign(t.speed)
     who = "which a motor must give" if needed >= 0.0 else "with which a brake must hold"
     moving = f", which moves {moves(t)}" if t.translating else ""
-    return "torque", f"{abs(needed):.3g} N mm, {who} the {part} at {motion.speed:.6g} rad/s{moving}"
+    return "torque", f"{three(abs(needed))} N mm, {who} the {part} at {motion.speed:.6g} rad/s{moving}"
 
 
 def _load_line(t: ScrewTorque) -> Line:
@@ -248,10 +248,12 @@ def _load_line(t: ScrewTorque) -> Line:
     if not t.translating:
         return "load", "no axial load: no efficiency"
     forward, backward = t.efficiency
-    against = f"{t.load:.4g} N along the screw; {1e3 * t.forward:.3g} N mm against it, efficiency {100.0 * forward:.3g} %"
+    against = (
+        f"{t.load:.4g} N along the screw; {three(1e3 * t.forward)} N mm against it, efficiency {100.0 * forward:.3g} %"
+    )
     if t.locking:
-        return "load", f"{against}; self-locking: to go with it, {-1e3 * t.backward:.3g} N mm are needed too"
-    held = f"{1e3 * t.backward:.3g} N mm hold it back where it drives, efficiency {100.0 * backward:.3g} %"
+        return "load", f"{against}; self-locking: to go with it, {three(-1e3 * t.backward)} N mm are needed too"
+    held = f"{three(1e3 * t.backward)} N mm hold it back where it drives, efficiency {100.0 * backward:.3g} %"
     return "load", f"{against}; {held}"
 
 
@@ -260,11 +262,11 @@ def lines_of(motion: Motion, state: FrictionState, drag: tuple[float | None, str
     has three."""
     t, ring = state.torque, state.torque.ratio == 0.0
     inner, outer = ("inner ring", "outer ring") if ring else ("screw", "nut")
-    without = "unknown: " + drag[1] if drag[0] is None else f"{1e3 * drag[0]:.3g} N mm" + f" ({drag[1]})" * bool(drag[1])
+    without = "unknown: " + drag[1] if drag[0] is None else f"{three(1e3 * drag[0])} N mm" + f" ({drag[1]})" * bool(drag[1])
     taken = t.input_power if t.power else 0.0  # else round-off
     lines = [
         _driving_line(t, motion, inner if motion.turns == "screw" else outer),
-        ("friction", f"torque {1e3 * t.friction:.3g} N mm of {inner} in {outer}; drag torque without loads {without}"),
+        ("friction", f"torque {three(1e3 * t.friction)} N mm of {inner} in {outer}; drag torque without loads {without}"),
         *(() if ring else (_load_line(t),)),
         (
             "energy",
@@ -272,7 +274,7 @@ def lines_of(motion: Motion, state: FrictionState, drag: tuple[float | None, str
             f"difference {t.input_power - t.power:.1e} W",
         ),
     ]
-    bare = f"{1e3 * state.bare.friction:.3g} N mm"
+    bare = f"{three(1e3 * state.bare.friction)} N mm"
     if state.neighbours is not None:
         n = state.neighbours
         text = (

@@ -16,7 +16,7 @@ from rollbench.comparison.errors import InputError, SceneError
 from rollbench.comparison.reference.store import key_of
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.wings.friction import solve as friction_answer
-from rollbench.comparison.wings.friction.answer import as_table, increase
+from rollbench.comparison.wings.friction.answer import as_table, increase, three
 from rollbench.comparison.wings.friction.band import feedback_warnings
 from rollbench.comparison.wings.friction.solve import run_friction, solve_friction
 from rollbench.comparison.wings.friction.whole import Choices, solve_scene
@@ -483,7 +483,7 @@ def test_torques_over_the_measured_coefficients_stand_beside_the_maker_s_formula
     formula = 0.05 / np.sqrt(tangent) * data["preload_N"] * 1e3 * scene.track.lead / (2 * np.pi)
     assert data["makers_formula_Nmm"] == pytest.approx(formula, rel=1e-9)
     assert 0.5 < data["drag_torque_Nmm"][1] / data["makers_formula_Nmm"] < 2.0
-    assert f"{data['makers_formula_Nmm']:.3g} N mm" in found.text
+    assert f"{three(data['makers_formula_Nmm'])} N mm" in found.text
     bare = answer(replace(scene, errors=Errors())).data["band"]
     assert (bare["makers_formula_Nmm"], bare["drag_torque_Nmm"]) == (None, None)
 
