@@ -104,12 +104,12 @@ def increase(loss: float, apart: float, bound: float) -> float | None:
     return 0.0 if abs(loss - apart) <= ROUND_OFF * apart else number(float(error_percent(loss, apart)))
 
 
-def energy_line(values: dict[str, Any], label: str = "energy") -> Line:
+def energy_line(values: dict[str, Any]) -> Line:
     """The energy balance in words."""
     power, loss, off = (
         cell(values[k], f) for k, f in (("input_power_W", ".6g"), ("loss_W", ".6g"), ("balance_percent", "+.1e"))
     )
-    return label, f"input power {power} W, dissipation {loss} W ({off} %)"
+    return "energy", f"input power {power} W, dissipation {loss} W ({off} %)"
 
 
 def as_table(answer: FrictionAnswer, *, balls: bool = False) -> list[RenderableType]:

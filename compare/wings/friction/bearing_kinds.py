@@ -278,10 +278,11 @@ def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> Friction
 def bearing_lines(data: dict[str, Any]) -> list[Line]:
     """The results of both bearings in a few lines."""
     four, double = (cell(data[name]["largest_over_smallest"], ".5g") for name in ("four_point", "double_row"))
+    label, text = energy_line(data["energy"])
     ring = "free to tilt" if data["tilt"] else "held upright"
     return [
         ("torque", f"largest over smallest: four-point {four}, double row {double}"),
-        energy_line(data["energy"], "in mean"),
+        (label, f"{text}, mean over the angles"),
         ("solver", f"loads out of balance by {data['solver']['load_imbalance_N']:.1e} N"),
         ("law", f"coulomb, Hertz constants {data['hertz']}, inner ring {ring}"),
     ]
