@@ -101,7 +101,7 @@ def axial_tangent(scene: Scene, model: str, options: Options) -> tuple[float | N
     try:
         found = tangent_of(scene, scene.nut.position, model, options)
     except Refusal as refused:
-        return None, refused.value
+        return None, refused.value.partition(";")[0]  # what to do instead is of other answers
     return (found.rigidity("uz"), "") if found.status == "converged" else (None, found.status)
 
 

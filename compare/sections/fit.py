@@ -56,10 +56,11 @@ def conclusion(found: Sequence[Row]) -> str:
     """What 95 of 100 compared scenes are fit for."""
     good = [_plain(row) for row in found if row["model"] == DEFAULT and row["verdict"] == "yes"]
     bad = [_plain(row) for row in found if row["model"] == "lin" and row["verdict"] == "no"]
-    return (
-        f"On ordinary screws {DEFAULT} is fit for {_listed(good) or 'nothing'}: within {LIMIT:g} % on at least 95 of 100 "
-        f"compared scenes. lin is not fit for {_listed(bad) or 'nothing of it'}."
+    fit = (
+        f"is fit for the {_listed(good)}: within {LIMIT:g} % on at least 95 of 100" if good else "is not shown to be fit on"
     )
+    unfit = f" lin is not fit for the {_listed(bad)}." if bad else ""
+    return f"On ordinary screws {DEFAULT} {fit} compared scenes.{unfit}"
 
 
 def _plain(row: Row) -> str:

@@ -252,8 +252,8 @@ def level_table(levels: Sequence[ColdLevel]) -> Table:
         "Each level in a process of its own on all cores, from the start of the interpreter to the loads: no mesh, part or "
         "run is known before. Peak memory: the sum of the peaks of the processes that one set-up takes. Wanted were 12 s "
         "for level 1 of a screw of 64 contacts, 40 s for its levels 1 to 3, and 50 s of a processor for level 1 of 200 "
-        "contacts. What is more is in the stages named, most of it the elimination of these meshes; coarser ones would be "
-        "another reference."
+        "contacts. What is more is in the stages named: nearly half of it the elimination of these meshes, a seventh their "
+        "generation. Coarser ones would be another reference."
     )
     return Table.of("reference-levels-cold", "Levels of the 3D reference, cold", rows, note)
 

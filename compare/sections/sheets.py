@@ -22,8 +22,8 @@ LIMIT = 7.0
 MODELS = (DEFAULT, "lin")
 
 LEGEND = (
-    "Hatched: where the 3D reference holds the nut, pale balls behind the axis. u_val is what an error is known to with "
-    "95 % confidence (section u-val)."
+    "Sketches are to scale about the nut; hatched: where the 3D reference holds it, pale: balls behind the axis. Verdicts "
+    f"are on {DEFAULT}. u_val is what an error is known to with 95 % confidence (section u-val)."
 )
 
 Judged = Mapping[tuple[str, str], Validated]
@@ -79,7 +79,7 @@ def sheet(study: Study, name: str, reference: Reference, judged: Judged) -> Sequ
     words = (verdict(study, name, reference, judged), trust(reference, judged[DEFAULT, CONTACTS]))
     return (
         Text(words, heading=f"{name}: {scene.title}"),
-        sketch_of(scene, f"sketch-{name}", f"{name}, to scale about the nut"),
+        sketch_of(scene, f"sketch-{name}", name),
         results(study, scene, reference, judged),
     )
 
@@ -126,4 +126,4 @@ def results(study: Study, scene: Scene, reference: Reference, judged: Judged) ->
                 "verdict": f"{'within' if abs(own[0].error) <= LIMIT else 'not within'} {LIMIT:g} %",
             }
         )
-    return Table.of(f"sheet-{scene.name}", f"{scene.name}: results; verdict on {DEFAULT}", rows)
+    return Table.of(f"sheet-{scene.name}", f"{scene.name}, results", rows)

@@ -87,11 +87,11 @@ def test_a_kept_record_is_not_solved_again(tmp_path: Path, monkeypatch: pytest.M
 
     def fake(_: int, number: int, __: Path) -> dict[str, object]:
         done.append(number)
-        return {"number": number, "status": "converged", "seconds": 1.0}
+        return {"number": number, "version": run.__version__, "status": "converged", "seconds": 1.0}
 
     monkeypatch.setattr(run, "surveyed", fake)
     kept = tmp_path / "survey.json"
-    rows = [{"number": 0, "status": "converged"}, {"number": 1, "status": "refused"}]
+    rows = [{"number": k, "version": run.__version__, "status": s} for k, s in enumerate(("converged", "refused"))]
     kept.write_text(run.text(SEED, rows))
     records = run.run_survey(SEED, 3, tmp_path / "out", 1, lambda _: None, kept)
     assert done == [1, 2]

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from rollbench.comparison.commands.printing import Answer, on_terminal
+from rollbench.comparison.commands.printing import Answer, cell, on_terminal
+from rollbench.comparison.commands.tables import ruled
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.reference.estimate import Reference, reference
 from rollbench.comparison.reference.jobs import Engine, ensure, plan
@@ -79,18 +80,7 @@ def _ours(scene: Scene, store: Path, engine: Engine) -> Reference:
 
 
 def _table(scene: Scene, rows: Sequence[ContactRow]) -> Any:
-    from rich.table import Table
-
-    out = Table(title=f"{scene.name}: contact loads, CalculiX extrapolated; every mesh: --json", title_justify="left")
-    own = columns()
-    for column in own:
-        head = "\n".join((*column.label.split(", "), *([column.unit] if column.unit else ())))
-        out.add_column(head, justify="left" if column.key == "side" else "right")
-    for row in rows:
-        cells = row.cells()
-        out.add_row(*(_text(cells.get(c.key), c.format) for c in own))
-    return out
-
-
-def _text(value: Any, form: str) -> str:
-    return "–" if value is None else format(value, form)
+    heads = {c.key: "\n".join((*c.label.split(", "), *([c.unit] if c.unit else ()))) for c in columns()}
+    texts = ([cell(row.cells().get(c.key), c.format) for c in columns()] for row in rows)
+    title = f"{scene.name}: contact loads, CalculiX extrapolated; every mesh: --json"
+    return ruled(title, heads.values(), texts, [heads["side"]])

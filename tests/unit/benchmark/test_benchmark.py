@@ -1,10 +1,9 @@
 """The benchmark BSCB-1: its answers are today's, a score tells right from wrong, other programs read its files."""
 
+import csv
 import hashlib
 import json
-import re
 import shutil
-import subprocess
 from dataclasses import replace
 
 import numpy as np
@@ -276,20 +275,25 @@ def test_meshes_open_in_meshio_and_scikit_fem(name, radius, tmp_path):
     assert volume == pytest.approx(4.0 / 3.0 * np.pi * radius**3, rel=2e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
-def test_calculix_reads_the_deck_of_an_exported_scene(folder, tmp_path):
+def test_calculix_solves_the_deck_of_an_exported_scene(folder, tmp_path):
+    """Half an element across the short half axis is far too few: the contacts come out too stiff, none by more than 80 N of
+    500 (24 N with a whole one); those of a ball, which balance it, agree."""
     pytest.importorskip("gmsh")
+    from rollbench.comparison.wings.crosscheck.calculix import run_calculix
     from rollbench.comparison.wings.crosscheck.export_deck import DeckChoices, run_deck
 
     scene = catalogue.scene(str(folder / "problems" / "two-balls.toml"))
-    out = tmp_path / "deck.inp"
-    run_deck(scene, DeckChoices("ccx", b_over_h=0.5, growth=0.9), out)
-    text, count = re.subn(r"(?m)^\*STATIC.*\n(?:[^*].*\n)*", "*NO ANALYSIS\n", out.read_text(encoding="utf-8"))
-    assert count == 1
-    out.write_text(text, encoding="utf-8")
-    done = subprocess.run(["ccx", "-i", "deck"], cwd=tmp_path, capture_output=True, text=True, timeout=120)
-    assert "no analysis" in done.stdout.lower()
-    assert "ERROR" not in done.stdout
+    run_deck(scene, DeckChoices("ccx", b_over_h=0.5, growth=0.9), tmp_path / "deck.inp")
+    found = run_calculix((tmp_path / "deck.inp").read_text(encoding="utf-8"), tmp_path)
+    loads = {contact.slave.removeprefix("BALL").replace("_", " "): contact.size for contact in found.contacts}
+    with (folder / "contacts.csv").open(encoding="utf-8") as file:
+        answers = {row["contact"]: float(row["load_N"]) for row in csv.DictReader(file) if row["problem"] == "two-balls"}
+    assert loads.keys() == answers.keys()
+    assert all(0.0 < loads[name] - answer < 80.0 for name, answer in answers.items())
+    for first, second in (("SL", "NR"), ("SR", "NL")):
+        assert loads[f"1 {first}"] == pytest.approx(loads[f"1 {second}"], rel=1e-3)
 
 
 def test_the_double_nut_is_meshed_as_its_first_set():

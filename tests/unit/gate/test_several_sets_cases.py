@@ -123,6 +123,7 @@ def test_one_reference_and_one_file_of_loads_are_read_by_case_and_set(
     values.write_text("case,set,quantity,value,unit\ncutting,nut 2,life,1,revolutions\nrapid,1,rigidity,9,N/um\n")
     found = told(capsys, "check", path, "--values", str(values), "--reference", file)[1]
     assert [(v["case"], v["word"]) for v in found["verdicts"]] == [("rapid", "not covered"), ("cutting", "fail")]
+    assert found["verdicts"][1]["set"] == "nut 2"
 
 
 @pytest.mark.parametrize(

@@ -64,6 +64,9 @@ def test_a_solve_loads_no_wing_whose_answer_it_does_not_print(tmp_path):
     assert not [name for name in inside if not name.endswith(".registration")]
     physics = ("lowfi.friction", "lowfi.bearings", "lowfi.random_errors", "hifi")
     assert not [name for name in loaded if name.removeprefix("rollbench.").startswith(physics)]
+    unasked = ("comparison.gate.", "comparison.reference.", "comparison.scenes.axis", "lowfi.statics.axis.")
+    assert not [name for name in loaded if name.removeprefix("rollbench.").startswith(unasked)]
+    assert "rollbench.comparison.commands.arguments.validation" not in loaded, "options of other commands"
 
 
 def without(wing, tmp_path):

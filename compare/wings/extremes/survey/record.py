@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from rollbench.comparison import __version__
 from rollbench.comparison.errors import InputError, one_line
 from rollbench.comparison.measure import load_error
 from rollbench.comparison.models.applicability import DESCRIPTORS
@@ -45,7 +46,7 @@ def surveyed(seed: int, number: int, runs: Path | None = None) -> Record:
     """
     begin = process_time()
     text, name = scene_text(seed, number), f"survey-{seed}-{number}"
-    record: Record = {"number": number}
+    record: Record = {"number": number, "version": __version__}
     try:
         scene = scene_file.loads(text, f"{name}.toml")
         record |= described(scene)

@@ -59,8 +59,8 @@ def _answers(path: Path | None, seed: int) -> list[Record]:
     if path is None or not path.exists():
         return []
     found = json.loads(path.read_text(encoding="utf-8"))
-    ours = {"seed": seed, "level": LEVEL, "version": __version__}
-    return list(found["scenes"]) if {key: found.get(key) for key in ours} == ours else []
+    same = (found.get("seed"), found.get("level")) == (seed, LEVEL)
+    return [record for record in found["scenes"] if same and record["version"] == __version__]
 
 
 def unanswered(records: Sequence[Record]) -> list[Record]:
@@ -69,8 +69,9 @@ def unanswered(records: Sequence[Record]) -> list[Record]:
 
 
 def text(seed: int, records: Sequence[Record]) -> str:
-    """The kept record: JSON with a scene a line."""
-    head = {"command": f"rollbench stability --survey {len(records)}", "seed": seed, "level": LEVEL, "version": __version__}
+    """The kept record: JSON with a scene a line; its head says how many were asked for, and how many of them are there."""
+    asked = 1 + max((r["number"] for r in records), default=-1)
+    head = {"command": f"rollbench stability --survey {asked}", "seed": seed, "level": LEVEL, "solved": len(records)}
     rows = ",\n".join(json.dumps(r, ensure_ascii=False) for r in records)
     return json.dumps(head)[:-1] + f', "scenes": [\n{rows}\n]}}\n'
 
