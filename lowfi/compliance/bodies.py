@@ -6,7 +6,7 @@ revolution does beyond the same beam theory, plus each contact's own flank, less
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -209,10 +209,12 @@ def body_compliance(
     backend: Backend,
     semi_axes: tuple[float, float],
     flanks: Sequence[int] = BOTH,
+    whole: WholeBody | None = None,
 ) -> BodyCompliance:
     """Compliance of screw (beyond its beam) or nut between the contacts of a scene, and what is assumed for it.
 
-    semi_axes: of a typical contact [m], across the groove and along it; flanks: 0 left, 1 right. Raises ValueError for
+    semi_axes: of a typical contact [m], across the groove and along it; flanks: 0 left, 1 right; whole: what computes
+    `whole_body`, for layouts that have much in common. Raises ValueError for
     dimensions that leave no groove, no wall or no land, and for contacts at the groove's apex.
     """
     kind = backend.screw if screw else backend.nut
@@ -232,7 +234,7 @@ def body_compliance(
         e += at_size(flank_of(geometry, screw), semi_axes)
         slope = size_slope(flank_of(geometry, screw))
     assumed = tuple(x for x in dimensions(geometry).assumed if not x.startswith(MESH_ONLY))
-    return BodyCompliance(whole_body(scene, layout, screw, backend, flanks), e, slope, assumed)
+    return BodyCompliance((whole or whole_body)(scene, layout, screw, backend, flanks), e, slope, assumed)
 
 
 def refuse_flat(scene: Scene, screw: bool, backend: Backend) -> None:
@@ -262,6 +264,10 @@ def whole_body(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, 
     if np.array_equal(layout.azimuth, azimuths):
         return of_flanks(_whole_body(geometry, screw, backend).G, flanks)
     return _body_at(geometry, layout, screw, backend, flanks)
+
+
+#: What computes `whole_body`.
+WholeBody = Callable[[Scene, BallLayout, bool, Backend, Sequence[int]], Array]
 
 
 def of_flanks(G: Array, flanks: Sequence[int]) -> Array:
