@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import is_dataclass, replace
+from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -107,7 +107,7 @@ def _fields(record: Any) -> dict[str, object]:
     """Fields of a record that counted, and later ones that are not as usual: with these no old key fits."""
     name = type(record).__name__
     old, usual = FIELDS[name].split(), FROZEN.get(name, {})
-    later = [f for f in vars(record) if f not in (*old, *HIDDEN)]
+    later = [f.name for f in fields(record) if f.name not in (*old, *HIDDEN)]
     return {f: getattr(record, f) for f in (*old, *(f for f in later if canonical(getattr(record, f)) != usual.get(f)))}
 
 

@@ -48,8 +48,11 @@ def section(scene: Scene, result: StaticResult, options: Options) -> Section | N
         panels[:0] = _over_turn(run)
         notes += [] if run.converged else [f"Run in time: {run.status}."]
     rows: list[Row] = [
-        {Quantity("contact", "contact", "", "s"): row["contact"], Quantity("loss_W", "loss", "W", ".3g"): row["loss_W"]}
-        | {Quantity(cause, cause.replace("_", " "), "W", ".3g"): row[cause] for cause in CAUSES}
+        {
+            Quantity("contact", "contact", "", "s"): row["contact"],
+            Quantity("loss_W", "loss", "W", ".3g"): row["loss_W"],
+            **{Quantity(cause, cause.replace("_", " "), "W", ".3g"): row[cause] for cause in CAUSES},
+        }
         for row in loss_rows(state)
     ]
     caption = (

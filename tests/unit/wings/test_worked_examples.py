@@ -133,6 +133,21 @@ def test_a_model_takes_one_place(tree, tmp_path):
     assert loads["lin-rigid-screw"] != pytest.approx(loads["lin"], rel=1e-3)
 
 
+def test_a_contact_law_takes_one_place(tree, tmp_path):
+    """Contacts 1.1 times as stiff, in the one function of the law: one set and several come to another answer in balance."""
+    law = r"return x \* root, 1.5 \* root / c, 0.4 \* c \* x \* x \* root"
+    stiffer = "return 1.1 * x * root, 1.65 * root / c, 0.44 * c * x * x * root"
+    commands = [("solve", name, "--model", "lin", "--json") for name in ("lin-case1", "double-nut")]
+    before = [found(rollbench(tree, *words, cwd=tmp_path)) for words in commands]
+    change(tree, "lowfi/statics/kernel/contact.py", law, stiffer)
+    for words, old in zip(commands, before, strict=True):
+        new = found(rollbench(tree, *words, cwd=tmp_path))
+        assert new["status"] == old["status"] == "converged"
+        assert new["equilibrium"]["force_residual"] < 1e-9
+        moved = new["summary"]["axial"]["displacement_um"] / old["summary"]["axial"]["displacement_um"]
+        assert 1.1 ** (-2.0 / 3.0) < moved < 0.995, moved
+
+
 def test_a_paper_takes_two_folders(tree, tmp_path):
     """Its folder in compare/sources, its tests in tests/sources: traced, judged, in the report, tested."""
     for name, text in PAPER.items():
