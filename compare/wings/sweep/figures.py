@@ -58,9 +58,9 @@ def _effects(name: str, keys: Sequence[Vary], found: Mapping[str, Any], left: st
         bars = [m - g["standard_error"] for m, g in zip(mean, groups, strict=True)]
         ends = [m + g["standard_error"] for m, g in zip(mean, groups, strict=True)]
         series = Series("mean", at, mean, "line+markers", bars=(bars, ends))
-        name = called(vary)
-        label = vary.label if name == vary.name or not vary.unit else f"{name} / {vary.unit}"
-        panels.append(Panel(name, label, OUTPUTS[MAIN], (series,), integer_x=bool(vary.choices)))
+        short = called(vary)
+        label = vary.label if short == vary.name or not vary.unit else f"{short} / {vary.unit}"
+        panels.append(Panel(short, label, OUTPUTS[MAIN], (series,), integer_x=bool(vary.choices)))
     caption = "Mean over all samples in a part of the key's range; bars: its standard error." + left
     return Figure(f"{name}-effects", f"{name}: main effects", tuple(panels), caption, same_y=True)
 

@@ -134,7 +134,7 @@ def test_a_model_takes_one_place(tree, tmp_path):
 
 
 def test_a_contact_law_takes_one_place(tree, tmp_path):
-    """Contacts 1.1 times as stiff, in the one function of the law: one set and several come to another answer in balance."""
+    """Contacts 1.1 times as stiff, by the one function of the law: another answer in balance for one set and several."""
     law = r"return x \* root, 1.5 \* root / c, 0.4 \* c \* x \* x \* root"
     stiffer = "return 1.1 * x * root, 1.65 * root / c, 0.44 * c * x * x * root"
     commands = [("solve", name, "--model", "lin", "--json") for name in ("lin-case1", "double-nut")]

@@ -147,7 +147,7 @@ def test_all_values_and_their_table() -> None:
 
 def test_section_says_its_conclusion_first() -> None:
     made = section.section(STUDY, lambda _: None)
-    assert made.conclusion.startswith("36")
+    assert made.conclusion.startswith("Of 36")
     shown = made.items[1]
     assert isinstance(shown, records.Table)
     assert "1020: a formula in disguise" in shown.note
