@@ -83,6 +83,7 @@ HOOKS = {
     "drawn friction": "(state): JSON-ready sums of a state of friction",
     "friction": "(scene, result, options): state of friction of a static result, or None and why",
     "friction of a scene": "(scene, coefficients, model): JSON-ready answer on a scene of any kind",
+    "friction of a page": "(scene, result, options): section on the friction of one's own screw, or None",
     "gate": "(study, largest error): rows of the gate",
     "outside": "(study): number of outside values, bias and scatter as cells of columns, by quantity",
     "other program": "(): (its name, loads (n, 4) [N] by scene) of another program's runs",

@@ -6,7 +6,7 @@ import os
 import select
 import sys
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from time import monotonic
 
@@ -14,6 +14,8 @@ from rollbench.comparison.errors import InputError
 
 #: Seconds after which a solution says that it is still at work, and between two such lines.
 FIRST, AGAIN = 2.0, 1.0
+#: Signs of a full bar.
+BAR = 30
 #: Exit code of a solution that its limit of time ended: as where no equilibrium is found.
 ENDED = 1
 
@@ -40,6 +42,29 @@ def watched(label: str, limit: float | None = None) -> Iterator[None]:
     finally:
         done.set()
         watcher.join()
+
+
+@contextmanager
+def bar(label: str) -> Iterator[Callable[[str, float], None]]:
+    """A bar on a terminal's standard error, of what is done of ``label``: to be told what is computed, and the part of it
+    that is done. Nothing elsewhere, and nothing in the first seconds."""
+    begin, written = monotonic(), ""
+
+    def told(what: str, part: float) -> None:
+        nonlocal written
+        if monotonic() - begin < FIRST or not sys.stderr.isatty():
+            return
+        full = round(BAR * part)
+        text = f"rollbench: {label}: {what} [{'#' * full}{'.' * (BAR - full)}] {100.0 * part:3.0f} %"
+        if text != written:
+            _say("\r" + text.ljust(len(written)))
+            written = text
+
+    try:
+        yield told
+    finally:
+        if written:
+            _say("\r" + " " * len(written) + "\r")
 
 
 def reader_gone(outputs: Sequence[int] = (1, 2)) -> bool:

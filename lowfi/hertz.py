@@ -32,6 +32,34 @@ class HertzConstants:
         return np.asarray(1.5 * np.cbrt(force) / (np.pi * self.C_a * self.C_b))
 
 
+def contact_force(approach: Array | float, C: Array | float) -> Array:
+    """Force F = (approach/C)^(3/2) [N] of contacts with constants C [m/N^(2/3)] at approaches [m]; none where they gape.
+
+    Shapes broadcast. C of two contacts in series is the sum of theirs, as they carry one force.
+
+    >>> [round(float(x), 12) for x in (contact_force(4e-6, 1e-6), 1e6 * contact_approach(8.0, 1e-6))]
+    [8.0, 4.0]
+    >>> float(contact_slope(4e-6, 1e-6)), float(contact_stiffness(8.0, 1e-6))
+    (3000000.0, 3000000.0)
+    """
+    return np.asarray((np.maximum(approach, 0.0) / C) ** 1.5)
+
+
+def contact_approach(force: Array | float, C: Array | float) -> Array:
+    """Approach C F^(2/3) [m] under forces [N]: the inverse of `contact_force`."""
+    return np.asarray(C * force ** (2.0 / 3.0))
+
+
+def contact_slope(approach: Array | float, C: Array | float) -> Array:
+    """Tangent stiffness dF/d(approach) = 3 (approach/C)^(1/2)/(2 C) [N/m] at approaches [m]; none where contacts gape."""
+    return np.asarray(1.5 * np.sqrt(np.maximum(approach, 0.0) / C) / C)
+
+
+def contact_stiffness(force: Array | float, C: Array | float) -> Array:
+    """The same under forces [N]: 3 F^(1/3)/(2 C)."""
+    return np.asarray(1.5 * np.cbrt(force) / C)
+
+
 def contact_modulus(e1: float, nu1: float, e2: float, nu2: float) -> float:
     """Contact modulus E* [Pa], 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 (Lin B.6)."""
     return 1.0 / ((1.0 - nu1**2) / e1 + (1.0 - nu2**2) / e2)

@@ -57,23 +57,13 @@ def is_compiled(module_name: str) -> bool:
 
 def kernel(function: F) -> F:
     """Compile ``function`` where its module belongs to a compiled copy; otherwise return it unchanged."""
-    return _compiled(function, set())
-
-
-def summing(function: F) -> F:
-    """The same for sums whose terms may be taken in any order: the compiler then takes several side by side."""
-    return _compiled(function, {"reassoc"})
-
-
-def _compiled(function: F, allowed: set[str]) -> F:
-    """``function`` compiled with what LLVM's ``allowed`` flags permit of floating point numbers; see ``kernel``."""
     if not is_compiled(function.__module__):
         return function
     import numba
 
     _hold_signals_back()
     keep = code_folder() is not None
-    compiled_function: F = numba.njit(cache=keep, nogil=True, error_model="numpy", fastmath=allowed)(function)
+    compiled_function: F = numba.njit(cache=keep, nogil=True, error_model="numpy")(function)
     return compiled_function
 
 
@@ -277,6 +267,33 @@ def _load(package: str) -> ModuleType:
     with _numba_writes_to(code_folder()):
         spec.loader.exec_module(module)
     return module
+
+
+def driver_of(system: str, driver: str) -> ModuleType:
+    """The module ``driver`` of a kernel package, loaded once more for the module of name ``system`` there, whose functions
+    it then calls (`system_of`): numba keeps machine code of functions, but not of closures over other functions."""
+    package = system.rpartition(".")[0]
+    name = f"{package}.{driver}_of_{system.rpartition('.')[2]}"
+    if name not in sys.modules:
+        source = importlib.util.find_spec(f"{package}.{driver}")
+        spec = importlib.util.spec_from_file_location(name, source.origin) if source and source.origin else None
+        if spec is None or spec.loader is None:
+            raise ImportError(f"no module {driver} in {package}")
+        sys.modules[name] = module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+    return sys.modules[name]
+
+
+def system_of(name: str) -> ModuleType:
+    """The module of functions that a driver loaded under a name serves, see `driver_of`.
+
+    Raises ImportError for a driver that is imported by its own name.
+    """
+    package, _, own = name.rpartition(".")
+    system = sys.modules.get(f"{package}.{own.partition('_of_')[2]}")
+    if system is None:
+        raise ImportError(f"{name} serves no system: see rollbench.lowfi.jit.driver_of")
+    return system
 
 
 @contextmanager

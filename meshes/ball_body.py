@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from skfem import Mesh
 
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.fem import cells_of, points_of
+from rollbench.meshes.fem import Meshed
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import SIDES
 from rollbench.meshes.quality import Quality, measure, refuse_bad, straighten, untangle
@@ -44,7 +44,7 @@ class BallSocket:
 
 
 @dataclass(frozen=True)
-class BallBody:
+class BallBody(Meshed):
     """Second-order tetrahedra of a ball about its centre in the frame of azimuth 0 [m], boundaries "sphere" and
     "socket SL" or of other sides; per socket its nodes and its faces' mesh, quality."""
 
@@ -52,16 +52,6 @@ class BallBody:
     socket_nodes: dict[int, Index]
     sockets: dict[int, SocketMesh]
     quality: Quality
-
-    @property
-    def points(self) -> Array:
-        """Nodes ``(n, 3)`` [m]."""
-        return points_of(self.mesh)
-
-    @property
-    def cells(self) -> Index:
-        """Nodes of the cells ``(m, 10)`` in gmsh's order."""
-        return cells_of(self.mesh)
 
 
 def directions(m: GrooveMap, side: int) -> Array:

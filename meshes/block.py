@@ -14,11 +14,11 @@ import numpy as np
 from skfem import Mesh
 
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.fem import kind_of, moved, named, points_of, tensor_grid
+from rollbench.meshes.fem import Meshed, kind_of, moved, named, points_of, tensor_grid
 
 
 @dataclass(frozen=True)
-class BlockMesh:
+class BlockMesh(Meshed):
     """A quarter block.
 
     mesh: scikit-fem's, boundaries "contact" (the plane z = 0), "x = 0" and "y = 0" (the planes of symmetry) and "cut"
@@ -32,11 +32,6 @@ class BlockMesh:
     def element(self) -> str:
         """P1, P2, Q1 or Q2."""
         return kind_of(self.mesh)
-
-    @property
-    def points(self) -> Array:
-        """Nodes (n, 3) [m]."""
-        return points_of(self.mesh)
 
 
 def graded(cell: float, core: float, size: float, growth: float) -> Array:

@@ -9,8 +9,8 @@ import hashlib
 import io
 import math
 import os
+import re
 import struct
-import tokenize
 import zipfile
 import zlib
 from collections.abc import Mapping
@@ -29,14 +29,16 @@ from rollbench.meshes.parts import Scene
 FORMAT = 2
 #: Largest size of all arrays of a file together [bytes]: a screw of 1000 contacts has a tenth of it.
 LARGEST_FILE = 200_000_000
-#: What reading a damaged archive of arrays raises, besides ValueError.
-DAMAGE = (
-    zipfile.BadZipFile,
-    zlib.error,
-    struct.error,
-    *(EOFError, OSError, KeyError, IndexError, TypeError, RuntimeError, NotImplementedError, MemoryError, OverflowError),
-    *(SyntaxError, tokenize.TokenError, AttributeError),
+#: What the archive's reader raises of a damaged one.
+DAMAGE = (zipfile.BadZipFile, zlib.error, struct.error, EOFError, NotImplementedError, OverflowError, ValueError)
+#: How numpy packs members.
+PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+#: Head of an array as numpy writes it: numbers of one kind or a text, the first index slowest or fastest, and the shape.
+HEAD = re.compile(
+    rb"\{'descr': '([<>|=][fiuU]\d{1,4})', 'fortran_order': (True|False), 'shape': \(((?:\d{1,12},? ?)*)\), \} *\n"
 )
+#: Beginning of an array by numpy's formats 1.0 and 2.0, and how its head's length stands there.
+BEGINNING = {b"\x93NUMPY\x01\x00": "<H", b"\x93NUMPY\x02\x00": "<I"}
 #: Difference of a compliance from its transpose, and negative eigenvalue, over its largest entry, that a mesh may leave.
 ASYMMETRY, NEGATIVE = 1e-6, 1e-3
 #: Largest numbers that are read: compliances [m/N], Hertz's [m/N^(2/3)], forces [N], place of the screw's support [m].
@@ -130,43 +132,55 @@ def _members(path: Path) -> dict[str, Array]:
     names = [f.name for f in fields(CondensedBodies)]
     if path.stat().st_size > LARGEST_FILE:
         raise ValueError(f"more than {LARGEST_FILE:.3g} bytes")
-    content = path.read_bytes()
-    try:
-        with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            declared = {info.filename: info.file_size for info in archive.infolist()}
-            too_large = [name for name in declared if name.endswith(".npy") and _held(archive, name) > declared[name]]
-        if too_large:
-            raise ValueError(f"{too_large[0]} says that it is larger than it is")
-        if sum(declared.values()) > LARGEST_FILE:
-            raise ValueError(f"it declares {sum(declared.values()):.3g} bytes, at most {LARGEST_FILE:.3g} are read")
-        if "format.npy" in declared:
-            with np.load(io.BytesIO(content), allow_pickle=False) as data:
-                if data["format"].shape != () or int(data["format"]) != FORMAT:
-                    raise ValueError(f"format {str(data['format'])[:40]}, this version reads {FORMAT}")
-        missing = [name for name in names if f"{name}.npy" not in declared]
-        if missing:
-            raise ValueError(f"it has no {', '.join(missing)}")
-        with np.load(io.BytesIO(content), allow_pickle=False) as data:
-            sealed = str(data["checksum"]) if "checksum" in data else ""
-            values = {name: data[name] for name in names}
-    except DAMAGE as e:
-        raise ValueError("no file of condensed bodies, or a damaged one") from e
+    members = _unpacked(path.read_bytes())
+    values = {name: _array(name, members[name]) for name in ("format", "checksum", *names) if name in members}
+    number, said = values.pop("format", np.array(FORMAT)), values.pop("checksum", None)
+    if number.shape != () or number.dtype.kind not in "iu" or int(number) != FORMAT:
+        raise ValueError(f"format {str(number)[:40]}, this version reads {FORMAT}")
+    missing = [name for name in names if name not in values]
+    if missing:
+        raise ValueError(f"it has no {', '.join(missing)}")
     kinds = {"geometry": "U", "level": "iu"}
     for name, value in values.items():
         if value.dtype.kind not in kinds.get(name, "fiu") or (name in ("geometry", "level", "base") and value.shape != ()):
             raise ValueError(f"{name}: an array of another kind")
-    if sealed != checksum(values):
+    if said is None or str(said) != checksum(values):
         raise ValueError("its checksum does not fit what it holds: it was damaged or changed")
     return values
 
 
-def _held(archive: zipfile.ZipFile, name: str) -> int:
-    """Bytes of the array that the head of a member announces."""
-    with archive.open(name) as member:
-        version = np.lib.format.read_magic(member)
-        read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
-        shape, _, kind = read(member)
-    return math.prod(shape) * kind.itemsize
+def _unpacked(content: bytes) -> dict[str, bytes]:
+    """Members of an archive by their names, whose sizes are looked at before any is read. Raises ValueError."""
+    try:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            every = archive.infolist()
+            declared = sum(info.file_size for info in every)
+            plain = all(x.compress_type in PACKED and not x.flag_bits & 1 for x in every)
+            read = plain and declared <= LARGEST_FILE
+            members = {info.filename.removesuffix(".npy"): archive.read(info) for info in every if read}
+    except DAMAGE as e:
+        raise ValueError("no file of condensed bodies, or a damaged one") from e
+    if not plain:
+        raise ValueError("no file of condensed bodies: its archive is encrypted or packed otherwise")
+    if declared > LARGEST_FILE:
+        raise ValueError(f"it declares {declared:.3g} bytes, at most {LARGEST_FILE:.3g} are read")
+    return members
+
+
+def _array(name: str, content: bytes) -> Array:
+    """Array of a member in numpy's format. Raises ValueError for another, or for one that is not as large as it says."""
+    length = BEGINNING.get(content[:8])
+    first = 8 + (struct.calcsize(length) if length else 0)
+    if length is None or len(content) < first:
+        raise ValueError(f"{name}: no array, or a damaged one")
+    end = first + int(struct.unpack_from(length, content, 8)[0])
+    head = HEAD.fullmatch(content[first:end])
+    if head is None:
+        raise ValueError(f"{name}: a damaged array, or one of another kind")
+    kind, shape = np.dtype(head[1].decode()), tuple(int(n) for n in head[3].replace(b",", b" ").split())
+    if math.prod(shape) * kind.itemsize != len(content) - end:
+        raise ValueError(f"{name} says that it is larger than it is, or smaller")
+    return np.ndarray(shape, kind, content, end, order="F" if head[2] == b"True" else "C").copy("K")
 
 
 def checksum(values: Mapping[str, Any]) -> str:

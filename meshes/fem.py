@@ -148,6 +148,22 @@ def cells_of(mesh: Mesh) -> Index:
     return np.asarray(mesh.dofs.element_dofs.T[:, np.argsort(_SKFEM[kind_of(mesh)])], dtype=np.int64)
 
 
+class Meshed:
+    """What records of a body have that hold its mesh."""
+
+    mesh: Mesh
+
+    @property
+    def points(self) -> Array:
+        """Nodes ``(n, 3)`` [m]."""
+        return points_of(self.mesh)
+
+    @property
+    def cells(self) -> Index:
+        """Nodes of the cells ``(m, nodes)`` in gmsh's order."""
+        return cells_of(self.mesh)
+
+
 def faces_of(mesh: Mesh, name: str) -> Index:
     """Nodes of a boundary's faces ``(k, nodes of a face)``: corners turning left seen from outside, then the middles of the
     edges from each to the next, then the face's own."""

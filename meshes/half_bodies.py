@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.groove import BodySpec, Groove, circle, cylindrical, flat, level, seen, upright
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.grooved_body import FLANK, BodySpec, Groove, circle, cylindrical, flat, level, seen, upright
+from rollbench.meshes.grooved_body import FLANK
 from rollbench.meshes.parts import SIDES
 from rollbench.meshes.shell import BEND, WALL, Curve, Placing, Shell, Side
 

@@ -55,27 +55,33 @@ def _steps(start: float, end: float, length: float) -> Array:
     return np.linspace(start, end, count + 1)
 
 
-def fixed_partition(scene: Scene) -> Array:
-    """Nodes of the ``"source"`` or ``"uniform"`` partition over the whole screw [m].
+def fixed_partition(scene: Scene, *others: Scene) -> Array:
+    """Nodes of the ``"source"`` or ``"uniform"`` partition over the whole screw [m], of one scene, or of several on one
+    screw, which is that of the first.
 
     source: as many 15 mm elements as fit the nut, centred on it; outside equal elements of at most the pitch diameter.
     For Table 2.1's screw that makes 12 + 3 + 12 = 27 elements, the number of Table 2.2.
     """
+    parts, at, longest = [], 0.0, 2.0 * min(x.track.pitch_radius for x in (scene, *others))
+    for inside in sorted((_inside(x) for x in (scene, *others)), key=lambda x: float(x[0])):
+        if inside[0] - at > MERGE:
+            parts.append(_steps(at, inside[0], longest)[:-1])
+        parts.append(inside)
+        at = float(inside[-1])
+    if scene.screw.length - at > MERGE:
+        parts.append(_steps(at, scene.screw.length, longest)[1:])
+    return np.unique(np.concatenate(parts))
+
+
+def _inside(scene: Scene) -> Array:
+    """Nodes in the nut [m]."""
     nut = scene.nut
     low, high = nut.position - nut.length / 2.0, nut.position + nut.length / 2.0
     if scene.ingredients.partition == "source":
         count = max(1, floor(nut.length / SOURCE_ELEMENT + 1e-9))
         half = min(count * SOURCE_ELEMENT, nut.length) / 2.0
-        inside = np.linspace(nut.position - half, nut.position + half, count + 1)
-    else:
-        inside = _steps(low, high, scene.ingredients.element_length)
-    pitch_diameter = 2.0 * scene.track.pitch_radius
-    parts = [inside]
-    if inside[0] > MERGE:
-        parts.insert(0, _steps(0.0, inside[0], pitch_diameter)[:-1])
-    if scene.screw.length - inside[-1] > MERGE:
-        parts.append(_steps(inside[-1], scene.screw.length, pitch_diameter)[1:])
-    return np.concatenate(parts)
+        return np.linspace(nut.position - half, nut.position + half, count + 1)
+    return _steps(low, high, scene.ingredients.element_length)
 
 
 def beam_nodes(scene: Scene, stations: Array, *, everything: bool = False) -> tuple[Array, int]:
@@ -91,8 +97,11 @@ def beam_nodes(scene: Scene, stations: Array, *, everything: bool = False) -> tu
         nodes = merge(np.concatenate([needed, ends]), held)
     else:
         nodes = merge(np.concatenate([fixed_partition(scene), needed_stations(scene)]), held)
-    if everything:
-        return nodes, 0
+    return (nodes, 0) if everything else between(nodes, needed)
+
+
+def between(nodes: Array, needed: Array) -> tuple[Array, int]:
+    """The nodes that the stations ``needed`` lie between, at least two, and how many elements are left out."""
     first = int(np.searchsorted(nodes, needed.min() + MERGE, side="right")) - 1
     last = int(np.searchsorted(nodes, needed.max() - MERGE, side="left"))
     first, last = max(first, 0), min(last, nodes.size - 1)

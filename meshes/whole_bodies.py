@@ -17,9 +17,10 @@ from skfem import Mesh
 
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import directions, sphere
-from rollbench.meshes.fem import cells_of, nodes_on, points_of
+from rollbench.meshes.fem import Meshed, nodes_on
+from rollbench.meshes.groove import BodySpec, Groove
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.grooved_body import BodySpec, Groove, Surface
+from rollbench.meshes.grooved_body import Surface
 from rollbench.meshes.half_bodies import HalfRing, half_sphere
 from rollbench.meshes.quality import Quality, measure, refuse_bad, straighten, untangle
 from rollbench.meshes.shell import POOREST, STRAIGHTENED, Placing, Shell, best_of, fill
@@ -43,21 +44,11 @@ class Refinement:
 
 
 @dataclass(frozen=True)
-class WholeBody:
+class WholeBody(Meshed):
     """Second-order tetrahedra, the parts of their surface as boundaries; quality."""
 
     mesh: Mesh
     quality: Quality
-
-    @property
-    def points(self) -> Array:
-        """Nodes ``(n, 3)`` [m]."""
-        return points_of(self.mesh)
-
-    @property
-    def cells(self) -> Index:
-        """Nodes of the cells ``(m, 10)`` in gmsh's order."""
-        return cells_of(self.mesh)
 
     @cached_property
     def named(self) -> dict[str, Index]:

@@ -8,8 +8,8 @@ from rollbench.lowfi import jit
 from rollbench.lowfi.statics.problem import build
 from rollbench.lowfi.statics.static import prepare, solve_static
 from rollbench.meshes.errors import specimen
+from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.grooved_body import BodySpec
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import (
     SIDES,

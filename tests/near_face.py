@@ -20,8 +20,9 @@ from rollbench.hifi.condensation.responses import nut_response
 from rollbench.hifi.meshing.fit import patch_lines, socket_size
 from rollbench.hifi.meshing.part_meshes import Sockets, carrier_mesh, patch_mesh, patch_normals, sockets_of
 from rollbench.hifi.meshing.settings import Settings
+from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.grooved_body import BodySpec, build_body
+from rollbench.meshes.grooved_body import build_body
 from rollbench.meshes.helix import ball_layout, reduced_lead
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.sockets import local_points

@@ -175,8 +175,8 @@ def _whole(scene: Scene, part: str, level: int) -> MeshData:
     from rollbench.hifi.bodies.coarse import of_order
     from rollbench.hifi.meshing.fit import socket_size
     from rollbench.hifi.meshing.part_meshes import body_kind, sockets_of
+    from rollbench.meshes.groove import BodySpec
     from rollbench.meshes.groove_map import GrooveMap
-    from rollbench.meshes.grooved_body import BodySpec
     from rollbench.meshes.helix import ball_layout
     from rollbench.meshes.solid import dimensions
     from rollbench.meshes.whole_bodies import Refinement, groove_points, sphere_points, whole_ball, whole_body

@@ -11,7 +11,7 @@ from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.models.loading import LiftOff, Preload, lift_off, preload, solve_scaled
 from rollbench.comparison.models.registry import MODELS, Options, blamed, read_condensed
 from rollbench.comparison.registration import offered
-from rollbench.lowfi.compliance.bodies import LADDER, REFINED
+from rollbench.lowfi.compliance.parts import LADDER, REFINED
 from rollbench.lowfi.rating.contacts import Contact, StaticSafety, Truncation, static_safety, truncation, worst_contact
 from rollbench.lowfi.rating.life import Life, life
 from rollbench.lowfi.rating.rigidity import Rigidities, axial_displacement, axial_force, rigidities
@@ -101,7 +101,7 @@ def axial_tangent(scene: Scene, model: str, options: Options) -> tuple[float | N
     try:
         found = tangent_of(scene, scene.nut.position, model, options)
     except Refusal as refused:
-        return None, refused.value
+        return None, refused.value.partition(";")[0]  # what to do instead is of other answers
     return (found.rigidity("uz"), "") if found.status == "converged" else (None, found.status)
 
 

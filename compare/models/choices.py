@@ -9,7 +9,7 @@ import numpy as np
 
 from rollbench.comparison.measure import LoadError, error_percent, load_error
 from rollbench.comparison.models.study import Study
-from rollbench.lowfi.compliance.bodies import REFINED, Backend
+from rollbench.lowfi.compliance.parts import REFINED, Backend
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.meshes.loads import mean_load
 

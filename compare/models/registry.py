@@ -74,7 +74,7 @@ def read_condensed(scene: Scene, options: Options) -> Condensed:
 
 def _elastic(scene: Scene, options: Options, *, name: str) -> StaticResult:
     """A model with elastic bodies, by the name of its backend; "condensed" takes them from a file."""
-    from rollbench.lowfi.compliance.bodies import LADDER, REFINED
+    from rollbench.lowfi.compliance.parts import LADDER, REFINED
     from rollbench.lowfi.statics.elastic import solve_elastic
     from rollbench.lowfi.statics.static import with_discretisation
 
@@ -122,7 +122,7 @@ def _axis_lin(assembly: Assembly, options: Options) -> AxisResult:
 
 
 def _axis_elastic(assembly: Assembly, options: Options, *, name: str) -> AxisResult:
-    from rollbench.lowfi.compliance.bodies import LADDER
+    from rollbench.lowfi.compliance.parts import LADDER
     from rollbench.lowfi.statics.axis.refined import solve_refined
 
     return solve_refined(
@@ -179,6 +179,12 @@ class Model:
         """The scene with the ingredients of this model."""
         return replace(scene, ingredients=replace(scene.ingredients, **dict(self.ingredients)))
 
+    def of_assembly(self, assembly: Assembly) -> Assembly:
+        """The assembly with the ingredients of this model, and those of its sets."""
+        parts = [self.scene(s.parts) if isinstance(s.parts, Scene) else s.parts for s in assembly.sets]
+        sets = tuple(replace(s, parts=p) for s, p in zip(assembly.sets, parts, strict=True))
+        return replace(assembly, sets=sets, ingredients=replace(assembly.ingredients, **dict(self.ingredients)))
+
 
 C_8, HALF_SPACES = "screw a beam by Lin C.8, nut rigid, balls half spaces", "balls half spaces"
 BARS = "axial bars and springs of fixed direction"
@@ -211,7 +217,7 @@ _ALL = (
         "the source's model on its 15 mm partition",
         C_8,
         _lin,
-        "it sets the nodes of the beam by the one nut",
+        _axis_lin,
         compared=True,
         ingredients=(("partition", "source"),),
     ),
@@ -357,6 +363,6 @@ def _runner(scene: Scene | Assembly, name: str) -> Callable[[Options], StaticRes
             raise InputError("model", "name", f'"{name}"', ", ".join(MODELS), "see: rollbench list")
         return partial(model.run, model.scene(scene))
     if model is not None and not isinstance(model.assembly, str):
-        return partial(model.assembly, scene)
+        return partial(model.assembly, model.of_assembly(scene))
     advice = "see: rollbench list" if model is None else f"{name} describes one set: {model.assembly}"
     raise InputError(scene.name, "model", f'"{name}"', ", ".join(AXIS_MODELS), advice)

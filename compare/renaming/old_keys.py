@@ -106,9 +106,9 @@ def _digest(*parts: object) -> str:
 def _fields(record: Any) -> dict[str, object]:
     """Fields of a record that counted, and later ones that are not as usual: with these no old key fits."""
     name = type(record).__name__
-    old, usual = FIELDS[name].split(), FROZEN[name]
-    later = [f for f in vars(record) if f in usual and f not in (*old, *HIDDEN)]
-    return {f: getattr(record, f) for f in (*old, *(f for f in later if canonical(getattr(record, f)) != usual[f]))}
+    old, usual = FIELDS[name].split(), FROZEN.get(name, {})
+    later = [f for f in vars(record) if f not in (*old, *HIDDEN)]
+    return {f: getattr(record, f) for f in (*old, *(f for f in later if canonical(getattr(record, f)) != usual.get(f)))}
 
 
 def _text(value: object) -> str:

@@ -197,6 +197,9 @@ class AxisIngredientKeys(Table):
         "nominal",
         "actual",
     )
+    partition: Literal["nodal", "source"] = key(
+        "nodes of the shaft: at every contact, or as the source (15 mm in every set)", "nodal", "source"
+    )
     section: Literal["groove", "groove squared", "full"] = key(
         "section of the threaded shaft: diameters scaled by k_r (Lin C.8), by k_r without the root, or full",
         "groove",

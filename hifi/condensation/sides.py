@@ -16,8 +16,9 @@ from rollbench.hifi.meshing.part_meshes import Meshes, Sockets, carrier_mesh, pa
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.ball_body import build_ball
+from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.grooved_body import BodySpec, GroovedBody, build_body
+from rollbench.meshes.grooved_body import GroovedBody, build_body
 from rollbench.meshes.parts import Material, Scene
 from rollbench.meshes.sockets import SocketMesh, local_points, reach
 from rollbench.meshes.solid import Dimensions

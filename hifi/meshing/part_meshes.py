@@ -15,8 +15,9 @@ from rollbench.hifi.meshing.settings import Settings
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.ball_body import BallBody, build_ball
 from rollbench.meshes.cache import Cache
+from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.grooved_body import BodySpec, GroovedBody, build_body
+from rollbench.meshes.grooved_body import GroovedBody, build_body
 from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.sockets import SocketMesh, SocketSize

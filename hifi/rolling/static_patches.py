@@ -20,8 +20,9 @@ from rollbench.hifi.meshing.fit import ball_place
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import build_ball
 from rollbench.meshes.contact_bodies import Zone
+from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.grooved_body import BodySpec, build_body
+from rollbench.meshes.grooved_body import build_body
 from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import SIDE_SIGNS
 from rollbench.meshes.sockets import SocketSize, fitted_socket, local_points, reach, socket_centre

@@ -21,8 +21,9 @@ from rollbench.hifi.shaft.beam import ShaftSection, round_section
 from rollbench.hifi.shaft.cut import cut_flexibility
 from rollbench.hifi.shaft.helical_section import helical_stiffness
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.grooved_body import BodySpec, build_body
+from rollbench.meshes.grooved_body import build_body
 from rollbench.meshes.parts import Material
 from rollbench.meshes.sockets import SocketSize
 

@@ -13,6 +13,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from rollbench.lowfi.hertz import contact_approach, contact_force, contact_slope
 from rollbench.lowfi.statics.mechanism import free_motions
 from rollbench.lowfi.statics.problem import SIGNS, Problem, build, error_free
 from rollbench.lowfi.statics.result import SolverReport, StaticResult
@@ -156,10 +157,8 @@ def _contacts(
     d = p - a
     dist = np.linalg.norm(d, axis=1)
     n = d / dist[:, None]
-    delta = np.maximum(problem.drawn.ball_radius - dist, 0.0)
-    c = problem.C[:, side]
-    force = (delta / c) ** 1.5
-    return n, t, t1, dist, force, 1.5 * np.sqrt(delta / c) / c, dof, m0, m1
+    c, delta = problem.C[:, side], problem.drawn.ball_radius - dist
+    return n, t, t1, dist, contact_force(delta, c), contact_slope(delta, c), dof, m0, m1
 
 
 def equations(system: System, x: Array, load: Array, *, jacobian: bool = True) -> tuple[Array, Array | None, Array]:
@@ -219,7 +218,7 @@ def initial_state(system: System, start: Start, fraction: float) -> Array:
         rise = np.sin(scene.track.contact_angle) * np.cos(lead_angle(scene.track))
         share = abs(axial) / (count * rise)
         pair = problem.C[:, 0] + problem.C[:, 3]
-        shift = np.sign(axial) * float(pair.mean()) * share ** (2.0 / 3.0) / rise
+        shift = np.sign(axial) * float(contact_approach(share, pair.mean())) / rise
         u[:, 2] += np.where(problem.fixed[:, 2], 0.0, shift)
         cosine = np.cos(lead_angle(scene.track))
         p[:, 1] = 0.5 * shift * cosine

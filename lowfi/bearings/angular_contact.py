@@ -17,7 +17,7 @@ from typing import Protocol
 
 import numpy as np
 
-from rollbench.lowfi.hertz import HertzConstants, contact_modulus, hertz_constants
+from rollbench.lowfi.hertz import HertzConstants, contact_force, contact_modulus, contact_slope, hertz_constants
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.roots import brentq
 
@@ -196,11 +196,11 @@ def thrust_state(bearing: BallRows, displacement: Array | float) -> ThrustState:
     modulus = contact_modulus(bearing.young, bearing.poisson, bearing.young, bearing.poisson)
     inner, outer = (hertz_constants(*pair, modulus) for pair in curvatures(bearing, angle))
     c = inner.C + outer.C
-    q = (approach / c) ** 1.5
+    q = contact_force(approach, c)
     sin, cos = np.sin(angle), np.cos(angle)
     # dQ/du: by the approach, sin(alpha) per u, and by the angle, cos(alpha)/s per u
     by_angle = _compliance_by_angle(bearing, angle, inner, outer)
-    slope = 1.5 * np.sqrt(approach / c) / c * (sin - approach * by_angle / c * cos / s)
+    slope = contact_slope(approach, c) * (sin - approach * by_angle / c * cos / s)
     load, stiffness = bearing.balls * q * sin, bearing.balls * (slope * sin + q * cos**2 / s)
     return ThrustState(u, angle, approach, q, load, stiffness, inner, outer)
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rollbench.lowfi.bearings.angular_contact import BallRows, ThrustState, thrust_state
+from rollbench.lowfi.hertz import contact_approach
 from rollbench.meshes.arrays import Array
 
 #: Conformities among which one is looked for.
@@ -45,7 +46,7 @@ def state_under(bearings: BallRows, load: Array) -> ThrustState:
     """State under thrusts [N] above zero, of a shape that the bearings' fields go with: Newton's method on F^(2/3), which
     is nearly linear in u. Raises ValueError for a thrust that needs displacements beyond Hertz contact."""
     first = BEGINS * bearings.ball_diameter
-    u = first * np.cbrt(load / thrust_state(bearings, first).load) ** 2
+    u = contact_approach(load / thrust_state(bearings, first).load, first)
     for _ in range(STEPS):
         state = thrust_state(bearings, u)
         step = 1.5 * (np.cbrt(load / state.load) ** 2 - 1.0) * state.load / state.stiffness

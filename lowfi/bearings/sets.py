@@ -17,6 +17,7 @@ from typing import Protocol
 
 import numpy as np
 
+from rollbench.lowfi.hertz import contact_approach, contact_force, contact_slope
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.roots import brentq
 
@@ -40,17 +41,22 @@ class PointRow:
 
     k: float = 1.0
 
+    @property
+    def C(self) -> float:
+        """Constant of the row as one contact [m/N^(2/3)]."""
+        return float(self.k ** (-2.0 / 3.0))
+
     def load(self, deflection: float) -> float:
         """Thrust [N] at a deflection [m]; zero where the row is loose."""
-        return float(self.k * max(deflection, 0.0) ** 1.5)
+        return float(contact_force(deflection, self.C))
 
     def stiffness(self, deflection: float) -> float:
         """dF/du [N/m]; zero where the row is loose."""
-        return float(1.5 * self.k * max(deflection, 0.0) ** 0.5)
+        return float(contact_slope(deflection, self.C))
 
     def deflection(self, load: float) -> float:
         """Deflection [m] under a thrust [N]."""
-        return float((load / self.k) ** (2.0 / 3.0))
+        return float(contact_approach(load, self.C))
 
 
 @dataclass(frozen=True)

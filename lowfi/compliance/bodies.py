@@ -1,4 +1,4 @@
-"""Compliance of screw, nut and ball between the contacts of a scene, by backend; everything that depends on geometry alone.
+"""Compliance of screw, nut and ball between the contacts of a scene, by backend.
 
 Each body's compliance is that of a beam with the section constants of the grooved body, plus what a smooth body of
 revolution does beyond the same beam theory, plus each contact's own flank, less the half space that Hertz already holds.
@@ -6,30 +6,37 @@ revolution does beyond the same beam theory, plus each contact's own flank, less
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
-from typing import Literal
 
 import numpy as np
 
-from rollbench.lowfi.compliance.cell import cell_section
 from rollbench.lowfi.compliance.faces import REACH, NearFace, near_face
 from rollbench.lowfi.compliance.groove import (
     NARROW,
-    Flank,
     RingCompliance,
     at_size,
-    groove_layer,
     half_space,
     ring_compliance,
     ring_contacts,
     size_slope,
-    smooth_radius,
+)
+from rollbench.lowfi.compliance.parts import (
+    CLAMPED,
+    REFINED,
+    Backend,
+    clamp,
+    flank_of,
+    geometry_only,
+    grooved_section,
+    held_at,
+    is_ring,
+    smooth_body,
+    with_balls,
 )
 from rollbench.lowfi.compliance.sphere import own_compliance, own_slope, sphere_compliance
 from rollbench.lowfi.compliance.tube import (
-    Tube,
     TubeCompliance,
     clamped,
     contact_compliance,
@@ -40,94 +47,16 @@ from rollbench.lowfi.compliance.tube import (
     tube_compliance,
 )
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import BallLayout, ball_layout, nominal_contact_points
 from rollbench.meshes.kept import kept
 from rollbench.meshes.one_arc import NEAR, is_one_arc
-from rollbench.meshes.parts import Ingredients, Scene
-from rollbench.meshes.section import BeamSection, screw_section, tube_section
+from rollbench.meshes.parts import Scene
 from rollbench.meshes.solid import dimensions
 
-#: Least width of the kernels' patch over the ball's radius, for steep contact angles.
-LEAST = 0.5
 #: How far beyond the nut's faces the screw takes loads, over the patch's width: a contact beside a face keeps its patch.
 BESIDE = 2.5
 #: Left and right flank of a groove.
 BOTH = (0, 1)
-#: Fixings of the nut by the name of the scene's key.
-HELD = {
-    "left face": "low",
-    "right face": "high",
-    "both faces": "both",
-    "outer surface": "outer",
-    "flange face": "flange",
-    "flange face and centring": "flange",
-}
-
-#: Those with a beam's clamped end.
-CLAMPED = ("low", "high", "both", "flange")
-
-
-@dataclass(frozen=True)
-class Backend:
-    """What answers a contact force. section: of the screw's beam, the scene's (Lin C.8) or the grooved cell's; screw and
-    nut: rigid beyond the contacts or beam, and with the Fourier kernel; ball: half spaces (Hertz) or an elastic sphere.
-
-    width: standard deviation of the kernels' patch over half the distance of the two flanks' contacts across the groove;
-    bore: the nut's grooves as a ``"layer"`` softer along the axis than around it, or a plain bore that keeps the mean
-    wall^3 (``"ring"``) or the ``"volume"``, or lies at the lands (``"land"``);
-    harmonics, mesh: number of harmonics and fineness of the elements as multiples of the chosen ones; flank: each
-    contact's own flank, or a half space at the smooth surface.
-    """
-
-    section: Literal["scene", "cell"] = "cell"
-    screw: Literal["beam", "kernel"] = "kernel"
-    nut: Literal["rigid", "beam", "kernel"] = "kernel"
-    ball: Literal["half space", "sphere"] = "sphere"
-    width: float = 1.0
-    bore: Literal["layer", "ring", "volume", "land"] = "layer"
-    harmonics: float = 1.0
-    mesh: float = 1.0
-    flank: bool = True
-
-
-#: The refined model and the steps that lead to it from the source's.
-REFINED = Backend()
-LADDER = {
-    "lin": Backend("scene", "beam", "rigid", "half space", flank=False),
-    "lin-cell": Backend("cell", "beam", "rigid", "half space", flank=False),
-    "lin-nut": Backend("cell", "beam", "beam", "half space", flank=False),
-    "refined": REFINED,
-}
-
-
-#: Words for a body without compliance of its own.
-RIGID = "rigid apart from the Hertzian contacts"
-
-
-def idealised(backend: Backend, scene: Scene) -> tuple[str, ...]:
-    """Statements on how a backend idealises a scene's bodies. Raises ValueError as `meshes.solid.dimensions`."""
-    ring = scene.track.lead == 0.0
-    section = "Lin C.8" if backend.section == "scene" else "half a lead of its groove"
-    smooth = "; beyond that, a smooth body of revolution with each contact's own flank"
-    nut = {
-        "rigid": RIGID,
-        "beam": "a Timoshenko tube of its grooved section",
-        "kernel": f"a Timoshenko tube of its grooved section{smooth}",
-    }[backend.nut]
-    screw = f"a Timoshenko beam with the section of {section}{smooth if backend.screw == 'kernel' else ''}"
-    if ring and backend.nut == "kernel":
-        screw = nut = "a body of revolution with its groove, held as the scene says"
-    elif scene.ingredients.screw == "rigid":
-        screw = f"on a rigid axis{smooth}" if backend.screw == "kernel" else RIGID
-    if held_at(scene, True) == "rigid":
-        screw = RIGID
-    if held_at(scene, False) == "rigid":
-        nut = RIGID
-    ball = "half spaces at their contacts" if backend.ball == "half space" else "elastic spheres"
-    return f"the screw or inner ring is {screw}", f"the nut or outer ring is {nut}", f"balls are {ball}"
-
-
 #: Assumptions about the solid parts that only a mesh needs.
 MESH_ONLY = ("A hole of", "The screw is three-dimensional")
 
@@ -174,86 +103,6 @@ def contact_frames(scene: Scene, layout: BallLayout, screw: bool, flanks: Sequen
     return np.concatenate(x), np.concatenate([axes_of(layout)] * len(flanks))
 
 
-@lru_cache(maxsize=64)
-def geometry_only(scene: Scene) -> Scene:
-    """The scene without loads, supports, errors, words and choices: what the bodies' compliance depends on."""
-    return Scene(
-        "",
-        "",
-        scene.track,
-        scene.screw,
-        scene.nut,
-        replace(scene.balls, azimuths=(scene.track.phase,)),
-        solid=scene.solid,
-        ingredients=Ingredients(screw=scene.ingredients.screw),
-    )
-
-
-@lru_cache(maxsize=64)
-def with_balls(scene: Scene) -> tuple[Scene, Array]:
-    """The scene without all but the parts and the balls' own places, and their azimuths ``(N,)`` [rad]."""
-    return replace(geometry_only(scene), balls=scene.balls), ball_layout(scene).azimuth
-
-
-@lru_cache(maxsize=64)
-def flank_of(scene: Scene, screw: bool) -> Flank:
-    """Groove of screw or nut on half a lead, or on half a ring's width. Raises ValueError for impossible dimensions."""
-    dims = dimensions(scene)
-    m = GrooveMap.of(scene)
-    low, high = dims.ends(scene)
-    width = min(scene.nut.length, high - low) if screw else scene.nut.length
-    half = np.pi * abs(m.rg) / m.starts if m.rg != 0.0 else 0.5 * width
-    land = scene.screw.outer_diameter / 2.0 if screw else dims.land
-    far = scene.screw.bore / 2.0 if screw else scene.nut.outer_diameter / 2.0
-    return Flank(m, land, far, screw, float(half), (scene.screw if screw else scene.nut).material)
-
-
-@lru_cache(maxsize=64)
-def held_at(scene: Scene, screw: bool) -> str:
-    """Where the smooth body is held: see `Tube`; "rigid" where the body does not move beyond its contacts."""
-    dims = dimensions(scene)
-    if not screw:
-        return "rigid" if scene.solid.nut == "rigid" else HELD[dims.nut_held.partition(", ")[0]]
-    if dims.screw_held == "bore":
-        return "bore"
-    return "rigid" if scene.ingredients.screw == "rigid" else "section"
-
-
-@lru_cache(maxsize=64)
-@kept(BeamSection)
-def grooved_section(geometry: Scene, screw: bool) -> BeamSection:
-    """Section constants of the grooved screw or nut (`cell_section`); of the plain body for a track without lead."""
-    flank = flank_of(geometry, screw)
-    if geometry.track.lead == 0.0:
-        if screw:
-            return screw_section(geometry)
-        return tube_section(2.0 * flank.far, 2.0 * smooth_radius(flank, 2), flank.material)
-    return cell_section(flank.map, flank.land, flank.far, screw, flank.material).section
-
-
-def smooth_body(geometry: Scene, screw: bool, backend: Backend) -> Tube:
-    """The smooth body of revolution that stands for screw or nut."""
-    flank = flank_of(geometry, screw)
-    low, high = dimensions(geometry).ends(geometry)
-    half, position = geometry.nut.length / 2.0, geometry.nut.position
-    if screw:
-        bore, outer, ends = flank.far, smooth_radius(flank, 2), (low, high)
-    else:
-        bore = (
-            smooth_radius(flank, 3 if backend.bore == "ring" else 2) if backend.bore in ("ring", "volume") else flank.land
-        )
-        outer, ends = flank.far, (position - half, position + half)
-    layer = None if screw or backend.bore != "layer" else groove_layer(flank, grooved_section(geometry, False))
-    radius = flank.contact()[0]
-    width = backend.width * geometry.balls.radius * max(float(np.cos(geometry.track.contact_angle)), LEAST)
-    count = int(np.ceil(backend.harmonics * 2.2 * radius / width))
-    size = (1.6 * width / backend.mesh, 0.75 * width / backend.mesh)
-    flange = None if screw else geometry.nut.flange
-    return Tube(
-        bore, outer, ends, held_at(geometry, screw), radius, float(width), count, size, flank.material, layer, flange
-    )
-
-
 @lru_cache(maxsize=32)
 def smooth_compliance(geometry: Scene, screw: bool, backend: Backend) -> TubeCompliance:
     """Compliance of the smooth body over the stretch that the nut covers, kept for all scenes of one geometry."""
@@ -281,11 +130,6 @@ def own_flank(geometry: Scene, screw: bool, backend: Backend) -> float:
     return kept_near_face(geometry, screw, backend).own
 
 
-def is_ring(geometry: Scene, screw: bool) -> bool:
-    """Whether a body is a ring with one groove around it, and so a body of revolution itself."""
-    return geometry.track.lead == 0.0 and held_at(geometry, screw) not in ("rigid", "section")
-
-
 def kernel_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH) -> Array:
     """Compliance ``(2 c, 2 c)`` [m/N] of the smooth body beyond the same body as a beam."""
     geometry = geometry_only(scene)
@@ -303,15 +147,6 @@ def kernel_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend,
     elif tube.held in CLAMPED:
         G = G - clamped(rows, stations, *clamp(tube), plain)
     return G
-
-
-def clamp(tube: Tube) -> tuple[tuple[float, float], str]:
-    """Ends [m] of the beam that stands for a nut, and which of them are clamped: a flange holds it at its face, or where
-    its bonded fit ends, and gives way as the smooth body does."""
-    if tube.held != "flange" or tube.flange is None:
-        return tube.ends, tube.held
-    base = tube.flange.stations(*tube.ends)[2 if tube.flange.bonded else 1]
-    return (base, base), "low"
 
 
 def nut_beam(scene: Scene, layout: BallLayout, flanks: Sequence[int] = BOTH) -> Array:
@@ -374,10 +209,12 @@ def body_compliance(
     backend: Backend,
     semi_axes: tuple[float, float],
     flanks: Sequence[int] = BOTH,
+    whole: WholeBody | None = None,
 ) -> BodyCompliance:
     """Compliance of screw (beyond its beam) or nut between the contacts of a scene, and what is assumed for it.
 
-    semi_axes: of a typical contact [m], across the groove and along it; flanks: 0 left, 1 right. Raises ValueError for
+    semi_axes: of a typical contact [m], across the groove and along it; flanks: 0 left, 1 right; whole: what computes
+    `whole_body`, for layouts that have much in common. Raises ValueError for
     dimensions that leave no groove, no wall or no land, and for contacts at the groove's apex.
     """
     kind = backend.screw if screw else backend.nut
@@ -397,7 +234,7 @@ def body_compliance(
         e += at_size(flank_of(geometry, screw), semi_axes)
         slope = size_slope(flank_of(geometry, screw))
     assumed = tuple(x for x in dimensions(geometry).assumed if not x.startswith(MESH_ONLY))
-    return BodyCompliance(whole_body(scene, layout, screw, backend, flanks), e, slope, assumed)
+    return BodyCompliance((whole or whole_body)(scene, layout, screw, backend, flanks), e, slope, assumed)
 
 
 def refuse_flat(scene: Scene, screw: bool, backend: Backend) -> None:
@@ -427,6 +264,10 @@ def whole_body(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, 
     if np.array_equal(layout.azimuth, azimuths):
         return of_flanks(_whole_body(geometry, screw, backend).G, flanks)
     return _body_at(geometry, layout, screw, backend, flanks)
+
+
+#: What computes `whole_body`.
+WholeBody = Callable[[Scene, BallLayout, bool, Backend, Sequence[int]], Array]
 
 
 def of_flanks(G: Array, flanks: Sequence[int]) -> Array:

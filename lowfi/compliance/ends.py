@@ -13,8 +13,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from rollbench.lowfi.compliance.bodies import Backend, contact_frames, geometry_only, held_at, smooth_compliance, with_balls
+from rollbench.lowfi.compliance.bodies import contact_frames, smooth_compliance
 from rollbench.lowfi.compliance.bodies import forget as forget_bodies
+from rollbench.lowfi.compliance.parts import Backend, geometry_only, held_at, with_balls
 from rollbench.lowfi.compliance.tube import (
     TubeCompliance,
     cantilever,

@@ -11,17 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.lowfi.compliance.bodies import (
-    REFINED,
-    Backend,
-    BallCompliance,
-    ball_compliance,
-    contact_frames,
-    geometry_only,
-    grooved_section,
-    held_at,
-    whole_body,
-)
+from rollbench.lowfi.compliance.bodies import BallCompliance, ball_compliance, contact_frames, whole_body
+from rollbench.lowfi.compliance.parts import REFINED, Backend, geometry_only, grooved_section, held_at
 from rollbench.lowfi.compliance.tube import clamped, motion_rows
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.condensed import CondensedBodies, geometry_digest, load_condensed

@@ -35,7 +35,7 @@ from typing import Literal
 
 import numpy as np
 
-from rollbench.lowfi.hertz import contact_modulus, hertz_constants
+from rollbench.lowfi.hertz import contact_approach, contact_modulus, hertz_constants
 from rollbench.lowfi.jit import RANDOM_ERRORS, kernels
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.roots import brentq
@@ -75,6 +75,11 @@ class Chain:
         """What the kernels take: K, A, sine and cosine of the free contact angle, cosine of the lead angle."""
         a = self.contact_angle
         return np.array([self.stiffness, self.groove_distance, np.sin(a), np.cos(a), np.cos(self.lead_angle)])
+
+    @property
+    def C(self) -> float:
+        """Constant of both contacts of a ball as one [m/N^(2/3)]."""
+        return float(self.stiffness ** (-2.0 / 3.0))
 
     @property
     def slope(self) -> float:
@@ -168,8 +173,8 @@ def calibrated(chain: Chain, ratio: float, load: float) -> Chain:
     if not 0.0 < ratio < 1.0 or chain.balls < 2:
         raise ValueError("the ratio must lie in (0, 1), and a chain needs two balls")
     # stretch of the whole chain against the approach of a ball, both under equal shares
-    share = load / (chain.balls * chain.slope * chain.stiffness)
-    size = 2.0 * share ** (2.0 / 3.0) / (chain.slope * load * chain.balls)
+    share = load / (chain.balls * chain.slope)
+    size = 2.0 * float(contact_approach(share, chain.C)) / (chain.slope * load * chain.balls)
     high = size
     while end_ratio(replace(chain, compliance=high), load) > ratio:
         high *= 4.0

@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rollbench.lowfi.hertz import contact_approach, contact_force
 from rollbench.lowfi.random_errors.chain import Chain, checked
 from rollbench.meshes.arrays import Array
 
@@ -111,7 +112,7 @@ def solve_by_elimination(chain: Chain, errors: Array, load: float) -> Eliminated
     if chain.compliance <= 0.0 or not 0.0 < load < np.inf:
         raise ValueError("the elimination needs a compliance and a load above zero")
     e = checked(chain, errors)
-    share = (load / (chain.balls * chain.slope * chain.stiffness)) ** (2.0 / 3.0)
+    share = float(contact_approach(load / (chain.balls * chain.slope), chain.C))
     at = np.arange(chain.balls)
     approach, steps, done = np.full(chain.balls, share), 0, True
     rounds = 0
@@ -124,5 +125,5 @@ def solve_by_elimination(chain: Chain, errors: Array, load: float) -> Eliminated
             break
         at, approach = at[keep], approach[keep]
     q = np.zeros(chain.balls)
-    q[at] = chain.stiffness * np.maximum(approach, 0.0) ** 1.5
+    q[at] = contact_force(approach, chain.C)
     return Eliminated(q, rounds, steps, done)

@@ -27,6 +27,7 @@ from math import cos, pi, sin, tan
 
 import numpy as np
 
+from rollbench.lowfi.hertz import contact_approach, contact_force
 from rollbench.lowfi.rating.life import turns_of
 from rollbench.lowfi.statics.problem import distances, nominal_hertz
 from rollbench.lowfi.statics.result import StaticResult
@@ -76,13 +77,13 @@ def contacts_displacement(scene: Scene, force: float) -> float:
     s, n = slope_of(scene), scene.ball_count
 
     def excess(u: float, start: Array, force: float) -> float:
-        pressed = np.maximum(start + s * u * np.array([1.0, -1.0]), 0.0) / pair
-        return float(s * counts @ (pressed[:, 0] ** 1.5 - pressed[:, 1] ** 1.5)) - force
+        pressed = contact_force(start + s * u * np.array([1.0, -1.0]), pair)
+        return float(s * counts @ (pressed[:, 0] - pressed[:, 1])) - force
 
     reach = 2.0 * float(np.abs(closure).max()) / s
     held = float(brentq(lambda u: excess(u, closure, 0.0), -reach, reach, xtol=1e-15))
     begun = closure + s * max(held, -float(closure[:, 0].max()) / s) * np.array([1.0, -1.0])
-    free = reach * (len(halves) - 1) + float(pair[0]) * (force / (n * s)) ** (2.0 / 3.0) / s
+    free = reach * (len(halves) - 1) + float(contact_approach(force / (n * s), pair[0])) / s
     # counted from there: a small load's displacement would be lost beside the place where it begins
     return float(brentq(lambda u: excess(u, begun, force), 0.0, 2.0 * free, xtol=1e-18 * free, rtol=1e-12))
 

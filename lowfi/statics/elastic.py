@@ -13,8 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rollbench.lowfi.compliance.bodies import REFINED, Backend, idealised
 from rollbench.lowfi.compliance.imported import Condensed
+from rollbench.lowfi.compliance.parts import REFINED, Backend, idealised
+from rollbench.lowfi.hertz import contact_stiffness
 from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild, one_thread
 from rollbench.lowfi.statics.mechanism import Mechanism, free_motions
 from rollbench.lowfi.statics.records import Outcome
@@ -23,7 +24,7 @@ from rollbench.lowfi.statics.selection import all_clear, all_sides, choose_sides
 from rollbench.lowfi.statics.settle import NO_LOADS, Contacts, Flanks, lost, report_of, settled, verdict
 from rollbench.lowfi.statics.shaft import flank_loads, node_forces, node_motions
 from rollbench.lowfi.statics.solved import SolvedState
-from rollbench.lowfi.statics.static import PIN_SHOWN, ROUND_OFF, Engine, Unheld, pick_engine, pin, unheld, with_other_pin
+from rollbench.lowfi.statics.static import ROUND_OFF, Engine, Unheld, pick_engine, pin, unheld, with_other_pin
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS, assemble_result, failed_result
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimen, specimen
@@ -71,7 +72,7 @@ def contacts_of(elastic: Elastic) -> tuple[Array, Array, Array]:
             problem.closure[i],
             problem.drawn.ball_radius[i],
             problem.drawn.profile,
-            elastic.options.tiny,
+            elastic.contacts.tiny,
             single,
         )
     return p, contact, moved
@@ -105,7 +106,7 @@ def round_off(elastic: Elastic, scale: float) -> float:
     if scale == 0.0:
         return 0.0
     problem = elastic.problem
-    stiff = float((1.5 * np.cbrt(elastic.state.contact[..., 0]) / problem.C.min()).max(initial=0.0))
+    stiff = float(contact_stiffness(elastic.state.contact[..., 0], problem.C.min()).max(initial=0.0))
     lengths = float(np.abs(flank_shifts(elastic)).max()) + float(np.abs(elastic.flanks.v0).max(initial=0.0))
     lengths += problem.scene.balls.radius if problem.drawn.profile.shape[1] else 0.0
     return float(ROUND_OFF * lengths * stiff / scale)
@@ -240,17 +241,13 @@ def _solve(
     source = idealised(backend, scene) if condensed is None else (condensed.describe(),)
     assumed = (*ELASTIC_ASSUMPTIONS, *source, *elastic.assumed)
     result = assemble_result(solved_state(elastic), name, status, report, left, assumed)
-    if (
-        result.equilibrium is not None
-        and result.equilibrium.pin_share > PIN_SHOWN
-        and result.converged
-        and mechanism.others
-    ):
+
+    def otherwise() -> Array | None:
         again = pin(problem, mechanism, True)
-        other = replace(rebuild, held=(again.fixed, again.prescribed, again.pins))()
-        other, found = settle(other)
-        result = with_other_pin(result, mechanism, None if lost(found) else contacts_of(other)[1][..., 0])
-    return result
+        other, found = settle(replace(rebuild, held=(again.fixed, again.prescribed, again.pins))())
+        return None if lost(found) else contacts_of(other)[1][..., 0]
+
+    return with_other_pin(result, mechanism, otherwise)
 
 
 def _cut(elastic: Elastic) -> tuple[str, ...]:

@@ -10,12 +10,13 @@ from types import ModuleType
 
 import numpy as np
 
-from rollbench.lowfi.compliance.bodies import Backend
+from rollbench.lowfi.compliance.parts import Backend
 from rollbench.lowfi.statics.elastic import Solution, flank_forces, iterate, round_off, solve_sides, untouched
 from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild, one_thread, pair_data, typical_force
+from rollbench.lowfi.statics.kernel.status import CONVERGED, ITERATIONS
 from rollbench.lowfi.statics.problem import distances, hertz_C
 from rollbench.lowfi.statics.selection import all_sides, choose_sides
-from rollbench.lowfi.statics.settle import ACCEPTED, CONVERGED, ITERATIONS
+from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.lowfi.statics.shaft import node_motions, rigid_nodes, rows_of
 from rollbench.lowfi.statics.static import force_floor, least_force
 from rollbench.meshes.arrays import Array, Mask
@@ -119,9 +120,8 @@ class _System:
             elastic.contacts.pair[:] = pair_data(problem, elastic.pair, local[..., 0], local[..., 2])
         for part, start in zip(elastic.state, self.start, strict=True):
             part[:] = start
-        elastic.options = elastic.options._replace(
-            tiny=least_force(problem), floor=force_floor(problem), furthest=float(radii.max())
-        )
+        elastic.contacts = elastic.contacts._replace(tiny=least_force(problem))
+        elastic.options = elastic.options._replace(floor=force_floor(problem), furthest=float(radii.max()))
 
 
 def _work(elastic: Elastic) -> tuple[Array, Array, float]:

@@ -13,19 +13,14 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 from threadpoolctl import ThreadpoolController
 
-from rollbench.lowfi.compliance.bodies import (
-    Backend,
-    BallCompliance,
-    ball_compliance,
-    body_compliance,
-    geometry_only,
-    grooved_section,
-)
+from rollbench.lowfi.compliance.bodies import BallCompliance, WholeBody, ball_compliance, body_compliance, whole_body
 from rollbench.lowfi.compliance.imported import PARTS, Condensed
 from rollbench.lowfi.compliance.modes import soft_modes
+from rollbench.lowfi.compliance.parts import Backend, geometry_only, grooved_section
+from rollbench.lowfi.hertz import contact_stiffness
 from rollbench.lowfi.statics.conformity import oblique_term
 from rollbench.lowfi.statics.problem import Problem, build, nominal_hertz
-from rollbench.lowfi.statics.records import NO_ROLLERS, BallContacts, Bodies, BodyOptions, BodyState
+from rollbench.lowfi.statics.records import NO_ROLLERS, BallContacts, Bodies, BodyState, Options
 from rollbench.lowfi.statics.shaft import Shaft, flank_response, shaft_of
 from rollbench.lowfi.statics.squeeze import Squeeze, squeezed, stretch_of
 from rollbench.lowfi.statics.static import MAX_ITERATIONS, TOLERANCE, force_floor, least_force, reference_scale
@@ -98,7 +93,7 @@ class Elastic:
     contacts: BallContacts
     state: BodyState
     springs: Array
-    options: BodyOptions
+    options: Options
     arms: Array
     history: Array
     assumed: tuple[str, ...]
@@ -120,7 +115,7 @@ def typical_force(problem: Problem) -> float:
 
 def contact_compliance(problem: Problem, force: float) -> float:
     """Tangent compliance [m/N] of a contact under a force [N]."""
-    return float(2.0 / 3.0 * np.mean(problem.C) / np.cbrt(force))
+    return float(1.0 / contact_stiffness(force, float(np.mean(problem.C))))
 
 
 def by_ball(N: int, sides: int) -> NDArray[np.int64]:
@@ -178,10 +173,16 @@ def typical_axes(problem: Problem, force: float) -> tuple[float, float]:
 
 
 def flanks_of(
-    problem: Problem, shaft: Shaft, backend: Backend, condensed: Condensed | None, layout: BallLayout, ball: BallCompliance
+    problem: Problem,
+    shaft: Shaft,
+    backend: Backend,
+    condensed: Condensed | None,
+    layout: BallLayout,
+    ball: BallCompliance,
+    whole: WholeBody = whole_body,
 ) -> tuple[Flanks, tuple[str, ...]]:
     """Motions of all flanks of a problem for a backend, with what balls add to the contacts' laws, and what is assumed for
-    the bodies."""
+    the bodies; whole: see `body_compliance`."""
     scene, N = problem.scene, layout.z.size
     force = typical_force(problem)
     size = float(np.cbrt(force))
@@ -192,7 +193,7 @@ def flanks_of(
     squeeze: Squeeze | None = None
     for screw in (True, False):
         sides = [s for s in ((0, 1) if screw else (2, 3)) if problem.use[s]]
-        body = body_compliance(scene, layout, screw, backend, typical_axes(problem, force), [s % 2 for s in sides])
+        body = body_compliance(scene, layout, screw, backend, typical_axes(problem, force), [s % 2 for s in sides], whole)
         assumed += [x for x in body.assumed if x not in assumed]
         order = by_ball(N, len(sides))
         slope = body.slope + ball.slope  # by the logarithm of F^(1/3), which its tangent at the typical force stands for
@@ -268,7 +269,12 @@ def pair_data(problem: Problem, pair: tuple[int, int], e: Array, h: Array) -> Ar
 
 
 def ready(
-    problem: Problem, backend: Backend, kernels: ModuleType, layout: BallLayout, condensed: Condensed | None = None
+    problem: Problem,
+    backend: Backend,
+    kernels: ModuleType,
+    layout: BallLayout,
+    condensed: Condensed | None = None,
+    whole: WholeBody = whole_body,
 ) -> Elastic:
     """Arrays for the kernels. Raises ValueError for more than ``LARGEST`` balls or impossible dimensions of the bodies."""
     N = layout.z.size
@@ -279,7 +285,7 @@ def ready(
     ball = ball_compliance(problem.scene, axes, backend)
     if condensed is not None and condensed.parts == PARTS:
         ball = condensed.ball(problem.scene, axes)
-    flanks, assumed = flanks_of(problem, shaft, backend, condensed, layout, ball)
+    flanks, assumed = flanks_of(problem, shaft, backend, condensed, layout, ball, whole)
     pair = one_pair(problem)
     local = np.zeros((N, 4, 3))
     local[..., 0] = flanks.e
@@ -294,17 +300,19 @@ def ready(
     if N >= MODES_FROM:
         modes = [soft_modes(G, contact_compliance(problem, typical_force(problem))) for G in (flanks.first, flanks.second)]
     bodies = Bodies(flanks.first, flanks.second, flanks.R, flanks.v0, flanks.work, *modes)
-    profile = np.repeat(problem.drawn.profile[None], N, axis=0)
-    contacts = BallContacts(problem.geometry, problem.closure, local, problem.drawn.ball_radius, profile, rows, NO_ROLLERS)
+    profile, tiny = np.repeat(problem.drawn.profile[None], N, axis=0), least_force(problem)
+    contacts = BallContacts(
+        problem.geometry, problem.closure, local, problem.drawn.ball_radius, profile, rows, NO_ROLLERS, tiny
+    )
     state = BodyState(
         np.zeros(flanks.v0.shape), np.zeros(flanks.work.size), np.zeros((N, 3)), np.zeros((N, 1 if pair else 4, 5))
     )
     furthest = float(problem.drawn.ball_radius.max())
-    options = BodyOptions(
+    options = Options(
         tolerance=TOLERANCE,
         most=MAX_ITERATIONS,
         stiffness=float(stiffness),
-        tiny=least_force(problem),
+        arm=float(problem.scene.track.pitch_radius),
         bound=1e3,
         floor=force_floor(problem),
         furthest=furthest,
@@ -341,7 +349,7 @@ def spring_rows(problem: Problem, pair: tuple[int, int] | None, stiffness: float
 @dataclass(frozen=True)
 class Rebuild:
     """Builds a problem anew with other lever arms; held: freedoms of the nodes and their values,
-    ``(n, 6)`` each, and which of the first node are pins."""
+    ``(n, 6)`` each, and which of the first node are pins; whole: see `body_compliance`."""
 
     scene: Scene
     drawn: Specimen
@@ -353,16 +361,17 @@ class Rebuild:
     engine: ModuleType
     everything: bool
     refine: int
+    whole: WholeBody = whole_body
 
     def __call__(self, more: Array | None = None) -> Elastic:
         """The problem, ready; ``more``: see `lowfi.statics.problem.build`."""
         problem = self.problem(more)
-        return ready(problem, self.backend, self.engine, self.layout, self.condensed)
+        return ready(problem, self.backend, self.engine, self.layout, self.condensed, self.whole)
 
     def pinned(self, problem: Problem) -> tuple[Rebuild, Elastic]:
         """What builds the problem anew with the freedoms held that ``problem`` holds, and ``problem`` itself, ready."""
         held = replace(self, held=(problem.fixed, problem.prescribed, problem.pins))
-        return held, ready(problem, self.backend, self.engine, self.layout, self.condensed)
+        return held, ready(problem, self.backend, self.engine, self.layout, self.condensed, self.whole)
 
     def problem(self, more: Array | None = None) -> Problem:
         """The problem with the backend's section."""

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
 
+from rollbench.lowfi.hertz import contact_approach, contact_force, contact_slope
 from rollbench.lowfi.statics.problem import SIGNS, distances, error_free, hertz_C
 from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult
 from rollbench.meshes.arrays import Array
@@ -99,8 +100,8 @@ def _chain(scene: Scene, layout: BallLayout, member: int, *, elastic_nut: bool) 
 def _contact(chain: _Chain, x: Array) -> tuple[Array, Array]:
     """Normal forces ``(N, 2)`` of the pairs (SL, NR) and (SR, NL) and their tangents by the closure."""
     relative = x[chain.screw] - np.where(chain.nut >= 0, x[chain.nut], 0.0)
-    delta = np.maximum(chain.closure + chain.slope * relative[:, None] * np.array([1.0, -1.0]), 0.0)
-    return (delta / chain.C) ** 1.5, 1.5 * np.sqrt(delta / chain.C) / chain.C
+    delta = chain.closure + chain.slope * relative[:, None] * np.array([1.0, -1.0])
+    return contact_force(delta, chain.C), contact_slope(delta, chain.C)
 
 
 def _gradient(chain: _Chain, x: Array) -> tuple[Array, Array, Array]:
@@ -125,7 +126,7 @@ def _newton(chain: _Chain) -> tuple[Array, int, float]:
     free = ~chain.fixed
     total = max(float(np.abs(chain.load).sum()), 1e-300)
     share = total / (chain.screw.size * chain.slope)
-    guess = np.sign(chain.load.sum()) * float(chain.C.mean()) * share ** (2.0 / 3.0) / chain.slope
+    guess = np.sign(chain.load.sum()) * float(contact_approach(share, chain.C.mean())) / chain.slope
     x[free] += guess
     residual, iteration = np.inf, 0
     for iteration in range(MAX_ITERATIONS):  # noqa: B007

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebinterpolate, chebval
 from numpy.typing import NDArray
 
-from rollbench.lowfi.compliance.bodies import geometry_only
+from rollbench.lowfi.compliance.parts import geometry_only
 from rollbench.lowfi.hertz import HertzConstants, PrintedHertz, contact_modulus, hertz_constants, printed_hertz
 from rollbench.lowfi.statics.conformity import curvature_changes
 from rollbench.lowfi.statics.shape import motion_matrices, principal, rigid_transport

@@ -137,8 +137,8 @@ class BeamSlopes(NamedTuple):
     hessians: Array
 
 
-class BeamOptions(NamedTuple):
-    """How `lowfi.statics.kernel.newton.solve` iterates and when it stops."""
+class Options(NamedTuple):
+    """How `lowfi.statics.kernel.descent` iterates and when it stops."""
 
     #: Relative residual to reach.
     tolerance: float
@@ -148,12 +148,31 @@ class BeamOptions(NamedTuple):
     stiffness: float
     #: Length that makes forces of moments [m].
     arm: float
-    #: Largest motion of a node before the screw counts as not held [m].
+    #: Largest motion before a body counts as not held [m].
     bound: float
-    #: Half bandwidth of the beam's stiffness.
-    half_band: int
     #: Least force that residuals are measured by [N].
     floor: float
+    #: Furthest motion of a flank in one step [m]: the largest ball's radius.
+    furthest: float
+
+
+class BeamSystem(NamedTuple):
+    """A screw and its balls."""
+
+    shaft: BeamArrays
+    contacts: BeamContacts
+
+
+class BeamRoom(NamedTuple):
+    """Room for the iteration on them."""
+
+    slopes: BeamSlopes
+    #: Factor of the stiffness in the lower band, step of the nodes (n, 6) [m, rad].
+    band: Array
+    step: Array
+    #: Motion of the first node (6,) and deformations of the elements (n - 1, 6) where the step begins.
+    q0: Array
+    d0: Array
 
 
 class AxisArrays(NamedTuple):
@@ -161,8 +180,9 @@ class AxisArrays(NamedTuple):
 
     #: Lengths (n - 1,) of the shaft's elements [m].
     lengths: Array
-    #: EA [N], EI [N m^2], GJ [N m^2], kGA [N] of the elements, (n - 1, 4).
+    #: EA [N], EI [N m^2], GJ [N m^2], kGA [N] of the elements, (n - 1, 4), and the constants (n - 1, 5) of `BeamArrays`.
     sections: Array
+    constants: Array
     #: Which freedoms of the rows are held (r, 6).
     fixed: Array
     #: Loads on the rows (r, 6) [N, N m].
@@ -183,9 +203,9 @@ class AxisArrays(NamedTuple):
 class AxisBalls(NamedTuple):
     """Balls between flanks that move with rows of an `AxisArrays`, of all sets."""
 
-    #: Row (N, 4) whose motion moves a flank, -1 where it stands.
+    #: First row (N, 4) whose motion moves a flank, -1 where it stands.
     row: Array
-    #: Motion of the flanks (N, 4, 2, 6) along x3, z3 by that of their rows about their places.
+    #: Motion of the flanks (N, 4, 2, m) along x3, z3 by that of their row, m = 6, or of that and the next one, m = 12.
     B: Array
     #: Prescribed motion of the flanks (N, 4, 2) [m].
     v0: Array
@@ -247,6 +267,33 @@ class AxisSlopes(NamedTuple):
     hessians: Array
 
 
+class AxisSystem(NamedTuple):
+    """A shaft with all its rolling elements."""
+
+    shaft: AxisArrays
+    balls: AxisBalls
+    rollers: AxisRollers
+
+
+class AxisRoom(NamedTuple):
+    """Room for the iteration on them."""
+
+    slopes: AxisSlopes
+    #: Stiffness of shaft and springs, and the factor of the whole, in the envelope; step of the rows (r, 6) [m, rad].
+    base: Array
+    values: Array
+    step: Array
+    #: Motions of the rows (r, 6) and deformations of the elements (n - 1, 6) where the step begins.
+    q0: Array
+    d0: Array
+
+
+#: Systems whose unknowns are rows of motions, with their states and rooms.
+Rows = BeamSystem | AxisSystem
+RowState = BeamState | AxisState
+RowRoom = BeamRoom | AxisRoom
+
+
 class Bodies(NamedTuple):
     """How the flanks of all balls move: v = v0 + G phi + R a, G by forces phi on the flanks, R by free motions a."""
 
@@ -293,6 +340,8 @@ class BallContacts(NamedTuple):
     pair: Array
     #: Rollers, whose rows in all arrays over elements come after the balls'.
     rollers: RollerContacts
+    #: Force [N] below which a contact carries none.
+    tiny: float
 
 
 #: Balls alone.
@@ -310,25 +359,6 @@ class BodyState(NamedTuple):
     inner: Array
     #: Contacts (N, 4, 5), or (N, 1, 5) of a pair, see `lowfi.statics.kernel.ball`.
     contact: Array
-
-
-class BodyOptions(NamedTuple):
-    """How `lowfi.statics.kernel.elastic.solve_forces` iterates and when it stops."""
-
-    #: Relative residual to reach.
-    tolerance: float
-    #: Largest number of iterations.
-    most: int
-    #: Stiffness of a typical contact [N/m].
-    stiffness: float
-    #: Force [N] below which a contact carries none.
-    tiny: float
-    #: Largest free motion before the screw counts as not held [m].
-    bound: float
-    #: Least force that residuals are measured by [N].
-    floor: float
-    #: Furthest start of a flank [m].
-    furthest: float
 
 
 class ForceStep(NamedTuple):
@@ -369,6 +399,27 @@ class Factors(NamedTuple):
     #: W (q, r) = S U by the r soft modes, and the Cholesky factor (r, r) of I + W^T W.
     W: Array
     C: Array
+
+
+class BodySystem(NamedTuple):
+    """Elastic bodies with all rolling elements; arms (k,): see `lowfi.statics.shaft`."""
+
+    bodies: Bodies
+    contacts: BallContacts
+    arms: Array
+
+
+class BodyRoom(NamedTuple):
+    """Room for the iteration on them."""
+
+    #: Forces of the balls on the flanks (N, d) [N], motions of the flanks by the bodies and in all (N, d) [m].
+    f: Array
+    g: Array
+    v: Array
+    step: ForceStep
+    begin: SearchStart
+    rows: BallRows
+    factors: Factors
 
 
 class Trial(NamedTuple):

@@ -11,13 +11,12 @@ from typing import NamedTuple
 import numpy as np
 
 from rollbench.lowfi import jit
+from rollbench.lowfi.statics.kernel.status import CONVERGED, ITERATIONS, NOT_HELD, SINGULAR
 from rollbench.lowfi.statics.problem import SIGNS, Problem, actual_hertz
 from rollbench.lowfi.statics.records import Outcome
 from rollbench.lowfi.statics.result import SolverReport
 from rollbench.meshes.arrays import Array
 
-#: Outcomes of the kernels (`lowfi.statics.kernel.newton`).
-CONVERGED, ITERATIONS, NOT_HELD, SINGULAR = range(4)
 #: Outcomes without a usable state.
 NO_LOADS = (NOT_HELD, SINGULAR)
 #: Relative residual at which a solution counts as converged.

@@ -27,8 +27,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.compliance.bodies import Backend
 from rollbench.lowfi.compliance.ends import end_response
+from rollbench.lowfi.compliance.parts import Backend
 from rollbench.lowfi.statics.kernel.beam import element_constants, force_of
 from rollbench.lowfi.statics.problem import Problem
 from rollbench.lowfi.statics.shaft import Shaft, free_state, rows_of

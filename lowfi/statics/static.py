@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi import jit
+from rollbench.lowfi.hertz import contact_force, contact_stiffness
 from rollbench.lowfi.statics.mechanism import Mechanism, free_motions
 from rollbench.lowfi.statics.problem import Problem, build, distances, tightest
 from rollbench.lowfi.statics.proof import opening_motion, ran_away, words_of
-from rollbench.lowfi.statics.records import BeamArrays, BeamContacts, BeamOptions, BeamSlopes, BeamState, Outcome
+from rollbench.lowfi.statics.records import BeamArrays, BeamContacts, BeamSlopes, BeamState, Options, Outcome
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.selection import (
     all_sides,
@@ -58,7 +59,7 @@ class Prepared:
     beam: BeamArrays
     contacts: BeamContacts
     state: BeamState
-    options: BeamOptions
+    options: Options
     history: Array
     scale: float = 0.0
 
@@ -76,8 +77,8 @@ class Prepared:
 def pick_engine(engine: Engine, balls: int, uneven: bool = False) -> ModuleType:
     """Interpreted kernels for one small solve, compiled ones for large or many; uneven: flanks that are no arcs."""
     most = COMPILE_UNEVEN if uneven else COMPILE_ABOVE
-    ready = uneven or balls > COMPILE_ALONE or jit.cached(jit.STATICS)
-    fast = engine == "compiled" or (engine == "auto" and (jit.loaded(jit.STATICS) or (balls > most and ready)))
+    many = balls > most and (uneven or balls > COMPILE_ALONE or jit.cached(jit.STATICS))
+    fast = engine == "compiled" or (engine == "auto" and (jit.loaded(jit.STATICS) or many))
     return jit.kernels(jit.STATICS, compiled=fast)
 
 
@@ -89,7 +90,7 @@ def reference_scale(problem: Problem) -> tuple[float, float]:
     applied = load[:3].sum() + load[3:].sum() / problem.scene.track.pitch_radius
     force = max(float(applied) / max(1, problem.C.shape[0]), squeeze)
     if force == 0.0:  # given motions, or errors that squeeze a ball by three flanks
-        force = (1e-6 / pair) ** 1.5
+        force = float(contact_force(1e-6, pair))
     return force, float(np.cbrt(force) / pair)
 
 
@@ -102,7 +103,7 @@ def least_force(problem: Problem) -> float:
 def _squeeze(problem: Problem) -> tuple[float, float]:
     """Mean C_a + C_b [m/N^(2/3)] of the balls' pairs, and force [N] by which the tightest one is pressed without load."""
     pair = float((problem.C[:, 0] + problem.C[:, 3]).sum()) / problem.C.shape[0] if problem.C.size else float("nan")
-    return pair, (tightest(problem) / pair) ** 1.5
+    return pair, float(contact_force(tightest(problem), pair))
 
 
 def force_floor(problem: Problem) -> float:
@@ -119,7 +120,7 @@ def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANC
     sections = np.empty((lengths.size, 4))
     sections[:] = s.EA, s.EI, s.GJ, s.kGA
     stiffness = reference_scale(problem)[1]
-    count, half_band = problem.C.shape[0], problem.half_bandwidth
+    count = problem.C.shape[0]
     q, d = np.zeros((nodes.size, 6)), np.zeros((lengths.size, 6))
     if problem.prescribed.any():
         q = _lift(problem)
@@ -137,16 +138,16 @@ def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANC
         least_force(problem),
     )
     state = BeamState(q, d, np.zeros((count, 2)), np.zeros((count, 4, 5)))
-    options = BeamOptions(
+    options = Options(
         tolerance=tolerance,
         most=MAX_ITERATIONS,
         stiffness=float(stiffness),
         arm=float(problem.scene.track.pitch_radius),
         bound=1e3,
-        half_band=half_band,
         floor=force_floor(problem),
+        furthest=float(problem.drawn.ball_radius.max()),
     )
-    constants, band = np.zeros((lengths.size, 5)), np.zeros((6 * nodes.size, half_band + 1))
+    constants, band = np.zeros((lengths.size, 5)), np.zeros((6 * nodes.size, problem.half_bandwidth + 1))
     engine.assemble_beam(lengths, sections, constants, band)
     beam = BeamArrays(lengths, problem.fixed, problem.load, constants, band)
     return Prepared(problem, engine, beam, contacts, state, options, np.zeros(MAX_ITERATIONS + 1))
@@ -179,7 +180,7 @@ def round_off_bound(prepared: Prepared, scale: float) -> float:
     q, force = prepared.state.q, prepared.force
     problem = prepared.problem
     motion = float(np.abs(q[:, :3]).max(initial=0.0))
-    stiff = 1.5 * np.cbrt(force[:, :2]) / problem.C[:, :2]
+    stiff = contact_stiffness(force[:, :2], problem.C[:, :2])
     most = float(np.bincount(problem.node.ravel(), weights=stiff.ravel()).max(initial=0.0))
     if scale == 0.0:
         return 0.0
@@ -276,17 +277,13 @@ def solve_static(
     report = report_of(outcome, kernels, (start, solved.prepared_at), system, bound, solved.notes)
     left_out = describe_left_out(problem, mechanism, everything=everything)
     result = assemble_result(solved_state(prepared), "lin", status, report, left_out, model_assumptions(scene))
-    if (
-        result.equilibrium is not None
-        and result.equilibrium.pin_share > PIN_SHOWN
-        and result.converged
-        and mechanism.others
-    ):
-        other = prepare(
-            pin(build(scene, drawn, layout, use, everything=everything, refine=refine), mechanism, True), kernels
-        )
-        found = settle(other, profile=False)
-        result = with_other_pin(result, mechanism, other.force if not lost(found) else None)
+
+    def otherwise() -> Array | None:
+        built = build(scene, drawn, layout, use, everything=everything, refine=refine)
+        other = prepare(pin(built, mechanism, True), kernels)
+        return None if lost(settle(other, profile=False)) else other.force
+
+    result = with_other_pin(result, mechanism, otherwise)
     if discretisation and result.converged:
         result = with_discretisation(scene, result, partial(solve_static, engine=engine, member=member, drawn=drawn))
     return result
@@ -308,8 +305,13 @@ def _names(mask: NDArray[np.bool_]) -> list[str]:
     return [n for n, m in zip(("SL", "SR", "NL", "NR"), mask, strict=True) if m]
 
 
-def with_other_pin(result: StaticResult, mechanism: Mechanism, load: Array | None) -> StaticResult:
-    """The result with a note on how much the choice of the pin moves its loads; load: ``(N, 4)`` [N] with the other one."""
+def with_other_pin(result: StaticResult, mechanism: Mechanism, otherwise: Callable[[], Array | None]) -> StaticResult:
+    """The result, with a note on how much the choice of the pin moves its loads where the pin takes any; otherwise: finds
+    the loads ``(N, 4)`` [N] with the other one, None where there are none."""
+    balance = result.equilibrium
+    if balance is None or balance.pin_share <= PIN_SHOWN or not result.converged or not mechanism.others:
+        return result
+    load = otherwise()
     pins, others = (" and ".join(FREEDOMS[k] for k in x) for x in (mechanism.pins, mechanism.others))
     words = f"{mechanism.text} is held by {pins} of the first node; held by {others} instead, "
     if load is None:

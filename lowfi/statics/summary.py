@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from rollbench.lowfi.hertz import contact_approach
 from rollbench.lowfi.statics.problem import SIGNS, Problem
 from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult
 from rollbench.lowfi.statics.shape import motions_at, rigid_transport
@@ -61,7 +62,7 @@ def contact_geometry(solved: SolvedState) -> tuple[Array, Array]:
     plane = problem.drawn.radius[None, :, None] * normal
     if problem.drawn.profile.shape[1] and solved.shifts is not None:
         w = -problem.drawn.centre + solved.centre[:, None, :] - solved.shifts
-        distance = problem.drawn.ball_radius[:, None] - problem.C * np.cbrt(solved.force) ** 2
+        distance = problem.drawn.ball_radius[:, None] - contact_approach(solved.force, problem.C)
         plane = w + distance[..., None] * normal
     points = np.einsum("nsa,nak->nsk", plane + problem.drawn.centre, axes) + layout.centre[:, None, :]
     return points, -np.einsum("nsa,nak->nsk", normal, axes)

@@ -17,8 +17,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from rollbench.lowfi.compliance.bodies import REFINED, Backend
 from rollbench.lowfi.compliance.imported import Condensed
+from rollbench.lowfi.compliance.parts import REFINED, Backend
 from rollbench.lowfi.statics.again import solved_system
 from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild, one_thread
 from rollbench.lowfi.statics.kernel.elastic_balls import ball_rows

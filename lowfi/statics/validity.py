@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from rollbench.lowfi.hertz import contact_approach
 from rollbench.lowfi.statics.problem import Problem, nominal_hertz
 from rollbench.lowfi.statics.solved import SolvedState
 from rollbench.lowfi.warned import Warned
@@ -190,7 +191,7 @@ def tilt_warning(problem: Problem, force: Array, z: Array, motion: Array) -> lis
     A tilt t moves a groove by R t^2/2 beyond its linear motion, R the pitch radius; rotations about the axis are exact on
     the helix. force ``(N, 4)`` [N]; z ``(k,)`` [m] and motion ``(k, 6)`` of the centreline.
     """
-    approach = float((problem.C * np.cbrt(force) ** 2).max(initial=0.0))
+    approach = float(contact_approach(force, problem.C).max(initial=0.0))
     low, high = float(problem.layout.z.min()), float(problem.layout.z.max())
     stations = np.array([low, high])
     tilt = max(float(np.hypot(*(np.interp(s, z, motion[:, k]) for k in (3, 4)))) for s in stations)

@@ -15,7 +15,7 @@ from tests.hertz_studies import GROUP, study
 
 from rollbench.comparison.sections import verification
 from rollbench.hifi.contact.block import JOBS, boussinesq
-from rollbench.hifi.contact.hertz import hertz
+from rollbench.hifi.contact.hertz import THINNEST, hertz
 from rollbench.reports.figures import draw
 from rollbench.reports.records import Figure, Table
 
@@ -23,6 +23,18 @@ pytestmark = pytest.mark.xdist_group(GROUP)
 
 #: approach [um], semi-axes [mm], pole pressure [MPa]
 EXACT = {"A": (9.24316, 0.160242, 0.160242, 4183.80), "B": (6.48391, 0.401384, 0.104759, 2554.89)}
+
+
+@pytest.mark.parametrize("closer", [1.0 - 1e-3, 1.0 + 1e-3])
+def test_the_closed_form_ends_where_an_ellipse_is_too_thin(closer):
+    """Long ellipse of b/a = r: curvatures in the ratio r^2 (ln(4/r) - 1) along and across (Johnson 4.28 for small r)."""
+    curvatures = THINNEST**2 * (np.log(4.0 / THINNEST) - 1.0) * closer
+    if closer > 1.0:
+        found = hertz(100.0, 1e-3 / curvatures, 1e-3, 210e9, 0.3)
+        assert found.semi_y / found.semi_x == pytest.approx(THINNEST, rel=1e-3)
+    else:
+        with pytest.raises(ValueError, match="thinner than"):
+            hertz(100.0, 1e-3 / curvatures, 1e-3, 210e9, 0.3)
 
 
 @pytest.mark.parametrize("name", EXACT)

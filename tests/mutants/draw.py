@@ -2,9 +2,9 @@
 
 As many modules of physics as mutants are drawn, kernels included, and in each one place: a number, an operator, a
 comparison or an index is another. The nearest tests are those that import the module, else those that import what imports
-it; the one that fails is run again without the mutant. Seconds to minutes each; exit code 1 below `GOAL`, 2 where a test
-fails without a mutant. `RECORD` keeps what became of each: an interrupted run goes on, and survivors are tried again; one
-that changes no answer is marked there by hand, "equivalent: why".
+it, and the golden answers of commands; the one that fails is run again without the mutant. Seconds to minutes each; exit
+code 1 below `GOAL`, 2 where a test fails without a mutant. `RECORD` keeps what became of each: an interrupted run goes on,
+and survivors are tried again; one that changes no answer is marked there by hand, "equivalent: why".
 """
 
 from __future__ import annotations
@@ -31,6 +31,8 @@ RECORD = Path(__file__).parent / "drawn.json"
 PATIENCE = 1800.0
 #: Most files of nearest tests, those that name the module most often.
 NEAREST = 6
+#: Numbers of all kinds of answers, for every module.
+GOLDEN = "tests/golden/test_answers.py"
 PHYSICS = ("lowfi", "hifi", "meshes", "compare/models", "compare/reference", "compare/gate", "compare/wings/rolling")
 #: What is no physics there: files, processes, stores, text.
 OTHERS = re.compile(
@@ -109,7 +111,7 @@ def nearest(path: Path) -> list[str]:
         users = list(dict.fromkeys(user for one in found for user in importing(one)))
         tests = [user for user in users if user.name.startswith("test_") and "survey" not in user.name]
         if tests:
-            return [test.relative_to(ROOT).as_posix() for test in tests[:NEAREST]]
+            return [*(test.relative_to(ROOT).as_posix() for test in tests[:NEAREST]), GOLDEN]
         found = users
     return []
 

@@ -10,7 +10,7 @@ from tests.property.test_invariance import end_for_end, mirrored
 
 from rollbench.comparison.scenes import catalogue
 from rollbench.lowfi import jit
-from rollbench.lowfi.compliance.bodies import LADDER, REFINED, held_at
+from rollbench.lowfi.compliance.parts import LADDER, REFINED, held_at
 from rollbench.lowfi.statics.elastic import iterate, solve_elastic
 from rollbench.lowfi.statics.elastic_system import Rebuild, ready
 from rollbench.lowfi.statics.kernel import elastic as kernel
@@ -99,7 +99,7 @@ def energy_at(elastic, phi, amplitudes):
     state = BodyState(phi.copy(), amplitudes.copy(), elastic.state.inner.copy(), elastic.state.contact.copy())
     g, v, f = (np.empty_like(phi) for _ in range(3))
     kernel.place_flanks(elastic.bodies, state, g, v)
-    own, _ = elastic.engine.evaluate_balls(v, elastic.contacts, state, f, elastic.options.tiny)
+    own, _ = elastic.engine.evaluate_balls(v, elastic.contacts, state, f)
     excess, by_forces = np.ascontiguousarray(phi - f), np.empty_like(phi)
     kernel.body_motion(elastic.bodies, excess, by_forces)
     by_motions = -elastic.flanks.work - np.einsum("nac,na->c", elastic.flanks.R, f)

@@ -28,6 +28,7 @@ from rollbench.comparison.provenance import SOURCES, commit, sources_hash
 from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.reference.grid_summary import uncertainty_percent
 from rollbench.comparison.reference.store import path_in, shipped_store
+from rollbench.comparison.registration import offered
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.scenes.load_cases import DutyCycle
 from rollbench.comparison.sections.applicability import range_figure, range_table
@@ -126,6 +127,7 @@ def _page_of_scene(
         Section("scene", "The scene", (sketch_of(scene, "sketch", SKETCH),)),
         _loads(scene, result, [reference for reference in (given, stored) if reference is not None]),
         _stiffness(found, tangent),
+        *(part for make in offered("friction of a page") if (part := make(scene, result, options)) is not None),
         _error(scene, worth, judged, stored, None if given is None else against(given, result)),
         _notes(result, warnings),
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rollbench.lowfi.as_source import static as lin
-from rollbench.lowfi.compliance.bodies import REFINED
+from rollbench.lowfi.compliance.parts import REFINED
 from rollbench.lowfi.statics.elastic import iterate as iterate_elastic
 from rollbench.lowfi.statics.elastic_system import Rebuild
 from rollbench.lowfi.statics.problem import Problem, build, distances

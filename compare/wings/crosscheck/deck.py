@@ -26,8 +26,8 @@ from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import directions, parting
 from rollbench.meshes.deck import Contact, Deck, DeckBody, RigidSection
 from rollbench.meshes.errors import Specimen, specimen
+from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.grooved_body import BodySpec
 from rollbench.meshes.helix import BallLayout, ball_layout, groove_radii, nominal_groove_centres
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 from rollbench.meshes.sockets import SocketSize

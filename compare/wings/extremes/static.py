@@ -23,7 +23,7 @@ from rollbench.comparison.models.registry import MODELS
 from rollbench.comparison.models.study import with_balls
 from rollbench.comparison.scenes.catalogue import scene as shipped
 from rollbench.lowfi.as_source.static import Start, solve_source
-from rollbench.lowfi.compliance.bodies import LADDER
+from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.problem import build
 from rollbench.lowfi.statics.result import StaticResult
@@ -49,6 +49,8 @@ FORMULATIONS = (ENERGY, *BACKENDS, *SOURCE)
 CONVERGED = "converged"
 #: The source's dense Jacobian is not attempted above this many unknowns.
 DENSE_LIMIT = 2000
+#: Balls beyond which no elastic bodies are attempted.
+ELASTIC_LIMIT = 250
 #: Loads of two formulations that differ by less than this share of the largest load [%] are the same solution.
 SAME = 1e-4
 
@@ -279,9 +281,12 @@ def _ours(case: Case) -> Attempt:
 
 
 def _elastic(case: Case, formulation: str) -> Attempt:
-    """A case with elastic bodies; where its dimensions leave no body (no land, no wall) it is not attempted."""
+    """A case with elastic bodies; where its dimensions leave no body (no land, no wall), or more balls than `ELASTIC_LIMIT`
+    would take minutes, it is not attempted."""
     begin = perf_counter()
     try:
+        if case.scene.ball_count > ELASTIC_LIMIT:
+            raise ValueError(f"{case.scene.ball_count} balls")
         result = solve_elastic(case.scene, backend=LADDER[BACKENDS[formulation]], engine="compiled")
     except ValueError as error:
         status, spent = f"not attempted: {error}", perf_counter() - begin

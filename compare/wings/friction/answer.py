@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollbench.comparison.commands.printing import Column, cell
+from rollbench.comparison.commands.printing import Column, cell, text_width
+from rollbench.comparison.commands.solving.summary import entry
 from rollbench.comparison.commands.tables import listed
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.quantities import number
@@ -23,20 +24,27 @@ if TYPE_CHECKING:
 
 #: Dissipation over that of full sliding below which it is an artefact of regularisation and round-off.
 NOTHING = 1e-6
+#: An entry of the block of answers: its label and what it says.
+Line = tuple[str, str]
 #: Share of a loss by which two computations of it differ without a cause.
 ROUND_OFF = 1e-9
 
 
 @dataclass(frozen=True)
 class FrictionAnswer:
-    """A solved scene: JSON-ready values, tables (title, headings, rows) and lines, whether everything converged; tables of
-    every ball of a whole screw, which are shown where asked for."""
+    """A solved scene: JSON-ready values, tables (title, headings, rows), lines (label, text), whether all converged;
+    tables of every ball of a whole screw, which are shown where asked for."""
 
     data: dict[str, Any]
     tables: Sequence[tuple[str, Sequence[Column], Sequence[dict[str, Any]]]]
-    lines: Sequence[str]
+    lines: Sequence[Line]
     converged: bool
     ball_tables: Sequence[tuple[str, Sequence[Column], Sequence[dict[str, Any]]]] = ()
+
+    @property
+    def text(self) -> str:
+        """The lines as running text."""
+        return "\n".join(f"{label}: {text}" for label, text in self.lines)
 
     @property
     def warning(self) -> str:
@@ -53,6 +61,11 @@ def head(scene: KindScene, status: str, converged: bool, coupling: str | None = 
         "assumed": list(scene.assumed),
         "left_out": left_out_of_kind(scene.kind, coupling),
     }
+
+
+def three(value: float) -> str:
+    """A value with three digits, without an exponent below a million."""
+    return f"{float(f'{value:.3g}'):g}"
 
 
 def by_side(sides: Sequence[str], values: Array) -> dict[str, Any]:
@@ -91,12 +104,12 @@ def increase(loss: float, apart: float, bound: float) -> float | None:
     return 0.0 if abs(loss - apart) <= ROUND_OFF * apart else number(float(error_percent(loss, apart)))
 
 
-def energy_line(values: dict[str, Any]) -> str:
+def energy_line(values: dict[str, Any]) -> Line:
     """The energy balance in words."""
     power, loss, off = (
         cell(values[k], f) for k, f in (("input_power_W", ".6g"), ("loss_W", ".6g"), ("balance_percent", "+.1e"))
     )
-    return f"energy: input power {power} W, dissipation {loss} W ({off} %)"
+    return "energy", f"input power {power} W, dissipation {loss} W ({off} %)"
 
 
 def as_table(answer: FrictionAnswer, *, balls: bool = False) -> list[RenderableType]:
@@ -104,7 +117,9 @@ def as_table(answer: FrictionAnswer, *, balls: bool = False) -> list[RenderableT
     data = answer.data
     drawn = "" if data.get("member") is None else f", member {data['member']} of its random errors"
     parts: list[Any] = [f"{data['scene']}{drawn}, {data['kind']}: {data['status']}", data["title"]]
-    parts += [*filter(None, [answer.warning]), *answer.lines]
+    parts += [*filter(None, [answer.warning])]
+    if answer.lines:
+        parts += ["", "\n".join(entry(label, text, text_width()) for label, text in answer.lines)]
     for title, columns, rows in [*answer.tables, *(answer.ball_tables if balls else ())]:
         parts += ["", listed(title, columns, rows)]
     parts += [""] if answer.tables else []

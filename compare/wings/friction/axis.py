@@ -13,7 +13,7 @@ from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.axis_answers import solve_sets
 from rollbench.comparison.models.registry import run_model
 from rollbench.comparison.quantities import number
-from rollbench.comparison.wings.friction.answer import NOTHING, FrictionAnswer
+from rollbench.comparison.wings.friction.answer import NOTHING, FrictionAnswer, Line, three
 from rollbench.comparison.wings.friction.output import (
     BALL_COLUMNS,
     ball_rows,
@@ -138,8 +138,11 @@ def _answer(
     flat = [{"set": b["set"]} | f for b, f in zip(balls, flat_rows(balls), strict=True)]
     every = [("per ball", (("set", "set", "s"), *BALL_COLUMNS), flat)]
     lines = [
-        f"friction torque of all sets {torque['friction_torque_Nmm']:.6g} N mm; torque that drives the shaft "
-        f"{torque['driving_torque_on_screw_Nmm']:+.6g} N mm about +z at {motion.speed:.6g} rad/s",
+        (
+            "torque",
+            f"{torque['driving_torque_on_screw_Nmm']:+.3g} N mm about +z drive the shaft at {motion.speed:.6g} rad/s; "
+            f"friction torque of all sets {three(torque['friction_torque_Nmm'])} N mm",
+        ),
         _energy_line(power),
     ]
     return FrictionAnswer(data, [("sets", SET_COLUMNS, rows)], lines, good, every)
@@ -163,15 +166,15 @@ def _energy(solved: Solved) -> dict[str, Any]:
     }
 
 
-def _energy_line(values: dict[str, Any]) -> str:
+def _energy_line(values: dict[str, Any]) -> Line:
     """The powers in words."""
     part = values["efficiency_percent"]
     by = "the torque" if values["torque_power_W"] > values["axial_load_power_W"] else "the axial load"
     taken = values["input_power_W"] if values["loss_W"] else 0.0  # else round-off
-    worth = "no power leaves the shaft" if part is None else f"{by} drives with an efficiency of {part:.2f} %"
+    worth = "no power leaves the shaft" if part is None else f"{by} drives with an efficiency of {part:.3g} %"
     return (
-        f"energy: contacts take {taken:.6g} W, lose {values['loss_W']:.6g} W, difference "
-        f"{values['balance_W']:.1e} W; {worth}"
+        "energy",
+        f"contacts take {taken:.3g} W, lose {values['loss_W']:.3g} W, difference {values['balance_W']:.1e} W; {worth}",
     )
 
 

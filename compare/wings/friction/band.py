@@ -11,6 +11,7 @@ import numpy as np
 from rollbench.comparison.models.loading import preload
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.quantities import number
+from rollbench.comparison.wings.friction.answer import Line, three
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.warned import Warned
@@ -67,16 +68,17 @@ def band(solved: Solved, result: StaticResult) -> dict[str, Any]:
     }
 
 
-def band_lines(data: dict[str, Any]) -> list[str]:
+def band_lines(data: dict[str, Any]) -> list[Line]:
     """The band in words."""
     words = f"at the coefficients that are measured with lubricants, {MEASURED[0]:g} to {MEASURED[1]:g}"
-    lines = [f"{words}: friction torque {_range(data['friction_torque_Nmm'])} N mm"]
+    lines = [("band", f"friction torque {_range(data['friction_torque_Nmm'])} N mm {words}")]
     if data["makers_formula_Nmm"] is not None:
-        lines.append(
-            f"without load at these: drag torque {_range(data['drag_torque_Nmm'])} N mm; makers' formula "
+        text = (
+            f"without load drag torque {_range(data['drag_torque_Nmm'])} N mm at these; makers' formula "
             "0.05/sqrt(tan(lead angle)) F l/(2 pi) for the preload of "
-            f"{data['preload_N']:.4g} N: {data['makers_formula_Nmm']:.4g} N mm"
+            f"{data['preload_N']:.4g} N: {three(data['makers_formula_Nmm'])} N mm"
         )
+        lines.append(("drag", text))
     return lines
 
 

@@ -10,7 +10,16 @@ import numpy as np
 from rollbench.comparison.commands.printing import cell
 from rollbench.comparison.quantities import number
 from rollbench.comparison.scenes.kinds import KindScene
-from rollbench.comparison.wings.friction.answer import NOTHING, FrictionAnswer, by_side, energy, energy_line, head, load_row
+from rollbench.comparison.wings.friction.answer import (
+    NOTHING,
+    FrictionAnswer,
+    Line,
+    by_side,
+    energy,
+    energy_line,
+    head,
+    load_row,
+)
 from rollbench.comparison.wings.friction.kinds.bearing_ball import BearingBallScene
 from rollbench.comparison.wings.friction.kinds.bearing_pair import BearingPairScene
 from rollbench.comparison.wings.friction.screw_kinds import screw_warnings, sliding
@@ -141,21 +150,30 @@ def solve_ball(scene: KindScene) -> FrictionAnswer:
     return FrictionAnswer(data, [("per contact", CONTACT_COLUMNS, contact_rows(ball))], ball_lines(data), converged)
 
 
-def ball_lines(data: dict[str, Any]) -> list[str]:
+def ball_lines(data: dict[str, Any]) -> list[Line]:
     """The results of one ball in a few lines."""
     (ball,), torque, solver = data["balls"], data["torque"], data["solver"]
     by_loss = torque["friction_torque_Nmm"]
     return [
-        f"sum of contact forces {data['load_sum_N']:.6g} N, torque that turns the inner ring "
-        f"{torque['driving_torque_on_screw_Nmm']:.6g} N mm"
-        + ("" if by_loss is None else f" (dissipation over speed: {by_loss:.6g} N mm)"),
-        "ball: orbit {:.6g} rad/s, omega_x {:.6g} rad/s, omega_y {:.6g} rad/s".format(
-            ball["orbit_rad_s"], *ball["rotation_rad_s"][:2]
+        (
+            "torque",
+            f"{torque['driving_torque_on_screw_Nmm']:.6g} N mm turn the inner ring"
+            + ("" if by_loss is None else f" (dissipation over speed: {by_loss:.6g} N mm)"),
+        ),
+        ("loads", f"sum of contact forces {data['load_sum_N']:.6g} N; they do not depend on friction"),
+        (
+            "ball",
+            "orbit {:.6g} rad/s, omega_x {:.6g} rad/s, omega_y {:.6g} rad/s".format(
+                ball["orbit_rad_s"], *ball["rotation_rad_s"][:2]
+            ),
         ),
         energy_line(data["energy"]),
-        f"solver: loads out of balance by {solver['load_imbalance_N']:.1e} N, friction by "
-        f"{solver['friction_imbalance_N']:.1e} N",
-        f"law {data['law']}, Hertz constants {data['hertz']}; loads do not depend on friction",
+        (
+            "solver",
+            f"loads out of balance by {solver['load_imbalance_N']:.1e} N, friction by "
+            f"{solver['friction_imbalance_N']:.1e} N",
+        ),
+        ("law", f"{data['law']}, Hertz constants {data['hertz']}"),
     ]
 
 
@@ -257,14 +275,16 @@ def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> Friction
     return FrictionAnswer(data, [("over the load's angle", BEARING_COLUMNS, rows)], bearing_lines(data), all(good))
 
 
-def bearing_lines(data: dict[str, Any]) -> list[str]:
+def bearing_lines(data: dict[str, Any]) -> list[Line]:
     """The results of both bearings in a few lines."""
     four, double = (cell(data[name]["largest_over_smallest"], ".5g") for name in ("four_point", "double_row"))
+    label, text = energy_line(data["energy"])
+    ring = "free to tilt" if data["tilt"] else "held upright"
     return [
-        f"largest over smallest torque: four-point {four}, double row {double}",
-        f"mean {energy_line(data['energy'])}",
-        f"solver: loads out of balance by {data['solver']['load_imbalance_N']:.1e} N",
-        f"law coulomb, Hertz constants {data['hertz']}, inner ring {'free to tilt' if data['tilt'] else 'held upright'}",
+        ("torque", f"largest over smallest: four-point {four}, double row {double}"),
+        (label, f"{text}, mean over the angles"),
+        ("solver", f"loads out of balance by {data['solver']['load_imbalance_N']:.1e} N"),
+        ("law", f"coulomb, Hertz constants {data['hertz']}, inner ring {ring}"),
     ]
 
 

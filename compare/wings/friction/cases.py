@@ -7,7 +7,7 @@ from typing import Any
 from rollbench.comparison.quantities import number
 from rollbench.comparison.scenes.load_cases import DutyCycle
 from rollbench.comparison.scenes.scene_file import kind_of
-from rollbench.comparison.wings.friction.answer import FrictionAnswer
+from rollbench.comparison.wings.friction.answer import FrictionAnswer, three
 from rollbench.comparison.wings.friction.axis import solve_axis
 from rollbench.comparison.wings.friction.whole import Choices, solve_scene
 from rollbench.meshes.axis import Assembly
@@ -42,12 +42,11 @@ def solve_cycle(cycle: DutyCycle, choices: Choices) -> FrictionAnswer:
     needed = [row["friction_torque_Nmm"] if row["case"] not in failed else None for row in rows if row["share"] > 0.0]
     mean = None if None in needed else sum(row["share"] * row["friction_torque_Nmm"] for row in rows if row["share"] > 0.0)
     words = "" if mean is not None else f"none, because case {failed[0]} has no friction" if failed else "no load"
-    said = "none" if worst is None else f"{worst['friction_torque_Nmm']:.6g} N mm in case {worst['case']}"
-    lines = [
-        f"largest friction torque {said}; mean over the duty cycle {f'{mean:.6g} N mm' if mean is not None else words}"
-    ]
+    said = "none" if worst is None else f"{three(worst['friction_torque_Nmm'])} N mm in case {worst['case']}"
+    known_mean = words if mean is None else f"{three(mean)} N mm"
+    lines = [("torque", f"largest of friction {said}; mean over the duty cycle {known_mean}")]
     for case, one in each:
-        lines += ["", f"case {case.name}, share {case.share:.4g}: {one.data['status']}", *one.lines]
+        lines += [("", ""), ("case", f"{case.name}, share {case.share:.4g}: {one.data['status']}"), *one.lines]
 
     def every(key: str) -> list[Any]:
         return list(dict.fromkeys(line for _, one in each for line in one.data.get(key, ())))

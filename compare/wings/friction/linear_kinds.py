@@ -13,6 +13,7 @@ from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.wings.friction.answer import (
     NOTHING,
     FrictionAnswer,
+    Line,
     energy,
     energy_line,
     flat_ball,
@@ -151,16 +152,22 @@ def jam_warnings(near: ChainResult, second: ChainResult | None) -> list[Warned]:
     return [Warned("jam", text)]
 
 
-def linear_lines(data: dict[str, Any]) -> list[str]:
+def linear_lines(data: dict[str, Any]) -> list[Line]:
     """The results in a few lines."""
     rise, solver = data["friction_increase_percent"], data["solver"]
     return [
-        f"force on the carriage {data['drive_N']:.6g} N, {data['drive_apart_N']:.6g} N with the balls apart"
-        + ("" if rise is None else f": ball-to-ball contact changes it by {rise:+.4g} %"),
+        (
+            "force",
+            f"{data['drive_N']:.6g} N drive the carriage, {data['drive_apart_N']:.6g} N with the balls apart"
+            + ("" if rise is None else f": ball-to-ball contact changes it by {rise:+.4g} %"),
+        ),
         energy_line(data["energy"]),
-        f"solver: loads out of balance by {solver['load_imbalance']:.1e} of the vertical force, friction by "
-        f"{solver['residual']:.1e} of its bound",
-        f"law coulomb, loads {data['distribution']}; loads do not depend on friction",
+        (
+            "solver",
+            f"loads out of balance by {solver['load_imbalance']:.1e} of the vertical force, friction by "
+            f"{solver['residual']:.1e} of its bound",
+        ),
+        ("law", f"coulomb, loads {data['distribution']}; loads do not depend on friction"),
     ]
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from rollbench.comparison.commands.printing import Column
 from rollbench.comparison.quantities import number
-from rollbench.comparison.wings.friction.answer import increase
+from rollbench.comparison.wings.friction.answer import Line, increase, three
 from rollbench.comparison.wings.friction.left_out import BESIDES, WHOLE
 from rollbench.lowfi.friction.whole.feedback import JAMMED
 from rollbench.lowfi.friction.whole.heathcote import WIDE
@@ -235,58 +235,58 @@ def warnings_of(scene: Scene, friction: Friction, state: FrictionState, static: 
     return notes
 
 
-def _torque_lines(t: ScrewTorque, drag: tuple[float | None, str]) -> list[str]:
-    inner = "inner ring" if t.ratio == 0.0 else "screw"
-    without = "unknown: " + drag[1] if drag[0] is None else f"{1e3 * drag[0]:.6g} N mm" + f" ({drag[1]})" * bool(drag[1])
-    outer = "outer ring" if t.ratio == 0.0 else "nut"
-    lines = [
-        f"friction torque {1e3 * t.friction:.6g} N mm against the turning of {inner} in {outer}; drag torque without loads "
-        f"{without}"
-    ]
-    if t.ratio == 0.0:
-        return lines
+def _driving_line(t: ScrewTorque, motion: Motion, part: str) -> Line:
+    """The torque that a motor, or a brake, must give."""
+    needed = 1e3 * t.on_screw * np.sign(t.speed)
+    who = "which a motor must give" if needed >= 0.0 else "with which a brake must hold"
+    moving = f", which moves {moves(t)}" if t.translating else ""
+    return "torque", f"{three(abs(needed))} N mm, {who} the {part} at {motion.speed:.6g} rad/s{moving}"
+
+
+def _load_line(t: ScrewTorque) -> Line:
+    """The torques against the axial load and with it, and the efficiencies."""
     if not t.translating:
-        return [*lines, "no axial load: no efficiency"]
+        return "load", "no axial load: no efficiency"
     forward, backward = t.efficiency
-    lines.append(
-        f"axial load on the screw {t.load:.6g} N; torque against it {1e3 * t.forward:.6g} N mm "
-        f"(efficiency {100.0 * forward:.2f} %)"
+    against = (
+        f"{t.load:.4g} N along the screw; {three(1e3 * t.forward)} N mm against it, efficiency {100.0 * forward:.3g} %"
     )
     if t.locking:
-        lines.append(f"self-locking: the load alone cannot drive it, {-1e3 * t.backward:.6g} N mm more are needed")
-    else:
-        held = f"{1e3 * t.backward:.6g} N mm (efficiency {100.0 * backward:.2f} %)"
-        lines.append(f"torque that holds it back where the load drives {held}")
-    return lines
+        return "load", f"{against}; self-locking: to go with it, {three(-1e3 * t.backward)} N mm are needed too"
+    held = f"{three(1e3 * t.backward)} N mm hold it back where it drives, efficiency {100.0 * backward:.3g} %"
+    return "load", f"{against}; {held}"
 
 
-def lines_of(motion: Motion, state: FrictionState, drag: tuple[float | None, str]) -> list[str]:
-    """The results in a few lines."""
-    t = state.torque
-    inner = "inner ring" if t.ratio == 0.0 else "screw"
-    part = inner if motion.turns == "screw" else "outer ring" if t.ratio == 0.0 else "nut"
-    lines = _torque_lines(t, drag)
-    moving = f" and moves {moves(t)}" if t.translating else ""
-    lines.append(
-        f"the {part} turns at {motion.speed:.6g} rad/s{moving}; torque on the {inner} "
-        f"{1e3 * t.on_screw:+.6g} N mm about +z, the opposite on the other part"
-    )
+def lines_of(motion: Motion, state: FrictionState, drag: tuple[float | None, str]) -> list[Line]:
+    """The results in a few lines, the driving torque first; what a coefficient decides, which is hardly known to one digit,
+    has three."""
+    t, ring = state.torque, state.torque.ratio == 0.0
+    inner, outer = ("inner ring", "outer ring") if ring else ("screw", "nut")
+    without = "unknown: " + drag[1] if drag[0] is None else f"{three(1e3 * drag[0])} N mm" + f" ({drag[1]})" * bool(drag[1])
     taken = t.input_power if t.power else 0.0  # else round-off
-    lines.append(
-        f"energy: contacts take {taken:.6g} W (forces and moments about the axis), lose {t.power:.6g} W "
-        f"(sum over contacts), difference {t.input_power - t.power:.1e} W"
-    )
+    lines = [
+        _driving_line(t, motion, inner if motion.turns == "screw" else outer),
+        ("friction", f"torque {three(1e3 * t.friction)} N mm of {inner} in {outer}; drag torque without loads {without}"),
+        *(() if ring else (_load_line(t),)),
+        (
+            "energy",
+            f"contacts take {taken:.3g} W (forces and moments about the axis), lose {t.power:.3g} W (sum over contacts), "
+            f"difference {t.input_power - t.power:.1e} W",
+        ),
+    ]
+    bare = f"{three(1e3 * state.bare.friction)} N mm"
     if state.neighbours is not None:
         n = state.neighbours
-        lines.append(
-            f"{n.touching} pairs of neighbours touch, with up to {n.force.max(initial=0.0):.4g} N; between balls "
-            f"{n.power:.4g} W are lost; without them the friction torque is {1e3 * state.bare.friction:.6g} N mm"
+        text = (
+            f"{n.touching} pairs of neighbours touch, with up to {n.force.max(initial=0.0):.3g} N; between balls "
+            f"{n.power:.3g} W are lost; without them the friction torque is {bare}"
         )
-    elif t.ratio != 0.0 and t.friction != 0.0:
+        lines.append(("balls", text))
+    elif not ring and t.friction != 0.0:
         how = "friction moves the balls in their grooves" if state.coupled else "loads are those without friction"
-        without = f"; without this feedback the friction torque is {1e3 * state.bare.friction:.6g} N mm" * state.coupled
-        lines.append(
-            f"{how}: it pulls the screw along its axis with {t.pull:.4g} N and a ball across its path with up to "
-            f"{t.tilt:.3g} of its largest load{without}"
+        text = (
+            f"{how}: it pulls the screw along its axis with {t.pull:.3g} N and a ball across its path with up to "
+            f"{t.tilt:.3g} of its largest load" + f"; without this feedback the friction torque is {bare}" * state.coupled
         )
+        lines.append(("feedback", text))
     return lines

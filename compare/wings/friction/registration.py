@@ -12,6 +12,7 @@ REGISTRATION = Registration(
         "friction": "wings.friction.quick:quick_friction",
         "drawn friction": "wings.friction.quick:sums_json",
         "friction of a scene": "wings.friction.solve:library",
+        "friction of a page": "wings.friction.page:section",
         "circuit faults": "wings.friction.quick:circuit_faults",
         "torque": "wings.friction.quick:torque",
     },

@@ -11,11 +11,13 @@ import numpy as np
 
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.quantities import number
+from rollbench.comparison.watch import bar
+from rollbench.comparison.wings.friction.answer import Line
 from rollbench.lowfi.friction.screw.steps import UNCLEAR, StepError
 from rollbench.lowfi.friction.screw.travel import History, Track, resolved
 from rollbench.lowfi.friction.whole.balls import balls_of
 from rollbench.lowfi.friction.whole.run import Setting
-from rollbench.lowfi.statics.again import AGAIN
+from rollbench.lowfi.statics.again import AGAIN, in_motion
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import draw
 from rollbench.meshes.parts import Friction, Motion, Scene, Time
@@ -75,14 +77,22 @@ def solve_run(scene: Scene, friction: Friction, motion: Motion, model: str, memb
     if model not in AGAIN:
         advice = "take another model, or leave [time] out"
         raise InputError("command line", "--model", model, f"{' or '.join(AGAIN)} for a run in time", advice)
-    drawn, loads = draw(scene, member), AGAIN[model]
+    drawn = draw(scene, member)
     try:
         balls = balls_of(scene, friction, motion, drawn, member)
     except ValueError as error:
         advice = "give the circuits more room: see [circulation]"
         raise Refusal(scene.name, "circulation", str(error), advice) from error
+    ahead = float(np.sign(balls.grooves.nominal_orbit - balls.grooves.nut_speed)) or 1.0
+    loads = in_motion(model, ahead)
     setting = Setting(scene, friction, motion, drawn, balls, lambda met, at: loads(scene, met, at, "compiled"))
-    return judged(*resolved(setting, time.span(motion), time.steps, time.goal), time)
+    return judged(*stepped(setting, motion, time, scene.name), time)
+
+
+def stepped(setting: Any, motion: Motion, time: Time, name: str) -> tuple[History, StepError | None]:
+    """The run at its levels of steps, a bar on a terminal's standard error."""
+    with bar(f"{name}, run in time") as told:
+        return resolved(setting, time.span(motion), time.steps, time.goal, told)
 
 
 def judged(history: History, error: StepError | None, time: Time) -> Run:
@@ -243,33 +253,43 @@ def run_rows(h: History) -> list[dict[str, object]]:
     ]
 
 
-def run_lines(run: Run) -> list[str]:
+def run_lines(run: Run) -> list[Line]:
     """The run in a few lines."""
     h, e = run.history, run.error
     if not h.begun:
-        return [f"run in time: {run.status}"]
+        return [("run", run.status)]
     t = torque_data(h)
     reached, asked = (f"{math.degrees(angle):.6g} deg" for angle in h.angles)
     far = f"over {reached}" if h.complete else f"stopped at {reached} of {asked},"
-    lines = [
-        f"{far} in {h.begun} steps: friction torque "
-        f"{t['mean_Nmm']:.6g} N mm in the mean, {t['least_Nmm']:.6g} to {t['most_Nmm']:.6g} N mm; grooves "
-        f"{t['groove_mean_Nmm']:.6g}, ball to ball {t['ball_to_ball_mean_Nmm']:.4g} N mm in the mean"
-    ]
+    digits = f".{significant(None if e is None else e.largest)}g"
+    mean, least, most, groove, between = (
+        format(t[f"{name}_Nmm"], digits) for name in ("mean", "least", "most", "groove_mean", "ball_to_ball_mean")
+    )
+    text = (
+        f"{far} in {h.begun} steps: friction torque {mean} N mm in the mean, {least} to {most} N mm; grooves {groove}, "
+        f"ball to ball {between} N mm in the mean"
+    )
+    lines = [("run", text)]
     if e is None:
-        lines.append(f"error of the steps: unknown, {no_error(run)}")
+        lines.append(("steps", f"error unknown, {no_error(run)}"))
     else:
         size = ", ".join(f"{100.0 * q.error:.2g} % in {QUANTITIES[name]}" for name, q in e.quantities.items())
         order = e.quantities["torque"].order
         seen = "no order observed" if math.isnan(order) else f"order {order:.2g} observed"
-        lines.append(
+        text = (
             f"error of the steps, as a part of the mean torque: {size}; from {', '.join(str(n) for n in e.steps)} steps "
             f"({seen}); goal {100.0 * run.goal:g} %"
         )
+        lines.append(("steps", text))
         if e.unclear:
             names = ", ".join(QUANTITIES[name] for name in e.unclear)
-            lines.append(f"no order of convergence in {names}: {UNCLEAR:g} times the change between these is taken")
-    return lines if run.converged else [*lines, f"run in time: {run.status}"]
+            lines.append(("", f"no order of convergence in {names}: {UNCLEAR:g} times the change between these is taken"))
+    return lines if run.converged else [*lines, ("", run.status)]
+
+
+def significant(error: float | None) -> int:
+    """Digits of a value with this relative error, unknown where None: at most two more than are sure, 3 to 6."""
+    return 3 if error is None else int(np.clip(np.ceil(-np.log10(max(error, 1e-6))) + 2, 3, 6))
 
 
 def run_table(run: Run) -> list[tuple[str, Sequence[tuple[str, str, str]], Sequence[dict[str, object]]]]:

@@ -13,6 +13,7 @@ from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.wings.friction.answer import (
     NOTHING,
     FrictionAnswer,
+    Line,
     energy,
     energy_line,
     flat_ball,
@@ -21,15 +22,15 @@ from rollbench.comparison.wings.friction.answer import (
     load_row,
 )
 from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewPairScene, ScrewRunScene
-from rollbench.comparison.wings.friction.run import judged, run_data, run_lines
+from rollbench.comparison.wings.friction.run import judged, run_data, run_lines, stepped
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.pair import PairResult, solve_pair
 from rollbench.lowfi.friction.screw.run import summarise
-from rollbench.lowfi.friction.screw.travel import History, resolved
+from rollbench.lowfi.friction.screw.travel import History
 from rollbench.lowfi.statics.validity import size_warnings
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.parts import SIDES
+from rollbench.meshes.parts import SIDES, Motion
 
 #: Overlap of neighbours [rad] that is round-off.
 TOUCHING = 1e-9
@@ -115,18 +116,29 @@ def solve_screw_pair(scene: KindScene) -> FrictionAnswer:
     )
 
 
-def pair_lines(data: dict[str, Any]) -> list[str]:
+def pair_lines(data: dict[str, Any]) -> list[Line]:
     """The results of two balls in a few lines."""
     (pair,), rise, solver = data["pairs"], data["friction_increase_percent"], data["solver"]
     return [
-        f"ball-to-ball force {pair['force_N']:.6g} N, loss there {data['ball_to_ball_loss_W']:.6g} W"
-        + ("" if rise is None else f"; contact changes all losses by {rise:+.4g} %"),
-        f"when apart the balls close in at {pair['closing_apart_rad_s']:.6g} rad/s of azimuth",
+        (
+            "force",
+            f"{pair['force_N']:.6g} N from ball to ball, loss there {data['ball_to_ball_loss_W']:.6g} W"
+            + ("" if rise is None else f"; contact changes all losses by {rise:+.4g} %"),
+        ),
+        ("closing", f"when apart the balls close in at {pair['closing_apart_rad_s']:.6g} rad/s of azimuth"),
         energy_line(data["energy"]),
-        f"solver: loads out of balance by {solver['load_imbalance_N']:.1e} N, friction by "
-        f"{solver['friction_imbalance_N']:.1e} N, {solver['rounds']} rounds",
-        f"law coulomb, Hertz constants {data['hertz']}, coupling of friction to loads: {data['coupling']}",
+        (
+            "solver",
+            f"loads out of balance by {solver['load_imbalance_N']:.1e} N, friction by "
+            f"{solver['friction_imbalance_N']:.1e} N, {solver['rounds']} rounds",
+        ),
+        law_line(data),
     ]
+
+
+def law_line(data: dict[str, Any]) -> Line:
+    """The law of friction, the contacts' constants and what friction moves."""
+    return "law", f"coulomb, Hertz constants {data['hertz']}, coupling of friction to loads: {data['coupling']}"
 
 
 def hertz_word(groove: ScrewGroove) -> str:
@@ -200,7 +212,7 @@ def solve_run(scene: KindScene) -> FrictionAnswer:
     """Contacts, torques and energy of a whole screw in time."""
     assert isinstance(scene, ScrewRunScene)
     run, time = scene.run, scene.time
-    in_time = judged(*resolved(run, run.duration, time.steps, time.goal), time)
+    in_time = judged(*stepped(run, Motion(run.groove.speed), time, scene.name), time)
     h, speed = in_time.history, abs(run.groove.speed)
     bound = sliding(run.groove, h.load) / h.time.size
     loss = h.torque * speed
@@ -227,12 +239,13 @@ def solve_run(scene: KindScene) -> FrictionAnswer:
         "run": found,
         "warnings": screw_warnings(run.groove, h.load),
     }
+    label, text = energy_line(spent)
     lines = [
-        f"{run.count} balls over {run.duration:.6g} s",
         *run_lines(in_time),
-        energy_line(spent) + f", at most {cell(spent['largest_step_balance_percent'], '.1e')} % at an instant",
-        f"solver: {failed} of {h.time.size} instants failed",
-        f"law coulomb, Hertz constants {data['hertz']}, coupling of friction to loads: {run.coupling}",
+        ("balls", f"{run.count} over {run.duration:.6g} s"),
+        (label, f"{text}, at most {cell(spent['largest_step_balance_percent'], '.1e')} % at an instant"),
+        ("solver", f"{failed} of {h.time.size} instants failed"),
+        law_line(data),
     ]
     shown = [{"quantity": label, "value": cell(summary[name], form)} for name, label, form in RUN_LINES]
     return FrictionAnswer(data, [("summary", RUN_COLUMNS, shown)], lines, in_time.converged)

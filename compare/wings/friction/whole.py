@@ -277,5 +277,5 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
     every = [("per ball", BALL_COLUMNS, flat_rows(rows))] if state.loaded else []
     lines = [*lines_of(motion, state, (drag.torque, drag.reason or drag.note)), *(band_lines(wide) if state.loaded else ())]
     if e.friction and slip <= WIDE:
-        lines.append("contacts are not flat: " + slip_words(slip))
+        lines.append(("slip", "contacts are not flat: " + slip_words(slip)))
     return FrictionAnswer(data, tables, lines, good, every)

@@ -9,7 +9,7 @@ motions at their start, of first order, with the time of an event wrong by a par
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any, Literal, NamedTuple, Protocol
@@ -283,10 +283,12 @@ class _Log:
         return replace(found, status=f"no balance of friction found at {first:.6g} deg")
 
 
-def simulate(setting: Setting, span: float, steps: int, scheme: Scheme = "located") -> History:
+def simulate(
+    setting: Setting, span: float, steps: int, scheme: Scheme = "located", told: Callable[[float], object] = float
+) -> History:
     """Run over ``span`` [s] in ``steps`` equal steps, these cut at events or not. Ends early where loads are not found.
 
-    Gaps stay >= 0 and sum up to the free length of their ring.
+    told: is given the part of the run that is done. Gaps stay >= 0 and sum up to the free length of their ring.
     """
     if steps < 1 or not span > 0.0:
         raise ValueError("need steps >= 1 and a duration above zero")
@@ -333,15 +335,26 @@ def simulate(setting: Setting, span: float, steps: int, scheme: Scheme = "locate
                 converged=found.converged,
             )
             left -= piece
+        told((k + 1) / steps)
     return log.history(setting, span, steps, "converged")
 
 
-def resolved(setting: Setting, span: float, steps: int | None, goal: float) -> tuple[History, StepError | None]:
+def nothing_told(what: str, part: float) -> None:
+    """Tell nobody."""
+
+
+def resolved(
+    setting: Setting, span: float, steps: int | None, goal: float, told: Callable[[str, float], object] = nothing_told
+) -> tuple[History, StepError | None]:
     """The run over ``span`` [s] with the errors of its steps; steps that are not given are chosen so that no error is above
-    ``goal``, a part of the mean friction torque."""
+    ``goal``, a part of the mean friction torque; told: is given the steps in words, and the part of them that is done."""
     pitches = abs(float(setting.begin().omega[0])) * span / setting.tracks[0].spacing
     first = int(np.clip(np.ceil(STEPS_PER_PITCH * pitches), *FIRST_STEPS))
-    return solve_steps(lambda count: simulate(setting, span, count), steps, first, goal)
+
+    def run(count: int) -> History:
+        return simulate(setting, span, count, told=lambda part: told(f"{count} steps", part))
+
+    return solve_steps(run, steps, first, goal)
 
 
 def _moved(setting: Setting, place: Place, found: Instant, piece: float) -> Place:

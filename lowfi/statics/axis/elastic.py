@@ -14,11 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag, cho_factor, cho_solve, qr
 
-from rollbench.lowfi.compliance.bodies import Backend, ball_compliance, body_compliance, geometry_only, grooved_section
+from rollbench.lowfi.compliance.bodies import ball_compliance, body_compliance
 from rollbench.lowfi.compliance.modes import soft_modes
+from rollbench.lowfi.compliance.parts import Backend, geometry_only, grooved_section
 from rollbench.lowfi.statics.axis.rollers import RollerElements, roller_elements, roller_springs
 from rollbench.lowfi.statics.axis.structure import Structure, threaded
-from rollbench.lowfi.statics.axis.system import BallSet, System
+from rollbench.lowfi.statics.axis.system import BallSet, System, widened
 from rollbench.lowfi.statics.axis.typical import typical, typical_force
 from rollbench.lowfi.statics.conformity import oblique_term
 from rollbench.lowfi.statics.elastic_system import (
@@ -32,12 +33,13 @@ from rollbench.lowfi.statics.elastic_system import (
     typical_axes,
 )
 from rollbench.lowfi.statics.problem import Problem, nominal_hertz
-from rollbench.lowfi.statics.records import BallContacts, Bodies, BodyOptions, BodyState
+from rollbench.lowfi.statics.records import BallContacts, Bodies, BodyState, Options
 from rollbench.lowfi.statics.shaft import Shaft, flank_response, shaft_of
 from rollbench.lowfi.statics.squeeze import Squeeze, squeezed, stretch_of
 from rollbench.lowfi.statics.static import MAX_ITERATIONS, TOLERANCE
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.section import screw_section
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.section import BeamSection
 
 
 @dataclass(frozen=True)
@@ -79,7 +81,7 @@ class ElasticAxis:
     contacts: BallContacts
     state: BodyState
     springs: Array
-    options: BodyOptions
+    options: Options
     arms: Array
     engine: ModuleType
     assumed: tuple[str, ...]
@@ -120,24 +122,28 @@ def on_shaft(b: BallSet) -> Problem:
     return p if b.of.carrier is None else replace(p, node=np.zeros_like(p.node), B=np.zeros_like(p.B))
 
 
-def combined(system: System, rollers: RollerElements, backend: Backend) -> Problem:
+def section_of(assembly: Assembly, backend: Backend) -> BeamSection | None:
+    """Section of the threaded shaft; None: the scene's."""
+    thread = threaded(assembly) if backend.section == "cell" else None
+    return None if thread is None else grooved_section(geometry_only(thread), True)
+
+
+def combined(system: System, rollers: RollerElements) -> Problem:
     """All balls of all sets, then all rollers, as one problem on one shaft, for the beam alone."""
     s, problems = system.structure, [on_shaft(b) for b in system.balls]
-    sections, thread = list(s.sections), threaded(system.assembly)
-    if backend.section == "cell" and thread is not None:
-        base, cell = screw_section(thread), grooved_section(geometry_only(thread), True)
-        sections = [cell if x == base else x for x in sections]
     first = problems[0]
     on_cones = np.stack([rollers.B[:, 0], np.zeros((rollers.count, 2, 6))], axis=1)
+    at_cones = np.repeat(rollers.node[:, None], 2, axis=1)
+    at_cones, on_cones = widened(at_cones, on_cones, first.B.shape[3], s.nodes.size)
     return replace(
         first,
         fixed=s.fixed[: s.nodes.size],
-        node=np.concatenate([*(p.node for p in problems), np.repeat(rollers.node[:, None], 2, axis=1)]),
+        node=np.concatenate([*(p.node for p in problems), at_cones]),
         B=np.concatenate([*(p.B for p in problems), on_cones]),
         geometry=system.contacts.geometry,
         closure=system.contacts.closure,
         use=np.ones(4, dtype=bool),
-        sections=tuple(sections),
+        sections=s.sections,
     )
 
 
@@ -173,7 +179,7 @@ def outer_rows(system: System, rollers: RollerElements) -> Array:
     for b in system.balls:
         if b.outer >= 0:
             j = 6 * (b.outer - n)
-            rows[b.balls, :, :, j : j + 6] = b.B[:, 2:]
+            rows[b.balls, :, :, j : j + 6] = b.of_one_row(slice(2, 4))
     for i in np.flatnonzero(rollers.outer >= 0):
         j = 6 * (int(rollers.outer[i]) - n)
         rows[balls + i, 0, :, j : j + 6] = rollers.B[i, 1]
@@ -187,22 +193,22 @@ def inner_rows(system: System, rollers: RollerElements) -> Array:
     for b in system.balls:
         if b.of.carrier is not None:
             j = 6 * (int(b.problem.node[0, 0]) - n)
-            rows[b.balls, :, :, j : j + 6] = b.B[:, :2]
+            rows[b.balls, :, :, j : j + 6] = b.of_one_row(slice(2))
     return rows.reshape(4 * (balls + rollers.count), 6 * m)
 
 
 def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticAxis:
     """Arrays for the kernels.
 
-    Some set has balls. Raises ValueError for inner rings on housings that stand on springs, too many elements, or bodies
-    that the dimensions make impossible.
+    Some set has balls, and the system has the `section_of` the backend. Raises ValueError for inner rings on housings that
+    stand on springs, too many elements, or bodies that the dimensions make impossible.
     """
     rollers = roller_elements(system.rollers)
     balls = system.contacts.r_ball.size
     N = balls + rollers.count
     if N > LARGEST:
         raise ValueError(f"{N} balls and rollers: elastic bodies are limited to {LARGEST}; use the model lin")
-    whole, s = combined(system, rollers, backend), system.structure
+    whole, s = combined(system, rollers), system.structure
     shaft, housings = shaft_of(whole), housings_of(s, system.arm)
     order = by_ball(N, 2)
     beam, moved, rigid = flank_response(shaft, [0, 1])
@@ -251,9 +257,8 @@ def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticAxis:
     springs = np.concatenate(
         [spring_rows(whole, None, stiffness) * used[:, None, :].repeat(2, axis=2), roller_springs(rollers.count, stiffness)]
     )
-    options = BodyOptions(
-        TOLERANCE, MAX_ITERATIONS, stiffness, 1e-14 * force, 1e3, floor, float(system.contacts.r_ball.max())
-    )
+    furthest = float(system.contacts.r_ball.max())
+    options = Options(TOLERANCE, MAX_ITERATIONS, stiffness, system.arm, 1e3, floor, furthest)
     contacts = BallContacts(
         system.contacts.geometry,
         system.contacts.closure,
@@ -262,6 +267,7 @@ def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticAxis:
         system.contacts.profile,
         np.zeros((balls, 7)),
         rollers.contacts,
+        1e-14 * force,
     )
     state = BodyState(np.zeros((N, 8)), np.zeros(work.size), np.zeros((N, 3)), np.zeros((N, 4, 5)))
     cut = max(low, high) / compliance

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from rollbench.lowfi.hertz import contact_approach
 from rollbench.lowfi.statics.axis.structure import stands
 from rollbench.lowfi.statics.axis.system import tapered
 from rollbench.lowfi.statics.problem import nominal_hertz
@@ -116,7 +117,7 @@ def closing(one: RollingSet) -> float:
         sin = float(np.sin(bearing.cup_angle))
         return float(bearing.law().approach(one.preload / (bearing.rollers * bearing.length * sin))) / sin
     sin, C = float(np.sin(one.parts.track.contact_angle)), nominal_hertz(one.parts).C
-    return float((C[0] + C[3]) * np.cbrt(one.preload / (one.parts.ball_count * sin)) ** 2) / sin
+    return float(contact_approach(one.preload / (one.parts.ball_count * sin), C[0] + C[3])) / sin
 
 
 def _shifted(assembly: Assembly, which: Sequence[int], shift: Array) -> Assembly:

@@ -48,13 +48,11 @@ def _ball_rows(b: BallSet, system: System, by_row: Array) -> tuple[Array, Array]
     """
     beta = b.problem.scene.track.contact_angle
     angles = (beta, -beta) if b.of.thrust == "deep groove" else (beta,)
-    place = system.contacts.row[b.balls]
     N = b.problem.layout.z.size
     own = 2 * (b.balls.start + np.arange(N))
     by_motion, by_centre = [], []
     for side in np.flatnonzero(b.problem.use):
-        row = place[:, side]
-        flank = np.einsum("nak,nkj->naj", b.B[:, side], by_row[row]) * (row >= 0)[:, None, None]
+        flank = b.moved(by_row)[:, side]
         for angle in angles:
             direction = SIGNS[side] * np.array([np.cos(angle), np.sin(angle)])
             centre = np.zeros((N, 2 * system.contacts.r_ball.size))

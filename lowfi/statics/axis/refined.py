@@ -9,8 +9,8 @@ from time import perf_counter
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from rollbench.lowfi.compliance.bodies import REFINED, Backend
-from rollbench.lowfi.statics.axis.elastic import ElasticAxis, ready
+from rollbench.lowfi.compliance.parts import REFINED, Backend
+from rollbench.lowfi.statics.axis.elastic import ElasticAxis, ready, section_of
 from rollbench.lowfi.statics.axis.loose import loose_motions, pinned
 from rollbench.lowfi.statics.axis.mount import mount
 from rollbench.lowfi.statics.axis.proof import unheld
@@ -63,7 +63,7 @@ def _solve(assembly: Assembly, engine: Engine, member: int, backend: Backend, na
     if unmet:
         return failed_axis(assembly, name, unmet, perf_counter() - start, ASSUMPTIONS)
     kernels = engine_for(assembly, engine)
-    system = build(mounted, member)
+    system = build(mounted, member, section=section_of(mounted, backend))
     loose = loose_motions(system)
     if loose.driven:
         return failed_axis(assembly, name, f"not held: {loose.text}", perf_counter() - start, ASSUMPTIONS)
@@ -225,8 +225,8 @@ def elastic_stiffness(elastic: ElasticAxis, S: list[Array]) -> Array | None:
     unit[at : at + 6] = np.diag((~structure.fixed[row]).astype(float))
     if row < n:
         answer = elastic.shaft.solve(unit)
-        moved = answer.reshape(n, 6, 6)[elastic.whole.node]
-        v[:, :2] = np.einsum("nsak,nskj->nsaj", elastic.whole.B, moved)
+        B = elastic.whole.B
+        v[:, :2] = np.einsum("nsak,nskj->nsaj", B, answer[6 * elastic.whole.node[..., None] + np.arange(B.shape[3])])
         if elastic.squeeze is not None:
             more, besides = elastic.squeeze.by_loads(unit, answer)
             v[:, :2] += more.reshape(2, N, 2, 6).transpose(1, 0, 2, 3)

@@ -6,23 +6,21 @@ the flanks left out at the solution without them, that is the solution with them
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
 
-from rollbench.lowfi.statics.axis.system import USE, BallSet, Placed, System
+from rollbench.lowfi.hertz import contact_approach, contact_force
+from rollbench.lowfi.statics.axis.system import USE, BallSet, Placed, System, motions_of, moved_flanks
 from rollbench.lowfi.statics.problem import distances, nominal_hertz
 from rollbench.lowfi.statics.records import AxisState
 from rollbench.lowfi.statics.selection import all_clear, motions_in_section
-from rollbench.lowfi.statics.shape import motion_matrices
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.axis import Assembly, RollingSet
 from rollbench.meshes.errors import Specimen
 from rollbench.meshes.partition import contact_stations
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.meshes.roots import brentq
-from rollbench.meshes.section import BeamSection
 
 
 def likely_sides(assembly: Assembly, places: Sequence[Placed]) -> list[Mask]:
@@ -42,14 +40,13 @@ def axial_place(assembly: Assembly, sets: Sequence[tuple[RollingSet, Scene]]) ->
         return float(held[0])
     sin = np.array([np.sin(scene.track.contact_angle) for _, scene in sets])
     C = np.array([nominal_hertz(scene).C for _, scene in sets])
-    k = sin**2.5 * [scene.ball_count for _, scene in sets] / (C[:, 0] + C[:, 3]) ** 1.5
+    each, pair = sin * [scene.ball_count for _, scene in sets], C[:, 0] + C[:, 3]
     offset = np.array([s.offset for s, _ in sets])
-    pairs = list(zip(k.tolist(), offset.tolist(), strict=True))  # few sets: plain numbers are faster than arrays
 
     def rest(u: float) -> float:
-        return sum(math.copysign(x * abs(u - o) ** 1.5, u - o) for x, o in pairs) - force
+        return float(np.sum(np.sign(u - offset) * each * contact_force(abs(u - offset) * sin, pair))) - force
 
-    reach = 1e-9 + (abs(force) / k.min()) ** (2.0 / 3.0)
+    reach = 1e-9 + float((contact_approach(abs(force) / each, pair) / sin).max())
     return float(brentq(rest, offset.min() - reach, offset.max() + reach, xtol=1e-9))
 
 
@@ -71,26 +68,18 @@ def clear(system: System, state: AxisState) -> bool:
 
 def _set_clear(system: System, b: BallSet, state: AxisState) -> bool:
     contact = state.contact[b.balls]
-    shift = np.zeros((len(contact), 4, 2))
-    shift[:, 2:] = b.v0[:, 2:]
-    if b.outer >= 0:
-        shift[:, 2:] += b.B[:, 2:] @ state.q[b.outer]
+    shift = moved_flanks(b, state.q)
     for s in range(2):
-        shift[:, s] = (
-            np.einsum("nak,nk->na", b.B[:, s], state.q[b.problem.node[:, s]])
-            if b.problem.use[s] or b.of.carrier is not None
-            else _flank_motion(system, b, s, state.q)
-        )
+        if not b.problem.use[s] and b.of.carrier is None:
+            shift[:, s] = _flank_motion(system, b, s, state.q)
     place, load = state.p[None, b.balls], contact[None, ..., 0]
     return bool(all_clear(place, shift[None], b.problem.geometry[None], load, b.problem.use)[0])
 
 
 def _flank_motion(system: System, b: BallSet, s: int, q: Array) -> Array:
     """Motion (N, 2) [m] of a screw flank that has no node: the beam's at its station."""
-    nodes, stations = system.structure.nodes, contact_stations(b.problem.scene, b.problem.layout)[:, s]
-    element = np.clip(np.searchsorted(nodes, stations, side="right") - 1, 0, nodes.size - 2)
-    EA, EI, GJ, kGA = system.axis.sections[element].T
-    j, m = motion_matrices(stations, nodes, BeamSection(EA, EI, GJ, kGA))
+    stations = contact_stations(b.problem.scene, b.problem.layout)[:, s]
+    j, m = motions_of(system.structure, stations)
     moved = np.einsum("nab,nb->na", m, np.concatenate([q[j], q[j + 1]], axis=1))
     return motions_in_section(b.problem.layout, b.problem.drawn.centre[:, s], stations, moved)
 

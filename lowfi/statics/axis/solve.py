@@ -17,7 +17,7 @@ from rollbench.lowfi.statics.axis.stiffness import set_stiffness, whole_stiffnes
 from rollbench.lowfi.statics.axis.summary import AXIS_ASSUMPTIONS, Ending, assemble_axis, failed_axis
 from rollbench.lowfi.statics.axis.system import System, build, placed, set_contacts, set_flanks, with_arms
 from rollbench.lowfi.statics.axis.typical import typical
-from rollbench.lowfi.statics.records import AxisSlopes, AxisState, BeamOptions, Outcome
+from rollbench.lowfi.statics.records import AxisSlopes, AxisState, Options, Outcome
 from rollbench.lowfi.statics.result import AxisResult, SolverReport
 from rollbench.lowfi.statics.settle import NO_LOADS, Contacts, Flanks, report_of, settled, verdict
 from rollbench.lowfi.statics.static import MAX_ITERATIONS, ROUND_OFF, TOLERANCE, Engine, pick_engine
@@ -35,7 +35,7 @@ class Prepared:
     system: System
     engine: ModuleType
     state: AxisState
-    options: BeamOptions
+    options: Options
     history: Array
     scale: float = 0.0
 
@@ -62,7 +62,8 @@ def prepare(system: System, engine: ModuleType, *, tolerance: float = TOLERANCE)
     N, M = system.contacts.r_ball.size, system.slices.drop.size
     state = AxisState(q, q[1:n] - moved, np.zeros((N, 2)), np.zeros((N, 4, 5)), np.zeros((M, 2)))
     system.contacts = system.contacts._replace(tiny=1e-14 * force)
-    options = BeamOptions(tolerance, MAX_ITERATIONS, stiffness, system.arm, 1e3, 0, floor)
+    furthest = float(system.contacts.r_ball.max(initial=0.0))
+    options = Options(tolerance, MAX_ITERATIONS, stiffness, system.arm, 1e3, floor, furthest)
     return Prepared(system, engine, state, options, np.zeros(MAX_ITERATIONS + 1))
 
 

@@ -79,9 +79,7 @@ def rigid_rows(b: BallSet, stations: Array) -> Array:
 
     stations: of all rows [m].
     """
-    nodes = stations[b.problem.node]
-    to = rigid_transport(nodes - b.of.position)
-    return np.asarray(np.einsum("nsak,nskj->nsaj", b.B[:, :2], to).reshape(len(nodes), 4, 6))
+    return b.moved(rigid_transport(stations - b.of.position))[:, :2].reshape(-1, 4, 6)
 
 
 def set_stiffness(b: BallSet, stations: Array, hessians: Array) -> Array:

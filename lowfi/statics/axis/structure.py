@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from rollbench.lowfi.statics.shape import rigid_transport
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing
-from rollbench.meshes.partition import MERGE, merge
+from rollbench.meshes.partition import MERGE, between, fixed_partition, merge
 from rollbench.meshes.parts import FREEDOMS, Scene
 from rollbench.meshes.section import BeamSection, screw_section, tube_section
 
@@ -55,9 +56,14 @@ def shaft_nodes(assembly: Assembly, stations: Array) -> Array:
     needed = [*stations, *(s.at for s in assembly.supports), *(x.at for x in assembly.loads)]
     if isinstance(assembly.stiffness_at, float):
         needed.append(assembly.stiffness_at)
-    low, high = min(needed), max(needed)
+    low, high, held = min(needed), max(needed), np.array([s.at for s in assembly.supports])
     steps = [z for s in assembly.segments for z in (s.start, s.end) if low < z < high]
-    nodes = merge(np.array([*needed, *steps]), np.array([s.at for s in assembly.supports]))
+    on_shaft = [s.parts for s in assembly.sets if isinstance(s.parts, Scene) and s.carrier is None]
+    if assembly.ingredients.partition != "nodal" and on_shaft:
+        own = [*needed[len(stations) :], *(s.position for s in assembly.sets if not isinstance(s.parts, Scene)), *steps]
+        scenes = [replace(x, screw=replace(x.screw, length=assembly.screw.length)) for x in on_shaft]
+        return between(merge(np.concatenate([fixed_partition(*scenes), own]), held), np.array(needed))[0]
+    nodes = merge(np.array([*needed, *steps]), held)
     if nodes.size == 1:  # a beam needs one element
         away = low - MERGE * 100.0 if low > 0.5 * assembly.screw.length else low + MERGE * 100.0
         nodes = np.sort(np.array([low, away]))
@@ -72,17 +78,19 @@ def threaded(assembly: Assembly) -> Scene | None:
     return None
 
 
-def element_sections(assembly: Assembly, nodes: Array) -> tuple[BeamSection, ...]:
-    """Section of each element: that of its plain stretch, else the threaded shaft's."""
+def element_sections(assembly: Assembly, nodes: Array, section: BeamSection | None = None) -> tuple[BeamSection, ...]:
+    """Section of each element: that of its plain stretch, else the threaded shaft's (``section``, where it is given)."""
     screw, thread = assembly.screw, threaded(assembly)
-    base = tube_section(screw.outer_diameter, screw.bore, screw.material) if thread is None else screw_section(thread)
+    plain_screw = partial(tube_section, screw.outer_diameter, screw.bore, screw.material)
+    base = section or (plain_screw() if thread is None else screw_section(thread))
     plain = [(s.start, s.end, tube_section(s.diameter, s.bore, screw.material)) for s in assembly.segments]
     middles = 0.5 * (nodes[1:] + nodes[:-1])
     return tuple(next((x for low, high, x in plain if low <= z <= high), base) for z in middles)
 
 
-def structure_of(assembly: Assembly, stations: Array) -> Structure:
-    """Rows of an assembly whose contacts enter the shaft at ``stations``. Raises ValueError for a freedom held twice."""
+def structure_of(assembly: Assembly, stations: Array, section: BeamSection | None = None) -> Structure:
+    """Rows of an assembly whose contacts enter the shaft at ``stations``; section: of the threaded shaft, instead of the
+    scene's. Raises ValueError for a freedom held twice."""
     nodes = shaft_nodes(assembly, stations)
     moving = [h for h in assembly.housings if not stands(h)]
     r = nodes.size + len(moving)
@@ -100,7 +108,7 @@ def structure_of(assembly: Assembly, stations: Array) -> Structure:
         load[j] += rigid_transport(x.at - nodes[j]).T @ np.concatenate([x.force, x.moment])
     for i, body in enumerate(moving):
         load[nodes.size + i] += np.concatenate([body.force, body.moment])
-    sections = element_sections(assembly, nodes)
+    sections = element_sections(assembly, nodes, section)
     for e, section in enumerate(sections):  # what holds a warm shaft at its length pushes its nodes apart
         load[e, 2] -= section.EA * assembly.thermal_strain
         load[e + 1, 2] += section.EA * assembly.thermal_strain

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,15 +12,18 @@ from numpy.typing import NDArray
 from rollbench.lowfi.rollers.roller_slices import middles
 from rollbench.lowfi.rollers.tapered_roller import TaperedBearing
 from rollbench.lowfi.statics.axis.structure import Structure, structure_of
+from rollbench.lowfi.statics.kernel.beam import element_constants
 from rollbench.lowfi.statics.problem import Problem, flank_rows, hertz_C, pack_geometry
 from rollbench.lowfi.statics.records import AxisArrays, AxisBalls, AxisRollers, AxisState
 from rollbench.lowfi.statics.settle import Contacts, Flanks
+from rollbench.lowfi.statics.shape import motion_matrices
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
 from rollbench.meshes.errors import Specimen, specimen
 from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.partition import contact_stations
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.section import BeamSection
 
 Ints = NDArray[np.int64]
 #: Balls of a set: where they are, and their specimen of random errors.
@@ -37,14 +41,27 @@ USE = {
 @dataclass
 class BallSet:
     """Balls of one set: their problem with the nodes of the whole shaft, its place ``balls`` among all, the row of its
-    housing (-1: it stands), B ``(N, 4, 2, 6)`` and v0 ``(N, 4, 2)`` [m] of its flanks."""
+    housing (-1: it stands); row ``(N, 4)``, B ``(N, 4, 2, m)`` and v0 ``(N, 4, 2)`` [m] of its flanks as in `AxisBalls`."""
 
     of: RollingSet
     problem: Problem
     balls: slice
     outer: int
+    row: Ints
     B: Array
     v0: Array
+
+    def moved(self, motions: Array) -> Array:
+        """Motions ``(N, 4, 2, ...)`` of the flanks by those of all rows ``(r, 6, ...)``."""
+        flat = motions.reshape(-1, *motions.shape[2:])
+        found = np.einsum("nsak,nsk...->nsa...", self.B, flat[6 * self.row[..., None] + np.arange(self.B.shape[3])])
+        found[self.row < 0] = 0.0
+        return np.asarray(found)
+
+    def of_one_row(self, flanks: slice) -> Array:
+        """B ``(N, 2, 2, 6)`` of two flanks that one row moves."""
+        B = self.B[:, flanks]
+        return np.asarray(B.reshape(*B.shape[:3], -1, 6).sum(axis=3))
 
 
 @dataclass(frozen=True)
@@ -84,9 +101,10 @@ def build(
     member: int = 0,
     uses: Sequence[NDArray[np.bool_]] | None = None,
     places: Sequence[Placed] | None = None,
+    section: BeamSection | None = None,
 ) -> System:
     """Arrays of an assembly; uses: the sides (4,) of each ball set that are built (None: all that its thrust allows);
-    places: what ``placed`` finds, where that is known.
+    places: what ``placed`` finds, where that is known; section: of the threaded shaft, instead of the scene's.
 
     Raises ValueError for dimensions that leave no shaft or a freedom that is held twice.
     """
@@ -100,7 +118,7 @@ def build(
         if s.carrier is None
     ]
     rings = np.array([s.position for s, _ in rows])
-    structure = structure_of(assembly, np.concatenate([rings, *(x.ravel() for x in stations)]))
+    structure = structure_of(assembly, np.concatenate([rings, *(x.ravel() for x in stations)]), section)
     balls: list[BallSet] = []
     first = 0
     for (one, scene), use, place in zip(parts, built, own, strict=True):
@@ -130,17 +148,27 @@ def _ball_set(
     geometry, closure = pack_geometry(scene, drawn, hertz_C(scene, drawn), use)
     n, nodes, N = structure.nodes.size, structure.nodes, layout.z.size
     stations = contact_stations(scene, layout)
-    if one.carrier is None:
-        node = np.abs(nodes[None, None, :] - stations[:, :, None]).argmin(axis=2)
-        node[:, ~use[:2]] = node[:, [int(np.argmax(use[:2]))]]
-    else:
+    nodal, built = scene.ingredients.partition == "nodal", int(np.argmax(use[:2]))
+    if one.carrier is not None:
         node = np.full((N, 2), structure.row[one.carrier])
+    elif nodal:
+        node = np.abs(nodes[None, None, :] - stations[:, :, None]).argmin(axis=2)
+        node[:, ~use[:2]] = node[:, [built]]
     outer = -1 if one.housing is None else structure.row[one.housing]
     at = float(structure.at[outer - n]) if outer >= 0 else scene.nut.position
-    origins = [structure.stations[node[:, s]] if s < 2 else np.full(N, at) for s in range(4)]
-    B = np.stack([flank_rows(parts, s, origin) for s, origin in enumerate(origins)], axis=1)
+    on_nut = np.stack([flank_rows(parts, s, np.full(N, at)) for s in (2, 3)], axis=1)
     v0 = np.zeros((N, 4, 2))
-    v0[:, 2:] = one.offset * B[:, 2:, :, 2]
+    v0[:, 2:] = one.offset * on_nut[..., 2]
+    if nodal or one.carrier is not None:
+        on_screw = np.stack([flank_rows(parts, s, structure.stations[node[:, s]]) for s in range(2)], axis=1)
+    else:
+        sides = [s if use[s] else built for s in range(2)]
+        around = [motions_of(structure, stations[:, s]) for s in range(2)]
+        node = np.stack([around[s][0] for s in sides], axis=1)
+        on_screw = np.stack([flank_rows(parts, s, stations[:, s]) @ around[s][1] for s in sides], axis=1)
+    width, r = (6 if nodal else 12), structure.stations.size
+    pieces = widened(node, on_screw, width, r), widened(np.full((N, 2), outer), on_nut, width, r)
+    row, B = (np.concatenate(x, axis=1) for x in zip(*pieces, strict=True))
     problem = Problem(
         scene,
         layout,
@@ -157,7 +185,26 @@ def _ball_set(
         use,
         0,
     )
-    return BallSet(one, problem, slice(first, first + N), outer, B, v0)
+    return BallSet(one, problem, slice(first, first + N), outer, row, B, v0)
+
+
+def motions_of(structure: Structure, stations: Array) -> tuple[Ints, Array]:
+    """First nodes (k,) around stations (k,) [m] of the shaft, and the motions there (k, 6, 12) by those of both."""
+    nodes = structure.nodes
+    element = np.clip(np.searchsorted(nodes, stations, side="right") - 1, 0, nodes.size - 2)
+    sections = [structure.sections[e] for e in element]
+    EA, EI, GJ, kGA = np.array([(s.EA, s.EI, s.GJ, s.kGA) for s in sections]).T
+    return motion_matrices(stations, nodes, BeamSection(EA, EI, GJ, kGA))
+
+
+def widened(row: Ints, B: Array, width: int, rows: int) -> tuple[Ints, Array]:
+    """First rows, and coefficients (..., width) of their motions and, beyond 6, of the next one's, where ``row`` alone
+    counts with B (..., 6): the last of all ``rows`` as the second of two."""
+    if B.shape[-1] == width:
+        return row, B
+    last = row == rows - 1
+    first, second = (np.concatenate(x, axis=-1) for x in ((B, np.zeros_like(B)), (np.zeros_like(B), B)))
+    return row - last, np.where(last[..., None, None], second, first)
 
 
 def with_arms(system: System, more: Sequence[Array]) -> System:
@@ -186,8 +233,7 @@ def set_flanks(system: System, state: AxisState, shifts: Array | None = None) ->
 
 def moved_flanks(b: BallSet, q: Array) -> Array:
     """Motions (N, 4, 2) [m] of a set's flanks by those of the rows (r, 6)."""
-    rows = np.column_stack([b.problem.node, np.full((len(b.v0), 2), b.outer)])
-    return np.asarray(b.v0 + np.where((rows >= 0)[..., None], np.einsum("nsak,nsk->nsa", b.B, q[rows]), 0.0))
+    return np.asarray(b.v0 + b.moved(q))
 
 
 def _all_balls(sets: list[BallSet]) -> AxisBalls:
@@ -197,12 +243,12 @@ def _all_balls(sets: list[BallSet]) -> AxisBalls:
     row, profile = [], []
     for b in sets:
         N = b.problem.layout.z.size
-        row.append(np.column_stack([b.problem.node, np.full((N, 2), b.outer)]))
+        row.append(b.row)
         own = np.zeros((4, degree))
         own[:, : b.problem.drawn.profile.shape[1]] = b.problem.drawn.profile
         profile.append(np.broadcast_to(own, (N, 4, degree)))
 
-    def joined(arrays: list[Array], shape: tuple[int, ...]) -> Array:
+    def joined(arrays: Sequence[NDArray[Any]], shape: tuple[int, ...]) -> NDArray[Any]:
         return np.ascontiguousarray(np.concatenate([np.zeros((0, *shape)), *arrays]))
 
     geometry = joined([b.problem.geometry for b in sets], (4, 9))
@@ -210,7 +256,7 @@ def _all_balls(sets: list[BallSet]) -> AxisBalls:
         b.problem = replace(b.problem, geometry=geometry[b.balls])
     return AxisBalls(
         joined(row, (4,)).astype(np.int64),
-        joined([b.B for b in sets], (4, 2, 6)),
+        joined([b.B for b in sets], (4, 2, sets[0].B.shape[3] if sets else 6)),
         joined([b.v0 for b in sets], (4, 2)),
         geometry,
         joined([b.problem.closure for b in sets], (2,)),
@@ -273,6 +319,8 @@ def _axis(structure: Structure, contacts: AxisBalls, slices: AxisRollers) -> Axi
     pairs = np.array([(a, b) for a in range(4) for b in range(a)])
     used = contacts.geometry[..., 5] > 0.0
     joined = [contacts.row[:, p][(used[:, p].all(axis=1)) & (contacts.row[:, p] >= 0).all(axis=1)] for p in pairs]
+    if contacts.B.shape[3] > 6:
+        joined = [x + np.array(step) for x in joined for step in np.ndindex(2, 2)]
     met = np.concatenate([*joined, slices.row[(slices.row >= 0).all(axis=1)]])
     springs = structure.ends[(structure.ends >= 0).all(axis=1)]
     last = np.arange(r, dtype=float)
@@ -291,9 +339,11 @@ def _axis(structure: Structure, contacts: AxisBalls, slices: AxisRollers) -> Axi
     size = np.arange(6 * r) - first + 1
     start = np.concatenate([np.cumsum(size) - size - first, [size.sum()]]).astype(np.int64)
     sections = np.array([(s.EA, s.EI, s.GJ, s.kGA) for s in structure.sections])
+    lengths = np.diff(structure.nodes)
     return AxisArrays(
-        np.diff(structure.nodes),
+        lengths,
         sections,
+        np.array([element_constants(*x) for x in zip(lengths, sections, strict=True)]),
         structure.fixed,
         structure.load,
         structure.ends,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from rollbench.lowfi.hertz import contact_force
 from rollbench.lowfi.statics.axis.system import BallSet, System
 from rollbench.lowfi.statics.problem import tightest
 from rollbench.meshes.axis import Housing
@@ -32,9 +33,9 @@ def typical_force(system: System, b: BallSet) -> float:
     only displacements are given. At least 1e-6 N."""
     elements = max(1, system.contacts.r_ball.size + sum(r.row.count for r in system.rollers))
     pair = pair_compliance(b)
-    force = max(applied(system) / elements, float((squeeze(b) / pair) ** 1.5))
+    force = max(applied(system) / elements, float(contact_force(squeeze(b), pair)))
     if force == 0.0 and np.any(system.structure.prescribed):
-        force = (1e-6 / pair) ** 1.5
+        force = float(contact_force(1e-6, pair))
     return max(force, 1e-6)
 
 
@@ -46,9 +47,9 @@ def typical(system: System) -> tuple[float, float, float]:
     squeezed = 0.0
     for b in system.balls:
         pair = pair_compliance(b)
-        squeezed = max(squeezed, (squeeze(b) / pair) ** 1.5)
+        squeezed = max(squeezed, float(contact_force(squeeze(b), pair)))
         if force == 0.0 and squeezed == 0.0 and np.any(system.structure.prescribed):
-            squeezed = (1e-6 / pair) ** 1.5
+            squeezed = float(contact_force(1e-6, pair))
     force = max(force, squeezed)
     for b in system.balls:
         stiffness = max(stiffness, float(np.cbrt(force) / pair_compliance(b)) if force > 0.0 else 1.0)

@@ -2,69 +2,36 @@
 
 E(q) = shaft + springs - f q + sum over balls of min over the centre of their contact energies + sum over rollers. The
 unknowns are the motions of the shaft's nodes and of the bodies; the matrix is held in its envelope (``skyline``), so that
-the cost is linear in the number of sets. Steps and line search as in ``newton``: the case of one set whose nut stands.
+the cost is linear in the number of sets. See ``newton`` for the case of one set whose nut stands.
 """
 
+from collections.abc import Callable
 from math import sqrt
 
 import numpy as np
 
-from rollbench.lowfi.jit import kernel
+from rollbench.lowfi.jit import driver_of, kernel
 from rollbench.lowfi.statics.records import (
     Array,
     AxisArrays,
     AxisBalls,
     AxisRollers,
+    AxisRoom,
     AxisSlopes,
     AxisState,
-    BeamOptions,
+    AxisSystem,
+    Options,
     Outcome,
-    Progress,
 )
 
 from .axis_matrix import add_axis, add_balls, add_rollers, hold
-from .ball import FORCE, MX, MZ, USE, block, settle_ball
-from .beam import element_force, positions
-from .newton import BALANCED, CONVERGED, ITERATIONS, NOT_HELD, SINGULAR, ball_mismatch, residual_of, slope_along
+from .ball import FORCE, MX, MZ, USE, flank_hessian, settle_ball
+from .newton import evaluate_beam, finish, furthest, least_force, residual_at, slope_along, unbalanced  # noqa: F401 - for the driver
 from .rollers import roller_forces
-from .search import GROWN, WHOLE_STEPS, first_trial, got_on, next_trial
 from .skyline import factor, substitute
 
-
-@kernel
-def flank_hessian(contact: Array, out: Array) -> None:
-    """Hessian of the ball's energy by the motion of its four flanks, its centre eliminated: out (8, 8) [N/m].
-
-    As `lowfi.statics.kernel.ball.reduced_hessian`, of which the first half of rows and columns is that.
-    """
-    out[:, :] = 0.0
-    h = np.zeros((4, 3))
-    txx, txz, tzz = 0.0, 0.0, 0.0
-    for s in range(4):
-        h[s, 0], h[s, 1], h[s, 2] = block(contact, s)
-        txx, txz, tzz = txx + h[s, 0], txz + h[s, 1], tzz + h[s, 2]
-    det = txx * tzz - txz * txz
-    if det <= 0.0:
-        return
-    ixx, ixz, izz = tzz / det, -txz / det, txx / det
-    for s in range(4):
-        if contact[s, FORCE] <= 0.0:
-            continue
-        a00, a01 = h[s, 0] * ixx + h[s, 1] * ixz, h[s, 0] * ixz + h[s, 1] * izz
-        a10, a11 = h[s, 1] * ixx + h[s, 2] * ixz, h[s, 1] * ixz + h[s, 2] * izz
-        for t in range(4):
-            if t == s or contact[t, FORCE] <= 0.0:
-                continue
-            o, c = 2 * s, 2 * t
-            x = a00 * h[t, 0] + a01 * h[t, 1]
-            y = a00 * h[t, 1] + a01 * h[t, 2]
-            z = a10 * h[t, 0] + a11 * h[t, 1]
-            w = a10 * h[t, 1] + a11 * h[t, 2]
-            out[o, c], out[o, c + 1], out[o + 1, c], out[o + 1, c + 1] = -x, -y, -z, -w
-            out[o, o] += x
-            out[o, o + 1] += y
-            out[o + 1, o] += z
-            out[o + 1, o + 1] += w
+#: See ``descent``: the stiffness is factored anew for each step.
+KEPT = 0.0
 
 
 @kernel
@@ -72,30 +39,18 @@ def evaluate_axis(
     axis: AxisArrays, balls: AxisBalls, rollers: AxisRollers, state: AxisState, out: AxisSlopes
 ) -> tuple[float, float]:
     """Energy and gradient at the state; fills out; returns energy and the largest force met [N]."""
-    lengths, load = axis.lengths, axis.load
+    load = axis.load
     q, d, p, contact, _ = state
     gradient, hessians = out
-    positions(q, d, lengths)
-    energy, scale = 0.0, 0.0
-    for i in range(q.shape[0]):
+    energy, scale = evaluate_beam(axis, q, d, gradient)
+    for i in range(d.shape[0] + 1, q.shape[0]):
         for k in range(6):
             gradient[i, k] = -load[i, k]
             energy -= load[i, k] * q[i, k]
             if k < 3:
                 scale = max(scale, abs(load[i, k]))
-    f = np.empty(6)
-    for e in range(lengths.shape[0]):
-        element_force(d[e], lengths[e], axis.sections[e], f)
-        for k in range(6):
-            energy += 0.5 * f[k] * d[e, k]
-            gradient[e, k] -= f[k]
-            gradient[e + 1, k] += f[k]
-            if k < 3:
-                scale = max(scale, abs(f[k]))
-        gradient[e, 3] += lengths[e] * f[1]
-        gradient[e, 4] -= lengths[e] * f[0]
     energy += spring_forces(axis, q, gradient)
-    shift = np.zeros((4, 2))
+    shift, flat, m = np.zeros((4, 2)), gradient.ravel(), balls.B.shape[3]
     for i in range(balls.r_ball.shape[0]):
         ball_shift(balls, q, i, shift)
         energy += settle_ball(
@@ -107,8 +62,8 @@ def evaluate_axis(
             scale = max(scale, force)
             if force > 0.0 and row >= 0:
                 fx, fz = force * contact[i, s, MX], force * contact[i, s, MZ]
-                for k in range(6):
-                    gradient[row, k] -= fx * balls.B[i, s, 0, k] + fz * balls.B[i, s, 1, k]
+                for k in range(m):
+                    flat[6 * row + k] -= fx * balls.B[i, s, 0, k] + fz * balls.B[i, s, 1, k]
     more, largest = roller_forces(rollers, q, state.slices, gradient)
     return energy + more, max(scale, largest)
 
@@ -143,13 +98,14 @@ def spring_forces(axis: AxisArrays, q: Array, gradient: Array) -> float:
 @kernel
 def ball_shift(balls: AxisBalls, q: Array, i: int, shift: Array) -> None:
     """Motions (4, 2) [m] of the flanks of ball i."""
+    flat = q.ravel()
     for s in range(4):
         row = balls.row[i, s]
         for a in range(2):
             x = balls.v0[i, s, a]
             if row >= 0:
-                for k in range(6):
-                    x += balls.B[i, s, a, k] * q[row, k]
+                for k in range(balls.B.shape[3]):
+                    x += balls.B[i, s, a, k] * flat[6 * row + k]
             shift[s, a] = x
 
 
@@ -183,29 +139,6 @@ def advance_axis(axis: AxisArrays, state: AxisState, q0: Array, d0: Array, step:
         d[e, 1] = d0[e, 1] + t * (step[e + 1, 1] - step[e, 1] + x * step[e, 3])
         for k in range(2, 6):
             d[e, k] = d0[e, k] + t * (step[e + 1, k] - step[e, k])
-
-
-@kernel
-def search_axis(
-    axis: AxisArrays,
-    balls: AxisBalls,
-    rollers: AxisRollers,
-    state: AxisState,
-    out: AxisSlopes,
-    step: Array,
-    energy: float,
-    slope: float,
-    limit: float,
-) -> tuple[float, float, int]:
-    """Search along ``step`` (see ``search``) from the state, left at the accepted point; limit: its largest length."""
-    q0, d0 = state.q.copy(), state.d.copy()
-    trial, go_on = first_trial(energy, slope, limit), True
-    new, scale = energy, 0.0
-    while go_on:
-        advance_axis(axis, state, q0, d0, step, trial.t)
-        new, scale = evaluate_axis(axis, balls, rollers, state, out)
-        trial, go_on = next_trial(trial, new, slope_along(out.gradient, step, axis.fixed))
-    return new, scale, trial.tried
 
 
 @kernel
@@ -245,80 +178,60 @@ def solve_lines(axis: AxisArrays, values: Array, loads: Array, step: Array) -> N
 
 
 @kernel
-def solve_axis(
-    axis: AxisArrays, balls: AxisBalls, rollers: AxisRollers, state: AxisState, options: BeamOptions, history: Array
-) -> Outcome:
-    """Minimise the energy from the given state; history (most + 1,): residual per step.
+def energy_at(given: AxisSystem, state: AxisState, room: AxisRoom) -> tuple[float, float]:
+    """``evaluate_axis``, for the driver."""
+    return evaluate_axis(given.shaft, given.balls, given.rollers, state, room.slopes)
 
-    The regularisation is proportional to the residual, so it vanishes at the solution and convergence stays fast.
-    """
-    tolerance, arm, r = options.tolerance, options.arm, state.q.shape[0]
-    floor, f = options.floor, np.empty(6)
-    for e in range(axis.lengths.shape[0]):
-        element_force(state.d[e], axis.lengths[e], axis.sections[e], f)
-        for k in range(3, 6):
-            floor = max(floor, abs(f[k]) / arm)
-    out = AxisSlopes(np.empty((r, 6)), np.zeros((balls.row.shape[0], 8, 8)))
-    values, base = np.empty(axis.start[-1]), np.zeros(axis.start[-1])
-    step, shift = np.empty((r, 6)), np.empty(6)
+
+@kernel
+def find_step(
+    given: AxisSystem,
+    state: AxisState,
+    options: Options,
+    room: AxisRoom,
+    shift: float,
+    residual: float,
+    fresh: bool,
+    stuck: int,
+) -> bool:
+    """Newton's step."""
+    diagonal = np.full(6, shift)
+    diagonal[3:] *= options.arm * options.arm
+    out = room.slopes
+    if not tangent(given.shaft, given.balls, given.rollers, state, out.hessians, room.base, room.values, diagonal):
+        return False
+    solve_lines(given.shaft, room.values, -out.gradient, room.step)
+    return True
+
+
+@kernel
+def reach_of(given: AxisSystem, room: AxisRoom) -> float:
+    """Largest motion [m] by the step of a flank against its opposite."""
+    return balls_reach(given.balls, room.step)
+
+
+@kernel
+def keep(state: AxisState, room: AxisRoom) -> None:
+    """Note where the step begins."""
+    room.q0[:], room.d0[:] = state.q, state.d
+
+
+@kernel
+def move(given: AxisSystem, state: AxisState, room: AxisRoom, t: float) -> None:
+    """State t steps from where the step begins."""
+    advance_axis(given.shaft, state, room.q0, room.d0, room.step, t)
+
+
+minimise: Callable[..., Outcome] = driver_of(__name__, "descent").minimise
+
+
+@kernel
+def solve_axis(
+    axis: AxisArrays, balls: AxisBalls, rollers: AxisRollers, state: AxisState, options: Options, history: Array
+) -> Outcome:
+    """Minimise the energy from the given state; history (most + 1,): residual per step."""
+    r, size = state.q.shape[0], axis.start[-1]
+    slopes, base = AxisSlopes(np.empty((r, 6)), np.zeros((balls.row.shape[0], 8, 8))), np.zeros(size)
     add_axis(base, axis)
-    energy, scale = evaluate_axis(axis, balls, rollers, state, out)
-    if floor == 0.0:
-        floor = 1e-3 * scale
-    scale = max(scale, floor)
-    residual = residual_of(out.gradient, axis.fixed, scale, arm)
-    history[0] = residual
-    evaluations, amount, furthest = 1, 1e-3, balls.r_ball.max() if balls.r_ball.size else 0.0
-    status, it, progress = ITERATIONS, 0, Progress(residual, energy, 0, 0)
-    if residual <= tolerance and ball_mismatch(state.contact, scale) <= BALANCED:
-        return Outcome(CONVERGED, it, evaluations, residual, energy, scale)
-    for it in range(1, options.most + 1):
-        solved = False
-        for _ in range(12):
-            for k in range(6):
-                shift[k] = amount * options.stiffness * min(1.0, residual) * (1.0 if k < 3 else arm * arm)
-            solved = tangent(axis, balls, rollers, state, out.hessians, base, values, shift)
-            if solved:
-                break
-            amount *= 100.0
-        if not solved:
-            status = SINGULAR
-            break
-        solve_lines(axis, values, -out.gradient, step)
-        reach = balls_reach(balls, step)
-        limit = furthest / reach if reach > 0.0 else 1e12
-        whole, used = residual < WHOLE_STEPS and limit >= 1.0, 0
-        if whole:
-            q0, d0, before = state.q.copy(), state.d.copy(), energy
-            advance_axis(axis, state, q0, d0, step, 1.0)
-            slope = slope_along(out.gradient, step, axis.fixed)
-            energy, scale = evaluate_axis(axis, balls, rollers, state, out)
-            evaluations += 1
-            if not residual_of(out.gradient, axis.fixed, max(scale, floor), arm) <= GROWN * max(residual, tolerance):
-                whole, energy = False, before
-                advance_axis(axis, state, q0, d0, step, 0.0)
-        else:
-            slope = slope_along(out.gradient, step, axis.fixed)
-        if not whole:
-            energy, scale, used = search_axis(axis, balls, rollers, state, out, step, energy, slope, limit)
-            evaluations += used
-        scale = max(scale, floor)
-        residual = residual_of(out.gradient, axis.fixed, scale, arm)
-        history[it] = residual
-        amount = max(1e-3, amount * 0.1)
-        if residual <= tolerance and ball_mismatch(state.contact, scale) <= BALANCED:
-            status = CONVERGED
-            break
-        moved = 0.0
-        for i in range(r):
-            moved = max(moved, sqrt(state.q[i, 0] ** 2 + state.q[i, 1] ** 2 + state.q[i, 2] ** 2))
-        if moved > options.bound:
-            status = NOT_HELD
-            break
-        progress, ends = got_on(progress, residual, energy, used)
-        if ends:
-            break
-    loose = ball_mismatch(state.contact, scale)
-    if loose > BALANCED:
-        residual = max(residual, loose)
-    return Outcome(status, it, evaluations, residual, energy, scale)
+    room = AxisRoom(slopes, base, np.empty(size), np.empty((r, 6)), np.empty((r, 6)), np.empty(state.d.shape))
+    return minimise(AxisSystem(axis, balls, rollers), state, options, history, room)

@@ -1,5 +1,7 @@
 """Stiffness of shaft, springs, balls and rollers in the envelope of `lowfi.statics.kernel.skyline`."""
 
+from itertools import product
+
 import numpy as np
 
 from rollbench.lowfi.jit import is_compiled, kernel
@@ -54,8 +56,8 @@ def add_axis(values: Array, axis: AxisArrays) -> None:
 
 @kernel
 def loop_balls(values: Array, axis: AxisArrays, balls: AxisBalls, hessians: Array) -> None:
-    """Add the balls' stiffness: B^T h B for every two flanks that move."""
-    hb, block = np.empty((2, 6)), np.empty((6, 6))
+    """Add the balls' stiffness: B^T h B for every two flanks that move, and every two rows that move them."""
+    spans, block = balls.B.shape[3] // 6, np.empty((6, 6))
     for i in range(balls.row.shape[0]):
         for s in range(4):
             row = balls.row[i, s]
@@ -65,21 +67,26 @@ def loop_balls(values: Array, axis: AxisArrays, balls: AxisBalls, hessians: Arra
                 column = balls.row[i, t]
                 if column < 0 or (hessians[i, 2 * t, 2 * t] == 0.0 and hessians[i, 2 * t + 1, 2 * t + 1] == 0.0):
                     continue
-                for a in range(2):
-                    for k in range(6):
-                        hb[a, k] = (
-                            hessians[i, 2 * s + a, 2 * t] * balls.B[i, t, 0, k]
-                            + hessians[i, 2 * s + a, 2 * t + 1] * balls.B[i, t, 1, k]
-                        )
-                for j in range(6):
-                    for k in range(6):
-                        block[j, k] = balls.B[i, s, 0, j] * hb[0, k] + balls.B[i, s, 1, j] * hb[1, k]
-                if s != t and row == column:  # both halves of a block on the diagonal
-                    for j in range(6):
-                        for k in range(j):
-                            block[j, k] += block[k, j]
-                        block[j, j] *= 2.0
-                add_block(values, axis, row, column, block)
+                h = hessians[i, 2 * s : 2 * s + 2, 2 * t : 2 * t + 2]
+                for a in range(spans):
+                    for b in range(a + 1 if s == t else spans):
+                        turned_block(balls.B[i, s, :, 6 * a :], h, balls.B[i, t, :, 6 * b :], block)
+                        if s != t and row + a == column + b:  # both halves of a block on the diagonal
+                            for j in range(6):
+                                for k in range(j):
+                                    block[j, k] += block[k, j]
+                                block[j, j] *= 2.0
+                        add_block(values, axis, row + a, column + b, block)
+
+
+@kernel
+def turned_block(left: Array, h: Array, right: Array, block: Array) -> None:
+    """block (6, 6) = left^T h right, of the first six columns of left and right (2, 6 or more) and h (2, 2)."""
+    for j in range(6):
+        x = left[0, j] * h[0, 0] + left[1, j] * h[1, 0]
+        z = left[0, j] * h[0, 1] + left[1, j] * h[1, 1]
+        for k in range(6):
+            block[j, k] = x * right[0, k] + z * right[1, k]
 
 
 @kernel
@@ -118,17 +125,16 @@ def hold(values: Array, axis: AxisArrays, shift: Array) -> None:
 
 def _balls_at_once(values: Array, axis: AxisArrays, balls: AxisBalls, hessians: Array) -> None:
     """As ``loop_balls``, for the interpreter."""
-    N = balls.row.shape[0]
-    six = np.arange(6)
-    for s in range(4):
-        for t in range(4):
-            both = np.flatnonzero((balls.row[:, s] >= 0) & (balls.row[:, t] >= 0)) if N else np.zeros(0, dtype=np.int64)
-            h = hessians[both, 2 * s : 2 * s + 2, 2 * t : 2 * t + 2]
-            K = np.einsum("nai,nab,nbj->nij", balls.B[both, s], h, balls.B[both, t])
-            lines = (6 * axis.place[balls.row[both, s]])[:, None, None] + six[None, :, None]
-            columns = (6 * axis.place[balls.row[both, t]])[:, None, None] + six[None, None, :]
-            lower = (lines >= columns) & (K != 0.0)
-            np.add.at(values, (axis.start[lines] + columns)[lower], K[lower])
+    six, spans = np.arange(6), range(balls.B.shape[3] // 6)
+    for s, t, a, b in product(range(4), range(4), spans, spans):
+        both = np.flatnonzero((balls.row[:, s] >= 0) & (balls.row[:, t] >= 0))
+        left, right = balls.B[both, s][:, :, 6 * a : 6 * a + 6], balls.B[both, t][:, :, 6 * b : 6 * b + 6]
+        h = hessians[both, 2 * s : 2 * s + 2, 2 * t : 2 * t + 2]
+        K = np.einsum("nai,nab,nbj->nij", left, h, right)
+        lines = (6 * axis.place[balls.row[both, s] + a])[:, None, None] + six[None, :, None]
+        columns = (6 * axis.place[balls.row[both, t] + b])[:, None, None] + six[None, None, :]
+        lower = (lines >= columns) & (K != 0.0)
+        np.add.at(values, (axis.start[lines] + columns)[lower], K[lower])
 
 
 add_balls = loop_balls if is_compiled(__name__) else _balls_at_once

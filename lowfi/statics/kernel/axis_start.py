@@ -3,7 +3,7 @@
 import numpy as np
 
 from rollbench.lowfi.jit import kernel
-from rollbench.lowfi.statics.records import Array, AxisArrays, AxisBalls, AxisRollers, AxisSlopes, AxisState, BeamOptions
+from rollbench.lowfi.statics.records import Array, AxisArrays, AxisBalls, AxisRollers, AxisSlopes, AxisState, Options
 
 from .axis import advance_axis, balls_reach, evaluate_axis, solve_lines, tangent
 from .axis_matrix import add_axis
@@ -11,7 +11,7 @@ from .ball import SIZE, USE, WX, WZ
 
 
 @kernel
-def start_axis(axis: AxisArrays, balls: AxisBalls, rollers: AxisRollers, state: AxisState, options: BeamOptions) -> bool:
+def start_axis(axis: AxisArrays, balls: AxisBalls, rollers: AxisRollers, state: AxisState, options: Options) -> bool:
     """Start of the iteration: equilibrium on linear springs (reference stiffness) in place of balls and rollers.
 
     Overwrites motions and deformations of ``state``; False (state untouched) where it cannot be found. No flank goes

@@ -12,7 +12,7 @@ from math import sqrt
 from rollbench.lowfi.jit import kernel
 from rollbench.lowfi.statics.records import Array
 
-from .contact import arc, flank
+from .contact import arc, flank, hertz
 
 WX, WZ, SIZE, APPROACH, HERTZ, USE, RADIUS, SX, SZ = range(9)
 FORCE, MX, MZ, KN, KT = range(5)
@@ -24,7 +24,8 @@ SETTLED = 1e-9
 
 @kernel
 def start_centre(p: Array, shift: Array, geometry: Array, closure: Array) -> int:
-    """Starting centre: two-contact solutions of the diagonal pairs that close, else the mean shift of the flanks.
+    """Starting centre: two-contact solutions of the diagonal pairs that close, or of the only one, whose flanks share the
+    gap; else the mean shift of the flanks.
 
     With D = o_a - o_b between opposite groove centres the interference is its nominal value ``closure`` (2,) plus
     |D + v_a - v_b| - |D|, and the pair shares it as C_a : C_b (exact for circular flanks). Writes p (2,), relative to
@@ -43,8 +44,8 @@ def start_centre(p: Array, shift: Array, geometry: Array, closure: Array) -> int
         if dist <= 1e-30 or dist0 <= 1e-30:
             continue
         change = (vx * (2.0 * dx + vx) + vz * (2.0 * dz + vz)) / (dist + dist0)
-        total = closure[a] + change
-        if total > 0.0:
+        total, alone = closure[a] + change, geometry[1 - a, USE] == 0.0 and geometry[2 + a, USE] == 0.0
+        if total > 0.0 or alone:
             # from b's groove centre along D + v by the size of w_b that gives b its share of the interference; the
             # turn of that direction is (v - D/|D| change)/|D + v|: no difference of unit vectors
             nx, nz = dx / dist0, dz / dist0
@@ -109,10 +110,8 @@ def press(contact: Array, s: int, met: tuple[float, float, float, float], c: flo
     delta, contact[s, MX], contact[s, MZ], kt = met
     if not delta > 0.0:
         return 0.0
-    x = delta / c
-    root = sqrt(x)
-    contact[s, FORCE], contact[s, KN], contact[s, KT] = x * root, 1.5 * root / c, x * root * kt
-    energy: float = 0.4 * c * x * x * root
+    force, slope, energy = hertz(delta, c)
+    contact[s, FORCE], contact[s, KN], contact[s, KT] = force, slope, force * kt
     return energy
 
 
@@ -187,24 +186,21 @@ def press_pair(a: int, total: float, p: Array, shift: Array, geometry: Array, co
     more, size = total * geometry[b, HERTZ] / both - geometry[b, APPROACH], geometry[b, SIZE]
     p[0] = shift[b, 0] + ((dx + vx) * more + (vx - nx * change) * size) / dist + (nx * size - geometry[b, WX])
     p[1] = shift[b, 1] + ((dz + vz) * more + (vz - nz * change) * size) / dist + (nz * size - geometry[b, WZ])
-    x = total / both
-    root = sqrt(x)
-    force = x * root
+    force, slope, energy = hertz(total, both)
     for s in range(4):
         contact[s, FORCE] = 0.0
         if s == a or b == s:
             sign, own = (1.0 if s == b else -1.0) / dist, geometry[s, HERTZ]
             contact[s, FORCE] = force
             contact[s, MX], contact[s, MZ] = sign * (dx + vx), sign * (dz + vz)
-            contact[s, KN] = 1.5 * root / own
-            contact[s, KT] = force / (geometry[s, SIZE] + own * x - geometry[s, APPROACH])
+            contact[s, KN] = slope * both / own
+            contact[s, KT] = force / (geometry[s, SIZE] + total * own / both - geometry[s, APPROACH])
         elif geometry[s, USE] != 0.0:
             wx, wz, reach = geometry[s, WX], geometry[s, WZ], geometry[s, SIZE]
             delta, mx, mz, _ = arc(p[0] - shift[s, 0], p[1] - shift[s, 1], wx, wz, reach, geometry[s, APPROACH])
             contact[s, MX], contact[s, MZ] = mx, mz
             if delta > 0.0:
                 return -1.0
-    energy: float = 0.4 * both * x * x * root
     return energy
 
 
@@ -278,42 +274,39 @@ def block(contact: Array, s: int) -> tuple[float, float, float]:
 
 
 @kernel
-def reduced_hessian(contact: Array, out: Array) -> None:
-    """Hessian of the ball's energy by the motion of its screw flanks, its centre eliminated: out (4, 4) [N/m].
+def flank_hessian(contact: Array, out: Array) -> None:
+    """Hessian of the ball's energy by the motion of its flanks, its centre eliminated: out (4, 4) of the screw's, or (8, 8)
+    of all [N/m], in the order SL x, SL z, SR x, ...
 
     With H the sum of the blocks h_s: -h_s H^-1 h_t off the diagonal and h_s H^-1 (H - h_s) on it (the others summed,
-    not subtracted: no cancellation). Order SL x, SL z, SR x, SR z.
+    not subtracted: no cancellation).
     """
+    out[:, :] = 0.0
+    txx, txz, tzz = 0.0, 0.0, 0.0
     for s in range(4):
-        out[s, 0], out[s, 1], out[s, 2], out[s, 3] = 0.0, 0.0, 0.0, 0.0
-    nxx, nxz, nzz = block(contact, 2)
-    oxx, oxz, ozz = block(contact, 3)
-    nxx, nxz, nzz = nxx + oxx, nxz + oxz, nzz + ozz
-    axx, axz, azz = block(contact, 0)
-    bxx, bxz, bzz = block(contact, 1)
-    txx, txz, tzz = nxx + axx + bxx, nxz + axz + bxz, nzz + azz + bzz
+        x, y, z = block(contact, s)
+        txx, txz, tzz = txx + x, txz + y, tzz + z
     det = txx * tzz - txz * txz
     if det <= 0.0:
         return
-    ixx, ixz, izz = tzz / det, -txz / det, txx / det
-    for s in range(2):
+    ixx, ixz, izz, flanks = tzz / det, -txz / det, txx / det, out.shape[0] // 2
+    for s in range(flanks):
         if contact[s, FORCE] <= 0.0:
             continue
-        if s == 0:
-            hxx, hxz, hzz = axx, axz, azz
-            rxx, rxz, rzz = bxx, bxz, bzz
-        else:
-            hxx, hxz, hzz = bxx, bxz, bzz
-            rxx, rxz, rzz = axx, axz, azz
+        hxx, hxz, hzz = block(contact, s)
         a00, a01 = hxx * ixx + hxz * ixz, hxx * ixz + hxz * izz
         a10, a11 = hxz * ixx + hzz * ixz, hxz * ixz + hzz * izz
-        o, t = 2 * s, 2 - 2 * s
-        oxx, oxz, ozz = nxx + rxx, nxz + rxz, nzz + rzz
-        out[o, o] = a00 * oxx + a01 * oxz
-        out[o, o + 1] = a00 * oxz + a01 * ozz
-        out[o + 1, o] = a10 * oxx + a11 * oxz
-        out[o + 1, o + 1] = a10 * oxz + a11 * ozz
-        out[o, t] = -(a00 * rxx + a01 * rxz)
-        out[o, t + 1] = -(a00 * rxz + a01 * rzz)
-        out[o + 1, t] = -(a10 * rxx + a11 * rxz)
-        out[o + 1, t + 1] = -(a10 * rxz + a11 * rzz)
+        o = 2 * s
+        for t in range(4):
+            if t == s or contact[t, FORCE] <= 0.0:
+                continue
+            hxx, hxz, hzz = block(contact, t)
+            x, y = a00 * hxx + a01 * hxz, a00 * hxz + a01 * hzz
+            z, w = a10 * hxx + a11 * hxz, a10 * hxz + a11 * hzz
+            out[o, o] += x
+            out[o, o + 1] += y
+            out[o + 1, o] += z
+            out[o + 1, o + 1] += w
+            if t < flanks:
+                c = 2 * t
+                out[o, c], out[o, c + 1], out[o + 1, c], out[o + 1, c + 1] = -x, -y, -z, -w

@@ -9,17 +9,6 @@ from rollbench.lowfi.statics.records import Array
 
 
 @kernel
-def transport(q: Array, length: float, out: Array) -> None:
-    """Rigid transport of the motion q (6,) = (u, theta) over ``length`` along z: u + theta x (length e_z)."""
-    out[0] = q[0] + length * q[4]
-    out[1] = q[1] - length * q[3]
-    out[2] = q[2]
-    out[3] = q[3]
-    out[4] = q[4]
-    out[5] = q[5]
-
-
-@kernel
 def element_constants(length: float, section: Array) -> tuple[float, float, float, float, float]:
     """Stiffnesses of an element's end deformation: k_uu, k_uu L/2, k_rr, axial, torsional (mends Lin D.1, D.2).
 
@@ -31,14 +20,8 @@ def element_constants(length: float, section: Array) -> tuple[float, float, floa
 
 
 @kernel
-def element_force(d: Array, length: float, section: Array, out: Array) -> None:
-    """Force and moment (6,) at node 2 that the deformation d (6,) takes."""
-    force_of(d, element_constants(length, section), out)
-
-
-@kernel
 def force_of(d: Array, constants: tuple[float, float, float, float, float], out: Array) -> None:
-    """The same from the element's constants."""
+    """Force and moment (6,) at node 2 that the deformation d (6,) of an element takes, from its constants."""
     kuu, kur, krr, ka, kt = constants
     out[0] = kuu * d[0] - kur * d[4]
     out[4] = krr * d[4] - kur * d[0]
@@ -83,12 +66,3 @@ def assemble_beam(lengths: Array, sections: Array, constants: Array, band: Array
         kuu, kur, krr, ka, kt = element_constants(lengths[e], sections[e])
         constants[e, 0], constants[e, 1], constants[e, 2], constants[e, 3], constants[e, 4] = kuu, kur, krr, ka, kt
         add_element(band, e, lengths[e], sections[e])
-
-
-@kernel
-def positions(q: Array, d: Array, lengths: Array) -> None:
-    """Fill the nodes' motions q (n, 6) from the first node's and the element deformations d (n - 1, 6)."""
-    for e in range(d.shape[0]):
-        transport(q[e], lengths[e], q[e + 1])
-        for k in range(6):
-            q[e + 1, k] += d[e, k]

@@ -1,9 +1,17 @@
-"""Approach of a ball to a groove flank, with its first and second derivatives in the section plane."""
+"""Approach of a ball to a groove flank, with its first and second derivatives in the section plane, and Hertz' law."""
 
 from math import atan2, cos, sin, sqrt
 
 from rollbench.lowfi.jit import kernel
 from rollbench.lowfi.statics.records import Array
+
+
+@kernel
+def hertz(delta: float, c: float) -> tuple[float, float, float]:
+    """Force [N], its slope by the approach [N/m] and energy [J] of delta = c F^(2/3) > 0 [m] (Lin 2.14)."""
+    x = delta / c
+    root = sqrt(x)
+    return x * root, 1.5 * root / c, 0.4 * c * x * x * root
 
 
 @kernel

@@ -7,18 +7,22 @@ energy phi G phi/2 - work a + balls(v), whose unknowns never are the beam's node
 the modes of the bodies that are softer than a contact exactly and iterate on the rest (``modes``).
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
-from rollbench.lowfi.jit import kernel
+from rollbench.lowfi.jit import driver_of, kernel
 from rollbench.lowfi.statics.records import (
     Array,
     BallContacts,
     BallRows,
     Bodies,
-    BodyOptions,
+    BodyRoom,
     BodyState,
+    BodySystem,
     Factors,
     ForceStep,
+    Options,
     Outcome,
     SearchStart,
 )
@@ -26,15 +30,13 @@ from rollbench.lowfi.statics.records import (
 from .coupling import apply_rows, body_motion, border, cholesky_lower, couple, forces_of_rows, triangular
 from .elastic_balls import ball_rows, evaluate_balls
 from .modes import gradients, soft_factor
-from .newton import BALANCED, CONVERGED, ITERATIONS, NOT_HELD, SINGULAR, ball_mismatch
-from .search import FALLS, GROWN, PATIENCE, TRIALS, WHOLE_STEPS, first_trial, next_trial
+from .newton import ball_mismatch
 
 #: Residual asked of the linear equations, as a fraction of that of the contact forces: a tenth keeps Newton's own order.
 FORCING = 0.1
 STRICT = 1e-8  # of it, once a search has found nothing: a step that is not exact may not go down
-#: Residual over the least one before from which on a step has got on too little: near the end rows and factors are then
-#: found anew. Under a contact that vanishes those of a step before it are too stiff, whatever the energy does.
-HALVED = 0.5
+#: See ``descent``: under a contact that vanishes, rows and factors of a step before are too stiff.
+KEPT = 0.5
 
 
 @kernel
@@ -191,32 +193,6 @@ def stored(bodies: Bodies, state: BodyState, g: Array) -> float:
 
 
 @kernel
-def search_forces(
-    bodies: Bodies,
-    contacts: BallContacts,
-    state: BodyState,
-    f: Array,
-    g: Array,
-    v: Array,
-    step: ForceStep,
-    energy: float,
-    slope: float,
-    limit: float,
-    tiny: float,
-) -> tuple[float, float, int]:
-    """Search along a step (see ``search``); state, f, g and v are left at the accepted point."""
-    begin = SearchStart(state.phi.copy(), state.a.copy(), g.copy(), v.copy())
-    trial, go_on = first_trial(energy, slope, limit), True
-    new, scale = energy, 0.0
-    while go_on:
-        shift_state(bodies, state, begin, step, trial.t, g, v)
-        own, scale = evaluate_balls(v, contacts, state, f, tiny)
-        new = own + stored(bodies, state, g)
-        trial, go_on = next_trial(trial, new, slope_of(bodies, f, g, step))
-    return new, scale, trial.tried
-
-
-@kernel
 def place_flanks(bodies: Bodies, state: BodyState, g: Array, v: Array) -> None:
     """Fill g = G phi and v = v0 + g + R a from the state."""
     R, v0 = bodies.R, bodies.v0
@@ -257,93 +233,102 @@ def unbalanced(state: BodyState, scale: float) -> float:
 
 
 @kernel
-def solve_forces(
-    bodies: Bodies, contacts: BallContacts, state: BodyState, options: BodyOptions, arms: Array, history: Array
-) -> Outcome:
-    """Minimise the energy from the given forces; arms (k,): see `lowfi.statics.shaft`; history: residual per step."""
-    tolerance, most, stiffness, tiny, bound, floor, furthest = options
-    phi, amplitude = state.phi, state.a
-    balls, d = phi.shape
-    f, g, v = np.empty((balls, d)), np.empty((balls, d)), np.empty((balls, d))
-    step = ForceStep(np.empty((balls, d)), np.empty((balls, d)), np.zeros(amplitude.shape[0]))
-    width = 2 if d == 2 else 6
-    counts, starts = np.zeros(balls, dtype=np.int64), np.zeros(balls, dtype=np.int64)
-    rows, factors = BallRows(np.zeros((balls, width, d)), counts, starts), room_for_factors(bodies, width * balls)
-    place_flanks(bodies, state, g, v)
-    own, scale = evaluate_balls(v, contacts, state, f, tiny)
-    energy = own + stored(bodies, state, g)
-    if floor == 0.0:
-        floor = 1e-3 * scale
-    scale = max(scale, floor)
-    residual = mismatch(bodies, phi, f, arms, scale)
-    history[0] = residual
-    evaluations, stalled, flat, factor, best = 1, 0, 0, 1e-3, residual
-    status, it, stuck, fresh, lowest = ITERATIONS, 0, 0, bool(np.bool_(True)), energy
-    if residual <= tolerance and unbalanced(state, scale) <= BALANCED:
-        status = CONVERGED
-        return Outcome(status, it, evaluations, residual, energy, scale)
-    for it in range(1, most + 1):
-        solved = False
-        for _ in range(12):
-            hold = factor * stiffness * min(1.0, residual)
-            wanted = max(FORCING * min(0.1, residual), 0.01 * tolerance / residual) * (STRICT if stuck else 1.0)
-            solved = newton_forces(bodies, contacts, state, f, hold, wanted, fresh, rows, factors, step)
-            if solved:
-                break
-            factor *= 100.0
-            fresh = True
-        if not solved:
-            status = SINGULAR
-            break
-        reach = apart(step.dv)
-        limit = furthest / reach if reach > 0.0 else 1e12
-        whole = residual < WHOLE_STEPS and limit >= 1.0
-        if whole:
-            begin, before = SearchStart(phi.copy(), amplitude.copy(), g.copy(), v.copy()), energy
-            shift_state(bodies, state, begin, step, 1.0, g, v)
-            own, scale = evaluate_balls(v, contacts, state, f, tiny)
-            energy = own + stored(bodies, state, g)
-            evaluations += 1
-            if not mismatch(bodies, phi, f, arms, max(scale, floor)) <= GROWN * max(residual, tolerance):
-                whole, energy = False, before
-                shift_state(bodies, state, begin, step, 0.0, g, v)
-                evaluate_balls(v, contacts, state, f, tiny)
-        if not whole:
-            slope = slope_of(bodies, f, g, step)
-            energy, scale, used = search_forces(bodies, contacts, state, f, g, v, step, energy, slope, limit, tiny)
-            evaluations += used
-            stuck += 1 if used >= TRIALS else 0
-        scale = max(scale, floor)
-        residual = mismatch(bodies, phi, f, arms, scale)
-        history[it] = residual
-        factor = max(1e-3, factor * 0.1)
-        if residual <= tolerance and unbalanced(state, scale) <= BALANCED:
-            status = CONVERGED
-            break
-        moved = 0.0
-        for c in range(amplitude.shape[0]):
-            moved = max(moved, abs(amplitude[c]) / arms[c])
-        if moved > bound:
-            status = NOT_HELD
-            break
-        falls = lowest - energy > FALLS * abs(energy)
-        fresh = residual > WHOLE_STEPS or residual >= HALVED * best
-        stalled = 0 if residual < HALVED * best or falls else stalled + 1
-        lowest = energy if falls else lowest
-        flat = 0 if residual < 0.9 * best or falls else flat + 1
-        best = min(best, residual)
-        if (flat >= 2 and residual <= 1e-9) or stalled >= PATIENCE or stuck >= 2:
-            break
-    place_flanks(bodies, state, g, v)
-    evaluate_balls(v, contacts, state, f, tiny)
-    loose = unbalanced(state, scale)
-    if loose > BALANCED:
-        residual = max(residual, loose)
-    return Outcome(status, it, evaluations, residual, energy, scale)
+def energy_at(given: BodySystem, state: BodyState, room: BodyRoom) -> tuple[float, float]:
+    """Energy of bodies and balls, and the largest contact force; fills the forces on the flanks."""
+    energy, scale = evaluate_balls(room.v, given.contacts, state, room.f)
+    return energy + stored(given.bodies, state, room.g), scale
 
 
 @kernel
-def start_forces(bodies: Bodies, state: BodyState, springs: Array, options: BodyOptions) -> bool:
+def find_step(
+    given: BodySystem,
+    state: BodyState,
+    options: Options,
+    room: BodyRoom,
+    shift: float,
+    residual: float,
+    fresh: bool,
+    stuck: int,
+) -> bool:
+    """Newton's step, its linear equations as exact as the residual wants it."""
+    wanted = max(FORCING * min(0.1, residual), 0.01 * options.tolerance / residual) * (STRICT if stuck else 1.0)
+    bodies, contacts = given.bodies, given.contacts
+    return newton_forces(bodies, contacts, state, room.f, shift, wanted, fresh, room.rows, room.factors, room.step)
+
+
+@kernel
+def residual_at(given: BodySystem, state: BodyState, options: Options, room: BodyRoom, scale: float) -> float:
+    """``mismatch``, for the driver."""
+    return mismatch(given.bodies, state.phi, room.f, given.arms, scale)
+
+
+@kernel
+def slope_along(given: BodySystem, state: BodyState, room: BodyRoom) -> float:
+    """Slope of the energy along the step."""
+    return slope_of(given.bodies, room.f, room.g, room.step)
+
+
+@kernel
+def reach_of(given: BodySystem, room: BodyRoom) -> float:
+    """Largest motion [m] by the step of a flank of the first body against that of the second."""
+    return apart(room.step.dv)
+
+
+@kernel
+def keep(state: BodyState, room: BodyRoom) -> None:
+    """Note where the step begins."""
+    room.begin.phi[:], room.begin.a[:], room.begin.g[:], room.begin.v[:] = state.phi, state.a, room.g, room.v
+
+
+@kernel
+def move(given: BodySystem, state: BodyState, room: BodyRoom, t: float) -> None:
+    """State t steps from where the step begins."""
+    shift_state(given.bodies, state, room.begin, room.step, t, room.g, room.v)
+
+
+@kernel
+def finish(given: BodySystem, state: BodyState, room: BodyRoom) -> None:
+    """Contacts at the state itself, without the round-off of the steps to it."""
+    place_flanks(given.bodies, state, room.g, room.v)
+    evaluate_balls(room.v, given.contacts, state, room.f)
+
+
+@kernel
+def least_force(given: BodySystem, state: BodyState, options: Options) -> float:
+    """Least force [N] that residuals are measured by."""
+    return options.floor
+
+
+@kernel
+def furthest(given: BodySystem, state: BodyState) -> float:
+    """Furthest free motion [m]."""
+    moved = 0.0
+    for c in range(state.a.shape[0]):
+        moved = max(moved, abs(state.a[c]) / given.arms[c])
+    return moved
+
+
+minimise: Callable[..., Outcome] = driver_of(__name__, "descent").minimise
+
+
+@kernel
+def solve_forces(
+    bodies: Bodies, contacts: BallContacts, state: BodyState, options: Options, arms: Array, history: Array
+) -> Outcome:
+    """Minimise the energy from the given forces; arms (k,): see `lowfi.statics.shaft`; history: residual per step."""
+    balls, d = state.phi.shape
+    width, shape = 2 if d == 2 else 6, state.phi.shape
+    counts, starts = np.zeros(balls, dtype=np.int64), np.zeros(balls, dtype=np.int64)
+    rows, factors = BallRows(np.zeros((balls, width, d)), counts, starts), room_for_factors(bodies, width * balls)
+    step = ForceStep(np.empty(shape), np.empty(shape), np.zeros(state.a.shape[0]))
+    begin = SearchStart(np.empty(shape), np.empty(state.a.shape[0]), np.empty(shape), np.empty(shape))
+    room = BodyRoom(np.empty(shape), np.empty(shape), np.empty(shape), step, begin, rows, factors)
+    place_flanks(bodies, state, room.g, room.v)
+    return minimise(BodySystem(bodies, contacts, arms), state, options, history, room)
+
+
+@kernel
+def start_forces(bodies: Bodies, state: BodyState, springs: Array, options: Options) -> bool:
     """Start of the iteration: the bodies on one linear spring between opposite flanks in place of two contacts.
 
     springs (N, w, d): rows sqrt(stiffness) x direction, zero where there is none. Overwrites phi and a. No flank goes

@@ -13,6 +13,7 @@ from rollbench.lowfi.jit import kernel
 from rollbench.lowfi.statics.records import Array, BallContacts, BodyState
 
 from .ball import FORCE, HALVINGS, HERTZ, KN, KT, MX, MZ, SETTLED, SETTLING, USE, meet, start_centre
+from .contact import hertz
 from .rollers import roller_elements, roller_rows
 
 LINEAR, BODY, HIGHER = range(3)
@@ -25,9 +26,9 @@ def contact_law(delta: float, c: float, e: float, h: float) -> tuple[float, floa
     Negative e or h would bend the law back where 2 C + 3 e x + 4 h x^2 = 0, x = F^(1/3); from where this is down to C
     on the law goes on as C F^(2/3)/2 plus a constant, so that force and slope stay continuous and the energy convex.
     """
-    x = sqrt(delta / c)
     if e == 0.0 and h == 0.0:
-        return x * x * x, 1.5 * x / c, 0.4 * c * x * x * x * x * x
+        return hertz(delta, c)
+    x = sqrt(delta / c)
     low, high = 0.0, 1e300
     limit = turning(c, e, h)
     if limit > 0.0:
@@ -281,15 +282,13 @@ def reflect(direction: Array, x: Array, first: int, last: int, size: float) -> N
 
 
 @kernel
-def full_balls(
-    v: Array, contacts: BallContacts, inner: Array, contact: Array, f: Array, tiny: float
-) -> tuple[float, float]:
+def full_balls(v: Array, contacts: BallContacts, inner: Array, contact: Array, f: Array) -> tuple[float, float]:
     """Forces f (N, 8) of all balls on their flanks at motions v (N, 8); returns energy and the largest contact force.
 
     Fills inner (N, 3) and contact (N, 4, 5). Rollers come after the balls.
     """
     geometry, closure, local, r_ball, profile = contacts[:5]
-    energy, scale = 0.0, 0.0
+    energy, scale, tiny = 0.0, 0.0, contacts.tiny
     work = np.empty((5, 3))
     balls = r_ball.shape[0]
     for i in range(balls):
@@ -306,7 +305,7 @@ def full_balls(
 
 
 @kernel
-def pair_balls(v: Array, contacts: BallContacts, contact: Array, f: Array, tiny: float) -> tuple[float, float]:
+def pair_balls(v: Array, contacts: BallContacts, contact: Array, f: Array) -> tuple[float, float]:
     """As ``full_balls`` for balls between two opposite arcs a and b, v (N, 2) the motion of a less that of b.
 
     The ball's centre lies on the line of the arcs' centres D + v, and the interference is its nominal value plus
@@ -328,7 +327,7 @@ def pair_balls(v: Array, contacts: BallContacts, contact: Array, f: Array, tiny:
         contact[i, MX], contact[i, MZ] = -x / size, -z / size
         if delta > 0.0:
             force, slope, work = contact_law(delta, pair[i, 4], pair[i, 5], pair[i, 6])
-            if force > tiny:
+            if force > contacts.tiny:
                 energy += work
                 scale = max(scale, force)
                 contact[i, FORCE], contact[i, KN], contact[i, KT] = force, slope, force / size
@@ -337,11 +336,11 @@ def pair_balls(v: Array, contacts: BallContacts, contact: Array, f: Array, tiny:
 
 
 @kernel
-def evaluate_balls(v: Array, contacts: BallContacts, state: BodyState, f: Array, tiny: float) -> tuple[float, float]:
+def evaluate_balls(v: Array, contacts: BallContacts, state: BodyState, f: Array) -> tuple[float, float]:
     """Forces of all balls at motions v, by ``pair_balls`` or ``full_balls``."""
     if v.shape[1] == 2:
-        return pair_balls(v, contacts, state.contact[:, 0], f, tiny)
-    return full_balls(v, contacts, state.inner, state.contact, f, tiny)
+        return pair_balls(v, contacts, state.contact[:, 0], f)
+    return full_balls(v, contacts, state.inner, state.contact, f)
 
 
 @kernel

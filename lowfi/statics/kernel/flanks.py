@@ -17,9 +17,9 @@ import numpy as np
 from rollbench.lowfi.jit import kernel
 from rollbench.lowfi.statics.records import Array, FlankCommon, FlankMembers, FlankStates
 
-from .ball import FORCE, MX, MZ, reduced_hessian, settle_ball
+from .ball import FORCE, MX, MZ, flank_hessian, settle_ball
 from .coupling import cholesky_lower, triangular
-from .newton import CONVERGED, ITERATIONS
+from .status import CONVERGED, ITERATIONS
 
 #: Specimens side by side, most steps, and the share of the residual that a step has to leave at most.
 LANES, STEPS, LEFT = 16, 12, 0.9
@@ -43,7 +43,7 @@ def equations(
             shift[s, 0] = start[i, 2 * s] + v[j + 2 * s] - lever[i, s, 1] * turn
             shift[s, 1] = start[i, 2 * s + 1] + v[j + 2 * s + 1] + lever[i, s, 0] * turn
         settle_ball(p[i], shift, geometry[i], closure[i], r_ball[i], profile, tiny, contact)
-        reduced_hessian(contact, change)
+        flank_hessian(contact, change)
         for s in range(4):
             force[i, s] = contact[s, FORCE]
             scale = max(scale, force[i, s])

@@ -8,11 +8,11 @@ from rollbench.lowfi.statics.records import (
     Array,
     BeamArrays,
     BeamContacts,
-    BeamOptions,
     BeamSlopes,
     BeamState,
     MemberArrays,
     MemberStates,
+    Options,
 )
 
 from .ball import FORCE
@@ -25,7 +25,7 @@ def answers(
     beam: BeamArrays,
     contacts: BeamContacts,
     state: BeamState,
-    options: BeamOptions,
+    options: Options,
     rows: tuple[Array, Array],
     found: tuple[Array, Array, Array],
 ) -> bool:
@@ -34,7 +34,7 @@ def answers(
     functions (c, c) by these, and the contacts' part of the stiffness (N, 4, 4). False where that stiffness is not positive
     definite."""
     n, (arms, first), (motions, reach, hessians) = state.q.shape[0], rows, found
-    band = np.empty((6 * n, options.half_band + 1))
+    band = np.empty(beam.band.shape)
     evaluate(beam, contacts, state, BeamSlopes(np.empty((n, 6)), hessians))
     assemble(band, beam, contacts, hessians, ROUND_OFF * max(0.0, beam.band[:, 0].max()), options.arm)
     if not factor_band(band):
@@ -53,12 +53,7 @@ def answers(
 
 @kernel
 def ensemble(
-    beam: BeamArrays,
-    contacts: BeamContacts,
-    begin: BeamState,
-    options: BeamOptions,
-    members: MemberArrays,
-    found: MemberStates,
+    beam: BeamArrays, contacts: BeamContacts, begin: BeamState, options: Options, members: MemberArrays, found: MemberStates
 ) -> None:
     """Solve many specimens of one screw from the same start; they differ in ball radii, groove centres and lever arms.
 

@@ -4,35 +4,36 @@ E(q) = beam(q) - f q + sum over balls of min over the centre of the contact ener
 banded Cholesky, so the cost is linear in the number of balls.
 """
 
+from collections.abc import Callable
 from math import sqrt
 
 import numpy as np
 
-from rollbench.lowfi.jit import kernel
+from rollbench.lowfi.jit import driver_of, kernel
 from rollbench.lowfi.statics.records import (
     Array,
+    AxisArrays,
     BeamArrays,
     BeamContacts,
-    BeamOptions,
+    BeamRoom,
     BeamSlopes,
     BeamState,
+    BeamSystem,
+    Options,
     Outcome,
-    Progress,
+    RowRoom,
+    Rows,
+    RowState,
 )
 
-from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, net_force, reduced_hessian, settle_ball
+from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, flank_hessian, net_force, settle_ball
 from .banded import factor_band, substitute_band
 from .beam import force_of
-from .pair import add_pairs, even_pairs, pair_alone
-from .search import GROWN, WHOLE_STEPS, first_trial, got_on, next_trial
 
-CONVERGED, ITERATIONS, NOT_HELD, SINGULAR = 0, 1, 2, 3
 #: Residual over the one before from which on, near the end, the stiffness is factored anew; below, the last factor serves.
 KEPT = 1e-3
 #: Least shift of the stiffness over the beam's: below it a motion that nothing resists has the stiffness of round-off.
 ROUND_OFF = 1e-17
-#: Net force on a ball over the largest force up to which it counts as balanced.
-BALANCED = 1e-10
 
 
 @kernel
@@ -57,12 +58,9 @@ def pull(gradient: Array, B: Array, i: int, s: int, m: int, start: int, fx: floa
 
 
 @kernel
-def evaluate_beam(beam: BeamArrays, q: Array, d: Array, gradient: Array) -> tuple[float, float]:
+def evaluate_beam(beam: BeamArrays | AxisArrays, q: Array, d: Array, gradient: Array) -> tuple[float, float]:
     """Fill the nodes' motions q (n, 6) from the first node's and the element deformations d, and the gradient (n, 6) of the
-    energy of beam and loads; returns that energy and the largest force of either.
-
-    ``beam.positions`` and ``beam.force_of`` in one pass, whose numbers the compiler keeps in registers.
-    """
+    energy of beam and loads; returns that energy and the largest force of either. Rows beyond the nodes are left alone."""
     last, energy, scale = d.shape[0], 0.0, 0.0
     fx, fy, fz, mx, my, mz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     x, y, z, a, b, c = q[0, 0], q[0, 1], q[0, 2], q[0, 3], q[0, 4], q[0, 5]
@@ -100,16 +98,13 @@ def evaluate(beam: BeamArrays, contacts: BeamContacts, state: BeamState, out: Be
     flat = q.ravel()
     grad = gradient.ravel()
     m = B.shape[3]
-    pair = pair_alone(contacts)
-    if pair >= 0 and m == 6:
-        return add_pairs(contacts, state, out, pair, energy, scale)
     for i in range(r_ball.shape[0]):
         if m == 6:  # by its number: the compiler then unrolls the loops
             flank_shift(contacts, flat, i, 6, shift)
         else:
             flank_shift(contacts, flat, i, m, shift)
         energy += settle_ball(p[i], shift, geometry[i], closure[i], r_ball[i], profile, tiny, contact[i])
-        reduced_hessian(contact[i], hessians[i])
+        flank_hessian(contact[i], hessians[i])
         for s in range(4):
             scale = max(scale, contact[i, s, FORCE])
         for s in range(2):
@@ -190,17 +185,6 @@ def hold(band: Array, i: int) -> None:
 
 
 @kernel
-def residual_of(gradient: Array, fixed: Array, scale: float, arm: float) -> float:
-    """Largest free component of the gradient over the scale [N]; moments divided by ``arm`` [m]."""
-    worst = 0.0
-    for i in range(gradient.shape[0]):
-        for k in range(6):
-            if not fixed[i, k]:
-                worst = max(worst, abs(gradient[i, k]) / (1.0 if k < 3 else arm))
-    return worst / scale if scale > 0.0 else worst
-
-
-@kernel
 def ball_mismatch(contact: Array, scale: float) -> float:
     """Largest net contact force on a ball over ``scale`` [N]; contact (N, 4, 5). The beam's equations do not see it."""
     worst = 0.0
@@ -223,157 +207,138 @@ def advance(q: Array, d: Array, lengths: Array, q0: Array, d0: Array, step: Arra
 
 
 @kernel
-def slope_along(gradient: Array, step: Array, fixed: Array) -> float:
-    """Directional derivative of the energy."""
-    total = 0.0
+def energy_at(given: BeamSystem, state: BeamState, room: BeamRoom) -> tuple[float, float]:
+    """``evaluate``, for the driver."""
+    return evaluate(given.shaft, given.contacts, state, room.slopes)
+
+
+@kernel
+def find_step(
+    given: BeamSystem,
+    state: BeamState,
+    options: Options,
+    room: BeamRoom,
+    shift: float,
+    residual: float,
+    fresh: bool,
+    stuck: int,
+) -> bool:
+    """Newton's step, by the factor of the stiffness in the room or, ``fresh``, a new one."""
+    beam, band, step = given.shaft, room.band, room.step
+    if fresh:
+        least = ROUND_OFF * max(0.0, beam.band[:, 0].max())
+        assemble(band, beam, given.contacts, room.slopes.hessians, max(shift, least), options.arm)
+        if not factor_band(band):
+            return False
     for i in range(step.shape[0]):
         for k in range(6):
-            if not fixed[i, k]:
+            step[i, k] = 0.0 if beam.fixed[i, k] else -room.slopes.gradient[i, k]
+    substitute_band(band, step.ravel())
+    return True
+
+
+@kernel
+def residual_at(given: Rows, state: RowState, options: Options, room: RowRoom, scale: float) -> float:
+    """Largest free component of the gradient over the scale [N]; moments divided by the arm."""
+    gradient, worst = room.slopes.gradient, 0.0
+    for i in range(gradient.shape[0]):
+        for k in range(6):
+            if not given.shaft.fixed[i, k]:
+                worst = max(worst, abs(gradient[i, k]) / (1.0 if k < 3 else options.arm))
+    return worst / scale if scale > 0.0 else worst
+
+
+@kernel
+def slope_along(given: Rows, state: RowState, room: RowRoom) -> float:
+    """Slope of the energy along the step."""
+    gradient, step, total = room.slopes.gradient, room.step, 0.0
+    for i in range(step.shape[0]):
+        for k in range(6):
+            if not given.shaft.fixed[i, k]:
                 total += gradient[i, k] * step[i, k]
     return total
 
 
 @kernel
-def line_search(
-    beam: BeamArrays,
-    contacts: BeamContacts,
-    state: BeamState,
-    out: BeamSlopes,
-    step: Array,
-    energy: float,
-    slope: float,
-    limit: float,
-) -> tuple[float, float, int]:
-    """Search along ``step`` from the state (see ``search``), which is left at the accepted point.
-
-    limit: largest step length. Returns the energy, scale, and the number of evaluations.
-    """
-    q, d, fixed = state.q, state.d, beam.fixed
-    q0, d0 = q[0].copy(), d.copy()
-    trial, go_on = first_trial(energy, slope, limit), True
-    new, scale = energy, 0.0
-    while go_on:
-        advance(q, d, beam.lengths, q0, d0, step, trial.t)
-        new, scale = evaluate(beam, contacts, state, out)
-        trial, go_on = next_trial(trial, new, slope_along(out.gradient, step, fixed))
-    return new, scale, trial.tried
+def reach_of(given: BeamSystem, room: BeamRoom) -> float:
+    """Largest motion [m] of a flank by the step."""
+    return flank_reach(given.contacts, room.step.ravel())
 
 
 @kernel
-def solve_beam(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: BeamOptions, history: Array) -> Outcome:
-    """Minimise the energy from the given state; history (most + 1,): residual per step."""
-    band = np.empty((6 * state.q.shape[0], options.half_band + 1))
-    # a literal False would have numba compile iterate a second time beside that for the truth value of start_and_solve
-    return iterate(beam, contacts, state, options, history, band, bool(np.bool_(False)))
+def keep(state: BeamState, room: BeamRoom) -> None:
+    """Note where the step begins."""
+    room.q0[:], room.d0[:] = state.q[0], state.d
 
 
 @kernel
-def iterate(
-    beam: BeamArrays,
-    contacts: BeamContacts,
-    state: BeamState,
-    options: BeamOptions,
-    history: Array,
-    band: Array,
-    known: bool,
-) -> Outcome:
-    """The same; band (6 n, half bandwidth + 1): room, or, ``known``, the factor of a stiffness that serves the first step.
+def move(given: BeamSystem, state: BeamState, room: BeamRoom, t: float) -> None:
+    """State t steps from where the step begins."""
+    advance(state.q, state.d, given.shaft.lengths, room.q0, room.d0, room.step, t)
 
-    The regularisation is proportional to the residual, so it vanishes at the solution and convergence stays fast.
-    """
-    tolerance, stiffness, arm = options.tolerance, options.stiffness, options.arm
-    q, d, lengths, fixed = state.q, state.d, beam.lengths, beam.fixed
-    n = q.shape[0]
-    # a screw bent by moments alone, or pushed off its last contact, has no force left to compare with
-    floor = options.floor
-    f = np.empty(6)
-    for e in range(lengths.shape[0]):
-        c = beam.constants[e]
-        force_of(d[e], (c[0], c[1], c[2], c[3], c[4]), f)
+
+@kernel
+def finish(given: Rows, state: RowState, room: RowRoom) -> None:
+    """Nothing is left to find anew."""
+
+
+@kernel
+def least_force(given: Rows, state: RowState, options: Options) -> float:
+    """Least force [N] that residuals are measured by: a screw bent by moments alone, or pushed off its last contact, has no
+    force left to compare with."""
+    floor, f = options.floor, np.empty(6)
+    for e in range(state.d.shape[0]):
+        c = given.shaft.constants[e]
+        force_of(state.d[e], (c[0], c[1], c[2], c[3], c[4]), f)
         for k in range(3, 6):
-            floor = max(floor, abs(f[k]) / arm)
-    out = BeamSlopes(np.empty((n, 6)), np.zeros((contacts.node.shape[0], 4, 4)))
-    energy, scale = evaluate(beam, contacts, state, out)
-    if floor == 0.0:
-        floor = 1e-3 * scale  # only displacements are given, and they may meet no resistance in the end
-    scale = max(scale, floor)
-    residual = residual_of(out.gradient, fixed, scale, arm)
-    history[0] = residual
-    least = ROUND_OFF * max(0.0, beam.band[:, 0].max())
-    evaluations, factor, furthest = 1, 1e-3, contacts.r_ball.max()
-    status, it, fresh = ITERATIONS, 0, not known
-    progress = Progress(residual, energy, 0, 0)
-    if residual <= tolerance and ball_mismatch(state.contact, scale) <= BALANCED:
-        return Outcome(CONVERGED, it, evaluations, residual, energy, scale)
-    for it in range(1, options.most + 1):
-        step = np.empty((n, 6))
-        solved = False
-        for _ in range(12 if fresh else 0):
-            shift = max(factor * stiffness * min(1.0, residual), least)
-            assemble(band, beam, contacts, out.hessians, shift, arm)
-            solved = factor_band(band)
-            if solved:
-                break
-            factor *= 100.0
-        if fresh and not solved:
-            status = SINGULAR
-            break
-        for i in range(n):
-            for k in range(6):
-                step[i, k] = 0.0 if fixed[i, k] else -out.gradient[i, k]
-        substitute_band(band, step.ravel())
-        slope = slope_along(out.gradient, step, fixed)
-        reach = flank_reach(contacts, step.ravel())
-        limit = furthest / reach if reach > 0.0 else 1e12
-        whole, used = residual < WHOLE_STEPS and limit >= 1.0, 0
-        if whole:
-            q0, d0, before = q[0].copy(), d.copy(), energy
-            advance(q, d, lengths, q0, d0, step, 1.0)
-            energy, scale = evaluate(beam, contacts, state, out)
-            evaluations += 1
-            worst = residual_of(out.gradient, fixed, max(scale, floor), arm)
-            if not worst <= GROWN * max(residual, tolerance):
-                whole, energy = False, before
-                advance(q, d, lengths, q0, d0, step, 0.0)
-        if not whole:
-            energy, scale, used = line_search(beam, contacts, state, out, step, energy, slope, limit)
-            evaluations += used
-        scale = max(scale, floor)
-        residual = residual_of(out.gradient, fixed, scale, arm)
-        history[it] = residual
-        factor = max(1e-3, factor * 0.1)
-        if residual <= tolerance and ball_mismatch(state.contact, scale) <= BALANCED:
-            status = CONVERGED
-            break
-        moved = 0.0
-        for i in range(n):
-            moved = max(moved, sqrt(q[i, 0] ** 2 + q[i, 1] ** 2 + q[i, 2] ** 2))
-        if moved > options.bound:
-            status = NOT_HELD
-            break
-        fresh = residual >= WHOLE_STEPS or residual >= KEPT * progress.best
-        progress, ends = got_on(progress, residual, energy, used)
-        if ends:
-            break
-    loose = ball_mismatch(state.contact, scale)
-    if loose > BALANCED:
-        residual = max(residual, loose)
-    return Outcome(status, it, evaluations, residual, energy, scale)
+            floor = max(floor, abs(f[k]) / options.arm)
+    return floor
 
 
 @kernel
-def linear_start(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: BeamOptions, band: Array) -> bool:
+def furthest(given: Rows, state: RowState) -> float:
+    """Furthest motion [m] of a row."""
+    q, moved = state.q, 0.0
+    for i in range(q.shape[0]):
+        moved = max(moved, q[i, 0] ** 2 + q[i, 1] ** 2 + q[i, 2] ** 2)
+    return sqrt(moved)
+
+
+@kernel
+def unbalanced(state: RowState, scale: float) -> float:
+    """Largest net force on a ball over ``scale`` [N]."""
+    return ball_mismatch(state.contact, scale)
+
+
+minimise: Callable[..., Outcome] = driver_of(__name__, "descent").minimise
+
+
+@kernel
+def room_for(state: BeamState, half_band: int) -> BeamRoom:
+    """Room for an iteration."""
+    n = state.q.shape[0]
+    slopes = BeamSlopes(np.empty((n, 6)), np.zeros((state.contact.shape[0], 4, 4)))
+    return BeamRoom(slopes, np.empty((6 * n, half_band + 1)), np.empty((n, 6)), np.empty(6), np.empty(state.d.shape))
+
+
+@kernel
+def solve_beam(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: Options, history: Array) -> Outcome:
+    """Minimise the energy from the given state; history (most + 1,): residual per step."""
+    room = room_for(state, beam.band.shape[1] - 1)
+    return minimise(BeamSystem(beam, contacts), state, options, history, room)
+
+
+@kernel
+def linear_start(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: Options, band: Array) -> bool:
     """Start of the iteration: equilibrium of the screw on linear springs in place of contacts; band (6 n, half bandwidth +
     1): room.
 
-    Balls that one pair alone can hold have their tangent stiffness under even loads; else flanks have the reference
-    stiffness. Overwrites the motions and element deformations of ``state`` (untouched where they cannot be found), and
-    returns whether the band holds the factor of a stiffness near that of the contacts there. No flank goes further than the
-    largest ball's radius: springs of fixed direction say nothing of contacts that must turn first, as those of a contact
-    angle near zero under an axial load.
+    Overwrites the motions and element deformations of ``state``; False (untouched) where they cannot be found. No flank
+    goes further than the largest ball's radius: springs of fixed direction say nothing of contacts that must turn first, as
+    those of a contact angle near zero under an axial load.
     """
     lengths, fixed, load = beam.lengths, beam.fixed, beam.load
-    geometry, limit = contacts.geometry, contacts.r_ball.max()
+    geometry, limit = contacts.geometry, options.furthest
     q, d = state.q, state.d
     stiffness, arm = options.stiffness, options.arm
     n, count = q.shape[0], contacts.node.shape[0]
@@ -391,9 +356,7 @@ def linear_start(beam: BeamArrays, contacts: BeamContacts, state: BeamState, opt
             step[e + 1, k] -= f[k]
         step[e, 3] -= lengths[e] * f[1]
         step[e, 4] += lengths[e] * f[0]
-    pair = pair_alone(contacts) if contacts.B.shape[3] == 6 else -1
-    even = pair >= 0 and even_pairs(contacts, pair, load, q.ravel(), hessians, step.ravel())
-    for i in range(0 if even else count):
+    for i in range(count):
         for s in range(2):
             if geometry[i, s, USE] != 0.0:
                 wx, wz = geometry[i, s, WX], geometry[i, s, WZ]
@@ -412,17 +375,17 @@ def linear_start(beam: BeamArrays, contacts: BeamContacts, state: BeamState, opt
     substitute_band(band, step.ravel())
     reach = flank_reach(contacts, step.ravel())
     advance(q, d, lengths, q[0].copy(), d.copy(), step, 1.0 if reach <= limit else limit / reach)
-    return even and reach <= limit
+    return True
 
 
 @kernel
 def start_and_solve(
-    beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: BeamOptions, history: Array
+    beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: Options, history: Array
 ) -> Outcome:
     """Linear start, then Newton: one call, because handing over the arrays takes as long as evaluating the contacts."""
-    band = np.empty((6 * state.q.shape[0], options.half_band + 1))
-    known = linear_start(beam, contacts, state, options, band)
-    return iterate(beam, contacts, state, options, history, band, known)
+    room = room_for(state, beam.band.shape[1] - 1)
+    linear_start(beam, contacts, state, options, room.band)
+    return minimise(BeamSystem(beam, contacts), state, options, history, room)
 
 
 @kernel

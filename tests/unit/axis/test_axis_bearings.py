@@ -7,6 +7,7 @@ import pytest
 from tests.axes import ANGLE, BALL, GROOVE, PITCH, ROLLERS, TURNING, assembly, bearing, fixed_axis, nut, one_set, solved
 from tests.helpers import ALL_BUT_AXIAL, relative, small_screw
 
+from rollbench.comparison.models.registry import MODELS
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow
 from rollbench.lowfi.bearings.combined_load import combined
 from rollbench.lowfi.bearings.sets import BearingSet, equilibrium
@@ -183,9 +184,9 @@ def test_warm_shaft_grows_and_between_rigid_ends_is_pushed_by_its_strain():
     assert pushed[1] == pytest.approx(pushed[0], rel=0.05)
 
 
-@pytest.mark.parametrize("away", [9e-6, -9e-6])
-def test_a_support_near_a_contact_stays_where_it_is(away):
-    scene = small_screw(oversize=2e-6, force=(300.0, 0.0, 900.0))
+@pytest.mark.parametrize(("away", "model"), [(9e-6, "lin"), (-9e-6, "lin"), (9e-6, "lin-source-partition")])
+def test_a_support_near_a_contact_stays_where_it_is(away, model):
+    scene = MODELS[model].scene(small_screw(oversize=2e-6, force=(300.0, 0.0, 900.0)))
     at = float(contact_stations(scene, ball_layout(scene))[3, 0]) + away
     scene = replace(scene, supports=(*scene.supports, Support(at, (("ux", 0.0), ("uy", 0.0)))))
     alone = solve_static(scene, engine="compiled")

@@ -7,7 +7,8 @@ import pytest
 from tests.axes import ROLLERS, assembly, bearing, double_nut, fixed_axis, mirrored, nut, one_set, solved, with_nominal_arms
 from tests.helpers import ALL_BUT_AXIAL, relative, small_screw
 
-from rollbench.lowfi.compliance.bodies import LADDER, geometry_only, smooth_body
+from rollbench.comparison.models.registry import MODELS
+from rollbench.lowfi.compliance.parts import LADDER, geometry_only, smooth_body
 from rollbench.lowfi.statics import kernel
 from rollbench.lowfi.statics.axis import elastic
 from rollbench.lowfi.statics.axis.refined import solve_refined
@@ -28,12 +29,22 @@ def refined(parts, **options):
     return result
 
 
-@pytest.mark.parametrize("oversize", [0.0, 7e-6])
-def test_one_set_is_the_refined_model_of_one_set(oversize):
+@pytest.mark.parametrize(("oversize", "model"), [(0.0, "lin"), (7e-6, "lin"), (7e-6, "lin-source-partition")])
+def test_one_set_is_the_refined_model_of_one_set(oversize, model):
     scene = small_screw(count=8, turns=1.5, lead=12e-3, force=(0.0, 0.0, 900.0), oversize=oversize)
+    scene = MODELS[model].scene(scene)
     alone, found = solve_elastic(scene, engine="compiled"), refined(one_set(scene))
     assert relative(found.sets[0].balls.load, alone.load) < 1e-10
     assert found.equilibrium.force_residual < 1e-11
+
+
+def test_a_warm_shaft_grows_by_its_strain_and_less_where_a_nut_holds_it():
+    parts = assembly(
+        nut("n", 0.15), supports=(Support(0.0, (("uz", 0.0), ("rz", 0.0))),), loads=(Load(0.3),), thermal_strain=1e-4
+    )
+    idle = replace(parts, sets=(nut("n", 0.15, housing="h"),), housings=(Housing("h", 0.15),))
+    assert refined(idle).centreline[-1, 2] == pytest.approx(0.3e-4, rel=1e-5)
+    assert 0.15e-4 < refined(parts).centreline[-1, 2] < 0.3e-4
 
 
 def with_rollers():
@@ -191,11 +202,12 @@ def test_contacts_of_one_set_squeeze_those_of_another_through_a_held_bar():
     of that, and N moves the contacts of the other nut outwards by - nu r N / EA; the beam's EA is not the smooth body's."""
     ends = Support(0.0, tuple((k, 0.0) for k in FREEDOMS)), Support(0.3, (("uz", 0.0),))
     one, other = nut("one", 0.1, count=6, turns=2.0), nut("other", 0.22, count=4, turns=1.0)  # evenly around
-    system = build(assembly(one, other, supports=ends))
+    parts = assembly(one, other, supports=ends)
+    system = build(parts, section=elastic.section_of(parts, LADDER["refined"]))
     added = elastic.ready(system, LADDER["refined"], kernel).squeeze.added.reshape(2, 10, 2, 2, 10, 2)
     tube = smooth_body(geometry_only(one.parts), True, LADDER["refined"])
     plain = tube_section(2.0 * tube.outer, 2.0 * tube.bore, tube.material)
-    bar = elastic.combined(system, elastic.roller_elements([]), LADDER["refined"]).sections[0]
+    bar = elastic.combined(system, elastic.roller_elements([])).sections[0]
     share = tube.material.poissons_ratio * tube.radius / plain.EA
     moved = added[:, 6:, 0, :, :6, 0].sum(axis=(2, 3))  # by forces of 1 N outwards on all flanks of the first nut
     assert moved.mean() == pytest.approx(-12.0 * share**2 * bar.EA / 0.3, rel=0.02)

@@ -72,7 +72,7 @@ def test_error_of_the_steps_stands_in_every_result(answer):
     assert error["torque_percent"] > 0.0
     for name in ("mean", "most", "least"):
         assert 0.0 <= error[f"{name}_torque_percent"] < 1.0
-    assert any("error of the steps" in line for line in answer.lines)
+    assert "error of the steps" in answer.text
     assert "mean absolute error" in error["quantity"]
 
 
@@ -107,7 +107,7 @@ def test_a_run_that_failed_says_so():
     run = judged(history, None, Time(angle=0.1))
     assert not run.converged
     assert run_data(run)["converged"] is False
-    assert "contact loads" in run_lines(run)[0]
+    assert "contact loads" in run_lines(run)[0][1]
     assert isinstance(run, Run)
 
 
@@ -124,8 +124,8 @@ def test_a_run_that_stopped_says_where_and_sums_over_what_it_ran():
     data, lines = run_data(run), run_lines(run)
     assert (data["steps"], data["complete"]) == (3, False)
     assert (data["reached_deg"], data["asked_deg"]) == pytest.approx((0.75 * degrees, degrees))
-    assert lines[0].startswith(f"stopped at {0.75 * degrees:.6g} deg of {degrees:.6g} deg, in 3 steps")
-    assert "unknown, the run stopped before its end" in lines[1]
+    assert lines[0][1].startswith(f"stopped at {0.75 * degrees:.6g} deg of {degrees:.6g} deg, in 3 steps")
+    assert "unknown, the run stopped before its end" in lines[1][1]
     assert data["step_error_unknown"] == "the run stopped before its end"
     assert data["energy"]["loss_J"] == pytest.approx(0.005 * float((full.torque[:3] * TURN.speed).sum()))
 

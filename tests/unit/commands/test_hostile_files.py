@@ -15,6 +15,7 @@ import pytest
 from rollbench.comparison.cli import main
 from rollbench.comparison.reference.sealing import DEEPEST, sealed, unsealed
 from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.meshes import condensed
 from rollbench.meshes.condensed import CondensedBodies, geometry_digest, load_condensed
 
 SCENE = "lin-case1"
@@ -122,6 +123,30 @@ def test_damaged_bytes_are_refused(tmp_path, capsys):
     refused(capsys, "solve", SCENE, "--condensed", str(path))
 
 
+@pytest.mark.parametrize("place", ["PACKED", "HEAD", "_array", "checksum"])
+def test_a_fault_of_ours_is_no_damaged_file(place, tmp_path, monkeypatch):
+    bodies().save(tmp_path / "x.npz")
+    monkeypatch.setattr(condensed, place, None)
+    with pytest.raises((TypeError, AttributeError), match="NoneType"):
+        load_condensed(tmp_path / "x.npz")
+
+
+@pytest.mark.parametrize("changed", [{"compress_type": zipfile.ZIP_LZMA}, {"flag_bits": 1}])
+def test_an_archive_packed_otherwise_is_refused(changed, tmp_path, monkeypatch):
+    bodies().save(tmp_path / "x.npz")
+    entries = zipfile.ZipFile.infolist
+
+    def otherwise(archive):
+        for info in (found := entries(archive)):
+            for key, value in changed.items():
+                setattr(info, key, value)
+        return found
+
+    monkeypatch.setattr(zipfile.ZipFile, "infolist", otherwise)
+    with pytest.raises(ValueError, match="encrypted or packed otherwise"):
+        load_condensed(tmp_path / "x.npz")
+
+
 def test_a_header_that_ends_in_an_open_bracket_is_refused(tmp_path):
     path = tmp_path / "open.npz"
     bodies().save(path)
@@ -135,16 +160,17 @@ def test_a_header_that_ends_in_an_open_bracket_is_refused(tmp_path):
         load_condensed(path)
 
 
-def test_a_small_file_that_declares_a_huge_one_is_refused(tmp_path, capsys):
+def test_a_small_file_that_declares_a_huge_one_is_refused(tmp_path, capsys, monkeypatch):
     path = tmp_path / "bomb.npz"
     head = "{'descr': '<f8', 'fortran_order': False, 'shape': (1000000000, 1000000000), }".ljust(117) + "\n"
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("screw.npy", b"\x93NUMPY\x01\x00" + struct.pack("<H", len(head)) + head.encode())
     assert "larger than it is" in refused(capsys, "solve", SCENE, "--condensed", str(path))
+    monkeypatch.setattr(condensed, "LARGEST_FILE", 1_000_000)
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-        np.lib.format.write_array(member := io.BytesIO(), np.zeros(26_000_000))
+        np.lib.format.write_array(member := io.BytesIO(), np.zeros(130_000))
         archive.writestr("screw.npy", member.getvalue())
-    assert path.stat().st_size < 1_000_000
+    assert path.stat().st_size < 10_000
     assert "declares" in refused(capsys, "solve", SCENE, "--condensed", str(path))
 
 

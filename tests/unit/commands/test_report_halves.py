@@ -87,5 +87,6 @@ def test_sections_on_models_stand_together():
         "reference",
         "reference-mesh",
         "rolling",
+        "sheets",
         "u-val",
     ]

@@ -24,7 +24,7 @@ from rollbench.comparison.wings.extremes.static import (
     shaft_scaled,
     table,
 )
-from rollbench.lowfi.compliance.bodies import LADDER
+from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.lowfi.statics.static import solve_static

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from rollbench.comparison import watch
 from rollbench.comparison.cli import main
 
 SCENES = Path(__file__).parents[2] / "property" / "scenes"
@@ -41,3 +42,19 @@ def test_a_limit_that_is_no_time_is_refused(command, limit, capsys):
         main([command, "lin-case1", f"--time-limit={limit}"])
     assert ended.value.code == 2
     assert "--time-limit" in capsys.readouterr().err
+
+
+def test_a_bar_says_on_a_terminal_what_is_done_and_leaves_nothing(monkeypatch, capsys):
+    for terminal in (False, True):
+        monkeypatch.setattr(watch.sys.stderr, "isatty", lambda shown=terminal: shown)
+        monkeypatch.setattr(watch, "FIRST", 0.0)
+        with watch.bar("my.toml") as told:
+            for k in range(3):
+                told("50 steps", 0.5 * k)
+        shown = capsys.readouterr().err
+        if not terminal:
+            assert shown == ""
+    assert shown.count("#") == 15 + 30
+    assert "my.toml: 50 steps" in shown
+    assert " 50 %" in shown
+    assert shown.rpartition("\r")[0].rpartition("\r")[2].strip() == ""

@@ -7,7 +7,6 @@ import pytest
 from scipy.special import ive
 
 from rollbench.comparison.scenes import catalogue
-from rollbench.lowfi.compliance.bodies import flank_of, geometry_only
 from rollbench.lowfi.compliance.groove import (
     NARROW,
     at_size,
@@ -19,6 +18,7 @@ from rollbench.lowfi.compliance.groove import (
     own_motion,
     size_slope,
 )
+from rollbench.lowfi.compliance.parts import flank_of, geometry_only
 from rollbench.lowfi.compliance.sphere import expansion, legendre_compliance, own_compliance, own_slope
 
 pytestmark = pytest.mark.xdist_group("flank")

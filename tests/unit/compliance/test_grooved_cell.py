@@ -8,10 +8,10 @@ import pytest
 from rollbench.comparison.scenes import catalogue
 from rollbench.hifi.shaft.helical_section import helical_stiffness
 from rollbench.lowfi.compliance import cell
-from rollbench.lowfi.compliance.bodies import REFINED, flank_of, geometry_only, grooved_section, smooth_body
 from rollbench.lowfi.compliance.cell import cell_grid, cell_section, groove_line, stiffness_of
 from rollbench.lowfi.compliance.fourier import Body, Layer, elasticity_matrix, tube_grid
 from rollbench.lowfi.compliance.groove import smooth_radius
+from rollbench.lowfi.compliance.parts import REFINED, flank_of, geometry_only, grooved_section, smooth_body
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.section import screw_section, tube_section
 

@@ -9,20 +9,10 @@ from rollbench.comparison.scenes import scene_file
 from rollbench.comparison.scenes.catalogue import scene
 from rollbench.comparison.wings.extremes.survey.draw import SEED, scene_text
 from rollbench.lowfi.compliance import faces
-from rollbench.lowfi.compliance.bodies import (
-    REFINED,
-    flank_of,
-    forget,
-    geometry_only,
-    grooved_part,
-    grooved_section,
-    kept_near_face,
-    kernel_part,
-    nut_beam,
-    smooth_body,
-)
+from rollbench.lowfi.compliance.bodies import forget, grooved_part, kept_near_face, kernel_part, nut_beam
 from rollbench.lowfi.compliance.fourier import Body, Grid, lower_corner, solved
 from rollbench.lowfi.compliance.groove import NARROW, equal_loads, half_space, harmonics_to, own_motion
+from rollbench.lowfi.compliance.parts import REFINED, flank_of, geometry_only, grooved_section, smooth_body
 from rollbench.meshes.helix import ball_layout
 
 pytestmark = pytest.mark.xdist_group("near face")

@@ -10,7 +10,7 @@ from tests.friction_runs import MU, TURN, WAVES, crowded, setting, sparse
 from tests.helpers import FLANK_ERRORS, small_screw, solved
 
 from rollbench.comparison.sources.lin.evidence.source_cases import lin_3_4_4
-from rollbench.lowfi.compliance.bodies import REFINED
+from rollbench.lowfi.compliance.parts import REFINED
 from rollbench.lowfi.friction.screw.chain import Chain, solve_chain
 from rollbench.lowfi.friction.screw.load import settle_load
 from rollbench.lowfi.friction.screw.run import run_cell

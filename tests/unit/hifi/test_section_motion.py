@@ -12,8 +12,9 @@ from rollbench.hifi.elements.rigid import rigid_modes
 from rollbench.hifi.linear_algebra.response import compliance
 from rollbench.hifi.shaft.helical_section import helical_stiffness
 from rollbench.meshes.fem import points_of
+from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.grooved_body import BodySpec, build_body
+from rollbench.meshes.grooved_body import build_body
 from rollbench.meshes.sockets import SocketSize
 from rollbench.meshes.solid import dimensions
 

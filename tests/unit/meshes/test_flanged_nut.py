@@ -12,8 +12,8 @@ from rollbench.hifi.elements.assembly import assemble
 from rollbench.hifi.elements.forms import elasticity
 from rollbench.hifi.linear_algebra.solvers import factor
 from rollbench.meshes.fem import nodes_on
+from rollbench.meshes.groove import BodySpec, outline
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.grooved_body import BodySpec, outline
 from rollbench.meshes.parts import Flange
 from rollbench.meshes.sockets import SocketSize
 from rollbench.meshes.solid import dimensions

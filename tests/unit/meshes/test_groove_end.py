@@ -8,9 +8,10 @@ from tests.fe_meshes import one, space
 from tests.helpers import small_screw
 
 from rollbench.meshes.fem import nodes_on
+from rollbench.meshes.groove import BodySpec, Groove
 from rollbench.meshes.groove_end import GrooveEnds
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.grooved_body import BodySpec, Groove, build_body
+from rollbench.meshes.grooved_body import build_body
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES
 from rollbench.meshes.sockets import SocketSize, groove_lines, socket_points

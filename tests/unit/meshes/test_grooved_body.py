@@ -13,8 +13,9 @@ from tests.helpers import STEEL, body_specs, small_screw
 from rollbench.comparison.scenes.catalogue import scene
 from rollbench.meshes import shell as shells
 from rollbench.meshes.fem import nodes_on
+from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.grooved_body import BodySpec, build_body
+from rollbench.meshes.grooved_body import build_body
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Balls, Nut, Screw, Track
 from rollbench.meshes.quality import scaled_jacobians

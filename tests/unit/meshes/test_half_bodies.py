@@ -1,17 +1,18 @@
 """Halves of rings and balls: as exact as whole ones, and half of them."""
 
 from dataclasses import replace
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
 
 from rollbench.comparison.scenes import catalogue
 from rollbench.meshes.fem import mesh_of
+from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.grooved_body import BodySpec
-from rollbench.meshes.half_bodies import HalfRing
+from rollbench.meshes.half_bodies import HalfRing, half_sphere
 from rollbench.meshes.quality import arc_deviation
-from rollbench.meshes.shell import Shell
+from rollbench.meshes.shell import BEND, Shell
 from rollbench.meshes.sockets import SocketSize
 from rollbench.meshes.whole_bodies import (
     Refinement,
@@ -72,6 +73,16 @@ def test_a_half_ball_is_half_of_the_ball(sign):
     assert (sign * made.points[:, 1]).min() > -1e-15
     assert np.abs(made.points[made.named["cut"]][:, 1]).max() < 1e-15
     np.testing.assert_allclose(np.linalg.norm(made.points[made.named["sphere"]], axis=1), MAP.ball, rtol=1e-12)
+
+
+def test_faces_of_a_half_sphere_bend_over_no_edge_longer_than_asked(monkeypatch):
+    faces = {}
+    shell = Shell(MagicMock(), lambda x: np.full(len(x), np.inf), 1e-3, 6)
+    monkeypatch.setattr(shell, "face", lambda *given: faces.update({given[0]: given[3]}))
+    half_sphere(MAP.ball, shell, 0.4, 1.0)
+    rim = np.linalg.norm(np.diff(shell.points, axis=0), axis=1)
+    assert faces == pytest.approx({"sphere": 0.4 * BEND[1] * MAP.ball, "cut": np.inf})
+    assert 0.8 * faces["sphere"] < rim.max() <= faces["sphere"]
 
 
 def test_a_helix_and_a_ring_without_bore_are_not_halved():

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy import integrate
+from scipy.special import bdtr
 from scipy.stats import binom, norm
 
 from rollbench.comparison.cli import main
@@ -134,6 +135,15 @@ def test_intervals_of_quantiles_cover():
         assert own["low"] <= own["value"] <= own["high"]
         hits += own["low"] <= norm.ppf(0.95) <= own["high"]
     assert hits >= binom.ppf(0.001, 300, 0.95)
+
+
+@pytest.mark.parametrize("trials", [1, 7, 40])
+@pytest.mark.parametrize("chance", [0.025, 0.5, 0.9])
+def test_a_quantile_of_counts_is_the_least_that_has_the_probability(trials, chance):
+    """Also at the probabilities of the counts themselves, where round-off decides."""
+    share = bdtr(np.arange(trials + 1), trials, chance)
+    for p in (*share[share < 1.0 - 1e-12], 0.025, 0.3, 0.975):
+        assert members._binomial_quantile(p, trials, chance) == np.flatnonzero(share >= p)[0]
 
 
 @pytest.mark.parametrize(

@@ -166,7 +166,7 @@ def test_commands_of_one_set_refuse_several_with_the_reason():
         catalogue.scene("double-nut")
     with pytest.raises(InputError, match="mei describes one set: its bars"):
         run_model(catalogue.shipped("double-nut"), "mei")
-    assert AXIS_MODELS == ("refined", "lin", "lin-cell", "lin-nut")
+    assert AXIS_MODELS == ("refined", "lin", "lin-source-partition", "lin-cell", "lin-nut")
     with pytest.raises(InputError, match="see: rollbench list"):
         run_model(catalogue.shipped("double-nut"), "none")
     for kind in ("export", "condense"):
@@ -268,7 +268,7 @@ def test_commands_work_or_say_why_not(capsys, small, tmp_path):
         (("solve", small, "--members", "3"), "nothing random"),
         (("solve", small, "--all"), "every set is built as its scene asks"),
         (("solve", small, "--member", "1"), "no set has random errors"),
-        (("sweep", small, *vary[:-3], "mei", "--out", tmp_path / "t"), "refined, lin, lin-cell, lin-nut"),
+        (("sweep", small, *vary[:-3], "mei", "--out", tmp_path / "t"), "refined, lin, lin-source-partition, lin-cell"),
         (("solve", small, "--stiffness-at", "9 m"), "0 mm to"),
     )
     for tokens, why in refused:

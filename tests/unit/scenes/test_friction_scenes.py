@@ -228,7 +228,7 @@ def test_table_shows_result_energy_and_assumptions(name):
     code, shown, printed = run(name, False)
     lines = [part for part in shown if isinstance(part, str)]
     assert (code, printed) == (0, [])
-    for word in (name, "energy: input power", "assumed: ", "left out: lubricant", "solver: ", "law coulomb"):
+    for word in (name, "energy    input power", "assumed: ", "left out: lubricant", "solver    ", "law       coulomb"):
         assert any(word in line for line in lines), word
     tables = [part for part in shown if not isinstance(part, str)]
     assert next(t.title for t in tables) in ("per contact", "per ball")

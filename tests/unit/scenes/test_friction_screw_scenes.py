@@ -275,7 +275,7 @@ def test_table_and_json(tmp_path, name, changes):
     code, shown, printed = run(path, False)
     lines = [part for part in shown if isinstance(part, str)]
     assert (code, printed) == (0, [])
-    for word in (name, "energy: input power", "assumed: ", "left out: lubricant", "solver: ", "law coulomb"):
+    for word in (name, "energy    input power", "assumed: ", "left out: lubricant", "solver    ", "law       coulomb"):
         assert any(word in line for line in lines), word
     tables = [part for part in shown if not isinstance(part, str)]
     assert tables

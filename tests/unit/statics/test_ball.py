@@ -142,7 +142,7 @@ def test_forces_and_balance(state, profile):
 @pytest.mark.parametrize("profile", PROFILES)
 @pytest.mark.parametrize("state", STATES)
 def test_gradient_and_hessian_of_the_minimised_energy(state, profile):
-    """dE/dv = -F m of each screw flank; ``reduced_hessian`` its derivative: both by central differences."""
+    """dE/dv = -F m of each screw flank; ``flank_hessian`` its derivative: both by central differences."""
     oversize, size, _ = STATES[state]
     b, h, checked = ball(profile, oversize), 2e-10, 0
     for shift in random_shifts(size, 16, seed=7):
@@ -152,7 +152,7 @@ def test_gradient_and_hessian_of_the_minimised_energy(state, profile):
             continue
         checked += 1
         hessian = np.empty((4, 4))
-        jit.kernels(jit.STATICS, compiled=False).ball.reduced_hessian(contact, hessian)
+        jit.kernels(jit.STATICS, compiled=False).ball.flank_hessian(contact, hessian)
         gradient = -(contact[:2, :1] * contact[:2, 1:3]).ravel()
         for k in range(4):
             sides = []
@@ -182,8 +182,8 @@ def test_both_engines_give_the_same_numbers(state, profile):
         assert np.array_equal(loaded, other[2][:, 0] > 0)
         assert one[2][loaded] == pytest.approx(other[2][loaded], rel=1e-9)
         hessians = np.empty((2, 4, 4))
-        jit.kernels(jit.STATICS, compiled=False).ball.reduced_hessian(one[2], hessians[0])
-        jit.kernels(jit.STATICS, compiled=True).ball.reduced_hessian(other[2], hessians[1])
+        jit.kernels(jit.STATICS, compiled=False).ball.flank_hessian(one[2], hessians[0])
+        jit.kernels(jit.STATICS, compiled=True).ball.flank_hessian(other[2], hessians[1])
         assert hessians[0] == pytest.approx(hessians[1], rel=1e-9, abs=1e-9 * np.abs(hessians[1]).max())
 
 

@@ -12,9 +12,9 @@ from rollbench.comparison.models.loading import scaled
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.scenes import catalogue
 from rollbench.lowfi import jit
-from rollbench.lowfi.compliance.bodies import LADDER
+from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.statics.elastic_members import ElasticMembers, shared
-from rollbench.meshes.parts import Scene
+from rollbench.meshes.parts import Load, Scene
 
 
 def _two_sides() -> Scene:
@@ -23,9 +23,16 @@ def _two_sides() -> Scene:
     return replace(scene, errors=replace(scene.errors, balls=replace(scene.errors.balls, oversize=-12e-6)))
 
 
+def _pulled_through() -> Scene:
+    """Held at its left end and pulled at its right one: the shaft's section forces pass under the balls."""
+    scene = catalogue.scene("lin-random")
+    return replace(scene, loads=(Load(scene.screw.length, (100.0, 0.0, 5000.0)),))
+
+
 SCENES = {
     "four sides": catalogue.scene("lin-random"),
     "loose balls": _two_sides(),
+    "section forces under the balls": _pulled_through(),
     "errors that press more than the load": scaled(catalogue.scene("lin-random"), 0.02),
 }
 

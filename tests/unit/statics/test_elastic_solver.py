@@ -11,7 +11,7 @@ from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.wings.extremes.survey.draw import SEED, scene_text
 from rollbench.lowfi import jit
 from rollbench.lowfi.as_source.static import beam_matrix
-from rollbench.lowfi.compliance.bodies import LADDER, REFINED, geometry_only, grooved_section
+from rollbench.lowfi.compliance.parts import LADDER, REFINED, geometry_only, grooved_section
 from rollbench.lowfi.statics import elastic_system as model
 from rollbench.lowfi.statics.elastic import contacts_of, flank_shifts, iterate, solve_elastic
 from rollbench.lowfi.statics.elastic_system import Rebuild, ready
@@ -69,7 +69,7 @@ def motions(elastic, phi, amplitudes):
 def balls(elastic, v):
     """Energy and forces of all balls at motions v, states left as they are."""
     f, state = np.empty_like(v), BodyState(*(x.copy() for x in elastic.state))
-    energy, _ = elastic.engine.evaluate_balls(np.ascontiguousarray(v), elastic.contacts, state, f, elastic.options.tiny)
+    energy, _ = elastic.engine.evaluate_balls(np.ascontiguousarray(v), elastic.contacts, state, f)
     return energy, f, state
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from rollbench.lowfi import jit
+from rollbench.lowfi.statics.static import COMPILE_ABOVE, pick_engine
 
 CALL = "from rollbench.lowfi import jit; k = jit.kernels(jit.CONTACT, compiled=True); print(jit.code_folder())"
 
@@ -166,3 +167,14 @@ def test_an_interrupt_waits_for_the_compiler(number, capsys):
     assert compiled == [outer, inner]
     assert (len(outer.signatures), len(inner.signatures)) == (0, 1)
     assert outer(1.0) == 4.0
+
+
+def test_a_small_solve_does_not_look_for_machine_code(monkeypatch):
+    asked = []
+    monkeypatch.setattr(jit, "cached", lambda package: bool(asked.append(package)))
+    monkeypatch.setattr(jit, "loaded", lambda _: False)
+    plain = jit.kernels(jit.STATICS, compiled=False)
+    assert pick_engine("auto", 32) is plain
+    assert asked == []
+    assert pick_engine("auto", COMPILE_ABOVE + 1) is plain
+    assert asked == [jit.STATICS]

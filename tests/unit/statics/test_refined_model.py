@@ -15,8 +15,8 @@ from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.estimate import reference
 from rollbench.comparison.reference.store import bodies_path, load, shipped_store
 from rollbench.comparison.scenes import catalogue
-from rollbench.lowfi.compliance.bodies import LADDER, REFINED
 from rollbench.lowfi.compliance.imported import Condensed
+from rollbench.lowfi.compliance.parts import LADDER, REFINED
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.meshes.condensed import load_condensed
 from rollbench.meshes.helix import ball_layout

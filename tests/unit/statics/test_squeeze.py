@@ -7,8 +7,8 @@ import pytest
 from tests.helpers import relative, small_screw
 
 from rollbench.comparison.scenes import catalogue
-from rollbench.lowfi.compliance.bodies import REFINED, geometry_only, grooved_section, smooth_body
 from rollbench.lowfi.compliance.ends import end_response
+from rollbench.lowfi.compliance.parts import REFINED, geometry_only, grooved_section, smooth_body
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.problem import Problem, build
 from rollbench.lowfi.statics.shaft import Shaft, shaft_of

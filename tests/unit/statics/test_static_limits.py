@@ -12,7 +12,7 @@ from rollbench.comparison.commands.solving.solve_output import as_json, as_table
 from rollbench.comparison.errors import Refusal
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.scenes import catalogue
-from rollbench.lowfi.compliance.bodies import LADDER
+from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.lowfi.statics.static import solve_static

@@ -1,0 +1,189 @@
+"""What stands for screw and nut between their contacts, by backend: grooved sections, smooth bodies, where they are held.
+
+Everything here depends on a scene's geometry alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Literal
+
+import numpy as np
+
+from rollbench.lowfi.compliance.cell import cell_section
+from rollbench.lowfi.compliance.groove import Flank, groove_layer, smooth_radius
+from rollbench.lowfi.compliance.tube import Tube
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.kept import kept
+from rollbench.meshes.parts import Ingredients, Scene
+from rollbench.meshes.section import BeamSection, screw_section, tube_section
+from rollbench.meshes.solid import dimensions
+
+#: Least width of the kernels' patch over the ball's radius, for steep contact angles.
+LEAST = 0.5
+#: Fixings of the nut by the name of the scene's key.
+HELD = {
+    "left face": "low",
+    "right face": "high",
+    "both faces": "both",
+    "outer surface": "outer",
+    "flange face": "flange",
+    "flange face and centring": "flange",
+}
+#: Those with a beam's clamped end.
+CLAMPED = ("low", "high", "both", "flange")
+
+
+@dataclass(frozen=True)
+class Backend:
+    """What answers a contact force. section: of the screw's beam, the scene's (Lin C.8) or the grooved cell's; screw and
+    nut: rigid beyond the contacts or beam, and with the Fourier kernel; ball: half spaces (Hertz) or an elastic sphere.
+
+    width: standard deviation of the kernels' patch over half the distance of the two flanks' contacts across the groove;
+    bore: the nut's grooves as a ``"layer"`` softer along the axis than around it, or a plain bore that keeps the mean
+    wall^3 (``"ring"``) or the ``"volume"``, or lies at the lands (``"land"``);
+    harmonics, mesh: number of harmonics and fineness of the elements as multiples of the chosen ones; flank: each
+    contact's own flank, or a half space at the smooth surface.
+    """
+
+    section: Literal["scene", "cell"] = "cell"
+    screw: Literal["beam", "kernel"] = "kernel"
+    nut: Literal["rigid", "beam", "kernel"] = "kernel"
+    ball: Literal["half space", "sphere"] = "sphere"
+    width: float = 1.0
+    bore: Literal["layer", "ring", "volume", "land"] = "layer"
+    harmonics: float = 1.0
+    mesh: float = 1.0
+    flank: bool = True
+
+
+#: The refined model and the steps that lead to it from the source's.
+REFINED = Backend()
+LADDER = {
+    "lin": Backend("scene", "beam", "rigid", "half space", flank=False),
+    "lin-cell": Backend("cell", "beam", "rigid", "half space", flank=False),
+    "lin-nut": Backend("cell", "beam", "beam", "half space", flank=False),
+    "refined": REFINED,
+}
+#: Words for a body without compliance of its own.
+RIGID = "rigid apart from the Hertzian contacts"
+
+
+def idealised(backend: Backend, scene: Scene) -> tuple[str, ...]:
+    """Statements on how a backend idealises a scene's bodies. Raises ValueError as `meshes.solid.dimensions`."""
+    ring = scene.track.lead == 0.0
+    section = "Lin C.8" if backend.section == "scene" else "half a lead of its groove"
+    smooth = "; beyond that, a smooth body of revolution with each contact's own flank"
+    nut = {
+        "rigid": RIGID,
+        "beam": "a Timoshenko tube of its grooved section",
+        "kernel": f"a Timoshenko tube of its grooved section{smooth}",
+    }[backend.nut]
+    screw = f"a Timoshenko beam with the section of {section}{smooth if backend.screw == 'kernel' else ''}"
+    if ring and backend.nut == "kernel":
+        screw = nut = "a body of revolution with its groove, held as the scene says"
+    elif scene.ingredients.screw == "rigid":
+        screw = f"on a rigid axis{smooth}" if backend.screw == "kernel" else RIGID
+    if held_at(scene, True) == "rigid":
+        screw = RIGID
+    if held_at(scene, False) == "rigid":
+        nut = RIGID
+    ball = "half spaces at their contacts" if backend.ball == "half space" else "elastic spheres"
+    return f"the screw or inner ring is {screw}", f"the nut or outer ring is {nut}", f"balls are {ball}"
+
+
+@lru_cache(maxsize=64)
+def geometry_only(scene: Scene) -> Scene:
+    """The scene without loads, supports, errors, words and choices: what the bodies' compliance depends on."""
+    return Scene(
+        "",
+        "",
+        scene.track,
+        scene.screw,
+        scene.nut,
+        replace(scene.balls, azimuths=(scene.track.phase,)),
+        solid=scene.solid,
+        ingredients=Ingredients(screw=scene.ingredients.screw),
+    )
+
+
+@lru_cache(maxsize=64)
+def with_balls(scene: Scene) -> tuple[Scene, Array]:
+    """The scene without all but the parts and the balls' own places, and their azimuths ``(N,)`` [rad]."""
+    return replace(geometry_only(scene), balls=scene.balls), ball_layout(scene).azimuth
+
+
+@lru_cache(maxsize=64)
+def flank_of(scene: Scene, screw: bool) -> Flank:
+    """Groove of screw or nut on half a lead, or on half a ring's width. Raises ValueError for impossible dimensions."""
+    dims = dimensions(scene)
+    m = GrooveMap.of(scene)
+    low, high = dims.ends(scene)
+    width = min(scene.nut.length, high - low) if screw else scene.nut.length
+    half = np.pi * abs(m.rg) / m.starts if m.rg != 0.0 else 0.5 * width
+    land = scene.screw.outer_diameter / 2.0 if screw else dims.land
+    far = scene.screw.bore / 2.0 if screw else scene.nut.outer_diameter / 2.0
+    return Flank(m, land, far, screw, float(half), (scene.screw if screw else scene.nut).material)
+
+
+@lru_cache(maxsize=64)
+def held_at(scene: Scene, screw: bool) -> str:
+    """Where the smooth body is held: see `Tube`; "rigid" where the body does not move beyond its contacts."""
+    dims = dimensions(scene)
+    if not screw:
+        return "rigid" if scene.solid.nut == "rigid" else HELD[dims.nut_held.partition(", ")[0]]
+    if dims.screw_held == "bore":
+        return "bore"
+    return "rigid" if scene.ingredients.screw == "rigid" else "section"
+
+
+@lru_cache(maxsize=64)
+@kept(BeamSection)
+def grooved_section(geometry: Scene, screw: bool) -> BeamSection:
+    """Section constants of the grooved screw or nut (`cell_section`); of the plain body for a track without lead."""
+    flank = flank_of(geometry, screw)
+    if geometry.track.lead == 0.0:
+        if screw:
+            return screw_section(geometry)
+        return tube_section(2.0 * flank.far, 2.0 * smooth_radius(flank, 2), flank.material)
+    return cell_section(flank.map, flank.land, flank.far, screw, flank.material).section
+
+
+def smooth_body(geometry: Scene, screw: bool, backend: Backend) -> Tube:
+    """The smooth body of revolution that stands for screw or nut."""
+    flank = flank_of(geometry, screw)
+    low, high = dimensions(geometry).ends(geometry)
+    half, position = geometry.nut.length / 2.0, geometry.nut.position
+    if screw:
+        bore, outer, ends = flank.far, smooth_radius(flank, 2), (low, high)
+    else:
+        bore = (
+            smooth_radius(flank, 3 if backend.bore == "ring" else 2) if backend.bore in ("ring", "volume") else flank.land
+        )
+        outer, ends = flank.far, (position - half, position + half)
+    layer = None if screw or backend.bore != "layer" else groove_layer(flank, grooved_section(geometry, False))
+    radius = flank.contact()[0]
+    width = backend.width * geometry.balls.radius * max(float(np.cos(geometry.track.contact_angle)), LEAST)
+    count = int(np.ceil(backend.harmonics * 2.2 * radius / width))
+    size = (1.6 * width / backend.mesh, 0.75 * width / backend.mesh)
+    flange = None if screw else geometry.nut.flange
+    return Tube(
+        bore, outer, ends, held_at(geometry, screw), radius, float(width), count, size, flank.material, layer, flange
+    )
+
+
+def is_ring(geometry: Scene, screw: bool) -> bool:
+    """Whether a body is a ring with one groove around it, and so a body of revolution itself."""
+    return geometry.track.lead == 0.0 and held_at(geometry, screw) not in ("rigid", "section")
+
+
+def clamp(tube: Tube) -> tuple[tuple[float, float], str]:
+    """Ends [m] of the beam that stands for a nut, and which of them are clamped: a flange holds it at its face, or where
+    its bonded fit ends, and gives way as the smooth body does."""
+    if tube.held != "flange" or tube.flange is None:
+        return tube.ends, tube.held
+    base = tube.flange.stations(*tube.ends)[2 if tube.flange.bonded else 1]
+    return (base, base), "low"

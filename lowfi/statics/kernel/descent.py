@@ -1,0 +1,102 @@
+"""Newton's method with a vanishing shift and a line search on a convex energy: the one driver of all systems here.
+
+This file is loaded once for each system (`lowfi.jit.driver_of`), a module that gives by name the functions taken below and
+``KEPT``, the residual over the least one before from which on, near the end, the stiffness is factored anew. ``given`` is
+what such a system consists of, ``state`` its unknowns, ``room`` its derivatives, the step and where the step begins.
+The shift is proportional to the residual, so it vanishes at the solution and convergence stays fast.
+"""
+
+from typing import Any
+
+from rollbench.lowfi.jit import kernel, system_of
+from rollbench.lowfi.statics.records import Array, Options, Outcome, Progress
+
+from .search import GROWN, WHOLE_STEPS, first_trial, got_on, next_trial
+from .status import BALANCED, CONVERGED, ITERATIONS, NOT_HELD, SHIFTS, SINGULAR
+
+system = system_of(__name__)
+KEPT: float = system.KEPT
+#: Energy [J] and largest force met [N] at the state; fills the derivatives in the room.
+energy_at = system.energy_at
+#: Step by Newton's method to the room, False where the stiffness plus the shift [N/m] is not positive definite.
+find_step = system.find_step
+#: Largest unbalanced force over the scale; slope of the energy along the step; largest motion [m] of a flank by it.
+residual_at, slope_along, reach_of = system.residual_at, system.slope_along, system.reach_of
+#: Note where the step begins; go to t steps from there; what has to be found anew at the end.
+keep, move, finish = system.keep, system.move, system.finish
+#: Least force [N] that residuals are measured by; furthest free motion [m]; largest net force on a ball over the scale.
+least_force, furthest, unbalanced = system.least_force, system.furthest, system.unbalanced
+
+
+@kernel
+def search(given: Any, state: Any, room: Any, energy: float, slope: float, limit: float) -> tuple[float, float, int]:
+    """Search along the step (see ``search``), leaving the state at the accepted point; limit: largest step length.
+
+    Returns the energy, the largest force and the number of evaluations.
+    """
+    trial, go_on = first_trial(energy, slope, limit), True
+    new, scale = energy, 0.0
+    while go_on:
+        move(given, state, room, trial.t)
+        new, scale = energy_at(given, state, room)
+        trial, go_on = next_trial(trial, new, slope_along(given, state, room))
+    return new, scale, trial.tried
+
+
+@kernel
+def minimise(given: Any, state: Any, options: Options, history: Array, room: Any) -> Outcome:
+    """Minimise the energy from the given state; history (most + 1,): residual per step."""
+    tolerance, floor = options.tolerance, least_force(given, state, options)
+    energy, scale = energy_at(given, state, room)
+    if floor == 0.0:
+        floor = 1e-3 * scale  # only displacements are given, and they may meet no resistance in the end
+    scale = max(scale, floor)
+    residual = residual_at(given, state, options, room, scale)
+    history[0] = residual
+    evaluations, amount, it, status, fresh = 1, 1e-3, 0, ITERATIONS, True
+    progress = Progress(residual, energy, 0, 0)
+    if residual <= tolerance and unbalanced(state, scale) <= BALANCED:
+        return Outcome(CONVERGED, it, evaluations, residual, energy, scale)
+    for it in range(1, options.most + 1):
+        solved = False
+        for _ in range(SHIFTS):
+            shift = amount * options.stiffness * min(1.0, residual)
+            solved = find_step(given, state, options, room, shift, residual, fresh, progress.stuck)
+            if solved:
+                break
+            amount, fresh = 100.0 * amount, True
+        if not solved:
+            status = SINGULAR
+            break
+        slope, reach = slope_along(given, state, room), reach_of(given, room)
+        limit = options.furthest / reach if reach > 0.0 else 1e12
+        whole, used, before = residual < WHOLE_STEPS and limit >= 1.0, 0, energy
+        keep(state, room)
+        if whole:
+            move(given, state, room, 1.0)
+            energy, scale = energy_at(given, state, room)
+            evaluations += 1
+            worst = residual_at(given, state, options, room, max(scale, floor))
+            whole = worst <= GROWN * max(residual, tolerance)
+        if not whole:
+            energy, scale, used = search(given, state, room, before, slope, limit)
+            evaluations += used
+        scale = max(scale, floor)
+        residual = residual_at(given, state, options, room, scale)
+        history[it] = residual
+        amount = max(1e-3, amount * 0.1)
+        if residual <= tolerance and unbalanced(state, scale) <= BALANCED:
+            status = CONVERGED
+            break
+        if furthest(given, state) > options.bound:
+            status = NOT_HELD
+            break
+        fresh = residual >= WHOLE_STEPS or residual >= KEPT * progress.best
+        progress, ends = got_on(progress, residual, energy, used)
+        if ends:
+            break
+    finish(given, state, room)
+    loose = unbalanced(state, scale)
+    if loose > BALANCED:
+        residual = max(residual, loose)
+    return Outcome(status, it, evaluations, residual, energy, scale)

@@ -1,0 +1,52 @@
+"""Compliance of bodies between balls that travel: parabolas through three places in place of each place by itself."""
+
+import numpy as np
+import pytest
+from tests.helpers import small_screw
+
+from rollbench.lowfi.compliance.bodies import REFINED, contact_frames, whole_body
+from rollbench.lowfi.statics.again import APART, WINDOW, Travelling
+from rollbench.meshes.helix import ball_layout, layout_at, reduced_lead
+
+SCENE = small_screw(6, 1.2, force=(0.0, 0.0, 400.0))
+
+
+def moved(by, scene=SCENE, apart=0.0):
+    start, track = ball_layout(scene), scene.track
+    turned = by + apart * np.linspace(-1.0, 1.0, start.z.size)
+    return layout_at(track, start.azimuth + turned, start.z + reduced_lead(track) * turned)
+
+
+@pytest.mark.parametrize("screw", [True, False])
+def test_between_the_places_of_a_window_the_compliance_is_that_of_the_place(screw, monkeypatch):
+    travelling = Travelling(WINDOW)
+    travelling(SCENE, moved(0.0), screw, REFINED, (0, 1))
+    calls = []
+    monkeypatch.setattr("rollbench.lowfi.statics.again.whole_body", lambda *a: calls.append(a) or whole_body(*a))
+    for part in (0.2, 0.5, 0.9):
+        place = moved(part * WINDOW)
+        exact = whole_body(SCENE, place, screw, REFINED, (0, 1))
+        assert travelling(SCENE, place, screw, REFINED, (0, 1)) == pytest.approx(exact, abs=2e-4 * np.abs(exact).max())
+    assert not calls
+    beyond = moved(1.5 * WINDOW)
+    found = travelling(SCENE, beyond, screw, REFINED, (0, 1))
+    assert len(calls) == 3
+    assert np.array_equal(found, whole_body(SCENE, beyond, screw, REFINED, (0, 1)))
+
+
+def test_balls_that_leave_each_other_begin_a_window_of_their_own():
+    travelling = Travelling(-WINDOW)
+    for apart, windows in ((0.0, 1), (0.5 * APART, 1), (2.0 * APART, 2)):
+        travelling(SCENE, moved(-0.3 * WINDOW, apart=apart), False, REFINED, (0, 1))
+        assert len(*travelling.windows.values()) == windows
+
+
+def test_a_window_ends_before_a_ball_passes_the_nuts_face():
+    """The nut's end stands less than a window beyond the last ball."""
+    last = float(contact_frames(SCENE, ball_layout(SCENE), False)[0][:, 2].max())
+    room = (SCENE.nut.position + 0.5 * SCENE.nut.length - last) / reduced_lead(SCENE.track)
+    place = moved(room - 0.3 * WINDOW)
+    travelling = Travelling(WINDOW)
+    travelling(SCENE, place, False, REFINED, (0, 1))
+    ((window,),) = travelling.windows.values()
+    assert 0.0 < window.length < 0.3 * WINDOW
