@@ -207,6 +207,13 @@ def screw_transform(mesh: GroovedBody, dims: Dimensions, high: float) -> sp.csc_
     return held_transform(mesh.mesh, "bore") if dims.screw_held == "bore" else end_transform(mesh.mesh, high)
 
 
+def on_bolts(x: Array, y: Array, seat: tuple[float, float], count: int) -> Array:
+    """Whether points ``(n,)`` [m] of a flange's face lie in one of ``count`` circles, the first towards x, as wide as the
+    annulus between the radii ``seat`` [m]."""
+    middles = 0.5 * sum(seat) * np.exp(2j * np.pi / count * np.arange(count))
+    return np.asarray((np.abs((x + 1j * y)[:, None] - middles) <= 0.5 * (seat[1] - seat[0]) + 1e-7).any(axis=1))
+
+
 def nut_transform(mesh: GroovedBody, dims: Dimensions) -> sp.csc_matrix:
     """C of the nut, held where ``dims`` says."""
     where, _, bolts = dims.nut_held.partition(", ")
@@ -216,9 +223,7 @@ def nut_transform(mesh: GroovedBody, dims: Dimensions) -> sp.csc_matrix:
     x, y = mesh.points[found, 0], mesh.points[found, 1]
     on = (np.hypot(x, y) >= low - 1e-7) & (np.hypot(x, y) <= high + 1e-7)
     if bolts:
-        count = int(bolts.split()[0])
-        middles = 0.5 * (low + high) * np.exp(2j * np.pi / count * np.arange(count))
-        on &= (np.abs((x + 1j * y)[:, None] - middles) <= 0.5 * (high - low) + 1e-7).any(axis=1)
+        on &= on_bolts(x, y, (low, high), int(bolts.split()[0]))
     held = freedoms(np.union1d(found[on], nodes_on(mesh.mesh, "centring")) if fit else found[on])
     size = mesh.mesh.doflocs.size
     return sp.identity(size, format="csc")[:, np.setdiff1d(np.arange(size), held)]

@@ -1,13 +1,18 @@
 """The report's section on how a nut is held: ways, rows, its first sentence."""
 
 from dataclasses import replace
+from typing import Any
 
+import numpy as np
 import pytest
 
 from rollbench.comparison.models.study import Study
+from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.sources.external import holding
 from rollbench.comparison.sources.external.evidence.screws import scene_name
+from rollbench.hifi.condensation.responses import on_bolts
+from rollbench.lowfi.rating.rigidity import slope_of
 from rollbench.meshes.solid import dimensions
 from rollbench.reports.records import Table, Text
 
@@ -16,7 +21,8 @@ def test_ways_differ_in_how_the_nut_is_held_alone() -> None:
     scene = catalogue.scene(scene_name("bnf-4010-5"))
     found = holding.ways(scene)
     held = [dimensions(x).nut_held for x in found.values()]
-    assert held == ["left face", "right face", "outer surface", *["flange face"] * 3, "flange face and centring"]
+    flange = ["flange face"] * 3 + ["flange face, 6 bolts", "flange face and centring"]
+    assert held == ["left face", "right face", "outer surface", *flange]
     for other in found.values():
         assert replace(other, nut=scene.nut, solid=scene.solid) == scene
     inner, outer = (found[f"flange, {x} half of its face"].nut.flange for x in ("inner", "outer"))
@@ -32,6 +38,58 @@ def test_a_model_with_a_rigid_nut_sees_no_difference(monkeypatch: pytest.MonkeyP
     assert isinstance(text, Text)
     assert isinstance(table, Table)
     assert text.paragraphs[0].startswith("The way of holding a nut moves its largest load by +0.0 to +0.0 %, its life by ")
-    assert len(table.rows) == 7
-    assert {row["rigidity_change"] for row in table.rows} == {0.0}
+    by_model = [row for row in table.rows if row["by"] == "lin"]
+    assert len(by_model) == 7
+    assert {row["rigidity_change"] for row in by_model} == {0.0}
     assert table.rows[0]["share"] == pytest.approx(0.62, abs=0.06)
+
+
+def stored_ways() -> list[dict[str, Any]]:
+    """Ways of a size made up: on bolts every other ball carries twice the load, and the nut is half as stiff."""
+    own = {"scene": scene_name("bnf-4010-5"), "level": 1, "status": "converged"}
+    return [
+        {**own, "held": held, "rigidity": 4e8 / k, "load": dict.fromkeys(("SL", "NR"), 51 * [60.0 * k, 20.0])}
+        for held, k in ((holding.BOLTED, 2), (holding.WHOLE, 1), ("left face", 1))
+    ]
+
+
+def test_rows_and_words_of_3d_are_those_of_the_record(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(holding, "DEFAULT", "lin")
+    monkeypatch.setattr(holding, "stored", lambda _: stored_ways())
+    rows = holding.rows_of(Study(), "bnf-4010-5")
+    left, whole, bolts = (row for row in rows if row["by"] == "3D, level 1")
+    assert [row["held"] for row in (left, whole, bolts)] == ["left face", holding.WHOLE, holding.BOLTED]
+    assert whole["largest"] == 60.0
+    assert whole["rigidity"] == pytest.approx(400.0)
+    assert (bolts["load_change"], bolts["rigidity_change"]) == (100.0, -50.0)
+    words = holding.bolted_words()
+    assert (
+        "by +150.00 % of the mean load, any load by at most 150.00 % of it (106.07 % RMS), the rigidity by -50.00 %"
+        in words
+    )
+
+
+def test_the_record_has_annulus_and_bolts_of_one_size() -> None:
+    """Bolts hold less than the annulus; the loads of either way carry the scene's axial load."""
+    scene = catalogue.scene(scene_name(holding.SIZES[0]))
+    kept = {row["held"]: row for row in holding.stored(shipped_store()) if row["scene"] == scene.name}
+    assert {"left face", holding.WHOLE, holding.BOLTED} <= set(kept) <= set(holding.ways(scene))
+    assert kept[holding.BOLTED]["rigidity"] < kept[holding.WHOLE]["rigidity"]
+    for row in kept.values():
+        load = holding.loads_of(row)
+        assert row["status"] == "converged"
+        assert load.shape == (scene.ball_count, 4)
+        assert load.max(axis=1).sum() * slope_of(scene) == pytest.approx(scene.loads[0].force[2], rel=0.05)
+
+
+def test_six_bolts_hold_six_circles_of_the_annulus() -> None:
+    """Of points spread evenly over the annulus, the share that is held is that of the circles' areas."""
+    scene = holding.ways(catalogue.scene(scene_name(holding.SIZES[0])))[holding.BOLTED]
+    low, high = dimensions(scene).held_radii
+    x, y = np.meshgrid(*2 * [np.linspace(-high, high, 801)])
+    held = on_bolts(x.ravel(), y.ravel(), (low, high), holding.BOLTS)
+    width = high - low
+    assert held.mean() * (2.0 * high) ** 2 == pytest.approx(6 * np.pi * width**2 / 4.0, rel=0.01)
+    azimuth = np.arctan2(y.ravel()[held], x.ravel()[held])
+    assert set(np.round(azimuth * 3.0 / np.pi).astype(int) % 6) == set(range(6))
+    assert np.abs(azimuth * 3.0 / np.pi - np.round(azimuth * 3.0 / np.pi)).max() < 0.25

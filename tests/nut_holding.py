@@ -1,0 +1,65 @@
+"""What the way in which a nut is held does in 3D, six single bolts among the ways, for the report's section on it.
+
+``python -m tests.nut_holding`` adds the ways that ``compare/references/nut_holding.json`` lacks (a minute or two of
+one core each).
+"""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from rollbench.comparison.models.compared_point import pull
+from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison.reference.tasks import needed_sides, settings_of
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.sources.external.evidence.screws import scene_name
+from rollbench.comparison.sources.external.holding import FILE, ways
+from rollbench.hifi.reference import solve_reference
+from rollbench.hifi.setup import prepare
+from rollbench.meshes.cache import Cache
+from rollbench.meshes.parts import SIDES, Load, Scene
+
+#: Sizes and mesh levels that are solved.
+CASES = (("bnf-3205-2p5", 1),)
+
+
+def with_section(scene: Scene) -> Scene:
+    """The scene with a load of nothing at the nut's centre, so that the motion of the screw's section there is found."""
+    return replace(scene, loads=(*scene.loads, Load(scene.nut.position)))
+
+
+def solved(scene: Scene, first: Scene, level: int, cache: Path) -> dict[str, object]:
+    """Contact loads [N] by loaded side and rigidity [N/m] of a scene in 3D, on the meshes' settings of ``first``."""
+    scene, sides = with_section(scene), needed_sides(first)
+    found = solve_reference(prepare(scene, sides, settings_of([first], level), print, cache=Cache(cache)), scene)
+    moved = float(np.interp(scene.nut.position, found.stations, found.centreline[:, 2]))
+    return {
+        "level": level,
+        "status": found.status,
+        "rigidity": round(pull(scene, found.load, found.contact_angle) / moved),
+        "load": {SIDES[s]: found.load[:, s].round(3).tolist() for s in sides},
+    }
+
+
+def main() -> None:
+    """Solve all ways of all cases that are not yet there and write them."""
+    path = shipped_store() / FILE
+    rows = json.loads(path.read_text(encoding="utf-8")) if path.exists() else []
+    with TemporaryDirectory() as cache:
+        for size, level in CASES:
+            shipped = catalogue.scene(scene_name(size))
+            own = ways(shipped)
+            known = {row["held"] for row in rows if (row["scene"], row["level"]) == (shipped.name, level)}
+            for held in [x for x in own if x not in known]:
+                print(shipped.name, held, flush=True)
+                found = solved(own[held], own["left face"], level, Path(cache))
+                rows.append({"scene": shipped.name, "held": held, **found})
+                text = ",\n ".join(json.dumps(row) for row in rows)
+                path.write_text(f"[\n {text}\n]\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
