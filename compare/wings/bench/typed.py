@@ -173,7 +173,8 @@ def growth(study: Study) -> tuple[Mapping[str, Mapping[str, Sequence[Sequence[fl
         with suppress(OSError, ValueError, KeyError):
             kept = json.loads((store / GROWTH).read_text(encoding="utf-8"))
             return kept["points"], f"Kept, of {kept['date']} on {kept['machine']}."
-    points = {"balls": by_balls(), "members": by_members()}
+    members = by_members()  # first: what large bodies took stays with the process
+    points = {"balls": by_balls(), "members": members}
     if study.stores:
         kept = {"machine": machine(), "date": today(), "points": points}
         replace_file(study.stores[0] / GROWTH, f"{json.dumps(kept, indent=1)}\n")
