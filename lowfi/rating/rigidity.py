@@ -37,8 +37,8 @@ from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.roots import brentq
 
-#: Share of the sum of contact loads below which an axial force is round-off.
-ROUND_OFF = 1e-12
+#: Share of the sum of contact loads below which an axial force is round-off: what searches leave of the balance.
+ROUND_OFF = 1e-9
 #: Share of a computed rigidity that makers advise to take (THK), and most about print; Rexroth prints half of it.
 PRACTICE = 0.8
 

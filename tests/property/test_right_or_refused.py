@@ -11,6 +11,7 @@ import pytest
 from tests.helpers import small_screw
 
 from rollbench.comparison.scenes.scene_file import load
+from rollbench.lowfi.rating.rigidity import axial_force
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.problem import build
 from rollbench.lowfi.statics.proof import opening_motion, words_of
@@ -98,6 +99,8 @@ SOLVED_BY_ALL = {
     "furthest-steps": "more than a hundred steps of a ball's radius each, every one of which lowers the energy",
     "rigid-under-moments": "a residual that jumps while the energy falls",
     "one-ball-without-load": "the answer that nothing is loaded: its interference is round-off, which residuals counted by",
+    "bearing-refined-stalls": "rings of plastic that 97 kN turn inside out: far from where a search begins",
+    "bearing-refined-stalls-2": "moments of 1e-3 N m on a bearing that nothing holds but its balls",
     "uneven-at-round-off": "the round-off of forces by that of motions, counted alike with and without elastic bodies",
 }
 
@@ -120,3 +123,11 @@ def test_a_screw_that_nothing_loads_has_no_tangent_stiffness():
     found = tangent_stiffness(scene, scene.nut.position)
     assert found.status == "converged"
     assert not found.matrix.any()
+
+
+def test_an_axial_force_of_round_off_has_no_rigidity():
+    """Moments alone: 2e-12 of the contact loads was an axial force, and the rigidity 8e-14 N/um."""
+    scene = load(SCENES / "bearing-refined-stalls-2.toml")
+    found = solve_elastic(scene, engine="compiled")
+    assert found.converged
+    assert axial_force(found) == 0.0

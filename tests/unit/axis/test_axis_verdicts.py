@@ -88,6 +88,8 @@ def test_balls_across_the_bottom_of_a_one_way_groove_are_no_equilibrium_of_it():
     loads = (Load(0.25, (2e3, 0.0, 500.0)),)
     found = solve_assembly(assembly(*rows, supports=(TURNING,), loads=loads), engine="compiled")
     assert found.status.startswith("not held: no equilibrium has all loaded balls of b on the side")
+    # only a groove of one arc is the same on both sides of its bottom
+    assert "4 contact(s) lie beyond the groove's arc" in found.sets[1].balls.warnings[0]
 
 
 PROFILE = (0.0, 0.0, 4e-6, -3e-6)
