@@ -30,7 +30,7 @@ class Table:
     columns: Sequence[Quantity]
     rows: Sequence[Mapping[str, Cell]]
     note: str = ""
-    shown: int | None = 8
+    shown: int | None = 6
 
     def __post_init__(self) -> None:
         """Check the headings."""
@@ -41,7 +41,7 @@ class Table:
 
     @classmethod
     def of(
-        cls, name: str, title: str, rows: Iterable[Mapping[Quantity | str, Cell]], note: str = "", shown: int | None = 8
+        cls, name: str, title: str, rows: Iterable[Mapping[Quantity | str, Cell]], note: str = "", shown: int | None = 6
     ) -> Table:
         """A table whose rows say what they hold: its columns are their quantities, in the order in which they appear."""
         listed = [{_quantity(q): value for q, value in row.items()} for row in rows]
