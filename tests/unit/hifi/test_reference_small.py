@@ -10,7 +10,6 @@ import pytest
 import scipy.sparse as sp
 from scipy.linalg import block_diag
 
-from rollbench.comparison.cli import main
 from rollbench.comparison.scenes import catalogue
 from rollbench.hifi import condensed, contact_kinematics, coupling, reference, setup
 from rollbench.hifi.bodies import grid_wave, submodel
@@ -311,7 +310,7 @@ force = ["0 N", "0 N", "400 N"]
 
 @pytest.mark.slow
 def test_a_command_whose_reference_does_not_settle_says_so_keeps_it_and_ends_with_a_code_of_its_own(
-    small, tmp_path, monkeypatch, capsys
+    small, tmp_path, monkeypatch, command
 ):
     """One update of directions and gaps does not settle these loads."""
     file, store = tmp_path / "two.toml", tmp_path / "store"
@@ -319,10 +318,9 @@ def test_a_command_whose_reference_does_not_settle_says_so_keeps_it_and_ends_wit
     monkeypatch.setattr(setup, "prepare", lambda *given, **_: replace(small, settings=given[2]))
     for updates, code in ((1, 5), (reference.ROUNDS, 0)):
         monkeypatch.setitem(reference.solve_reference.__kwdefaults__, "updates", updates)
-        with pytest.raises(SystemExit) as stop:
-            main(["compare", str(file), "--levels", "1", "--fresh", "--store", str(store), "--json"])
-        assert (stop.value.code or 0) == code
-        (said,) = json.loads(capsys.readouterr().out)["scenes"]
+        ended, found = command.json("compare", file, "--levels", "1", "--fresh", "--store", store, "--json")
+        assert ended == code
+        (said,) = found["scenes"]
         (kept,) = (json.loads(run.read_text()) for run in store.glob("two-level1-*.json"))
         load, told = np.array(kept["load"]), said["uncertainty"]["discretisation_percent"]
         may_move = 100.0 * kept["moving"] / load[load > 0.0].mean()
