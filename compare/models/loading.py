@@ -172,14 +172,14 @@ def curve(scene: Scene | Assembly, factors: Sequence[float], model: str, options
         result = run_model(own, model, replace(options, discretisation=False))
         if not result.converged:
             continue
-        if isinstance(own, Assembly):
+        if isinstance(own, Scene) and isinstance(result, StaticResult):
+            force, u, first = axial_force(result), axial_displacement(own, result), factor == 0.0
+            largest = float(result.load.max())
+        elif isinstance(own, Assembly) and isinstance(result, AxisResult):
             from rollbench.comparison.models.axis_answers import along_axis, axial_load
 
             force, u, first = axial_load(own), along_axis(own, result), not points
             largest = max((float(s.loads.max(initial=0.0)) for s in result.sets), default=0.0)
-        else:
-            force, u, first = axial_force(result), axial_displacement(own, result), factor == 0.0
-            largest = float(result.load.max())
         start = u if first else start
         points.append(CurvePoint(factor, force, u - start, largest, result))
     return points

@@ -86,9 +86,8 @@ def equilibrium(solved: SolvedState, points: Array, on_ball: Array) -> Equilibri
     else:  # the supports of a rigid screw take what is left along the motions they hold
         t, z0 = problem.basis, problem.nodes[:1]
         along = np.where(problem.fixed[0], t.T @ about_origin(-z0, (applied + contact)[None]), 0.0)
-        reaction, pin = (
-            about_origin(z0, -np.linalg.solve(t.T, np.where(taken, along, 0.0))[None]) for taken in (~pins, pins)
-        )
+        each = (np.asarray(np.linalg.solve(t.T, np.where(taken, along, 0.0)))[None] for taken in (~pins, pins))
+        reaction, pin = (about_origin(z0, -taken) for taken in each)
     size = max(
         *(float(np.abs(x[:3]).max()) for x in (applied, contact, reaction)),
         float(np.abs(nodal[:, 3:]).max()) / scene.track.pitch_radius,  # supports may twist against one another alone

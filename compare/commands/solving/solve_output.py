@@ -10,7 +10,7 @@ import numpy as np
 
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.model_form import ModelForm
-from rollbench.comparison.quantities import number, shown
+from rollbench.comparison.quantities import number, quantity, record, shown
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import Equilibrium, Solved, SolverReport, StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
@@ -45,24 +45,35 @@ def summary(load: Array) -> dict[str, dict[str, Any]]:
     return out
 
 
-def equilibrium_json(e: Equilibrium | None) -> dict[str, Any] | None:
-    """Forces and moments on the shaft, and what they leave."""
-    if e is None:
-        return None
-    return {
-        "external_force_N": [number(x) for x in e.applied_force],
-        "external_moment_Nm": [number(x) for x in e.applied_moment],
-        "reaction_force_N": [number(x) for x in e.reaction_force],
-        "reaction_moment_Nm": [number(x) for x in e.reaction_moment],
-        "contact_force_N": [number(x) for x in e.contact_force],
-        "contact_moment_Nm": [number(x) for x in e.contact_moment],
-        "force_residual": number(e.force_residual),
-        "moment_residual": number(e.moment_residual),
-        "pin_force_N": [number(x) for x in e.pin_force],
-        "pin_moment_Nm": [number(x) for x in e.pin_moment],
-        "pin_share": number(e.pin_share),
-        "ball_residual": number(e.ball_residual),
-    }
+#: Forces and moments on the shaft, and what they leave.
+EQUILIBRIUM = (
+    quantity("external_force_N", "applied_force"),
+    quantity("external_moment_Nm", "applied_moment"),
+    quantity("reaction_force_N"),
+    quantity("reaction_moment_Nm"),
+    quantity("contact_force_N"),
+    quantity("contact_moment_Nm"),
+    quantity("force_residual"),
+    quantity("moment_residual"),
+    quantity("pin_force_N"),
+    quantity("pin_moment_Nm"),
+    quantity("pin_share"),
+    quantity("ball_residual"),
+)
+#: How the solution came about; the error of the beam is told by who measured it.
+SOLVER = (
+    quantity("iterations"),
+    quantity("residual"),
+    quantity("seconds"),
+    quantity("unknowns"),
+    quantity("elements"),
+    quantity("evaluations"),
+    quantity("engine"),
+    quantity("formulation"),
+    quantity("round_off_bound"),
+    quantity("discretisation_percent", lambda _: None),
+    quantity("notes"),
+)
 
 
 def _model_form(m: ModelForm | None) -> dict[str, Any] | None:
@@ -118,21 +129,11 @@ def discretisation_percent(scene: Scene, result: StaticResult) -> float | None:
     return number(float(error_percent(change, 0.0, mean_load(result.load, nominal_contacts(scene)))))
 
 
-def solver_json(s: SolverReport, discretisation: float | None = None) -> dict[str, Any]:
-    """How the solution came about; discretisation: error of the beam in per cent of the mean contact load."""
-    return {
-        "iterations": s.iterations,
-        "residual": number(s.residual),
-        "seconds": number(s.seconds),
-        "unknowns": s.unknowns,
-        "elements": s.elements,
-        "evaluations": s.evaluations,
-        "engine": s.engine,
-        "formulation": s.formulation,
-        "round_off_bound": number(s.round_off_bound),
-        "discretisation_percent": discretisation,
-        "notes": list(s.notes),
-    }
+def stiffness_json(station: float | None, status: str, matrix: Array) -> dict[str, Any]:
+    """A stiffness (6, 6) at a station [m]: N/m, N/rad, N m/rad."""
+    rows = [[number(x) for x in row] for row in matrix]
+    at = None if station is None else number(1e3 * station)
+    return {"station_mm": at, "status": status, "freedoms": list(FREEDOMS), "matrix": rows}
 
 
 def as_json(
@@ -168,14 +169,14 @@ def ball_rows(balls: StaticResult) -> list[dict[str, Any]]:
 
 def behind_json(result: Solved, discretisation: float | None = None, worth: ModelForm | None = None) -> dict[str, Any]:
     """What the JSON of one set and of several ends with: centreline, balance, solver, expected error, assumptions,
-    warnings. discretisation: as for `solver_json`."""
+    warnings. discretisation: error of the beam in per cent of the mean contact load."""
     return {
         "centreline": [
             {"z_mm": number(1e3 * z), "ux_um": number(1e6 * u[0]), "uy_um": number(1e6 * u[1]), "uz_um": number(1e6 * u[2])}
             for z, u in zip(result.centreline_z, result.centreline, strict=True)
         ],
-        "equilibrium": equilibrium_json(result.equilibrium),
-        "solver": solver_json(result.solver, discretisation),
+        "equilibrium": record(EQUILIBRIUM, result.equilibrium),
+        "solver": (record(SOLVER, result.solver) or {}) | {"discretisation_percent": discretisation},
         "model_form": _model_form(worth),
         "assumed": list(result.assumed),
         "left_out": list(result.left_out),
@@ -201,11 +202,7 @@ def as_table(
     without a block, model-form error, balance, solver, assumptions and what was left out, else where they are."""
     drawn = f", member {result.member} of its random errors" if scene.errors.random else ""
     title = f"{scene.name}{drawn}, model {result.model}: {result.status}"
-    parts: list[Any] = [title]
-    if line := above(result.warnings):
-        parts += ["", line]
-    if block:
-        parts += ["", block, ""]
+    parts: list[Any] = [title, *first_lines(result, block)]
     if balls and (result.load > 0.0).any():
         error = None if worth is None or worth.percent is None else worth.percent / 100.0
         error = error and error * mean_load(result.load, nominal_contacts(scene))
@@ -217,6 +214,12 @@ def as_table(
     if worth is not None and not block:
         behind.append(model_form_text(worth))
     return [*parts, *last_lines(result, behind, details=details or not block)]
+
+
+def first_lines(result: Solved, block: str) -> list[str]:
+    """The warnings that stand above the answers, and the block of these."""
+    line = above(result.warnings)
+    return [*(["", line] if line else []), *(["", block, ""] if block else [])]
 
 
 def last_lines(result: Solved, behind: Sequence[str], *, details: bool) -> list[str]:
