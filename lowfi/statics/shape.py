@@ -39,7 +39,7 @@ def motions_at(z: Array, nodes: Array, section: BeamSection, motion: Array) -> A
 
 
 def lifted(nodes: Array, fixed: NDArray[np.bool_], prescribed: Array) -> tuple[Array, Array]:
-    """Motions ``(n, 6)`` of the nodes ``(n,)`` [m] that have the ``prescribed`` values where they are ``fixed``, each freedom
+    """Motions ``(n, 6)`` of nodes ``(n,)`` [m] that have the ``prescribed`` values where they are ``fixed``, each freedom
     interpolated along the shaft; and how each element deforms by them ``(n - 1, 6)``: its end against its start, moved
     rigidly."""
     q = np.zeros((nodes.size, 6))
