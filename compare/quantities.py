@@ -99,6 +99,6 @@ def _ready(value: Any, factor: float) -> Any:
     stay."""
     if isinstance(value, Mapping):
         return {key: _ready(inner, factor) for key, inner in value.items()}
-    if isinstance(value, tuple) or getattr(value, "ndim", 0):
+    if isinstance(value, tuple) or getattr(value, "ndim", False):
         return [_ready(inner, factor) for inner in value]
     return value if value is None or isinstance(value, str | int) else number(factor * value)
