@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 from contextlib import suppress
+from math import tau
 
 import pytest
 
@@ -31,7 +32,6 @@ SCENE = "two-balls"
 KILLS = """
 import os, random, signal, sys, time
 from pathlib import Path
-from math import tau
 from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.wings.sweep import run as sweeping, store
