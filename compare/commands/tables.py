@@ -25,6 +25,18 @@ def ruled(title: str, headings: Iterable[str], rows: Iterable[Iterable[str]], le
     return out
 
 
+def plain(headings: Sequence[str], rows: Iterable[Iterable[str]], left: Collection[str] = (), *, apart: int = 1) -> Table:
+    """Texts as a table without rules, ``apart`` columns from one another; for the rest see `ruled`."""
+    from rich.table import Table as Made
+
+    out = Made(box=None, pad_edge=False, padding=(0, apart, 0, 0))
+    for heading in headings:
+        out.add_column(heading, justify="left" if heading in left else "right", no_wrap=True)
+    for row in rows:
+        out.add_row(*row)
+    return out
+
+
 def listed(title: str, columns: Sequence[Column], rows: Iterable[Mapping[str, Any]]) -> Table:
     """Rows as a table with a title and rules; columns: key of the row, heading, format."""
     texts = ([cell(row[name], form) for name, _, form in columns] for row in rows)

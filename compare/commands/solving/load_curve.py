@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +10,7 @@ from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.answers import quick_friction
 from rollbench.comparison.models.loading import CurvePoint, curve
 from rollbench.comparison.models.registry import Options
-from rollbench.comparison.writing import replace_file, write_figure
+from rollbench.comparison.writing import write_csv, write_figure
 from rollbench.lowfi.statics.result import AxisResult
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
@@ -36,11 +34,7 @@ def write_curve(path: Path, scene: Scene | Assembly, model: str, options: Option
         raise InputError("command line", "--curve", str(path), allowed, advice)
     name, over = scene.name, f"axial force on {'shaft and housings' if several else 'the nut'} / kN"
     rows = curve_rows(scene, points, options)
-    text = io.StringIO()
-    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    replace_file(path, text.getvalue())
+    write_csv(path, rows)
     picture = write_figure(path.with_suffix(".svg"), curve_figure(name, rows, over))
     missing = len(FACTORS) - len(rows)
     left = f"; {missing} of {len(FACTORS)} loads without a solution are left out" if missing else ""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rollbench.comparison.commands.tables import plain
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.model_form import ModelForm
 from rollbench.comparison.quantities import number, quantity, record, shown
@@ -21,7 +22,6 @@ from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
-    from rich.table import Table
 
 
 def per_side(row: Array) -> dict[str, float | None]:
@@ -256,45 +256,33 @@ def _balance(e: Equilibrium) -> list[str]:
     return lines
 
 
-def _plain(headings: Sequence[str]) -> Table:
-    """An empty table of right-aligned columns without rules."""
-    from rich.table import Table
-
-    table = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0))
-    for heading in headings:
-        table.add_column(heading, justify="right", no_wrap=True)
-    return table
-
-
 def _ball_table(result: StaticResult, error: float | None) -> RenderableType:
     """Every ball; error [N] to expect of a load."""
     sides = [k for k in range(4) if (result.load[:, k] > 0.0).any()]
-    table = _plain(["ball", "deg", "z mm", *(x for k in sides for x in (f"{SIDES[k]} N", "angle"))])
+    headings, rows = ["ball", "deg", "z mm", *(x for k in sides for x in (f"{SIDES[k]} N", "angle"))], []
     for i in range(result.z.size):
         cells = [str(i + 1), f"{math.degrees(result.azimuth[i]):.1f}", f"{1e3 * result.z[i]:.2f}"]
         for k in sides:
             cells += [shown(result.load[i, k], error), _cell(math.degrees(result.contact_angle[i, k]), ".2f")]
-        table.add_row(*cells)
-    return table
+        rows.append(cells)
+    return plain(headings, rows)
 
 
 def stiffness_lines(tangent: Tangent) -> list[RenderableType]:
     """The stiffness at a section as a table to read, N/um and kN m/rad in their places."""
     if tangent.status != "converged":
         return [f"stiffness at {1e3 * tangent.station:.6g} mm: {tangent.status}"]
-    table = _plain(["", *FREEDOMS])
-    for name, row in zip(FREEDOMS, tangent.matrix, strict=True):
-        table.add_row(name, *(f"{x:.4g}" for x in row))
+    rows = ((name, *(f"{x:.4g}" for x in row)) for name, row in zip(FREEDOMS, tangent.matrix, strict=True))
     head = (
         f"tangent stiffness of the screw's section at {1e3 * tangent.station:.6g} mm against the held nut, without the "
         "screw's supports; forces and moments over displacements and rotations, N, m, rad"
     )
-    return ["", head, table]
+    return ["", head, plain(("", *FREEDOMS), rows)]
 
 
 def _summary_table(result: StaticResult, error: float | None) -> RenderableType:
-    table = _plain(["side", "max N", "min N", "max/min", "loaded", "lost"])
-    for side, row in summary(result.load).items():
-        most, least, ratio = shown(row["max_N"], error), shown(row["min_N"], error), shown(row["ratio"])
-        table.add_row(side, most, least, ratio, str(row["loaded"]), str(row["lost"]))
-    return table
+    rows = (
+        (side, *(shown(row[k], error) for k in ("max_N", "min_N", "ratio")), str(row["loaded"]), str(row["lost"]))
+        for side, row in summary(result.load).items()
+    )
+    return plain(("side", "max N", "min N", "max/min", "loaded", "lost"), rows)
