@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from rollbench.comparison.models.answers import LoadAnswers, load_answers
-from rollbench.comparison.models.loading import Preload, axial_of, scaled
+from rollbench.comparison.models.loading import Preload, along_axis, axial_load, axial_of, scaled
 from rollbench.comparison.models.outside import outside
 from rollbench.comparison.models.registry import Options, run_model
-from rollbench.lowfi.statics.axis.stiffness import asked
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.loads import mean_load
@@ -36,19 +33,6 @@ class AxisAnswers:
     sets: tuple[SetAnswers | None, ...]
     force: float
     displacement: float | None
-
-
-def axial_load(assembly: Assembly) -> float:
-    """Sum of the axial loads [N] on shaft and housings."""
-    return sum(x.force[2] for x in assembly.loads) + sum(h.force[2] for h in assembly.housings)
-
-
-def along_axis(assembly: Assembly, result: AxisResult) -> float:
-    """Axial displacement [m] of what is asked about."""
-    at = asked(assembly)
-    if isinstance(at, str):
-        return next((float(h.motion[2]) for h in result.housings if h.name == at), 0.0)
-    return float(np.interp(at, result.centreline_z, result.centreline[:, 2]))
 
 
 def gather(assembly: Assembly, result: AxisResult) -> AxisAnswers:

@@ -162,6 +162,21 @@ def _root(known: Sequence[tuple[float, float]]) -> float:
     return b + g * (b - a) / (f - g) if f > g else float("inf")
 
 
+def axial_load(assembly: Assembly) -> float:
+    """Sum of the axial loads [N] on shaft and housings."""
+    return sum(x.force[2] for x in assembly.loads) + sum(h.force[2] for h in assembly.housings)
+
+
+def along_axis(assembly: Assembly, result: AxisResult) -> float:
+    """Axial displacement [m] of what is asked about."""
+    from rollbench.lowfi.statics.axis.stiffness import asked  # loads the solver of several sets
+
+    at = asked(assembly)
+    if isinstance(at, str):
+        return next((float(h.motion[2]) for h in result.housings if h.name == at), 0.0)
+    return float(np.interp(at, result.centreline_z, result.centreline[:, 2]))
+
+
 def curve(scene: Scene | Assembly, factors: Sequence[float], model: str, options: Options) -> list[CurvePoint]:
     """The scene at factors on its loads, those that converge; displacements from the one without loads where that does, of
     several sets from the first that does."""
@@ -176,8 +191,6 @@ def curve(scene: Scene | Assembly, factors: Sequence[float], model: str, options
             force, u, first = axial_force(result), axial_displacement(own, result), factor == 0.0
             largest = float(result.load.max())
         elif isinstance(own, Assembly) and isinstance(result, AxisResult):
-            from rollbench.comparison.models.axis_answers import along_axis, axial_load
-
             force, u, first = axial_load(own), along_axis(own, result), not points
             largest = max((float(s.loads.max(initial=0.0)) for s in result.sets), default=0.0)
         start = u if first else start
