@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import io
 import os
 from collections.abc import Mapping, Sequence
@@ -12,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 from rollbench.comparison.errors import InputError
 from rollbench.meshes.leftovers import folder_for_group, for_group, temporary
 from rollbench.meshes.libraries import fault
-from rollbench.reports.cells import harmless
 
 if TYPE_CHECKING:
     from rollbench.reports.records import Figure
@@ -63,6 +61,10 @@ def replace_file(path: Path, text: str) -> None:
 
 def write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
     """Write rows by the names of their columns as CSV, as `replace_file` does; texts so that no program runs them."""
+    import csv
+
+    from rollbench.reports.cells import harmless
+
     text = io.StringIO()
     writer = csv.DictWriter(text, list(dict.fromkeys(name for row in rows for name in row)), lineterminator="\n")
     writer.writeheader()
