@@ -213,8 +213,11 @@ def met_table(found: list[Combined]) -> Table:
 
 def combination_table(found: list[Combined]) -> Table:
     """Every combination."""
-    rows = [_row(c) | {"meets the ratio": "yes" if c.meets() else "no"} for c in found]
-    note = "Keys as in the table before."
+    rows = [
+        _row(c) | {"meets the ratio": "yes" if c.meets() else "no", "text": "against it" if c.against_text else "silent"}
+        for c in found
+    ]
+    note = "Keys as in the table before; combinations that the source's text contradicts are not in that table."
     return Table.of("reconstruction-combinations", f"All {len(found)} combinations of readings", rows, note)
 
 
