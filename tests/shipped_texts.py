@@ -1,4 +1,6 @@
-"""Shared by the tests of scenes: shipped scenes as text, with lines changed, and the names of the axes."""
+"""Shared by the tests of scenes: shipped scenes and those of tests as text, with lines changed; the names of the axes."""
+
+from pathlib import Path
 
 from rollbench.comparison.scenes import catalogue
 from rollbench.meshes.axis import Assembly
@@ -6,6 +8,11 @@ from rollbench.meshes.axis import Assembly
 
 def axis_names():
     return tuple(name for name in catalogue.scene_names() if isinstance(catalogue.shipped(name), Assembly))
+
+
+def own_text(name):
+    """Text of a scene that only tests have."""
+    return (Path(__file__).parent / "scenes" / f"{name}.toml").read_text(encoding="utf-8")
 
 
 def text(name):

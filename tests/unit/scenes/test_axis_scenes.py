@@ -6,7 +6,7 @@ import tomllib
 
 import numpy as np
 import pytest
-from tests.shipped_texts import axis_names
+from tests.shipped_texts import axis_names, own_text
 
 from rollbench.comparison.errors import InputError, SceneError
 from rollbench.comparison.models.registry import AXIS_MODELS, MODELS, Model, run_model
@@ -18,40 +18,7 @@ from rollbench.comparison.scenes.units import show
 from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.parts import Scene
 
-ROLLERS = """
-title = "rollers"
-[material]
-youngs_modulus = "30e6 psi"
-poissons_ratio = 0.3
-[screw]
-length = "12 in"
-outer_diameter = "1.5 in"
-conformity = 0.54
-[heat]
-warming = "10 K"
-expansion = 1e-5
-[[supports]]
-at = "6 in"
-fix = ["ux", "uy", "uz", "rx", "ry", "rz"]
-[[sets]]
-name = "taper"
-thrust = "+z"
-position = "2 in"
-housing = "box"
-[sets.rollers]
-count = 16
-diameter = "0.33 in"
-length = "0.49 in"
-cup_angle = "30.8 deg"
-roller_angle = "4 deg"
-ring_depth = "5 mm"
-[[housings]]
-name = "box"
-at = "2 in"
-fix = ["ux", "uy", "rx", "ry", "rz"]
-springs = { uz = "1e6 lbf/in" }
-force = ["0 N", "0 N", "-100 lbf"]
-"""
+ROLLERS = own_text("rollers")
 
 
 def test_shipped_axes_are_named_apart_from_whole_screws():
