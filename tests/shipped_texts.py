@@ -2,8 +2,13 @@
 
 from pathlib import Path
 
+from tests.load_cases import TEXT
+
 from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.scenes.template import template
 from rollbench.meshes.axis import Assembly
+
+SCENES = Path(__file__).parent / "scenes"
 
 
 def axis_names():
@@ -12,11 +17,15 @@ def axis_names():
 
 def own_text(name):
     """Text of a scene that only tests have."""
-    return (Path(__file__).parent / "scenes" / f"{name}.toml").read_text(encoding="utf-8")
+    return (SCENES / f"{name}.toml").read_text(encoding="utf-8")
 
 
 def text(name):
-    return catalogue.scene_text(name)
+    """Text of a scene: of tests, commented, with load cases, or shipped."""
+    if (SCENES / f"{name}.toml").exists():
+        return own_text(name)
+    others = {"support-bearings": lambda: template(name), "load cases": lambda: TEXT}
+    return others.get(name, lambda: catalogue.scene_text(name))()
 
 
 def changed(name, *changes):

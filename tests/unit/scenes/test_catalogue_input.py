@@ -105,47 +105,6 @@ def test_filling_gives_the_count() -> None:
     assert 5.556e-3 <= apart.min() < 5.556e-3 * (1.0 + 1.0 / full.ball_count), "no ball more would fit"
 
 
-@pytest.mark.parametrize(
-    ("changes", "key", "part"),
-    [
-        ((("count = 32", "count = 32\nfilling = 0.9"),), "balls.filling", "leave one out"),
-        ((("turns = 2", "turns = 1\ncircuits = 2"),), "balls.circuits", "got 2 without circuit_gap"),
-        ((("turns = 2", "turns = 1\ncircuit_gap = 0.5"),), "balls.circuit_gap", "2 or more"),
-        ((("turns = 2", "turns = 1\ncircuits = 3\ncircuit_gap = 0"),), "balls.count", "count = 33"),
-        (
-            (("turns = 2", "turns = 1\ncircuits = 2\ncircuit_gap = 0.1"), ("# [circulation]", "[circulation]")),
-            "circulation",
-            "write circuits = 2",
-        ),
-        ((("count = 32", ""), BALL), "balls.count", "azimuths"),
-        ((("turns = 2", f"{ARCS}\ncircuits = 2"),), "balls.circuits", "1 beside arcs"),
-        ((("turns = 2", f"{ARCS}\ncircuit_gap = 0.5"),), "balls.circuit_gap", "nothing beside arcs"),
-        ((("count = 32", "filling = 0.9"), ("turns = 2", ARCS)), "balls.filling", "write count instead"),
-        (
-            (("[[supports]]", '[preload]\nlead_offset = "5 mm"\n[[supports]]'), *HALVES),
-            "preload.lead_offset",
-            "offsets are micrometres",
-        ),
-        (
-            (("[[supports]]", '[preload]\nlead_offset = "5 um"\nforce = "1 kN"\n[[supports]]'), *HALVES),
-            "preload.force",
-            "leave the others out",
-        ),
-        ((("[[supports]]", "[preload]\n[[supports]]"),), "preload", "one of force, oversize and lead_offset"),
-        (
-            (("[[supports]]", '[preload]\noversize = "5 um"\n[errors.balls]\noversize = "1 um"\n[[supports]]'),),
-            "errors.balls.oversize",
-            "leave one of the two out",
-        ),
-        ((("[[supports]]", '[preload]\noversize = "0.6 mm"\n[[supports]]'),), "screw.groove_radius", "jam"),
-    ],
-)
-def test_contradictions_of_catalogue_keys(changes: tuple[tuple[str, str], ...], key: str, part: str) -> None:
-    error = refused(*changes)
-    assert error.key in (key, key.replace("balls.circuit_gap", "balls.circuits"))
-    assert part in " ".join(error.lines())
-
-
 def test_a_preload_force_is_what_rigid_bodies_press_with() -> None:
     """The screw alone, rigid, without load: the axial force over its left flanks is the one asked for."""
     rigid = ("# [ingredients]", '[ingredients]\nscrew = "rigid"')

@@ -29,39 +29,6 @@ def test_feedback_and_neighbours_are_two_keys():
     assert (plain.feedback, plain.neighbours) == (True, False)
 
 
-BAD = {
-    "range": (("coefficient = 0.06", "coefficient = 2.5"), "friction.coefficient: got 2.5; allowed: 0 to 2"),
-    "no coefficient": (("coefficient = 0.06\n", ""), "friction.coefficient: got nothing"),
-    "coupling": (("nut = 0.07", 'coupling = "screw"'), 'friction.coupling: got "screw"; allowed: "none", "ball"'),
-    "former and new key": (("nut = 0.07", 'coupling = "ball"\nfeedback = true'), "friction.coupling: got both"),
-    "unit": (('"1500 rpm"', '"1500 Hz"'), "motion.speed: got .*rpm"),
-    "at rest": (('"1500 rpm"', '"0 rpm"'), "motion.speed: got .*any angular speed but zero"),
-    "nothing to run over": (("[motion]", "[time]\nsteps = 20\n[motion]"), "time: got .*either angle or duration"),
-    "two ends of a run": (
-        ("[motion]", '[time]\nangle = "1 deg"\nduration = "1 s"\n[motion]'),
-        "time.angle: got both; allowed: either angle or duration",
-    ),
-    "two clearances": (("[motion]", '[circulation]\ngap = "1 mm"\nfilling = 0.5\n[motion]'), "circulation.gap: got both"),
-    "balls too many": (
-        ("[motion]", "[circulation]\nfilling = 1\n[motion]"),
-        "circulation.filling: got 1; allowed: up to 0",
-    ),
-    "a run off the screw": (
-        ("[motion]", '[time]\nangle = "90000 deg"\n[motion]'),
-        "time.angle: got .*the nut on the screw",
-    ),
-    "part": (('turns = "nut"', 'turns = "shaft"'), 'motion.turns: got "shaft"; allowed: "screw", "nut"'),
-}
-
-
-@pytest.mark.parametrize("case", BAD)
-def test_bad_tables_are_refused_in_one_line(case):
-    change, words = BAD[case]
-    with pytest.raises(SceneError, match=words) as caught:
-        mine(change)
-    assert "\n" not in str(caught.value)
-
-
 def test_coefficients_of_both_grooves_stand_for_the_shared_one():
     own = mine(("coefficient = 0.06", "screw = 0.06"))
     assert own.friction == mine().friction
