@@ -91,42 +91,6 @@ def test_sets_take_what_catalogues_print():
     assert scene_file.read(text, "double-nut.toml") == catalogue.shipped("double-nut")
 
 
-BROKEN = {
-    'housing = "box"': ('housing = "bx"', "sets[0].housing", "a name under [[housings]]: box"),
-    'thrust = "+z"': ('thrust = "both"', "sets[0].thrust", '"+z" or "-z"'),
-    'position = "2 in"': ('position = "20 in"', "sets[0].position", "0 mm to 304.8 mm"),
-    'springs = { uz = "1e6 lbf/in" }': ('springs = { uz = "-1 N/um" }', "housings[0].springs.uz", "0 N/m to"),
-    "[[sets]]": ("[[set]]", "set", "sets"),
-    'roller_angle = "4 deg"': ('roller_angle = "20 deg"', "sets[0].rollers.roller_angle", "below half the cup's angle"),
-    "expansion = 1e-5": ("expansion = 1", "heat.expansion", "0 to 0.001"),
-}
-
-
-@pytest.mark.parametrize("line", BROKEN)
-def test_mistakes_are_refused_by_key(line):
-    other, key, allowed = BROKEN[line]
-    with pytest.raises(SceneError) as refused:
-        scene_file.read(ROLLERS.replace(line, other, 1), "rollers.toml")
-    assert refused.value.key == key
-    assert allowed in refused.value.allowed
-
-
-NUT = {
-    "count = 68\nturns = 4.3": ("count = 68", "sets[0].balls.turns"),
-    'offset = "-4 um"': ('preload = "500 N"', "sets[0].preload"),
-    'position = "168 mm"': ('position = "10 mm"', "sets[0].nut.position"),
-    'radius = "3.175 mm"': ('radius = "4.5 mm"', "sets[0].balls.count"),
-}
-
-
-@pytest.mark.parametrize("line", NUT)
-def test_faults_of_a_set_are_named_in_its_table(line):
-    other, key = NUT[line]
-    with pytest.raises(SceneError) as refused:
-        scene_file.read(scene_text("double-nut").replace(line, other, 1), "double-nut.toml")
-    assert refused.value.key.startswith(key.rsplit(".", 1)[0])
-
-
 def test_commands_of_one_set_refuse_several_with_the_reason(command):
     with pytest.raises(SceneError, match="2 sets"):
         catalogue.scene("double-nut")
