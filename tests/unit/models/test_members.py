@@ -180,9 +180,3 @@ def test_distributions_come_first_and_bands_where_asked_for(command):
         _, out, _ = command("solve", *FEW, *more)
         assert 0 < out.index("largest contact") < out.index(told)
         assert ("\n   32    SL" in out) == bool(more)
-
-
-def test_options_of_members_need_members(command):
-    code, _, err = command("solve", "lin-random", "--seed", "7")
-    assert code == 2
-    assert "--members" in err

@@ -91,7 +91,7 @@ def test_sets_take_what_catalogues_print():
     assert scene_file.read(text, "double-nut.toml") == catalogue.shipped("double-nut")
 
 
-def test_commands_of_one_set_refuse_several_with_the_reason(command):
+def test_commands_of_one_set_refuse_several_with_the_reason():
     with pytest.raises(SceneError, match="2 sets"):
         catalogue.scene("double-nut")
     with pytest.raises(InputError, match="mei describes one set: its bars"):
@@ -99,8 +99,6 @@ def test_commands_of_one_set_refuse_several_with_the_reason(command):
     assert AXIS_MODELS == ("refined", "lin", "lin-source-partition", "lin-cell", "lin-nut")
     with pytest.raises(InputError, match="see: rollbench list"):
         run_model(catalogue.shipped("double-nut"), "none")
-    for kind in ("export", "condense"):
-        assert command(kind, "double-nut", *(["screw"] if kind == "export" else [])).code == 2
 
 
 def test_a_model_registered_for_one_set_is_refused_with_a_reason(monkeypatch):
