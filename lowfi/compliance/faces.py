@@ -178,13 +178,7 @@ def less_smooth_beam(flank: Flank, smooth: Tube, section: BeamSection, ends: tup
 
 
 def less_smooth(
-    flank: Flank,
-    smooth: Tube,
-    grid: Grid,
-    cuts: Sequence[int],
-    held_radii: tuple[float, float],
-    finer: Patch,
-    kinds: int,
+    flank: Flank, smooth: Tube, grid: Grid, cuts: Sequence[int], held_radii: tuple[float, float], finer: Patch, kinds: int
 ) -> Array:
     """Motions of the true flanks less those of the smooth body, each by its own patch, as `cut_motions`; kinds: 1 along
     the loads, 2 across them, too."""
