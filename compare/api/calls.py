@@ -209,8 +209,9 @@ def mesh_study(
 ) -> Result:
     """The 3D reference on several mesh levels: what each level gives, observed orders, uncertainty of every contact.
 
-    levels: 1 to this one; unless given, 1 and 3, of which the second is clearly more accurate; spread: modelling choices that are not printed are varied too, on the coarsest level; store:
-    folder of the runs, where those that are missing are computed. Raises InputError, Refusal where no run converged.
+    levels: 1 to this one; unless given, 1 and 3, of which the second is clearly more accurate; spread: modelling choices
+    that are not printed are varied too, on the coarsest level; store: folder of the runs, where those that are missing are
+    computed. Raises InputError, Refusal where no run converged.
     """
     from rollbench.comparison.commands.comparing.study import compute_study, levels_of, named, table_of
     from rollbench.comparison.commands.printing import on_terminal

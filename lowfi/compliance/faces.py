@@ -3,10 +3,13 @@
 The smooth body of revolution ends at the face, but its wide patch does not feel the lip of the groove, nor the grooves
 beside its own. So the true flank with a narrow patch and the smooth body with the wide one are cut at some distances from
 the contact, both clamped well behind it: what their difference gains over that of the last cut is the face's; the last one,
-less the same difference of the beams, is what neighbouring grooves and the surface behind do. A lip also tilts: it turns the
-flank about the contact, which moves the centre of its arc across the load, and with it the contact along the arc. What a
-pressure does along its flank's normals goes through that centre, a force across the load as a moment about the contact; so
-both motions of the centre, along the load and across it, follow from forces on it (`turned`). Grooves are rings, as in
+less the same difference of the beams, is what neighbouring grooves and the surface behind do.
+
+A lip also tilts. It turns the flank about the contact, which moves the centre of its arc across the load, and the contact
+along the arc. All pressure on an arc goes through its centre, so that a force on that across the load is a moment about the
+contact, by pressure that one side of it gains and the other loses (`turned`).
+
+Grooves are rings, as in
 `lowfi.compliance.groove`; at a contact's azimuth the section of the helix is theirs. Stiffness is eliminated along the
 axis, so that one factor of the longest body holds all the shorter ones, each with its face free and held.
 """
@@ -76,9 +79,10 @@ class NearFace:
     gain ``(2, n, 2, 2, f, 2, k)`` [m/N]: by a face, free or held; harmonic around the axis; motion of the flank pressed
     towards the face or of the other one, of its arc's centre along the nominal load or across it (`turned`), by a force on
     either flank (f = 2), or also on those of the groove behind it (4), along or across; distance ``(k,)`` [m] of the face
-    from the middle of the groove. Nothing is gained beyond the last one, and below the first as much as there. A held face
-    has a gain along the loads alone: it turns a flank by a tenth of what a free one does. beside: of the contacts from that middle. far ``(n, 2, f)`` [m/N]: between contacts far from any face;
-    own: what a contact there moves by its own load beyond Hertz and the smooth body, for a narrow patch (`at_size`) [m/N].
+    from the middle of the groove. Nothing is gained beyond the last one, and below the first as much as there. What a held
+    face does across the loads, a tenth of what a free one does, is left out. beside: of the contacts from that middle.
+    far ``(n, 2, f)`` [m/N]: between contacts far from any face; own: what a contact there moves by its own load beyond
+    Hertz and the smooth body, for a narrow patch (`at_size`) [m/N].
     """
 
     distance: Array

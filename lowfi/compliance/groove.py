@@ -93,8 +93,8 @@ def groove_layer(flank: Flank, section: BeamSection) -> Layer:
 
 
 def flank_weights(grid: Grid, line: int, zeta: float, width: float, moment: int = 0) -> tuple[Array, Array]:
-    """Shares ``(k,)`` of a Gaussian patch of arc length around the point at ``zeta`` on the nodes of the grid's surface, and
-    their z; with ``moment`` 1 each times its distance along the arc from that point over the width."""
+    """Shares ``(k,)`` of a Gaussian patch of arc length around the point at ``zeta`` on the nodes of the grid's surface;
+    with ``moment`` 1 each times its distance along the arc from that point over the width. And the z of the nodes."""
     r, z = grid.r[:, line], grid.z[:, line]
     node, weight = np.polynomial.legendre.leggauss(8)
     N, slope = quadratic(node)

@@ -71,8 +71,8 @@ def test_a_lip_is_soft_and_a_clamp_is_stiff(case):
 
 
 def test_a_force_across_is_a_contact_further_along_the_arc(case, monkeypatch):
-    """All forces on an arc go through its centre. So a contact turned about that by a small angle d moves by its own load as
-    C + 2 d C', C' between the motion along the normal and a force across: from patches there, one by one."""
+    """All forces on an arc go through its centre. So a contact turned about that by a small angle d moves by its own load
+    as C + 2 d C', C' between the motion along the normal and a force across: from patches there, one by one."""
     _, flank, _ = case
     m, side, width, d = flank.map, flank.side, NARROW * flank.map.ball, 0.01
     grid, cuts = faces.grooved_grid(flank, faces.BESIDE_FACE.mesh)

@@ -10,6 +10,7 @@ from tests.judging_levels import COUNT, chosen, name_of
 from rollbench.comparison.models import total_uncertainty
 from rollbench.comparison.models.answers import load_answers
 from rollbench.comparison.models.grid_coverage import MANY, coverage, coverage_of, experience, judges, levelled, share_of
+from rollbench.comparison.models.mesh_study import study_table
 from rollbench.comparison.models.modelling import VARIED, combined, varied
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.convergence import observe
@@ -67,6 +68,19 @@ def test_each_advised_level_is_clearly_more_accurate() -> None:
     assert len(held) >= 17
     assert 0.93 <= share_of(held) <= 0.99
     assert min(h.share for h in held if h.contacts >= MANY) >= 0.88
+
+
+def test_displacements_of_the_advised_levels_are_held_too() -> None:
+    """On level 4: each by the change of all; by its own alone 80 % were."""
+    held = []
+    for name, loads in levelled(STUDY).items():
+        if {*ADVISED, 4} <= set(loads):
+            own, finer = (study_table(STUDY.scene(name), STUDY.stores, levels) for levels in (ADVISED, (4,)))
+            limits = {row["quantity"]: row["level 4"] for row in finer}
+            lines = [row for row in own if row["quantity"].startswith("centreline") and row["quantity"] in limits]
+            held += [abs(row["level 3"] - limits[row["quantity"]]) <= row["uncertainty"] for row in lines]
+    assert len(held) > 60
+    assert 0.93 <= np.mean(held) <= 0.99
 
 
 def test_drawn_judges_are_those_of_the_rule() -> None:
