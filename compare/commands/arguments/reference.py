@@ -35,8 +35,8 @@ def mesh_study(
     scenes
         Names of shipped scenes, or scene files; those of the same parts share their meshes.
     levels
-        Levels 1 to this one; unless given, levels 1 and 3, of which the second is clearly more accurate (1 to 3 of scenes of
-        friction). Each is stored when it is done, so an interrupted study resumes.
+        Levels 1 to this one; unless given, levels 1 and 3, of which the second is clearly more accurate (of scenes of
+        friction 1 to 3). Each is stored when it is done, so an interrupted study resumes.
     store
         Folder of the results; the table goes there as CSV, the figure as SVG.
     spread

@@ -98,8 +98,8 @@ def test_a_force_across_is_a_contact_further_along_the_arc(case, monkeypatch):
 
 def test_a_lip_tilts_and_the_contact_leaves_it():
     """25x5, last balls 1.13, 1.29 and 1.45 radii from the free face: 3D (level 1) has contact angles of 46.2, 46.4 and 46.7
-    deg on the flank pressed towards it; without the lip's tilt they were 47.2, 47.0 and 47.0, and the load 3.8 % of the mean
-    too small (116.0 N, of which level 1's mesh may have 2 N too much)."""
+    deg on the flank pressed towards it. Without the lip's tilt they were 47.2, 47.0 and 47.0, and the load 3.9 % of the
+    mean too small (116.0 N, of which level 1's mesh may have 2 N too much)."""
     result = run_model(scene_file.loads(scene_text(SEED, 6), "drawn.toml"), "refined", Options(discretisation=False))
     assert np.degrees(result.contact_angle[[39, 38, 37], 2]) == pytest.approx([46.205, 46.433, 46.653], abs=0.12)
     assert result.load[39] == pytest.approx([50.18, 117.70, 116.04, 45.61], abs=1.0)
