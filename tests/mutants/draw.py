@@ -3,7 +3,8 @@
 As many modules of physics as mutants are drawn, kernels included, and in each one place: a number, an operator, a
 comparison or an index is another. The nearest tests are those that import the module, else those that import what imports
 it, and the golden answers of commands; the one that fails is run again without the mutant. Seconds to minutes each; exit
-code 1 below `GOAL`, 2 where a test fails without a mutant. `RECORD` keeps what became of each: an interrupted run goes on,
+code 1 below `GOAL`, 2 where a test fails without a mutant: the golden answers are tried so before the first one, which also
+makes the machine code that all others use. Mutants of kernels have machine code of their own. `RECORD` keeps what became of each: an interrupted run goes on,
 and survivors are tried again; one that changes no answer is marked there by hand, "equivalent: why".
 """
 
@@ -13,6 +14,7 @@ import ast
 import json
 import random
 import re
+import shutil
 import sys
 import tempfile
 from collections.abc import Iterable, Iterator
@@ -27,12 +29,13 @@ from tests.mutants.run import ROOT, copied, passes
 #: Share of the mutants that the tests are to kill.
 GOAL = 0.95
 RECORD = Path(__file__).parent / "drawn.json"
-#: Seconds of tests after which a mutant has made them endless.
-PATIENCE = 1800.0
+#: Seconds of tests after which a mutant has made them endless, and where all kernels are compiled anew on a busy machine.
+PATIENCE, COMPILING = 900.0, 3600.0
 #: Most files of nearest tests, those that name the module most often.
 NEAREST = 6
 #: Numbers of all kinds of answers, for every module.
 GOLDEN = "tests/golden/test_answers.py"
+EXAMPLES = "tests/unit/commands/test_doctests.py::test_examples[{}]"
 PHYSICS = ("lowfi", "hifi", "meshes", "compare/models", "compare/reference", "compare/gate", "compare/wings/rolling")
 #: What is no physics there: files, processes, stores, text.
 OTHERS = re.compile(
@@ -105,13 +108,13 @@ def importing(path: Path) -> list[Path]:
 
 
 def nearest(path: Path) -> list[str]:
-    """Test files of a module."""
-    found = [path]
+    """Tests of a module: files, and the examples in its docstrings."""
+    found, examples = [path], [EXAMPLES.format(dotted(path))] if ">>> " in path.read_text(encoding="utf-8") else []
     for _ in range(3):
         users = list(dict.fromkeys(user for one in found for user in importing(one)))
         tests = [user for user in users if user.name.startswith("test_") and "survey" not in user.name]
         if tests:
-            return [*(test.relative_to(ROOT).as_posix() for test in tests[:NEAREST]), GOLDEN]
+            return [*(test.relative_to(ROOT).as_posix() for test in tests[:NEAREST]), *examples, GOLDEN]
         found = users
     return []
 
@@ -138,13 +141,15 @@ class Mutant:
         text = self.path.read_text(encoding="utf-8")
         copy = folder / self.path.relative_to(ROOT)
         copy.write_text(text[: self.low] + self.new + text[self.high :], encoding="utf-8")
+        own_code = folder / "machine-code" if "kernel" in self.path.parts else None
         try:
-            if passes(nearest(self.path), folder, PATIENCE):
+            if passes(nearest(self.path), folder, COMPILING if own_code else PATIENCE, own_code):
                 return True
         except (RuntimeError, TimeoutExpired):  # not even imported, or without an end
             return False
         finally:
             copy.write_text(text, encoding="utf-8")
+            shutil.rmtree(folder / "machine-code", ignore_errors=True)
         if not passes(["--lf", *nearest(self.path)], folder):
             raise RuntimeError(f"{self.name}: its tests fail without it")
         return False
@@ -182,6 +187,9 @@ def main(seed: int, count: int) -> int:
     found = {mutant.name: before.get(mutant.name, "") for mutant in drawn}
     with tempfile.TemporaryDirectory() as temporary:
         folder = copied(Path(temporary))
+        if not passes([GOLDEN], folder):
+            print(f"{GOLDEN} fails without a mutant", file=sys.stderr)
+            return 2
         for mutant in drawn:
             if found[mutant.name] in ("", "survives"):
                 try:
