@@ -2,10 +2,11 @@
 
 As many modules of physics as mutants are drawn, kernels included, and in each one place: a number, an operator, a
 comparison or an index is another. The nearest tests are those that import the module, else those that import what imports
-it, and the golden answers of commands; the one that fails is run again without the mutant. Seconds to minutes each; exit
-code 1 below `GOAL`, 2 where a test fails without a mutant: the golden answers are tried so before the first one, which also
-makes the machine code that all others use. Mutants of kernels have machine code of their own. `RECORD` keeps what became of each: an interrupted run goes on,
-and survivors are tried again; one that changes no answer is marked there by hand, "equivalent: why".
+it, the examples in its docstrings, and the golden answers of commands; the one that fails is run again without the mutant.
+Before the first mutant the golden answers are tried, which also makes the machine code that all use; mutants of kernels
+have machine code of their own. Seconds to minutes each; exit code 1 below `GOAL`, 2 where a test fails without a mutant.
+`RECORD` keeps what became of each: an interrupted run goes on, and survivors are tried again; one that changes no answer
+is marked there by hand, "equivalent: why".
 """
 
 from __future__ import annotations

@@ -155,11 +155,11 @@ def make_report(
 ) -> Answer:
     """Run, draw and write the report; exit code 1 where the live check does not agree.
 
-    quick: the coarsest meshes of two cases and the sections that they change; stored: the runs that come with the package; store: folder in which
-    computed runs are kept, so that an interrupted report goes on; fresh: compute them even if it holds them; everything:
-    the costly sections too, and the present version is added to the history in ``store``; against: an earlier report, to
-    list what moved. The models' run times are those kept, measured anew with ``fresh`` and where the section of run times
-    is named. Raises InputError for a bad section name or folder.
+    quick: the coarsest meshes of two cases and the sections that rest on them; stored: the runs that come with the package;
+    store: folder in which computed runs are kept, so that an interrupted report goes on; fresh: compute them even if it
+    holds them; everything: the costly sections too, and the present version is added to the history in ``store``; against:
+    an earlier report, to list what moved. The models' run times are those kept, measured anew with ``fresh`` and where the
+    section of run times is named. Raises InputError for a bad section name or folder.
     """
     need_packages("matplotlib", "scikit-fem")
     before = None if against is None else report_moved.tables(against)

@@ -54,7 +54,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
             "rolling-verification",
             "Contacts with known answers on three grids",
             [_proof(p) for p in proof],
-            "No order where an error is no smaller than on the grid before: it follows where cells lie, or is what is left.",
+            "No order where an error is no smaller than on the grid before: it follows where cells lie.",
         ),
         Table.of(
             "rolling-pairs",
