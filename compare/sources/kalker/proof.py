@@ -94,8 +94,8 @@ class Proof:
 
     @property
     def order(self) -> float | None:
-        """Observed order of the errors from the first grid to the last; None where one is round-off or no smaller than on the
-        grid before: such errors follow where cells lie."""
+        """Observed order of the errors from the first grid to the last; None where the last is round-off, or one is no
+        smaller than on the grid before: such errors follow where cells lie."""
         errors = np.abs(np.array(self.values) - self.exact)
         if self.finer is None or not errors[-1] > 1e-12 * abs(self.exact) or (np.diff(errors) >= 0.0).any():
             return None
