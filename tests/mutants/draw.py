@@ -15,7 +15,6 @@ import ast
 import json
 import random
 import re
-import shutil
 import sys
 import tempfile
 from collections.abc import Iterable, Iterator
@@ -30,8 +29,12 @@ from tests.mutants.run import ROOT, copied, passes
 #: Share of the mutants that the tests are to kill.
 GOAL = 0.95
 RECORD = Path(__file__).parent / "drawn.json"
-#: Seconds of tests after which a mutant has made them endless, and where all kernels are compiled anew on a busy machine.
-PATIENCE, COMPILING = 900.0, 3600.0
+#: Seconds of tests after which a mutant has made them endless; where all kernels are compiled anew; of kernels as Python.
+PATIENCE, COMPILING, PLAIN = 900.0, 3600.0, 120.0
+#: Environment variable of the folder of machine code, see `lowfi.jit`.
+CODE = "NUMBA_CACHE_DIR"
+#: Options for the tests that need no compiled kernels.
+SHORT = ("-m", "not survey and not wings and not installs and not compiles and not slow")
 #: Most files of nearest tests, those that name the module most often.
 NEAREST = 6
 #: Numbers of all kinds of answers, for every module.
@@ -137,23 +140,39 @@ class Mutant:
         file, what = self.path.relative_to(ROOT).as_posix(), text.splitlines()[line - 1].strip()
         return f"{file}:{line}: {text[self.low : self.high]} to {self.new}: {what}"
 
-    def survives(self, folder: Path) -> bool:
-        """Whether the nearest tests pass in a copy that holds it. Raises RuntimeError where they fail without it."""
+    def tried(self, tests: list[str], folder: Path, patience: float, **environment: str) -> str:
+        """What tests do in a copy that holds it: "pass", "fail", "run on", or "fail without it"."""
         text = self.path.read_text(encoding="utf-8")
         copy = folder / self.path.relative_to(ROOT)
         copy.write_text(text[: self.low] + self.new + text[self.high :], encoding="utf-8")
-        own_code = folder / "machine-code" if "kernel" in self.path.parts else None
         try:
-            if passes(nearest(self.path), folder, COMPILING if own_code else PATIENCE, own_code):
-                return True
-        except (RuntimeError, TimeoutExpired):  # not even imported, or without an end
-            return False
+            if passes(tests, folder, patience, **environment):
+                return "pass"
+        except RuntimeError:  # not even imported
+            return "fail"
+        except TimeoutExpired:
+            return "run on"
         finally:
             copy.write_text(text, encoding="utf-8")
-            shutil.rmtree(folder / "machine-code", ignore_errors=True)
-        if not passes(["--lf", *nearest(self.path)], folder):
-            raise RuntimeError(f"{self.name}: its tests fail without it")
-        return False
+        again = {
+            name: word for name, word in environment.items() if name != CODE
+        }  # the user's is of the sources without it
+        return "fail" if passes(["--lf", *tests], folder, **again) else "fail without it"
+
+    def survives(self, folder: Path) -> bool:
+        """Whether the nearest tests pass in a copy that holds it; a kernel's short ones are tried as plain Python first,
+        and its machine code is kept apart. Raises RuntimeError where tests fail without it."""
+        tests = nearest(self.path)
+        if "kernel" not in self.path.parts:
+            found = self.tried(tests, folder, PATIENCE)
+        elif self.tried([*SHORT, *tests[:-1]], folder, PLAIN, NUMBA_DISABLE_JIT="1") == "fail":
+            return False
+        else:
+            with tempfile.TemporaryDirectory() as code:
+                found = self.tried(tests, folder, COMPILING, **{CODE: code})
+        if found == "fail without it":
+            raise RuntimeError(f"{self.name}: its tests {found}")
+        return found == "pass"
 
 
 def draw(seed: int, count: int) -> Iterator[Mutant]:

@@ -43,9 +43,8 @@ def copied(folder: Path) -> Path:
     return folder
 
 
-def passes(tests: Sequence[str], folder: Path, patience: float | None = None, code: Path | None = None) -> bool:
-    """Whether tests pass in the copy, with machine code in the user's folder or in ``code``: mutants of kernels would drop
-    what the user's holds. No test has a limit of time of its own, because the first one compiles kernels.
+def passes(tests: Sequence[str], folder: Path, patience: float | None = None, **environment: str) -> bool:
+    """Whether tests pass in the copy; none has a limit of time of its own, because the first one compiles kernels.
 
     Raises RuntimeError where they do not run, TimeoutExpired after ``patience`` [s].
     """
@@ -53,7 +52,7 @@ def passes(tests: Sequence[str], folder: Path, patience: float | None = None, co
     done = subprocess.run(
         [sys.executable, "-P", "-m", "pytest", "-n", "0", "-x", "-q", "--timeout", "0", *tests],
         cwd=folder,
-        env={**os.environ, **own, **({"NUMBA_CACHE_DIR": str(code)} if code else {})},
+        env={**os.environ, **own, **environment},
         stdin=subprocess.DEVNULL,
         capture_output=True,
         text=True,
