@@ -154,9 +154,7 @@ class Mutant:
             return "run on"
         finally:
             copy.write_text(text, encoding="utf-8")
-        again = {
-            name: word for name, word in environment.items() if name != CODE
-        }  # the user's has no mutant
+        again = {name: word for name, word in environment.items() if name != CODE}  # the user's has no mutant
         return "fail" if passes(["--lf", *tests], folder, **again) else "fail without it"
 
     def survives(self, folder: Path) -> bool:
