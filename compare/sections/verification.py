@@ -185,10 +185,12 @@ def figure(found: Sequence[Level], job: str) -> Figure:
         f"verification-{job}",
         f"Job {job}, {WHAT[job]}: size of the error",
         panels,
-        caption="Error against the closed form; a curve dips where its error changes sign. Errors below 0.001 % are "
-        "drawn there. Pressures at single nodes of 4-node tetrahedra scatter with the mesh; errors of the fitted ones, "
-        "in the table, fall steadily from b/h = 4 on. Time includes mesh, assembly, factorisation, one solution for "
-        "each contact node, and contact.",
+        caption=(
+            "Error against the closed form; a curve dips where its error changes sign. Errors below 0.001 % are "
+            "drawn at that value. Pressures at single nodes of 4-node tetrahedra scatter with the mesh; errors "
+            "of the fitted ones (see the table) decrease steadily from b/h = 4 on. Time includes mesh, "
+            "assembly, factorisation, one solution per contact node, and contact."
+        ),
     )
 
 
@@ -226,18 +228,23 @@ def drawn(found: Sequence[Level]) -> Section:
         (
             Text(
                 (
-                    f"A ball of radius {1e3 * BALL:g} mm (E = {1e-9 * job.young:g} GPa, nu = {job.poisson:g}, both bodies "
-                    f"elastic) is pressed with {job.load:g} N on a flat (job A) and into a groove of radius "
-                    f"{1e3 * GROOVE:g} mm, convex along it with {1e3 * ALONG:g} mm (job B). "
-                    "One elastic body is modelled and its compliance doubled; a quarter by symmetry. The cut faces of "
-                    "the block move as in the half space (Boussinesq), so that the approach can be compared: held, "
-                    "they would shift it.",
-                    "h is the edge of the cells along the short semi-axis b. Semi-axes are those of the ellipsoid with "
-                    "the load and second moments of the nodal forces; the pole pressure is the nodal force over its "
-                    "area at the pole, not the largest nodal value; the fitted one is that of the ellipsoid. On "
-                    "10-node tetrahedra only midside nodes may touch, because a uniform pressure puts no force on "
-                    f"corners. The source's mesh is {1e3 * SOURCE_FINE:g} mm within a sphere of "
-                    f"{1e3 * SOURCE_RADIUS:g} mm (its size is not printed), up to {1e3 * SOURCE_COARSE:g} mm outside.",
+                    (
+                        f"A ball of radius {1000.0 * BALL:g} mm (E = {1e-09 * job.young:g} GPa, nu = "
+                        f"{job.poisson:g}, both bodies elastic) is pressed with {job.load:g} N on a flat (job A) "
+                        f"and into a groove of radius {1000.0 * GROOVE:g} mm that is convex along its length "
+                        f"with {1000.0 * ALONG:g} mm (job B). One elastic body is modelled, a quarter by "
+                        "symmetry, and its compliance is doubled. The cut faces of the block move as in the "
+                        "half space (Boussinesq); if they were held, the approach would be shifted."
+                    ),
+                    (
+                        "h is the cell edge along the short semi-axis b. Semi-axes are those of the ellipsoid "
+                        "with the same load and second moments as the nodal forces. The pole pressure is the "
+                        "nodal force over its area at the pole, not the largest nodal value; the fitted one is "
+                        "that of the ellipsoid. On 10-node tetrahedra only mid-side nodes may touch, because a "
+                        "uniform pressure puts no force on corner nodes. The source's mesh is "
+                        f"{1000.0 * SOURCE_FINE:g} mm within a sphere of {1000.0 * SOURCE_RADIUS:g} mm (its size "
+                        f"is not printed) and up to {1000.0 * SOURCE_COARSE:g} mm outside."
+                    ),
                 )
             ),
             Text(verdict(found), bullets=True),

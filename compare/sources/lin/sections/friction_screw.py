@@ -33,7 +33,7 @@ from rollbench.reports.records import Quantity, Section, Table, Text
 TABLES = ("lin-3.6", "lin-3.7", "lin-3.4.4", "lin-4.2", "lin-4.3")
 NOTES = {
     "lin-3.7": "Open: the load state behind the numbers is not printed, and the text as it stands gives others.",
-    "lin-3.4.4": "Held against the band of the assumptions' results; the right value is that of theta = 3 deg.",
+    "lin-3.4.4": "Compared with the band that the assumptions give; the right value is that of theta = 3 deg.",
 }
 
 
@@ -79,13 +79,12 @@ def run_table() -> Table:
     )
     largest, at, none_at = (entry("lin-3.4.4", key).printed for key in ("largest", "largest_at", "none_at"))
     note = (
-        f"Printed: {largest} % at {at}°, no contact at {none_at}°, four groups. The third row is the same run by root "
-        "finding as in "
-        "the source, where neighbours touch if they are near and close in when alone (3.77): overlapping balls that "
-        "part count as free, and fewer forces are found. Below these rows one assumption at a time "
-        f"is changed from theta = 3°, {lin_3_4_4().force[0]:g} N, {oversize_text()} oversize, loads not coupled, over one "
-        "turn of the nut in steps of "
-        "7.2°. A run that loses no contact within that turn has no entry there."
+        f"Printed: {largest} % at {at}°, no contact at {none_at}°, four groups. The third row is the same "
+        "run by root finding as in the source, where neighbours touch if they are near and approach when "
+        "alone (3.77): overlapping balls that separate count as free, and fewer forces are found. The rows "
+        f"below change one assumption at a time from theta = 3°, {lin_3_4_4().force[0]:g} N, "
+        f"{oversize_text()} oversize, loads not coupled, over one turn of the nut in steps of 7.2°. A run "
+        "that loses no contact within that turn has no entry there."
     )
     return Table("friction-run-sensitivity", "Whole screw: what the assumptions change", columns, run_rows(), note)
 
@@ -119,8 +118,9 @@ def onset_table(study: Study) -> Table:
         Quantity("status", "status", "", "s"),
     )
     note = (
-        "Screw of Table 4.1, errors of 5 µm, 1000 N, evenly spread balls at the speeds of the moment. The conclusion "
-        "of 4.3.2 rests on lost balls being slow: where they roll along at the nominal velocity it is gone."
+        "Screw of Table 4.1, errors of 5 µm, 1000 N, evenly spaced balls at their instantaneous speeds. The "
+        "conclusion of 4.3.2 depends on unloaded balls being slow: if they roll along at the nominal speed "
+        "it no longer holds."
     )
     return Table(
         "friction-onset", "Pitch against roundness error: when balls meet (4.3.2)", columns, onset_rows(study), note
@@ -139,14 +139,14 @@ def _of_the_pair(pairs: Table) -> str:
         " and ".join(f"{100.0 + float(row[f'error_{case}'] or 0.0):.0f} %" for case in THETA) for row in (loose, coupled)
     )
     return (
-        f"The source does not print the load state of the pair in 3.4.3. As the text stands (no oversize, "
-        f"{plain().force[0]:g} N along the axis) one diagonal carries nearly all: {part} of the printed forces "
-        "(cases a and "
-        f"b), {more} where friction moves the balls and loads a third contact. Printed force and increase together imply "
-        f"{implied_contact_load():.0f} N of contact load a ball, against {float(coupled['load_a'] or 0.0):.0f} N; "
-        f"{oversize_text()} of oversize would give {float(rows[oversized()]['load_a'] or 0.0):.0f} N. The plain "
-        "reading is held against the printed numbers; the inferred one is shown with it, labelled so, because its oversize "
-        "was inferred from these numbers."
+        "The source does not print the load state of the pair in 3.4.3. Read literally (no oversize, "
+        f"{plain().force[0]:g} N along the axis), one diagonal carries nearly all: {part} of the printed "
+        f"forces (cases a and b), {more} where friction moves the balls and loads a third contact. Printed "
+        f"force and increase together imply a contact load of {implied_contact_load():.0f} N per ball, "
+        f"against {float(coupled['load_a'] or 0.0):.0f} N here; {oversize_text()} of oversize would give "
+        f"{float(rows[oversized()]['load_a'] or 0.0):.0f} N. The literal reading is compared with the "
+        "printed numbers; the inferred one is shown with it and labelled so, because its oversize was "
+        "inferred from these numbers."
     )
 
 
@@ -160,12 +160,11 @@ def _of_the_run(runs: Table) -> str:
     )
     ratio = float(source["largest"] or 0.0) / float(own[-1]["largest"] or np.nan)
     return (
-        "The run of 3.4.4 needs the amplitude, phase and pattern of theta, oversize, start and return tube too: all are "
-        f"assumptions, varied below. Printed are {at}° for the largest torque and {none_at}° for the end of contact; "
-        f"{found}. "
-        f"The source's rule of what touches gives {ratio:.2f} of the largest torque ratio that complementarity gives "
-        "at the "
-        "same theta, with balls that overlap, which may be why the printed ratio is smaller; it does not bring the angles."
+        "The run of 3.4.4 also needs amplitude, phase and pattern of theta, oversize, start and return "
+        f"tube: all are assumptions, varied below. Printed are {at}° for the largest torque and {none_at}° "
+        f"for the end of contact; {found}. With the source's rule for contact between balls the largest "
+        f"torque ratio is {ratio:.2f} of the one by complementarity at the same theta, with balls that "
+        "overlap. This may be why the printed ratio is smaller; it does not explain the angles."
     )
 
 
