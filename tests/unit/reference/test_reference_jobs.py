@@ -37,7 +37,7 @@ def test_a_task_without_its_bodies_is_missing(tmp_path: Path) -> None:
 
 
 def test_a_run_of_several_sets_adds_up_what_they_took(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Unknowns and seconds of each set-up once, however many sets share it; memory with that of the largest helpers."""
+    """Unknowns of every set, seconds of each set-up once however many share it, memory with that of the largest helpers."""
     monkeypatch.setattr(computing, "peak_MB", lambda: 100.0)
     monkeypatch.setattr(computing, "recorded", lambda _: {})
 
