@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag
 from threadpoolctl import ThreadpoolController
 
 from rollbench.lowfi.compliance.bodies import BallCompliance, WholeBody, ball_compliance, body_compliance, whole_body
@@ -143,7 +142,8 @@ def positive(G: Array, normals: Array, tangent: float) -> tuple[Array, Array, fl
     lam, V = np.linalg.eigh(G)
     lacks = np.einsum("ia,iajb,jb->ij", normals, ((V * np.minimum(lam, 0.0)) @ V.T).reshape(lent.size, 2, -1, 2), normals)
     lent = np.minimum(np.abs(lacks).sum(axis=1), LENT * tangent)
-    G = G + block_diag(*(lent[:, None, None] * normals[:, :, None] * normals[:, None, :]))
+    each, G = np.arange(lent.size), G.copy()
+    G.reshape(lent.size, 2, lent.size, 2)[each, :, each] += lent[:, None, None] * normals[:, :, None] * normals[:, None, :]
     if _is_positive(G):
         return G, lent, 0.0
     lam, V = np.linalg.eigh(G)

@@ -93,3 +93,19 @@ def principal(rows: Array) -> tuple[Array, Array]:
     no more of them than there are columns, and nothing grows as their square."""
     _, size, vt = np.linalg.svd(np.linalg.qr(rows, mode="r"))
     return np.asarray(size), np.asarray(vt)
+
+
+def pivots(rows: Array) -> list[int]:
+    """As many columns of rows ``(k, m)`` as these have rank, each the one with most beyond those before it: as QR with
+    column pivoting takes them."""
+    rest, found = rows.copy(), []
+    for _ in range(min(rows.shape)):
+        sizes = (rest * rest).sum(axis=0)
+        k = int(sizes.argmax())
+        if sizes[k] == 0.0:
+            break
+        found.append(k)
+        along = rest[:, k] / np.sqrt(sizes[k])
+        rest -= np.outer(along, along @ rest)
+        rest[:, found] = 0.0
+    return found

@@ -15,7 +15,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
 
 from rollbench.lowfi.compliance.imported import Condensed
 from rollbench.lowfi.compliance.parts import REFINED, Backend
@@ -102,7 +101,7 @@ def _condensed(solved: Elastic, clamped: Elastic, station: float) -> Array:
         by_clamp = by_clamp.reshape(N, 2, 2, 6)[:, solved.pair[0]].reshape(2 * N, 6)
     A += screw @ bodies.first @ screw.T
     moved = screw @ by_clamp
-    K = moved.T @ cho_solve(cho_factor(A), moved)
+    K = moved.T @ np.linalg.solve(A, moved)
     return np.asarray(0.5 * (K + K.T))
 
 
