@@ -106,7 +106,7 @@ def complete_integrals(k: Array) -> tuple[Array, Array, Array]:
     >>> [round(float(x), 12) for x in complete_integrals(np.array(1.0))]
     [1.570796326795, 2.356194490192, 2.356194490192]
     """
-    a, g, term, total = np.ones_like(k), k, 0.5, np.zeros_like(k)
+    a, g, term, total = np.ones_like(k), k, np.full_like(k, 0.5), np.zeros_like(k)
     for _ in range(MEANS):
         term = 0.5 * term * (a - g) / (a + g)
         total = total + term

@@ -10,19 +10,16 @@ import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from pydantic import ValidationError
-
 from rollbench.comparison.errors import SceneError, escaped
 from rollbench.comparison.registration import kinds
 from rollbench.comparison.scenes.body_checks import contact_faults, geometry_faults
 from rollbench.comparison.scenes.fault import Fault
 from rollbench.comparison.scenes.key_checks import choice_faults
 from rollbench.comparison.scenes.load_cases import DutyCycle, case_faults, duty_cycle, of_case
-from rollbench.comparison.scenes.mending import validated
+from rollbench.comparison.scenes.mending import sound, validated
 from rollbench.comparison.scenes.names import AXIS, WHOLE
-from rollbench.comparison.scenes.preload import preloaded
 from rollbench.comparison.scenes.records import scene_of
-from rollbench.comparison.scenes.refusal import refusal, refuse, refuse_keys, spoken
+from rollbench.comparison.scenes.refusal import refusal, refuse, spoken
 from rollbench.comparison.scenes.schema import SceneKeys
 from rollbench.comparison.scenes.units import show
 from rollbench.meshes.axis import Assembly
@@ -111,10 +108,7 @@ def read_tables(raw: dict[str, Any], origin: str) -> Described:
     from rollbench.comparison.scenes.kinds import kind_named
 
     of = kind_named(kind)
-    try:
-        keys = of.keys.model_validate(raw)
-    except ValidationError as error:
-        refuse_keys(origin, of.keys, error)
+    keys = sound(raw, of.keys, origin)
     refuse(origin, raw, list(of.faults(keys)))
     return of.record(keys, escaped(Path(origin).stem))
 
@@ -128,10 +122,7 @@ def _read_axis(raw: dict[str, Any], origin: str) -> Scene | Assembly | DutyCycle
 def _axis_keys(raw: dict[str, Any], origin: str) -> AxisKeys:
     from rollbench.comparison.scenes.axis_schema import AxisKeys
 
-    try:
-        return AxisKeys.model_validate(raw)
-    except ValidationError as error:
-        refuse_keys(origin, AxisKeys, error)
+    return sound(raw, AxisKeys, origin)
 
 
 def kind_of(scene: Described) -> str:
@@ -149,10 +140,7 @@ def keys_of(raw: dict[str, Any], origin: str) -> SceneKeys | AxisKeys:
     """
     if "sets" in raw or raw.get("kind") == AXIS:
         return _axis_keys(raw, origin)
-    try:
-        return SceneKeys.model_validate(raw)
-    except ValidationError as error:
-        refuse_keys(origin, SceneKeys, error)
+    return sound(raw, SceneKeys, origin)
 
 
 def of_tables(raw: dict[str, Any], origin: str) -> Scene | DutyCycle:
@@ -172,6 +160,8 @@ def of_tables(raw: dict[str, Any], origin: str) -> Scene | DutyCycle:
     if said:
         raise refusal(origin, said)
     if keys.preload is not None:
+        from rollbench.comparison.scenes.preload import preloaded
+
         scene = preloaded(scene, keys.preload)
         refuse(origin, raw, _body_faults(scene))
     scene = as_one_arc(scene)

@@ -13,22 +13,26 @@ takes it between the screw's node and the nut's, and adds its own shaft and bear
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rollbench.lowfi.compliance.imported import Condensed
 from rollbench.lowfi.compliance.parts import REFINED, Backend
 from rollbench.lowfi.statics.again import solved_system
-from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild, one_thread
+from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild
 from rollbench.lowfi.statics.kernel.elastic_balls import ball_rows
 from rollbench.lowfi.statics.problem import Problem
 from rollbench.lowfi.statics.selection import all_sides
 from rollbench.lowfi.statics.shaft import rows_of
 from rollbench.lowfi.statics.shape import rigid_transport
+from rollbench.lowfi.threads import one_thread
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import FREEDOMS, Scene, Support
+
+if TYPE_CHECKING:
+    from rollbench.lowfi.compliance.imported import Condensed
 
 
 @dataclass(frozen=True)

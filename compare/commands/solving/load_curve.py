@@ -57,8 +57,8 @@ def curve_rows(scene: Scene, points: list[CurvePoint], options: Options) -> list
         slope = 1.0 / np.gradient(moved, force)
     rows = []
     for p, k in zip(points, slope, strict=True):
-        state, _ = quick_friction(scene, p.result, options) if p.largest > 0.0 else (None, "")
-        torque = None if state is None else 1e3 * state.torque.friction
+        friction, _ = quick_friction(scene, p.result, options) if p.largest > 0.0 else (None, "")
+        torque = None if friction is None else friction["friction_torque_Nmm"]
         stiffness = 1e-6 * float(k) if np.isfinite(k) else None
         values = (p.factor, p.force, 1e6 * p.displacement, stiffness, p.largest, torque)
         rows.append(dict(zip(COLUMNS, values, strict=True)))

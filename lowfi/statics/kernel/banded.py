@@ -102,13 +102,14 @@ def _block_factor(band: Array) -> bool:
 
 def _block_substitute(band: Array, b: Array) -> None:  # one column, or several
     on, below = _blocks(band)
+    inverse = np.linalg.inv(on)  # of all blocks at once
     whole = np.zeros((on.shape[0] * on.shape[1], *b.shape[1:]))
     whole[: len(b)] = b
     x = whole.reshape(*on.shape[:2], b.size // len(b))
     for k in range(len(on)):
-        x[k] = np.linalg.solve(on[k], x[k] - below[k - 1] @ x[k - 1] if k else x[k])
+        x[k] = inverse[k] @ (x[k] - below[k - 1] @ x[k - 1] if k else x[k])
     for k in range(len(on) - 1, -1, -1):
-        x[k] = np.linalg.solve(on[k].T, x[k] - below[k].T @ x[k + 1] if k + 1 < len(on) else x[k])
+        x[k] = inverse[k].T @ (x[k] - below[k].T @ x[k + 1] if k + 1 < len(on) else x[k])
     b[:] = whole[: len(b)]
 
 

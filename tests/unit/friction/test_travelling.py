@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw
 
-from rollbench.lowfi.compliance.bodies import REFINED, contact_frames, whole_body
-from rollbench.lowfi.statics.again import APART, WINDOW, Travelling
+from rollbench.lowfi.compliance.between import contact_frames
+from rollbench.lowfi.compliance.bodies import whole_body
+from rollbench.lowfi.compliance.parts import REFINED
+from rollbench.lowfi.statics.travelling import APART, WINDOW, Travelling
 from rollbench.meshes.helix import ball_layout, layout_at, reduced_lead
 
 SCENE = small_screw(6, 1.2, force=(0.0, 0.0, 400.0))
