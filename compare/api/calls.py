@@ -12,8 +12,8 @@ from rollbench.comparison.api.results import Friction, Judged, Result, Solution
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.registration import needed
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.load_cases import DutyCycle, cases_by_name
-from rollbench.comparison.scenes.scene_file import Described, each_case, solvable
+from rollbench.comparison.scenes.duty_cycle import Described, DutyCycle, cases_by_name
+from rollbench.comparison.scenes.scene_file import each_case, solvable
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene

@@ -32,7 +32,7 @@ from rollbench.comparison.reference.grid_summary import uncertainty_percent
 from rollbench.comparison.reference.store import path_in, shipped_store
 from rollbench.comparison.registration import offered
 from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.scenes.load_cases import DutyCycle
+from rollbench.comparison.scenes.duty_cycle import DutyCycle
 from rollbench.comparison.sections.applicability import range_figure, range_table
 from rollbench.comparison.sections.loaded_screw import loaded_screw
 from rollbench.comparison.sections.sketch import sketch_of

@@ -13,7 +13,7 @@ from rollbench.comparison.commands.wrapping import aligned
 from rollbench.comparison.models.load_cases import Solved, SolvedAxis
 from rollbench.comparison.models.together import Lives, Together
 from rollbench.comparison.quantities import number, quantity, record
-from rollbench.comparison.scenes.load_cases import DutyCycle, LoadCase
+from rollbench.comparison.scenes.duty_cycle import DutyCycle, LoadCase
 from rollbench.lowfi.statics.tangent import Tangent
 
 #: What the cases of a duty cycle say together.

@@ -15,7 +15,7 @@ from rollbench.comparison.models.answers import tangent_of
 from rollbench.comparison.models.load_cases import Solved, SolvedAxis, solve_any
 from rollbench.comparison.models.registry import Options, default_model
 from rollbench.comparison.scenes import catalogue, units
-from rollbench.comparison.scenes.load_cases import DutyCycle
+from rollbench.comparison.scenes.duty_cycle import DutyCycle
 from rollbench.comparison.scenes.scene_file import each_case
 from rollbench.comparison.watch import checked, watched
 from rollbench.lowfi.statics.result import StaticResult

@@ -13,7 +13,7 @@ from rollbench.comparison.models.loading import preload, scaled, solve_scaled
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.models.together import cycle_life, loads_of
 from rollbench.comparison.registration import offered
-from rollbench.comparison.scenes.load_cases import DutyCycle
+from rollbench.comparison.scenes.duty_cycle import DutyCycle
 from rollbench.lowfi.rating.life import life
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force
 from rollbench.lowfi.statics.nominal import nominal_contacts
