@@ -101,7 +101,8 @@ def of_tables(raw: dict[str, Any], origin: str) -> Scene | DutyCycle:
     if not keys.cases:
         return scene
     cycle = duty_cycle(scene, keys.cases)
-    refuse(origin, raw, [of_case(f, k) for k, case in enumerate(cycle.cases) for f in _body_faults(case.scene)])
+    each = (case.scene for case in cycle.cases if isinstance(case.scene, Scene))
+    refuse(origin, raw, [of_case(fault, k) for k, one in enumerate(each) for fault in _body_faults(one)])
     return cycle
 
 

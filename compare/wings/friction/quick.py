@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from math import pi
 from typing import Any
 
-from rollbench.comparison.models.answers import ONE_TURN
 from rollbench.comparison.models.registry import Options
 from rollbench.comparison.scenes.fault import TOLERANCE, Fault, mm
 from rollbench.comparison.wings.friction.sums import sums
@@ -17,7 +17,7 @@ from rollbench.meshes.kept import kept
 from rollbench.meshes.parts import Friction, Motion, Scene
 
 #: Where a scene does not say how fast it turns.
-DRIVE = Motion(ONE_TURN)
+DRIVE = Motion(2.0 * pi)
 _kept_torque = kept(ScrewTorque)(torque_of)
 
 
