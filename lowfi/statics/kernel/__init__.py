@@ -21,6 +21,7 @@ KERNELS = {
     "newton": ("evaluate", "solve_beam", "start_and_solve"),
     "rollers": ("roller_forces",),
 }
+__all__ = [name for names in KERNELS.values() for name in names]
 
 
 def __getattr__(name: str) -> Any:

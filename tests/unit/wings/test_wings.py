@@ -74,7 +74,7 @@ def test_a_solve_loads_no_wing_whose_answer_it_does_not_print(tmp_path):
 
 
 def test_a_solve_of_known_parts_loads_no_more_than_it_needs(tmp_path):
-    """Lines of code of the project, less docstrings, comments and blanks; the second solve finds what the first one kept."""
+    """Lines of code without docstrings, comments and blanks; the second solve finds what the first one kept."""
     code = (
         "import atexit, sys\nfrom rollbench.comparison.cli import main\n"
         "names = lambda: [m.__file__ for n, m in sys.modules.items() if n[:4] == 'roll' and m.__file__]\n"
