@@ -211,7 +211,7 @@ def _binomial_quantile(p: float, trials: int, chance: float) -> int:
     k = np.arange(first, min(trials, int(mean + reach)))
     grown = np.append(0.0, np.cumsum(np.log((trials - k) / (k + 1.0) * chance / (1.0 - chance))))
     below = np.cumsum(np.exp(grown - grown.max()))
-    return first + int(np.searchsorted(below, p * below[-1]))
+    return first + int(np.searchsorted(below, (1.0 - 1e-12) * p * below[-1]))  # less the round-off of the sum
 
 
 def statistics(values: Array) -> dict[str, Any] | None:
