@@ -204,9 +204,9 @@ class _Sums:
 def _binomial_quantile(p: float, trials: int, chance: float) -> int:
     """Least count that a binomial variable stays below or at with a probability of ``p``.
 
-    Sums the probabilities within twelve deviations of the mean; scipy.special has this too, but takes long to import.
+    Sums the probabilities within fifteen deviations of the mean; scipy.special has this too, but takes long to import.
     """
-    mean, reach = trials * chance, 12.0 * (1.0 + np.sqrt(trials * chance * (1.0 - chance)))
+    mean, reach = trials * chance, 15.0 * (1.0 + np.sqrt(trials * chance * (1.0 - chance)))
     first = max(0, int(mean - reach))
     k = np.arange(first, min(trials, int(mean + reach)))
     grown = np.append(0.0, np.cumsum(np.log((trials - k) / (k + 1.0) * chance / (1.0 - chance))))
