@@ -185,15 +185,6 @@ def _shown(point: TimePoint, family: str) -> bool:
     return point.status == "converged" and off(point) > 0.0 and named(point.label)[1] == family
 
 
-def seconds(value: float) -> str:
-    """Run time for reading.
-
-    >>> seconds(1.234), seconds(43.2), seconds(600.0)
-    ('1.2 s', '43 s', '10 min')
-    """
-    return f"{value / 60.0:.2g} min" if value >= 100.0 else f"{value:.0f} s" if value >= 10.0 else f"{value:.2g} s"
-
-
 def answer(points: Mapping[str, Sequence[TimePoint]], bars: Sequence[float], total: float | None = None) -> str:
     """At most 40 words: largest error of the models that stand for their kind, and how well the reference is known; total:
     its largest total uncertainty [%], modelling choices and input included."""

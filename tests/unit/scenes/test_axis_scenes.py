@@ -6,9 +6,8 @@ import tomllib
 
 import numpy as np
 import pytest
-from tests.shipped_texts import axis_names
+from tests.shipped_texts import axis_names, own_text
 
-from rollbench.comparison.cli import main
 from rollbench.comparison.errors import InputError, SceneError
 from rollbench.comparison.models.registry import AXIS_MODELS, MODELS, Model, run_model
 from rollbench.comparison.scenes import catalogue, scene_file
@@ -19,40 +18,7 @@ from rollbench.comparison.scenes.units import show
 from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.parts import Scene
 
-ROLLERS = """
-title = "rollers"
-[material]
-youngs_modulus = "30e6 psi"
-poissons_ratio = 0.3
-[screw]
-length = "12 in"
-outer_diameter = "1.5 in"
-conformity = 0.54
-[heat]
-warming = "10 K"
-expansion = 1e-5
-[[supports]]
-at = "6 in"
-fix = ["ux", "uy", "uz", "rx", "ry", "rz"]
-[[sets]]
-name = "taper"
-thrust = "+z"
-position = "2 in"
-housing = "box"
-[sets.rollers]
-count = 16
-diameter = "0.33 in"
-length = "0.49 in"
-cup_angle = "30.8 deg"
-roller_angle = "4 deg"
-ring_depth = "5 mm"
-[[housings]]
-name = "box"
-at = "2 in"
-fix = ["ux", "uy", "rx", "ry", "rz"]
-springs = { uz = "1e6 lbf/in" }
-force = ["0 N", "0 N", "-100 lbf"]
-"""
+ROLLERS = own_text("rollers")
 
 
 def test_shipped_axes_are_named_apart_from_whole_screws():
@@ -125,42 +91,6 @@ def test_sets_take_what_catalogues_print():
     assert scene_file.read(text, "double-nut.toml") == catalogue.shipped("double-nut")
 
 
-BROKEN = {
-    'housing = "box"': ('housing = "bx"', "sets[0].housing", "a name under [[housings]]: box"),
-    'thrust = "+z"': ('thrust = "both"', "sets[0].thrust", '"+z" or "-z"'),
-    'position = "2 in"': ('position = "20 in"', "sets[0].position", "0 mm to 304.8 mm"),
-    'springs = { uz = "1e6 lbf/in" }': ('springs = { uz = "-1 N/um" }', "housings[0].springs.uz", "0 N/m to"),
-    "[[sets]]": ("[[set]]", "set", "sets"),
-    'roller_angle = "4 deg"': ('roller_angle = "20 deg"', "sets[0].rollers.roller_angle", "below half the cup's angle"),
-    "expansion = 1e-5": ("expansion = 1", "heat.expansion", "0 to 0.001"),
-}
-
-
-@pytest.mark.parametrize("line", BROKEN)
-def test_mistakes_are_refused_by_key(line):
-    other, key, allowed = BROKEN[line]
-    with pytest.raises(SceneError) as refused:
-        scene_file.read(ROLLERS.replace(line, other, 1), "rollers.toml")
-    assert refused.value.key == key
-    assert allowed in refused.value.allowed
-
-
-NUT = {
-    "count = 68\nturns = 4.3": ("count = 68", "sets[0].balls.turns"),
-    'offset = "-4 um"': ('preload = "500 N"', "sets[0].preload"),
-    'position = "168 mm"': ('position = "10 mm"', "sets[0].nut.position"),
-    'radius = "3.175 mm"': ('radius = "4.5 mm"', "sets[0].balls.count"),
-}
-
-
-@pytest.mark.parametrize("line", NUT)
-def test_faults_of_a_set_are_named_in_its_table(line):
-    other, key = NUT[line]
-    with pytest.raises(SceneError) as refused:
-        scene_file.read(scene_text("double-nut").replace(line, other, 1), "double-nut.toml")
-    assert refused.value.key.startswith(key.rsplit(".", 1)[0])
-
-
 def test_commands_of_one_set_refuse_several_with_the_reason():
     with pytest.raises(SceneError, match="2 sets"):
         catalogue.scene("double-nut")
@@ -169,10 +99,6 @@ def test_commands_of_one_set_refuse_several_with_the_reason():
     assert AXIS_MODELS == ("refined", "lin", "lin-source-partition", "lin-cell", "lin-nut")
     with pytest.raises(InputError, match="see: rollbench list"):
         run_model(catalogue.shipped("double-nut"), "none")
-    for kind in ("export", "condense"):
-        with pytest.raises(SystemExit) as stopped:
-            main([kind, "double-nut", *(["screw"] if kind == "export" else [])])
-        assert stopped.value.code == 2
 
 
 def test_a_model_registered_for_one_set_is_refused_with_a_reason(monkeypatch):
@@ -196,16 +122,9 @@ def small(tmp_path_factory):
     return path
 
 
-def command(capsys, *tokens):
-    """Exit code, output and errors of a command."""
-    with pytest.raises(SystemExit) as stopped:
-        main([str(t) for t in tokens])
-    return stopped.value.code, *capsys.readouterr()
-
-
-def test_result_has_the_keys_of_one_set(capsys, small):
-    _, single, _ = command(capsys, "solve", "two-balls", "--model", "lin", "--json")
-    code, several, _ = command(capsys, "solve", small, "--model", "lin", "--json")
+def test_result_has_the_keys_of_one_set(command, small):
+    _, single, _ = command("solve", "two-balls", "--model", "lin", "--json")
+    code, several, _ = command("solve", small, "--model", "lin", "--json")
     assert code == 0
     one, two = json.loads(single), json.loads(several)
     assert set(one) <= set(two)
@@ -223,9 +142,9 @@ def test_result_has_the_keys_of_one_set(capsys, small):
     assert axial["lost_motion_um_per_100N"] == pytest.approx(200.0 / axial["tangent_N_per_um"], rel=1e-9)
 
 
-def test_tables_files_and_stations_of_several_sets(capsys, small, tmp_path):
+def test_tables_files_and_stations_of_several_sets(command, small, tmp_path):
     files = "--curve", tmp_path / "c.csv", "--stiffness-at", "100 mm", "--matrix", tmp_path / "k.mtx"
-    code, out, _ = command(capsys, "solve", small, "--model", "lin", *files)
+    code, out, _ = command("solve", small, "--model", "lin", *files)
     assert code == 0
     assert "angle deg" not in out
     assert "shaft at 100 mm" in out
@@ -240,7 +159,7 @@ def test_tables_files_and_stations_of_several_sets(capsys, small, tmp_path):
     compliance = np.linalg.inv(_matrix(tmp_path / "k.mtx"))
     assert slope == pytest.approx(1e-6 / compliance[2, 2], rel=2e-3)
     assert float(given["stiffness_N_per_um"]) == pytest.approx(1e-6 * _matrix(tmp_path / "k.mtx")[2, 2], rel=1e-9)
-    code, out, _ = command(capsys, "solve", small, "--model", "lin-nut", "--balls")
+    code, out, _ = command("solve", small, "--model", "lin-nut", "--balls")
     assert code == 0
     assert "angle deg" in out
 
@@ -251,12 +170,12 @@ def _matrix(path):
     return np.asarray(mmread(path))
 
 
-def test_commands_work_or_say_why_not(capsys, small, tmp_path):
-    code, out, _ = command(capsys, "check", small, "--no-compute", "--model", "lin")
+def test_commands_work_or_say_why_not(command, small, tmp_path):
+    code, out, _ = command("check", small, "--no-compute", "--model", "lin")
     assert "NOT COVERED: two, lin: no stored run of its 3D reference, and none is to be computed" in out
     assert code == 4
     vary = "--vary", "sets[0].offset=-6 um:-2 um", "--samples", "2", "--model", "lin", "--out", tmp_path / "s"
-    code, _, _ = command(capsys, "sweep", small, *vary)
+    code, _, _ = command("sweep", small, *vary)
     assert code == 0
     with (tmp_path / "s" / "samples.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
@@ -272,21 +191,20 @@ def test_commands_work_or_say_why_not(capsys, small, tmp_path):
         (("solve", small, "--stiffness-at", "9 m"), "0 mm to"),
     )
     for tokens, why in refused:
-        code, _, said = command(capsys, *tokens)
+        code, _, said = command(*tokens)
         assert code == 2
         assert why in said
         assert len(said.splitlines()) == 1
 
 
-def test_solve_and_friction_begin_rows_with_their_set(capsys, small):
+def test_solve_and_friction_begin_rows_with_their_set(command, small):
     for word in ("solve", "friction"):
-        code, out, _ = command(capsys, word, small, "--model", "lin", "--json")
+        code, data = command.json(word, small, "--model", "lin", "--json")
         assert code == 0
-        data = json.loads(out)
         assert [next(iter(row)) for row in data["balls"]] == ["set"] * 16
         assert [(row["set"], row["index"]) for row in data["balls"]][8] == (2, 1)
         assert [s["name"] for s in data["sets"]] == ["nut 1", "nut 2"]
     total = sum(s["friction_torque_Nmm"] for s in data["sets"])
     assert data["torque"]["friction_torque_Nmm"] == pytest.approx(total, rel=1e-12)
-    _, out, _ = command(capsys, "solve", small, "--model", "lin")
+    _, out, _ = command("solve", small, "--model", "lin")
     assert "tangent stiffness of the whole, shaft at 0 mm" in out

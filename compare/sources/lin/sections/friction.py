@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from math import degrees
 
 import numpy as np
@@ -29,7 +30,7 @@ from rollbench.comparison.sources.lin.extremes.printed_cases import pair_rows, r
 from rollbench.lowfi.friction.bearing.rotary import SIDES, Solution, Sweep, sweep
 from rollbench.lowfi.friction.linear.pair import PairMaps, maps
 from rollbench.meshes.arrays import Array
-from rollbench.reports.records import Figure, Panel, Quantity, Section, Series, Table, Text
+from rollbench.reports.records import Figure, Panel, Section, Series, Table, Text
 
 # --- tables
 
@@ -57,19 +58,8 @@ def table_of(study: Study, name: str) -> Table:
 
 def balance_table() -> Table:
     """Cases I to III: torque, power in and out, contacts at rest, by three sets of assumptions."""
-    rows = balance_rows()
-    columns = (
-        Quantity("case", "case", "", "s"),
-        Quantity("model", "model", "", "s"),
-        Quantity("force", "sum of forces", "N", ".3f"),
-        Quantity("torque", "friction's moment on the ring", "N mm", ".4f"),
-        Quantity("input", "power in", "W", ".6f"),
-        Quantity("loss", "dissipation", "W", ".6f"),
-        Quantity("balance", "power in against dissipation", "%", ".1e"),
-        Quantity("rest", "contacts at rest", "", "s"),
-        Quantity("status", "status", "", "s"),
-    )
-    worst = max(rows, key=lambda row: abs(float(row["balance"] or 0.0)))
+    table = Table.of("friction-balance", "Rotary bearing: balance of power", balance_rows())
+    worst = max(table.rows, key=lambda row: abs(float(row["balance"] or 0.0)))
     more = float(error_percent(float(worst["loss"] or 0.0), float(worst["input"] or 0.0)))
     note = (
         "The source takes its torque from the dissipation (3.21); interpolation between its maps shifts "
@@ -77,25 +67,15 @@ def balance_table() -> Table:
         "sigmoid moves a contact that is at rest under Coulomb friction: the sum of the losses stays, their "
         "distribution over the contacts does not."
     )
-    return Table("friction-balance", "Rotary bearing: balance of power", columns, rows, note)
+    return replace(table, note=note)
 
 
 def sensitivity_table() -> Table:
     """The linear pair under each assumption on loads and on friction between the balls."""
     printed = entry("lin-3.5", "a_force_numerical")
-    rows, target = sensitivity_rows(), printed.value or 0.0
-    columns = (
-        Quantity("loads", "loads", "", "s"),
-        Quantity("mu", "friction between balls", "", "g2"),
-        Quantity("eps1", "ε₁, θ = 2°", "%", ".3f"),
-        Quantity("eps2", "ε₂, θ = 2°", "%", ".3f"),
-        Quantity("force", "force, θ = 2°", "N", ".3f"),
-        Quantity("error", f"against the printed {printed.printed} N", "%", ".2f"),
-        Quantity("ratio", "total over baseline, θ = 3°", "%", ".1f"),
-        Quantity("increase", "increase of all losses, θ = 3°", "%", ".1f"),
-        Quantity("status", "status", "", "s"),
-    )
-    forces = [float(row["force"] or 0.0) for row in rows]
+    table = Table.of("friction-sensitivity", "Linear pair: what the load assumption changes", sensitivity_rows())
+    target = printed.value or 0.0
+    forces = [float(row["force"] or 0.0) for row in table.rows]
     inside = "lies within" if min(forces) <= target <= max(forces) else "lies outside"
     deviations = " and ".join(f"{entry('lin-3.4', f'a_eps{k}_numerical').printed} %" for k in (1, 2))
     note = (
@@ -104,7 +84,7 @@ def sensitivity_table() -> Table:
         f"The printed force of {printed.printed} N {inside} the range of the assumptions, {min(forces):.2f} to "
         f"{max(forces):.2f} N; Table 3.4 prints deviations of {deviations} for the same case."
     )
-    return Table("friction-sensitivity", "Linear pair: what the load assumption changes", columns, rows, note)
+    return replace(table, note=note)
 
 
 # --- stability
@@ -112,33 +92,18 @@ def sensitivity_table() -> Table:
 
 def stability_table() -> Table:
     """Summary of the linear pair's extremes."""
-    columns = (
-        Quantity("group", "what is varied", "", "s"),
-        Quantity("cases", "cases", "", "s"),
-        Quantity("solved", "solved from three starts", "", "s"),
-        Quantity("residual", "largest residual", "", "g2"),
-        Quantity("energy", "relative excess of power in over dissipation", "", "g2"),
-        Quantity("spread", "spread of the force over the starts", "", "g2"),
-    )
     note = "Elastic loads; residual and spread over the largest friction bound of a ball."
-    return Table("friction-stability", "Linear pair: extreme cases", columns, pair_rows(), note)
+    return Table.of("friction-stability", "Linear pair: extreme cases", pair_rows(), note)
 
 
 def root_table() -> Table:
     """Root finding as printed against least dissipation."""
-    columns = (
-        Quantity("case", "case", "", "s"),
-        Quantity("sharpness", "k_S", "", "g3"),
-        Quantity("near", "root finding, starts within 1 % of the solution", "", "s"),
-        Quantity("far", "root finding, starts within 50 %", "", "s"),
-        Quantity("ours", "least dissipation, starts within 50 %", "", "s"),
-    )
     note = (
         "At the loads as printed, sigmoid without maps; each of the three unknowns starts off at random. "
         "Least dissipation succeeds only if its loss is the one minimum; it uses Coulomb friction whatever "
         "k_S is."
     )
-    return Table("friction-roots", "Rotary bearing: starts from which the motion is found", columns, root_rows(), note)
+    return Table.of("friction-roots", "Rotary bearing: starts from which the motion is found", root_rows(), note)
 
 
 # --- figures
