@@ -74,6 +74,13 @@ class Command:
         said = self(*words)
         return said.code, json.loads(said.out)
 
+    def refused(self, *words: object) -> str:
+        """The one line on standard error of a command that refuses its input: exit status 2, nothing on standard output."""
+        code, out, err = self(*words)
+        assert (code, out, err.count("\n")) == (2, "", 1), err
+        assert err.startswith("rollbench: ")
+        return err
+
 
 @pytest.fixture
 def command(capsys: pytest.CaptureFixture[str]) -> Command:

@@ -31,15 +31,6 @@ def bodies():
     return CondensedBodies(geometry_digest(scene), 1, np.arange(4.0), 0.3, one, one, small, line, force, np.full(4, 1e-7))
 
 
-def refused(command, *words):
-    """The one line on standard error of a command that refuses its input."""
-    code, out, err = command(*words)
-    assert (code, out) == (2, "")
-    assert err.count("\n") == 1
-    assert err.startswith("rollbench: ")
-    return err
-
-
 def changed(name, value):
     return replace(bodies(), **{name: value})
 
@@ -73,7 +64,7 @@ def test_bodies_that_no_part_has_are_refused(how, tmp_path, command):
     path = tmp_path / "x.npz"
     with np.errstate(all="ignore"):
         BODIES[how]().save(path)
-    refused(command, "solve", SCENE, "--condensed", str(path))
+    command.refused("solve", SCENE, "--condensed", str(path))
 
 
 def test_good_bodies_are_read(tmp_path):
@@ -91,14 +82,14 @@ def rewritten(path, **members):
 
 def test_a_changed_number_does_not_fit_the_checksum(tmp_path, command):
     rewritten(tmp_path / "x.npz", screw=bodies().screw * 1.001)
-    assert "checksum" in refused(command, "solve", SCENE, "--condensed", str(tmp_path / "x.npz"))
+    assert "checksum" in command.refused("solve", SCENE, "--condensed", str(tmp_path / "x.npz"))
 
 
 @pytest.mark.parametrize("value", [np.array("text"), np.array([b"x"]), np.zeros((2, 2, 2)), np.array([], dtype=complex)])
 @pytest.mark.parametrize("name", ["format", "level", "screw", "geometry", "sides"])
 def test_arrays_of_another_kind_are_refused(name, value, tmp_path, command):
     rewritten(tmp_path / "x.npz", **{name: value})
-    refused(command, "solve", SCENE, "--condensed", str(tmp_path / "x.npz"))
+    command.refused("solve", SCENE, "--condensed", str(tmp_path / "x.npz"))
 
 
 def test_damaged_bytes_are_refused(tmp_path, command):
@@ -116,7 +107,7 @@ def test_damaged_bytes_are_refused(tmp_path, command):
             continue
         assert all(np.array_equal(a, b) for a, b in zip(asdict(found).values(), asdict(bodies()).values(), strict=True))
     path.write_bytes(whole[: len(whole) // 2])
-    refused(command, "solve", SCENE, "--condensed", str(path))
+    command.refused("solve", SCENE, "--condensed", str(path))
 
 
 @pytest.mark.parametrize("place", ["PACKED", "HEAD", "_array", "checksum"])
@@ -161,13 +152,13 @@ def test_a_small_file_that_declares_a_huge_one_is_refused(tmp_path, command, mon
     head = "{'descr': '<f8', 'fortran_order': False, 'shape': (1000000000, 1000000000), }".ljust(117) + "\n"
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("screw.npy", b"\x93NUMPY\x01\x00" + struct.pack("<H", len(head)) + head.encode())
-    assert "larger than it is" in refused(command, "solve", SCENE, "--condensed", str(path))
+    assert "larger than it is" in command.refused("solve", SCENE, "--condensed", str(path))
     monkeypatch.setattr(condensed, "LARGEST_FILE", 1_000_000)
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         np.lib.format.write_array(member := io.BytesIO(), np.zeros(130_000))
         archive.writestr("screw.npy", member.getvalue())
     assert path.stat().st_size < 10_000
-    assert "declares" in refused(command, "solve", SCENE, "--condensed", str(path))
+    assert "declares" in command.refused("solve", SCENE, "--condensed", str(path))
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
@@ -175,13 +166,13 @@ def test_a_small_file_that_declares_a_huge_one_is_refused(tmp_path, command, mon
 def test_a_pipe_is_no_file(words, tmp_path, command):
     path = tmp_path / "pipe.toml"
     os.mkfifo(path)
-    refused(command, *(w.format(path) for w in words))
+    command.refused(*(w.format(path) for w in words))
 
 
 def test_devices_are_no_files(command):
     if not os.path.exists("/dev/zero"):
         pytest.skip("needs the device /dev/zero")
-    refused(command, "solve", "/dev/zero")
+    command.refused("solve", "/dev/zero")
 
 
 def test_a_pipe_without_a_name_is_no_file(command):
@@ -189,7 +180,7 @@ def test_a_pipe_without_a_name_is_no_file(command):
     if not os.path.exists(f"/dev/fd/{reading}"):
         pytest.skip("needs the folder /dev/fd")
     try:
-        refused(command, "solve", f"/dev/fd/{reading}")
+        command.refused("solve", f"/dev/fd/{reading}")
     finally:
         os.close(reading)
         os.close(writing)
@@ -217,7 +208,7 @@ def test_a_stored_run_fits_its_checksum(tmp_path):
 def test_a_key_of_very_many_parts_is_refused_at_once(key, tmp_path, command):
     path = tmp_path / "x.toml"
     path.write_text(f"title = 'a'\n{key} = 1\n")
-    said = refused(command, "solve", str(path))
+    said = command.refused("solve", str(path))
     assert "line 2" in said
     assert "a key of up to 32 parts" in said
 
@@ -244,19 +235,19 @@ PAGES = {
 @pytest.mark.parametrize("how", PAGES)
 def test_pages_that_no_report_wrote_are_refused(how, tmp_path, command):
     (tmp_path / "x.html").write_text(PAGES[how])
-    assert "a page with a manifest" in refused(command, "verify", str(tmp_path / "x.html"))
+    assert "a page with a manifest" in command.refused("verify", str(tmp_path / "x.html"))
 
 
 @pytest.mark.parametrize("text", ["[" * 100_000, '{"inputs": "a", "files": {}}', '{"inputs": {}, "files": {"a": 1}}'])
 def test_manifests_that_no_report_wrote_are_refused(text, tmp_path, command):
     (tmp_path / "manifest.json").write_text(text)
-    refused(command, "verify", str(tmp_path))
+    command.refused("verify", str(tmp_path))
 
 
 def test_pages_are_regular_files(tmp_path, command):
     os.mkfifo(tmp_path / "pipe")
     for path in (tmp_path / "pipe", "/dev/zero"):
-        assert "a pipe, a device or a folder" in refused(command, "verify", str(path))
+        assert "a pipe, a device or a folder" in command.refused("verify", str(path))
     with open(tmp_path / "large.html", "wb") as file:
         file.truncate(10**12)
-    assert "pages have at most" in refused(command, "verify", str(tmp_path / "large.html"))
+    assert "pages have at most" in command.refused("verify", str(tmp_path / "large.html"))

@@ -11,7 +11,5 @@ REFUSED = tomllib.loads(Path(__file__).with_name("refused.toml").read_text(encod
 
 @pytest.mark.parametrize(("line", "words"), [(line, words) for line, *words in REFUSED])
 def test_a_refused_command_line_says_why_in_one_line(command, line: str, words: list[str]) -> None:
-    code, out, err = command(*shlex.split(line))
-    assert (code, out, err.count("\n")) == (2, "", 1)
-    assert [word for word in words if word not in err] == []
-    assert "Traceback" not in err
+    said = command.refused(*shlex.split(line))
+    assert [word for word in words if word not in said] == []

@@ -171,9 +171,7 @@ def test_a_page_whose_folder_cannot_be_made_is_refused_before_any_work(tmp_path,
     (tmp_path / "file").write_text("")
     monkeypatch.setattr(scene_page, "page_of", lambda *_: pytest.fail("work was done"))
     for words in (["two-balls"], ["--only", "overview"]):
-        code, _, err = command("report", *words, "--out", tmp_path / "file" / "page")
-        assert code == 2
-        assert "Not a directory" in err
+        assert "Not a directory" in command.refused("report", *words, "--out", tmp_path / "file" / "page")
 
 
 def test_the_tree_s_state_is_read_before_a_report_writes_into_it(tmp_path, monkeypatch):

@@ -126,8 +126,7 @@ def test_rows_that_are_not_there_are_one_line(command, tmp_path: Path, change: t
     path = written(tmp_path)
     file = Path(loads_of(command, tmp_path, path))
     file.write_text(file.read_text().replace(*change))
-    code, _, said = command("check", path, "--reference", file)
-    assert (code, words in said, said.count("\n")) == (2, True, 1), said
+    assert words in command.refused("check", path, "--reference", file)
 
 
 @pytest.mark.parametrize(
@@ -140,8 +139,7 @@ def test_rows_that_are_not_there_are_one_line(command, tmp_path: Path, change: t
     ],
 )
 def test_what_a_case_of_several_sets_cannot_have_is_one_line(command, tmp_path: Path, more: str, words: str) -> None:
-    code, _, said = command("solve", written(tmp_path, PARTS + CASES + more))
-    assert (code, words in said, said.count("\n")) == (2, True, 1), said
+    assert words in command.refused("solve", written(tmp_path, PARTS + CASES + more))
 
 
 def test_friction_report_and_sweep(command, tmp_path: Path) -> None:
@@ -149,9 +147,7 @@ def test_friction_report_and_sweep(command, tmp_path: Path) -> None:
     torques = [one["torque"]["friction_torque_Nmm"] for one in found["cases"]]
     assert code == 0
     assert found["summary"]["mean_friction_torque_Nmm"] == pytest.approx(0.7 * torques[0] + 0.3 * torques[1])
-    code, _, said = command("report", written(tmp_path), "--out", tmp_path / "page")
-    assert code == 2
-    assert "one nut or ring" in said
+    assert "one nut or ring" in command.refused("report", written(tmp_path), "--out", tmp_path / "page")
     vary = ["sets[0].offset=-4 um,-5 um"]
     swept = rollbench.sweep(written(tmp_path), vary, samples=2, method="grid", model="lin", out=tmp_path / "sweep")
     assert swept["converged"] == 2
