@@ -119,6 +119,15 @@ def test_the_dropped_twist_turns_supports_and_moves_no_load() -> None:
     assert 0.0 < np.abs(a - b).max() < 2e-5 * a.max()
 
 
+def test_the_dropped_twist_of_a_hollow_screw_is_that_of_a_tube() -> None:
+    """EA of a ring and GJ of a tube, whose radii count to the second and fourth power."""
+    core, bore = 16.5e-3 - 3.254e-3, 12e-3
+    scene = replace(CASE1, screw=replace(CASE1.screw, bore=bore))
+    flexible = [dict(twisted(s).supports[0].fixed)["rz"] for s in (scene, CASE1)]
+    share = bore / (2.0 * core)
+    assert flexible[0] / flexible[1] == pytest.approx(((1.0 - share**2) * (1.0 - share**4)) ** -0.5, rel=1e-9)
+
+
 def test_choices_add_by_the_root_of_squares_contact_by_contact() -> None:
     base = loads()
 
