@@ -182,12 +182,6 @@ def test_distributions_come_first_and_bands_where_asked_for(command):
         assert ("\n   32    SL" in out) == bool(more)
 
 
-def test_options_of_members_need_members(command):
-    code, _, err = command("solve", "lin-random", "--seed", "7")
-    assert code == 2
-    assert "--members" in err
-
-
 def test_quantiles_of_a_binomial_variable_are_scipys():
     for trials in (2, 20, 99, 1000, 300_000):
         for chance in LEVELS:
