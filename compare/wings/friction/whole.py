@@ -17,7 +17,7 @@ from rollbench.comparison.models.outside import outside
 from rollbench.comparison.models.registry import DEFAULT, Options, run_model
 from rollbench.comparison.quantities import number
 from rollbench.comparison.scenes.scene_file import kind_of
-from rollbench.comparison.wings.friction.answer import FrictionAnswer
+from rollbench.comparison.wings.friction.answer import FrictionAnswer, balance
 from rollbench.comparison.wings.friction.band import Solved, band, band_lines, feedback_warnings, play, play_warning
 from rollbench.comparison.wings.friction.output import (
     BALL_COLUMNS,
@@ -32,6 +32,7 @@ from rollbench.comparison.wings.friction.output import (
     neighbour_data,
     slip_warnings,
     slip_words,
+    solver_line,
     sums,
     warnings_of,
 )
@@ -234,13 +235,8 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
             "between_balls_W": number(0.0 if state.neighbours is None else state.neighbours.power),
             "heathcote_percent": number(100.0 * slip),
         },
-        "energy": {
-            "input_power_W": number(e.input_power),
-            "loss_W": number(e.power),
-            "balance_W": number(e.input_power - e.power),
-            "axial_load_power_W": number(e.load * e.ratio * e.speed),
-            "torque_power_W": number(e.on_screw * e.speed),
-        },
+        "energy": balance(e.input_power, e.power)
+        | {"axial_load_power_W": number(e.load * e.ratio * e.speed), "torque_power_W": number(e.on_screw * e.speed)},
         "feedback": {
             "friction_torque_without_Nmm": number(1e3 * state.bare.friction),
             "unsettled_balls": len(state.unsettled),
@@ -276,6 +272,7 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
         tables.append(("over the coefficient of friction", mu_columns(kind_of(scene)), over))
     every = [("per ball", BALL_COLUMNS, flat_rows(rows))] if state.loaded else []
     lines = [*lines_of(motion, state, (drag.torque, drag.reason or drag.note)), *(band_lines(wide) if state.loaded else ())]
+    lines.append(solver_line(result.solver.residual, state.balls.left))
     if e.friction and slip <= WIDE:
         lines.append(("slip", "contacts are not flat: " + slip_words(slip)))
     return FrictionAnswer(data, tables, lines, good, every)
