@@ -95,9 +95,10 @@ def shown(value: float, error: float | None = None, digits: int = 4) -> str:
 
 
 def _ready(value: Any, factor: float) -> Any:
-    """A value in its unit: numbers by ``factor``, also those of a mapping or tuple; words, truth values and counts stay."""
+    """A value in its unit: numbers by ``factor``, also those of a mapping, tuple or array; words, truth values and counts
+    stay."""
     if isinstance(value, Mapping):
         return {key: _ready(inner, factor) for key, inner in value.items()}
-    if isinstance(value, tuple):
+    if isinstance(value, tuple) or getattr(value, "ndim", False):
         return [_ready(inner, factor) for inner in value]
     return value if value is None or isinstance(value, str | int) else number(factor * value)

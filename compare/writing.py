@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import io
 import os
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rollbench.comparison.errors import InputError
 from rollbench.meshes.leftovers import folder_for_group, for_group, temporary
@@ -55,6 +57,19 @@ def replace_file(path: Path, text: str) -> None:
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(str(path), "file", reason, "a folder that can be written to", "check the path") from None
+
+
+def write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
+    """Write rows by the names of their columns as CSV, as `replace_file` does; texts so that no program runs them."""
+    import csv
+
+    from rollbench.reports.cells import harmless
+
+    text = io.StringIO()
+    writer = csv.DictWriter(text, list(dict.fromkeys(name for row in rows for name in row)), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows({k: harmless(v) if isinstance(v, str) else v for k, v in row.items()} for row in rows)
+    replace_file(path, text.getvalue())
 
 
 def no_figure() -> str:

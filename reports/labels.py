@@ -46,31 +46,29 @@ def _rising(values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def place_texts(axes: Any, series: Sequence[Series]) -> None:
-    """Write the texts of all curves: of points in the left part of the panel as a column to the left of all points, with a
-    thin line to each, of the others to their right. The abscissa grows as far as the texts need."""
+    """Write the texts of all curves in two columns, to the left of all points and to their right, with a thin line to each
+    point; a point's side is the nearer one. The abscissa grows as far as the texts need."""
     points = [(x, y, text) for s in series for x, y, text in zip(s.x, s.y, s.texts, strict=False) if text]
     if not points:
         return
-    place, width, height = _places(axes, points)
-    left = place[:, 0] < LEFT * width
-    most_left = min(float(x) for s in series for x in s.x)
-    points.append((most_left, points[0][1], ""))
-    place, left = _places(axes, points)[0], np.append(left, True)
+    spread = [float(x) for s in series for x in s.x]
+    ends = [(min(spread), points[0][1], ""), (max(spread), points[0][1], "")]
+    place, width, _ = _places(axes, [*points, *ends])
+    left = place[:-2, 0] < LEFT * width
     long = np.array([LETTER * len(text) + 2.0 * AWAY for *_, text in points])
-    _widen(axes, place[:, 0] / width, np.where(left, long.max(initial=0.0, where=left), long) / width, left)
-    place, width, height = _places(axes, points)
-    column, left[-1] = place[-1, 0] - AWAY, False
-    written = np.array([bool(text) for *_, text in points])
-    for side, before in ((left, True), (~left & written, False)):
-        heights = apart(place[side, 1].tolist(), LINE, 0.5 * LINE, height - 0.5 * LINE)
+    room = np.array([long.max(initial=0.0, where=left), long.max(initial=0.0, where=~left)])
+    _widen(axes, place[-2:, 0] / width, room / width, np.array([True, False]))
+    place, _, height = _places(axes, [*points, *ends])
+    for side, column, align in ((left, place[-2, 0] - AWAY, "right"), (~left, place[-1, 0] + AWAY, "left")):
+        heights = apart(place[:-2][side, 1].tolist(), LINE, 0.5 * LINE, height - 0.5 * LINE)
         for at, up in zip(np.flatnonzero(side), heights, strict=True):
             x, y, text = points[at]
             axes.annotate(
                 text,
                 (x, y),
-                (column if before else place[at, 0] + 0.6 * AWAY, up),
+                (column, up),
                 textcoords="axes points",
-                ha="right" if before else "left",
+                ha=align,
                 va="center",
                 fontsize=8.0,
                 zorder=4.0,

@@ -2,8 +2,10 @@
 threads of one another. What compiles kernels and what takes long is begun first."""
 
 import gc
+import json
 import os
 from collections.abc import Iterator
+from typing import Any, NamedTuple
 
 import pytest
 
@@ -44,3 +46,36 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items.sort(key=begun)
     for item in items:
         keep_group(item)
+
+
+class Said(NamedTuple):
+    """How a command ended: its exit code, and what it wrote on standard output and on standard error."""
+
+    code: int
+    out: str
+    err: str
+
+
+class Command:
+    """The command line in this process."""
+
+    def __init__(self, capsys: pytest.CaptureFixture[str]) -> None:
+        self.capsys = capsys
+
+    def __call__(self, *words: object) -> Said:
+        from rollbench.comparison.cli import main
+
+        with pytest.raises(SystemExit) as stop:
+            main([str(word) for word in words])
+        return Said(int(stop.value.code or 0), *self.capsys.readouterr())
+
+    def json(self, *words: object) -> tuple[int, Any]:
+        """Exit code, and the one JSON value on standard output."""
+        said = self(*words)
+        return said.code, json.loads(said.out)
+
+
+@pytest.fixture
+def command(capsys: pytest.CaptureFixture[str]) -> Command:
+    """Runs a command with its words."""
+    return Command(capsys)

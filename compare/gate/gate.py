@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rollbench.comparison.evidence.record import Evidence
 from rollbench.comparison.evidence.registry import evidence
@@ -17,10 +17,6 @@ from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.grid_summary import uncertainty_percent
 from rollbench.comparison.registration import offered
 from rollbench.comparison.scenes import catalogue
-
-if TYPE_CHECKING:
-    from rich.table import Table
-
 
 #: Limit [%] of the default model's largest error of the mean load: it guards against regressions.
 TIGHT = 2.0
@@ -235,27 +231,3 @@ def run_gate(study: Study, max_error: float) -> list[GateRow]:
         *source_rows(study, max_error),
         *(row for rows in offered("gate") for row in rows(study, max_error)),
     ]
-
-
-def as_table(rows: list[GateRow]) -> Table:
-    """For the terminal: failing rows first; none reads "ok" whose figure is over its line."""
-    from rich.table import Table
-
-    table = Table(title="gate", title_justify="left")
-    for heading in ("", "check", "kind", "value", "reference", "error %", "limit %"):
-        table.add_column(heading, justify="left" if heading in ("", "check", "kind") else "right")
-
-    def show(x: float | None, form: str) -> str:
-        return "–" if x is None else format(x, form)
-
-    for row in sorted(rows, key=lambda r: r.passed):
-        table.add_row(
-            row.verdict,
-            row.name + (f" ({row.detail})" if row.detail and not row.passed else ""),
-            row.kind,
-            show(row.value, ".6g"),
-            show(row.reference, ".6g"),
-            show(row.error_percent, ".3g"),
-            show(row.limit_percent, ".3g"),
-        )
-    return table

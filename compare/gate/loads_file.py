@@ -4,7 +4,6 @@ written."""
 from __future__ import annotations
 
 import csv
-import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -13,7 +12,7 @@ import numpy as np
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.gate.columns import Column, column
-from rollbench.comparison.writing import replace_file
+from rollbench.comparison.writing import write_csv
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Scene
@@ -62,11 +61,7 @@ def loads_csv(load: Array, azimuth: Array, z: Array) -> list[dict[str, str]]:
 
 def write_loads(path: Path, rows: Sequence[Mapping[str, str]]) -> str:
     """Write rows of `loads_csv`, of several sets with a column ``set`` first; a line that says so."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    replace_file(path, text.getvalue())
+    write_csv(path, rows)
     return f"wrote {path}: {len(rows)} contact loads, for: rollbench check SCENE --loads {path}"
 
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.models.loading import LiftOff, Preload, lift_off, preload, solve_scaled
 from rollbench.comparison.models.registry import MODELS, Options, blamed, read_condensed
@@ -23,8 +21,6 @@ from rollbench.meshes.parts import Scene
 
 #: Ladder step whose bodies give the tangent of a model; the others have none.
 TANGENT_OF = {"lin-source-partition": "lin", "lin-printed-hertz": "lin", "source": "lin"}
-#: One turn a second, where a scene does not say how fast it turns [rad/s].
-ONE_TURN = 2.0 * np.pi
 
 
 @dataclass(frozen=True)

@@ -1,17 +1,13 @@
-"""What an engineer asks of several rolling sets on one shaft: contacts, preload, safety, life of each; its load curve."""
+"""What an engineer asks of several rolling sets on one shaft: contacts, preload, safety, life of each."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from rollbench.comparison.models.answers import LoadAnswers, load_answers
-from rollbench.comparison.models.loading import Preload, axial_of, scaled
+from rollbench.comparison.models.loading import Preload, along_axis, axial_load, axial_of, scaled
 from rollbench.comparison.models.outside import outside
 from rollbench.comparison.models.registry import Options, run_model
-from rollbench.lowfi.statics.axis.stiffness import asked
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.loads import mean_load
@@ -37,31 +33,6 @@ class AxisAnswers:
     sets: tuple[SetAnswers | None, ...]
     force: float
     displacement: float | None
-
-
-@dataclass(frozen=True)
-class AxisPoint:
-    """An assembly at a factor on its loads: axial force [N] and displacement [m] as in `AxisAnswers`, tangent stiffness
-    along the axis [N/m] (nan where it is held), largest load of a ball or roller [N]."""
-
-    factor: float
-    force: float
-    displacement: float
-    stiffness: float
-    largest: float
-
-
-def axial_load(assembly: Assembly) -> float:
-    """Sum of the axial loads [N] on shaft and housings."""
-    return sum(x.force[2] for x in assembly.loads) + sum(h.force[2] for h in assembly.housings)
-
-
-def along_axis(assembly: Assembly, result: AxisResult) -> float:
-    """Axial displacement [m] of what is asked about."""
-    at = asked(assembly)
-    if isinstance(at, str):
-        return next((float(h.motion[2]) for h in result.housings if h.name == at), 0.0)
-    return float(np.interp(at, result.centreline_z, result.centreline[:, 2]))
 
 
 def gather(assembly: Assembly, result: AxisResult) -> AxisAnswers:
@@ -93,20 +64,3 @@ def _of_set(s: SetResult, bare: SetResult | None) -> SetAnswers | None:
     mean = mean_load(held) if held.size else 0.0
     preload = Preload(mean, float(held.max(initial=0.0)), int(held.size), float(bare.force[2]))
     return SetAnswers(s.of.name, s.of.parts, found, preload)
-
-
-def curve(assembly: Assembly, factors: Sequence[float], model: str, member: int = 0) -> list[AxisPoint]:
-    """The assembly at factors on its loads, those that converge; displacements from the first of them."""
-    points: list[AxisPoint] = []
-    start: float | None = None
-    for factor in factors:
-        own = scaled(assembly, factor)
-        result = run_model(own, model, Options(member=member))
-        if not result.converged:
-            continue
-        at = along_axis(own, result)
-        start = at if start is None else start
-        stiffness = float("nan") if result.stiffness is None else float(result.stiffness[2, 2])
-        largest = max((float(s.loads.max(initial=0.0)) for s in result.sets), default=0.0)
-        points.append(AxisPoint(factor, axial_load(own), at - start, stiffness, largest))
-    return points

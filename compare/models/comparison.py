@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -100,6 +101,10 @@ class ComparisonRow:
         return {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in asdict(self).items()}
 
 
+#: Makes a row of a comparison, as `_row` of a scene and an answer.
+RowOf = Callable[..., ComparisonRow]
+
+
 @dataclass(frozen=True)
 class Loads:
     """What a model says of a scene: loads ``(n, 4)`` [N], contact angles ``(n, 4)`` [deg], centreline (stations [m],
@@ -146,7 +151,23 @@ def reference_answers(found: Reference, source: Run | None) -> list[Loads]:
 
 def rows(scene: Scene, answer: Loads, found: Reference) -> list[ComparisonRow]:
     """Loads and angles of every contact, the centreline, the load ratio, and the largest and RMS errors."""
-    return [*_contact_rows(scene, answer, found), *_line_rows(scene, answer, found), *_summary_rows(scene, answer, found)]
+    row = partial(_row, scene, answer)
+    return [*_contact_rows(row, answer, found), *_line_rows(row, answer, found), *_summary_rows(row, scene, answer, found)]
+
+
+def _row(
+    scene: Scene,
+    answer: Loads,
+    quantity: str,
+    unit: str,
+    pair: tuple[float, float],
+    error: float | None,
+    percent: float | None,
+    at: tuple[int | None, str | None] = (None, None),
+    printed: float | None = None,
+) -> ComparisonRow:
+    """A row on a model's value and the reference's, with the error of that and what it is off by."""
+    return ComparisonRow(scene.name, quantity, *at, unit, printed, answer.model, *pair, error, percent, answer.seconds)
 
 
 def uncertainties_of(found: Reference, take: Callable[[Run], Array]) -> Array:
@@ -164,7 +185,7 @@ def _bar(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def _contact_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[ComparisonRow]:
+def _contact_rows(row: RowOf, answer: Loads, found: Reference) -> Iterator[ComparisonRow]:
     best, turns = found.best, uncertainties_of(found, lambda run: run.angle)
     for i, s in np.ndindex(answer.load.shape):
         value, ref = float(answer.load[i, s]), float(found.load[i, s])
@@ -172,28 +193,14 @@ def _contact_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Com
             continue
         bar = float(found.uncertainty[i, s])
         percent = float(error_percent(value, ref)) if ref > 0.0 else None
-        yield ComparisonRow(
-            scene.name, "load", i + 1, SIDES[s], "N", None, answer.model, value, ref, bar, percent, answer.seconds
-        )
+        yield row("load", "N", (value, ref), bar, percent, (i + 1, SIDES[s]))
         if value > 0.0 and ref > 0.0:
             angle, own = float(answer.angle[i, s]), float(best.angle[i, s])
-            yield ComparisonRow(
-                scene.name,
-                "contact angle",
-                i + 1,
-                SIDES[s],
-                "deg",
-                None,
-                answer.model,
-                angle,
-                own,
-                _bar(float(turns[i, s])),
-                float(error_percent(angle, own)),
-                answer.seconds,
-            )
+            error, off = _bar(float(turns[i, s])), float(error_percent(angle, own))
+            yield row("contact angle", "deg", (angle, own), error, off, (i + 1, SIDES[s]))
 
 
-def _line_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[ComparisonRow]:
+def _line_rows(row: RowOf, answer: Loads, found: Reference) -> Iterator[ComparisonRow]:
     """Centreline at the reference's stations, in per cent of its largest displacement along that axis."""
     line = found.best.centreline
     for k, axis in enumerate("xyz"):
@@ -201,23 +208,11 @@ def _line_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Compar
         values = np.interp(line[:, 0], answer.stations, answer.line[:, k])
         bars = uncertainties_of(found, lambda run, k=k: 1e6 * run.centreline[:, 1 + k])  # type: ignore[misc]
         for z, value, ref, bar in zip(line[:, 0], values, line[:, 1 + k], bars, strict=True):
-            yield ComparisonRow(
-                scene.name,
-                f"centreline u{axis} at {1e3 * z:.4g} mm",
-                None,
-                None,
-                "um",
-                None,
-                answer.model,
-                1e6 * float(value),
-                1e6 * float(ref),
-                _bar(bar),
-                float(error_percent(value, ref, largest)),
-                answer.seconds,
-            )
+            name, off = f"centreline u{axis} at {1e3 * z:.4g} mm", float(error_percent(value, ref, largest))
+            yield row(name, "um", (1e6 * float(value), 1e6 * float(ref)), _bar(bar), off)
 
 
-def _summary_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[ComparisonRow]:
+def _summary_rows(row: RowOf, scene: Scene, answer: Loads, found: Reference) -> Iterator[ComparisonRow]:
     e = load_error(answer.load, found.load, found.contacts)
     keys = PRINTED.get(scene.name, ("", "", ""))
 
@@ -233,24 +228,11 @@ def _summary_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Com
         ("largest error, of the own load", e.own_max_percent, own_bar, keys[0]),
         ("RMS error, of the own load", e.own_rms_percent, own_bar, keys[1]),
     ):
-        yield ComparisonRow(
-            scene.name, name, None, None, "%", printed(key), answer.model, value, 0.0, its, value, answer.seconds
-        )
+        yield row(name, "%", (value, 0.0), its, value, printed=printed(key))
     ratio, own = load_ratio(answer.load), load_ratio(found.load)
-    yield ComparisonRow(
-        scene.name,
-        "largest over smallest load, SL",
-        None,
-        None,
-        "",
-        printed(keys[2]),
-        answer.model,
-        ratio,
-        own,
-        ratio_uncertainty(found),
-        float(error_percent(ratio, own)) if np.isfinite([ratio, own]).all() else None,
-        answer.seconds,
-    )
+    off = float(error_percent(ratio, own)) if np.isfinite([ratio, own]).all() else None
+    name = "largest over smallest load, SL"
+    yield row(name, "", (ratio, own), ratio_uncertainty(found), off, printed=printed(keys[2]))
 
 
 def load_ratio(load: Array) -> float:

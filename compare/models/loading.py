@@ -11,7 +11,7 @@ import numpy as np
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, slope_of
 from rollbench.lowfi.statics.nominal import nominal_contacts
-from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.axis import Assembly, Housing
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Load, Scene
@@ -56,13 +56,14 @@ class LiftOff:
 @dataclass(frozen=True)
 class CurvePoint:
     """The scene at a factor on its loads: axial force on the nut [N], axial displacement [m] of the screw at the nut's
-    centre from that without loads, largest contact load [N], and its result."""
+    centre from that without loads, largest load of a ball or roller [N], and its result; of several sets the axial loads on
+    shaft and housings, and the displacement of what is asked about."""
 
     factor: float
     force: float
     displacement: float
     largest: float
-    result: StaticResult
+    result: StaticResult | AxisResult
 
 
 @overload
@@ -161,16 +162,37 @@ def _root(known: Sequence[tuple[float, float]]) -> float:
     return b + g * (b - a) / (f - g) if f > g else float("inf")
 
 
-def curve(scene: Scene, factors: Sequence[float], model: str, options: Options) -> list[CurvePoint]:
-    """The scene at factors on its loads, those that converge; displacements from the one without loads where that does."""
-    points = []
+def axial_load(assembly: Assembly) -> float:
+    """Sum of the axial loads [N] on shaft and housings."""
+    return sum(x.force[2] for x in assembly.loads) + sum(h.force[2] for h in assembly.housings)
+
+
+def along_axis(assembly: Assembly, result: AxisResult) -> float:
+    """Axial displacement [m] of what is asked about."""
+    from rollbench.lowfi.statics.axis.stiffness import asked  # loads the solver of several sets
+
+    at = asked(assembly)
+    if isinstance(at, str):
+        return next((float(h.motion[2]) for h in result.housings if h.name == at), 0.0)
+    return float(np.interp(at, result.centreline_z, result.centreline[:, 2]))
+
+
+def curve(scene: Scene | Assembly, factors: Sequence[float], model: str, options: Options) -> list[CurvePoint]:
+    """The scene at factors on its loads, those that converge; displacements from the one without loads where that does, of
+    several sets from the first that does."""
+    points: list[CurvePoint] = []
     start = 0.0
     for factor in factors:
-        result = solve_scaled(scene, factor, model, options)
+        own = scaled(scene, factor)
+        result = run_model(own, model, replace(options, discretisation=False))
         if not result.converged:
             continue
-        u = axial_displacement(scene, result)
-        if factor == 0.0:
-            start = u
-        points.append(CurvePoint(factor, axial_force(result), u - start, float(result.load.max()), result))
+        if isinstance(own, Scene) and isinstance(result, StaticResult):
+            force, u, first = axial_force(result), axial_displacement(own, result), factor == 0.0
+            largest = float(result.load.max())
+        elif isinstance(own, Assembly) and isinstance(result, AxisResult):
+            force, u, first = axial_load(own), along_axis(own, result), not points
+            largest = max((float(s.loads.max(initial=0.0)) for s in result.sets), default=0.0)
+        start = u if first else start
+        points.append(CurvePoint(factor, force, u - start, largest, result))
     return points

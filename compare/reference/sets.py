@@ -12,7 +12,6 @@ import numpy as np
 
 from rollbench.comparison.errors import Refusal
 from rollbench.comparison.reference.levels import SOURCE_LEVEL, scaled
-from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 
@@ -36,17 +35,6 @@ def balls_of(assembly: Assembly) -> list[slice]:
     """Balls of each set among those of all."""
     ends = np.cumsum([0, *(s.parts.ball_count for s in assembly.sets if isinstance(s.parts, Scene))])
     return [slice(int(a), int(b)) for a, b in pairwise(ends)]
-
-
-def no_bodies(assembly: Assembly) -> str:
-    """Why an assembly has no 3D reference; empty where it has one."""
-    from rollbench.hifi.several_sets import bodies_of
-
-    try:
-        bodies_of(assembly)
-    except ValueError as error:
-        return str(error)
-    return ""
 
 
 def stations(assembly: Assembly) -> tuple[float, ...]:
@@ -133,8 +121,3 @@ def meant(assembly: Assembly, unsaid: Mapping[str, Any]) -> Assembly:
     ]
     words: dict[str, Any] = {"name": "", "title": "", "source": "", "assumed": ()}
     return replace(assembly, sets=tuple(bare), friction=None, motion=None, stiffness_at=None, **words)
-
-
-def per_set(assembly: Assembly, values: Array) -> list[Array]:
-    """Values of each set's balls, from those of all ``(n, ...)``."""
-    return [values[own] for own in balls_of(assembly)]

@@ -29,8 +29,9 @@ def range_table(scene: Scene | None = None) -> Table:
         rows.append(row)
     kind = "rings" if ring else "screws"
     note = (
-        f"Of {len(compared(ring=ring))} {kind} compared with the 3D reference. A scene at the edge is beyond the range by "
-        "no more than what still counts as like it; outside, results say that their error is not covered."
+        f"Of {len(compared(ring=ring))} {kind} compared with the 3D reference. At the edge of the range a "
+        "scene still counts as covered if it is as close to the compared ones as they are to each other; "
+        "outside, a result says that its error is not covered."
     )
     return Table.of("applicability", "What was compared with the 3D reference", rows, note)
 

@@ -15,7 +15,7 @@ from rollbench.reports.records import Cell, Quantity, Table
 SHARED = 2
 #: Error [%] below which it is round-off and shown as zero.
 ROUND_OFF = 1e-9
-FAULTS = "As printed: with the source's faults repeated; empty where it has no fault that changes the number."
+FAULTS = "As printed: computed with the source's faults repeated; empty where no fault changes the number."
 
 
 def printed_table(

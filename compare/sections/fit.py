@@ -21,11 +21,16 @@ WORDS = {
     "pressure_percent": "largest pressure",
 }
 NOT_FIT = (
-    "Less sure: balls within some 1.4 ball radii of a nut's face, and ends displaced by many times the contact approach "
-    "under a light load. The largest errors of the table are theirs.",
-    "Not fit for: lubrication films, plastic contact, dynamics of recirculation, heat but as a given temperature. Friction "
-    "torque is a band as wide as the coefficient's.",
-    "Not fit for: more than what was compared. Outside of it a result says that its error is not covered.",
+    (
+        "Less certain: balls within about 1.4 ball radii of a nut face, and shaft ends displaced by many times "
+        "the contact approach under a light load. The largest errors in the table come from these."
+    ),
+    (
+        "Not fit for: lubrication films, plastic contact, dynamics of the recirculation, and temperature fields "
+        "other than a given temperature. Friction torque is a band, as wide as the friction coefficient is "
+        "uncertain."
+    ),
+    "Not fit for screws beyond the compared range: there a result says that its error is not covered.",
 )
 
 
@@ -75,6 +80,9 @@ def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG0
     """Section of the report."""
     step("all compared scenes")
     found = rows((*shipped_points(), *surveyed_points()))
-    note = "Shipped scenes and those of the survey, each against the 3D reference. Verdict: 95 of 100 within the limit."
+    note = (
+        "All shipped and surveyed scenes, each against the 3D reference. Verdict: at least 95 of 100 scenes "
+        "within the limit."
+    )
     table = Table.of("fit-for", "Errors of all compared scenes by quantity", found, note, shown=None)
     return Section("fit", "Fit for, not fit for", (table, Text(NOT_FIT, bullets=True)), conclusion=conclusion(found))

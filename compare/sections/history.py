@@ -22,9 +22,12 @@ from rollbench.reports.records import Cell, Figure, Panel, Quantity, Section, Se
 #: How a report names its own numbers.
 NOW = "this report"
 ABOUT = (
-    "One row for each release and quantity, over the four case studies of the source, which every release had: the largest "
-    "error of all, the largest grid uncertainty, the median of the run times, the largest peak memory. Errors are against "
-    "the 3D reference that the release shipped, so a row moves with its reference too. A release is not rewritten later.",
+    (
+        "One row for each release and quantity over the four case studies of the source, which every release "
+        "had: largest error, largest grid uncertainty, median run time, largest peak memory. Errors refer to "
+        "the 3D reference that the release shipped, so a row changes with its reference too. Past releases are "
+        "not recomputed."
+    ),
 )
 
 

@@ -13,22 +13,36 @@ from rollbench.reports.records import Section, Text
 #: Scene and model of the worked row, and the limit that it is judged by [%].
 SCENE, MODEL, LIMIT = "lin-case1", "lin", 7.0
 TERMS = (
-    "Error: 100 (value - reference) / |reference|. Contact loads are compared in per cent of the mean load of the contacts "
-    "that the nominal screw loads, so that a ball about to unload does not turn a newton into a hundred per cent; the "
-    'error of a load against itself stands beside it as "own load".',
-    "Uncertainty of the 3D reference: 95 %, by its mesh (parts of contact cells, body cells and sockets, added as "
-    "independent errors). Modelling choices that no mesh shows, and tolerances of the input, are terms of their own; the "
-    "total has all three.",
-    "Class of a printed number. hard: the text determines it, and it must come out to the digits printed. as-printed: it "
-    "comes out only when a fault of the source is repeated; the right value stands beside it. band: under-specified or "
-    "random, compared with a range whose origin is stated. open: not determined by the text; shown, never gated on. input: "
-    "given by the source, or what something was inferred from; never counted as reproduced.",
-    "Verdict of a printed number: reproduced, only as printed, within its band, contradicted, not identifiable, or an "
-    "input or identity, which say nothing of a model. One list has them all: section verdicts.",
-    "A reproduced entry says as much as its kind: a computed number tests a model, a claim in words its tendency, "
-    "arithmetic on printed numbers the source, a zero by symmetry a sign.",
-    "Tables show their first rows and columns; every CSV file has all. Flanks are SL, SR (screw, left and right) and NL, "
-    "NR (nut).",
+    (
+        "Error: 100 (value - reference) / |reference|. Contact loads are compared in per cent of the mean load "
+        "over the contacts that the nominal screw loads, so that an error of one newton on a nearly unloaded "
+        "ball does not count as 100 %. The error relative to the contact's own load is given beside it as \"own "
+        'load".'
+    ),
+    (
+        "Uncertainty of the 3D reference: 95 %, from its mesh (contact cells, body cells and sockets, added as "
+        "independent errors). Modelling choices that no mesh shows and input tolerances are separate terms; the "
+        "total has all three."
+    ),
+    (
+        "Class of a printed number. hard: the text determines it, so it must come out to the digits printed. "
+        "as-printed: it comes out only when a fault of the source is repeated; the right value stands beside "
+        "it. band: under-specified or random, compared with a range whose origin is stated. open: the text does "
+        "not determine it; it is shown but never gated. input: given by the source, or used to infer something; "
+        "never counted as reproduced."
+    ),
+    (
+        "Verdict of a printed number: reproduced, only as printed, within its band, contradicted, not "
+        "identifiable, or input or identity (which test no model). Section verdicts lists all of them."
+    ),
+    (
+        "What a reproduced entry proves depends on its kind: a computed number tests a model, a claim in words "
+        "tests its trend, arithmetic on printed numbers tests the source, and a zero by symmetry tests a sign."
+    ),
+    (
+        "Tables show their first rows and columns; the CSV files are complete. Flanks are SL and SR (screw, "
+        "left and right), NL and NR (nut)."
+    ),
 )
 
 
@@ -45,10 +59,10 @@ def worked(study: Study) -> str:
     bar = float(error_percent(found.uncertainty[i, s], 0.0, truth))
     verdict = "fails" if abs(own) - bar > LIMIT else "passes" if abs(own) + bar <= LIMIT else "is undecided"
     return (
-        f"One row, read aloud: on ball {e.ball} {e.side} of {SCENE} {MODELS[MODEL].label} has {value:.1f} N and the 3D "
-        f"reference {truth:.1f} N. That is {float(error_percent(value, truth, mean)):+.2f} % of the mean load of "
-        f"{mean:.1f} N and {own:+.2f} % of its own load; the reference is known to {bar:.2f} % there, so that a "
-        f"limit of {LIMIT:g} % {verdict}."
+        f"An example row: on ball {e.ball} {e.side} of {SCENE}, {MODELS[MODEL].label} gives {value:.1f} N "
+        f"and the 3D reference {truth:.1f} N. The error is {float(error_percent(value, truth, mean)):+.2f} % "
+        f"of the mean load of {mean:.1f} N, or {own:+.2f} % of the contact's own load. The reference is "
+        f"known to {bar:.2f} % there, so a limit of {LIMIT:g} % {verdict}."
     )
 
 

@@ -34,12 +34,11 @@ def ladder_table(rungs: Sequence[Rung]) -> Table:
         }
         for r in rungs
     ]
-    note = (
-        "; ".join(f"{m.name}: {m.ladder_step[1]}" for m in RUNGS if m.ladder_step)
-        + ". Against the finest stored level of the 3D reference. Scenes named unseen were fixed before any of them was "
-        "solved in 3D, and none of the model's choices was made by them; the "
-        "uncertainty of a reference of two levels is three times their difference. Seconds are those of a geometry that is "
-        "new to a running process; a new process is in the table of run times."
+    note = "; ".join(f"{m.name}: {m.ladder_step[1]}" for m in RUNGS if m.ladder_step) + (
+        ". Against the finest stored level of the 3D reference. Scenes named unseen were fixed before they "
+        "were solved in 3D, and no choice of the model was based on them. A reference of two levels has "
+        "three times their difference as uncertainty. Seconds are those of a new geometry in a running "
+        "process; the table of run times has new processes."
     )
     return Table.of("ladder", "The ladder", rows, note)
 
@@ -80,10 +79,10 @@ def choices_table(study: Study, step: Callable[[str], None]) -> Table:
             for c in choices_of(study, name)
         ]
     note = (
-        "The model's own choices, made by argument: a patch as wide as the groove (half the distance of its two flanks' "
-        "contacts), because a smooth body cannot know what is finer; the nut's grooves as a layer softer along the axis "
-        "than around it, because its lands are rings that hang on what is under them; harmonics "
-        "until a patch no longer excites them."
+        "Choices of the refined model, made by argument and not fitted: a patch as wide as the groove (half "
+        "the distance between the contacts of its two flanks), because a smooth body cannot resolve "
+        "anything finer; nut grooves as a layer that is softer along the axis than around it, because lands "
+        "are rings supported only from below; as many harmonics as a patch can excite."
     )
     return Table.of("ladder-choices", "Choices of the refined model, varied", rows, note)
 
@@ -103,10 +102,10 @@ def shares_table(study: Study) -> Table:
         row[Quantity("bias both", "sum, both", "%", ".2f")] = share.bias[PARTS]
         rows.append(row)
     note = (
-        "The refined model with the compliance of a body between its contacts, and the laws of the contacts on it, taken "
-        "from the finest 3D run instead of its smooth body: what an exchange takes away is that body's share of the error; "
-        "what both leave is the rest of the low-order model's (contact law, kinematics, beam beyond the nut) and the "
-        "reference's own uncertainty."
+        "The refined model with one part replaced by the finest 3D run: either the compliance of a body "
+        "between its contacts, or the contact laws on it. What a replacement removes is that body's share "
+        "of the error. What remains belongs to the rest of the low-order model (contact law, kinematics, "
+        "beam beyond the nut) and to the reference's own uncertainty."
     )
     return Table.of("ladder-shares", "Where the refined model's error comes from", rows, note)
 
@@ -143,14 +142,15 @@ def estimate_items(study: Study, rungs: Sequence[Rung]) -> list[Table | Figure]:
             )
             panels.append(Panel(model, "measured / % of the mean load", "expected / %", series, log="xy"))
     note = (
-        "Every screw, shipped or drawn by the survey, is estimated from all others alone: the largest error of its loads. "
-        "A linear fit of the errors' logarithms over the features, and the factor that holds 91 % of the other scenes."
+        "For every screw, shipped or surveyed, the largest load error is estimated from all other screws: a "
+        "linear fit of the logarithm of the error over the features, times the factor that covers 91 % of "
+        "the other scenes."
     )
     out: list[Table | Figure] = [
         Table.of("ladder-estimate", "The model-form estimate tested on the compared scenes", lines, note)
     ]
     if panels:
-        caption = "Points above the line are held by what was expected of them."
+        caption = "On or above the line the error was no larger than expected."
         out.append(Figure("ladder-estimate-figure", "Expected against measured errors", tuple(panels), caption))
     return out
 
@@ -178,13 +178,16 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     if not rungs:
         return Section("ladder", title, (Text(("No run of the 3D reference was found.",)),))
     text = (
-        "The refined model keeps the source's contact mechanics and energy, and lets screw, nut and balls answer contact "
-        "forces: the beam takes the section of half a lead of grooved shaft (axisymmetric elements, harmonics 0 and 1), "
-        "the nut is a beam too, and both get what a smooth body of revolution does beyond a beam (Fourier harmonics around "
-        "the axis: ovalisation, ends, the clamped face), what the true flank does beyond that, less the half space that "
-        "Hertz's law holds already; tension and bending of a screw that goes on beyond the nut squeeze its contacts by "
-        "Poisson's ratio (Saint-Venant); the balls are elastic spheres (Lur'e's series), the rings of a bearing bodies of "
-        "revolution with their groove. No 3D solve, and nothing fitted to one.",
+        (
+            "The refined model keeps the source's contact mechanics and its energy, and adds the elasticity of "
+            "screw, nut and balls. The screw is a beam with the section of half a lead of grooved shaft "
+            "(axisymmetric elements, harmonics 0 and 1); the nut is a beam too. Both gain what a smooth body of "
+            "revolution does beyond a beam (Fourier harmonics around the axis: ovalisation, ends, clamped "
+            "face), and what the true flank adds to that, less the half space already in Hertz's law. Tension "
+            "and bending of a screw that continues beyond the nut squeeze its contacts by Poisson's ratio "
+            "(Saint-Venant). Balls are elastic spheres (Lur'e's series); bearing rings are bodies of revolution "
+            "with their groove. It contains no 3D solve, and nothing is fitted to one."
+        ),
         headline(rungs),
     )
     items: list[Any] = [Text(text), ladder_table(rungs)]

@@ -131,9 +131,10 @@ def time_figure(
     warm = {name: [replace(p, cold=p.warm) for p in own if p.warm is not None] for name, own in points.items()}
     solve = _time_panel(warm, standings(warm), "time of a further solve / s", all_names=all_names)
     caption = (
-        f"Light points: {len(points)} scenes. Marked: medians, with what the reference's grid uncertainty leaves of them "
-        "as bars. A cold start is a new process with empty caches, Python's imports included. A level that is itself the "
-        "finest stands at its uncertainty; condensed reads bodies that a 3D run has made, which its time leaves out."
+        f"Light points: {len(points)} scenes. Markers: medians; bars: the range left by the reference's grid "
+        "uncertainty. A cold start is a new process with empty caches, Python's imports included. The "
+        "finest level itself is drawn at its uncertainty. The condensed model reads bodies from a 3D run, "
+        "whose time is not included."
     )
     return Figure(name, TITLE, (cold, solve), caption, columns=2 if all_names else 1, size=size, same_y=True)
 
@@ -184,15 +185,6 @@ def _shown(point: TimePoint, family: str) -> bool:
     return point.status == "converged" and off(point) > 0.0 and named(point.label)[1] == family
 
 
-def seconds(value: float) -> str:
-    """Run time for reading.
-
-    >>> seconds(1.234), seconds(43.2), seconds(600.0)
-    ('1.2 s', '43 s', '10 min')
-    """
-    return f"{value / 60.0:.2g} min" if value >= 100.0 else f"{value:.0f} s" if value >= 10.0 else f"{value:.2g} s"
-
-
 def answer(points: Mapping[str, Sequence[TimePoint]], bars: Sequence[float], total: float | None = None) -> str:
     """At most 40 words: largest error of the models that stand for their kind, and how well the reference is known; total:
     its largest total uncertainty [%], modelling choices and input included."""
@@ -201,14 +193,14 @@ def answer(points: Mapping[str, Sequence[TimePoint]], bars: Sequence[float], tot
     several = f"{len(points)} screws and bearings" if len(points) > 1 else "one scene"
     whole = "" if total is None else f", {total:.1f} % with unprinted choices and tolerances"
     return (
-        f"On {several} a contact load is off by at most {' or '.join(words)} of the mean; the 3D reference by "
-        f"{_range(bars)}{whole}."
+        f"On {several} the contact loads are wrong by at most {' or '.join(words)} of the mean load. Uncertainty of the "
+        f"3D reference: {_range(bars)}{whole}."
     )
 
 
 def _range(bars: Sequence[float]) -> str:
     if not bars:
-        return "no bound (one mesh level only)"
+        return "unknown (one mesh level only)"
     low, high = f"{min(bars):.1f}", f"{max(bars):.1f}"
     return f"{low} %" if low == high else f"{low} to {high} %"
 
@@ -227,8 +219,8 @@ def coverage(scenes: Mapping[str, Scene], found: Mapping[str, Reference]) -> lis
     contacts = [int((ref.load > 0.0).sum()) for ref in found.values()]
     screws = [s for s in every if s.track.lead != 0.0]
     fixed = (
-        f", and {unseen} screws and bearings fixed before any of them was solved in 3D. The refined model's part of faces "
-        "and short lands was made while their errors were looked at; no other model was"
+        f", and {unseen} screws and bearings fixed before any of them was solved in 3D. Only the refined "
+        "model's corrections for nut faces and short lands were developed with their errors known"
     )
     leads = f"{len(screws)} screws of lead {span([1e3 * abs(s.track.lead) for s in screws], 'mm')}" if screws else ""
     bearings = f"bearings: {len(every) - len(screws)}" if len(every) > len(screws) else ""
@@ -237,16 +229,24 @@ def coverage(scenes: Mapping[str, Scene], found: Mapping[str, Reference]) -> lis
         f"{', '.join(filter(None, [leads, bearings]))}; "
         f"pitch diameters {span([2e3 * s.track.pitch_radius for s in every], 'mm')}, "
         f"{span([s.ball_count for s in every], 'balls')}, {span(contacts, 'loaded contacts')}.",
-        "Friction, ball motion, support bearings, chains of balls and several rolling sets are held against printed "
-        "numbers, closed forms and second solvers, each on its page.",
+        (
+            "Friction, ball motion, support bearings, ball chains and several sets on one shaft are compared "
+            "with printed numbers, closed forms and second solvers on their own pages."
+        ),
     ]
 
 
 LIMITS = (
-    "The reference is linear elastic, frictionless and of nominal shape but for the errors of a scene; its uncertainty is "
-    "its grid's. What unprinted dimensions and idealisations change is a number of its own (page on its meshes).",
-    "A screw unlike these is answered by the models, and their result then says that its error is not covered.",
-    "A cold start is a new process with empty caches, libraries included; a further solve takes a small part of that.",
+    (
+        "The reference is linear elastic, frictionless, and nominal in shape apart from the errors of a scene. "
+        "Its uncertainty is that of its mesh; the effect of unprinted dimensions and idealisations is stated "
+        'separately (page "How good the reference is").'
+    ),
+    ("For a screw outside this range the models still answer, and the result says that its error is not covered."),
+    (
+        "A cold start is a new process with empty caches, library imports included; a further solve costs a "
+        "small part of it."
+    ),
 )
 
 
@@ -268,9 +268,9 @@ def standing_table(found: Sequence[Standing]) -> Table:
         for s in found
     ]
     note = (
-        "Against the finest level of the 3D reference of each scene; every point is in the table of error against run "
-        "time. The error of a level that is itself the finest is its grid uncertainty, and its RMS error is zero by "
-        "definition."
+        "Against the finest level of the 3D reference of each scene; the table of error against run time "
+        "has every point. The error of the finest level itself is its grid uncertainty, and its RMS error "
+        "is zero by definition."
     )
     return Table.of("overview-models", "Models and meshes over all scenes", rows, note, shown=None)
 
@@ -331,8 +331,8 @@ def quantity_table(study: Study) -> Table:
         }
         cells.append({"quantity": quantity, "model": "against outside values", **known})
     note = (
-        "Against the finest level of the 3D reference of each scene, loads in per cent of the mean load; the last rows "
-        "against what others print and measure (section outside)."
+        "Upper rows: against the finest level of the 3D reference of each scene, loads in per cent of the "
+        "mean load. Last rows: against values that others print or measure (section outside)."
     )
     return Table.of("quantities", "Every quantity and model", cells, note, shown=None)
 
@@ -356,5 +356,5 @@ def contact_figure(study: Study, found: Mapping[str, Reference]) -> Figure:
     series.append(Series("equal", [0.0, end], [0.0, end], "line"))
     series.append(Series(f"±{LINE:g} %", [0.0, end, end, 0.0, end], [0.0, low, np.nan, 0.0, high], "line"))
     panel = Panel("", "3D reference / mean load", "computed / mean load", tuple(series))
-    caption = f"{len(series[0].x)} contacts of {len(found)} scenes; lines: {LINE:g} % of a load; small dots: lin."
+    caption = f"{len(series[0].x)} contacts of {len(found)} scenes. Lines: {LINE:g} % of the load; small dots: lin."
     return Figure("contacts", "Computed against reference, every contact", (panel,), caption, columns=1, size=(7.0, 5.0))

@@ -353,9 +353,9 @@ def section(study: Study, step: Step) -> Section:
     step(f"pressures of a ball of {FOUR}, mesh level {FINE_LEVEL}")
     ball4, four = pressed(study, FOUR)
     honest = (
-        "Linear elastic, nominal geometry. Recovered by solving the bodies once more under the contact forces of all "
-        "balls: screw held at the low end of its 3D stretch, its unloaded high end free; "
-        f"nut held at its {solved.setup.dims.nut_held}. "
+        "Linear elastic, nominal geometry. The bodies are solved once more under the contact forces of all "
+        "balls: the screw is held at the low end of its 3D stretch, its other end is free; the nut is held "
+        f"at its {solved.setup.dims.nut_held}. "
     )
     b = solved.setup.map.ball
     return Section(
@@ -364,9 +364,12 @@ def section(study: Study, step: Step) -> Section:
         (
             Text(
                 (
-                    f"Meshes and stresses are those of {SCENE} on mesh level {LEVEL}, the coarsest of the mesh study, so "
-                    f"that lines can be told apart; contact pressures are on level {FINE_LEVEL}. Sections lie in the plane "
-                    "of the groove's section, radius upwards and the screw's axis to the right.",
+                    (
+                        f"Meshes and stresses are those of {SCENE} on mesh level {LEVEL}, the coarsest of the "
+                        "mesh study, so that its lines can be told apart; contact pressures are on level "
+                        f"{FINE_LEVEL}. Sections lie in the plane of the groove's section, radius upwards and "
+                        "the screw's axis to the right."
+                    ),
                 )
             ),
             mesh_overview(solved),
@@ -391,10 +394,13 @@ def section(study: Study, step: Step) -> Section:
                 "along the groove / mm",
                 "pressure / MPa",
                 "contact ellipse by Hertz",
-                f"Mesh level {FINE_LEVEL}. Nodal force over tributary area, dots are nodes; see the table's note on their "
-                "scatter. The ellipse is Hertz's closed form for the same load and the curvatures there, centred "
-                "on the resultant force. The loads are those of the finest stored reference; pressed by them is the 3D "
-                "ball between its 3D groove patches, held where they meet screw and nut.",
+                (
+                    f"Mesh level {FINE_LEVEL}. Nodal force over tributary area; dots are nodes (the note of the "
+                    "table explains their scatter). The ellipse is Hertz's closed form for the same load and "
+                    "the local curvatures, centred on the resultant force. Loads are those of the finest stored "
+                    "reference, applied to the 3D ball between its 3D groove patches, which are held where they "
+                    "join screw and nut."
+                ),
             ),
             profiles(two),
             PressureMap(

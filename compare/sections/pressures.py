@@ -89,7 +89,9 @@ def pressure_table(groups: dict[str, dict[str, ContactPressure]]) -> Table:
         "pictures-pressure",
         "Largest nodal pressure and Hertz's pole pressure",
         rows,
-        "Nodal force over tributary area. Where the pressure is curved this reads corner nodes of the second-order cells "
-        "high and nodes in their middle low, in proportion to the square of the cells' size, and the largest value is one "
-        "at a corner: a ratio above 1 is of that reason. Loads and approaches do not depend on it.",
+        (
+            "Nodal force over tributary area. Where the pressure is curved, this reads too high at corner nodes "
+            "of second-order cells and too low at mid-side nodes, in proportion to the square of the cell size. "
+            "The largest value is at a corner, so the ratio exceeds 1. Loads and approaches are not affected."
+        ),
     )

@@ -77,11 +77,11 @@ def error_table(study: Study, found: References) -> Table:
                 rows.append(_error_row((name, LABELS[own.model]), e, load_ratio(own.load), "–", bars))
         rows.append(_error_row((name, LABELS[f"3D level {ref.best.level}"]), None, load_ratio(ref.load), None, bars))
     note = (
-        "Errors against the finest level of the 3D reference. Printed: the source's low-order model against its ANSYS "
-        "model, whose loads are not printed; its errors are of the own load. The grid uncertainty is the "
-        "reference's (largest of any contact); its modelling uncertainty, what idealisations and unprinted dimensions "
-        "change, is a number of its own (section reference-mesh), deducted nowhere; section u-val combines both with input "
-        "tolerances."
+        "Errors against the finest level of the 3D reference. Printed: the source's low-order model against "
+        "its ANSYS model, whose loads are not printed; its errors are relative to the own load. Grid "
+        "uncertainty: the reference's, largest of any contact. Its modelling uncertainty, the effect of "
+        "idealisations and unprinted dimensions, is stated separately (section reference-mesh) and deducted "
+        "nowhere; section u-val combines both with the input tolerances."
     )
     return Table.of("reference-errors", "Models against the 3D reference", rows, note)
 
@@ -269,10 +269,13 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     runs: list[Run] = [run for ref in found.values() for run in ref.runs]
     versions = sorted({f"rollbench {r.versions['rollbench']}, gmsh {r.versions['gmsh']}, {r.date}" for r in runs})
     text = [
-        "The reference is a 3D elastic-contact model: screw and nut meshed by gmsh with exact helical grooves, flat ends "
-        "and a socket at every contact, one fine patch of 27-node hexahedra per flank condensed exactly and reused on all "
-        "balls, elastic balls free to move, unilateral frictionless contact, normals that follow the motion. It shares "
-        f"nothing with the low-order models but the description of the parts. Computed: {'; '.join(versions)}.",
+        (
+            "The reference is a 3D elastic-contact model. gmsh meshes screw and nut with exact helical grooves, "
+            "flat ends and a socket at every contact; one fine patch of 27-node hexahedra per flank is "
+            "condensed exactly and reused for all balls. Balls are elastic and free to move, contact is "
+            "unilateral and frictionless, and normals follow the motion. It shares nothing with the low-order "
+            f"models but the description of the parts. Computed: {'; '.join(versions)}."
+        ),
         "The uncertainty is the reference's grid convergence by least squares (Eca and Hoekstra 2014) with one order for "
         "all contacts of a scene, and each contact's own scatter about that fit; with two levels, three times their "
         "difference. Sides are " + ", ".join(SIDES) + ".",
@@ -285,7 +288,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
             "for a decision.",
         )
     elif any(ref.best.level < PRODUCTION for ref in found.values()):
-        text.insert(0, f"Some references were not computed up to level {PRODUCTION}; their uncertainty is larger for it.")
+        text.insert(0, f"Some references were not computed up to level {PRODUCTION}; their uncertainty is larger.")
     over = exceedance_table(found, study)
     items: list[Any] = [Text(tuple(text)), error_table(study, found)]
     items += [over] if over.rows else []

@@ -63,9 +63,9 @@ def level_table(study: Study, found: References) -> Table:
                 }
             )
     note = (
-        "Elements across the short axis 2b of the contact ellipse expected at the lightest scene of the geometry; balances "
-        "are over the largest contact load. "
-        "Seconds and peak memory are each run's own; scenes of one geometry share set-up and memory."
+        "Elements across the short axis 2b of the contact ellipse, as expected in the least loaded scene of "
+        "the geometry. Balances are relative to the largest contact load. Seconds and peak memory are each "
+        "run's own; scenes of one geometry share set-up and memory."
     )
     return Table.of("reference-levels", "Mesh levels of the 3D reference", rows, note)
 
@@ -92,15 +92,16 @@ def convergence_table(found: References) -> Table:
             }
         )
     note = (
-        "Standard deviations of the difference of the finest level and a next one, RMS over the contacts, and twice the "
-        "root of their squares, the uncertainty; what bodies and sockets have in it is shared out by the stiffness of the "
-        "contacts, the cube root of their loads. Levels refine cells of the contact by 4/3, cells of the bodies "
-        "by 1.15 and the cut of the coarse sockets not at all; no cell of one level's mesh is one of the next, so loads "
-        "scatter from level to level and have no order. The first two parts are those of the changes between a scene's own "
-        "levels that fall as the squares of their cells; that of the sockets is half the variance of a change of their cut "
-        "alone; the common one is from the mean changes of all scenes whose sum of loads equilibrium does not hold. Beside "
-        "a free face of the nut, where it is more than all of these, stands what the cells leave out of the lip's "
-        "compliance (nuts solved alone with ever finer bodies); it is added to the bars of the contacts concerned."
+        "Standard deviations of the difference between the finest level and the next finer one, RMS over "
+        "the contacts; the uncertainty is twice the root of the sum of their squares. Parts of bodies and "
+        "sockets are distributed over the contacts by stiffness, the cube root of the load. From level to "
+        "level, contact cells are refined by 4/3, body cells by 1.15, and the cut of the coarse sockets not "
+        "at all; no two levels share a cell, so loads scatter between levels and show no order. The first "
+        "two parts come from changes between the scene's own levels and fall with the square of the cell "
+        "size; the part of the sockets is half the variance caused by a different cut; the common part "
+        "comes from the mean changes of all scenes in which equilibrium does not fix the sum of loads. "
+        "Beside a free nut face, the compliance of the lip that the cells miss is added where it exceeds "
+        "all other parts (measured on nuts solved alone with ever finer bodies)."
     )
     return Table.of("reference-convergence", "Discretisation's part in the contact loads", rows, note)
 
@@ -126,11 +127,12 @@ def coverage_table(study: Study) -> Table | None:
         columns.append(Quantity(f"held {k}", f"held by level {k}'s bar", "%", ".1f"))
     worst = min((h for h in own if h.contacts >= MANY), key=lambda h: h.share)
     note = (
-        f"Of {sum(h.contacts for h in own)} loads with bars of two levels or more, {100.0 * share_of(own):.1f} % lie "
-        f"within them; fewest, of scenes with {MANY} contacts or more, {100.0 * worst.share:.1f} % ({worst.scene}, levels "
-        f"up to {worst.level}). Bars of 95 %: what judges took no part in them, neither the scene's finest level nor "
-        "experience of scenes of its parts; in rows of several scenes their median. Nothing is held here of what all "
-        "meshes have in common."
+        f"{100.0 * share_of(own):.1f} % of {sum(h.contacts for h in own)} loads with bars from two levels "
+        f"or more lie within them; in the worst scene with {MANY} contacts or more, "
+        f"{100.0 * worst.share:.1f} % ({worst.scene}, levels up to {worst.level}). Bars are meant to cover "
+        "95 %. The finest level, which judges a bar, is not used to make it, nor is experience from scenes "
+        "that share its parts; rows for several scenes give medians. Errors common to all meshes are not "
+        "covered here."
     )
     return Table("reference-coverage", "Bars of 95 % against a finer level", tuple(columns), rows, note)
 
@@ -153,11 +155,11 @@ def shared_text(study: Study) -> str:
         for e in varied(study.scene(REFINED), study.stores)
         if e.variant in VARIANTS and VARIANTS[e.variant].refined
     ]
-    finer = f" Refined alone on {REFINED}, choices move its mean load by: {', '.join(moves)}." if moves else ""
+    finer = f" On {REFINED}, refining one choice at a time moves the mean load by: {', '.join(moves)}." if moves else ""
     return (
-        "Common to all contacts and in no bar: independent 3D programs, CalculiX among them (section crosscheck), find the "
-        f"sum of the loads of preloaded screws {low:g} to {high:g} % larger than the reference, all with one sign.{finer} "
-        "No mesh of the reference shows it."
+        "Common to all contacts and contained in no bar: independent 3D programs, CalculiX among them "
+        f"(section crosscheck), give a sum of loads of preloaded screws that is {low:g} to {high:g} % larger "
+        f"than the reference's, always with this sign.{finer} No mesh of the reference shows it."
     )
 
 
@@ -234,10 +236,10 @@ def spread_table(study: Study) -> Table | None:
                 }
             )
     note = (
-        "One choice at a time on level 1, against the same scene alone on the same level. Only what is marked modelling is "
-        "part of the modelling uncertainty; the scene's own choices (where the nut is held, where the screw's groove ends: "
-        "the scene says the whole length is threaded) belong to the scene. The coupling that "
-        "beams drop is bounded and solved by the refined model."
+        "One choice at a time on level 1, against the unchanged scene on the same level. Only choices "
+        "marked modelling are part of the modelling uncertainty; where the nut is held and where the "
+        "screw's groove ends are choices of the scene. The coupling that beams neglect is bounded here and "
+        "included in the refined model."
     )
     title = "What moves the reference besides its mesh (level 1)"
     return Table.of("reference-spread", title, rows, note) if rows else None
@@ -271,8 +273,8 @@ def single_choice_table(study: Study) -> Table | None:
                 }
             )
     note = (
-        "One choice at a time, refined beyond the finest level, against the scene alone on the finest level. The "
-        "uncertainty is that of discretisation as it is printed, every part added."
+        "One choice at a time, refined beyond the finest level, against the unchanged scene on the finest "
+        "level. The uncertainty is the printed one of the discretisation, all parts included."
     )
     return Table.of("reference-choices", "Every numerical choice refined alone", rows, note) if rows else None
 
@@ -302,9 +304,10 @@ def modelling_table(study: Study) -> Table | None:
     rows += [{"choice": f"{n.choice}: not varied", "why": n.reason} for n in NOT_VARIED]
     columns.append(Quantity("why", "why not", "", "s"))
     note = (
-        "Added contact by contact by the root of squares, because choices are independent and have no known sign; of "
-        "several variants of one choice each contact counts the largest. The RMS is what a typical contact may be off, the "
-        "largest is quoted with the grid's uncertainty. An estimate by one typical variation of each choice, not a bound."
+        "Choices are independent and have no known sign, so they are added contact by contact as the root "
+        "of the sum of squares; of several variants of one choice, each contact takes the largest. The RMS "
+        "value is what a typical contact may be wrong by; the largest is quoted with the grid uncertainty. "
+        "This is an estimate from one typical variation of each choice, not a bound."
     )
     return Table("reference-modelling", "Modelling uncertainty of the 3D reference", columns, rows, note)
 
@@ -371,8 +374,9 @@ def ablation_text(study: Study) -> str:
     if not parts:
         return ""
     return (
-        "With the nut made rigid in the reference too, the largest error of the low-order model (of the mean load) goes: "
-        f"{'; '.join(parts)}. What is left is beam, section and contact law together."
+        "With the nut rigid in the reference too, the largest error of the low-order model (in per cent of "
+        f"the mean load) goes: {'; '.join(parts)}. The remainder is due to beam, section and contact law "
+        "together."
     )
 
 
@@ -382,8 +386,9 @@ def conclusion(found: References) -> str:
     if not bars:
         return ""
     return (
-        f"The reference knows its largest contact load to {min(bars):.2f} to {max(bars):.2f} % by its mesh (95 %, "
-        f"{len(bars)} scenes); choices that no mesh shows, first where the nut is held, change more and stand beside it."
+        f"The largest contact load of the reference is known to {min(bars):.2f} to {max(bars):.2f} % as far "
+        f"as its mesh is concerned (95 %, {len(bars)} scenes). Choices that no mesh shows matter more, above "
+        "all where the nut is held."
     )
 
 
@@ -393,10 +398,12 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     found = case_studies(study)
     items: list[Any] = []
     text = [
-        "Every level refines all its cells but the cut of the coarse sockets, those of the contacts by a third. The "
-        "source's mesh has first-order "
-        f"tetrahedra, {1e3 * SOURCE_MESH['tet']:g} mm around every contact and {1e3 * SOURCE_MESH['cell']:g} mm elsewhere, "
-        "condensed by the same method."
+        (
+            "From level to level all cells are refined, those of the contacts by a third, except the cut of the "
+            f"coarse sockets. The source's mesh has first-order tetrahedra, {1000.0 * SOURCE_MESH['tet']:g} mm "
+            f"around every contact and {1000.0 * SOURCE_MESH['cell']:g} mm elsewhere, condensed by the same "
+            "method."
+        )
     ]
     assumed = list(dict.fromkeys(a for ref in found.values() for a in ref.best.assumed))
     if assumed:

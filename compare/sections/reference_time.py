@@ -214,8 +214,9 @@ def compile_table(first: Mapping[tuple[str, str], Cold]) -> Table:
         for (name, engine), cold in first.items()
     ]
     note = (
-        "Compiled kernels are made once per machine and kept in the user's cache; the command line solves single scenes "
-        "interpreted. Each row is a process of its own; the first solve of the refined model makes the geometry's bodies."
+        "Kernels are compiled once per machine and kept in the user's cache; the command line solves single "
+        "scenes interpreted. Each row is a process of its own; the first solve of the refined model also "
+        "prepares the bodies of the geometry."
     )
     return Table.of("reference-cold", f"{FIRST}: first process, with and without compiling", rows, note)
 
@@ -249,11 +250,12 @@ def level_table(levels: Sequence[ColdLevel]) -> Table:
         for c in levels
     ]
     note = (
-        "Each level in a process of its own on all cores, from the start of the interpreter to the loads: no mesh, part or "
-        "run is known before. Peak memory: the sum of the peaks of the processes that one set-up takes. Wanted were 12 s "
-        "for level 1 of a screw of 64 contacts, 40 s for its levels 1 to 3, and 50 s of a processor for level 1 of 200 "
-        "contacts. What is more is in the stages named: nearly half of it the elimination of these meshes, a seventh their "
-        "generation. Coarser ones would be another reference."
+        "Each level in a process of its own on all cores, from the start of the interpreter to the loads, "
+        "with no mesh, part or run known before. Peak memory: sum of the peaks of all processes of one "
+        "set-up. Targets were 12 s for level 1 of a screw with 64 contacts, 40 s for its levels 1 to 3, and "
+        "50 s of processor time for level 1 with 200 contacts. Where they are missed, nearly half of the "
+        "time is the elimination of these meshes and a seventh their generation; coarser meshes would be "
+        "another reference."
     )
     return Table.of("reference-levels-cold", "Levels of the 3D reference, cold", rows, note)
 
@@ -281,8 +283,9 @@ def assembly_table(costs: Sequence[AssemblyCost]) -> Table:
         for cost in costs
     ]
     note = (
-        "The same stiffness of curved cells at the same quadrature points, one way after the other in turns; median of "
-        f"{REPEATS}. Six scalar forms: the integrals of products of two derivatives, put together by Hooke's law."
+        "The same stiffness of curved cells at the same quadrature points, computed in two ways in turn; "
+        f"median of {REPEATS}. Six scalar forms: integrals of products of two derivatives, combined by "
+        "Hooke's law."
     )
     return Table.of("reference-assembly", "Assembly: ours and scikit-fem's own", rows, note)
 

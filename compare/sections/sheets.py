@@ -22,8 +22,9 @@ LIMIT = 7.0
 MODELS = (DEFAULT, "lin")
 
 LEGEND = (
-    "Sketches are to scale about the nut; hatched: where the 3D reference holds it, pale: balls behind the axis. Verdicts "
-    f"are on {DEFAULT}. u_val is what an error is known to with 95 % confidence (section u-val)."
+    "Sketches are to scale near the nut. Hatched: surface held in the 3D reference; pale: balls behind the "
+    f"axis. Verdicts are for {DEFAULT}. u_val: how closely an error is known, with 95 % confidence (section "
+    "u-val)."
 )
 
 Judged = Mapping[tuple[str, str], Validated]

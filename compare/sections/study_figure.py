@@ -34,9 +34,7 @@ def study_figure(name: str, table: Sequence[Mapping[str, Any]], found: Reference
             panels.append(Panel(title, "cell size over the finest's", label, tuple(series)))
     if not panels:
         return None
-    caption = (
-        "Bars: uncertainty of the finest level. Lines that end at no cell size: extrapolations, where one is believed."
-    )
+    caption = "Bars: uncertainty of the finest level. Lines that end at cell size zero: accepted extrapolations."
     return Figure(f"mesh-study-{name}", f"{name}: mesh study", tuple(panels), caption)
 
 

@@ -56,10 +56,12 @@ def u_val_table(rows: Sequence[Validated]) -> Table:
             }
         )
     note = (
-        f"Of {CONTACTS}: the contact of the largest error, in per cent of the mean load; other quantities in per cent of "
-        f"the reference's value. Input tolerances, assumed: {'; '.join(x.name for x in INPUTS)}; each varied alone, by the "
-        "model lin. Choices were varied on two scenes: where another one's name stands in the last column, its largest "
-        "effect stands in. As ASME V&V 20: root of the sum of squares; nothing of it is deducted from an error."
+        f"Of {CONTACTS}: the contact with the largest error, in per cent of the mean load; other quantities "
+        "in per cent of the reference's value. Input tolerances are assumed: "
+        f"{'; '.join(x.name for x in INPUTS)}; each is varied alone, with the model lin. Choices were "
+        "varied on two scenes; where the last column names another scene, its largest effect is used. As in "
+        "ASME V&V 20, the parts are combined by the root of the sum of squares; nothing is deducted from an "
+        "error."
     )
     return Table.of("u-val", "Error and validation uncertainty by scene and quantity", cells, note)
 
@@ -80,8 +82,9 @@ def scatter_table(found: Sequence[Scatter]) -> Table:
         for s in found
     ]
     note = (
-        "Bias: relative deviation of the model from the reference, geometric mean. Scatter: relative standard deviation of "
-        "the model, that of the grid taken out. Over all scenes with a reference, contacts above a tenth of the mean load."
+        "Bias: relative deviation of the model from the reference, geometric mean. Scatter: relative "
+        "standard deviation of the model without that of the grid. All scenes with a reference, contacts "
+        "above a tenth of the mean load."
     )
     return Table.of("bias-scatter", "Bias and scatter of every model", cells, note)
 
@@ -145,8 +148,11 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         if name in (*SHOWN, "condensed")
     ]
     text = (
-        "An error against the reference is the model's only as far as it is beyond what the reference, its choices and the "
-        "inputs leave open. The three stand beside every error here, combined by the root of the sum of squares.",
+        (
+            "An error against the reference counts as the model's only as far as it exceeds what the reference, "
+            "its choices and the inputs leave open. The three stand beside every error here, combined by the "
+            "root of the sum of squares."
+        ),
         f"{'; '.join(words)}.",
     )
     items: tuple[Text | Figure | Table, ...] = (

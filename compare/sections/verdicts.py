@@ -58,8 +58,10 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         (
             Text(
                 (
-                    f"What a scene needs and the source does not print was inferred from printed results, and confirms "
-                    f"none of them: {INFERRED}.",
+                    (
+                        "What a scene needs and the source does not print was inferred from printed results, "
+                        f"and therefore confirms none of them: {INFERRED}."
+                    ),
                 )
             ),
             Table.of("verdicts", "Printed entries of all sources by class and verdict of the audit", rows),

@@ -19,7 +19,7 @@ from rollbench.hifi.contact.block import (
     source_study,
 )
 from rollbench.hifi.contact.block import study as solve_block
-from rollbench.reports.records import Cell, Figure, Panel, Quantity, Row, Section, Series, Table, Text
+from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 #: Cells across the short semi-axis, by element. Sized for 25 s on two cores: tetrahedra are not stretched like the
 #: ellipse, so that P2 at 6 would take as long as all the rest.
@@ -102,40 +102,33 @@ def _source_errors(one: Level) -> str:
     )
 
 
-COLUMNS = (
-    Quantity("job", "job", "", "s"),
-    Quantity("mesh", "mesh", "", "s"),
-    Quantity("b_over_h", "b/h", "", ".1f"),
-    Quantity("unknowns", "unknowns", "", "s"),
-    Quantity("contact_nodes", "contact nodes", "", "s"),
-    Quantity("iterations", "iterations", "", "s"),
-    Quantity("seconds", "time", "s", "g2"),
-    Quantity("approach", "approach", "%", ".2f"),
-    Quantity("a", "semi-axis a", "%", ".2f"),
-    Quantity("b", "semi-axis b", "%", ".2f"),
-    Quantity("pole pressure", "pole pressure", "%", ".2f"),
-    Quantity("fitted", "fitted pole pressure", "%", ".2f"),
-)
+#: Errors in the table, by their headings.
+ERRORS = {
+    "approach": "approach",
+    "a": "semi-axis a",
+    "b": "semi-axis b",
+    "pole pressure": "pole pressure",
+    "fitted": "fitted pole pressure",
+}
 TIMES = ("mesh", "assembly", "factor", "solve", "contact")
 #: Their headings where these are not their names.
 STAGES = {"mesh": "meshing"}
 
 
-def error_rows(found: Sequence[Level]) -> list[dict[str, Cell]]:
-    """Rows of the table of errors."""
-    return [
-        {
-            "job": one.run.job,
-            "mesh": one.label,
-            "b_over_h": one.run.b_over_h,
-            "unknowns": one.run.unknowns,
-            "contact_nodes": one.run.contact_nodes,
-            "iterations": one.run.iterations,
-            "seconds": one.run.total_seconds,
-            **one.errors,
-        }
-        for one in found
-    ]
+def mesh_row(one: Level) -> Row:
+    """What a row on a mesh begins with."""
+    return {"job": one.run.job, "mesh": one.label, Quantity("b_over_h", "b/h", "", ".1f"): one.run.b_over_h}
+
+
+def error_row(one: Level) -> Row:
+    """Row of the table of errors."""
+    counts: Row = {
+        "unknowns": one.run.unknowns,
+        Quantity("contact_nodes", "contact nodes", "", "s"): one.run.contact_nodes,
+        "iterations": one.run.iterations,
+        Quantity("seconds", "time", "s", "g2"): one.run.total_seconds,
+    }
+    return mesh_row(one) | counts | {Quantity(k, words, "%", ".2f"): one.errors[k] for k, words in ERRORS.items()}
 
 
 def value_rows(found: Sequence[Level]) -> list[Row]:
@@ -185,31 +178,20 @@ def figure(found: Sequence[Level], job: str) -> Figure:
         f"verification-{job}",
         f"Job {job}, {WHAT[job]}: size of the error",
         panels,
-        caption="Error against the closed form; a curve dips where its error changes sign. Errors below 0.001 % are "
-        "drawn there. Pressures at single nodes of 4-node tetrahedra scatter with the mesh; errors of the fitted ones, "
-        "in the table, fall steadily from b/h = 4 on. Time includes mesh, assembly, factorisation, one solution for "
-        "each contact node, and contact.",
+        caption=(
+            "Error against the closed form; a curve dips where its error changes sign. Errors below 0.001 % are "
+            "drawn at that value. Pressures at single nodes of 4-node tetrahedra scatter with the mesh; errors "
+            "of the fitted ones (see the table) decrease steadily from b/h = 4 on. Time includes mesh, "
+            "assembly, factorisation, one solution per contact node, and contact."
+        ),
     )
 
 
 def times_table(found: Sequence[Level]) -> Table:
     """Seconds of every run by stage; the stages have keys of their own, as one of them is called like the mesh."""
-    rows: list[dict[str, Cell]] = [
-        {
-            "job": one.run.job,
-            "mesh": one.label,
-            "b_over_h": one.run.b_over_h,
-            **{f"{name}_seconds": one.run.seconds[name] for name in TIMES},
-        }
-        for one in found
-    ]
-    columns = (
-        Quantity("job", "job", "", "s"),
-        Quantity("mesh", "mesh", "", "s"),
-        Quantity("b_over_h", "b/h", "", ".1f"),
-        *(Quantity(f"{name}_seconds", STAGES.get(name, name), "s", "g2") for name in TIMES),
-    )
-    return Table("verification-times", "Where the time goes [s]", columns, rows)
+    stages = {name: Quantity(f"{name}_seconds", STAGES.get(name, name), "s", "g2") for name in TIMES}
+    rows = [mesh_row(one) | {stage: one.run.seconds[name] for name, stage in stages.items()} for one in found]
+    return Table.of("verification-times", "Where the time goes [s]", rows)
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
@@ -226,23 +208,28 @@ def drawn(found: Sequence[Level]) -> Section:
         (
             Text(
                 (
-                    f"A ball of radius {1e3 * BALL:g} mm (E = {1e-9 * job.young:g} GPa, nu = {job.poisson:g}, both bodies "
-                    f"elastic) is pressed with {job.load:g} N on a flat (job A) and into a groove of radius "
-                    f"{1e3 * GROOVE:g} mm, convex along it with {1e3 * ALONG:g} mm (job B). "
-                    "One elastic body is modelled and its compliance doubled; a quarter by symmetry. The cut faces of "
-                    "the block move as in the half space (Boussinesq), so that the approach can be compared: held, "
-                    "they would shift it.",
-                    "h is the edge of the cells along the short semi-axis b. Semi-axes are those of the ellipsoid with "
-                    "the load and second moments of the nodal forces; the pole pressure is the nodal force over its "
-                    "area at the pole, not the largest nodal value; the fitted one is that of the ellipsoid. On "
-                    "10-node tetrahedra only midside nodes may touch, because a uniform pressure puts no force on "
-                    f"corners. The source's mesh is {1e3 * SOURCE_FINE:g} mm within a sphere of "
-                    f"{1e3 * SOURCE_RADIUS:g} mm (its size is not printed), up to {1e3 * SOURCE_COARSE:g} mm outside.",
+                    (
+                        f"A ball of radius {1000.0 * BALL:g} mm (E = {1e-09 * job.young:g} GPa, nu = "
+                        f"{job.poisson:g}, both bodies elastic) is pressed with {job.load:g} N on a flat (job A) "
+                        f"and into a groove of radius {1000.0 * GROOVE:g} mm that is convex along its length "
+                        f"with {1000.0 * ALONG:g} mm (job B). One elastic body is modelled, a quarter by "
+                        "symmetry, and its compliance is doubled. The cut faces of the block move as in the "
+                        "half space (Boussinesq); if they were held, the approach would be shifted."
+                    ),
+                    (
+                        "h is the cell edge along the short semi-axis b. Semi-axes are those of the ellipsoid "
+                        "with the same load and second moments as the nodal forces. The pole pressure is the "
+                        "nodal force over its area at the pole, not the largest nodal value; the fitted one is "
+                        "that of the ellipsoid. On 10-node tetrahedra only mid-side nodes may touch, because a "
+                        "uniform pressure puts no force on corner nodes. The source's mesh is "
+                        f"{1000.0 * SOURCE_FINE:g} mm within a sphere of {1000.0 * SOURCE_RADIUS:g} mm (its size "
+                        f"is not printed) and up to {1000.0 * SOURCE_COARSE:g} mm outside."
+                    ),
                 )
             ),
             Text(verdict(found), bullets=True),
             Table.of("verification-targets", f"Production mesh ({made}) against the closed form", value_rows(found)),
-            Table("verification-errors", "Errors, unknowns and seconds of all meshes", COLUMNS, error_rows(found)),
+            Table.of("verification-errors", "Errors, unknowns and seconds of all meshes", map(error_row, found)),
             *(figure(found, job) for job in JOBS),
             times_table(found),
         ),

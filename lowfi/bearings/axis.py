@@ -101,11 +101,6 @@ def unloading_warming(axis: Axis, stretch: float, expansion: float) -> float:
     return stretch / (axis.length * expansion)
 
 
-def lost_motion(force: float, stiffness: float, play: float = 0.0) -> float:
-    """Lost motion [m] of a carriage whose friction force [N] reverses: play and twice the wind-up force/stiffness."""
-    return play + 2.0 * force / stiffness
-
-
 # --- torque
 
 

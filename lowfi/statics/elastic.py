@@ -21,10 +21,10 @@ from rollbench.lowfi.statics.mechanism import Mechanism, free_motions
 from rollbench.lowfi.statics.records import Outcome
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.selection import all_clear, all_sides, choose_sides, describe_left_out
-from rollbench.lowfi.statics.settle import NO_LOADS, Contacts, Flanks, lost, report_of, settled, verdict
+from rollbench.lowfi.statics.settle import NO_LOADS, Contacts, Flanks, least_residual, lost, report_of, settled, verdict
 from rollbench.lowfi.statics.shaft import flank_loads, node_forces, node_motions
 from rollbench.lowfi.statics.solved import SolvedState
-from rollbench.lowfi.statics.static import ROUND_OFF, Engine, Unheld, pick_engine, pin, unheld, with_other_pin
+from rollbench.lowfi.statics.static import Engine, Unheld, pick_engine, pin, unheld, with_other_pin
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS, assemble_result, failed_result
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimen, specimen
@@ -102,14 +102,12 @@ def flank_shifts(elastic: Elastic) -> Array:
 
 
 def round_off(elastic: Elastic, scale: float) -> float:
-    """Relative residual below which double precision cannot get: see `lowfi.statics.static.round_off_bound`."""
-    if scale == 0.0:
-        return 0.0
+    """Relative residual below which double precision cannot get: see `lowfi.statics.settle.least_residual`."""
     problem = elastic.problem
     stiff = float(contact_stiffness(elastic.state.contact[..., 0], problem.C.min()).max(initial=0.0))
     lengths = float(np.abs(flank_shifts(elastic)).max()) + float(np.abs(elastic.flanks.v0).max(initial=0.0))
     lengths += problem.scene.balls.radius if problem.drawn.profile.shape[1] else 0.0
-    return float(ROUND_OFF * lengths * stiff / scale)
+    return least_residual(lengths, stiff, scale)
 
 
 def untouched(elastic: Elastic) -> bool:

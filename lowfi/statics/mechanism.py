@@ -8,7 +8,7 @@ import numpy as np
 from scipy.linalg import qr
 
 from rollbench.lowfi.statics.problem import Problem, wrench_rows
-from rollbench.lowfi.statics.shape import principal, rigid_transport
+from rollbench.lowfi.statics.shape import rigid_transport, unresisted
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import FREEDOMS
 
@@ -42,18 +42,18 @@ def _free_rigid(problem: Problem) -> tuple[Array, Array, Array]:
         motions = problem.basis[:, ~problem.fixed[0]]
         work = problem.load[0, ~problem.fixed[0]]
     else:
-        rows = transport[problem.fixed] * scale
-        z_free = np.eye(6)
-        if rows.size:
-            sv, vt = principal(rows)
-            rank = int(np.sum(sv > 1e-9 * sv[0]))
-            z_free = vt[rank:].T
-        motions = scale[:, None] * z_free
+        motions = scale[:, None] * unresisted(transport[problem.fixed] * scale).T
         work = np.einsum("nij,ni->j", transport, problem.load) @ motions
     layout = problem.layout
     r = layout.centre - np.array([0.0, 0.0, z[0]])
     rows = wrench_rows(layout, r)
     return motions, (rows @ motions).reshape(2 * len(r), motions.shape[1]), work
+
+
+def drives(work: Array, load: Array, arm: float) -> bool:
+    """Whether loads ``(n, 6)`` [N, N m] do work [N] on any of some motions of size one, rotations times the arm [m]."""
+    total = float(np.abs(load[:, :3]).sum() + np.abs(load[:, 3:]).sum() / arm)
+    return float(np.abs(work).max()) > 1e-9 * total > 0.0
 
 
 def free_motions(problem: Problem) -> Mechanism:
@@ -64,17 +64,13 @@ def free_motions(problem: Problem) -> Mechanism:
     motions, flanks, work = _free_rigid(problem)
     if motions.shape[1] == 0:
         return Mechanism(False, "", (), no_torsion)
-    sv, vt = principal(flanks) if flanks.size else (np.zeros(0), np.eye(motions.shape[1]))
-    rank = int(np.sum(sv > 1e-9 * max(1.0, sv.max(initial=0.0))))
-    null = vt[rank:]
+    null = unresisted(flanks)
     if null.shape[0] == 0:
         return Mechanism(False, "", (), no_torsion)
     free = motions @ null.T
     seen = rigid_transport(problem.scene.nut.position - float(problem.nodes[0])) @ free
-    drive = null @ work
-    total = float(np.abs(problem.load[:, :3]).sum() + np.abs(problem.load[:, 3:]).sum() / track.pitch_radius)
     text = _name(seen, track.lead, track.pitch_radius)
-    if float(np.abs(drive).max()) > 1e-9 * total and total > 0.0:
+    if drives(null @ work, problem.load, track.pitch_radius):
         return Mechanism(True, f"{text}: no support and no contact resists it, and the loads drive it")
     if problem.basis is not None:  # freedoms are the columns of the basis that the supports leave
         _, _, order = qr(null, pivoting=True)

@@ -23,6 +23,8 @@ NO_LOADS = (NOT_HELD, SINGULAR)
 ACCEPTED = 1e-10
 #: Relative residual of a run above which its constants or lever arms are not followed any further.
 LOST = 1e-6
+#: Relative round-off of a force by that of the motions in its contacts: some operations of each.
+ROUND_OFF = 8.0 * float(np.finfo(float).eps)
 #: Runs for the constants and for the arms, and the change (relative, or [m]) at which they have settled.
 HERTZ_RUNS, ARM_RUNS, SETTLED = 12, 6, 1e-13
 
@@ -69,6 +71,12 @@ def settled(
     if rebuild is not None and any(uneven(problem) for problem, _ in contacts()):
         outcome = follow_profile(outcome, flanks, rebuild)
     return outcome
+
+
+def least_residual(lengths: float, stiffness: float, scale: float) -> float:
+    """Relative residual that double precision cannot get below: eps times the motions or lengths [m] whose difference makes
+    the approach of contacts of such a stiffness [N/m], over the largest force met ``scale`` [N], times 8."""
+    return ROUND_OFF * lengths * stiffness / scale if scale else 0.0
 
 
 def verdict(outcome: Outcome, bound: float, unheld: Callable[[], str], far: bool = False) -> str:

@@ -38,6 +38,18 @@ def motions_at(z: Array, nodes: Array, section: BeamSection, motion: Array) -> A
     return np.asarray(np.einsum("kab,kb->ka", m, np.concatenate([motion[j], motion[j + 1]], axis=1)))
 
 
+def lifted(nodes: Array, fixed: NDArray[np.bool_], prescribed: Array) -> tuple[Array, Array]:
+    """Motions ``(n, 6)`` of nodes ``(n,)`` [m] that have the ``prescribed`` values where they are ``fixed``, each freedom
+    interpolated along the shaft; and how each element deforms by them ``(n - 1, 6)``: its end against its start, moved
+    rigidly."""
+    q = np.zeros((nodes.size, 6))
+    for k in np.flatnonzero(prescribed.any(axis=0)):
+        held = np.flatnonzero(fixed[:, k])
+        if held.size:
+            q[:, k] = np.interp(nodes, nodes[held], prescribed[held, k])
+    return q, q[1:] - np.einsum("nij,nj->ni", rigid_transport(np.diff(nodes)), q[:-1])
+
+
 def rigid_transport(reach: float | Array) -> Array:
     """Motion at a station from that of another ``reach`` ``(...)`` [m] before it, rigidly: u + theta x reach e_z,
     ``(..., 6, 6)``."""
@@ -93,3 +105,11 @@ def principal(rows: Array) -> tuple[Array, Array]:
     no more of them than there are columns, and nothing grows as their square."""
     _, size, vt = np.linalg.svd(np.linalg.qr(rows, mode="r"))
     return np.asarray(size), np.asarray(vt)
+
+
+def unresisted(rows: Array) -> Array:
+    """Combinations ``(c, k)`` of k motions that ``rows`` ``(m, k)``, each of a size about one, do not feel."""
+    if not rows.size:
+        return np.eye(rows.shape[1])
+    size, vt = principal(rows)
+    return vt[int((size > 1e-9 * max(1.0, size.max(initial=0.0))).sum()) :]

@@ -27,7 +27,8 @@ from rollbench.lowfi.statics.selection import (
     shifts_of_beam,
     touched_sides,
 )
-from rollbench.lowfi.statics.settle import NO_LOADS, Contacts, Flanks, lost, report_of, settled, verdict
+from rollbench.lowfi.statics.settle import NO_LOADS, Contacts, Flanks, least_residual, lost, report_of, settled, verdict
+from rollbench.lowfi.statics.shape import lifted
 from rollbench.lowfi.statics.solved import SolvedState
 from rollbench.lowfi.statics.summary import assemble_result, failed_result, model_assumptions
 from rollbench.meshes.arrays import Array, Mask
@@ -40,8 +41,6 @@ Engine = Literal["auto", "interpreted", "compiled"]
 #: Relative residual that the solver drives for.
 TOLERANCE = 1e-14
 MAX_ITERATIONS = 3000
-#: Relative round-off of a force by that of the motions in its contacts: some operations of each.
-ROUND_OFF = 8.0 * float(np.finfo(float).eps)
 #: Above this many balls the compiled engine pays even for a single solve: where machine code is kept, and where not.
 COMPILE_ABOVE, COMPILE_ALONE = 120, 1000
 #: The same where flanks are no arcs: every contact is a search for its place on the profile.
@@ -121,13 +120,7 @@ def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANC
     sections[:] = s.EA, s.EI, s.GJ, s.kGA
     stiffness = reference_scale(problem)[1]
     count = problem.C.shape[0]
-    q, d = np.zeros((nodes.size, 6)), np.zeros((lengths.size, 6))
-    if problem.prescribed.any():
-        q = _lift(problem)
-        moved = q[:-1].copy()
-        moved[:, 0] += lengths * q[:-1, 4]
-        moved[:, 1] -= lengths * q[:-1, 3]
-        d = q[1:] - moved
+    q, d = lifted(nodes, problem.fixed, problem.prescribed)
     contacts = BeamContacts(
         problem.node,
         problem.B,
@@ -153,16 +146,6 @@ def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANC
     return Prepared(problem, engine, beam, contacts, state, options, np.zeros(MAX_ITERATIONS + 1))
 
 
-def _lift(problem: Problem) -> Array:
-    """A motion of all nodes that has the prescribed values: each freedom interpolated along the shaft."""
-    q = np.zeros((problem.nodes.size, 6))
-    for k in np.flatnonzero(problem.prescribed.any(axis=0)):
-        held = np.flatnonzero(problem.fixed[:, k])
-        if held.size:
-            q[:, k] = np.interp(problem.nodes, problem.nodes[held], problem.prescribed[held, k])
-    return q
-
-
 def iterate(prepared: Prepared, start: bool = True) -> Outcome:
     """Solve from the linear start (or from the present state)."""
     solve = prepared.engine.start_and_solve if start else prepared.engine.solve_beam
@@ -172,20 +155,15 @@ def iterate(prepared: Prepared, start: bool = True) -> Outcome:
 
 
 def round_off_bound(prepared: Prepared, scale: float) -> float:
-    """Relative residual that double precision cannot get below, from the rounding of motions in stiff contacts.
-
-    eps x (largest motion of a flank) x (largest contact stiffness of a node's flanks, summed) / (largest force), times 8;
-    uneven flanks are met in lengths of the ball's radius.
-    """
+    """Relative residual that double precision cannot get below (`lowfi.statics.settle.least_residual`), by the largest
+    motion and the largest stiffness of a node's flanks, summed; uneven flanks are met in lengths of the ball's radius."""
     q, force = prepared.state.q, prepared.force
     problem = prepared.problem
     motion = float(np.abs(q[:, :3]).max(initial=0.0))
     stiff = contact_stiffness(force[:, :2], problem.C[:, :2])
     most = float(np.bincount(problem.node.ravel(), weights=stiff.ravel()).max(initial=0.0))
-    if scale == 0.0:
-        return 0.0
     lengths = motion + (problem.scene.balls.radius if problem.drawn.profile.shape[1] else 0.0)
-    return ROUND_OFF * lengths * most / scale
+    return least_residual(lengths, most, scale)
 
 
 class Solution(NamedTuple):

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from rollbench.lowfi.hertz import contact_approach
-from rollbench.lowfi.statics.problem import SIGNS, Problem
+from rollbench.lowfi.statics.problem import Problem
 from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult
+from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.lowfi.statics.shape import motions_at, rigid_transport
 from rollbench.lowfi.statics.solved import SolvedState
 from rollbench.lowfi.statics.validity import profile_warning, warnings_of
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.parts import Scene
+from rollbench.meshes.parts import Load, Scene
 
 #: Statements that hold for every run of the source's low-order model.
 MODEL_ASSUMPTIONS = (
@@ -72,59 +74,42 @@ def equilibrium(solved: SolvedState, points: Array, on_ball: Array) -> Equilibri
     """Global balance of the screw: applied loads, support reactions, contact forces at their contact points, and what a
     pin takes that no support of the scene can; and of every ball, by its contact forces alone."""
     problem, force, nodal = solved.problem, solved.force, solved.reactions
-    scene = problem.scene
+    scene, pins = problem.scene, np.isin(np.arange(6), problem.pins)
     on_screw = -on_ball[:, :2] * force[:, :2, None]
-    contact_force = on_screw.sum(axis=(0, 1))
-    contact_moment = np.cross(points[:, :2], on_screw).sum(axis=(0, 1))
-    applied_force, applied_moment = np.zeros(3), np.zeros(3)
-    for load in scene.loads:
-        f = np.array(load.force)
-        applied_force += f
-        applied_moment += np.array(load.moment) + np.cross([0.0, 0.0, load.at], f)
-    pins = list(problem.pins)
-    reaction_force: Array = np.zeros(3)
-    reaction_moment: Array = np.zeros(3)
+    moments = np.cross(points[:, :2], on_screw)
+    contact = np.concatenate([on_screw.sum(axis=(0, 1)), moments.sum(axis=(0, 1))])
+    applied = wrench_of(scene.loads)
     if problem.basis is None:
-        held, taken = nodal.copy(), np.zeros(6)
-        taken[pins] = nodal[0, pins]
-        held[0, pins] = 0.0
-        about = np.stack([-problem.nodes * held[:, 1], problem.nodes * held[:, 0], np.zeros(problem.nodes.size)], axis=1)
-        reaction_force = held[:, :3].sum(axis=0)
-        reaction_moment = (held[:, 3:] + about).sum(axis=0)
-        pin_force = taken[:3]
-        pin_moment = taken[3:] + np.cross([0.0, 0.0, problem.nodes[0]], taken[:3])
+        pinned = np.where(pins, nodal[0], 0.0)
+        held = np.concatenate([[nodal[0] - pinned], nodal[1:]])
+        reaction, pin = about_origin(problem.nodes, held), about_origin(problem.nodes[:1], pinned[None])
     else:  # the supports of a rigid screw take what is left along the motions they hold
-        t: Array = problem.basis
-        z0 = np.array([0.0, 0.0, problem.nodes[0]])
-        wrench: Array = np.concatenate([applied_force + contact_force, applied_moment + contact_moment])
-        wrench[3:] -= np.cross(z0, wrench[:3])
-        along = np.where(problem.fixed[0], t.T @ wrench, 0.0)
-        pinned = np.isin(np.arange(6), pins)
-        w, own = (-np.linalg.solve(t.T, np.where(mask, along, 0.0)) for mask in (~pinned, pinned))
-        reaction_force = np.asarray(w[:3])
-        reaction_moment = np.asarray(w[3:] + np.cross(z0, w[:3]))
-        pin_force, pin_moment = np.asarray(own[:3]), np.asarray(own[3:] + np.cross(z0, own[:3]))
+        t, z0 = problem.basis, problem.nodes[:1]
+        along = np.where(problem.fixed[0], t.T @ about_origin(-z0, (applied + contact)[None]), 0.0)
+        each = (np.asarray(np.linalg.solve(t.T, np.where(taken, along, 0.0)))[None] for taken in (~pins, pins))
+        reaction, pin = (about_origin(z0, -taken) for taken in each)
     size = max(
-        float(np.abs(applied_force).max()),
-        float(np.abs(contact_force).max()),
-        float(np.abs(reaction_force).max()),
+        *(float(np.abs(x[:3]).max()) for x in (applied, contact, reaction)),
         float(np.abs(nodal[:, 3:]).max()) / scene.track.pitch_radius,  # supports may twist against one another alone
         float(force.max(initial=0.0)),
         solved.scale,
     )
-    sums = [
-        np.concatenate(x)
-        for x in (
-            (applied_force, applied_moment),
-            (reaction_force, reaction_moment),
-            (contact_force, contact_moment),
-            (pin_force, pin_moment),
-        )
-    ]
+    sums = applied, reaction, contact, pin
     s, noise = problem.section, (0.0, 0.0)
     if problem.basis is None:
         noise = round_off(np.diff(problem.nodes), np.array([[s.EA, s.EI, s.GJ, s.kGA]]), solved.motion)
     return balance_of(sums, size, scene.track.pitch_radius, noise, net_forces(force, solved.normal))
+
+
+def about_origin(stations: Array, wrenches: Array) -> Array:
+    """Sum (6,) about the origin of forces and moments ``(n, 6)`` [N, N m] at stations ``(n,)`` [m] of the axis."""
+    return np.asarray(np.einsum("nij,ni->j", rigid_transport(stations), wrenches))
+
+
+def wrench_of(loads: Sequence[Load]) -> Array:
+    """Sum (6,) of loads about the origin [N, N m]."""
+    wrenches = np.array([(*x.force, *x.moment) for x in loads]).reshape(-1, 6)
+    return about_origin(np.array([x.at for x in loads]), wrenches)
 
 
 def net_forces(force: Array, normal: Array) -> Array:
@@ -184,6 +169,35 @@ def judged(status: str, balance: Equilibrium, frozen: bool, body: str = "the scr
     return f"not converged: {body} is out of balance by {balance.largest:.1e} of the largest force or moment"
 
 
+def contacts_of(
+    solved: SolvedState, z: Array, motion: Array, report: SolverReport, *, both_ways: bool = False
+) -> StaticResult:
+    """Contacts of a finished solve as a record, with stations ``(k,)`` [m] and motions ``(k, 6)`` [m, rad] of the
+    centreline; both_ways: the one arc of each groove reaches to either side of its bottom."""
+    problem, force = solved.problem, solved.force
+    raw = contact_angles(solved.normal)
+    points, on_ball = contact_geometry(solved)
+    return StaticResult(
+        model="",
+        status="converged",
+        azimuth=problem.layout.azimuth,
+        z=problem.layout.z,
+        load=force,
+        contact_angle=np.where(force > 0.0, raw, np.nan),
+        contact_point=points,
+        force_direction=on_ball,
+        centre_shift=solved.centre,
+        hertz_C=problem.C.copy(),
+        centreline_z=z,
+        centreline=motion,
+        equilibrium=None,
+        solver=report,
+        assumed=(),
+        left_out=(),
+        warnings=warnings_of(solved, np.abs(raw) if both_ways else raw, z, motion),
+    )
+
+
 def assemble_result(
     solved: SolvedState,
     model: str,
@@ -197,36 +211,14 @@ def assemble_result(
     """Result record of a finished solve; idealised: statements that hold for every run of the model on such a scene;
     own_arms: its lever arms and directions are not those of the contacts, so that sums over these do not balance."""
     problem = solved.problem
-    p, force, normal = solved.centre, solved.force, solved.normal
-    raw = np.arctan2(SIGNS[:, 1] * normal[..., 1], SIGNS[:, 0] * normal[..., 0])
-    gamma = np.where(force > 0.0, raw, np.nan)
-    points, on_ball = contact_geometry(solved)
-    z, motion = centreline(problem, solved.motion)
-    notes = warnings_of(solved, raw, z, motion)
-    balance = equilibrium(solved, points, on_ball)
+    found = contacts_of(solved, *centreline(problem, solved.motion), report)
+    balance = equilibrium(solved, found.contact_point, found.force_direction)
     if not own_arms:
         status = judged(status, balance, problem.scene.ingredients.arm == "nominal")
     if status.startswith("not converged"):
-        status = "; ".join((status, *profile_warning(solved, raw)))
-    return StaticResult(
-        model=model,
-        status=status,
-        azimuth=problem.layout.azimuth,
-        z=problem.layout.z,
-        load=force,
-        contact_angle=gamma,
-        contact_point=points,
-        force_direction=on_ball,
-        centre_shift=p,
-        hertz_C=problem.C.copy(),
-        centreline_z=z,
-        centreline=motion,
-        equilibrium=balance,
-        solver=report,
-        assumed=(*problem.scene.assumed, *idealised),
-        left_out=left_out,
-        warnings=notes,
-    )
+        status = "; ".join((status, *profile_warning(solved, contact_angles(solved.normal))))
+    assumed = (*problem.scene.assumed, *idealised)
+    return replace(found, model=model, status=status, equilibrium=balance, assumed=assumed, left_out=left_out)
 
 
 def failed_result(problem: Problem, model: str, status: str, seconds: float) -> StaticResult:

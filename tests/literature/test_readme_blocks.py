@@ -11,8 +11,6 @@ from pathlib import Path
 
 import pytest
 
-from rollbench.comparison.cli import main
-
 ROOT = Path(__file__).resolve().parents[2]
 README, CONTRIBUTING = ROOT / "README.md", ROOT / "CONTRIBUTING.md"
 SOLVES_3D = "solves 3D models, minutes on two cores: tests/unit/reference and tests/unit/hifi run small ones"
@@ -47,14 +45,12 @@ def commands(block: str) -> Iterator[str]:
             yield part.removesuffix(" '&'").replace(".venv/bin/rollbench", "rollbench")
 
 
-def run(line: str, capsys: pytest.CaptureFixture[str]) -> None:
+def run(line: str, command) -> None:
     words = shlex.split(line)
     assert words[0] == "rollbench", line
     uncovered = UNCOVERED.fullmatch(line)
-    with pytest.raises(SystemExit) as stop:
-        main([*words[1:], *(["--no-compute"] if uncovered else [])])
-    said = capsys.readouterr()
-    assert (stop.value.code or 0) == (4 if uncovered else 0), (line, said.err[-500:], said.out[-500:])
+    code, out, err = command(*words[1:], *(["--no-compute"] if uncovered else []))
+    assert code == (4 if uncovered else 0), (line, err[-500:], out[-500:])
 
 
 def heavy(line: str) -> bool:
@@ -63,9 +59,7 @@ def heavy(line: str) -> bool:
 
 @pytest.mark.slow
 @pytest.mark.timeout(1800)
-def test_blocks_of_the_readme_run_as_printed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_blocks_of_the_readme_run_as_printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command) -> None:
     monkeypatch.chdir(tmp_path)
     ran = []
     for block in blocks(README):
@@ -74,7 +68,7 @@ def test_blocks_of_the_readme_run_as_printed(
         else:
             for line in commands(block):
                 if not heavy(line):
-                    run(line, capsys)
+                    run(line, command)
                     ran.append(line)
     for begins in ("sweep my.toml --vary errors.balls.oversize", "solve my.toml --members 1000", "check my.toml --loads"):
         assert any(line.replace("'", "").startswith(f"rollbench {begins}") for line in ran), begins

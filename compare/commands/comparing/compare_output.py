@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -11,8 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rollbench.comparison.commands.printing import cell
 from rollbench.comparison.commands.solving.solve_output import expected_json
 from rollbench.comparison.commands.solving.summary import GROUPS, contacts_json, loads_json
+from rollbench.comparison.commands.tables import plain
 from rollbench.comparison.errors import Refusal
 from rollbench.comparison.measure import LoadError, error_percent, load_error
 from rollbench.comparison.models.answers import LoadAnswers, load_answers, unloaded_place
@@ -27,12 +27,11 @@ from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.reference.grid_summary import uncertainty_percent
 from rollbench.comparison.reference.levels import SOURCE_LEVEL
 from rollbench.comparison.reference.store import load
-from rollbench.comparison.writing import replace_file, write_figure
+from rollbench.comparison.writing import write_csv, write_figure
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.reports.cells import harmless
 from rollbench.reports.records import Figure, Panel, Series
 
 if TYPE_CHECKING:
@@ -188,19 +187,15 @@ def answers_json(whole: Comparison, found: Reference) -> dict[str, Any]:
 
 def answers_table(whole: Comparison) -> RenderableType:
     """Ten answers of the model that the verdict speaks of beside those of the reference."""
-    from rich.table import Table
-
     own, reference = answers_of(whole.spoken), answers_of(whole.itself)
-    out = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
-    for k, name in enumerate(("answer", whole.spoken.label, whole.itself.label, "difference / %")):
-        out.add_column(name, justify="left" if k == 0 else "right", no_wrap=True)
+    rows = []
     for group, q in ANSWERS:
         value, ref = (None if side[group] is None else side[group][q.key] for side in (own, reference))
         off = None if value is None or not ref else float(error_percent(value, ref))
-        cells = ((value, q.format), (ref, q.format), (off, "+.2f"))
         unit = f"({q.unit})" if "/" in q.unit else q.unit
-        out.add_row(f"{q.label} / {unit}" if unit else q.label, *("–" if x is None else format(x, f) for x, f in cells))
-    return out
+        cells = cell(value, q.format), cell(ref, q.format), cell(off, "+.2f")
+        rows.append((f"{q.label} / {unit}" if unit else q.label, *cells))
+    return plain(("answer", whole.spoken.label, whole.itself.label, "difference / %"), rows, ("answer",), apart=2)
 
 
 def start_lines(whole: Comparison) -> list[str]:
@@ -266,14 +261,7 @@ def _cells(b: Beside) -> list[str]:
 
 def table(models: Sequence[Beside], itself: Beside) -> RenderableType:
     """One row for each model, the reference first; narrower than 80 columns."""
-    from rich.table import Table
-
-    out = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0))
-    for k, name in enumerate(COLUMNS):
-        out.add_column(name, justify="left" if k == 0 else "right", no_wrap=True)
-    for b in (itself, *models):
-        out.add_row(*_cells(b))
-    return out
+    return plain(COLUMNS, map(_cells, (itself, *models)), COLUMNS[:1])
 
 
 def contact_rows(scene: Scene, models: Sequence[Beside], found: Reference) -> list[dict[str, Any]]:
@@ -308,11 +296,7 @@ def load_figure(name: str, models: Sequence[Beside], found: Reference) -> Figure
 def write_files(scene: Scene, models: Sequence[Beside], found: Reference, store: Path) -> str:
     """Write the contacts as CSV and the figure as SVG into the store; a line that says so."""
     rows = contact_rows(scene, models, found)
-    text = io.StringIO()
-    writer = csv.DictWriter(text, list(rows[0]))
-    writer.writeheader()
-    writer.writerows({k: harmless(v) if isinstance(v, str) else v for k, v in row.items()} for row in rows)
     stem = store / f"{scene.name}-compare"
-    replace_file(Path(f"{stem}.csv"), text.getvalue())
+    write_csv(Path(f"{stem}.csv"), rows)
     figure = write_figure(Path(f"{stem}.svg"), load_figure("compare-loads", models, found))
     return f"wrote {stem}.csv (every contact) and {figure}"

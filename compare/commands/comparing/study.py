@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -36,10 +34,9 @@ from rollbench.comparison.reference.tasks import Solvable, Task
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.scenes.load_cases import cases_by_name
 from rollbench.comparison.scenes.scene_file import each_case
-from rollbench.comparison.writing import no_figure, replace_file, write_figure
+from rollbench.comparison.writing import no_figure, write_csv, write_figure
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
-from rollbench.reports.cells import harmless
 
 #: Exit code where a reference has loads that did not settle.
 NOT_SETTLED = 5
@@ -63,11 +60,7 @@ def run_mesh_study(
         own, stem = table_of(one, stores, levels), store / f"{one.scene.name}-mesh-study"
         rows = own if one.of is None else [{"set": one.of.name, **row} for row in own]
         tables[one.scene.name if one.of is None else one.of.assembly.name] += rows
-        text = io.StringIO()
-        writer = csv.DictWriter(text, list(dict.fromkeys(k for row in rows for k in row)))
-        writer.writeheader()
-        writer.writerows({k: harmless(v) if isinstance(v, str) else v for k, v in row.items()} for row in rows)
-        replace_file(Path(f"{stem}.csv"), text.getvalue())
+        write_csv(Path(f"{stem}.csv"), rows)
         figure = study_figure(one.scene.name, own, one.found)
         if figure is not None:
             write_figure(Path(f"{stem}.svg"), figure)

@@ -8,15 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.comparison.commands.printing import Column
-from rollbench.comparison.commands.solving.axis_summary import set_summary, stiffness_json, whole_summary
+from rollbench.comparison.commands.solving.axis_summary import set_summary, whole_stiffness, whole_summary
 from rollbench.comparison.commands.solving.solve_output import ball_rows as rows_of
-from rollbench.comparison.commands.solving.solve_output import behind_json, last_lines, solver_lines
-from rollbench.comparison.commands.tables import listed
+from rollbench.comparison.commands.solving.solve_output import behind_json, first_lines, last_lines, solver_lines
+from rollbench.comparison.commands.tables import listed, told
 from rollbench.comparison.models.axis_answers import AxisAnswers, SetAnswers
 from rollbench.comparison.models.registry import random_errors
-from rollbench.comparison.quantities import number
+from rollbench.comparison.quantities import number, quantity
 from rollbench.lowfi.statics.result import AxisResult, HousingResult, SetResult
-from rollbench.lowfi.warned import above
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import FREEDOMS, SIDES
 
@@ -25,19 +24,19 @@ if TYPE_CHECKING:
 
 #: Units of the six motions in results, and factors to them.
 MOTION = (("ux_um", 1e6), ("uy_um", 1e6), ("uz_um", 1e6), ("rx_mrad", 1e3), ("ry_mrad", 1e3), ("rz_mrad", 1e3))
-SET_COLUMNS: tuple[Column, ...] = (
-    ("set", "set", "s"),
-    ("name", "name", "s"),
-    ("kind", "kind", "s"),
-    ("z_mm", "z mm", ".2f"),
-    ("fx", "Fx N", ".2f"),
-    ("fy", "Fy N", ".2f"),
-    ("fz", "Fz N", ".2f"),
-    ("largest_N", "largest load N", ".2f"),
-    ("loaded", "loaded", "s"),
-    ("axial", "axial N/um", ".2f"),
-    ("x", "along x N/um", ".2f"),
-    ("y", "along y N/um", ".2f"),
+#: What the table of sets says of each.
+SETS = (
+    quantity("name", "of.name", form="s"),
+    quantity("kind", "of.kind", form="s"),
+    quantity("position_mm", "of.position", "z", ".2f"),
+    quantity("force_x_N", lambda s: s.force[0], "Fx", ".2f"),
+    quantity("force_y_N", lambda s: s.force[1], "Fy", ".2f"),
+    quantity("force_z_N", lambda s: s.force[2], "Fz", ".2f"),
+    quantity("largest_N", lambda s: s.loads.max(initial=0.0), "largest load", ".2f"),
+    quantity("loaded", lambda s: int((s.loads > 0.0).sum()), form="s"),
+    quantity("axial_N_per_um", lambda s: s.stiffness[2, 2], form=".2f"),
+    quantity("x_N_per_um", lambda s: s.stiffness[0, 0], "along x", ".2f"),
+    quantity("y_N_per_um", lambda s: s.stiffness[1, 1], "along y", ".2f"),
 )
 
 
@@ -107,7 +106,7 @@ def as_json(assembly: Assembly, result: AxisResult, found: AxisAnswers | None = 
         "rollers": roller_rows(result),
         "summary": whole_summary(result, found),
         "housings": [_housing(h) for h in result.housings],
-        "stiffness": stiffness_json(result),
+        "stiffness": whole_stiffness(result),
         **behind_json(result),
     }
 
@@ -120,11 +119,10 @@ def as_table(
     parts: list[Any] = [
         f"{assembly.name}, {len(assembly.sets)} sets, model {result.model}: {result.status}",
         assembly.title,
-        *(["", line] if (line := above(result.warnings)) else []),
-        *(["", block, ""] if block else []),
+        *first_lines(result, block),
     ]
     if result.sets and result.converged:
-        parts += [listed("sets: force on the shaft, stiffness of the set alone", SET_COLUMNS, _set_rows(result))]
+        parts += [told("sets: force on the shaft, stiffness of the set alone", SETS, result.sets)]
         parts += _element_tables(result) if balls else []
     for h in result.housings if result.converged else ():
         moved = ", ".join(
@@ -139,19 +137,6 @@ def as_table(
         balance = f"balance of the shaft: force {e.force_residual:.1e}, moment {e.moment_residual:.1e} (relative)"
         behind = [balance, *behind]
     return [*parts, *last_lines(result, behind, details=details or not block)]
-
-
-def _set_rows(result: AxisResult) -> list[dict[str, Any]]:
-    rows = []
-    for i, s in enumerate(result.sets):
-        K, loads = 1e-6 * np.diag(s.stiffness), s.loads
-        rows.append(
-            {"set": i + 1, "name": s.of.name, "kind": s.of.kind, "z_mm": 1e3 * s.of.position}
-            | dict(zip(("fx", "fy", "fz"), map(float, s.force), strict=True))
-            | {"largest_N": float(loads.max(initial=0.0)), "loaded": int((loads > 0.0).sum())}
-            | {"axial": float(K[2]), "x": float(K[0]), "y": float(K[1])}
-        )
-    return rows
 
 
 def _element_tables(result: AxisResult) -> list[RenderableType]:

@@ -6,24 +6,20 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.commands.solving.solve_output import summary
+from rollbench.comparison.commands.solving.solve_output import stiffness_json, summary
 from rollbench.comparison.commands.solving.summary import PRELOAD, contact_entries, contacts_json, entry, loads_json
 from rollbench.comparison.models.axis_answers import AxisAnswers, SetAnswers
 from rollbench.comparison.quantities import number, quantity, record
 from rollbench.comparison.registration import offered
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.parts import FREEDOMS
 
 
-def stiffness_json(result: AxisResult) -> dict[str, Any] | None:
+def whole_stiffness(result: AxisResult) -> dict[str, Any] | None:
     """The stiffness of the whole in the keys of a single set's; null where a freedom is held."""
     if result.stiffness is None:
         return None
-    station = None if result.station is None else number(1e3 * result.station)
-    matrix = [[number(x) for x in row] for row in result.stiffness]
-    own = {"station_mm": station, "status": result.status, "freedoms": list(FREEDOMS), "matrix": matrix}
-    return {"at": result.stiffness_at, **own}
+    return {"at": result.stiffness_at, **stiffness_json(result.station, result.status, result.stiffness)}
 
 
 #: Answers on a bearing's torque.
@@ -70,7 +66,7 @@ def whole_summary(result: AxisResult, found: AxisAnswers | None) -> dict[str, An
         "tangent_N_per_um": None if K is None else number(1e-6 * K),
         "lost_motion_um_per_100N": None if K is None or K <= 0.0 else number(1e6 * 2.0 * 100.0 / K),
     }
-    data["stiffness"] = stiffness_json(result)
+    data["stiffness"] = whole_stiffness(result)
     i = worst(found)
     if i is not None:
         own = set_summary(result.sets[i], found.sets[i])

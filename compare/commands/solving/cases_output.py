@@ -6,14 +6,13 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from rollbench.comparison.commands.printing import text_width
-from rollbench.comparison.commands.solving.solve_output import as_json, as_table, stiffness_lines
+from rollbench.comparison.commands.solving.solve_output import as_json, as_table, stiffness_json, stiffness_lines
 from rollbench.comparison.commands.solving.summary import LIFE, answers_json, block, entry
 from rollbench.comparison.commands.wrapping import aligned
 from rollbench.comparison.models.load_cases import Lives, Solved, SolvedAxis, Together
 from rollbench.comparison.quantities import number, quantity, record
 from rollbench.comparison.scenes.load_cases import DutyCycle, LoadCase
 from rollbench.lowfi.statics.tangent import Tangent
-from rollbench.meshes.parts import FREEDOMS
 
 #: What the cases of a duty cycle say together.
 TOGETHER = (
@@ -49,7 +48,7 @@ def case_json(one: Solved | SolvedAxis, tangent: Tangent | None = None) -> dict[
         return axis_output.as_json(one.scene, one.result, one.answers, one.result.member)
     answers = None if one.answers is None else answers_json(one.scene, one.result, one.answers)
     if answers is not None and tangent is not None:
-        answers["stiffness"] = stiffness_json(tangent)
+        answers["stiffness"] = stiffness_json(tangent.station, tangent.status, tangent.matrix)
     return as_json(one.scene, one.result, one.expected, answers)
 
 
@@ -63,16 +62,6 @@ def case_table(one: Solved | SolvedAxis, *, balls: bool = False, details: bool =
     speed = None if one.scene.motion is None else one.scene.motion.speed
     text = "" if one.answers is None else block(one.scene, one.result, one.answers, one.expected, text_width(), speed)
     return as_table(one.scene, one.result, one.expected, block=text, balls=balls, details=details)
-
-
-def stiffness_json(tangent: Tangent) -> dict[str, Any]:
-    """The matrix for JSON: N/m, N/rad, N m/rad."""
-    return {
-        "station_mm": number(1e3 * tangent.station),
-        "status": tangent.status,
-        "freedoms": list(FREEDOMS),
-        "matrix": [[number(x) for x in row] for row in tangent.matrix],
-    }
 
 
 def cases_json(

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +10,9 @@ from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.answers import quick_friction
 from rollbench.comparison.models.loading import CurvePoint, curve
 from rollbench.comparison.models.registry import Options
-from rollbench.comparison.writing import replace_file, write_figure
+from rollbench.comparison.writing import write_csv, write_figure
+from rollbench.lowfi.statics.result import AxisResult
+from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 from rollbench.reports.records import Figure, Panel, Series
 
@@ -21,25 +21,20 @@ FACTORS = tuple(round(0.1 * k, 1) for k in range(16))
 COLUMNS = ("load_factor", "axial_force_N", "displacement_um", "stiffness_N_per_um", "largest_load_N", "torque_Nmm")
 
 
-def write_curve(path: Path, scene: Scene, model: str, options: Options) -> list[str]:
+def write_curve(path: Path, scene: Scene | Assembly, model: str, options: Options) -> list[str]:
     """Solve at 0 to 1.5 times the loads and write the table and, beside it, the figure (SVG); lines that say so.
 
     Raises InputError for a scene without axial load, and where a file cannot be written.
     """
     points = curve(scene, FACTORS, model, options)
+    several = isinstance(scene, Assembly)
     if len(points) < 3 or max(abs(p.force) for p in points) == 0.0:
         allowed = "a scene that solves under parts of its axial load"
-        raise InputError("command line", "--curve", str(path), allowed, "give the scene an axial load")
-    return write_rows(path, scene.name, curve_rows(scene, points, options), "axial force on the nut / kN")
-
-
-def write_rows(path: Path, name: str, rows: list[dict[str, float | None]], over: str) -> list[str]:
-    """Write the table and, beside it, the figure over an axis with the label ``over``; lines that say so."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    replace_file(path, text.getvalue())
+        advice = f"give {'shaft or housing' if several else 'the scene'} an axial load"
+        raise InputError("command line", "--curve", str(path), allowed, advice)
+    name, over = scene.name, f"axial force on {'shaft and housings' if several else 'the nut'} / kN"
+    rows = curve_rows(scene, points, options)
+    write_csv(path, rows)
     picture = write_figure(path.with_suffix(".svg"), curve_figure(name, rows, over))
     missing = len(FACTORS) - len(rows)
     left = f"; {missing} of {len(FACTORS)} loads without a solution are left out" if missing else ""
@@ -48,16 +43,20 @@ def write_rows(path: Path, name: str, rows: list[dict[str, float | None]], over:
     return [f"wrote {path} and {picture}: {len(rows)} loads from 0 to {rows[-1]['load_factor']:g} times the scene's{left}"]
 
 
-def curve_rows(scene: Scene, points: list[CurvePoint], options: Options) -> list[dict[str, float | None]]:
-    """Rows of the table; stiffness by differences along the curve, torque where the scene has a coefficient and no kernel
-    has to be compiled for it."""
+def curve_rows(scene: Scene | Assembly, points: list[CurvePoint], options: Options) -> list[dict[str, float | None]]:
+    """Rows of the table. Stiffness of one set by differences along the curve, torque where the scene has a coefficient and
+    no kernel has to be compiled for it; of several sets the tangent, torque is left to ``rollbench friction``."""
     force = np.array([p.force for p in points])
     moved = np.array([p.displacement for p in points])
     with np.errstate(divide="ignore", invalid="ignore"):
         slope = 1.0 / np.gradient(moved, force)
     rows = []
     for p, k in zip(points, slope, strict=True):
-        state, _ = quick_friction(scene, p.result, options) if p.largest > 0.0 else (None, "")
+        state = None
+        if isinstance(p.result, AxisResult):
+            k = np.nan if p.result.stiffness is None else p.result.stiffness[2, 2]
+        elif isinstance(scene, Scene) and p.largest > 0.0:
+            state, _ = quick_friction(scene, p.result, options)
         torque = None if state is None else 1e3 * state.torque.friction
         stiffness = 1e-6 * float(k) if np.isfinite(k) else None
         values = (p.factor, p.force, 1e6 * p.displacement, stiffness, p.largest, torque)

@@ -8,7 +8,6 @@ from pathlib import Path
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.writing import need_writable, replace_file
-from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.meshes.arrays import Array
 
 #: Grid point and name of the matrix in DMIG cards.
@@ -21,12 +20,6 @@ def check_matrix(path: Path) -> None:
         allowed = "a name that ends in .mtx (Matrix Market) or .dmig (Nastran)"
         raise InputError("command line", "--matrix", str(path), allowed, "rename it")
     need_writable(path)
-
-
-def write_matrix(path: Path, tangent: Tangent, scene: str, model: str) -> None:
-    """Write the matrix in the format of the file's name. Raises InputError where it cannot be written."""
-    where = f"screw's section at {1e3 * tangent.station:.6g} mm against the held nut"
-    write_stiffness(path, tangent.matrix, f"tangent stiffness of {scene}, model {model}, {where}")
 
 
 def write_stiffness(path: Path, matrix: Array, words: str) -> None:

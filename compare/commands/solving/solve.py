@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.commands.solving.cases_output import case_json, case_table, cases_json, cases_table
 from rollbench.comparison.commands.solving.solve_choices import Choices
@@ -22,6 +24,7 @@ from rollbench.comparison.writing import need_writable
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.lowfi.warned import above
+from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 
@@ -93,9 +96,16 @@ def _write_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Seque
 def _check_parts(scene: Scene | Assembly, choices: Choices, station: float) -> None:
     """Raises InputError for a station beyond the screw or shaft, and for what several sets do not have."""
     if isinstance(scene, Assembly):
-        from rollbench.comparison.commands.solving.axis_solve import check
-
-        check(scene, choices)
+        refused = (
+            ("--all", choices.everything, "every set is built as its scene asks: leave it out"),
+            ("--condensed", choices.condensed, "a file of condensed bodies holds those of one set: leave it out"),
+        )
+        for option, value, advice in refused:
+            if value:
+                raise InputError("command line", option, f"with {scene.name}", "one set on a shaft", advice)
+        if choices.loads_csv is not None and not scene.ball_count:
+            advice = "rollers have no flanks: leave it out"
+            raise InputError("command line", "--loads-csv", str(choices.loads_csv), "a set of balls", advice)
     if choices.stiffness_at and not 0.0 <= station <= scene.screw.length:
         allowed = f"0 mm to {1e3 * scene.screw.length:g} mm"
         what = "shaft" if isinstance(scene, Assembly) else "screw"
@@ -138,21 +148,29 @@ def _checked(choices: Choices) -> tuple[str, float]:
 
 
 def _write(one: Solved | SolvedAxis, tangent: Tangent | None, options: Options, choices: Choices) -> list[str]:
-    """Files that were asked for, but of loads; lines that say so."""
+    """Files that were asked for, but of loads; lines that say so. Raises InputError."""
     if not one.result.converged:
         return []
-    if isinstance(one, SolvedAxis):
-        from rollbench.comparison.commands.solving.axis_solve import write
+    lines, path, (K, where) = [], choices.matrix, _stiffness(one, tangent)
+    if path is not None and isinstance(one, SolvedAxis) and (K is None or not np.isfinite(K).all()):
+        advice = "ask for a station where no freedom of the shaft is held"
+        raise InputError("command line", "--matrix", str(path), "a stiffness in all six freedoms", advice)
+    if path is not None and K is not None:
+        from rollbench.comparison.commands.solving.matrix_files import write_stiffness
 
-        return write(one.scene, one.result, choices)
-    lines = []
-    if choices.matrix is not None and tangent is not None and tangent.status == "converged":
-        from rollbench.comparison.commands.solving.matrix_files import write_matrix
-
-        write_matrix(choices.matrix, tangent, one.scene.name, one.result.model)
-        lines.append(f"wrote {choices.matrix}: the matrix, symmetric, in N, m and rad")
+        write_stiffness(path, K, f"tangent stiffness of {one.scene.name}, model {one.result.model}, {where}")
+        lines.append(f"wrote {path}: the matrix, symmetric, in N, m and rad")
     if choices.curve is not None:
         from rollbench.comparison.commands.solving.load_curve import write_curve
 
         lines += write_curve(choices.curve, one.scene, one.result.model, options)
     return lines
+
+
+def _stiffness(one: Solved | SolvedAxis, tangent: Tangent | None) -> tuple[Array | None, str]:
+    """The stiffness (6, 6) [N, m, rad] that was asked for, None where there is none, and words for where it is taken."""
+    if isinstance(one, SolvedAxis):
+        return one.result.stiffness, f"{one.result.stiffness_at} against all that the scene holds"
+    if tangent is None or tangent.status != "converged":
+        return None, ""
+    return tangent.matrix, f"screw's section at {1e3 * tangent.station:.6g} mm against the held nut"

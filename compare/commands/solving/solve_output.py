@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rollbench.comparison.commands.tables import plain
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.model_form import ModelForm
-from rollbench.comparison.quantities import number, shown
+from rollbench.comparison.quantities import number, quantity, record, shown
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import Equilibrium, Solved, SolverReport, StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
@@ -21,7 +22,6 @@ from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
-    from rich.table import Table
 
 
 def per_side(row: Array) -> dict[str, float | None]:
@@ -45,24 +45,35 @@ def summary(load: Array) -> dict[str, dict[str, Any]]:
     return out
 
 
-def equilibrium_json(e: Equilibrium | None) -> dict[str, Any] | None:
-    """Forces and moments on the shaft, and what they leave."""
-    if e is None:
-        return None
-    return {
-        "external_force_N": [number(x) for x in e.applied_force],
-        "external_moment_Nm": [number(x) for x in e.applied_moment],
-        "reaction_force_N": [number(x) for x in e.reaction_force],
-        "reaction_moment_Nm": [number(x) for x in e.reaction_moment],
-        "contact_force_N": [number(x) for x in e.contact_force],
-        "contact_moment_Nm": [number(x) for x in e.contact_moment],
-        "force_residual": number(e.force_residual),
-        "moment_residual": number(e.moment_residual),
-        "pin_force_N": [number(x) for x in e.pin_force],
-        "pin_moment_Nm": [number(x) for x in e.pin_moment],
-        "pin_share": number(e.pin_share),
-        "ball_residual": number(e.ball_residual),
-    }
+#: Forces and moments on the shaft, and what they leave.
+EQUILIBRIUM = (
+    quantity("external_force_N", "applied_force"),
+    quantity("external_moment_Nm", "applied_moment"),
+    quantity("reaction_force_N"),
+    quantity("reaction_moment_Nm"),
+    quantity("contact_force_N"),
+    quantity("contact_moment_Nm"),
+    quantity("force_residual"),
+    quantity("moment_residual"),
+    quantity("pin_force_N"),
+    quantity("pin_moment_Nm"),
+    quantity("pin_share"),
+    quantity("ball_residual"),
+)
+#: How the solution came about; the error of the beam is told by who measured it.
+SOLVER = (
+    quantity("iterations"),
+    quantity("residual"),
+    quantity("seconds"),
+    quantity("unknowns"),
+    quantity("elements"),
+    quantity("evaluations"),
+    quantity("engine"),
+    quantity("formulation"),
+    quantity("round_off_bound"),
+    quantity("discretisation_percent", lambda _: None),
+    quantity("notes"),
+)
 
 
 def _model_form(m: ModelForm | None) -> dict[str, Any] | None:
@@ -118,21 +129,11 @@ def discretisation_percent(scene: Scene, result: StaticResult) -> float | None:
     return number(float(error_percent(change, 0.0, mean_load(result.load, nominal_contacts(scene)))))
 
 
-def solver_json(s: SolverReport, discretisation: float | None = None) -> dict[str, Any]:
-    """How the solution came about; discretisation: error of the beam in per cent of the mean contact load."""
-    return {
-        "iterations": s.iterations,
-        "residual": number(s.residual),
-        "seconds": number(s.seconds),
-        "unknowns": s.unknowns,
-        "elements": s.elements,
-        "evaluations": s.evaluations,
-        "engine": s.engine,
-        "formulation": s.formulation,
-        "round_off_bound": number(s.round_off_bound),
-        "discretisation_percent": discretisation,
-        "notes": list(s.notes),
-    }
+def stiffness_json(station: float | None, status: str, matrix: Array) -> dict[str, Any]:
+    """A stiffness (6, 6) at a station [m]: N/m, N/rad, N m/rad."""
+    rows = [[number(x) for x in row] for row in matrix]
+    at = None if station is None else number(1e3 * station)
+    return {"station_mm": at, "status": status, "freedoms": list(FREEDOMS), "matrix": rows}
 
 
 def as_json(
@@ -168,14 +169,14 @@ def ball_rows(balls: StaticResult) -> list[dict[str, Any]]:
 
 def behind_json(result: Solved, discretisation: float | None = None, worth: ModelForm | None = None) -> dict[str, Any]:
     """What the JSON of one set and of several ends with: centreline, balance, solver, expected error, assumptions,
-    warnings. discretisation: as for `solver_json`."""
+    warnings. discretisation: error of the beam in per cent of the mean contact load."""
     return {
         "centreline": [
             {"z_mm": number(1e3 * z), "ux_um": number(1e6 * u[0]), "uy_um": number(1e6 * u[1]), "uz_um": number(1e6 * u[2])}
             for z, u in zip(result.centreline_z, result.centreline, strict=True)
         ],
-        "equilibrium": equilibrium_json(result.equilibrium),
-        "solver": solver_json(result.solver, discretisation),
+        "equilibrium": record(EQUILIBRIUM, result.equilibrium),
+        "solver": (record(SOLVER, result.solver) or {}) | {"discretisation_percent": discretisation},
         "model_form": _model_form(worth),
         "assumed": list(result.assumed),
         "left_out": list(result.left_out),
@@ -201,11 +202,7 @@ def as_table(
     without a block, model-form error, balance, solver, assumptions and what was left out, else where they are."""
     drawn = f", member {result.member} of its random errors" if scene.errors.random else ""
     title = f"{scene.name}{drawn}, model {result.model}: {result.status}"
-    parts: list[Any] = [title]
-    if line := above(result.warnings):
-        parts += ["", line]
-    if block:
-        parts += ["", block, ""]
+    parts: list[Any] = [title, *first_lines(result, block)]
     if balls and (result.load > 0.0).any():
         error = None if worth is None or worth.percent is None else worth.percent / 100.0
         error = error and error * mean_load(result.load, nominal_contacts(scene))
@@ -217,6 +214,12 @@ def as_table(
     if worth is not None and not block:
         behind.append(model_form_text(worth))
     return [*parts, *last_lines(result, behind, details=details or not block)]
+
+
+def first_lines(result: Solved, block: str) -> list[str]:
+    """The warnings that stand above the answers, and the block of these."""
+    line = above(result.warnings)
+    return [*(["", line] if line else []), *(["", block, ""] if block else [])]
 
 
 def last_lines(result: Solved, behind: Sequence[str], *, details: bool) -> list[str]:
@@ -266,45 +269,33 @@ def _balance(e: Equilibrium) -> list[str]:
     return lines
 
 
-def _plain(headings: Sequence[str]) -> Table:
-    """An empty table of right-aligned columns without rules."""
-    from rich.table import Table
-
-    table = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0))
-    for heading in headings:
-        table.add_column(heading, justify="right", no_wrap=True)
-    return table
-
-
 def _ball_table(result: StaticResult, error: float | None) -> RenderableType:
     """Every ball; error [N] to expect of a load."""
     sides = [k for k in range(4) if (result.load[:, k] > 0.0).any()]
-    table = _plain(["ball", "deg", "z mm", *(x for k in sides for x in (f"{SIDES[k]} N", "angle"))])
+    headings, rows = ["ball", "deg", "z mm", *(x for k in sides for x in (f"{SIDES[k]} N", "angle"))], []
     for i in range(result.z.size):
         cells = [str(i + 1), f"{math.degrees(result.azimuth[i]):.1f}", f"{1e3 * result.z[i]:.2f}"]
         for k in sides:
             cells += [shown(result.load[i, k], error), _cell(math.degrees(result.contact_angle[i, k]), ".2f")]
-        table.add_row(*cells)
-    return table
+        rows.append(cells)
+    return plain(headings, rows)
 
 
 def stiffness_lines(tangent: Tangent) -> list[RenderableType]:
     """The stiffness at a section as a table to read, N/um and kN m/rad in their places."""
     if tangent.status != "converged":
         return [f"stiffness at {1e3 * tangent.station:.6g} mm: {tangent.status}"]
-    table = _plain(["", *FREEDOMS])
-    for name, row in zip(FREEDOMS, tangent.matrix, strict=True):
-        table.add_row(name, *(f"{x:.4g}" for x in row))
+    rows = ((name, *(f"{x:.4g}" for x in row)) for name, row in zip(FREEDOMS, tangent.matrix, strict=True))
     head = (
         f"tangent stiffness of the screw's section at {1e3 * tangent.station:.6g} mm against the held nut, without the "
         "screw's supports; forces and moments over displacements and rotations, N, m, rad"
     )
-    return ["", head, table]
+    return ["", head, plain(("", *FREEDOMS), rows)]
 
 
 def _summary_table(result: StaticResult, error: float | None) -> RenderableType:
-    table = _plain(["side", "max N", "min N", "max/min", "loaded", "lost"])
-    for side, row in summary(result.load).items():
-        most, least, ratio = shown(row["max_N"], error), shown(row["min_N"], error), shown(row["ratio"])
-        table.add_row(side, most, least, ratio, str(row["loaded"]), str(row["lost"]))
-    return table
+    rows = (
+        (side, *(shown(row[k], error) for k in ("max_N", "min_N", "ratio")), str(row["loaded"]), str(row["lost"]))
+        for side, row in summary(result.load).items()
+    )
+    return plain(("side", "max N", "min N", "max/min", "loaded", "lost"), rows)

@@ -54,10 +54,11 @@ def summary(found: Sequence[Evidence]) -> str:
     good = sum(e.agrees is True for e in told)
     of = Counter(judge(e)[0] for e in told)
     return (
-        f"{good} of {len(told)} published values and claims come out: {of['reproduced']} to the digits that the same "
-        f"theory must give, {of['band']} within a band whose origin is stated, {of['identity']} by arithmetic on what is "
-        f"printed, {of['only as printed']} only if the catalogue's simplification is repeated. "
-        f"{len(found) - len(told)} more are shown and left open, because what they rest on is not printed."
+        f"{good} of {len(told)} published values and claims agree: {of['reproduced']} to the digits that the "
+        f"same theory must give, {of['band']} within a band whose origin is stated, {of['identity']} by "
+        f"arithmetic on printed numbers, {of['only as printed']} only if the catalogue's simplification is "
+        f"repeated. {len(found) - len(told)} more are shown but left open, because their basis is not "
+        "printed."
     )
 
 
@@ -111,10 +112,15 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     rigid = stages_table(study, catalogue_rows(study), UNSEEN)
     inferred = float(np.round(bearings.gmn_rms_percent(), 2))
     text = (
-        "Values that neither this project nor the sources of its models made: other programs, makers' catalogues, "
-        "textbooks. Each is a row of the gate by its class, with what was inferred to run it.",
-        f"With one conformity inferred for the whole series, the rigidities of GMN's catalogue come out to {inferred:g} % "
-        "RMS; one of them is a slip of the catalogue.",
+        (
+            "Values from neither this project nor the sources of its models: other programs, makers' "
+            "catalogues, textbooks. Each is a row of the gate by its class, with what was inferred to compute "
+            "it."
+        ),
+        (
+            "With one conformity inferred for the whole series, the rigidities of GMN's catalogue are met to "
+            f"{inferred:g} % RMS; one of them is an error of the catalogue."
+        ),
     )
     items: tuple[Text | Figure | Table, ...] = (
         Text(text),

@@ -55,9 +55,12 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
             "rolling-pairs",
             "Two balls: Tables 3.5 and 3.7, low-order against 3D",
             [_compared(row) for name in PAIRS for row in found[name]],
-            "3D: elastic half spaces; its uncertainty is the scatter of three grids. Plain and inferred readings of the "
-            "load state, which Table 3.7 does not print, are scenes of their own; the uncertainty of either holds "
-            "nothing of what that reading leaves open." + (f" No stored runs: {', '.join(missing)}." if missing else ""),
+            (
+                "3D: elastic half spaces, with the scatter of three grids as uncertainty. Table 3.7 does not "
+                "print its load state: the plain and the inferred reading are separate scenes, and the "
+                "uncertainty of either does not include what that reading leaves open."
+            )
+            + (f" No stored runs: {', '.join(missing)}." if missing else ""),
         ),
         Table.of(
             "rolling-ring",
@@ -73,8 +76,10 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
             "rolling-choices",
             "Ball-to-ball force when a numerical choice changes",
             [_choice(c) for c in changed],
-            "The grid is finer than all behind the uncertainty; that of finite bodies holds their own choices. Runs from "
-            "rest are compared with steady rolling on their grid.",
+            (
+                "The uncertainty comes from coarser grids than this one; for finite bodies it includes their "
+                "own choices. Runs from rest are compared with steady rolling on the same grid."
+            ),
         ),
     ]
     times = _times(stores)
@@ -94,16 +99,20 @@ def _finite(stores: Sequence[Path], sizes: Sizes, proof: Sequence[Proof]) -> lis
     return [
         Text(
             [
-                "Finite bodies, normal and along tangents: on rings and screws the static reference's patches of groove "
-                "and ball in pieces of their bodies, on straight rails, which it has none of, a whole ball and grooved "
-                "bars of the same elements. What they answer beyond a half space of the same cells is a smooth kernel, "
-                "added to the closed form of half spaces. Without motion they press as the static reference's patches do "
-                "(first rows of the verification). Left out: balls that touch do so at a point. Over Hertz's circle and "
-                "over the patch of two finite balls, all of which slides, force and loss of that friction are the same to "
-                f"{rub:.2g} % (verification), whatever the elasticity. "
-                "The kernel changes the pressure, adds a strain by the normal forces that half spaces of one material do "
-                "not have, and the ball rolls on a radius shortened by half of the approach. Contact forces are the same, "
-                "by Hertz's law; contacts of one ball do not feel one another, and friction does not change pressures."
+                (
+                    "Finite bodies, normal and tangential: for rings and screws the static reference's patches "
+                    "of groove and ball, set into pieces of their bodies; for straight rails, which the static "
+                    "reference does not have, a whole ball and grooved bars of the same elements. Their "
+                    "response beyond a half space of the same cells is a smooth kernel, added to the closed "
+                    "form of half spaces. Without motion they give the pressures of the static reference's "
+                    "patches (first rows of the verification). Simplified: balls touch each other in a point. "
+                    "Over Hertz's circle and over the patch of two finite balls, all of which slides, force and "
+                    f"loss of that friction agree to {rub:.2g} % (verification), whatever the elasticity. The "
+                    "kernel changes the pressure, adds a strain by normal forces that half spaces of one "
+                    "material do not have, and shortens the rolling radius of the ball by half of the approach. "
+                    "Contact forces are unchanged, by Hertz's law; the contacts of one ball do not influence "
+                    "each other, and friction does not change pressures."
+                )
                 + most
             ]
         ),
@@ -197,12 +206,15 @@ def _words(found: dict[str, list[RollingRow]], proof: Sequence[Proof]) -> list[s
     gated = [r for own in found.values() for r in own if r.quantity in ("force 1-2", "torque")]
     beyond = [r for r in gated if not within(r)]
     out = [
-        "The 3D model of rolling solves normal and tangential contact of elastic bodies on a grid in every contact. "
-        "Coulomb's law holds in every cell to round-off, elastic displacements are carried along by the material, and each "
-        "ball moves so that its forces and moments balance. Bodies are elastic half spaces, beside them finite ones. "
-        "What a grid does to rigid bodies too, by its cells, its staircase edge and a spin pole inside a cell, is taken "
-        "out by nearly rigid bodies on the same grid and the rigid limit by quadrature.",
-        f"{reached} of {len(proof)} known answers are met as closely as was to be reached.{_pole(proof)}",
+        (
+            "The 3D model of rolling solves the normal and tangential contact of elastic bodies on a grid in "
+            "every contact. Coulomb's law holds in every cell to round-off, elastic displacements travel with "
+            "the material, and each ball moves so that its forces and moments balance. Bodies are elastic half "
+            "spaces; finite bodies are computed for comparison. Grid errors that also occur for rigid bodies "
+            "(cells, staircase edge, a spin pole inside a cell) are removed with nearly rigid bodies on the "
+            "same grid and the rigid limit by quadrature."
+        ),
+        f"{reached} of {len(proof)} known answers are met within their targets.{_pole(proof)}",
     ]
     if gated:
         causes = {(r.scene, r.quantity): KNOWN.get((r.scene, r.quantity), "cause unknown") for r in beyond}
@@ -224,9 +236,10 @@ def _pole(proof: Sequence[Proof]) -> str:
         return ""
     alone, resolved, differenced = worst
     return (
-        f" Where all slips about a pole inside a cell, a grid alone is off by {alone:.2g} %. The cause is the slip's turn "
-        f"within cells: with that resolved, the staircase edge leaves {resolved:.2g} %. Differenced as runs are, every "
-        f"level is within {differenced:.2g} %."
+        " Where a whole contact slips about a pole inside a cell, the error of the grid alone is "
+        f"{alone:.2g} %: the direction of slip turns within the cell. With that resolved, the staircase edge "
+        f"leaves {resolved:.2g} %. Evaluated as differences, as runs are, every level is within "
+        f"{differenced:.2g} %."
     )
 
 

@@ -27,13 +27,16 @@ TITLES = {
     "liu-4.4": "Section 4.4: random errors, stiffness",
 }
 ABOUT = (
-    "One axial displacement, springs of screw and nut between neighbouring balls, unilateral Hertz contacts: the minimum "
-    "of a convex energy, by a tridiagonal Newton's method that needs no sorting out of unloaded balls. The source's "
-    "elimination ends with the same loaded balls. What one of them carries by chance is held against drawn screws: each "
-    "random number has its percentile, the sampling error of it, and the probability of one as far out.",
+    (
+        "One axial displacement, springs of screw and nut between neighbouring balls, unilateral Hertz "
+        "contacts: the minimum of a convex energy, found by a tridiagonal Newton method that needs no sorting "
+        "of unloaded balls. The source's elimination ends with the same loaded balls. Random results are "
+        "compared with drawn screws: each number has its percentile, the sampling error of it, and the "
+        "probability of a value as extreme."
+    ),
     *(f"Assumed: {text}" for text in case.ASSUMED),
-    "The source's readings agree with its implicit contact angle, not with a constant or the exact one.",
-    "The measured displacements stand in a figure only: no number of the experiment can be compared.",
+    "The source's readings agree with its implicit contact angle, not with a constant or the exact angle.",
+    "The measured displacements appear in a figure only, so no number of the experiment can be compared.",
 )
 _LOADS = np.array([50.0, 100.0, 200.0, 350.0, 500.0, 750.0, 1000.0, 1500.0, 2000.0, 2500.0, 3000.0, 4000.0, 5000.0])
 
@@ -134,8 +137,8 @@ def bodies_table(study: Study) -> Table:
                 row[Quantity(f"{name}_most", f"{words}: largest difference", "% of the mean", "s")] = largest
         rows.append(row)
     note = (
-        "Axial only: the chain with the axial compliance of the same screw and a rigid nut, which the beam model has too. "
-        "Areas and balls a turn are assumed (scene liu-screw)."
+        "Axial only: the chain with the axial compliance of the same screw and a rigid nut, as in the beam "
+        "model. Areas and balls per turn are assumed (scene liu-screw)."
     )
     return Table.of("liu-bodies", "Where the axial-only idealisation misleads", rows, note)
 

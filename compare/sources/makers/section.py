@@ -34,10 +34,13 @@ def conclusion(found: Sequence[Outside]) -> str:
     sets = [_of(found, quantity, "sets and preloads", "NSK") for quantity in ("preload", "rigidity", "torque")]
     within = sum(x.verdict == "in the band" for x in judged)
     return (
-        f"Of {len(judged)} values that others print or measure {within} lie in the band of what is computed. Where nothing "
-        "is free, they come out: bias and scatter of preload, rigidity and starting torque of NSK's sets are "
+        (
+            f"Of {len(judged)} values that others print or measure, {within} lie in the band of what is "
+            "computed. Where no input is free they agree: bias and scatter of preload, rigidity and starting "
+            "torque of NSK's sets are "
+        )
         + ", ".join(f"{s.bias:+.1f} and {s.scatter:.1f} %" for s in sets)
-        + f", and {clear.number} axial clearances come out to {np.sqrt((off**2).mean()):.2f} um RMS."
+        + f", and {clear.number} axial clearances agree to {np.sqrt((off**2).mean()):.2f} um RMS."
     )
 
 
@@ -47,10 +50,10 @@ def clearances(found: Sequence[Outside]) -> str:
     of_clear = [x for x in found if not x.left and x.quantity == "displacement" and x.unit == "um" and x.scale]
     off = np.array([x.computed.value - x.value for x in of_clear])
     return (
-        "NSK's axial clearances, called measured, are a computation with a turning contact angle: with balls from the "
-        f"ratings and the conformity from one rigidity of each bearing {int((np.abs(off) <= 1.0).sum())} of "
-        f"{off.size} come out within 1 um, and the rigidities at the other preloads to {stiff.bias:+.1f} and "
-        f"{stiff.scatter:.1f} %, bias and scatter."
+        "NSK's axial clearances are called measured, but are computed with a contact angle that turns under "
+        "load: with balls from the ratings and the conformity from one rigidity of each bearing, "
+        f"{int((np.abs(off) <= 1.0).sum())} of {off.size} come out within 1 um. The rigidities at the other "
+        f"preloads come out with bias {stiff.bias:+.1f} and scatter {stiff.scatter:.1f} %."
     )
 
 
@@ -67,12 +70,13 @@ def why_softer(found: Sequence[Outside]) -> str:
     assert bare is not None
     assert rex is not None
     return (
-        f"Printed rigidities of nuts are lower because makers print about {100.0 * PRACTICE:g} % of the computed one. The "
-        f"number of loaded balls is the maker's own, from his C_0; contacts and tubes then lie {bare.bias:+.0f} % from "
-        f"what is printed, {100.0 * PRACTICE:g} % of them {min(means):+.0f} to {max(means):+.0f} % by maker, and {close} "
-        f"of {len(most)} nuts within 10 %. Rexroth's do not come out ({rex.bias:+.0f} %): a factor of 0.43 at every size "
-        "and preload, whose origin (ISO 3408-4's factor of accuracy is named, its value is not readable here) stays "
-        "open; their growth with preload does."
+        f"Printed rigidities of nuts are lower than computed because makers print about {100.0 * PRACTICE:g} "
+        "% of the computed value. With the number of loaded balls inferred from the maker's own C_0, "
+        f"contacts and tubes are {bare.bias:+.0f} % from what is printed, {100.0 * PRACTICE:g} % of them "
+        f"{min(means):+.0f} to {max(means):+.0f} % by maker, and {close} of {len(most)} nuts lie within 10 "
+        f"%. Rexroth's do not come out ({rex.bias:+.0f} %): a factor of 0.43 at every size and preload. Its "
+        "origin stays open (ISO 3408-4's factor of accuracy is named, but its value could not be read); the "
+        "growth of Rexroth's values with preload does come out."
     )
 
 
@@ -95,10 +99,10 @@ def balls_counted(found: Sequence[Outside]) -> str:
         float(np.median([x.computed.value / x.value for x in rex if x.item.endswith(f" {key}")])) for key in ("C", "C0")
     ]
     return (
-        f"C and C_0 of one nut give the same share of the balls that touch, from two formulas: {words}. A nut with one "
-        f"deflector a turn is rated with two thirds of it. Rexroth's C is that of full turns ({high[0]:.2f} of it "
-        f"computed), his C_0 is not ({high[1]:.2f}): another definition. SNFA's ratings are ISO's times constants of the "
-        "series."
+        "C and C_0 of a nut, two different formulas, give the same fraction of the balls that touch: "
+        f"{words}. A nut with one deflector per turn is rated with two thirds of a turn. Rexroth's C is that "
+        f"of full turns ({high[0]:.2f} of it computed), its C_0 is not ({high[1]:.2f}): another definition. "
+        "SNFA's ratings are ISO's times constants of the series."
     )
 
 
@@ -119,16 +123,17 @@ def drag(found: Sequence[Outside]) -> str:
     one = cases[0]
     words = ", ".join(f"{x.value:g} {x.item.split(', ')[1]}" for x in cases)
     return (
-        f"Drag torque grows with the lead to the power {own[0]:.2f} (balls pressed on four flanks) and {own[1]:.2f} "
-        f"(double nut) by the sliding of the balls; by the makers' formulas {named}. So none is right: Rexroth's is "
-        "nearest for single nuts, THK's for double ones, and a constant K_p over the lead is far from either. Over the "
-        f"preload the sliding gives {over[0]:.2f} and {over[1]:.2f}, all formulas 1. A coefficient of {torque.LEAST:g} "
-        f"gives {least[0]:.2f} and {least[1]:.3f} of these torques. Two measured screws (N m: {words}): "
-        f"{one.computed.value:.2f} at the default coefficient of {torque.DEFAULT:g}, band {one.computed.low:.2f} to "
-        f"{one.computed.high:.2f} for diameters of 25 to 40 mm and either kind of nut; which one they are is open, "
-        "because neither is printed, and worn ones have lost a preload that nobody prints. Other measurements (a ratio "
-        "of friction to load of 0.00055 by NBS, coefficients of spinning by NASA) are open, because the radii of their "
-        "grooves are not readable."
+        f"By the sliding of the balls, drag torque grows with the lead to the power {own[0]:.2f} (balls "
+        f"pressed on four flanks) and {own[1]:.2f} (double nut); by the makers' formulas {named}. None of "
+        "the formulas is right: Rexroth's is nearest for single nuts, THK's for double nuts, and a K_p that "
+        "is constant over the lead is far from both. With the preload, sliding gives powers of "
+        f"{over[0]:.2f} and {over[1]:.2f}, all formulas 1. A coefficient of {torque.LEAST:g} gives "
+        f"{least[0]:.2f} and {least[1]:.3f} of these torques. For two measured screws (N m: {words}) the "
+        f"result is {one.computed.value:.2f} at the default coefficient of {torque.DEFAULT:g}, band "
+        f"{one.computed.low:.2f} to {one.computed.high:.2f} for diameters of 25 to 40 mm and either kind of "
+        "nut. Which screw and nut they are is not printed, so they stay open, and worn screws have lost an "
+        "unprinted part of their preload. Other measurements (a ratio of friction to load of 0.00055 by "
+        "NBS, spinning coefficients by NASA) are open because the radii of their grooves cannot be read."
     )
 
 

@@ -31,8 +31,10 @@ ABOUT = (
     "Support bearings of a ball screw: three angular-contact ball bearings or two tapered roller bearings at either end. "
     "Right values: exact elliptic integrals, line contacts, equilibrium of every set of rows, both ends of the axis side "
     "by side. As printed: the source's fits, sharing and sum in series, kept only to show what they do.",
-    "The formulas of the axis are closed and linear; they are the baseline for scenes with beams and rolling sets, no "
-    "substitute for them.",
+    (
+        "The formulas of the axis are closed and linear; they are a baseline for scenes with beams and rolling "
+        "sets, not a substitute."
+    ),
     *(f"Assumed: {text}" for text in case.ASSUMED),
     f"As printed, identified from printed results, which confirm none of it: {case.IDENTIFIED}.",
 )
@@ -76,20 +78,21 @@ def figure(found: Sequence[Evidence]) -> Figure:
     sums = [f for kind in screw.KINDS for f in found if f.printed.key == f"total_{kind}"]
     more = [100.0 * (f.value / f.as_printed - 1.0) for f in sums if f.value and f.as_printed]
     caption = (
-        "Left: the ball bearing's test runs flatter than any Hertz contact; the tapered bearing is stiffer than the test "
-        "by more than what the depth of its rings explains. Right: with both ends side by side the axis is stiffer by "
-        f"{min(more):.0f} to {max(more):.0f} % than the sum in series, which a test by hammer and accelerometer, end to "
-        "end, seemed to confirm."
+        "Left: the measured curve of the ball bearing is flatter than any Hertz contact; the tapered "
+        "bearing is computed stiffer than its test by more than the depth of its rings explains. Right: "
+        f"with both ends in parallel the axis is stiffer by {min(more):.0f} to {max(more):.0f} % than the "
+        "sum in series, which an end-to-end test with hammer and accelerometer seemed to confirm."
     )
     title = "Stiffness of the support bearings and of the axis"
     return Figure("smith-stiffness", title, (stiffness_panel(found), axis_panel(found)), caption)
 
 
 LAYOUT_NOTE = (
-    "Load of 1000 lbf towards the left end; thrust of the shaft's tension at either end; stiffness of shaft and supports, "
-    "without the nut. Scene: beam, contacts, rows apart from one another; formulas: rows by their laws, all of an end at "
-    "one place, and a bar; sum in series (4.6): both ends and the whole screw between rigid walls, which is the stiffness "
-    "of none of them. Differences grow towards an end, whose rows are apart from one another with screw between them."
+    "Load of 1000 lbf towards the left end; thrust at either end from the tension of the shaft; stiffness "
+    "of shaft and supports without the nut. Scene: beam and contacts, rows at their own places. Formulas: "
+    "rows by their laws, all rows of an end at one place, and a bar. Sum in series (4.6): both ends and the "
+    "whole screw between rigid walls, which is the stiffness of none of them. Differences grow towards an "
+    "end, because there the distance between its rows counts."
 )
 
 

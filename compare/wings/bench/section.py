@@ -47,9 +47,11 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         (
             Text(
                 (
-                    "Ratios are seconds of the source's formulation, run in the same process on the same task, over those "
-                    f"of the solver here. The source reports {reported.printed} s for case 1 on its machine and in its "
-                    "language; that is shown below, not compared.",
+                    (
+                        "Ratios: seconds of the source's formulation over those of the solver here, for the "
+                        f"same task in the same process. The source reports {reported.printed} s for case 1 on "
+                        "its own machine and in its own language; this is shown below, not compared."
+                    ),
                 )
             ),
             spent_table(commands),

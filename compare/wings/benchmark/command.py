@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from rollbench.comparison.commands.printing import Answer, on_terminal
+from rollbench.comparison.commands.tables import ruled
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.reference.jobs import Engine, ensure, plan
 from rollbench.comparison.reference.levels import ADVISED
@@ -71,17 +72,14 @@ def _words(scores: Sequence[Score]) -> list[str]:
 
 
 def _table(scores: Sequence[Score]) -> Any:
-    from rich.table import Table
-
-    title = f"{NAME}: loads within their uncertainty + {LOAD:g} % of the mean load"
-    out = Table(title=title, title_justify="left")
-    for head in ("problem", "contacts", "missing", "beyond", "worst load\n% of mean", "at", "verdict"):
-        out.add_column(head, justify="left" if head in ("problem", "at", "verdict") else "right")
+    rows = []
     for s in scores:
         worst = f"{s.worst_percent:+.2f}" if s.worst else "–"
         counts = (str(s.contacts), str(len(s.missing)), str(len(s.misses)))
-        out.add_row(s.problem, *counts, worst, s.worst, "passed" if s.passed else "NOT passed")
-    return out
+        rows.append((s.problem, *counts, worst, s.worst, "passed" if s.passed else "NOT passed"))
+    heads = ("problem", "contacts", "missing", "beyond", "worst load\n% of mean", "at", "verdict")
+    title = f"{NAME}: loads within their uncertainty + {LOAD:g} % of the mean load"
+    return ruled(title, heads, rows, ("problem", "at", "verdict"))
 
 
 def compute(folder: Path, engine: Engine) -> Answer:

@@ -13,10 +13,11 @@ from rollbench.comparison.wings.benchmark.scoring import LOAD
 from rollbench.reports.records import Quantity, Row, Section, Table, Text
 
 ABOUT = (
-    f"{NAME} is twelve contact problems, from two balls to 136, in which all that the answer depends on is fixed. "
-    "rollbench benchmark export DIR writes them with the answers and a page that explains them; rollbench benchmark score "
-    "FILE.csv judges the loads of any program. A level of the 3D reference that is the answer itself is not scored on that "
-    "problem. No other program has published loads of these problems: CalculiX was run on two of them here."
+    f"{NAME} consists of twelve contact problems, from two balls to 136, in which everything that the answer "
+    "depends on is fixed. rollbench benchmark export DIR writes them with the answers and a page that "
+    "explains them; rollbench benchmark score FILE.csv judges the loads of any program. A level of the 3D "
+    "reference that provides the answer to a problem is not scored on it. No other program has published "
+    "loads for these problems; CalculiX was run on two of them here."
 )
 
 
@@ -46,10 +47,10 @@ def conclusion(found: Sequence[Program]) -> str:
     names = ", ".join(f"{p.name} ({_of(p)})" for p in whole) or "no program"
     best = max((p.passed / len(p.scores) for p in beyond), default=0.0)
     return (
-        f"Within the answers' uncertainty and {LOAD:g} % of the mean load on all problems that they solve: {names}. The "
-        f"refined model passes {_of(refined)} (not: {failed}); its worst load is off by {refined.worst:.2f} % of the mean "
-        "load; "
-        f"of the programs that fail somewhere the best passes {100.0 * best:.0f} % of its problems."
+        f"Within the uncertainty of the answers plus {LOAD:g} % of the mean load on every problem they "
+        f"solve: {names}. The refined model passes {_of(refined)} (not: {failed}); its worst load is wrong "
+        f"by {refined.worst:.2f} % of the mean load. Of the programs that fail somewhere, the best passes "
+        f"{100.0 * best:.0f} % of its problems."
     )
 
 

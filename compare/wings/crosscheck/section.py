@@ -24,19 +24,21 @@ ABOUT = (
     "reference are the exact surfaces and gmsh; elements, integration, contact and solver are not."
 )
 EXTRAPOLATED = (
-    "One mesh of another program proves nothing: element size h at the contacts and growth g of the elements away from "
-    "them are refined together, and all contacts of all meshes fitted at once by F0 + A e + B / k. With the size of "
-    "elements over the distance in which a contact's field changes there, (h + g d) / (c + d), and the field's energy "
-    "spread evenly over x = c / (c + d), e is the mean of (x h / c + (1 - x) g)^p over x. Order p (2 to 4) and the length "
-    "c over the short half axis are common to all contacts; B is from two runs on one mesh with two contact stiffnesses k. "
-    "A mesh counts by its e: what the law leaves out and what meshes of one size differ by shrink with it. The uncertainty "
-    "of a contact is the change of its limit over all orders and lengths that fit it nearly as well as the best (two "
-    "standard deviations), joined with two standard errors and a tenth of what is extrapolated. Of a ring pair that the "
-    "plane through its balls parts into mirror images some runs mesh one half; equal balls have one mesh in runs named so."
+    "A single mesh of another program proves nothing. Element size h at the contacts and growth g of the "
+    "elements away from them are refined together, and all contacts of all meshes are fitted at once by F0 "
+    "+ A e + B / k. Here (h + g d) / (c + d) is the element size at depth d over the distance in which the "
+    "contact's field changes there; with the field's energy spread evenly over x = c / (c + d), e is the "
+    "mean of (x h / c + (1 - x) g)^p over x. Order p (2 to 4) and length c, in short half axes, are common "
+    "to all contacts; B comes from two runs on one mesh with two contact stiffnesses k. A mesh is weighted "
+    "by its e, because both the deviation from the law and the scatter between meshes of one size shrink "
+    "with it. The uncertainty of a contact is the change of its limit over all orders and lengths that fit "
+    "nearly as well as the best (two standard deviations), combined with two standard errors and a tenth of "
+    "what is extrapolated. Where the plane through its balls divides a ring pair into mirror images, some "
+    'runs mesh one half; runs marked "equal balls" use one mesh for all balls.'
 )
 NUT = (
-    "The nut alone, by the reference's elements and by CalculiX on the same cells: forces of 1 kN on one contact after the "
-    "other, the corners of its faces a rigid section."
+    "The nut alone, by the reference's elements and by CalculiX on the same cells: forces of 1 kN on one "
+    "contact after the other, the corner nodes of its faces a rigid section."
 )
 
 
@@ -70,8 +72,8 @@ def run_table(data: CrossData) -> Table:
         )
     first = data.runs[0]
     note = (
-        f"{first.program}, {first.date}; meshes by gmsh {data.gmsh} and rollbench {data.rollbench}. Processor time of one "
-        "thread. The weak spring keeps a ball from sliding along its track; it stands for no support."
+        f"{first.program}, {first.date}; meshes by gmsh {data.gmsh} and rollbench {data.rollbench}. "
+        "Processor time of one thread. The weak spring only keeps a ball from sliding along its track."
     )
     return Table.of(f"crosscheck-runs-{data.scene}", f"{data.scene}: runs of CalculiX", rows, note)
 
@@ -87,7 +89,7 @@ def contact_tables(data: CrossData, ours: Reference, limit: Extrapolation) -> li
         f"{limit.misfit:.2f} N; in CalculiX's finest run elements add up to {abs(limit.by_elements).max():.2f} N, the "
         f"contact law up to {abs(limit.by_stiffness).max():.2f} N.{fixed}"
     )
-    meshes = "CalculiX's columns are the runs of the most alike contact law."
+    meshes = "CalculiX's columns are runs whose contact stiffness is as equal as possible."
     return [
         Table(f"crosscheck-{data.scene}", f"{data.scene}: contact loads, CalculiX extrapolated", columns(), ends, note),
         Table(f"crosscheck-meshes-{data.scene}", f"{data.scene}: contact loads on every mesh", heads, each, meshes),

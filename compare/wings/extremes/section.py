@@ -26,10 +26,11 @@ def survey_items() -> tuple[Text | Table, ...]:
         return ()
     good = len(scenes) - len(survey.unanswered(scenes))
     said = (
-        "Ordinary catalogue screws of 16x5 to 80x20, drawn by one seed without redraws (sizes, starts, hand, preload or "
-        "clearance, tolerance classes, offsets, tilts, moments, last balls from 1 ball radius of the nut's face), on level "
-        f"1 of the 3D reference: {good} of {len(scenes)} have an answer that settled. Errors are sizes in per cent, those "
-        "of loads of the mean load; rigidity is the tangent one, by 5 % more load."
+        "Ordinary catalogue screws of 16x5 to 80x20, drawn by one seed without redraws (sizes, starts, "
+        "hand, preload or clearance, tolerance classes, offsets, tilts, moments, last balls from 1 ball "
+        f"radius of the nut's face), on level 1 of the 3D reference: {good} of {len(scenes)} have a settled "
+        "answer. Errors are absolute values in per cent, those of loads relative to the mean load; rigidity "
+        "is the tangent, by 5 % more load."
     )
     words = {"scene": "number", "screw": "title", "contacts": "contacts", "status": "status"}
     errors = {f"{model} {short}": (model, key) for model in MODELS for short, key in SHORT.items()}

@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 
@@ -86,13 +87,13 @@ class Attempt:
     status: str
     expected: str
     converged: bool
-    iterations: int
-    residual: float | None
-    round_off_bound: float
-    seconds: float
-    unknowns: int
-    difference_percent: float | None
-    reason: str
+    iterations: int = 0
+    residual: float | None = None
+    round_off_bound: float = 0.0
+    seconds: float = 0.0
+    unknowns: int = 0
+    difference_percent: float | None = None
+    reason: str = ""
 
 
 # --- the scenes
@@ -290,30 +291,29 @@ def _elastic(case: Case, formulation: str) -> Attempt:
         result = solve_elastic(case.scene, backend=LADDER[BACKENDS[formulation]], engine="compiled")
     except ValueError as error:
         status, spent = f"not attempted: {error}", perf_counter() - begin
-        return Attempt(
-            case.name, case.group, formulation, status, case.expected, False, 0, None, 0.0, spent, 0, None, status
-        )
+        return _attempt(case, formulation, status, seconds=spent, reason=status)
     return _row_of(case, formulation, result, begin)
 
 
 def _row_of(case: Case, formulation: str, result: StaticResult, begin: float) -> Attempt:
     """What a solver of this project made of a case since ``begin``; no difference from the energy solver."""
     status, s = _fault(result) or result.status, result.solver
-    return Attempt(
-        case.name,
-        case.group,
+    return _attempt(
+        case,
         formulation,
         status,
-        case.expected,
-        status == CONVERGED,
-        s.iterations,
-        _finite(s.residual),
-        s.round_off_bound,
-        perf_counter() - begin,
-        s.unknowns,
-        None,
-        "; ".join((_short(status), *result.warnings)),
+        iterations=s.iterations,
+        residual=_finite(s.residual),
+        round_off_bound=s.round_off_bound,
+        seconds=perf_counter() - begin,
+        unknowns=s.unknowns,
+        reason="; ".join((_short(status), *result.warnings)),
     )
+
+
+def _attempt(case: Case, formulation: str, status: str, **found: Any) -> Attempt:
+    """What became of a case; found: fields of `Attempt` on the solution."""
+    return Attempt(case.name, case.group, formulation, status, case.expected, status == CONVERGED, **found)
 
 
 def _fault(result: StaticResult) -> str:
@@ -354,20 +354,16 @@ def _source(case: Case, formulation: str, scene: Scene, ours: StaticResult | Non
         if found.converged:
             ours = ours if ours is not None else solve_static(scene, engine="compiled")
             difference = _difference(found.load, ours) if ours.converged else None
-    return Attempt(
-        case.name,
-        case.group,
+    return _attempt(
+        case,
         formulation,
         status,
-        case.expected,
-        status == CONVERGED,
-        iterations,
-        _finite(residual),
-        0.0,
-        seconds,
-        unknowns,
-        difference,
-        _short(status) + _apart(difference),
+        iterations=iterations,
+        residual=_finite(residual),
+        seconds=seconds,
+        unknowns=unknowns,
+        difference_percent=difference,
+        reason=_short(status) + _apart(difference),
     )
 
 

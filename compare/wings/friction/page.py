@@ -56,8 +56,8 @@ def section(scene: Scene, result: StaticResult, options: Options) -> Section | N
         for row in loss_rows(state)
     ]
     caption = (
-        "Grooves and neighbours over the angle of the part that turns; friction torque over the coefficients that "
-        f"lubricated contacts have, {MEASURED[0]:g} to {MEASURED[1]:g}, and over the balls' radius beside the scene's."
+        "Grooves and neighbours over the angle of the turning part; friction torque over the coefficients "
+        f"of lubricated contacts, {MEASURED[0]:g} to {MEASURED[1]:g}, and over ball radii near the scene's."
     )
     return Section(
         "friction",

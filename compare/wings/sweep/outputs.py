@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from rollbench.comparison.models.answers import unloaded_place
-from rollbench.comparison.models.axis_answers import along_axis, axial_load
 from rollbench.comparison.models.load_cases import cycle_life, loads_of
-from rollbench.comparison.models.loading import preload, scaled, solve_scaled
+from rollbench.comparison.models.loading import along_axis, axial_load, preload, scaled, solve_scaled
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.registration import offered
 from rollbench.comparison.scenes.load_cases import DutyCycle

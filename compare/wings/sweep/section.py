@@ -67,15 +67,19 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     luck = next(row for row in rows if row["range"] == "any")
     first, second = [row for row in rows if row is not luck][:2]
     conclusion = (
-        f"Of {found['converged']} screws within tolerances the largest contact load is {load['mean']:.0f} N on average and "
-        f"more than {load['quantile_0.95']:.0f} N on one in twenty. {_short(first)} matters most for it (total index "
-        f"{first['total']:.2f}), then {_short(second).lower()} ({second['total']:.2f}); chance, which screw of the same "
-        f"tolerances it is, has {luck['total']:.2f}."
+        f"Over {found['converged']} screws within tolerances the largest contact load is {load['mean']:.0f} "
+        f"N on average and exceeds {load['quantile_0.95']:.0f} N on one screw in twenty. {_short(first)} "
+        f"matters most (total index {first['total']:.2f}), then {_short(second).lower()} "
+        f"({second['total']:.2f}); chance, that is which screw with the same tolerances is drawn, has "
+        f"{luck['total']:.2f}."
     )
     text = (
-        "The ranges are assumed, each from nothing to what is common: the source has no tolerances. The indices are shares "
-        "of the variance over these ranges: the first alone, the total with all that it does together with others; their "
-        f"{100 * found['indices']['confidence']:g} % intervals come from resampling the design.",
+        (
+            "The ranges are assumed, each from zero to a common value; the source has no tolerances. The "
+            "indices are shares of the variance over these ranges: first, of the tolerance alone; total, "
+            f"including its interaction with others. Their {100 * found['indices']['confidence']:g} % intervals "
+            "come from resampling the design."
+        ),
         f"Computed by: {command(found)}.",
     )
     columns = (

@@ -9,8 +9,9 @@ from scipy.linalg import qr
 
 from rollbench.lowfi.statics.axis.structure import held_rows, rigid_motions
 from rollbench.lowfi.statics.axis.system import System
+from rollbench.lowfi.statics.mechanism import drives
 from rollbench.lowfi.statics.problem import wrench_rows
-from rollbench.lowfi.statics.shape import principal
+from rollbench.lowfi.statics.shape import unresisted
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import FREEDOMS
 
@@ -49,16 +50,12 @@ def loose_motions(system: System) -> Loose:
             if a.row[0, end] >= 0:
                 moved += a.B[:, end] @ by_row[a.row[0, end]]
         rows.append(moved)
-    size, vt = principal(np.concatenate(rows))
-    rank = int((size > 1e-9 * max(1.0, size.max(initial=0.0))).sum())
-    null = vt[rank:]
+    null = unresisted(np.concatenate(rows))
     if not null.shape[0]:
         return Loose(False, "")
     free = (motions @ null.T).reshape(-1, 6, null.shape[0])
-    drive = np.einsum("rkc,rk->c", free, s.load)
-    total = float(np.abs(s.load[:, :3]).sum() + np.abs(s.load[:, 3:]).sum() / system.arm)
     text = words_for(system, free)
-    if total > 0.0 and float(np.abs(drive).max()) > 1e-9 * total:
+    if drives(np.einsum("rkc,rk->c", free, s.load), s.load, system.arm):
         return Loose(True, f"{text}: no support, spring or rolling element resists it, and the loads drive it")
     rows_of = [0, *range(n, s.stations.size)]
     flat = free[rows_of].reshape(-1, null.shape[0])

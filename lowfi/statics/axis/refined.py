@@ -21,9 +21,9 @@ from rollbench.lowfi.statics.axis.system import BallSet, build, set_contacts, se
 from rollbench.lowfi.statics.elastic import CONDENSED
 from rollbench.lowfi.statics.records import AxisState, Outcome
 from rollbench.lowfi.statics.result import AxisResult
-from rollbench.lowfi.statics.settle import NO_LOADS, Contacts, Flanks, report_of, settled, verdict
+from rollbench.lowfi.statics.settle import NO_LOADS, Contacts, Flanks, least_residual, report_of, settled, verdict
 from rollbench.lowfi.statics.shaft import flank_loads, node_forces, node_motions
-from rollbench.lowfi.statics.static import MAX_ITERATIONS, ROUND_OFF, Engine
+from rollbench.lowfi.statics.static import MAX_ITERATIONS, Engine
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
@@ -122,14 +122,12 @@ def rigid_rings(assembly: Assembly) -> tuple[str, ...]:
 
 
 def round_off(elastic: ElasticAxis, scale: float) -> float:
-    """Relative residual below which double precision cannot get: see `lowfi.statics.static.round_off_bound`."""
-    if scale == 0.0:
-        return 0.0
+    """Relative residual below which double precision cannot get: see `lowfi.statics.settle.least_residual`."""
     contact = elastic.state.contact
     stiff = float(contact[..., 3].max(initial=0.0))
     moved = float(np.abs(elastic.state.inner[:, :2]).max(initial=0.0))
     lengths = 2.0 * float(np.abs(elastic.bodies.v0).max(initial=0.0)) + moved
-    return ROUND_OFF * lengths * stiff / scale
+    return least_residual(lengths, stiff, scale)
 
 
 def flank_forces(elastic: ElasticAxis) -> Array:

@@ -19,8 +19,9 @@ from rollbench.lowfi.statics.axis.system import System, build, placed, set_conta
 from rollbench.lowfi.statics.axis.typical import typical
 from rollbench.lowfi.statics.records import AxisSlopes, AxisState, Options, Outcome
 from rollbench.lowfi.statics.result import AxisResult, SolverReport
-from rollbench.lowfi.statics.settle import NO_LOADS, Contacts, Flanks, report_of, settled, verdict
-from rollbench.lowfi.statics.static import MAX_ITERATIONS, ROUND_OFF, TOLERANCE, Engine, pick_engine
+from rollbench.lowfi.statics.settle import NO_LOADS, Contacts, Flanks, least_residual, report_of, settled, verdict
+from rollbench.lowfi.statics.shape import lifted
+from rollbench.lowfi.statics.static import MAX_ITERATIONS, TOLERANCE, Engine, pick_engine
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
 
@@ -50,17 +51,10 @@ def prepare(system: System, engine: ModuleType, *, tolerance: float = TOLERANCE)
     s, n = system.structure, system.structure.nodes.size
     force, stiffness, floor = typical(system)
     q = np.zeros((s.stations.size, 6))
-    for k in range(6):
-        held = np.flatnonzero(s.fixed[:n, k])
-        if held.size:
-            q[:n, k] = np.interp(s.nodes, s.nodes[held], s.prescribed[held, k])
+    q[:n], d = lifted(s.nodes, s.fixed[:n], s.prescribed[:n])
     q[n:] = np.where(s.fixed[n:], s.prescribed[n:], 0.0)
-    lengths = np.diff(s.nodes)
-    moved = q[: n - 1].copy()
-    moved[:, 0] += lengths * q[: n - 1, 4]
-    moved[:, 1] -= lengths * q[: n - 1, 3]
     N, M = system.contacts.r_ball.size, system.slices.drop.size
-    state = AxisState(q, q[1:n] - moved, np.zeros((N, 2)), np.zeros((N, 4, 5)), np.zeros((M, 2)))
+    state = AxisState(q, d, np.zeros((N, 2)), np.zeros((N, 4, 5)), np.zeros((M, 2)))
     system.contacts = system.contacts._replace(tiny=1e-14 * force)
     furthest = float(system.contacts.r_ball.max(initial=0.0))
     options = Options(tolerance, MAX_ITERATIONS, stiffness, system.arm, 1e3, floor, furthest)
@@ -150,10 +144,8 @@ def settle(prepared: Prepared) -> Outcome:
 
 
 def round_off(prepared: Prepared, scale: float) -> float:
-    """Relative residual that double precision cannot get below: see `lowfi.statics.static.round_off_bound`."""
-    if scale == 0.0:
-        return 0.0
+    """Relative residual that double precision cannot get below: see `lowfi.statics.settle.least_residual`."""
     state = prepared.state
     motion = float(np.abs(state.q[:, :3]).max(initial=0.0)) + float(np.abs(prepared.system.contacts.v0).max(initial=0.0))
     stiff = float(state.contact[..., 3].max(initial=0.0)) + float(state.slices[:, 1].max(initial=0.0))
-    return ROUND_OFF * motion * stiff / scale
+    return least_residual(motion, stiff, scale)

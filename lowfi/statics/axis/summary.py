@@ -11,22 +11,22 @@ from rollbench.lowfi.statics.axis.proof import crossed
 from rollbench.lowfi.statics.axis.sides import left_out
 from rollbench.lowfi.statics.axis.stiffness import asked, asked_row
 from rollbench.lowfi.statics.axis.system import BallSet, RollerSet, System, moved_flanks
-from rollbench.lowfi.statics.problem import SIGNS
 from rollbench.lowfi.statics.records import AxisState
-from rollbench.lowfi.statics.result import AxisResult, Equilibrium, HousingResult, SetResult, SolverReport, StaticResult
+from rollbench.lowfi.statics.result import AxisResult, Equilibrium, HousingResult, SetResult, SolverReport
 from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.lowfi.statics.shape import rigid_transport
 from rollbench.lowfi.statics.solved import SolvedState
 from rollbench.lowfi.statics.summary import (
     BALANCE,
     MODEL_ASSUMPTIONS,
+    about_origin,
     balance_of,
-    contact_geometry,
+    contacts_of,
     judged,
     net_forces,
     round_off,
+    wrench_of,
 )
-from rollbench.lowfi.statics.validity import warnings_of
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 
@@ -138,31 +138,11 @@ def ball_result(system: System, b: BallSet, state: AxisState, end: Ending, stiff
     motion = state.q[: problem.nodes.size]
     largest = float(force.max(initial=0.0))
     solved = SolvedState(problem, motion, p, force, normal, np.zeros(motion.shape), shifts, largest)
-    points, on_ball = contact_geometry(solved)
-    raw = np.arctan2(SIGNS[:, 1] * normal[..., 1], SIGNS[:, 0] * normal[..., 0])
-    from_apex = np.abs(raw) if b.of.thrust == "deep groove" else raw
-    notes = warnings_of(solved, from_apex, problem.nodes, motion)
-    result = StaticResult(
-        model="",
-        status="converged",
-        azimuth=problem.layout.azimuth,
-        z=problem.layout.z,
-        load=force,
-        contact_angle=np.where(force > 0.0, raw, np.nan),
-        contact_point=points,
-        force_direction=on_ball,
-        centre_shift=p,
-        hertz_C=problem.C.copy(),
-        centreline_z=problem.nodes,
-        centreline=state.q[: problem.nodes.size],
-        equilibrium=None,
-        solver=end.report,
-        assumed=(),
-        left_out=(),
-        warnings=notes,
+    result = contacts_of(solved, problem.nodes, motion, end.report, both_ways=b.of.thrust == "deep groove")
+    forces = -result.force_direction * force[..., None]
+    on_shaft, back = (
+        _sum_at(result.contact_point[:, half], forces[:, half], b.of.position) for half in (slice(2), slice(2, 4))
     )
-    forces = -on_ball * force[..., None]
-    on_shaft, back = (_sum_at(points[:, half], forces[:, half], b.of.position) for half in (slice(2), slice(2, 4)))
     outer = _outer(b, state, system.structure.stations)
     return SetResult(b.of, *on_shaft, np.concatenate(back), stiffness, outer, result)
 
@@ -195,11 +175,8 @@ def _sum_at(points: Array, forces: Array, station: float) -> tuple[Array, Array]
 def _balance(system: System, state: AxisState, end: Ending, sets: tuple[SetResult, ...]) -> Equilibrium:
     """Loads, reactions and the sets' forces on the shaft; moments about the origin."""
     nodes = system.structure.nodes
-    applied, reaction, contact = np.zeros(6), np.zeros(6), np.zeros(6)
-    for load in system.assembly.loads:
-        applied += rigid_transport(load.at).T @ np.concatenate([load.force, load.moment])
-    for j in np.flatnonzero(end.held[: nodes.size].any(axis=1)):
-        reaction += rigid_transport(float(nodes[j])).T @ end.held[j]
+    applied, contact = wrench_of(system.assembly.loads), np.zeros(6)
+    reaction = about_origin(nodes, end.held[: nodes.size])
     largest = end.scale
     for s in (x for x in sets if x.of.carrier is None):
         contact += rigid_transport(s.of.position).T @ np.concatenate([s.force, s.moment])

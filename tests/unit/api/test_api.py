@@ -1,6 +1,5 @@
 """``import rollbench``: the commands' answers as records with units, and the module's own packages."""
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +8,6 @@ from tests.axes import one_set
 from tests.helpers import small_screw
 
 import rollbench
-from rollbench.comparison.cli import main
 
 
 @pytest.fixture(scope="module")
@@ -17,10 +15,8 @@ def solved() -> rollbench.Solution:
     return rollbench.solve("lin-case1", "lin")
 
 
-def test_solve_is_what_the_command_prints(solved: rollbench.Solution, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit):
-        main(["solve", "lin-case1", "--model", "lin", "--json"])
-    printed = json.loads(capsys.readouterr().out)
+def test_solve_is_what_the_command_prints(solved: rollbench.Solution, command) -> None:
+    _, printed = command.json("solve", "lin-case1", "--model", "lin", "--json")
     assert solved.converged
     assert solved["summary.loads"] == printed["summary"]["loads"]
     np.testing.assert_allclose(solved.load[:, 0], [ball["load_N"]["SL"] for ball in printed["balls"]])

@@ -11,7 +11,6 @@ from rollbench.lowfi.bearings.axis import (
     angular_speed,
     axis_stiffness,
     branches,
-    lost_motion,
     shaft_inertia,
     shaft_stiffness,
     support_loads,
@@ -95,10 +94,6 @@ def test_sum_in_series_is_softer_than_any_topology():
     right = float(axis_stiffness(a, 0.65, NUT))
     assert 1 / summed - 1 / middle - 1 / NUT == pytest.approx(2.0 / k, rel=1e-12)
     assert 1 / right - 1 / middle - 1 / NUT == pytest.approx(0.5 / k, rel=1e-9)
-
-
-def test_lost_motion():
-    assert lost_motion(100.0, 1e8, 2e-6) == pytest.approx(4e-6)
 
 
 def test_torque():

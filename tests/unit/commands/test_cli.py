@@ -9,22 +9,14 @@ from pathlib import Path
 
 import pytest
 
-from rollbench.comparison.cli import main
 from rollbench.comparison.commands.arguments import commands
 from rollbench.comparison.wings.friction.registration import KINDS as FRICTION_ONLY
 
 HEAVY = ("gmsh", "pyvista", "vtk", "vtkmodules", "skfem", "meshio", "matplotlib", "numba")
 
 
-def run(capsys: pytest.CaptureFixture[str], *tokens: str) -> tuple[int, str, str]:
-    with pytest.raises(SystemExit) as stop:
-        main(list(tokens))
-    out, err = capsys.readouterr()
-    return int(stop.value.code or 0), out, err
-
-
-def test_json_is_exactly_one_object(capsys: pytest.CaptureFixture[str]) -> None:
-    code, out, err = run(capsys, "solve", "lin-case1", "--json")
+def test_json_is_exactly_one_object(command) -> None:
+    code, out, err = command("solve", "lin-case1", "--json")
     data = json.loads(out)
     assert (code, err) == (0, "")
     assert set(data) >= {
@@ -55,9 +47,8 @@ def test_json_is_exactly_one_object(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.parametrize("model", ["lin", "source", "mei", "mei-nut"])
-def test_every_model_runs_from_the_command_line(capsys: pytest.CaptureFixture[str], model: str) -> None:
-    code, out, _ = run(capsys, "solve", "lin-case1", "--model", model, "--json")
-    data = json.loads(out)
+def test_every_model_runs_from_the_command_line(command, model: str) -> None:
+    code, data = command.json("solve", "lin-case1", "--model", model, "--json")
     assert code == 0
     assert data["model"] == model
     axial = sum(b["load_N"]["SL"] for b in data["balls"])
@@ -65,9 +56,9 @@ def test_every_model_runs_from_the_command_line(capsys: pytest.CaptureFixture[st
 
 
 @pytest.mark.parametrize("scene", ["lin-case3", "double-nut"])
-def test_answers_come_first_and_the_last_line_says_where_assumptions_are(capsys: pytest.CaptureFixture[str], scene) -> None:
-    code, out, _ = run(capsys, "solve", scene, "--model", "lin", "--balls")
-    _, whole, _ = run(capsys, "solve", scene, "--model", "lin", "--balls", "--assumptions")
+def test_answers_come_first_and_the_last_line_says_where_assumptions_are(command, scene) -> None:
+    code, out, _ = command("solve", scene, "--model", "lin", "--balls")
+    _, whole, _ = command("solve", scene, "--model", "lin", "--balls", "--assumptions")
     assert code == 0
     assert "SL" in out
     behind = ("\nassumed: ", "\nleft out: ", "\nbalance of the ", "\nsolver: ")
@@ -78,12 +69,12 @@ def test_answers_come_first_and_the_last_line_says_where_assumptions_are(capsys:
     assert out.rstrip().endswith(last)
 
 
-def test_a_scene_without_equilibrium_is_said_and_exits_1(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_a_scene_without_equilibrium_is_said_and_exits_1(command, tmp_path: Path) -> None:
     from rollbench.comparison.scenes.catalogue import scene_text
 
     text = scene_text("lin-case1").replace('fix = ["ux", "uy", "rx", "ry", "rz"]', 'fix = ["ux"]')
     (tmp_path / "free.toml").write_text(text)
-    code, out, err = run(capsys, "solve", str(tmp_path / "free.toml"), "--json")
+    code, out, err = command("solve", str(tmp_path / "free.toml"), "--json")
     assert code == 1
     assert err == ""
     data = json.loads(out)
@@ -107,10 +98,8 @@ def test_a_scene_without_equilibrium_is_said_and_exits_1(capsys: pytest.CaptureF
         (("frobnicate",), ("frobnicate",)),
     ],
 )
-def test_bad_input_is_one_line_and_exit_2(
-    capsys: pytest.CaptureFixture[str], tokens: tuple[str, ...], words: tuple[str, ...]
-) -> None:
-    code, out, err = run(capsys, *tokens)
+def test_bad_input_is_one_line_and_exit_2(command, tokens: tuple[str, ...], words: tuple[str, ...]) -> None:
+    code, out, err = command(*tokens)
     assert code == 2
     assert out == ""
     assert err.count("\n") == 1
@@ -119,47 +108,46 @@ def test_bad_input_is_one_line_and_exit_2(
     assert "Traceback" not in err
 
 
-def test_new_writes_a_scene_that_solves_and_never_overwrites(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_new_writes_a_scene_that_solves_and_never_overwrites(command, tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
-    assert run(capsys, "new", str(file))[0] == 0
-    assert run(capsys, "solve", str(file), "--json")[0] == 0
+    assert command("new", str(file))[0] == 0
+    assert command("solve", str(file), "--json")[0] == 0
     before = file.read_text()
-    code, _, err = run(capsys, "new", str(file))
+    code, _, err = command("new", str(file))
     assert code == 2
     assert "existing file" in err
     assert file.read_text() == before
     assert sorted(p.name for p in tmp_path.iterdir()) == ["mine.toml"]
-    assert run(capsys, "new", str(tmp_path / "no" / "mine.toml"))[0] == 2
+    assert command("new", str(tmp_path / "no" / "mine.toml"))[0] == 2
 
 
 @pytest.mark.parametrize("kind", ["bearing", *(k.replace(" ", "-") for k in FRICTION_ONLY)])
-def test_new_scene_of_a_kind_solves_as_written(kind: str, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_new_scene_of_a_kind_solves_as_written(kind: str, command, tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
-    code, out, _ = run(capsys, "new", str(file), "--kind", kind)
+    code, out, _ = command("new", str(file), "--kind", kind)
     assert code == 0
-    command = out.split("rollbench ")[1].split()[0]
-    assert command == ("solve" if kind == "bearing" else "friction")
-    assert run(capsys, command, str(file), "--json")[0] == 0
+    advised = out.split("rollbench ")[1].split()[0]
+    assert advised == ("solve" if kind == "bearing" else "friction")
+    assert command(advised, str(file), "--json")[0] == 0
 
 
-def test_solve_refuses_what_only_friction_solves(capsys: pytest.CaptureFixture[str]) -> None:
-    code, _, err = run(capsys, "solve", "lin-screw-run")
+def test_solve_refuses_what_only_friction_solves(command) -> None:
+    code, _, err = command("solve", "lin-screw-run")
     assert code == 2
     assert "rollbench friction lin-screw-run" in err
     assert err.count("\n") == 1
 
 
-def test_list_and_schema(capsys: pytest.CaptureFixture[str]) -> None:
-    code, out, _ = run(capsys, "list")
+def test_list_and_schema(command) -> None:
+    code, out, _ = command("list")
     assert code == 0
     assert "lin-case1" in out
     assert "lin-B1" in out
     assert "scenes, linear pair\n  lin-pair-a" in out
-    code, out, _ = run(capsys, "list", "--json")
+    code, out, _ = command("list", "--json")
     assert "lin-screw-run" in json.loads(out)["scenes"]["screw run"]
-    code, out, _ = run(capsys, "schema")
+    code, schema = command.json("schema")
     assert code == 0
-    schema = json.loads(out)
     assert len(schema["oneOf"]) == 8
     assert "track" in schema["$defs"]["SceneKeys"]["properties"]
 
@@ -175,18 +163,16 @@ def test_start_up_imports_nothing_heavy(tokens: list[str]) -> None:
     assert done.stderr.strip() == "[]"
 
 
-def test_report_refuses_a_foreign_folder_before_it_runs_anything(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_report_refuses_a_foreign_folder_before_it_runs_anything(command, tmp_path: Path) -> None:
     (tmp_path / "thesis.txt").write_text("mine")
-    code, _, err = run(capsys, "report", "--out", str(tmp_path))
+    code, _, err = command("report", "--out", str(tmp_path))
     assert code == 2
     assert "--out" in err
     assert (tmp_path / "thesis.txt").read_text() == "mine"
 
 
-def test_report_of_one_section(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    code, out, _ = run(capsys, "report", "--only", "hertz", "--out", str(tmp_path / "r"))
+def test_report_of_one_section(command, tmp_path: Path) -> None:
+    code, out, _ = command("report", "--only", "hertz", "--out", str(tmp_path / "r"))
     assert code == 0
     assert "[1/2] hertz" in out
     assert 'href="reference.html"' in (tmp_path / "r" / "index.html").read_text()
@@ -194,46 +180,46 @@ def test_report_of_one_section(capsys: pytest.CaptureFixture[str], tmp_path: Pat
     assert (tmp_path / "r" / "tables" / "hertz-B1.csv").exists()
 
 
-def test_help_begins_with_what_one_starts_with(capsys: pytest.CaptureFixture[str]) -> None:
+def test_help_begins_with_what_one_starts_with(command) -> None:
     from rollbench.comparison.commands.arguments.order import ORDER
 
-    _, out, _ = run(capsys, "--help")
+    _, out, _ = command("--help")
     places = [out.index(heading) for heading in ORDER]
     assert places == sorted(places)
     assert "rollbench new my.toml --like 40x10" in out
     assert out.index("new ") < out.index("solve ") < out.index("mesh-study ") < out.index("audit ")
     listed = {name for names in ORDER.values() for name in names}
     assert listed <= {*commands()}
-    _, out, _ = run(capsys, "compare", "--help")
+    _, out, _ = command("compare", "--help")
     assert "refined, the default" in " ".join(out.split())
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
-def test_completion_knows_commands_and_options(shell: str, capsys: pytest.CaptureFixture[str]) -> None:
-    code, out, _ = run(capsys, "completion", shell)
+def test_completion_knows_commands_and_options(shell: str, command) -> None:
+    code, out, _ = command("completion", shell)
     assert code == 0
     for words in ("mesh-study", "stiffness-at", "rollbench"):
         assert words in out
 
 
-def test_an_interrupt_is_said(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_interrupt_is_said(command, monkeypatch: pytest.MonkeyPatch) -> None:
     from rollbench.comparison.commands import listing
 
     def stopped(*_: object) -> None:
         raise KeyboardInterrupt
 
     monkeypatch.setattr(listing, "_lines", stopped)
-    code, _, err = run(capsys, "list")
+    code, _, err = command("list")
     assert (code, err) == (130, "rollbench: interrupted; nothing was left half-written\n")
 
 
-def test_help_wraps_paragraphs_whole_and_shows_no_empty_default(capsys: pytest.CaptureFixture[str]) -> None:
-    _, out, _ = run(capsys, "check", "--help")
+def test_help_wraps_paragraphs_whole_and_shows_no_empty_default(command) -> None:
+    _, out, _ = command("check", "--help")
     assert '""' not in out
     assert "2 where there are fewer" in " ".join(out.replace("│", " ").split())
     prose = out.split("A scene passes")[1].split("\n\n")[0].splitlines()
     assert min(map(len, prose[1:-1])) > 60
-    _, out, _ = run(capsys, "mesh-study", "--help")
+    _, out, _ = command("mesh-study", "--help")
     assert "--empty" not in out
 
 
@@ -246,22 +232,19 @@ class Terminal(io.StringIO):
 
 @pytest.mark.parametrize("tokens", [("list",), ("check", "unseen-40x10", "--no-compute", "--loads", "{loads}")])
 def test_no_line_is_wider_than_the_terminal(
-    tokens: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    tokens: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, tmp_path: Path, command
 ) -> None:
     loads = tmp_path / "loads-of-a-program-with-a-long-name.csv"
     loads.write_text("ball,flank,newton\n" + "".join(f"{ball},SL,200\n" for ball in range(1, 58)))
     out = Terminal()
     monkeypatch.setattr(sys, "stdout", out)
     monkeypatch.setenv("COLUMNS", "80")
-    with pytest.raises(SystemExit):
-        main([token.format(loads=loads) for token in tokens])
+    command(*(token.format(loads=loads) for token in tokens))
     assert max(map(len, out.getvalue().splitlines())) <= 80
 
 
-def test_a_mesh_study_uses_shipped_runs_and_closes_with_a_sentence(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    code, out, err = run(capsys, "mesh-study", "unseen-four-point", "--levels", "4", "--store", str(tmp_path))
+def test_a_mesh_study_uses_shipped_runs_and_closes_with_a_sentence(command, tmp_path: Path) -> None:
+    code, out, err = command("mesh-study", "unseen-four-point", "--levels", "4", "--store", str(tmp_path))
     assert (code, err) == (0, "")
     assert "seconds" in out.splitlines()[2]
     assert "load of ball" not in out

@@ -1,6 +1,5 @@
 """``rollbench doctor``: one line for each thing, what lacks is named with its cost, exit code 0 or 1."""
 
-import json
 import re
 import sys
 from importlib import metadata
@@ -9,7 +8,6 @@ from pathlib import Path
 import pytest
 
 from rollbench.comparison import system
-from rollbench.comparison.cli import main
 from rollbench.comparison.commands import doctor
 from rollbench.meshes import libraries
 from rollbench.meshes.libraries import MESHING, PICTURES, install, missing
@@ -23,14 +21,8 @@ def _drawn_already(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(doctor, "available_GB", lambda: 16.0)
 
 
-def run(capsys: pytest.CaptureFixture[str], *tokens: str) -> tuple[int, str]:
-    with pytest.raises(SystemExit) as stop:
-        main(["doctor", *tokens])
-    return int(stop.value.code or 0), capsys.readouterr().out
-
-
-def test_a_machine_with_everything(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    code, out = run(capsys, "--store", str(tmp_path / "runs"))
+def test_a_machine_with_everything(command, tmp_path: Path) -> None:
+    code, out, _ = command("doctor", "--store", str(tmp_path / "runs"))
     assert code == 0
     assert "nothing is missing" in out
     for words in (
@@ -44,13 +36,10 @@ def test_a_machine_with_everything(capsys: pytest.CaptureFixture[str], tmp_path:
     assert not (tmp_path / "runs").exists(), "looking changes nothing"
 
 
-def test_what_lacks_is_named_with_its_cost_and_remedy(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_lacks_is_named_with_its_cost_and_remedy(command, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(doctor, "gmsh_fault", lambda: "libgomp.so.1: cannot open shared object file")
     monkeypatch.setattr(doctor, "available_GB", lambda: 1.5)
-    code, out = run(capsys, "--json")
-    data = json.loads(out)
+    code, data = command.json("doctor", "--json")
     bad = {check["name"]: check for check in data["checks"] if check["state"] == "missing"}
     assert (code, data["complete"], set(bad)) == (1, False, {"meshing", "memory"})
     assert "libgomp.so.1" in bad["meshing"]["found"]

@@ -12,7 +12,6 @@ from functools import cache
 import numpy as np
 import pytest
 
-from rollbench.comparison.cli import main
 from rollbench.comparison.reference.sealing import DEEPEST, sealed, unsealed
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.meshes import condensed
@@ -32,16 +31,13 @@ def bodies():
     return CondensedBodies(geometry_digest(scene), 1, np.arange(4.0), 0.3, one, one, small, line, force, np.full(4, 1e-7))
 
 
-def refused(capsys, *words):
+def refused(command, *words):
     """The one line on standard error of a command that refuses its input."""
-    with pytest.raises(SystemExit) as ended:
-        main(list(words))
-    found = capsys.readouterr()
-    assert ended.value.code == 2
-    assert found.out == ""
-    assert found.err.count("\n") == 1
-    assert found.err.startswith("rollbench: ")
-    return found.err
+    code, out, err = command(*words)
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1
+    assert err.startswith("rollbench: ")
+    return err
 
 
 def changed(name, value):
@@ -73,11 +69,11 @@ BODIES = {
 
 
 @pytest.mark.parametrize("how", BODIES)
-def test_bodies_that_no_part_has_are_refused(how, tmp_path, capsys):
+def test_bodies_that_no_part_has_are_refused(how, tmp_path, command):
     path = tmp_path / "x.npz"
     with np.errstate(all="ignore"):
         BODIES[how]().save(path)
-    refused(capsys, "solve", SCENE, "--condensed", str(path))
+    refused(command, "solve", SCENE, "--condensed", str(path))
 
 
 def test_good_bodies_are_read(tmp_path):
@@ -93,19 +89,19 @@ def rewritten(path, **members):
     np.savez_compressed(path, **(values | members))
 
 
-def test_a_changed_number_does_not_fit_the_checksum(tmp_path, capsys):
+def test_a_changed_number_does_not_fit_the_checksum(tmp_path, command):
     rewritten(tmp_path / "x.npz", screw=bodies().screw * 1.001)
-    assert "checksum" in refused(capsys, "solve", SCENE, "--condensed", str(tmp_path / "x.npz"))
+    assert "checksum" in refused(command, "solve", SCENE, "--condensed", str(tmp_path / "x.npz"))
 
 
 @pytest.mark.parametrize("value", [np.array("text"), np.array([b"x"]), np.zeros((2, 2, 2)), np.array([], dtype=complex)])
 @pytest.mark.parametrize("name", ["format", "level", "screw", "geometry", "sides"])
-def test_arrays_of_another_kind_are_refused(name, value, tmp_path, capsys):
+def test_arrays_of_another_kind_are_refused(name, value, tmp_path, command):
     rewritten(tmp_path / "x.npz", **{name: value})
-    refused(capsys, "solve", SCENE, "--condensed", str(tmp_path / "x.npz"))
+    refused(command, "solve", SCENE, "--condensed", str(tmp_path / "x.npz"))
 
 
-def test_damaged_bytes_are_refused(tmp_path, capsys):
+def test_damaged_bytes_are_refused(tmp_path, command):
     """Single flipped bytes all over the file: zlib, headers, directory."""
     path = tmp_path / "x.npz"
     bodies().save(path)
@@ -120,7 +116,7 @@ def test_damaged_bytes_are_refused(tmp_path, capsys):
             continue
         assert all(np.array_equal(a, b) for a, b in zip(asdict(found).values(), asdict(bodies()).values(), strict=True))
     path.write_bytes(whole[: len(whole) // 2])
-    refused(capsys, "solve", SCENE, "--condensed", str(path))
+    refused(command, "solve", SCENE, "--condensed", str(path))
 
 
 @pytest.mark.parametrize("place", ["PACKED", "HEAD", "_array", "checksum"])
@@ -160,40 +156,40 @@ def test_a_header_that_ends_in_an_open_bracket_is_refused(tmp_path):
         load_condensed(path)
 
 
-def test_a_small_file_that_declares_a_huge_one_is_refused(tmp_path, capsys, monkeypatch):
+def test_a_small_file_that_declares_a_huge_one_is_refused(tmp_path, command, monkeypatch):
     path = tmp_path / "bomb.npz"
     head = "{'descr': '<f8', 'fortran_order': False, 'shape': (1000000000, 1000000000), }".ljust(117) + "\n"
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("screw.npy", b"\x93NUMPY\x01\x00" + struct.pack("<H", len(head)) + head.encode())
-    assert "larger than it is" in refused(capsys, "solve", SCENE, "--condensed", str(path))
+    assert "larger than it is" in refused(command, "solve", SCENE, "--condensed", str(path))
     monkeypatch.setattr(condensed, "LARGEST_FILE", 1_000_000)
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         np.lib.format.write_array(member := io.BytesIO(), np.zeros(130_000))
         archive.writestr("screw.npy", member.getvalue())
     assert path.stat().st_size < 10_000
-    assert "declares" in refused(capsys, "solve", SCENE, "--condensed", str(path))
+    assert "declares" in refused(command, "solve", SCENE, "--condensed", str(path))
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
 @pytest.mark.parametrize("words", [("solve", "{}"), ("friction", "{}"), ("solve", SCENE, "--condensed", "{}")])
-def test_a_pipe_is_no_file(words, tmp_path, capsys):
+def test_a_pipe_is_no_file(words, tmp_path, command):
     path = tmp_path / "pipe.toml"
     os.mkfifo(path)
-    refused(capsys, *(w.format(path) for w in words))
+    refused(command, *(w.format(path) for w in words))
 
 
-def test_devices_are_no_files(capsys):
+def test_devices_are_no_files(command):
     if not os.path.exists("/dev/zero"):
         pytest.skip("needs the device /dev/zero")
-    refused(capsys, "solve", "/dev/zero")
+    refused(command, "solve", "/dev/zero")
 
 
-def test_a_pipe_without_a_name_is_no_file(capsys):
+def test_a_pipe_without_a_name_is_no_file(command):
     reading, writing = os.pipe()
     if not os.path.exists(f"/dev/fd/{reading}"):
         pytest.skip("needs the folder /dev/fd")
     try:
-        refused(capsys, "solve", f"/dev/fd/{reading}")
+        refused(command, "solve", f"/dev/fd/{reading}")
     finally:
         os.close(reading)
         os.close(writing)
@@ -218,10 +214,10 @@ def test_a_stored_run_fits_its_checksum(tmp_path):
 
 
 @pytest.mark.parametrize("key", ["a" + ".a" * 100_000, "\"a\" . 'b' " + ".\t'c'" * 40, "x = { y" + ".y" * 40])
-def test_a_key_of_very_many_parts_is_refused_at_once(key, tmp_path, capsys):
+def test_a_key_of_very_many_parts_is_refused_at_once(key, tmp_path, command):
     path = tmp_path / "x.toml"
     path.write_text(f"title = 'a'\n{key} = 1\n")
-    said = refused(capsys, "solve", str(path))
+    said = refused(command, "solve", str(path))
     assert "line 2" in said
     assert "a key of up to 32 parts" in said
 
@@ -246,21 +242,21 @@ PAGES = {
 
 
 @pytest.mark.parametrize("how", PAGES)
-def test_pages_that_no_report_wrote_are_refused(how, tmp_path, capsys):
+def test_pages_that_no_report_wrote_are_refused(how, tmp_path, command):
     (tmp_path / "x.html").write_text(PAGES[how])
-    assert "a page with a manifest" in refused(capsys, "verify", str(tmp_path / "x.html"))
+    assert "a page with a manifest" in refused(command, "verify", str(tmp_path / "x.html"))
 
 
 @pytest.mark.parametrize("text", ["[" * 100_000, '{"inputs": "a", "files": {}}', '{"inputs": {}, "files": {"a": 1}}'])
-def test_manifests_that_no_report_wrote_are_refused(text, tmp_path, capsys):
+def test_manifests_that_no_report_wrote_are_refused(text, tmp_path, command):
     (tmp_path / "manifest.json").write_text(text)
-    refused(capsys, "verify", str(tmp_path))
+    refused(command, "verify", str(tmp_path))
 
 
-def test_pages_are_regular_files(tmp_path, capsys):
+def test_pages_are_regular_files(tmp_path, command):
     os.mkfifo(tmp_path / "pipe")
     for path in (tmp_path / "pipe", "/dev/zero"):
-        assert "a pipe, a device or a folder" in refused(capsys, "verify", str(path))
+        assert "a pipe, a device or a folder" in refused(command, "verify", str(path))
     with open(tmp_path / "large.html", "wb") as file:
         file.truncate(10**12)
-    assert "pages have at most" in refused(capsys, "verify", str(tmp_path / "large.html"))
+    assert "pages have at most" in refused(command, "verify", str(tmp_path / "large.html"))

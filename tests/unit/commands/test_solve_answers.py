@@ -16,7 +16,6 @@ import numpy as np
 import pytest
 from scipy.io import mmread
 
-from rollbench.comparison.cli import main
 from rollbench.comparison.commands.comparing.compare_output import compared
 from rollbench.comparison.commands.solving.matrix_files import dmig, market
 from rollbench.comparison.commands.solving.summary import answers_json, block, entries
@@ -130,24 +129,11 @@ def test_a_model_without_bodies_has_no_tangent() -> None:
         tangent_of(catalogue.scene("lin-case1"), 0.4, "mei", QUIET)
 
 
-def test_curve_and_matrix_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_curve_and_matrix_from_the_command_line(tmp_path: Path, command) -> None:
     curve, matrix = tmp_path / "curve.csv", tmp_path / "k.mtx"
-    tokens = [
-        "solve",
-        "bearing-9",
-        "--model",
-        "lin",
-        "--curve",
-        str(curve),
-        "--stiffness-at",
-        "8 mm",
-        "--matrix",
-        str(matrix),
-    ]
-    with pytest.raises(SystemExit) as stop:
-        main(tokens)
-    out = capsys.readouterr().out
-    assert not stop.value.code
+    files = "--curve", curve, "--stiffness-at", "8 mm", "--matrix", matrix
+    code, out, _ = command("solve", "bearing-9", "--model", "lin", *files)
+    assert code == 0
     rows = list(csv.DictReader(curve.read_text().splitlines()))
     assert len(rows) == 16
     assert float(rows[10]["axial_force_N"]) == pytest.approx(2963.065, rel=1e-4)
@@ -170,13 +156,9 @@ def test_curve_and_matrix_from_the_command_line(tmp_path: Path, capsys: pytest.C
         (("--curve", "x.txt"), ".csv"),
     ],
 )
-def test_options_that_do_not_go_together_are_one_line(
-    more: tuple[str, ...], words: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    with pytest.raises(SystemExit) as stop:
-        main(["solve", "bearing-9", *more])
-    err = capsys.readouterr().err
-    assert stop.value.code == 2
+def test_options_that_do_not_go_together_are_one_line(more: tuple[str, ...], words: str, command) -> None:
+    code, _, err = command("solve", "bearing-9", *more)
+    assert code == 2
     assert err.count("\n") == 1
     assert words in err
 
@@ -198,12 +180,6 @@ def test_a_pipe_gets_plain_text_without_rules(words: tuple[str, ...]) -> None:
     assert max(map(len, out.splitlines())) <= 100
 
 
-def solved_by_command(capsys: pytest.CaptureFixture[str], *tokens: str) -> tuple[int, str]:
-    with pytest.raises(SystemExit) as stop:
-        main(["solve", *tokens])
-    return int(stop.value.code or 0), capsys.readouterr().out
-
-
 def strict(text: str) -> dict[str, Any]:
     def refuse(word: str) -> None:
         raise AssertionError(word)
@@ -213,15 +189,15 @@ def strict(text: str) -> dict[str, Any]:
 
 @pytest.mark.parametrize("model", ["lin", "source"])
 def test_loads_are_answered_where_no_elastic_body_gives_a_tangent(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], model: str
+    monkeypatch: pytest.MonkeyPatch, command, model: str
 ) -> None:
     """A screw of more balls than elastic bodies take has loads and no tangent, and says why."""
     monkeypatch.setattr(elastic_system, "LARGEST", 20)
-    code, text = solved_by_command(capsys, "lin-case1", "--model", model, "--json")
+    code, text, _ = command("solve", "lin-case1", "--model", model, "--json")
     axial = strict(text)["summary"]["axial"]
     assert (code, axial["tangent_N_per_um"]) == (0, None)
     assert axial["tangent_words"].endswith("limited to 20")
-    code, text = solved_by_command(capsys, "lin-case1", "--model", model)
+    code, text, _ = command("solve", "lin-case1", "--model", model)
     assert code == 0
     assert "no tangent: balls.count of 32 balls" in " ".join(text.split())
     with pytest.raises(Refusal, match="limited to 20"):
@@ -253,35 +229,23 @@ def numbers(value: Any) -> list[float]:
     ],
 )
 def test_what_did_not_converge_prints_no_numbers_as_answers(
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    tmp_path: Path,
-    scene: str,
-    model: str,
-    module: ModuleType,
+    monkeypatch: pytest.MonkeyPatch, command, tmp_path: Path, scene: str, model: str, module: ModuleType
 ) -> None:
     if scene == "double-nut":
         scene = str(tmp_path / "two.toml")
         text = scene_text("double-nut").replace("count = 68\nturns = 4.3", "count = 8\nturns = 1.5")
         Path(scene).write_text(text, encoding="utf-8")
-    whole = solved_by_command(capsys, scene, "--model", model, "--json")[1]
+    whole = command("solve", scene, "--model", model, "--json").out
     monkeypatch.setattr(module, "MAX_ITERATIONS", 1)
-    code, text = solved_by_command(capsys, scene, "--model", model, "--json")
+    code, text, _ = command("solve", scene, "--model", model, "--json")
     data = strict(text)
     assert (code, data["status"][:13]) == (1, "not converged")
     assert data.keys() == strict(whole).keys()
     assert numbers(strict(whole)["balls"])
     assert not [key for key in ANSWERS if numbers(data.get(key))]
-    code, text = solved_by_command(capsys, scene, "--model", model, "--balls")
+    code, text, _ = command("solve", scene, "--model", model, "--balls")
     assert code == 1
     assert not [line for line in text.splitlines() if re.search(r"\d\.\d+ (N|um)", line)]
-
-
-def solve_lines(capsys: pytest.CaptureFixture[str], *options: str) -> tuple[int, list[str], str]:
-    with pytest.raises(SystemExit) as stop:
-        main(["solve", *options])
-    said = capsys.readouterr()
-    return int(stop.value.code or 0), said.out.splitlines(), said.err
 
 
 def changed_40x10(folder: Path, *changes: tuple[str, str]) -> str:
@@ -307,27 +271,29 @@ def changed_40x10(folder: Path, *changes: tuple[str, str]) -> str:
     ids=["as written", "oversize", "load", "bent"],
 )
 def test_a_line_above_the_answers_says_what_leaves_the_models(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], changes: tuple[tuple[str, str], ...], said: tuple[str, ...]
+    tmp_path: Path, command, changes: tuple[tuple[str, str], ...], said: tuple[str, ...]
 ) -> None:
     file = changed_40x10(tmp_path, *changes)
-    code, lines, _ = solve_lines(capsys, file, "--model", "lin")
+    code, out, _ = command("solve", file, "--model", "lin")
     assert code == 0
+    lines = out.splitlines()
     head = " ".join(lines[: next(k for k, line in enumerate(lines) if line.startswith("loads "))])
     assert ("WARNING" in head) is bool(said)
     assert all(word in head for word in said), head
     assert sum("WARNING" in line for line in lines) == bool(said)
-    code, out, _ = solve_lines(capsys, file, "--model", "lin", "--strict", "--json")
+    code, out, _ = command("solve", file, "--model", "lin", "--strict", "--json")
     assert code == bool(said)
-    data = json.loads("\n".join(out))
+    data = json.loads(out)
     assert (data["warning"] is not None) is bool(said)
     assert len(data["warnings"]) >= len(said)
 
 
-def test_several_sets_are_warned_of_by_name(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_several_sets_are_warned_of_by_name(tmp_path: Path, command) -> None:
     text = catalogue.scene_text("double-nut").replace('offset = "-4 um"', 'offset = "-120 um"')
     (tmp_path / "a.toml").write_text(text, encoding="utf-8")
-    code, lines, _ = solve_lines(capsys, str(tmp_path / "a.toml"), "--model", "lin", "--strict")
+    code, out, _ = command("solve", str(tmp_path / "a.toml"), "--model", "lin", "--strict")
     assert code == 1
+    lines = out.splitlines()
     head = " ".join(lines[: next(k for k, line in enumerate(lines) if line.startswith("axial "))])
     assert "WARNING outside what the models mean: nut 1: " in head
     assert "nut 2: preload" in head
@@ -336,19 +302,17 @@ def test_several_sets_are_warned_of_by_name(tmp_path: Path, capsys: pytest.Captu
 @pytest.mark.parametrize(
     ("modulus", "code"), [("210 MPa", 2), ("0.99 GPa", 2), ("1 GPa", 0), ("1001 GPa", 2), ("70 GPa", 0)]
 )
-def test_a_modulus_of_no_solid_is_refused_unless_it_is_meant(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], modulus: str, code: int
-) -> None:
+def test_a_modulus_of_no_solid_is_refused_unless_it_is_meant(tmp_path: Path, command, modulus: str, code: int) -> None:
     own = f'youngs_modulus = "{modulus}"\npoissons_ratio = 0.3'
     rest = (('force = "5 % of C"', 'oversize = "0.1 um"'), (', "5.7 kN"]', ', "100 N"]'))
     file = changed_40x10(tmp_path, ('name = "bearing steel"', own), *rest)
-    found, _, error = solve_lines(capsys, file, "--model", "lin")
+    found, _, error = command("solve", file, "--model", "lin")
     assert found == code
     if code:
         assert "material.youngs_modulus" in error
         assert "1 GPa to 1000 GPa" in error
         file = changed_40x10(tmp_path, ('name = "bearing steel"', f"unusual = true\n{own}"), *rest)
-        assert solve_lines(capsys, file, "--model", "lin")[0] == 0
+        assert command("solve", file, "--model", "lin").code == 0
 
 
 def test_compare_counts_displacements_from_where_solve_does() -> None:

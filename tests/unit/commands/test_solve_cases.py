@@ -1,7 +1,6 @@
 """``rollbench solve`` of a scene with load cases: list and summary, loads of all cases, a case that has no equilibrium."""
 
 import csv
-import json
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +8,6 @@ import pytest
 from tests.load_cases import CASES, SHIPPED, TEXT, written
 
 import rollbench
-from rollbench.comparison.cli import main
 from rollbench.comparison.commands.reporting.verify import _stable, read
 from rollbench.comparison.models.load_cases import solve_one
 from rollbench.comparison.models.registry import Options
@@ -30,19 +28,12 @@ loads = [{ at = "7 mm", force = ["0 N", "1 kN", "0 N"] }]
 """
 
 
-def run(*words: str) -> int:
-    with pytest.raises(SystemExit) as ended:
-        main([*words])
-    return int(ended.value.code or 0)
+def solve(command, *words):
+    return command.json("solve", *words, "--model", "lin", "--json")
 
 
-def solve(capsys, *words: str) -> tuple[int, dict]:
-    code = run("solve", *words, "--model", "lin", "--json")
-    return code, json.loads(capsys.readouterr().out)
-
-
-def test_cases_in_order_each_as_it_is_alone_and_their_summary(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    code, found = solve(capsys, written(tmp_path), "--loads-csv", str(tmp_path / "loads.csv"))
+def test_cases_in_order_each_as_it_is_alone_and_their_summary(tmp_path: Path, command) -> None:
+    code, found = solve(command, written(tmp_path), "--loads-csv", str(tmp_path / "loads.csv"))
     assert code == 0
     cases = found["cases"]
     assert [(one["case"], one["share"], one["scene"]) for one in cases] == [
@@ -50,7 +41,7 @@ def test_cases_in_order_each_as_it_is_alone_and_their_summary(tmp_path: Path, ca
         ("push", 0.25, "two"),
         ("loose", 0.0, "two"),
     ]
-    alone = solve(capsys, "two-balls")[1]
+    alone = solve(command, "two-balls")[1]
     assert cases[0]["balls"] == alone["balls"]
     assert set(cases[0]) == set(alone) | {"case", "share"}
     whole = found["summary"]
@@ -67,24 +58,24 @@ def test_cases_in_order_each_as_it_is_alone_and_their_summary(tmp_path: Path, ca
     assert [row["case"] for row in rows[::8]] == ["balls", "push", "loose"]
 
 
-def test_one_case_gives_the_life_of_today_to_the_last_digit(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_one_case_gives_the_life_of_today_to_the_last_digit(tmp_path: Path, command) -> None:
     text = TEXT.replace(CASES, '\n[[cases]]\nname = "balls"\nshare = 1\n')
-    found = solve(capsys, written(tmp_path, text))[1]
-    alone = solve(capsys, "two-balls")[1]["summary"]["life"]
+    found = solve(command, written(tmp_path, text))[1]
+    alone = solve(command, "two-balls")[1]["summary"]["life"]
     assert found["summary"]["life"] == found["cases"][0]["summary"]["life"] == alone
 
 
-def test_text_names_the_worst_cases(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run("solve", written(tmp_path), "--model", "lin", "--assumptions") == 0
-    text = capsys.readouterr().out
+def test_text_names_the_worst_cases(tmp_path: Path, command) -> None:
+    code, text, _ = command("solve", written(tmp_path), "--model", "lin", "--assumptions")
+    assert code == 0
     assert "3 load cases, converged" in text
     assert "largest in case push" in text
     assert text.count("assumed: A ring pair with one groove each") == 1, "what is assumed is said once"
 
 
-def test_a_case_without_equilibrium_ends_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_case_without_equilibrium_ends_alone(tmp_path: Path, command) -> None:
     text = TEXT.replace('fix = ["uy", "rx", "ry", "rz"]', 'fix = ["rx", "ry", "rz"]').replace(CASES, OPEN)
-    code, found = solve(capsys, written(tmp_path, text))
+    code, found = solve(command, written(tmp_path, text))
     assert code == 1
     assert [one["status"] == "converged" for one in found["cases"]] == [True, False]
     assert found["summary"]["life"] is None
@@ -92,15 +83,14 @@ def test_a_case_without_equilibrium_ends_alone(tmp_path: Path, capsys: pytest.Ca
     assert "open" in found["status"]
 
 
-def test_stiffness_curve_and_members_are_of_every_case(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_stiffness_curve_and_members_are_of_every_case(tmp_path: Path, command) -> None:
     text = TEXT.replace("[errors.balls]\n", '[errors.balls]\nsigma = "0.1 um"\n', 1)
     path, matrix, csv_out = written(tmp_path, text), tmp_path / "k.mtx", tmp_path / "members.csv"
-    found = solve(capsys, path, "--stiffness-at", "7 mm", "--matrix", str(matrix))[1]
+    found = solve(command, path, "--stiffness-at", "7 mm", "--matrix", str(matrix))[1]
     first, pushed = (one["summary"]["stiffness"]["matrix"] for one in found["cases"][:2])
     assert first != pushed
     assert {file.name for file in tmp_path.glob("k-*.mtx")} == {f"k-{name}.mtx" for name in ("balls", "push", "loose")}
-    code = run("solve", path, "--model", "lin", "--members", "2", "--csv", str(csv_out), "--json")
-    members = json.loads(capsys.readouterr().out)
+    code, members = solve(command, path, "--members", "2", "--csv", csv_out)
     assert (code, [one["case"] for one in members["cases"]]) == (0, ["balls", "push", "loose"])
     rows = [row.split(",")[:2] for row in csv_out.read_text().splitlines()]
     assert rows == [["case", "member"], *([name, str(k)] for name in ("balls", "push", "loose") for k in (0, 1))]
@@ -114,11 +104,9 @@ def test_the_library_has_the_same(tmp_path: Path) -> None:
     assert found.balls().count("ball ") == 3
 
 
-def test_friction_of_all_cases_and_its_mean_over_the_revolutions(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert run("friction", written(tmp_path), "--model", "lin", "--json") == 0
-    found = json.loads(capsys.readouterr().out)
+def test_friction_of_all_cases_and_its_mean_over_the_revolutions(tmp_path: Path, command) -> None:
+    code, found = command.json("friction", written(tmp_path), "--model", "lin", "--json")
+    assert code == 0
     torques = [one["torque"]["friction_torque_Nmm"] for one in found["cases"]]
     assert found["summary"]["mean_friction_torque_Nmm"] == pytest.approx(0.75 * torques[0] + 0.25 * torques[1])
     assert found["summary"]["largest_friction_torque_case"] == "push"
@@ -127,10 +115,10 @@ def test_friction_of_all_cases_and_its_mean_over_the_revolutions(
 
 
 @pytest.mark.slow
-def test_a_page_shows_all_cases_and_the_worst_one_in_full(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_page_shows_all_cases_and_the_worst_one_in_full(tmp_path: Path, command) -> None:
     page = str(tmp_path / "page")
-    assert run("report", written(tmp_path), "--out", page) == 0
-    said = capsys.readouterr().out
+    code, said, _ = command("report", written(tmp_path), "--out", page)
+    assert code == 0
     assert said.startswith("Of 3 load cases push is the worst.")
     assert "of the duty cycle" in said
     found = read(Path(page))[1]["results"]

@@ -5,7 +5,6 @@ import json
 
 import pytest
 
-from rollbench.comparison.cli import main
 from rollbench.comparison.commands.arguments import commands as complete
 from rollbench.comparison.registration import ROOT
 from rollbench.comparison.scenes import catalogue
@@ -34,16 +33,15 @@ ELSEWHERE = {
 }
 
 
-def strict(capsys, *tokens):
+def strict(command, *tokens):
     """Parsed output of a command that ends with 0 or 1."""
 
     def refuse(word):
         raise AssertionError(f"{tokens} prints {word}")
 
-    with pytest.raises(SystemExit) as stop:
-        main([*tokens, "--json"])
-    assert stop.value.code in (0, 1), tokens
-    return json.loads(capsys.readouterr().out, parse_constant=refuse)
+    code, out, _ = command(*tokens, "--json")
+    assert code in (0, 1), tokens
+    return json.loads(out, parse_constant=refuse)
 
 
 def test_no_command_is_forgotten():
@@ -60,12 +58,12 @@ def test_no_kind_of_shipped_scene_is_forgotten():
 
 
 @pytest.mark.parametrize("name", WHOLE)
-def test_solve(capsys, name):
-    assert strict(capsys, "solve", name, "--model", "lin")["scene"] == name
+def test_solve(command, name):
+    assert strict(command, "solve", name, "--model", "lin")["scene"] == name
 
 
 @pytest.mark.parametrize("name", [*WHOLE, *FRICTION_ONLY])
-def test_friction(capsys, tmp_path, name):
+def test_friction(command, tmp_path, name):
     scene = name
     if name == "lin-screw-run":  # as shipped but for its 200 steps, which take seconds
         short = catalogue.scene_text(name).replace("steps = 200", "steps = 4")
@@ -74,9 +72,9 @@ def test_friction(capsys, tmp_path, name):
         path.write_text(short, encoding="utf-8")
         scene = str(path)
     mu = ("--mu", "0.1") if name in WHOLE and catalogue.any_scene(name).friction is None else ()
-    assert strict(capsys, "friction", scene, *mu)["scene"] == name
+    assert strict(command, "friction", scene, *mu)["scene"] == name
 
 
 @pytest.mark.parametrize("tokens", [tokens for several in OTHERS.values() for tokens in several], ids=" ".join)
-def test_other_commands(capsys, tokens):
-    assert strict(capsys, *tokens)
+def test_other_commands(command, tokens):
+    assert strict(command, *tokens)

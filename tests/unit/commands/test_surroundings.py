@@ -165,15 +165,15 @@ main({[*words, "--out", str(tmp_path / "sweep")]!r})
     assert (done.returncode, "samples.csv" in done.stdout) == (0, True), done.stderr
 
 
-def test_a_page_whose_folder_cannot_be_made_is_refused_before_any_work(tmp_path, monkeypatch, capsys):
+def test_a_page_whose_folder_cannot_be_made_is_refused_before_any_work(tmp_path, monkeypatch, command):
     from rollbench.comparison.commands.reporting import scene_page
 
     (tmp_path / "file").write_text("")
     monkeypatch.setattr(scene_page, "page_of", lambda *_: pytest.fail("work was done"))
     for words in (["two-balls"], ["--only", "overview"]):
-        with pytest.raises(SystemExit, match="2"):
-            main(["report", *words, "--out", str(tmp_path / "file" / "page")])
-        assert "Not a directory" in capsys.readouterr().err
+        code, _, err = command("report", *words, "--out", tmp_path / "file" / "page")
+        assert code == 2
+        assert "Not a directory" in err
 
 
 def test_the_tree_s_state_is_read_before_a_report_writes_into_it(tmp_path, monkeypatch):
@@ -214,14 +214,13 @@ print(draw(Figure("f", "t", [Panel("p", "x", "y", [Series("a", [0.0, 1.0], [0.0,
     assert drawn[0].stdout == drawn[1].stdout
 
 
-def test_escape_characters_of_names_are_not_printed_raw(tmp_path, monkeypatch, capsys):
+def test_escape_characters_of_names_are_not_printed_raw(tmp_path, monkeypatch, command):
     name = "a\x1b[31mred\x07.toml"
     (tmp_path / name).write_text(catalogue.scene_text("two-balls"), encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     for words in (["compare", name], ["solve", name, "--loads-csv", "b\x1b.csv"], ["new", "c\x1b.toml", "--like", "40x10"]):
-        with pytest.raises(SystemExit):
-            main(words)
-        said = "".join(capsys.readouterr())
+        _, out, err = command(*words)
+        said = out + err
         assert "\x1b" not in said, words
         assert "\\x1b" in said, words
     line = Checked("x\x1b]0;title", "changed", "\x1b", "").line

@@ -5,7 +5,6 @@ from pathlib import Path
 import pytest
 
 from rollbench.comparison import watch
-from rollbench.comparison.cli import main
 
 SCENES = Path(__file__).parents[2] / "property" / "scenes"
 
@@ -28,20 +27,17 @@ def test_a_limit_of_time_ends_a_solution_in_one_line(words):
     assert "Traceback" not in done.stderr
 
 
-def test_a_limit_that_is_not_reached_changes_nothing(capsys):
-    with pytest.raises(SystemExit) as ended:
-        main(["solve", "lin-case1", "--model", "lin", "--time-limit", "600", "--json"])
-    assert ended.value.code == 0
-    assert '"status": "converged"' in capsys.readouterr().out
+def test_a_limit_that_is_not_reached_changes_nothing(command):
+    code, found = command.json("solve", "lin-case1", "--model", "lin", "--time-limit", "600", "--json")
+    assert (code, found["status"]) == (0, "converged")
 
 
-@pytest.mark.parametrize("command", ["solve", "friction"])
+@pytest.mark.parametrize("name", ["solve", "friction"])
 @pytest.mark.parametrize("limit", ["0", "-3", "nan", "1e12"])
-def test_a_limit_that_is_no_time_is_refused(command, limit, capsys):
-    with pytest.raises(SystemExit) as ended:
-        main([command, "lin-case1", f"--time-limit={limit}"])
-    assert ended.value.code == 2
-    assert "--time-limit" in capsys.readouterr().err
+def test_a_limit_that_is_no_time_is_refused(name, limit, command):
+    code, _, err = command(name, "lin-case1", f"--time-limit={limit}")
+    assert code == 2
+    assert "--time-limit" in err
 
 
 def test_a_bar_says_on_a_terminal_what_is_done_and_leaves_nothing(monkeypatch, capsys):

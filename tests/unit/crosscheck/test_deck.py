@@ -11,7 +11,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tests.fe_meshes import cube
 
-from rollbench.comparison import cli
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.wings.crosscheck.calculix import find_ccx, run_calculix
@@ -305,36 +304,17 @@ def test_a_cut_keeps_its_balls_where_they_were():
             cut_scene(bad, 1, 2)
 
 
-def test_the_command_writes_a_deck(tmp_path: Path, capsys):
+def test_the_command_writes_a_deck(tmp_path: Path, command):
     out = tmp_path / "cut.inp"
-    with pytest.raises(SystemExit) as code:
-        cli.main(
-            [
-                "export",
-                "lin-case1",
-                "--deck",
-                "ccx",
-                "--balls",
-                "16:17",
-                "--b-over-h",
-                "0.7",
-                "--growth",
-                "0.8",
-                "--unit",
-                "m",
-                "--out",
-                str(out),
-            ]
-        )
-    assert code.value.code == 0
-    assert "4 contacts; units m, N, Pa" in capsys.readouterr().out
+    cut = "--balls", "16:17", "--b-over-h", "0.7", "--growth", "0.8", "--unit", "m"
+    code, said, _ = command("export", "lin-case1", "--deck", "ccx", *cut, "--out", out)
+    assert code == 0
+    assert "4 contacts; units m, N, Pa" in said
     text = out.read_text()
     assert "*SURFACE, NAME=SCREW_SL_1" in text
     assert "*CLOAD" in text
     for tokens in (["screw", "--deck", "ccx"], ["screw", "--unit", "m"]):
-        with pytest.raises(SystemExit) as code:
-            cli.main(["export", "lin-case1", *tokens])
-        assert code.value.code == 2
+        assert command("export", "lin-case1", *tokens).code == 2
 
 
 def test_a_half_is_held_in_its_plane():

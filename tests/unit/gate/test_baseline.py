@@ -1,11 +1,9 @@
 """What changed since earlier verdicts, in text, JSON and Markdown; the chart and the picture of the worst ball."""
 
-import json
 from pathlib import Path
 
 import pytest
 
-from rollbench.comparison.cli import main
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.gate.baseline import changes
 from rollbench.comparison.gate.publish import HEADS, Outcome, markdown, table, worst
@@ -61,26 +59,19 @@ def test_the_chart_is_of_the_worst_ball_of_what_is_not_green() -> None:
     assert "mermaid" not in markdown([Outcome(True, row("pass", "1").cells)])
 
 
-def run(capsys: pytest.CaptureFixture[str], *tokens: str) -> str:
-    with pytest.raises(SystemExit):
-        main(["check", "two-balls", "--no-compute", *tokens])
-    return capsys.readouterr().out
-
-
-def test_the_command_tells_what_changed_since_a_file_of_either_form(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_the_command_tells_what_changed_since_a_file_of_either_form(command, tmp_path: Path) -> None:
     old, new = tmp_path / "old.csv", tmp_path / "gate.md"
-    (tmp_path / "old.json").write_text(run(capsys, "--model", "lin", "--csv", str(old), "--json"), encoding="utf-8")
-    line = next(
-        x for x in run(capsys, "--baseline", str(old), "--markdown", str(new)).splitlines() if x.startswith("since")
-    )
+    check = "check", "two-balls", "--no-compute"
+    said = command(*check, "--model", "lin", "--csv", old, "--json").out
+    (tmp_path / "old.json").write_text(said, encoding="utf-8")
+    lines = command(*check, "--baseline", old, "--markdown", new).out.splitlines()
+    line = next(x for x in lines if x.startswith("since"))
     assert line.startswith("since old.csv: two-balls: largest error of a contact load ")
     assert " -> " in line
     assert line.endswith(" %, limit 7, fail -> pass")
     assert f"- {line}" in new.read_text(encoding="utf-8")
     assert new.with_suffix(".svg").read_text(encoding="utf-8").count("<svg") == 1
-    data = json.loads(run(capsys, "--baseline", str(tmp_path / "old.json"), "--json"))
+    _, data = command.json(*check, "--baseline", tmp_path / "old.json", "--json")
     (change,) = data["changed"]
     assert (change["quantity"], change["verdict"]) == ("largest error of a contact load", ["fail", "pass"])
     assert f" a contact load {' -> '.join(change['error'])} %, limit 7" in line

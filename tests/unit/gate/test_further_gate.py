@@ -1,6 +1,5 @@
 """`rollbench check` on angles, approaches, pressures and values of the whole: limits, uncertainty, units."""
 
-import json
 from collections.abc import Callable
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -8,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rollbench.comparison.cli import main
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.gate.columns import Column, column
 from rollbench.comparison.gate.further import not_judged, value_verdict
@@ -233,26 +231,16 @@ def test_values_of_several_loads_and_decimal_commas(tmp_path: Path) -> None:
     assert unknown == ('"who"',)
 
 
-def run(capsys: pytest.CaptureFixture[str], *tokens: str) -> tuple[int, str, str]:
-    with pytest.raises(SystemExit) as stop:
-        main(["check", SCENE, "--no-compute", *tokens])
-    out, err = capsys.readouterr()
-    return int(stop.value.code or 0), out, err
-
-
-def test_an_unknown_column_is_a_warning_and_with_strict_an_error(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_an_unknown_column_is_a_warning_and_with_strict_an_error(command, tmp_path: Path) -> None:
     load = stored(scene()).load
     file = str(table(tmp_path / "a.csv", "newton,note,approach_N", lambda b, s: f"{load[b, s]},x,1"))
-    code, out, _ = run(capsys, "--loads", file, "--json")
-    data = json.loads(out)
+    code, data = command.json("check", SCENE, "--no-compute", "--loads", file, "--json")
     assert (code, data["verdict"], len(data["verdicts"])) == (0, "pass", 1)
     assert data["not_judged"] == ["contact angle", "approach", "pressure", "displacement", "rigidity", "torque", "life"]
     assert '"note", "approach_N"' in data["warnings"][0]
-    code, out, _ = run(capsys, "--loads", file)
+    code, out, _ = command("check", SCENE, "--no-compute", "--loads", file)
     assert out.startswith("WARNING: a.csv: ")
-    code, out, err = run(capsys, "--loads", file, "--strict")
+    code, out, err = command("check", SCENE, "--no-compute", "--loads", file, "--strict")
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert '"note", "approach_N"' in err
 

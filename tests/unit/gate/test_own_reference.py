@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rollbench.comparison.cli import main
 from rollbench.comparison.commands.reporting.scene_page import page_of
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.gate.reference_file import exceeding, read_reference
@@ -37,28 +36,21 @@ def written(path: Path, *notes: str, factor: float = 1.0, column: str = "", each
     return path
 
 
-def run(capsys: pytest.CaptureFixture[str], *tokens: str) -> tuple[int, str, str]:
-    with pytest.raises(SystemExit) as stop:
-        main(list(tokens))
-    out, err = capsys.readouterr()
-    return int(stop.value.code or 0), out, err
-
-
-def test_ones_own_reference_flips_a_verdict(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_ones_own_reference_flips_a_verdict(command, tmp_path: Path) -> None:
     file = written(tmp_path / "bench.csv", "# provenance: load cells of 2026,,", "#uncertainty: 1 %", factor=1.2)
-    code, _, _ = run(capsys, "check", SCENE, "--no-compute")
+    code, _, _ = command("check", SCENE, "--no-compute")
     assert code == 0
-    code, out, _ = run(capsys, "check", SCENE, "--reference", str(file))
+    code, out, _ = command("check", SCENE, "--reference", str(file))
     assert code == 1
     assert out.startswith("FAIL: two-balls, refined: ")
     assert "against bench.csv (load cells of 2026), uncertain by 1 % of the mean load" in out
     wide = written(tmp_path / "bench.csv", "# uncertainty: 12 %", factor=1.2)
-    code, out, _ = run(capsys, "check", SCENE, "--reference", str(wide))
+    code, out, _ = command("check", SCENE, "--reference", str(wide))
     assert code == 3, "an uncertainty that leaves it open"
     assert out.splitlines()[0].startswith("WARNING: the uncertainty of bench.csv, ")
     assert "exceeds the limit of 7 % that it should judge" in out
     same = written(tmp_path / "same.csv")
-    code, out, _ = run(capsys, "check", SCENE, "--reference", str(same), "--loads", str(file), "--json")
+    code, out, _ = command("check", SCENE, "--reference", str(same), "--loads", str(file), "--json")
     (verdict,) = json.loads(out)["verdicts"]
     assert (code, verdict["word"], verdict["levels"]) == (1, "fail", [])
     assert "whose uncertainty is taken as zero: it states none" in verdict["detail"]
@@ -122,18 +114,16 @@ def test_every_flank_is_needed_and_one_uncertainty(tmp_path: Path) -> None:
         (("report",), "name the scene"),
     ],
 )
-def test_what_it_cannot_stand_with_is_one_line(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, tokens: tuple[str, ...], words: str
-) -> None:
-    code, out, err = run(capsys, *tokens, "--reference", str(written(tmp_path / "a.csv")))
+def test_what_it_cannot_stand_with_is_one_line(command, tmp_path: Path, tokens: tuple[str, ...], words: str) -> None:
+    code, out, err = command(*tokens, "--reference", str(written(tmp_path / "a.csv")))
     assert (code, err.count("\n")) == (2, 1), out
     assert words in err
 
 
-def test_compare_sets_models_and_ours_beside_it(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_compare_sets_models_and_ours_beside_it(command, tmp_path: Path) -> None:
     file = written(tmp_path / "bench.csv", "# uncertainty: 1 %", factor=1.2)
     tokens = ("compare", SCENE, "--reference", str(file), "--store", str(tmp_path / "store"))
-    code, out, _ = run(capsys, *tokens)
+    code, out, _ = command(*tokens)
     assert code == 0
     assert "against bench.csv, uncertain by 1 % of the mean load" in out
     rows = {line.split("  ")[0]: line for line in out.splitlines()}
@@ -142,7 +132,7 @@ def test_compare_sets_models_and_ours_beside_it(capsys: pytest.CaptureFixture[st
     figure = (tmp_path / "store" / "two-balls-compare.svg").read_text(encoding="utf-8")
     assert "bench.csv" in figure
     assert "stored 3D reference" in figure
-    _, out, _ = run(capsys, *tokens, "--json")
+    _, out, _ = command(*tokens, "--json")
     (told,) = json.loads(out)["scenes"]
     assert (told["levels"], told["uncertainty_percent"]) == ([], pytest.approx(1.0))
     assert told["answers"]["bench.csv"]["axial"]["displacement_um"] is None

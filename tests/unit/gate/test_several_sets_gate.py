@@ -1,11 +1,8 @@
 """Several sets on one shaft against their stored 3D reference: a verdict, answers and a table of each set."""
 
-import json
-
 import numpy as np
 import pytest
 
-from rollbench.comparison import cli
 from rollbench.comparison.models.referenced import referenced
 from rollbench.comparison.reference.sets import balls_of
 from rollbench.comparison.reference.store import load, shipped_store
@@ -15,22 +12,16 @@ pytestmark = pytest.mark.xdist_group("several sets against 3D")
 NUTS = ["nut 1", "nut 2"]
 
 
-def told(capsys, *tokens):
-    with pytest.raises(SystemExit) as end:
-        cli.main([str(token) for token in tokens])
-    return end.value.code or 0, json.loads(capsys.readouterr().out)
-
-
-def test_a_double_nut_is_judged_by_its_own_3d(capsys):
+def test_a_double_nut_is_judged_by_its_own_3d(command):
     """29.1 % at ball 68, 0.89 ball radii from its nut's free face: its load is uncertain by some per cent."""
-    code, found = told(capsys, "check", "double-nut", "--no-compute", "--model", "lin", "--max-error", "32", "--json")
+    code, found = command.json("check", "double-nut", "--no-compute", "--model", "lin", "--max-error", "32", "--json")
     assert code == 0
     assert [(v["scene"], v["set"], v["word"]) for v in found["verdicts"]] == [("double-nut", name, "pass") for name in NUTS]
     assert all(v["contacts"] == 136 and 1.0 < v["max_percent_of_mean"] < 30.0 for v in found["verdicts"])
 
 
-def test_comparison_of_a_double_nut_names_its_sets(capsys, tmp_path):
-    code, found = told(capsys, "compare", "double-nut", "--model", "lin", "--store", tmp_path, "--json")
+def test_comparison_of_a_double_nut_names_its_sets(command, tmp_path):
+    code, found = command.json("compare", "double-nut", "--model", "lin", "--store", tmp_path, "--json")
     assert code == 0
     assert [(x["scene"], x["set"]) for x in found["scenes"]] == [("double-nut", name) for name in NUTS]
     assert {(row["scene"], row["set"]) for row in found["rows"]} == {("double-nut", name) for name in NUTS}

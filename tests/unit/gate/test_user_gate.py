@@ -1,7 +1,6 @@
 """`rollbench check SCENE...`: a user's scenes and loads against stored references; exit codes, files, refusals."""
 
 import csv
-import json
 import re
 from pathlib import Path
 from xml.etree import ElementTree
@@ -9,7 +8,6 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from rollbench.comparison.cli import main
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.gate import user
 from rollbench.comparison.gate.loads_file import read_loads
@@ -25,13 +23,6 @@ from rollbench.comparison.scenes.catalogue import scene_text
 from rollbench.meshes.parts import SIDES
 
 
-def run(capsys: pytest.CaptureFixture[str], *tokens: str) -> tuple[int, str, str]:
-    with pytest.raises(SystemExit) as stop:
-        main(["check", *tokens])
-    out, err = capsys.readouterr()
-    return int(stop.value.code or 0), out, err
-
-
 def loads_csv(path: Path, factor: float, sides: tuple[str, ...] = SIDES) -> Path:
     """The stored reference's own loads of the two balls, that of ball 2 SR (uncertain by 0.34 %) times a factor."""
     found = reference(catalogue.scene("two-balls"))
@@ -44,22 +35,19 @@ def loads_csv(path: Path, factor: float, sides: tuple[str, ...] = SIDES) -> Path
 
 
 @pytest.mark.parametrize(("factor", "code", "word"), [(1.02, 0, "PASS"), (1.07, 3, "UNDECIDED"), (1.2, 1, "FAIL")])
-def test_loads_of_another_program(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, factor: float, code: int, word: str
-) -> None:
+def test_loads_of_another_program(command, tmp_path: Path, factor: float, code: int, word: str) -> None:
     file = loads_csv(tmp_path / "mesys.csv", factor)
-    found, out, err = run(capsys, "two-balls", "--loads", str(file), "--no-compute", "--max-error", "7")
+    found, out, err = command("check", "two-balls", "--loads", str(file), "--no-compute", "--max-error", "7")
     assert (found, err) == (code, "")
     assert out.startswith(f"{word}: two-balls, mesys.csv: ")
     assert " % of the mean load on the worst contact (ball" in out.split("; largest error of a contact load ")[0]
     assert "in per cent of a contact's own load, of the mean load for contacts below a tenth of it" in out
 
 
-def test_json_of_a_model_and_of_a_scene_without_reference(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_json_of_a_model_and_of_a_scene_without_reference(command, tmp_path: Path) -> None:
     mine = tmp_path / "mine.toml"
     mine.write_text(scene_text("two-balls").replace('"6 um"', '"6.1 um"'), encoding="utf-8")
-    code, out, _ = run(capsys, "two-balls", str(mine), "--stored", str(tmp_path), "--json")
-    data = json.loads(out)
+    code, data = command.json("check", "two-balls", str(mine), "--stored", str(tmp_path), "--json")
     assert (code, data["verdict"], data["passed"]) == (4, "not covered", False)
     first, second = data["verdicts"]
     assert (first["scene"], first["judged"], first["word"], first["levels"]) == (
@@ -130,10 +118,8 @@ def test_a_model_that_does_not_converge_fails(monkeypatch: pytest.MonkeyPatch) -
         (("lin-pair-a", "--no-compute"), ("linear pair",)),
     ],
 )
-def test_what_cannot_be_asked_is_one_line(
-    capsys: pytest.CaptureFixture[str], tokens: tuple[str, ...], words: tuple[str, ...]
-) -> None:
-    code, out, err = run(capsys, *tokens)
+def test_what_cannot_be_asked_is_one_line(command, tokens: tuple[str, ...], words: tuple[str, ...]) -> None:
+    code, out, err = command("check", *tokens)
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert all(word in err for word in words)
 
@@ -220,10 +206,8 @@ def test_markdown_and_csv(tmp_path: Path) -> None:
     ]
 
 
-def solved_loads(folder: Path) -> list[dict[str, str]]:
-    with pytest.raises(SystemExit) as stop:
-        main(["solve", "lin-case1", "--model", "lin", "--loads-csv", str(folder / "loads.csv")])
-    assert not stop.value.code
+def solved_loads(command, folder: Path) -> list[dict[str, str]]:
+    assert command("solve", "lin-case1", "--model", "lin", "--loads-csv", folder / "loads.csv").code == 0
     with (folder / "loads.csv").open(encoding="utf-8", newline="") as file:
         return list(csv.DictReader(file))
 
@@ -237,8 +221,8 @@ def judged(folder: Path, rows: list[dict[str, str]], *drop: str) -> Verdict:
     return found
 
 
-def test_loads_that_solve_writes_are_those_that_check_reads(tmp_path: Path) -> None:
-    rows = solved_loads(tmp_path)
+def test_loads_that_solve_writes_are_those_that_check_reads(command, tmp_path: Path) -> None:
+    rows = solved_loads(command, tmp_path)
     text = (tmp_path / "loads.csv").read_text(encoding="utf-8")
     assert text.splitlines()[0] == "ball,flank,newton,azimuth_deg,z_mm"
     assert "#" not in text
@@ -251,8 +235,8 @@ def test_loads_that_solve_writes_are_those_that_check_reads(tmp_path: Path) -> N
     assert (found.word, found.detail) == ("pass", "")
 
 
-def test_balls_are_matched_by_azimuth_and_station(tmp_path: Path) -> None:
-    rows = solved_loads(tmp_path)
+def test_balls_are_matched_by_azimuth_and_station(command, tmp_path: Path) -> None:
+    rows = solved_loads(command, tmp_path)
     turned = [row | {"ball": str(33 - int(row["ball"]))} for row in rows]
     found, right = judged(tmp_path, turned), judged(tmp_path, rows)
     assert found.error_percent == right.error_percent
@@ -266,8 +250,8 @@ def test_balls_are_matched_by_azimuth_and_station(tmp_path: Path) -> None:
         judged(tmp_path, [rows[0] | {"z_mm": "x"}, *rows[1:]])
 
 
-def test_what_loads_look_like_is_said(tmp_path: Path) -> None:
-    rows, places = solved_loads(tmp_path), ("azimuth_deg", "z_mm")
+def test_what_loads_look_like_is_said(command, tmp_path: Path) -> None:
+    rows, places = solved_loads(command, tmp_path), ("azimuth_deg", "z_mm")
     kilo = [row | {"newton": str(1e-3 * float(row["newton"]))} for row in rows]
     found = judged(tmp_path, kilo)
     assert found.word == "fail"
@@ -283,16 +267,15 @@ def test_what_loads_look_like_is_said(tmp_path: Path) -> None:
     assert (wrong.word, wrong.detail) == ("fail", "")
 
 
-def test_a_file_of_several_cases_is_refused(tmp_path: Path) -> None:
-    rows = solved_loads(tmp_path)
+def test_a_file_of_several_cases_is_refused(command, tmp_path: Path) -> None:
+    rows = solved_loads(command, tmp_path)
     judged(tmp_path, [{"case": "1"} | row for row in rows])
     with pytest.raises(InputError, match="one case"):
         judged(tmp_path, [{"case": row["ball"]} | row for row in rows])
 
 
-def test_several_sets_write_their_loads_with_their_number(tmp_path: Path) -> None:
-    with pytest.raises(SystemExit):
-        main(["solve", "double-nut", "--model", "lin", "--loads-csv", str(tmp_path / "a.csv")])
+def test_several_sets_write_their_loads_with_their_number(command, tmp_path: Path) -> None:
+    command("solve", "double-nut", "--model", "lin", "--loads-csv", tmp_path / "a.csv")
     lines = (tmp_path / "a.csv").read_text(encoding="utf-8").splitlines()
     assert lines[0] == "set,ball,flank,newton,azimuth_deg,z_mm"
     assert len(lines) == 1 + 2 * 68 * 4

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 from tests.helpers import relative
-from tests.unit.hifi.test_reference_small import SMALL, two_balls
+from tests.two_balls import SMALL, two_balls
 
 from rollbench.hifi.bodies import submodel
 from rollbench.hifi.bodies.coarse import patch_modes

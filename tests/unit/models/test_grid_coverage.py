@@ -94,7 +94,7 @@ def test_the_table_shows_every_scene_and_all() -> None:
     scenes = [row["scene"] for row in table.rows]
     assert set(levelled(STUDY)) < set(scenes)
     assert scenes[-1] == "all"
-    assert "lie within them; fewest, of scenes with 40 contacts" in table.note
+    assert "lie within them; in the worst scene with 40 contacts" in table.note
     assert coverage_table(Study((shipped_store() / "nowhere",))) is None
     assert "0.12 to 0.19 % larger" in shared_text(STUDY)
 

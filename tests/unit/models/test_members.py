@@ -1,7 +1,6 @@
 """Members of a scene: brute force, closed-form moments, the same numbers whatever the number of workers."""
 
 import csv
-import json
 import pickle
 from dataclasses import replace
 
@@ -11,7 +10,6 @@ from scipy import integrate
 from scipy.special import bdtr
 from scipy.stats import binom, norm
 
-from rollbench.comparison.cli import main
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models import members
 from rollbench.comparison.models.member_blocks import KEPT, STEP, life_sum
@@ -160,12 +158,13 @@ def test_members_without_equilibrium_are_named():
         run_members(scene, "lin", 3)
 
 
-def test_command(tmp_path, capsys):
+FEW = ("lin-random", "--members", "4", "--model", "lin")
+
+
+def test_command(tmp_path, command):
     rows = tmp_path / "members.csv"
-    with pytest.raises(SystemExit) as done:
-        main(["solve", "lin-random", "--members", "4", "--model", "lin", "--seed", "7", "--csv", str(rows), "--json"])
-    assert done.value.code == 0
-    data = json.loads(capsys.readouterr().out)
+    code, data = command.json("solve", *FEW, "--seed", "7", "--csv", rows, "--json")
+    assert code == 0
     assert (data["members"], data["converged"], data["seed"]) == (4, 4, 7)
     assert data["statistics"]["largest_load_N"]["members"] == 4
     with rows.open() as file:
@@ -176,17 +175,14 @@ def test_command(tmp_path, capsys):
     assert max(ball["largest_N"] for ball in data["balls"]) == data["statistics"]["largest_load_N"]["largest"]
 
 
-def test_distributions_come_first_and_bands_where_asked_for(capsys):
+def test_distributions_come_first_and_bands_where_asked_for(command):
     for more, told in (((), "bands of every ball: --balls"), (("--balls",), "bands of the contact loads / N")):
-        with pytest.raises(SystemExit):
-            main(["solve", "lin-random", "--members", "4", "--model", "lin", *more])
-        out = capsys.readouterr().out
+        _, out, _ = command("solve", *FEW, *more)
         assert 0 < out.index("largest contact") < out.index(told)
         assert ("\n   32    SL" in out) == bool(more)
 
 
-def test_options_of_members_need_members(capsys):
-    with pytest.raises(SystemExit) as done:
-        main(["solve", "lin-random", "--seed", "7"])
-    assert done.value.code == 2
-    assert "--members" in capsys.readouterr().err
+def test_options_of_members_need_members(command):
+    code, _, err = command("solve", "lin-random", "--seed", "7")
+    assert code == 2
+    assert "--members" in err

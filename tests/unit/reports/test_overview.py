@@ -61,11 +61,11 @@ def test_front_holds_what_nothing_beats_in_both() -> None:
 def test_answer_names_errors_and_the_reference_in_forty_words() -> None:
     said = answer(POINTS, [0.12, 0.68], 7.41)
     assert said == (
-        "On 3 screws and bearings a contact load is off by at most 3.0 % (refined) or 18.0 % (lin) of the mean; the 3D "
-        "reference by 0.1 to 0.7 %, 7.4 % with unprinted choices and tolerances."
+        "On 3 screws and bearings the contact loads are wrong by at most 3.0 % (refined) or 18.0 % (lin) of the mean load. "
+        "Uncertainty of the 3D reference: 0.1 to 0.7 %, 7.4 % with unprinted choices and tolerances."
     )
     assert len(said.split()) <= 40
-    assert answer(POINTS, []).endswith("the 3D reference by no bound (one mesh level only).")
+    assert answer(POINTS, []).endswith("Uncertainty of the 3D reference: unknown (one mesh level only).")
 
 
 @pytest.mark.parametrize("all_names", [True, False])

@@ -2,7 +2,6 @@
 
 import pytest
 
-from rollbench.comparison.cli import main
 from rollbench.comparison.errors import SceneError
 from rollbench.comparison.scenes import scene_file
 from rollbench.comparison.scenes.template import template
@@ -73,16 +72,14 @@ def test_every_word_leads_to_a_key_that_there_is() -> None:
         assert said.split()[0].rstrip(":") in known | {"none"}, word
 
 
-def test_each_fault_is_a_line_of_the_command_line(capsys: pytest.CaptureFixture[str], tmp_path) -> None:
+def test_each_fault_is_a_line_of_the_command_line(command, tmp_path) -> None:
     file = tmp_path / "my.toml"
     file.write_text(GOOD.replace('"20 mm"', '"20"').replace("count = 32", "count = 0"), encoding="utf-8")
-    with pytest.raises(SystemExit) as stop:
-        main(["solve", str(file)])
-    err = capsys.readouterr().err.splitlines()
-    assert stop.value.code == 2
-    assert len(err) == 2
-    assert all(line.startswith(f"rollbench: {file}: ") for line in err)
-    assert "more fault" not in " ".join(err)
+    code, _, err = command("solve", file)
+    assert code == 2
+    assert len(err.splitlines()) == 2
+    assert all(line.startswith(f"rollbench: {file}: ") for line in err.splitlines())
+    assert "more fault" not in err
 
 
 def test_many_faults_are_cut() -> None:

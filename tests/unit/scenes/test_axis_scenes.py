@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from tests.shipped_texts import axis_names
 
-from rollbench.comparison.cli import main
 from rollbench.comparison.errors import InputError, SceneError
 from rollbench.comparison.models.registry import AXIS_MODELS, MODELS, Model, run_model
 from rollbench.comparison.scenes import catalogue, scene_file
@@ -161,7 +160,7 @@ def test_faults_of_a_set_are_named_in_its_table(line):
     assert refused.value.key.startswith(key.rsplit(".", 1)[0])
 
 
-def test_commands_of_one_set_refuse_several_with_the_reason():
+def test_commands_of_one_set_refuse_several_with_the_reason(command):
     with pytest.raises(SceneError, match="2 sets"):
         catalogue.scene("double-nut")
     with pytest.raises(InputError, match="mei describes one set: its bars"):
@@ -170,9 +169,7 @@ def test_commands_of_one_set_refuse_several_with_the_reason():
     with pytest.raises(InputError, match="see: rollbench list"):
         run_model(catalogue.shipped("double-nut"), "none")
     for kind in ("export", "condense"):
-        with pytest.raises(SystemExit) as stopped:
-            main([kind, "double-nut", *(["screw"] if kind == "export" else [])])
-        assert stopped.value.code == 2
+        assert command(kind, "double-nut", *(["screw"] if kind == "export" else [])).code == 2
 
 
 def test_a_model_registered_for_one_set_is_refused_with_a_reason(monkeypatch):
@@ -196,16 +193,9 @@ def small(tmp_path_factory):
     return path
 
 
-def command(capsys, *tokens):
-    """Exit code, output and errors of a command."""
-    with pytest.raises(SystemExit) as stopped:
-        main([str(t) for t in tokens])
-    return stopped.value.code, *capsys.readouterr()
-
-
-def test_result_has_the_keys_of_one_set(capsys, small):
-    _, single, _ = command(capsys, "solve", "two-balls", "--model", "lin", "--json")
-    code, several, _ = command(capsys, "solve", small, "--model", "lin", "--json")
+def test_result_has_the_keys_of_one_set(command, small):
+    _, single, _ = command("solve", "two-balls", "--model", "lin", "--json")
+    code, several, _ = command("solve", small, "--model", "lin", "--json")
     assert code == 0
     one, two = json.loads(single), json.loads(several)
     assert set(one) <= set(two)
@@ -223,9 +213,9 @@ def test_result_has_the_keys_of_one_set(capsys, small):
     assert axial["lost_motion_um_per_100N"] == pytest.approx(200.0 / axial["tangent_N_per_um"], rel=1e-9)
 
 
-def test_tables_files_and_stations_of_several_sets(capsys, small, tmp_path):
+def test_tables_files_and_stations_of_several_sets(command, small, tmp_path):
     files = "--curve", tmp_path / "c.csv", "--stiffness-at", "100 mm", "--matrix", tmp_path / "k.mtx"
-    code, out, _ = command(capsys, "solve", small, "--model", "lin", *files)
+    code, out, _ = command("solve", small, "--model", "lin", *files)
     assert code == 0
     assert "angle deg" not in out
     assert "shaft at 100 mm" in out
@@ -240,7 +230,7 @@ def test_tables_files_and_stations_of_several_sets(capsys, small, tmp_path):
     compliance = np.linalg.inv(_matrix(tmp_path / "k.mtx"))
     assert slope == pytest.approx(1e-6 / compliance[2, 2], rel=2e-3)
     assert float(given["stiffness_N_per_um"]) == pytest.approx(1e-6 * _matrix(tmp_path / "k.mtx")[2, 2], rel=1e-9)
-    code, out, _ = command(capsys, "solve", small, "--model", "lin-nut", "--balls")
+    code, out, _ = command("solve", small, "--model", "lin-nut", "--balls")
     assert code == 0
     assert "angle deg" in out
 
@@ -251,12 +241,12 @@ def _matrix(path):
     return np.asarray(mmread(path))
 
 
-def test_commands_work_or_say_why_not(capsys, small, tmp_path):
-    code, out, _ = command(capsys, "check", small, "--no-compute", "--model", "lin")
+def test_commands_work_or_say_why_not(command, small, tmp_path):
+    code, out, _ = command("check", small, "--no-compute", "--model", "lin")
     assert "NOT COVERED: two, lin: no stored run of its 3D reference, and none is to be computed" in out
     assert code == 4
     vary = "--vary", "sets[0].offset=-6 um:-2 um", "--samples", "2", "--model", "lin", "--out", tmp_path / "s"
-    code, _, _ = command(capsys, "sweep", small, *vary)
+    code, _, _ = command("sweep", small, *vary)
     assert code == 0
     with (tmp_path / "s" / "samples.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
@@ -272,21 +262,20 @@ def test_commands_work_or_say_why_not(capsys, small, tmp_path):
         (("solve", small, "--stiffness-at", "9 m"), "0 mm to"),
     )
     for tokens, why in refused:
-        code, _, said = command(capsys, *tokens)
+        code, _, said = command(*tokens)
         assert code == 2
         assert why in said
         assert len(said.splitlines()) == 1
 
 
-def test_solve_and_friction_begin_rows_with_their_set(capsys, small):
+def test_solve_and_friction_begin_rows_with_their_set(command, small):
     for word in ("solve", "friction"):
-        code, out, _ = command(capsys, word, small, "--model", "lin", "--json")
+        code, data = command.json(word, small, "--model", "lin", "--json")
         assert code == 0
-        data = json.loads(out)
         assert [next(iter(row)) for row in data["balls"]] == ["set"] * 16
         assert [(row["set"], row["index"]) for row in data["balls"]][8] == (2, 1)
         assert [s["name"] for s in data["sets"]] == ["nut 1", "nut 2"]
     total = sum(s["friction_torque_Nmm"] for s in data["sets"])
     assert data["torque"]["friction_torque_Nmm"] == pytest.approx(total, rel=1e-12)
-    _, out, _ = command(capsys, "solve", small, "--model", "lin")
+    _, out, _ = command("solve", small, "--model", "lin")
     assert "tangent stiffness of the whole, shaft at 0 mm" in out

@@ -9,7 +9,6 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from rollbench.comparison.cli import main
 from rollbench.comparison.errors import InputError, SceneError
 from rollbench.comparison.models.loading import preload
 from rollbench.comparison.models.registry import run_model
@@ -202,19 +201,14 @@ def test_a_size_beyond_the_rules_is_refused(size: str) -> None:
         scene_like(size)
 
 
-def test_new_like_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_new_like_from_the_command_line(tmp_path: Path, command) -> None:
     file = tmp_path / "a.toml"
-    with pytest.raises(SystemExit) as stop:
-        main(["new", str(file), "--like", "40x10", "--kind", "bearing"])
-    assert stop.value.code == 2
-    assert "without --kind" in capsys.readouterr().err
-    with pytest.raises(SystemExit) as stop:
-        main(["new", str(file), "--like", "40x10"])
-    assert not stop.value.code
+    code, _, err = command("new", file, "--like", "40x10", "--kind", "bearing")
+    assert code == 2
+    assert "without --kind" in err
+    assert command("new", file, "--like", "40x10").code == 0
     assert file.read_text(encoding="utf-8").split("\n", 1)[1] == scene_like("40x10")
-    with pytest.raises(SystemExit) as stop:
-        main(["new", str(tmp_path / "b.toml"), "--like", "40x10", "--kind", "double-nut"])
-    assert not stop.value.code
+    assert command("new", tmp_path / "b.toml", "--like", "40x10", "--kind", "double-nut").code == 0
     assert (tmp_path / "b.toml").read_text(encoding="utf-8").split("\n", 1)[1] == double_nut_like("40x10")
 
 

@@ -7,7 +7,6 @@ from urllib.parse import unquote, urlparse
 
 import pytest
 
-from rollbench.comparison.cli import main
 from rollbench.comparison.registration import ROOT
 from rollbench.comparison.scenes.kinds import json_schema
 
@@ -18,9 +17,8 @@ def test_shipped_schema_is_the_printed_one() -> None:
 
 
 @pytest.mark.parametrize("words", [("--like", "16x5"), ("--kind", "axis")])
-def test_a_new_scene_names_the_schema(tmp_path: Path, words: tuple[str, ...]) -> None:
-    with pytest.raises(SystemExit):
-        main(["new", str(tmp_path / "my.toml"), *words])
+def test_a_new_scene_names_the_schema(tmp_path: Path, words: tuple[str, ...], command) -> None:
+    command("new", tmp_path / "my.toml", *words)
     first = (tmp_path / "my.toml").read_text(encoding="utf-8").splitlines()[0]
     found = re.fullmatch(r"#:schema (file://.*)", first)
     assert found is not None

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rollbench.comparison.cli import main
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models import ladder, model_form
 from rollbench.comparison.models.registry import DEFAULT, Options, run_model
@@ -31,22 +30,14 @@ def kept_bodies(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ladder, "Options", lambda **_: Options(discretisation=False, engine="compiled"))
 
 
-def run(capsys: pytest.CaptureFixture[str], *tokens: str) -> tuple[int, str, str]:
-    with pytest.raises(SystemExit) as stop:
-        main(list(tokens))
-    out, err = capsys.readouterr()
-    return int(stop.value.code or 0), out, err
-
-
 def bodies(name: str = "lin-case1", level: int = 3) -> Path:
     run = load(catalogue.scene(name), level)
     assert run is not None
     return bodies_path(shipped_store(), catalogue.scene(name), run)
 
 
-def test_the_default_is_refined_and_says_what_it_is_worth(capsys: pytest.CaptureFixture[str]) -> None:
-    code, out, _ = run(capsys, "solve", "lin-case1", "--json")
-    data = json.loads(out)
+def test_the_default_is_refined_and_says_what_it_is_worth(command) -> None:
+    code, data = command.json("solve", "lin-case1", "--json")
     assert (code, data["model"]) == (0, DEFAULT)
     worth = data["model_form"]
     assert 0.3 < worth["largest_percent_of_mean"] < 4.0
@@ -55,14 +46,14 @@ def test_the_default_is_refined_and_says_what_it_is_worth(capsys: pytest.Capture
     for name in ("displacement", "pressure"):
         assert 0.0 < worth[f"{name}_percent"] < 4.0, name
     assert "elastic" in worth["words"][0]
-    code, out, _ = run(capsys, "solve", "lin-case1", "--model", "mei", "--json")
+    code, out, _ = command("solve", "lin-case1", "--model", "mei", "--json")
     unknown = json.loads(out)["model_form"]
     assert unknown["largest_percent_of_mean"] is None
     assert "axial bars" in unknown["words"][0]
 
 
-def test_condensed_bodies_from_a_file(capsys: pytest.CaptureFixture[str]) -> None:
-    code, out, err = run(capsys, "solve", "lin-case1", "--condensed", str(bodies()), "--json")
+def test_condensed_bodies_from_a_file(command) -> None:
+    code, out, err = command("solve", "lin-case1", "--condensed", str(bodies()), "--json")
     assert (code, err) == (0, "")
     data = json.loads(out)
     assert data["model"] == "condensed"
@@ -79,10 +70,8 @@ def test_condensed_bodies_from_a_file(capsys: pytest.CaptureFixture[str]) -> Non
         (("condense", "lin-case1", "--out", "."), "a folder"),
     ],
 )
-def test_bad_files_and_options_are_one_line(
-    capsys: pytest.CaptureFixture[str], tokens: tuple[str, ...], words: str
-) -> None:
-    code, out, err = run(capsys, *tokens)
+def test_bad_files_and_options_are_one_line(command, tokens: tuple[str, ...], words: str) -> None:
+    code, out, err = command(*tokens)
     assert (code, out) == (2, "")
     assert err.count("\n") == 1
     assert words in err

@@ -6,11 +6,12 @@ import signal
 import subprocess
 import sys
 from contextlib import suppress
+from math import tau
 
 import pytest
 
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.answers import ONE_TURN, gather
+from rollbench.comparison.models.answers import gather
 from rollbench.comparison.models.axis_answers import gather as axis_gather
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.reference.jobs import Engine
@@ -195,7 +196,7 @@ def test_rigidity_preload_torque_and_life_are_those_of_solve_and_friction():
     assert found["rigidity_N_per_um"] == pytest.approx(1e-6 * answers.rigidities.unequal, rel=1e-9)
     assert found["preload_N"] == pytest.approx(answers.preload.axial, rel=1e-9)
     assert found["life_million_revolutions"] == pytest.approx(answers.loads.life.revolutions, rel=1e-9)
-    state = friction_state(scene, result, scene.friction, Motion(ONE_TURN))
+    state = friction_state(scene, result, scene.friction, Motion(tau))
     assert found["torque_Nmm"] == pytest.approx(1e3 * state.torque.friction, rel=1e-6)
     bare = solve_sample(scene_text("two-balls"), "two-balls.toml", (), (), "lin", "interpreted")
     assert bare["torque_Nmm"] is None, "no coefficient in the scene"

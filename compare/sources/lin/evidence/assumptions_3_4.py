@@ -43,7 +43,7 @@ from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.pair import SHIFTED, Pair, PairMap, implied_load, oversize_map, solve_pair
 from rollbench.lowfi.friction.screw.run import Run, RunSummary, equal_steps, summarise
 from rollbench.lowfi.friction.screw.travel import History, groups
-from rollbench.reports.records import Cell
+from rollbench.reports.records import Quantity, Row
 
 #: Labels of rows that the introduction quotes.
 AS_TEXT, UNCOUPLED = "text as it stands, friction moves the balls", "loads not coupled to friction"
@@ -90,19 +90,20 @@ def readings() -> list[tuple[str, str, Callable[[float], Pair]]]:
     ]
 
 
-def reading_rows() -> list[dict[str, Cell]]:
+def reading_rows() -> list[Row]:
     """Table 3.7 in each reading: force [N], increase [%], a ball's load [N], error of the force [%]."""
-    rows = list[dict[str, Cell]]()
+    rows = list[Row]()
     for kind, label, make in readings():
-        row: dict[str, Cell] = {"kind": kind, "reading": label}
+        row: Row = {Quantity("kind", "reading", "", "s"): kind, Quantity("reading", "assumptions", "", "s"): label}
         good = True
         for case, theta in THETA.items():
             r = solve_pair(make(radians(theta)))
+            off = float(error_percent(r.force, entry("lin-3.7", f"force_{case}").value or np.nan))
             row |= {
-                f"force_{case}": r.force,
-                f"increase_{case}": increase(r),
-                f"load_{case}": float(r.load.mean()),
-                f"error_{case}": float(error_percent(r.force, entry("lin-3.7", f"force_{case}").value or np.nan)),
+                Quantity(f"force_{case}", f"force, θ = {theta:g}°", "N", ".3f"): r.force,
+                Quantity(f"error_{case}", f"against printed, θ = {theta:g}°", "%", ".1f"): off,
+                Quantity(f"increase_{case}", f"increase, θ = {theta:g}°", "%", ".1f"): increase(r),
+                Quantity(f"load_{case}", f"contact load a ball, θ = {theta:g}°", "N", ".0f"): float(r.load.mean()),
             }
             good = good and r.converged
         rows.append(row | {"status": "converged" if good else "not converged"})
@@ -140,45 +141,46 @@ def run_changes() -> list[tuple[str, str, dict[str, object]]]:
     return changes
 
 
-def summary_row(label: str, value: str, r: History) -> dict[str, Cell]:
+#: What a row on the whole run says.
+RUN = (
+    Quantity("assumption", "assumption", "", "s"),
+    Quantity("value", "value", "", "s"),
+    Quantity("largest", "largest ball-to-ball over groove torque", "%", ".1f"),
+    Quantity("at", "at nut angle", "°", ".0f"),
+    Quantity("none_at", "no contact at", "°", ".0f"),
+    Quantity("groups", "groups at most", "", "s"),
+    Quantity("variation", "variation of groove torque, from step 2", "%", ".1f"),
+    Quantity("torque", "mean groove torque", "N mm", ".2f"),
+    Quantity("steps", "steps converged", "", "s"),
+)
+
+
+def summary_row(label: str, value: str, r: History) -> Row:
     """Row of the sensitivity table."""
     s: RunSummary = summarise(r)
     touches = s.largest > 0.0
-    return {
-        "assumption": label,
-        "value": value,
-        "largest": 100.0 * s.largest,
-        "at": s.at if touches else None,
-        "none_at": s.none_at if touches and np.isfinite(s.none_at) else None,
-        "groups": s.groups,
-        "variation": 100.0 * variation(r),
-        "torque": 1e3 * float(settled(r).mean()),
-        "steps": f"{int(r.converged.sum())} of {r.converged.size}",
-    }
+    at, none_at = s.at if touches else None, s.none_at if touches and np.isfinite(s.none_at) else None
+    torque, steps = 1e3 * float(settled(r).mean()), f"{int(r.converged.sum())} of {r.converged.size}"
+    values = label, value, 100.0 * s.largest, at, none_at, s.groups, 100.0 * variation(r), torque, steps
+    return dict(zip(RUN, values, strict=True))
 
 
-def source_run_row(run: Run) -> dict[str, Cell]:
+def source_run_row(run: Run) -> Row:
     """The same run by the method of the source: motions without contact decide what touches, gaps may become negative."""
     r = simulate_by_root(run)
     ratio, touching = r.ball_torque / r.groove_torque, r.ball_force > 0.0
     top, angle = int(np.argmax(ratio)), np.degrees(r.nut_angle)
     later = np.flatnonzero(~touching.any(axis=1) & (np.arange(angle.size) > top))
-    torque = r.groove_torque[1:]
+    torque, none_at = r.groove_torque[1:], float(angle[later[0]]) if later.size else None
     overlap = 100.0 * r.overlap / run.groove.pair.spacing
-    return {
-        "assumption": SOURCE_RULE,
-        "value": f"as the case study, 3°; balls overlap in {r.overlapping} steps, by up to {overlap:.1f} % of their size",
-        "largest": 100.0 * float(ratio[top]),
-        "at": float(angle[top]),
-        "none_at": float(angle[later[0]]) if later.size else None,
-        "groups": int(np.max(groups(touching))),
-        "variation": 100.0 * float(np.ptp(torque) / torque.mean()),
-        "torque": 1e3 * float(torque.mean()),
-        "steps": f"{len(r.status) - r.failures} of {len(r.status)}",
-    }
+    value = f"as the case study, 3°; balls overlap in {r.overlapping} steps, by up to {overlap:.1f} % of their size"
+    spread, steps = 100.0 * float(np.ptp(torque) / torque.mean()), f"{len(r.status) - r.failures} of {len(r.status)}"
+    first = SOURCE_RULE, value, 100.0 * float(ratio[top]), float(angle[top]), none_at
+    values = *first, int(np.max(groups(touching))), spread, 1e3 * float(torque.mean()), steps
+    return dict(zip(RUN, values, strict=True))
 
 
-def run_rows() -> list[dict[str, Cell]]:
+def run_rows() -> list[Row]:
     """The whole run as the case study, by the source's rule of contact, and with one assumption changed at a time."""
     names = [f"theta of {a:g}°" for a in AMPLITUDES]
     rows = [
@@ -211,32 +213,37 @@ def bearing_cases() -> list[tuple[str, str, BearingCase]]:
     return out
 
 
-def bearing_rows() -> list[dict[str, Cell]]:
+def bearing_rows() -> list[Row]:
     """Bearings of Table 4.2: torque [N mm] without angle, ratio of torques over ranges of the load's angle."""
-    rows = list[dict[str, Cell]]()
+    rows = list[Row]()
     for bearing, label, case in bearing_cases():
         found = torque_curve(case, ANGLES)
-        row: dict[str, Cell] = {"bearing": bearing, "assumption": label, "torque": 1e3 * float(found.torque[0])}
-        row |= {f"to_{end:g}": cut(found, end) for end in ENDS}
+        torque = Quantity("torque", "torque at 0°", "N mm", ".1f")
+        row: Row = {"bearing": bearing, "assumption": label, torque: 1e3 * float(found.torque[0])}
+        row |= {
+            Quantity(f"to_{end:g}", f"largest over smallest, 0 to {end:g}°", "", ".3f"): cut(found, end) for end in ENDS
+        }
         upto = found.angle <= radians(18.0) * (1.0 + 1e-12)
         status = "converged" if found.converged.all() else "not converged"
-        rows.append(row | {"four": int(found.four[upto].max()), "status": status})
+        four = Quantity("four", "balls beyond two contacts, to 18°", "", "s")
+        rows.append(row | {four: int(found.four[upto].max()), "status": status})
     return rows
 
 
-def onset_rows(study: Study) -> list[dict[str, Cell]]:
+def onset_rows(study: Study) -> list[Row]:
     """4.3.2: how soon balls meet, by kind of error and by how unloaded balls move."""
-    rows = list[dict[str, Cell]]()
+    rows = list[Row]()
     for errors in SCREWS:
         for idle in IDLE:
             o = onset(study, errors, idle)
+            meet, first = int(np.isfinite(o.meeting).sum()), degrees(o.first) if np.isfinite(o.first) else None
             rows.append(
                 {
                     "errors": errors,
-                    "idle": idle,
-                    "lost": int((o.loaded == 0.0).sum()),
-                    "meet": f"{int(np.isfinite(o.meeting).sum())} of {o.meeting.size}",
-                    "first": degrees(o.first) if np.isfinite(o.first) else None,
+                    Quantity("idle", "speed of unloaded balls over nominal", "", "g2"): idle,
+                    Quantity("lost", "balls without load", "", "s"): int((o.loaded == 0.0).sum()),
+                    Quantity("meet", "neighbours that close in", "", "s"): f"{meet} of {o.meeting.size}",
+                    Quantity("first", "first meeting, nut angle", "°", "g4"): first,
                     "status": "converged" if o.converged else "not converged",
                 }
             )

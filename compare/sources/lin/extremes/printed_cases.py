@@ -13,7 +13,7 @@ from rollbench.lowfi.friction.bearing.rotary import source_law
 from rollbench.lowfi.friction.contact.motion import balance_by_root, least_dissipation
 from rollbench.lowfi.friction.linear.chain import Chain, prepare, solve_linear_chain
 from rollbench.lowfi.friction.linear.pair import pair_state
-from rollbench.reports.records import Cell
+from rollbench.reports.records import Quantity, Row
 
 #: Random starts of root finding, near and far.
 ROOT_STARTS = 8
@@ -39,9 +39,9 @@ def pair_extremes() -> list[tuple[str, list[Chain]]]:
     ]
 
 
-def pair_rows() -> list[dict[str, Cell]]:
+def pair_rows() -> list[Row]:
     """Extreme pairs from the nominal start and from two random ones: solved, energy balance, spread of the answers."""
-    rng, rows = np.random.default_rng(3), list[dict[str, Cell]]()
+    rng, rows = np.random.default_rng(3), list[Row]()
     for group, chains in pair_extremes():
         solved, energy, spread, residual = 0, 0.0, 0.0, 0.0
         for c in chains:
@@ -53,29 +53,31 @@ def pair_rows() -> list[dict[str, Cell]]:
             residual = max(residual, *(max(r.residual, r.lag) for r in found))
         rows.append(
             {
-                "group": group,
+                Quantity("group", "what is varied", "", "s"): group,
                 "cases": len(chains),
-                "solved": f"{solved} of {3 * len(chains)}",
-                "residual": residual,
-                "energy": energy,
-                "spread": spread,
+                Quantity("solved", "solved from three starts", "", "s"): f"{solved} of {3 * len(chains)}",
+                Quantity("residual", "largest residual", "", "g2"): residual,
+                Quantity("energy", "relative excess of power in over dissipation", "", "g2"): energy,
+                Quantity("spread", "spread of the force over the starts", "", "g2"): spread,
             }
         )
     return rows
 
 
-def root_rows() -> list[dict[str, Cell]]:
+def root_rows() -> list[Row]:
     """The source's root finding on cases I to III and least dissipation, from the same random starts."""
-    rng, rows = np.random.default_rng(5), []
+    rng, rows = np.random.default_rng(5), list[Row]()
     first = {case: right(case, "as printed") for case in CASES}
     for case, sharpness in product(CASES, (100.0, 1e3, 1e4)):
         s, law = first[case], source_law(ROTARY, sharpness, None)
-        row: dict[str, Cell] = {"case": case, "sharpness": sharpness}
-        for key, off in (("near", 0.01), ("far", 0.5)):
+        row: Row = {"case": case, Quantity("sharpness", "k_S", "", "g3"): sharpness}
+        for key, words, off in (("near", "1 % of the solution", 0.01), ("far", "50 %", 0.5)):
             begin = [s.motion.q * rng.uniform(1.0 - off, 1.0 + off, 3) for _ in range(ROOT_STARTS)]
             by_root = sum(balance_by_root(s.problem, law, q, fast=True).status == "exact" for q in begin)
-            row[key] = f"{by_root} of {ROOT_STARTS}"
+            heading = f"root finding, starts within {words}"
+            row[Quantity(key, heading, "", "s")] = f"{by_root} of {ROOT_STARTS}"
         least = [least_dissipation(s.problem, q, fast=True) for q in begin]
         good = sum(m.status == "exact" and abs(m.loss / s.motion.loss - 1.0) < 1e-8 for m in least)
-        rows.append(row | {"ours": f"{good} of {ROOT_STARTS}"})
+        ours = Quantity("ours", "least dissipation, starts within 50 %", "", "s")
+        rows.append(row | {ours: f"{good} of {ROOT_STARTS}"})
     return rows

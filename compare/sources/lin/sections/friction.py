@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from math import degrees
 
 import numpy as np
@@ -29,7 +30,7 @@ from rollbench.comparison.sources.lin.extremes.printed_cases import pair_rows, r
 from rollbench.lowfi.friction.bearing.rotary import SIDES, Solution, Sweep, sweep
 from rollbench.lowfi.friction.linear.pair import PairMaps, maps
 from rollbench.meshes.arrays import Array
-from rollbench.reports.records import Figure, Panel, Quantity, Section, Series, Table, Text
+from rollbench.reports.records import Figure, Panel, Section, Series, Table, Text
 
 # --- tables
 
@@ -37,9 +38,12 @@ TABLES = ("lin-3.1", "lin-3.2", "lin-3.3", "lin-3.4", "lin-3.5", "lin-G")
 #: Significant digits shown; Table 3.2 prints seven.
 DIGITS = {"lin-3.2": 7}
 NOTES = {
-    "lin-3.2": "As printed: Hertz constants by the method of Table B.1 (F = 1, second fundamental form alone), the sigmoid "
-    "with k_S = 100, maps interpolated linearly. Right: exact Hertz constants, Coulomb friction, least dissipation. The "
-    "error is that of the value that the class says: as printed for class as-printed, right for the others.",
+    "lin-3.2": (
+        "As printed: Hertz constants by the method of Table B.1 (F = 1, second fundamental form alone), the "
+        "sigmoid with k_S = 100, maps interpolated linearly. Right: exact Hertz constants, Coulomb friction, "
+        "least dissipation. The error refers to the as-printed value in class as-printed, otherwise to the "
+        "right one."
+    ),
     "lin-3.5": "The times are those of the source's machine and are not compared.",
 }
 
@@ -54,45 +58,24 @@ def table_of(study: Study, name: str) -> Table:
 
 def balance_table() -> Table:
     """Cases I to III: torque, power in and out, contacts at rest, by three sets of assumptions."""
-    rows = balance_rows()
-    columns = (
-        Quantity("case", "case", "", "s"),
-        Quantity("model", "model", "", "s"),
-        Quantity("force", "sum of forces", "N", ".3f"),
-        Quantity("torque", "friction's moment on the ring", "N mm", ".4f"),
-        Quantity("input", "power in", "W", ".6f"),
-        Quantity("loss", "dissipation", "W", ".6f"),
-        Quantity("balance", "power in against dissipation", "%", ".1e"),
-        Quantity("rest", "contacts at rest", "", "s"),
-        Quantity("status", "status", "", "s"),
-    )
-    worst = max(rows, key=lambda row: abs(float(row["balance"] or 0.0)))
+    table = Table.of("friction-balance", "Rotary bearing: balance of power", balance_rows())
+    worst = max(table.rows, key=lambda row: abs(float(row["balance"] or 0.0)))
     more = float(error_percent(float(worst["loss"] or 0.0), float(worst["input"] or 0.0)))
     note = (
-        f"The source takes its torque from the dissipation (3.21); interpolation between its maps moves that by "
-        f"{more:+.1f} % from friction's moment in case {worst['case']}. In cases I and II the sigmoid moves a contact "
-        "that rests under "
-        "Coulomb friction: the sum of the losses stays, their distribution over the contacts does not."
+        "The source takes its torque from the dissipation (3.21); interpolation between its maps shifts "
+        f"that by {more:+.1f} % from the friction moment in case {worst['case']}. In cases I and II the "
+        "sigmoid moves a contact that is at rest under Coulomb friction: the sum of the losses stays, their "
+        "distribution over the contacts does not."
     )
-    return Table("friction-balance", "Rotary bearing: balance of power", columns, rows, note)
+    return replace(table, note=note)
 
 
 def sensitivity_table() -> Table:
     """The linear pair under each assumption on loads and on friction between the balls."""
     printed = entry("lin-3.5", "a_force_numerical")
-    rows, target = sensitivity_rows(), printed.value or 0.0
-    columns = (
-        Quantity("loads", "loads", "", "s"),
-        Quantity("mu", "friction between balls", "", "g2"),
-        Quantity("eps1", "ε₁, θ = 2°", "%", ".3f"),
-        Quantity("eps2", "ε₂, θ = 2°", "%", ".3f"),
-        Quantity("force", "force, θ = 2°", "N", ".3f"),
-        Quantity("error", f"against the printed {printed.printed} N", "%", ".2f"),
-        Quantity("ratio", "total over baseline, θ = 3°", "%", ".1f"),
-        Quantity("increase", "increase of all losses, θ = 3°", "%", ".1f"),
-        Quantity("status", "status", "", "s"),
-    )
-    forces = [float(row["force"] or 0.0) for row in rows]
+    table = Table.of("friction-sensitivity", "Linear pair: what the load assumption changes", sensitivity_rows())
+    target = printed.value or 0.0
+    forces = [float(row["force"] or 0.0) for row in table.rows]
     inside = "lies within" if min(forces) <= target <= max(forces) else "lies outside"
     deviations = " and ".join(f"{entry('lin-3.4', f'a_eps{k}_numerical').printed} %" for k in (1, 2))
     note = (
@@ -101,7 +84,7 @@ def sensitivity_table() -> Table:
         f"The printed force of {printed.printed} N {inside} the range of the assumptions, {min(forces):.2f} to "
         f"{max(forces):.2f} N; Table 3.4 prints deviations of {deviations} for the same case."
     )
-    return Table("friction-sensitivity", "Linear pair: what the load assumption changes", columns, rows, note)
+    return replace(table, note=note)
 
 
 # --- stability
@@ -109,32 +92,18 @@ def sensitivity_table() -> Table:
 
 def stability_table() -> Table:
     """Summary of the linear pair's extremes."""
-    columns = (
-        Quantity("group", "what is varied", "", "s"),
-        Quantity("cases", "cases", "", "s"),
-        Quantity("solved", "solved from three starts", "", "s"),
-        Quantity("residual", "largest residual", "", "g2"),
-        Quantity("energy", "relative excess of power in over dissipation", "", "g2"),
-        Quantity("spread", "spread of the force over the starts", "", "g2"),
-    )
     note = "Elastic loads; residual and spread over the largest friction bound of a ball."
-    return Table("friction-stability", "Linear pair: extreme cases", columns, pair_rows(), note)
+    return Table.of("friction-stability", "Linear pair: extreme cases", pair_rows(), note)
 
 
 def root_table() -> Table:
     """Root finding as printed against least dissipation."""
-    columns = (
-        Quantity("case", "case", "", "s"),
-        Quantity("sharpness", "k_S", "", "g3"),
-        Quantity("near", "root finding, starts within 1 % of the solution", "", "s"),
-        Quantity("far", "root finding, starts within 50 %", "", "s"),
-        Quantity("ours", "least dissipation, starts within 50 %", "", "s"),
-    )
     note = (
-        "At the loads as printed, sigmoid without maps; each of the three unknowns is off at random. Least dissipation "
-        "counts only where its loss is the one minimum; its friction is Coulomb's whatever k_S is."
+        "At the loads as printed, sigmoid without maps; each of the three unknowns starts off at random. "
+        "Least dissipation succeeds only if its loss is the one minimum; it uses Coulomb friction whatever "
+        "k_S is."
     )
-    return Table("friction-roots", "Rotary bearing: starts from which the motion is found", columns, root_rows(), note)
+    return Table.of("friction-roots", "Rotary bearing: starts from which the motion is found", root_rows(), note)
 
 
 # --- figures
@@ -166,10 +135,11 @@ def torque_figure() -> Figure:
     )
     missing = int(np.sum(~good))
     caption = (
-        "Torque rises several times faster than force once four contacts carry load: the light contacts first slide "
-        "(steep part), then all spin (bend of the curve). With exact Hertz constants the bend comes earlier, which is "
-        "why case II, just before it as printed, lies beyond it. The printed sum of forces of case III lies below the "
-        f"curve: a misprint. Gaps: the source's root was not found at {missing} of {u.size} points."
+        "Once four contacts carry load, torque rises several times faster than force: the light contacts "
+        "first slide (steep part), then all spin (after the bend). With exact Hertz constants the bend "
+        "comes earlier, so case II, which is just before it as printed, lies beyond it. The printed sum of "
+        "forces of case III lies below the curve: a misprint. Gaps: the source's root was not found at "
+        f"{missing} of {u.size} points."
     )
     return Figure("friction-torque", "Rotary bearing: forces, torque, losses and motion over u_y", panels, caption)
 
@@ -190,9 +160,10 @@ def velocity_figure() -> Figure:
     panels = [velocity_panel(case, right(case), "right") for case in CASES]
     panels += [velocity_panel(case, as_printed(case), "as printed") for case in CASES]
     caption = (
-        "A slope is spin, a zero the centre of rotation, an offset sliding. Case I: one contact rolls (at rest), the "
-        "other spins about its centre. As printed, case II slides in IR and OL while OR nearly rests; with exact "
-        "Hertz constants all four contacts spin already. Case III: spin in all four."
+        "A slope is spin, a zero the centre of rotation, an offset sliding. Case I: one contact rolls (at "
+        "rest), the other spins about its centre. As printed, case II slides in IR and OL while OR is "
+        "nearly at rest; with exact Hertz constants all four contacts already spin. Case III: all four "
+        "spin."
     )
     return Figure("friction-velocity", "Velocity along the major axes of the contacts", panels, caption, 3)
 
@@ -227,27 +198,32 @@ def map_figures() -> tuple[Figure, Figure]:
         "friction-force",
         "Ball-to-ball force and total over baseline loss (Figure 3.15)",
         [*map_panels(m, "force", "force / N"), *map_panels(m, "ratio", "loss ratio")],
-        "No force where the balls part. Where they close in, force and loss grow with both parameters, up to "
-        f"{m.force.max():.2f} N and {100.0 * m.ratio.max():.1f} % of the baseline (printed as an increase of "
-        f"{entry('lin-3.3', 'worst_ratio').printed} %); "
-        f"the formula's force falls short by up to {-m.force_error.min():.2f} N at the corners, its ratio is off by "
-        f"up to {np.abs(m.ratio_error).max():.2f}, less than the force tells because its baseline errs too.",
+        (
+            "No force where the balls separate. Where they approach, force and loss grow with both parameters, "
+            f"up to {m.force.max():.2f} N and {100.0 * m.ratio.max():.1f} % of the baseline (printed as an "
+            f"increase of {entry('lin-3.3', 'worst_ratio').printed} %). At the corners the formula's force is "
+            f"too small by up to {-m.force_error.min():.2f} N; its ratio is wrong by up to "
+            f"{np.abs(m.ratio_error).max():.2f} only, because its baseline is wrong too."
+        ),
         3,
     )
     return first, second
 
 
 INTRODUCTION = (
-    "Cases I to III of the rotary bearing come out to every printed digit, but for one misprinted sum, when the "
-    "source's faults are repeated: F = 1 with the second fundamental form alone in the Hertz constants, the sigmoid"
-    " with k_S = 100 on the spin's magnitude, and friction interpolated linearly between maps. Radial displacements"
-    f" of {', '.join(f'{1e6 * u:g}' for u in CASES.values())} µm and the maps' step of 0.08 are not printed: they are "
-    "inferred, and every number of a case "
-    "follows from one of them. The right values use exact Hertz constants and Coulomb friction in closed "
-    "form.",
-    "The linear pair uses exact Hertz constants in the source too; its formulas carry misprints (exponents of 3.51)"
-    " that are mended here. What stays open is the state of load behind the printed "
-    f"{entry('lin-3.5', 'a_force_numerical').printed} N, see friction-sensitivity.",
+    (
+        "Cases I to III of the rotary bearing come out to every printed digit, except one misprinted sum, when "
+        "the source's faults are repeated: F = 1 with the second fundamental form alone in the Hertz constants, "
+        "the sigmoid with k_S = 100 on the magnitude of the spin, and friction interpolated linearly between "
+        f"maps. Radial displacements of {', '.join((f'{1000000.0 * u:g}' for u in CASES.values()))} µm and the "
+        "maps' step of 0.08 are not printed; they are inferred, and every number of a case follows from one of "
+        "them. The right values use exact Hertz constants and Coulomb friction in closed form."
+    ),
+    (
+        "For the linear pair the source, too, uses exact Hertz constants; misprints in its formulas (exponents "
+        "of 3.51) are corrected here. The load state behind the printed "
+        f"{entry('lin-3.5', 'a_force_numerical').printed} N stays open; see friction-sensitivity."
+    ),
 )
 
 

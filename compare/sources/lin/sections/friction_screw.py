@@ -23,17 +23,17 @@ from rollbench.comparison.sources.lin.evidence.assumptions_3_4 import (
     reading_rows,
     run_rows,
 )
-from rollbench.comparison.sources.lin.evidence.screw import AMPLITUDES, ENDS, THETA
+from rollbench.comparison.sources.lin.evidence.screw import AMPLITUDES, THETA
 from rollbench.comparison.sources.lin.evidence.source_cases import four_point, lin_3_4_4, plain
 from rollbench.comparison.sources.lin.sections.friction_screw_figures import bearing_figure, map_figure, run_figure
-from rollbench.reports.records import Quantity, Section, Table, Text
+from rollbench.reports.records import Section, Table, Text
 
 # --- tables
 
 TABLES = ("lin-3.6", "lin-3.7", "lin-3.4.4", "lin-4.2", "lin-4.3")
 NOTES = {
     "lin-3.7": "Open: the load state behind the numbers is not printed, and the text as it stands gives others.",
-    "lin-3.4.4": "Held against the band of the assumptions' results; the right value is that of theta = 3 deg.",
+    "lin-3.4.4": "Compared with the band that the assumptions give; the right value is that of theta = 3 deg.",
 }
 
 
@@ -46,85 +46,48 @@ def table_of(study: Study, name: str) -> Table:
 
 def readings_table() -> Table:
     """Readings of Table 3.7 side by side."""
-    columns = [Quantity("kind", "reading", "", "s"), Quantity("reading", "assumptions", "", "s")]
-    for case, theta in THETA.items():
-        columns += [
-            Quantity(f"force_{case}", f"force, θ = {theta:g}°", "N", ".3f"),
-            Quantity(f"error_{case}", f"against printed, θ = {theta:g}°", "%", ".1f"),
-            Quantity(f"increase_{case}", f"increase, θ = {theta:g}°", "%", ".1f"),
-            Quantity(f"load_{case}", f"contact load a ball, θ = {theta:g}°", "N", ".0f"),
-        ]
-    columns.append(Quantity("status", "status", "", "s"))
     printed = {case: [entry("lin-3.7", f"{what}_{case}").printed for what in ("force", "increase")] for case in THETA}
     note = (
         f"Printed: {', '.join(f'{force} N and {more} % ({case})' for case, (force, more) in printed.items())}. "
         "Oversize is of the ball's radius; it was chosen so "
         "that the printed force and increase agree on the contact load, and is nowhere in the source."
     )
-    return Table("friction-readings", "Table 3.7 in plain and inferred readings", columns, reading_rows(), note)
+    return Table.of("friction-readings", "Table 3.7 in plain and inferred readings", reading_rows(), note)
 
 
 def run_table() -> Table:
     """Sensitivity of the whole run to what 3.4.4 does not print."""
-    columns = (
-        Quantity("assumption", "assumption", "", "s"),
-        Quantity("value", "value", "", "s"),
-        Quantity("largest", "largest ball-to-ball over groove torque", "%", ".1f"),
-        Quantity("at", "at nut angle", "°", ".0f"),
-        Quantity("none_at", "no contact at", "°", ".0f"),
-        Quantity("groups", "groups at most", "", "s"),
-        Quantity("variation", "variation of groove torque, from step 2", "%", ".1f"),
-        Quantity("torque", "mean groove torque", "N mm", ".2f"),
-        Quantity("steps", "steps converged", "", "s"),
-    )
     largest, at, none_at = (entry("lin-3.4.4", key).printed for key in ("largest", "largest_at", "none_at"))
     note = (
-        f"Printed: {largest} % at {at}°, no contact at {none_at}°, four groups. The third row is the same run by root "
-        "finding as in "
-        "the source, where neighbours touch if they are near and close in when alone (3.77): overlapping balls that "
-        "part count as free, and fewer forces are found. Below these rows one assumption at a time "
-        f"is changed from theta = 3°, {lin_3_4_4().force[0]:g} N, {oversize_text()} oversize, loads not coupled, over one "
-        "turn of the nut in steps of "
-        "7.2°. A run that loses no contact within that turn has no entry there."
+        f"Printed: {largest} % at {at}°, no contact at {none_at}°, four groups. The third row is the same "
+        "run by root finding as in the source, where neighbours touch if they are near and approach when "
+        "alone (3.77): overlapping balls that separate count as free, and fewer forces are found. The rows "
+        f"below change one assumption at a time from theta = 3°, {lin_3_4_4().force[0]:g} N, "
+        f"{oversize_text()} oversize, loads not coupled, over one turn of the nut in steps of 7.2°. A run "
+        "that loses no contact within that turn has no entry there."
     )
-    return Table("friction-run-sensitivity", "Whole screw: what the assumptions change", columns, run_rows(), note)
+    return Table.of("friction-run-sensitivity", "Whole screw: what the assumptions change", run_rows(), note)
 
 
 def bearing_table() -> Table:
     """Table 4.2's bearings: ratio of torques under varied assumptions."""
-    columns = (
-        Quantity("bearing", "bearing", "", "s"),
-        Quantity("assumption", "assumption", "", "s"),
-        Quantity("torque", "torque at 0°", "N mm", ".1f"),
-        *(Quantity(f"to_{end:g}", f"largest over smallest, 0 to {end:g}°", "", ".3f") for end in ENDS),
-        Quantity("four", "balls beyond two contacts, to 18°", "", "s"),
-        Quantity("status", "status", "", "s"),
-    )
     note = (
         f"Printed for the four-point bearing: {entry('lin-4.3', 'ratio_4p').printed}. Friction coefficient "
         f"{four_point().groove.mu:g} and the freedom to tilt are assumed; the "
         "ratio does not depend on the friction coefficient. Range of load angles read off the source's figure."
     )
-    return Table("friction-bearings", "Bearings of Table 4.2: torque over load angle", columns, bearing_rows(), note)
+    return Table.of("friction-bearings", "Bearings of Table 4.2: torque over load angle", bearing_rows(), note)
 
 
 def onset_table(study: Study) -> Table:
     """4.3.2: how soon balls meet, by kind of error and by how unloaded balls move."""
-    columns = (
-        Quantity("errors", "errors", "", "s"),
-        Quantity("idle", "speed of unloaded balls over nominal", "", "g2"),
-        Quantity("lost", "balls without load", "", "s"),
-        Quantity("meet", "neighbours that close in", "", "s"),
-        Quantity("first", "first meeting, nut angle", "°", "g4"),
-        Quantity("status", "status", "", "s"),
-    )
     note = (
-        "Screw of Table 4.1, errors of 5 µm, 1000 N, evenly spread balls at the speeds of the moment. The conclusion "
-        "of 4.3.2 rests on lost balls being slow: where they roll along at the nominal velocity it is gone."
+        "Screw of Table 4.1, errors of 5 µm, 1000 N, evenly spaced balls at their instantaneous speeds. The "
+        "conclusion of 4.3.2 depends on unloaded balls being slow: if they roll along at the nominal speed "
+        "it no longer holds."
     )
-    return Table(
-        "friction-onset", "Pitch against roundness error: when balls meet (4.3.2)", columns, onset_rows(study), note
-    )
+    title = "Pitch against roundness error: when balls meet (4.3.2)"
+    return Table.of("friction-onset", title, onset_rows(study), note)
 
 
 def introduction(pairs: Table, runs: Table) -> Text:
@@ -139,14 +102,14 @@ def _of_the_pair(pairs: Table) -> str:
         " and ".join(f"{100.0 + float(row[f'error_{case}'] or 0.0):.0f} %" for case in THETA) for row in (loose, coupled)
     )
     return (
-        f"The source does not print the load state of the pair in 3.4.3. As the text stands (no oversize, "
-        f"{plain().force[0]:g} N along the axis) one diagonal carries nearly all: {part} of the printed forces "
-        "(cases a and "
-        f"b), {more} where friction moves the balls and loads a third contact. Printed force and increase together imply "
-        f"{implied_contact_load():.0f} N of contact load a ball, against {float(coupled['load_a'] or 0.0):.0f} N; "
-        f"{oversize_text()} of oversize would give {float(rows[oversized()]['load_a'] or 0.0):.0f} N. The plain "
-        "reading is held against the printed numbers; the inferred one is shown with it, labelled so, because its oversize "
-        "was inferred from these numbers."
+        "The source does not print the load state of the pair in 3.4.3. Read literally (no oversize, "
+        f"{plain().force[0]:g} N along the axis), one diagonal carries nearly all: {part} of the printed "
+        f"forces (cases a and b), {more} where friction moves the balls and loads a third contact. Printed "
+        f"force and increase together imply a contact load of {implied_contact_load():.0f} N per ball, "
+        f"against {float(coupled['load_a'] or 0.0):.0f} N here; {oversize_text()} of oversize would give "
+        f"{float(rows[oversized()]['load_a'] or 0.0):.0f} N. The literal reading is compared with the "
+        "printed numbers; the inferred one is shown with it and labelled so, because its oversize was "
+        "inferred from these numbers."
     )
 
 
@@ -160,12 +123,11 @@ def _of_the_run(runs: Table) -> str:
     )
     ratio = float(source["largest"] or 0.0) / float(own[-1]["largest"] or np.nan)
     return (
-        "The run of 3.4.4 needs the amplitude, phase and pattern of theta, oversize, start and return tube too: all are "
-        f"assumptions, varied below. Printed are {at}° for the largest torque and {none_at}° for the end of contact; "
-        f"{found}. "
-        f"The source's rule of what touches gives {ratio:.2f} of the largest torque ratio that complementarity gives "
-        "at the "
-        "same theta, with balls that overlap, which may be why the printed ratio is smaller; it does not bring the angles."
+        "The run of 3.4.4 also needs amplitude, phase and pattern of theta, oversize, start and return "
+        f"tube: all are assumptions, varied below. Printed are {at}° for the largest torque and {none_at}° "
+        f"for the end of contact; {found}. With the source's rule for contact between balls the largest "
+        f"torque ratio is {ratio:.2f} of the one by complementarity at the same theta, with balls that "
+        "overlap. This may be why the printed ratio is smaller; it does not explain the angles."
     )
 
 

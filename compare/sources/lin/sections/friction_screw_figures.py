@@ -75,12 +75,12 @@ def run_figure() -> Figure:
     )
     high, low = summarise(three), summarise(two)
     caption = (
-        "With four loaded contacts the grooves' torque is nearly constant; ball-to-ball torque builds up to "
-        f"{high.largest:.0%} of it at {high.at:.0f}° of the nut ({amplitude(three)}) or {low.largest:.0%} at {low.at:.0f}° "
-        f"({amplitude(two)}), "
-        f"ends, and comes back weaker. Contacts form {high.groups} groups, one in each cycle of θ. Without oversize "
-        f"the grooves' torque is lower and varies by {variation(open_grooves):.0%} after the first step, whose loads "
-        "are computed without friction. Amplitude, phase and oversize are assumed; the source prints none of them."
+        "With four loaded contacts the grooves' torque is nearly constant. Ball-to-ball torque builds up to "
+        f"{high.largest:.0%} of it at {high.at:.0f}° of the nut ({amplitude(three)}) or {low.largest:.0%} at "
+        f"{low.at:.0f}° ({amplitude(two)}), vanishes, and returns weaker. Contacts form {high.groups} "
+        "groups, one in each cycle of θ. Without oversize the grooves' torque is lower and varies by "
+        f"{variation(open_grooves):.0%} after the first step, whose loads are computed without friction. "
+        "Amplitude, phase and oversize are assumed; the source prints none of them."
     )
     return Figure("friction-run", "Whole screw over two seconds (Figures 3.23 to 3.25)", panels, caption, 3)
 
@@ -129,13 +129,15 @@ def map_figure() -> Figure:
     sets: tuple[tuple[str, Coupling], ...] = (("a", "none"), ("b", "none"), ("a", "ball"))
     panels = [p for case, coupling in sets for p in map_panels(case, coupling)]
     caption = (
-        "Once all four contacts are loaded (a bend, the later the larger the axial force) the force grows with "
-        "the oversize whatever the axial force is, while the friction increase falls, because grooves' losses grow "
-        f"faster. Below the bend forces are small: without oversize, at {LOAD:g} N and θ = {THETA['a']:g}°, friction that "
-        f"moves the balls about makes {plain_ratio('a', 'ball') / plain_ratio('a', 'none'):.1f} times of the force, which "
-        f"then is {plain_ratio('a', 'ball'):.2f} of the printed one. Curves of {LOAD:g} N meet the printed forces at "
-        f"{meetings('force')}, the printed increases at {meetings('increase')}; oversize and load of the other figures are "
-        f"inferred from both together: {1e6 * inferred().oversize:g} µm, {inferred().force[0]:g} N."
+        "Once all four contacts are loaded (the bend, which comes later for larger axial forces) the force "
+        "grows with the oversize whatever the axial force is, while the relative increase of friction falls "
+        "because the grooves' losses grow faster. Before the bend forces are small: without oversize, at "
+        f"{LOAD:g} N and θ = {THETA['a']:g}°, friction that displaces the balls changes the force by a "
+        f"factor of {plain_ratio('a', 'ball') / plain_ratio('a', 'none'):.1f}, to "
+        f"{plain_ratio('a', 'ball'):.2f} of the printed one. The curves of {LOAD:g} N meet the printed "
+        f"forces at {meetings('force')}, and the printed increases at {meetings('increase')}; oversize and "
+        f"load of the other figures are inferred from both together: {1000000.0 * inferred().oversize:g} µm, "
+        f"{inferred().force[0]:g} N."
     )
     return Figure("friction-pair-maps", "Two balls of a screw over oversize and load", panels, caption, 2)
 

@@ -36,11 +36,10 @@ NEAR = 0.3
 #: Other widths of "about 1.34".
 WIDTHS = (0.01, 0.03)
 ABOUT_IT = (
-    "This is inference: what the source did is not known. Readings of what its text leaves open are judged by the one "
-    "number "
-    'that it prints for both models, a largest load of "about 1.34" times the smallest, and by nothing else; the four '
-    "errors are predicted, not fitted. 3D runs are those of the coarsest mesh. The default model and the 3D reference stay "
-    "as they are."
+    "This is inference: what the source did is not known. Readings of the gaps in its text are judged by "
+    'one number only, the one it prints for both models: a largest load of "about 1.34" times the smallest. '
+    "The four errors are predicted, not fitted. 3D runs are on the coarsest mesh. The default model and the "
+    "3D reference are unchanged."
 )
 
 
@@ -80,9 +79,9 @@ def conclusion(study: Study, found: list[Combined]) -> str:
     if not good:
         return f"No combination of readings meets the printed ratio of {printed_ratio():g} in both models."
     return (
-        f"The printed {own[0].printed:.2f} % comes out at {own[0].nearest:.2f} % where the text's gaps are read so that "
-        f"both models have its ratio, and at {found[0].errors['own'][0]:.2f} % by default; of the four printed errors "
-        f"{sum(p.comes_out for p in own)} come out."
+        f"The printed {own[0].printed:.2f} % comes out at {own[0].nearest:.2f} % where the gaps in the text "
+        f"are read so that both models have its ratio, and as {found[0].errors['own'][0]:.2f} % by default; "
+        f"of the four printed errors {sum(p.comes_out for p in own)} come out."
     )
 
 
@@ -100,17 +99,16 @@ def first_paragraph(study: Study) -> str:
     inside = [p for p in own if p.comes_out]
     rest = ", ".join(_label(p) for p in own if not p.comes_out)
     return (
-        f"Where does 5.38 % come from? It comes out at {own[0].nearest:.2f} % where the text's gaps are read so that "
-        f"both models "
-        f"have the ratio that it prints: {names(best.low)}; {names(best.solid)}. Ratios are then {best.low_ratio:.3f} and "
-        f"{best.solid_ratio:.3f}, errors {_four(best.errors['own'])}, largest / RMS; printed are {printed}. By default "
-        f"they are {base.low_ratio:.3f} and {base.solid_ratio:.3f}, {_four(base.errors['own'])}. {len(good)} of "
-        f"{len(found)} "
-        f"combinations of readings have a ratio within {100.0 * ABOUT:g} % of {printed_ratio():g} in both models; their "
-        f"errors run from {spans[0]} and {spans[1]} % (case 1), {spans[2]} and {spans[3]} % (case 2), with the scatter "
-        f"of the "
-        f"source's mesh from {meshed[0]} and {meshed[1]} %, {meshed[2]} and {meshed[3]} %: {len(inside)} of the four come "
-        f"out{f'; beside it lie {rest}' if rest else ''}."
+        f"Where does 5.38 % come from? It comes out at {own[0].nearest:.2f} % if the gaps in the text are "
+        f"read so that both models have the printed ratio: {names(best.low)}; {names(best.solid)}. The "
+        f"ratios are then {best.low_ratio:.3f} and {best.solid_ratio:.3f}, the errors "
+        f"{_four(best.errors['own'])}, largest / RMS; printed are {printed}. By default they are "
+        f"{base.low_ratio:.3f} and {base.solid_ratio:.3f}, {_four(base.errors['own'])}. {len(good)} of "
+        f"{len(found)} combinations of readings have a ratio within {100.0 * ABOUT:g} % of "
+        f"{printed_ratio():g} in both models; their errors start from {spans[0]} and {spans[1]} % (case 1), "
+        f"{spans[2]} and {spans[3]} % (case 2), with the scatter of the source's mesh from {meshed[0]} and "
+        f"{meshed[1]} %, {meshed[2]} and {meshed[3]} %: {len(inside)} of the four come "
+        f"out{(f'; beside it lie {rest}' if rest else '')}."
     )
 
 
@@ -215,8 +213,11 @@ def met_table(found: list[Combined]) -> Table:
 
 def combination_table(found: list[Combined]) -> Table:
     """Every combination."""
-    rows = [_row(c) | {"meets the ratio": "yes" if c.meets() else "no"} for c in found]
-    note = "Keys as in the table before."
+    rows = [
+        _row(c) | {"meets the ratio": "yes" if c.meets() else "no", "text": "against it" if c.against_text else "silent"}
+        for c in found
+    ]
+    note = "Keys as in the table before; combinations that the source's text contradicts are not in that table."
     return Table.of("reconstruction-combinations", f"All {len(found)} combinations of readings", rows, note)
 
 

@@ -19,7 +19,7 @@ def test_every_external_table_has_a_title():
 def test_summary_counts_what_comes_out():
     rows = {row.key: row for row in load_table("external-masta")}
     found = [Evidence(rows["radial"], 15.1102), Evidence(rows["tilt"], 3.65), Evidence(rows["axial"], 140.0)]
-    assert summary(found).startswith("2 of 3 published values and claims come out: 1 to the digits")
+    assert summary(found).startswith("2 of 3 published values and claims agree: 1 to the digits")
     assert "1 within a band" in summary(found)
 
 

@@ -82,8 +82,8 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
     assert forces["lin-pair-a"]["state"] is None
     assert {row["scene"] for row in tables["rolling-ring"].rows} == {"lin-rotary-1", "lin-rotary-2", "lin-rotary-3"}
     words = [line for item in made.items if isinstance(item, Text) for line in item.paragraphs]
-    assert any("the same to 10 %" in line for line in words)
-    assert any("off by 1.5 %" in line and "leaves 0.05 %" in line and "within 0.02 %" in line for line in words)
+    assert any("agree to 10 %" in line for line in words)
+    assert any("grid alone is 1.5 %" in line and "leaves 0.05 %" in line and "within 0.02 %" in line for line in words)
     assert [row["verdict"] for row in tables["rolling-choices"].rows] == ["beyond", "within"]
     assert made.conclusion
     finite = {row["scene"]: row for row in tables["rolling-bodies"].rows if row["quantity"] in ("force 1-2", "torque")}

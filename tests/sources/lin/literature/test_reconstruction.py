@@ -20,7 +20,12 @@ from rollbench.comparison.sources.lin.reconstruction.combined import (
 from rollbench.comparison.sources.lin.reconstruction.readings import LOW, SOLID, key_of, together
 from rollbench.comparison.sources.lin.reconstruction.runs import MOVERS, stored, wanted
 from rollbench.comparison.sources.lin.sections.other_statements import has_shape, other_table
-from rollbench.comparison.sources.lin.sections.reconstruction import first_paragraph, second_paragraph
+from rollbench.comparison.sources.lin.sections.reconstruction import (
+    combination_table,
+    first_paragraph,
+    met_table,
+    second_paragraph,
+)
 
 pytestmark = pytest.mark.xdist_group("reconstruction")
 
@@ -115,3 +120,16 @@ def test_other_statements(study):
     assert all(r["verdict"].count("held") == 3 for r in rows["2.4.1.3, case 3"])
     assert "may be its mesh" in rows["Table 3.5 (a)"][0]["verdict"]
     assert all("load state" in rows[f"Table 3.7 ({case})"][0]["verdict"] for case in "ab")
+
+
+def test_the_table_of_combinations_has_every_pair_once_and_says_which_meet_the_ratio(study):
+    found = study.once(combinations)
+    rows = combination_table(found).rows
+    pairs = [(row["low order"], row["3D"]) for row in rows]
+    assert len(pairs) == len(set(pairs)) == len(found)
+    near = {pair for pair, row in zip(pairs, rows, strict=True) if row["meets the ratio"] == "yes"}
+    ratios = {pair: (row["low_ratio"], row["solid_ratio"]) for pair, row in zip(pairs, rows, strict=True)}
+    assert near == {pair for pair, own in ratios.items() if all(abs(x / 1.34 - 1.0) <= 0.015 for x in own)}
+    allowed = {pair for pair, row in zip(pairs, rows, strict=True) if row["text"] == "silent"}
+    assert near & allowed == {(row["low order"], row["3D"]) for row in met_table(found).rows}
+    assert near - allowed

@@ -4,9 +4,6 @@ import numpy as np
 import pytest
 from tests.evidence_study import GROUP, STUDY
 
-from rollbench.comparison.evidence.left_out import misprints
-from rollbench.comparison.evidence.registry import evidence
-from rollbench.comparison.gate.gate import evidence_row
 from rollbench.comparison.printed.printed_data import load_table
 from rollbench.comparison.sources.liu import section as liu
 from rollbench.comparison.sources.liu.evidence import bodies
@@ -30,12 +27,6 @@ def test_tables_show_every_entry(made):
         assert all(row["verdict"] for row in tables[name].rows)
 
 
-def test_misprints_have_evidence():
-    rows = [row for row in misprints() if row["source"] == "liu"]
-    assert len(rows) == 19
-    assert all(set(row) >= {"place", "wrong", "right", "evidence"} and all(row.values()) for row in rows)
-
-
 def test_figure_can_be_drawn(made):
     (figure,) = (item for item in made.items if isinstance(item, Figure))
     for panel in figure.panels:
@@ -46,8 +37,3 @@ def test_figure_can_be_drawn(made):
     counts = next(s for s in figure.panels[0].series if s.label == "printed")
     # loaded at 1000 N: 78 less the printed 16, 17 and 35
     assert sorted(y for x, y in zip(counts.x, counts.y, strict=True) if x == 1000.0) == [43.0, 61.0, 62.0]
-
-
-def test_gate_passes_on_what_it_holds():
-    found = [f for f in evidence(STUDY, *liu.TITLES) if f.printed.cls in ("hard", "as-printed", "input")]
-    assert all(evidence_row(f, 7.0).passed for f in found)

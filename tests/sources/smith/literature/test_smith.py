@@ -1,17 +1,13 @@
 """Smith (1994): every printed number by its class, and what the source's faults are worth."""
 
-from collections import Counter
-
 import numpy as np
 import pytest
-from tests.evidence_study import GROUP, STUDY
+from tests.evidence_study import GROUP
 from tests.sources.entries import check, found, keys
 
 from rollbench.comparison.evidence.audit import judge
 from rollbench.comparison.evidence.entries import Entries
-from rollbench.comparison.evidence.record import Evidence
-from rollbench.comparison.evidence.registry import evidence
-from rollbench.comparison.printed.printed_data import load_table, tables
+from rollbench.comparison.printed.printed_data import load_table
 from rollbench.comparison.sources.smith.evidence import ball, case, screw, taper, trials
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.angular_contact import contact_parameters
@@ -32,17 +28,6 @@ TABLES = (
 AS_PRINTED = [f"{name}:{row.key}" for name in TABLES for row in load_table(name) if row.cls == "as-printed"]
 
 
-def findings() -> list[Evidence]:
-    return evidence(STUDY, *TABLES)
-
-
-def test_every_entry_has_one_finding() -> None:
-    assert sorted(TABLES) == [name for name in tables() if name.startswith("smith")]
-    assert Counter((f.printed.table, f.printed.key) for f in findings()) == Counter(
-        (t, row.key) for t in TABLES for row in load_table(t)
-    )
-
-
 @pytest.mark.parametrize("key", keys(*TABLES))
 def test_entry(key: str) -> None:
     check(key)
@@ -56,18 +41,6 @@ def test_as_printed_in_that_mode_only(key: str) -> None:
     assert f.value is not None
     assert f.printed.value is not None
     assert f.value != f.as_printed
-
-
-def test_counts_by_class_and_verdict() -> None:
-    assert Counter((f.printed.cls, judge(f)[0]) for f in findings()) == {
-        ("hard", "reproduced"): 97,
-        ("hard", "identity"): 32,
-        ("as-printed", "only as printed"): 56,
-        ("input", "input"): 62,
-        ("band", "band"): 1,
-        ("open", "not identifiable"): 49,
-        ("open", "contradicted"): 43,
-    }
 
 
 # --- what the faults do

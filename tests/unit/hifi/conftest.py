@@ -1,0 +1,20 @@
+"""The smallest set-up of the 3D reference, made once for the modules that look at it."""
+
+import pytest
+from tests.two_balls import SMALL, two_balls
+
+from rollbench.hifi import setup
+from rollbench.hifi.bodies import submodel
+from rollbench.meshes.cache import Cache
+
+
+@pytest.fixture(scope="session")
+def small_cache(tmp_path_factory):
+    return Cache(tmp_path_factory.mktemp("cache"))
+
+
+@pytest.fixture(scope="session")
+def small(small_cache):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(submodel, "REALISATIONS", 1)
+        return setup.prepare(two_balls(), (0, 3), SMALL, cache=small_cache)

@@ -1,0 +1,190 @@
+"""Condensed bodies of two balls against one mesh of the whole: compliances, loads, approaches."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from scipy.linalg import block_diag
+from tests.two_balls import SMALL
+
+from rollbench.hifi import condensed, contact_kinematics, coupling, reference
+from rollbench.hifi.bodies import grid_wave
+from rollbench.hifi.bodies.coarse import freedoms, isostatic
+from rollbench.hifi.bodies.patch import hat_rows
+from rollbench.hifi.condensation import responses
+from rollbench.hifi.contact.balls import State, solve_balls
+from rollbench.hifi.contact.compliance import uncoupled
+from rollbench.hifi.elements.assembly import assemble
+from rollbench.hifi.elements.forms import elasticity
+from rollbench.hifi.elements.pressures import mean_weights
+from rollbench.hifi.linear_algebra.response import compliance
+from rollbench.hifi.meshing import part_meshes
+from rollbench.hifi.meshing.fit import ball_place
+from rollbench.hifi.meshing.part_meshes import placed
+from rollbench.meshes.sockets import local_points
+
+pytestmark = pytest.mark.xdist_group("helped by processes")
+
+
+def whole(body, patches, material, reduce):
+    """Compliance of the hats from one mesh of the body and all its patches, tied node by node.
+
+    patches: (mesh, rows of the hats, socket's nodes, rotation); reduce: (freedoms of the body) -> what holds it.
+    """
+    E, nu = material.youngs_modulus, material.poissons_ratio
+    blocks, columns, loads = [assemble(elasticity(E, nu), body)], [], []
+    size = body.doflocs.size
+    inner_of = [np.setdiff1d(np.arange(len(p.points)), p.interface) for p, *_ in patches]
+    total = size + 3 * sum(len(i) for i in inner_of)
+    columns.append(sp.hstack([sp.identity(size), sp.csr_matrix((size, total - size))]))
+    start = size
+    for (mesh, hats, nodes, R), inner in zip(patches, inner_of, strict=True):
+        blocks.append(assemble(elasticity(E, nu), mesh.mesh))
+        C = sp.lil_matrix((3 * len(mesh.points), total))
+        C[freedoms(inner), start + np.arange(3 * len(inner))] = 1.0
+        turn = sp.kron(sp.identity(len(nodes)), R.T)  # the body moves in space, the patch in its own frame
+        C[np.ix_(freedoms(mesh.interface), freedoms(nodes))] = (sp.kron(mesh.tie, sp.identity(3)) @ turn).toarray()
+        columns.append(C.tocsr())
+        left, right = (sp.csr_matrix((hats.shape[0], n)) for n in (start, total - start - 3 * len(inner)))
+        loads.append(sp.hstack([left, hats[:, freedoms(inner)], right]))
+        start += 3 * len(inner)
+    C = sp.vstack(columns).tocsr()
+    K = (C.T @ sp.block_diag(blocks) @ C).tocsc()
+    T = sp.block_diag([reduce(size), sp.identity(total - size)]).tocsc()
+    return compliance((T.T @ K @ T).tocsc(), sp.vstack(loads) @ T)
+
+
+def patch(small, meshes, side, *, ball=False):
+    """The patch that is condensed with its socket, and the rows of the finer one's hats on it."""
+    body = meshes.ball if ball else meshes.screw if side < 2 else meshes.nut
+    place = (
+        ball_place(small.map, meshes.size, side, meshes.zone)[1]
+        if ball
+        else (lambda xi: local_points(small.map, meshes.size, side, xi))
+    )
+    mesh = part_meshes.patch_mesh(meshes, body.sockets[side], place, SMALL)
+    carrier = part_meshes.carrier_mesh(meshes, body.sockets[side], place, SMALL)
+    centre = np.zeros(3) if ball else np.array([small.map.R, 0.0, 0.0])
+    normals = (-1.0 if ball else 1.0) * part_meshes.patch_normals(mesh, centre)
+    return carrier, hat_rows(mesh, normals, carrier)
+
+
+def bodies(small, meshes):
+    """Compliance of screw, nut and ball at their hats, each from one whole mesh."""
+    places = {
+        s: [(float(a), float(z), s) for a, z in zip(small.layout.azimuth, small.layout.z, strict=True)] for s in (0, 3)
+    }
+    out = {}
+    for name, side, mesh, material in (
+        ("screw", 0, meshes.screw, small.scene.screw.material),
+        ("nut", 3, meshes.nut, small.scene.nut.material),
+    ):
+        own, hats = patch(small, meshes, side)
+        parts = [(own, hats, s.nodes, s.rotation) for s in placed(mesh, tuple(places[side]))]
+        if name == "screw":
+            reduce = lambda _, m=mesh: responses.screw_transform(m, small.dims, small.dims.ends(small.scene)[1])  # noqa: E731
+        else:
+            reduce = lambda _, m=mesh: responses.nut_transform(m, small.dims)  # noqa: E731
+        out[name] = whole(mesh.mesh, parts, material, reduce)
+    parts = [(*patch(small, meshes, s, ball=True), meshes.ball.socket_nodes[s], np.eye(3)) for s in (0, 3)]
+    held = isostatic(meshes.ball.points, np.concatenate([p[2] for p in parts]))
+    out["ball"] = whole(
+        meshes.ball.mesh,
+        parts,
+        small.scene.balls.material,
+        lambda size: sp.identity(size, format="csc")[:, np.setdiff1d(np.arange(size), held)],
+    )
+    return out
+
+
+@pytest.fixture(scope="module")
+def meshes(small):
+    return part_meshes.mesh_parts(small.scene, small.map, small.layout, small.dims, small.sides, SMALL)
+
+
+def test_condensed_bodies_are_those_of_the_whole_mesh(small, meshes):
+    found = bodies(small, meshes)
+    A = {s: p.groove.A for s, p in small.patches.items()}
+    V = {0: small.screw.modes[0], 3: small.nut.modes[3]}
+    m = small.screw.stretch.modes
+    for name, side, G in (("screw", 0, small.screw.stretch.F[:m, :m]), ("nut", 3, small.nut.G)):
+        U = block_diag(V[side], V[side])
+        wanted = block_diag(A[side], A[side]) + U @ G @ U.T
+        np.testing.assert_allclose(found[name], wanted, rtol=0, atol=1e-10 * np.abs(wanted).max())
+    U = block_diag(*small.ball.modes.values())
+    wanted = block_diag(*(p.ball.A for p in small.patches.values())) + U @ small.ball.G @ U.T
+    np.testing.assert_allclose(found["ball"], wanted, rtol=0, atol=1e-10 * np.abs(wanted).max())
+
+
+def test_contact_loads_are_those_of_the_whole_mesh(small, meshes):
+    """Two balls, both bodies, same mesh, each contact's own compliance exchanged as submodels ask for, the grid's wave left
+    in: loads with nothing condensed agree to 1e-10."""
+    small = replace(small, patches={s: replace(pair, wave=None) for s, pair in small.patches.items()})
+    found = bodies(small, meshes)
+    sides = (0, 3)
+    mounted = coupling.mounted_screw(small, small.scene)
+    m = small.screw.stretch.modes
+    C, rows = coupling.compliance_of((coupling.PlacedSet(small, small.scene, sides),), mounted)
+    pick = np.flatnonzero(rows < m)
+    # the beam to the support is not meshed: its share of the screw's compliance comes on top
+    beam = np.zeros((C.coupling.shape[0],) * 2)
+    beam[np.ix_(pick, pick)] = (mounted.G - small.screw.stretch.F[:m, :m])[np.ix_(rows[pick], rows[pick])]
+    n = [len(small.patches[s].groove.A) for s in sides]
+    U = np.zeros((2 * sum(n), len(beam)))
+    for i, (V, c) in enumerate(zip(C.modes, C.columns, strict=True)):
+        U[i * sum(n) : (i + 1) * sum(n), c] = V
+    exchanged = block_diag(*(small.patches[s].own - small.patches[s].groove.A - small.patches[s].ball.A for s in sides))
+    dense = U @ beam @ U.T + block_diag(*2 * [found["ball"] + exchanged])
+    for name, part in (("screw", slice(0, n[0])), ("nut", slice(n[0], sum(n)))):
+        own = np.concatenate([i * sum(n) + np.arange(sum(n))[part] for i in range(2)])
+        dense[np.ix_(own, own)] += found[name]
+    normals = np.concatenate([small.patches[s].groove.points - [small.map.R, 0, 0] for s in sides])
+    length = np.linalg.norm(normals, axis=1)
+    mean = sp.block_diag([mean_weights(small.patches[s].groove.weights) for s in sides])
+    gap = np.tile(mean @ (length - small.map.ball), 2)
+    directions = np.broadcast_to(normals / length[:, None], (2, sum(n), 3))
+    zones = coupling.zones_of(small, sides)
+    by_screw = contact_kinematics.rigid_rows(small, directions, zones, mounted.origin, screw=True).reshape(-1, 6)
+    by_screw = sp.block_diag([mean, mean]) @ by_screw
+    directions = np.stack([mean @ d for d in directions])
+    N = contact_kinematics.directions_matrix([directions], by_screw @ mounted.motions)
+    f = np.concatenate([np.zeros(6), mounted.work])
+    frozen = reference.solve_reference(small, small.scene, updates=0)
+    start = State(np.zeros(0), frozen.contact.motions * 1.01)
+    by_loads = np.zeros(rows.size)
+    by_loads[pick] = mounted.loads[rows[pick]]
+    at_rest = coupling.modal_motion(C, by_loads)
+    other, _ = solve_balls(uncoupled(dense), gap + at_rest, N, f, start=start, tolerance=1e-12)
+    assert other.converged
+    assert frozen.status == "converged"
+    largest = frozen.contact.forces.max()
+    np.testing.assert_allclose(other.forces, frozen.contact.forces, rtol=0, atol=1e-10 * largest)
+
+
+def test_own_approaches_of_condensed_bodies(small, monkeypatch):
+    """Spread forces have unit resultants, the matrices' own force adds nothing, the place on the grid hardly matters.
+
+    Cells are wider here than the ellipse is thick.
+    """
+    forces = {s: condensed.forces_of(small, s) for s in small.sides}
+    spreads = {s: condensed.spread(small, s, float(np.median(f))) for s, f in forces.items()}
+    for s, f in spreads.items():
+        groove = small.patches[s].groove
+        nodal = mean_weights(groove.weights).T @ f
+        assert nodal @ (groove.normals @ grid_wave.contact_frame(small.map, s)[0]) == pytest.approx(1.0, rel=1e-12)
+    found = condensed.condensed_bodies(small, 1)
+    middle = np.array([float(np.median(f)) for f in forces.values()])
+    own = {s: condensed.spread(small, s, x) for s, x in zip(small.sides, middle, strict=True)}
+    np.testing.assert_allclose(condensed.rest_of(small, own), condensed.rest_of(small, spreads), rtol=1e-12)
+    for k, s in enumerate(small.sides):
+        loads = forces[s]
+        assert found.force[k] == pytest.approx(loads, rel=1e-12)
+        assert found.scatter(s) < 0.02  # cells are wider than the ellipse is thick: 1 % here, 0.1 % on level 1
+        approach = condensed.patch_approaches(small, s, loads)
+        assert np.all(np.diff(approach) > 0.0)
+        # Hertz's 2/3, less what the held sockets take away
+        assert 0.59 < np.log(approach[-1] / approach[0]) / np.log(loads[-1] / loads[0]) < 2 / 3
+        with monkeypatch.context() as patch:
+            patch.setattr(grid_wave, "MEAN", (12, 10))
+            assert condensed.patch_approaches(small, s, loads) == pytest.approx(approach, rel=8e-3)

@@ -1,0 +1,93 @@
+"""Parts of a set-up: what the cache keeps, and what other processes make."""
+
+import os
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from tests.two_balls import SMALL, two_balls
+
+from rollbench.hifi import setup
+from rollbench.hifi.condensation.side_by_side import Part, make
+from rollbench.meshes.cache import Cache, key_of
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.solid import dimensions
+
+pytestmark = pytest.mark.xdist_group("helped by processes")
+
+
+def test_a_prepared_geometry_comes_whole_from_the_cache(small, small_cache):
+    """Also what depends on records that came from the cache themselves."""
+    again = Cache(small_cache.root)
+    found = setup.prepare(two_balls(), (0, 3), SMALL, cache=again)
+    assert small_cache.hits == again.misses == 0
+    assert small_cache.misses == again.hits > 5
+    assert found.seconds == pytest.approx(small.seconds, rel=0.1), (
+        "the seconds that its stages took when they were made, not those of reading"
+    )
+    assert min(found.seconds.values()) > 0.0
+    np.testing.assert_array_equal(found.ball.G, small.ball.G)
+    np.testing.assert_array_equal(found.patches[0].own, small.patches[0].own)
+    np.testing.assert_array_equal(found.screw.stretch.F, small.screw.stretch.F)
+
+
+def test_the_shaft_is_kept_whatever_nut_and_stations_are():
+    """Its section costs a fifth of a coarse set-up, and depends on the screw alone."""
+
+    def key(scene, stations, sizes=SMALL):
+        m, layout, dims = (of(scene) for of in (GrooveMap.of, ball_layout, dimensions))
+        none = SimpleNamespace(screw=None, nut=None, ball=None)
+        part = setup._body_parts(scene, m, layout, dims, none, (0, 3), sizes, {}, stations)[0]
+        assert part.stage == "shaft section"
+        return key_of(part.build, part.arguments, part.type_)
+
+    scene, ends = two_balls(), (0.0, 60e-3)
+    known = key(scene, ends)
+    thicker = replace(scene, nut=replace(scene.nut, outer_diameter=scene.nut.outer_diameter + 1e-3))
+    assert key(thicker, ends) == known == key(scene, (0.0, 55e-3, 60e-3))
+    other = replace(scene, screw=replace(scene.screw, bore=3e-3))
+    assert len({known, key(other, ends), key(scene, ends, replace(SMALL, cell=8e-3)), key(scene, (30e-3,))}) == 4
+
+
+def test_a_set_up_in_two_processes_is_the_same(small, small_cache, tmp_path):
+    source_s_mesh = replace(SMALL, element="P1", tet=0.35e-3, modes=16, ball_modes=16)
+    here = setup.prepare(small.scene, small.sides, source_s_mesh, cache=Cache(small_cache.root))
+    made = setup.prepare(small.scene, small.sides, source_s_mesh, cache=Cache(tmp_path), processes=2)
+    assert made.others_MB > 100.0
+    assert list(made.seconds) == list(here.seconds)
+    for s in small.sides:
+        np.testing.assert_array_equal(made.patches[s].own, here.patches[s].own)
+    assert made.nut is not None
+    np.testing.assert_array_equal(made.nut.G, here.nut.G)
+    np.testing.assert_array_equal(made.screw.stretch.F, here.screw.stretch.F)
+    again = Cache(tmp_path)
+    setup.prepare(small.scene, small.sides, source_s_mesh, cache=again)
+    assert again.misses == 0
+
+
+def test_a_process_that_is_ended_from_outside_is_a_lack_of_memory():
+    ended = f"__import__('os')._exit(1) if __import__('os').getpid() != {os.getpid()} else __import__('time').sleep(1)"
+    part = Part("any", eval, (ended,), type(None))
+    with pytest.raises(MemoryError, match="ended from outside"):
+        make([part, part], Cache(None), 2)
+
+
+@pytest.mark.parametrize("processes", [1, 2])
+def test_parts_are_told_as_they_are_made(processes):
+    parts = [Part("any", eval, (text,), int) for text in ("1", "2", "(__import__('time').sleep(0.5), 1 // 0)[1]")]
+    heard = {}
+    with pytest.raises(ZeroDivisionError):
+        make(parts, Cache(None), processes, lambda k, one: heard.update({k: one.value}))
+    assert heard == {0: 1, 1: 2}
+
+
+def test_parts_are_made_here_and_by_others_in_their_order():
+    parts = [Part("any", eval, (f"({k}, __import__('time').sleep(0.5))[0]",), int) for k in range(4)]
+    found = make(parts, Cache(None), 2)
+    assert [one.value for one in found] == [0, 1, 2, 3]
+    assert len({one.process for one in found}) == 2
+    assert os.getpid() in {one.process for one in found}
+    with pytest.raises(ZeroDivisionError):
+        make([*parts, Part("any", eval, ("1 / 0",), int)], Cache(None), 2)
