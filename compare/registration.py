@@ -40,14 +40,14 @@ def source_files(name: str) -> list[Path]:
 
 @dataclass(frozen=True)
 class Part:
-    """A section of the report by name: its module in ``compare``; long: left out of a quick report; runs: shows
+    """A section of the report by name: its module in ``compare``; quick: stands in a quick report too; runs: shows
     runs of the 3D reference; meshes: needs gmsh; meshed: what of it needs gmsh, where the rest does not; page: on which it
     stands, named in `commands.reporting.parts`; beside: may be made by a second process; alone: measures times, so it is
     made last, by one process; needs: wings without which it is left out."""
 
     name: str
     module: str
-    long: bool = False
+    quick: bool = False
     runs: bool = False
     meshes: bool = False
     meshed: str = ""

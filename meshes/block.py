@@ -15,6 +15,7 @@ from skfem import Mesh
 
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.fem import Meshed, kind_of, moved, named, points_of, tensor_grid
+from rollbench.meshes.gmsh_session import session
 
 
 @dataclass(frozen=True)
@@ -117,14 +118,9 @@ def tetrahedra(order: int, influence: Influence, size: float) -> BlockMesh:
     Raises:
         ImportError: gmsh, or a system library that it needs, is missing.
     """
-    gmsh = _gmsh()
-    from rollbench.meshes.bridge import from_gmsh, to_skfem
+    with session() as gmsh:
+        from rollbench.meshes.bridge import from_gmsh, to_skfem
 
-    own = not gmsh.isInitialized()
-    if own:
-        gmsh.initialize(readConfigFiles=False, interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
         gmsh.model.add("block")
         gmsh.model.occ.addBox(0.0, 0.0, 0.0, 1.0, 1.0, 1.0)  # OpenCASCADE's tolerances suit lengths about 1
         gmsh.model.occ.synchronize()
@@ -133,9 +129,6 @@ def tetrahedra(order: int, influence: Influence, size: float) -> BlockMesh:
         gmsh.model.mesh.setOrder(order)
         mesh = to_skfem(from_gmsh(), f"P{order}")
         gmsh.model.remove()
-    finally:
-        if own:
-            gmsh.finalize()
     return _named(moved(mesh, size * points_of(mesh)), size)
 
 
@@ -158,13 +151,3 @@ def _set_edges(gmsh: Any, influence: Influence) -> None:
     gmsh.model.mesh.field.setAsBackgroundMesh(field)
     for name in ("MeshSizeExtendFromBoundary", "MeshSizeFromPoints", "MeshSizeFromCurvature"):
         gmsh.option.setNumber(f"Mesh.{name}", 0)
-
-
-def _gmsh() -> Any:
-    try:
-        import gmsh
-    except (ImportError, OSError) as error:
-        raise ImportError(
-            f"gmsh cannot be loaded ({error}); install rollbench[hifi] and the system libraries libGLU and libX11"
-        ) from error
-    return gmsh

@@ -17,6 +17,7 @@ from skfem import Mesh
 
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.fem import Tet1, moved, second_order, with_faces
+from rollbench.meshes.gmsh_session import session
 from rollbench.meshes.sockets import SocketMesh
 
 Placing = Callable[[Array], Array]
@@ -37,7 +38,6 @@ INWARD = 0.5
 FACE_BLOCK, VOLUME_BLOCK = (12, 12, 1), (4, 4, 4)
 #: gmsh's options: no output, one thread and no other chance than its own fixed seed, sizes from faces inwards.
 OPTIONS = {
-    "General.Terminal": 0,
     "General.NumThreads": 1,
     "Mesh.MaxNumThreads1D": 1,
     "Mesh.MaxNumThreads2D": 1,
@@ -413,20 +413,14 @@ def best_of(name: str, attempt: Callable[[Any, int, int, float], tuple[Body, flo
     attempt: mesh and its fault, by gmsh, algorithm for faces, for the volume, share of the sizes. Raises ValueError where
     no attempt gives a mesh.
     """
-    import gmsh
-
     failures: list[str] = []
     found: list[tuple[Body, float]] = []
     for plane, volume, share in ATTEMPTS:
-        gmsh.initialize(readConfigFiles=False, interruptible=False)
-        try:
-            for option, value in OPTIONS.items():
-                gmsh.option.setNumber(option, value)
-            found.append(attempt(gmsh, plane, volume, share))
-        except Exception as error:  # gmsh raises nothing more special
-            failures.append(str(error).strip())
-        finally:
-            gmsh.finalize()
+        with session(OPTIONS) as gmsh:
+            try:
+                found.append(attempt(gmsh, plane, volume, share))
+            except Exception as error:  # gmsh raises nothing more special
+                failures.append(str(error).strip())
         if found and found[-1][1] == 0.0:
             break
     if not found:

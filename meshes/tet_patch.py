@@ -14,11 +14,19 @@ from typing import Any
 import numpy as np
 
 from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.gmsh_session import session
 from rollbench.meshes.shell import MM
 from rollbench.meshes.sockets import SocketMesh
 
 #: gmsh's Delaunay tetrahedra are that much larger than regular ones of the edge asked for (cube root of mean volumes).
 LARGER = 1.22
+#: Of gmsh.
+OPTIONS = {
+    "General.NumThreads": 1,
+    "Mesh.MeshSizeExtendFromBoundary": 0,
+    "Mesh.MeshSizeFromPoints": 0,
+    "Mesh.MeshSizeFromCurvature": 0,
+}
 #: The four triangles that the nodes of a second-order triangle make: three at the corners, one in the middle.
 SUB_TRIANGLES = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
 
@@ -68,28 +76,15 @@ def build_tets(box: TetBox, socket: SocketMesh | None = None) -> LocalTets:
     first-order patch conforms to a first-order coarse body; None: five plain faces.
     Raises ValueError where the zone leaves no room, or the socket's faces do not leave one open rim.
     """
-    import gmsh
-
     if not (0.0 < max(box.zone) < 1.0 and min(box.zone) > 0.0):
         raise ValueError(f"contact zone of half widths {box.zone} in a patch of 1 x 1: must lie between 0 and 1")
     begin = perf_counter()
-    gmsh.initialize(readConfigFiles=False, interruptible=False)
-    try:
-        for name, value in (
-            ("General.Terminal", 0),
-            ("General.NumThreads", 1),
-            ("Mesh.MeshSizeExtendFromBoundary", 0),
-            ("Mesh.MeshSizeFromPoints", 0),
-            ("Mesh.MeshSizeFromCurvature", 0),
-        ):
-            gmsh.option.setNumber(name, value)
+    with session(OPTIONS) as gmsh:
         gmsh.model.add("patch")
         inner, ring = _geometry(gmsh, box, socket)
         _sizes(gmsh, box)
         gmsh.model.mesh.generate(3)
         return _collect(gmsh, box, inner, ring, begin)
-    finally:
-        gmsh.finalize()
 
 
 def _sizes(gmsh: Any, box: TetBox) -> None:

@@ -201,14 +201,19 @@ def check(
 
 
 def mesh_study(
-    scene: Described | str | Path, *, levels: int = 3, spread: bool = False, store: str | Path = "rollbench-reference"
+    scene: Described | str | Path,
+    *,
+    levels: int | None = None,
+    spread: bool = False,
+    store: str | Path = "rollbench-reference",
 ) -> Result:
     """The 3D reference on several mesh levels: what each level gives, observed orders, uncertainty of every contact.
 
-    levels: 1 to this one; spread: modelling choices that are not printed are varied too, on the coarsest level; store:
-    folder of the runs, where those that are missing are computed. Raises InputError, Refusal where no run converged.
+    levels: 1 to this one; unless given, 1 and 3, of which the second is clearly more accurate; spread: modelling choices
+    that are not printed are varied too, on the coarsest level; store: folder of the runs, where those that are missing are
+    computed. Raises InputError, Refusal where no run converged.
     """
-    from rollbench.comparison.commands.comparing.study import compute_study, named, table_of
+    from rollbench.comparison.commands.comparing.study import compute_study, levels_of, named, table_of
     from rollbench.comparison.commands.printing import on_terminal
     from rollbench.comparison.models.mesh_study import closing, level_rows
     from rollbench.comparison.reference.jobs import Engine
@@ -218,9 +223,10 @@ def mesh_study(
     described = _described(scene)
     own, stores = solvable(described, described.name), (Path(store), shipped_store())
     engine = Engine(cache=default_root())
-    found = compute_study([own], levels, stores, engine, on_terminal, spread=spread)
+    wanted = levels_of(levels)
+    found = compute_study([own], wanted, stores, engine, on_terminal, spread=spread)
     told = [
-        {"scene": own.name, "levels": level_rows(x.found), "quantities": table_of(x, stores, levels)} | named(x)
+        {"scene": own.name, "levels": level_rows(x.found), "quantities": table_of(x, stores, wanted)} | named(x)
         for x in found
     ]
     lines = tuple(closing(one.found) for one in found)

@@ -9,7 +9,7 @@ alone: they judge, and are nobody's reference.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -106,26 +106,38 @@ def coverage(study: Study) -> list[Held]:
     return study.once(_coverage)
 
 
+def coverage_of(study: Study, levels: tuple[int, ...]) -> list[Held]:
+    """Every compared scene that has these levels and a finer one, by these alone, against its finest."""
+    return _judged(study, lambda loads: [levels] if set(levels) <= set(loads) and max(levels) < max(loads) else [])
+
+
 def _coverage(study: Study) -> list[Held]:
+    return _judged(study, lambda loads: [tuple(sorted(loads)[:k]) for k in range(1, len(loads))])
+
+
+def _judged(study: Study, choose: Callable[[Levelled], list[tuple[int, ...]]]) -> list[Held]:
+    """Bars of all scenes by the sets of levels that are chosen from those that each has."""
     found, sockets = levelled(study), socket_scatter(study)
     if sockets is None or len(found) < len(UNSEEN):
         return []
     drawn = judges(shipped_store())[1]
-    return [h for name in found for h in _held(drawn.get(name) or study.scene(name), found, sockets)]
+    return [
+        _held(drawn.get(name) or study.scene(name), levels, found, sockets)
+        for name, loads in found.items()
+        for levels in choose(loads)
+    ]
 
 
-def _held(scene: Scene, found: Mapping[str, Levelled], sockets: float) -> Iterator[Held]:
-    name = scene.name
+def _held(scene: Scene, levels: tuple[int, ...], found: Mapping[str, Levelled], sockets: float) -> Held:
+    name, level = scene.name, max(levels)
     family = SPOKEN_FOR.get(name, name)
     known = measured({other: own for other, own in found.items() if SPOKEN_FOR.get(other, other) != family}, sockets)
     loads, judge = found[name], max(found[name])
     on, mean = moving(loads), mean_load(loads[judge])
-    for level in sorted(loads)[:-1]:
-        coarser = {k: own for k, own in loads.items() if k <= level}
-        told, off = parts(coarser, known), np.abs(error_percent(loads[level][on], loads[judge][on], mean))
-        bars = told.bars(coarser) + error_percent(too_large(scene, loads[level], level), 0.0, mean)
-        held = int((off <= bars[on]).sum())
-        yield Held(name, level, judge, int(on.sum()), told.bar, held, name not in SHIPPED)
+    coarser = {k: loads[k] for k in levels}
+    told, off = parts(coarser, known), np.abs(error_percent(loads[level][on], loads[judge][on], mean))
+    bars = told.bars(coarser) + error_percent(too_large(scene, loads[level], level), 0.0, mean)
+    return Held(name, level, judge, int(on.sum()), told.bar, int((off <= bars[on]).sum()), name not in SHIPPED)
 
 
 def share_of(rows: Sequence[Held]) -> float:

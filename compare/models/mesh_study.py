@@ -12,7 +12,7 @@ import numpy as np
 
 from rollbench.comparison.measure import error_percent, load_error
 from rollbench.comparison.models.modelling import base_run
-from rollbench.comparison.reference.convergence import observe
+from rollbench.comparison.reference.convergence import observe, pool
 from rollbench.comparison.reference.estimate import FITTED, Reference, reference_of
 from rollbench.comparison.reference.grid_parts import parts, read
 from rollbench.comparison.reference.levels import LEVELS
@@ -59,9 +59,9 @@ def quantities(run: Run) -> list[tuple[str, str, Take]]:
     return out
 
 
-def studied(scene: Scene, stores: Sequence[Path] | None, levels: int = len(LEVELS)) -> Reference | None:
-    """The reference of all stored runs on levels 1 to ``levels``; None without any."""
-    runs = tuple(r for k in range(1, levels + 1) if (r := load(scene, k, stores=stores)) is not None)
+def studied(scene: Scene, stores: Sequence[Path] | None, levels: Sequence[int] = tuple(LEVELS)) -> Reference | None:
+    """The reference of all stored runs on these levels; None without any."""
+    runs = tuple(r for k in levels if (r := load(scene, k, stores=stores)) is not None)
     return reference_of(scene.name, scene, runs, contacts=nominal_contacts(scene)) if runs else None
 
 
@@ -118,13 +118,13 @@ def _up(percent: float) -> str:
     return f"{math.ceil(percent / unit - 1e-9) * unit:.2g}"
 
 
-def study_table(scene: Scene, stores: Sequence[Path] | None, levels: int = len(LEVELS)) -> list[dict[str, Any]]:
+def study_table(scene: Scene, stores: Sequence[Path] | None, levels: Sequence[int] = tuple(LEVELS)) -> list[dict[str, Any]]:
     """Per quantity that is not held at zero: value on each level, its own order, extrapolated value, grid uncertainty and
     why it has an order or none; modelling uncertainty (root of squares over the choices that were varied) and the effect of
     the scene's own ones.
 
     Loads, extremes among them, have the uncertainty of their contact on the finest level, and no order; displacements that
-    of their own order.
+    of their own order, or with two levels that of all displacements together.
     """
     found = studied(scene, stores, levels)
     if found is None:
@@ -138,16 +138,18 @@ def study_table(scene: Scene, stores: Sequence[Path] | None, levels: int = len(L
 def quantity_table(found: Reference, base: Run | None, changed: Mapping[str, Run]) -> list[dict[str, Any]]:
     """The table of `study_table` of a reference; base, changed: the runs that modelling choices are told by, by variant."""
     runs, table = found.runs, []
-    for name, unit, take in quantities(runs[-1]):
+    shown = [(name, unit, take) for name, unit, take in quantities(runs[-1]) if any(take(r) for r in runs)]
+    lines = [take for _, _, take in shown if take.func is _line]
+    pooled = pool([[take(r) for take in lines] for r in runs], found.sizes) if len(runs) == 2 and lines else []
+    of_two = dict(zip(lines, pooled, strict=len(runs) == 2))  # each alone may agree by chance
+    for name, unit, take in shown:
         values = [take(r) for r in runs]
-        if not any(values):
-            continue
         row: dict[str, Any] = {"quantity": name, "unit": unit}
         row |= {f"level {r.level}": v for r, v in zip(runs, values, strict=True)}
         if len(runs) >= 2:
             contact = _contact(take, runs[-1])
             own = observe(values, found.sizes) if contact is None else None
-            bar = own.uncertainty if own else float(found.uncertainty[contact])
+            bar = of_two.get(take, own.uncertainty) if own else float(found.uncertainty[contact])
             row |= {
                 "order": own and own.order,
                 "extrapolated": own and own.extrapolated,

@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from rollbench.lowfi.compliance.faces import REACH, NearFace, near_face
+from rollbench.lowfi.compliance.faces import REACH, NearFace, near_face, turned
 from rollbench.lowfi.compliance.groove import (
     NARROW,
     RingCompliance,
@@ -173,7 +173,8 @@ def kept_near_face(geometry: Scene, screw: bool, backend: Backend) -> NearFace:
 
 def grooved_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH) -> Array:
     """What grooves and faces of screw or nut add to the compliance ``(2 c, 2 c)`` [m/N] between contacts less than half a
-    lead apart, along their normals; far from a face, nothing to a contact's own (`own_flank` has that)."""
+    lead apart: along their normals, and near a free face across them; far from a face, nothing to a contact's own
+    (`own_flank` has that)."""
     geometry = geometry_only(scene)
     flank, held, found = flank_of(geometry, screw), held_at(geometry, screw), kept_near_face(geometry, screw, backend)
     z = contact_frames(scene, layout, screw, flanks)[0][:, 2]
@@ -183,7 +184,8 @@ def grooved_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend
     i, j = np.nonzero((ahead >= 0.0) & (ahead < (2 * found.turns - 1) * flank.half))
     turn = np.rint((middle[i] - middle[j]) / (2.0 * flank.half)).astype(int)
     angle, between = azimuth[i] - azimuth[j], 0.5 * (middle[i] + middle[j])
-    gain = np.where(i == j, 0.0, found.between(angle)[np.arange(i.size), 1 - side[i], 2 * turn + 1 - side[j]])
+    gain = np.zeros((i.size, 2, 2))
+    gain[:, 0, 0] = np.where(i == j, 0.0, found.between(angle)[np.arange(i.size), 1 - side[i], 2 * turn + 1 - side[j]])
     for high, face in enumerate(smooth_body(geometry, screw, backend).ends):
         distance = np.abs(face - between) - turn * flank.half
         near = np.flatnonzero(distance < REACH * scene.balls.radius)
@@ -193,12 +195,14 @@ def grooved_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend
         fixed = held in ("both", "high" if high else "low")
         front, back = (i[near], j[near]) if high else (j[near], i[near])
         added = found.by_face(fixed, angle[near], distance[near])
-        gain[near] += added[np.arange(near.size), away[front], 2 * turn[near] + away[back]]
+        own = added[np.arange(near.size), away[front], :, 2 * turn[near] + away[back]]
+        gain[near] += own if high else own.swapaxes(1, 2) * np.array([[1.0, -1.0], [-1.0, 1.0]])  # seen from its other end
     signs = flank.map.signs[[s if screw else s + 2 for s in BOTH]][side]
     normal = signs * np.array([np.cos(flank.map.beta), np.sin(flank.map.beta)])
+    axes = np.stack([normal, turned(normal)], axis=1)
     G = np.zeros((side.size, 2, side.size, 2))
-    G[i, :, j] = gain[:, None, None] * normal[i][:, :, None] * normal[j][:, None, :]
-    G[j, :, i] = gain[:, None, None] * normal[j][:, :, None] * normal[i][:, None, :]
+    G[i, :, j] = axes[i].swapaxes(1, 2) @ gain @ axes[j]
+    G[j, :, i] = G[i, :, j].swapaxes(1, 2)
     return G.reshape(2 * side.size, -1)
 
 

@@ -3,7 +3,13 @@
 The smooth body of revolution ends at the face, but its wide patch does not feel the lip of the groove, nor the grooves
 beside its own. So the true flank with a narrow patch and the smooth body with the wide one are cut at some distances from
 the contact, both clamped well behind it: what their difference gains over that of the last cut is the face's; the last one,
-less the same difference of the beams, is what neighbouring grooves and the surface behind do. Grooves are rings, as in
+less the same difference of the beams, is what neighbouring grooves and the surface behind do.
+
+A lip also tilts. It turns the flank about the contact, which moves the centre of its arc across the load, and the contact
+along the arc. All pressure on an arc goes through its centre, so that a force on that across the load is a moment about the
+contact, by pressure that one side of it gains and the other loses (`turned`).
+
+Grooves are rings, as in
 `lowfi.compliance.groove`; at a contact's azimuth the section of the helix is theirs. Stiffness is eliminated along the
 axis, so that one factor of the longest body holds all the shorter ones, each with its face free and held.
 """
@@ -68,13 +74,15 @@ FAR, BESIDE_FACE = Patch(NARROW, (4, 4), 4.0), Patch(0.07, (8, 6), 12.0)
 
 @dataclass(frozen=True)
 class NearFace:
-    """What ring grooves and a face add to the compliance between contacts of one groove, loaded along their normals.
+    """What ring grooves and a face add to the compliance between contacts of one groove.
 
-    gain ``(2, n, 2, f, k)`` [m/N]: by a face, free or held; harmonic around the axis; motion of the flank pressed towards
-    the face or of the other one, by a load on either (f = 2), or also on those of the groove behind it (4); distance
-    ``(k,)`` [m] of the face from the middle of the groove. Nothing is gained beyond the last one, and below the first as
-    much as there. beside: of the contacts from that middle. far ``(n, 2, f)`` [m/N]: between contacts far from any face;
-    own: what a contact there moves by its own load beyond Hertz and the smooth body, for a narrow patch (`at_size`) [m/N].
+    gain ``(2, n, 2, 2, f, 2, k)`` [m/N]: by a face, free or held; harmonic around the axis; motion of the flank pressed
+    towards the face or of the other one, of its arc's centre along the nominal load or across it (`turned`), by a force on
+    either flank (f = 2), or also on those of the groove behind it (4), along or across; distance ``(k,)`` [m] of the face
+    from the middle of the groove. Nothing is gained beyond the last one, and below the first as much as there. What a held
+    face does across the loads, a tenth of what a free one does, is left out. beside: of the contacts from that middle.
+    far ``(n, 2, f)`` [m/N]: between contacts far from any face; own: what a contact there moves by its own load beyond
+    Hertz and the smooth body, for a narrow patch (`at_size`) [m/N].
     """
 
     distance: Array
@@ -89,12 +97,12 @@ class NearFace:
         return int(self.far.shape[2]) // 2
 
     def by_face(self, held: bool, angle: Array, distance: Array) -> Array:
-        """Compliance ``(m, 2, f)`` [m/N] that a face adds between contacts at these angles [rad], the front one at these
-        distances [m]."""
+        """Compliance ``(m, 2, 2, f, 2)`` [m/N] that a face adds between contacts at these angles [rad], the front one at
+        these distances [m]; axes as those of ``gain``."""
         known = np.log(self.distance - self.beside)
         place = np.log(np.clip(distance, self.distance[0], self.distance[-1]) - self.beside)
         share = spline(known, np.eye(known.size))(place)
-        return np.asarray(np.einsum("mabk,mk->mab", around(self.gain[int(held)], angle), share))
+        return np.asarray(np.einsum("m...k,mk->m...", around(self.gain[int(held)], angle), share))
 
     def between(self, angle: Array) -> Array:
         """Compliance ``(m, 2, f)`` [m/N] between different contacts at these angles [rad], beside that of a smooth body."""
@@ -118,24 +126,23 @@ def near_face(
     held_radii: between which [m] a face is held, if it is; near: whether a contact has a face within reach.
     """
 
-    def gains(finer: Patch, last: slice) -> tuple[Array, Grid, Array]:
-        """Gains of the cuts, the body, and the distances of the cuts."""
+    def gains(finer: Patch, last: slice, kinds: int) -> tuple[Array, Grid, Array]:
+        """Gains of the cuts, the body, and the distances of the cuts; kinds: 2 with motions across the loads."""
         grid, cuts = grooved_grid(flank, finer.mesh)
         cuts, z = cuts[last], grid.z[:, 0]
-        gain = less_smooth(flank, smooth, grid, cuts, held_radii, finer)
+        gain = less_smooth(flank, smooth, grid, cuts, held_radii, finer, kinds)
         if smooth.held not in ("bore", "outer"):
             beams = [less_smooth_beam(flank, smooth, section, (float(z[0]), float(z[cut]))) for cut in cuts]
-            gain[1, :2] -= np.stack(beams, axis=-1)
+            gain[1, :2, :, 0, :, 0] -= np.stack(beams, axis=-1)
         return gain, grid, z[cuts]
 
-    whole, grid, distance = gains(FAR, slice(-1, None))
-    far = both_ways(whole[1, ..., -1])
+    gain, grid, distance = gains(FAR, slice(-1, None), 1)
+    far = both_ways(gain[1, :, :, 0, :, 0, -1])
     own = float(far[:, 0, 0].sum()) + finer(flank, half_lead(flank, grid), len(far) - 1)
     own -= half_space(NARROW * flank.map.ball, flank.material)
     if near:
-        gain, _, distance = gains(BESIDE_FACE, slice(None))
-    else:
-        gain = whole
+        gain, _, distance = gains(BESIDE_FACE, slice(None), 2)
+        gain[1, :, :, 1], gain[1, ..., 1, :] = 0.0, 0.0
     return NearFace(distance, gain - gain[..., -1:], flank.contact()[1], with_tail(flank, far), own)
 
 
@@ -175,14 +182,15 @@ def less_smooth_beam(flank: Flank, smooth: Tube, section: BeamSection, ends: tup
 
 
 def less_smooth(
-    flank: Flank, smooth: Tube, grid: Grid, cuts: Sequence[int], held_radii: tuple[float, float], finer: Patch
+    flank: Flank, smooth: Tube, grid: Grid, cuts: Sequence[int], held_radii: tuple[float, float], finer: Patch, kinds: int
 ) -> Array:
-    """Motions of the true flanks less those of the smooth body, each by its own patch, as `cut_motions`."""
+    """Motions of the true flanks less those of the smooth body, each by its own patch, as `cut_motions`; kinds: 1 along
+    the loads, 2 across them, too."""
     width = finer.width * flank.map.ball
-    true = true_loads(flank, grid, cuts, width)
+    true = true_loads(flank, grid, cuts, width, kinds)
     r_ends, line = radial_ends(smooth)
     plain = tube_grid(r_ends, grid.z[::2, 0])
-    loads = smooth_loads(flank, plain, line, cuts, smooth.width)
+    loads = smooth_loads(flank, plain, line, cuts, smooth.width, kinds)
     n = harmonics_to(finer.highest * flank.contact()[0] / flank.map.ball, STEP)
     return cut_motions(flank, grid, cuts, n, held_radii, smooth.held, true, width) - cut_motions(
         flank, plain, cuts, n, (0.0, np.inf), smooth.held, loads, smooth.width, smooth.layer
@@ -229,28 +237,38 @@ def turn(flank: Flank, count: int, ends: Array) -> tuple[Array, Array]:
     return np.append(r[:0:-1], r), np.append(-z[:0:-1], z)
 
 
-def true_loads(flank: Flank, grid: Grid, cuts: Sequence[int], width: float) -> Array:
-    """Unit loads ``(f, cuts, nodes of the grid, 3)`` on the flanks of `pressed`, of patches of ``width`` [m]."""
+def turned(along: Array) -> Array:
+    """Directions ``(..., 2)`` (r, z) across loads ``along``: a quarter turn from r to z."""
+    return np.stack([-along[..., 1], along[..., 0]], axis=-1)
+
+
+def true_loads(flank: Flank, grid: Grid, cuts: Sequence[int], width: float, kinds: int = 1) -> Array:
+    """Unit loads ``(f, kinds, cuts, nodes of the grid, 3)`` on the flanks of `pressed`, of patches of ``width`` [m]: along
+    the nominal load, and (``kinds`` 2) across it, by the pressure that a shift of the patch adds and takes away."""
     line = grid.shape[1] - 1 if flank.screw else 0
     normals = flank_normals(grid, line)
     places, directions = pressed(flank, grid.z[0, 0])
-    out = np.zeros((len(places), len(cuts), *grid.shape, 3))
+    out = np.zeros((len(places), kinds, len(cuts), *grid.shape, 3))
     for away, (place, along) in enumerate(zip(places, directions, strict=True)):
-        share = flank_weights(grid, line, place, width)[0]
-        for k, cut in enumerate(cuts):
-            own = share[: cut + 1, None] * normals[: cut + 1] * np.sign(normals[: cut + 1] @ along)[:, None]
-            out[away, k, : cut + 1, line, ::2] = own / share[: cut + 1].sum()
+        pressing = normals * np.sign(normals @ along)[:, None]
+        for kind, direction in enumerate((along, turned(along))[:kinds]):
+            share = flank_weights(grid, line, place, width, moment=kind)[0]
+            for k, cut in enumerate(cuts):
+                own = share[: cut + 1, None] * pressing[: cut + 1]
+                whole = share[: cut + 1].sum() if kind == 0 else (own @ direction).sum()
+                out[away, kind, k, : cut + 1, line, ::2] = own / whole
     return out
 
 
-def smooth_loads(flank: Flank, grid: Grid, line: int, cuts: Sequence[int], width: float) -> Array:
-    """Unit loads ``(f, cuts, nodes of the grid, 3)`` on line r = ``line`` of the smooth body, as `true_loads`."""
+def smooth_loads(flank: Flank, grid: Grid, line: int, cuts: Sequence[int], width: float, kinds: int = 1) -> Array:
+    """Unit loads ``(f, kinds, cuts, nodes of the grid, 3)`` on line r = ``line`` of the smooth body, as `true_loads`."""
     places, directions = pressed(flank, grid.z[0, 0])
-    out = np.zeros((len(places), len(cuts), *grid.shape, 3))
+    out = np.zeros((len(places), kinds, len(cuts), *grid.shape, 3))
     for away, (place, along) in enumerate(zip(places, directions, strict=True)):
         for k, cut in enumerate(cuts):
             share = patch_weights(grid.z[: cut + 1, 0], np.array([place]), width)[0]
-            out[away, k, : cut + 1, line, ::2] = share[:, None] * along
+            for kind, direction in enumerate((along, turned(along))[:kinds]):
+                out[away, kind, k, : cut + 1, line, ::2] = share[:, None] * direction
     return out
 
 
@@ -277,9 +295,9 @@ def cut_motions(
     width: float,
     layer: Layer | None = None,
 ) -> Array:
-    """Motions ``(2, n, 2, f, cuts)`` [m/N] of patches of ``width`` [m] in every harmonic to the last of ``n``, at which
-    they are sampled, of a body cut at lines ``cuts``: its face free or held at these radii [m]; motion of the flank pressed
-    towards it or of the other one, by loads on f.
+    """Motions ``(2, n, 2, kinds, f, kinds, cuts)`` [m/N] of patches of ``width`` [m] in every harmonic to the last of
+    ``n``, at which they are sampled, of a body cut at lines ``cuts``: its face free or held at these radii [m]; motion of
+    the flank pressed towards it or of the other one, by ``loads`` (`true_loads`).
 
     fixing: see `Tube`; "bore" and "outer" hold that surface too.
     """
@@ -289,9 +307,10 @@ def cut_motions(
     held[0] = True
     held[:, 0 if fixing == "bore" else -1 if fixing == "outer" else slice(0, 0)] = True
     beyond = body.rows()[:, :, 0, :, 0]
-    count = len(loads)
-    found = np.empty((n.size, 2, 2, count, len(cuts)))
-    distinct, of = distinct_loads(loads, cuts)
+    patches, kinds = loads.shape[:2]
+    own = 2 * kinds
+    found = np.empty((n.size, 2, own, patches * kinds, len(cuts)))
+    distinct, of = distinct_loads(loads.reshape(-1, *loads.shape[2:]), cuts)
     kept: dict[bytes, Array] = {}
     for values, harmonic in zip(found, n.tolist(), strict=True):
         free = ~held.ravel() & body.axis_free(harmonic)
@@ -311,12 +330,13 @@ def cut_motions(
             if cut < grid.shape[0] - 1:  # L holds what follows the cut, too
                 S -= np.tensordot(powers, beyond[:, cut // 2][:, line[:, None], line], 1)
             r = grid.r[cut, line // 3]
-            work = solution[:first, :2].T @ solution[:first]
+            work = solution[:first, :own].T @ solution[:first]
             for face, moves in enumerate((np.full(line.size, True), (r < held_radii[0]) | (r > held_radii[1]))):
-                values[face, ..., k] = work + g[moves, :2].T @ np.linalg.solve(S[np.ix_(moves, moves)], g[moves])
+                values[face, ..., k] = work + g[moves, :own].T @ np.linalg.solve(S[np.ix_(moves, moves)], g[moves])
     whole = every_harmonic(n, found)
     shares = patch_shares(np.arange(float(len(whole))), width, flank.contact()[0])
-    return np.moveaxis(whole * shares[:, None, None, None, None], 1, 0)
+    whole *= shares[:, None, None, None, None]
+    return np.moveaxis(whole, 1, 0).reshape(2, len(whole), 2, kinds, patches, kinds, len(cuts))
 
 
 def distinct_loads(loads: Array, cuts: Sequence[int]) -> tuple[Array, list[list[int]]]:

@@ -92,8 +92,9 @@ def groove_layer(flank: Flank, section: BeamSection) -> Layer:
     return Layer(tuple(r), tuple(share), power(2.0 * r, area), power(4.0 * r**3, twist), tilt)
 
 
-def flank_weights(grid: Grid, line: int, zeta: float, width: float) -> tuple[Array, Array]:
-    """Shares ``(k,)`` of a Gaussian patch of arc length around the point at ``zeta`` on the nodes of the grid's surface."""
+def flank_weights(grid: Grid, line: int, zeta: float, width: float, moment: int = 0) -> tuple[Array, Array]:
+    """Shares ``(k,)`` of a Gaussian patch of arc length around the point at ``zeta`` on the nodes of the grid's surface;
+    with ``moment`` 1 each times its distance along the arc from that point over the width. And the z of the nodes."""
     r, z = grid.r[:, line], grid.z[:, line]
     node, weight = np.polynomial.legendre.leggauss(8)
     N, slope = quadratic(node)
@@ -109,11 +110,13 @@ def flank_weights(grid: Grid, line: int, zeta: float, width: float) -> tuple[Arr
         start += float(along[-1])
     s = np.concatenate(arcs)
     centre = float(np.interp(zeta, np.concatenate(heights), s))
-    density = np.exp(-0.5 * ((s - centre) / width) ** 2) * np.concatenate(sizes)
+    away = (s - centre) / width
+    density = np.exp(-0.5 * away**2) * np.concatenate(sizes)
+    density /= density.sum()
     out = np.zeros(r.size)
     for e, a in enumerate(range(0, r.size - 2, 2)):
-        out[a : a + 3] += N.T @ density[8 * e : 8 * e + 8]
-    return out / out.sum(), z
+        out[a : a + 3] += N.T @ (density * away**moment)[8 * e : 8 * e + 8]
+    return out, z
 
 
 def harmonics_to(limit: float, step: float = 1.28, first: int = 0) -> Array:

@@ -200,9 +200,10 @@ def tilt_warning(problem: Problem, force: Array, z: Array, motion: Array) -> lis
     beyond = 0.5 * problem.scene.track.pitch_radius * tilt**2
     if approach == 0.0 or (tilt <= SMALL_TILT and beyond <= SECOND_ORDER * approach):
         return []
+    share = f"{100.0 * beyond / approach:.2g} % of" if beyond < approach else "more than"
     text = (
         f"the screw tilts by {1e3 * tilt:.2g} mrad at the balls: small rotations neglect {1e6 * beyond:.2g} um "
-        f"of a groove's motion, {100.0 * beyond / approach:.2g} % of the largest contact approach"
+        f"of a groove's motion, {share} the largest contact approach"
     )
     return [Warned("tilt", text)]
 

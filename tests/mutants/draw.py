@@ -2,9 +2,11 @@
 
 As many modules of physics as mutants are drawn, kernels included, and in each one place: a number, an operator, a
 comparison or an index is another. The nearest tests are those that import the module, else those that import what imports
-it, and the golden answers of commands; the one that fails is run again without the mutant. Seconds to minutes each; exit
-code 1 below `GOAL`, 2 where a test fails without a mutant. `RECORD` keeps what became of each: an interrupted run goes on,
-and survivors are tried again; one that changes no answer is marked there by hand, "equivalent: why".
+it, the examples in its docstrings, and the golden answers of commands; the one that fails is run again without the mutant.
+Before the first mutant the golden answers are tried, which also makes the machine code that all use; mutants of kernels
+have machine code of their own. Seconds to minutes each; exit code 1 below `GOAL`, 2 where a test fails without a mutant.
+`RECORD` keeps what became of each: an interrupted run goes on, and survivors are tried again; one that changes no answer
+is marked there by hand, "equivalent: why".
 """
 
 from __future__ import annotations
@@ -27,12 +29,17 @@ from tests.mutants.run import ROOT, copied, passes
 #: Share of the mutants that the tests are to kill.
 GOAL = 0.95
 RECORD = Path(__file__).parent / "drawn.json"
-#: Seconds of tests after which a mutant has made them endless.
-PATIENCE = 1800.0
+#: Seconds of tests after which a mutant has made them endless; where all kernels are compiled anew; of kernels as Python.
+PATIENCE, COMPILING, PLAIN = 900.0, 3600.0, 120.0
+#: Environment variable of the folder of machine code, see `lowfi.jit`.
+CODE = "NUMBA_CACHE_DIR"
+#: Options for the tests that need no compiled kernels.
+SHORT = ("-m", "not survey and not wings and not installs and not compiles and not slow")
 #: Most files of nearest tests, those that name the module most often.
 NEAREST = 6
 #: Numbers of all kinds of answers, for every module.
 GOLDEN = "tests/golden/test_answers.py"
+EXAMPLES = "tests/unit/commands/test_doctests.py::test_examples[{}]"
 PHYSICS = ("lowfi", "hifi", "meshes", "compare/models", "compare/reference", "compare/gate", "compare/wings/rolling")
 #: What is no physics there: files, processes, stores, text.
 OTHERS = re.compile(
@@ -105,13 +112,13 @@ def importing(path: Path) -> list[Path]:
 
 
 def nearest(path: Path) -> list[str]:
-    """Test files of a module."""
-    found = [path]
+    """Tests of a module: files, and the examples in its docstrings."""
+    found, examples = [path], [EXAMPLES.format(dotted(path))] if ">>> " in path.read_text(encoding="utf-8") else []
     for _ in range(3):
         users = list(dict.fromkeys(user for one in found for user in importing(one)))
         tests = [user for user in users if user.name.startswith("test_") and "survey" not in user.name]
         if tests:
-            return [*(test.relative_to(ROOT).as_posix() for test in tests[:NEAREST]), GOLDEN]
+            return [*(test.relative_to(ROOT).as_posix() for test in tests[:NEAREST]), *examples, GOLDEN]
         found = users
     return []
 
@@ -133,21 +140,37 @@ class Mutant:
         file, what = self.path.relative_to(ROOT).as_posix(), text.splitlines()[line - 1].strip()
         return f"{file}:{line}: {text[self.low : self.high]} to {self.new}: {what}"
 
-    def survives(self, folder: Path) -> bool:
-        """Whether the nearest tests pass in a copy that holds it. Raises RuntimeError where they fail without it."""
+    def tried(self, tests: list[str], folder: Path, patience: float, **environment: str) -> str:
+        """What tests do in a copy that holds it: "pass", "fail", "run on", or "fail without it"."""
         text = self.path.read_text(encoding="utf-8")
         copy = folder / self.path.relative_to(ROOT)
         copy.write_text(text[: self.low] + self.new + text[self.high :], encoding="utf-8")
         try:
-            if passes(nearest(self.path), folder, PATIENCE):
-                return True
-        except (RuntimeError, TimeoutExpired):  # not even imported, or without an end
-            return False
+            if passes(tests, folder, patience, **environment):
+                return "pass"
+        except RuntimeError:  # not even imported
+            return "fail"
+        except TimeoutExpired:
+            return "run on"
         finally:
             copy.write_text(text, encoding="utf-8")
-        if not passes(["--lf", *nearest(self.path)], folder):
-            raise RuntimeError(f"{self.name}: its tests fail without it")
-        return False
+        again = {name: word for name, word in environment.items() if name != CODE}  # the user's has no mutant
+        return "fail" if passes(["--lf", *tests], folder, **again) else "fail without it"
+
+    def survives(self, folder: Path) -> bool:
+        """Whether the nearest tests pass in a copy that holds it; a kernel's short ones are tried as plain Python first,
+        and its machine code is kept apart. Raises RuntimeError where tests fail without it."""
+        tests = nearest(self.path)
+        if "kernel" not in self.path.parts:
+            found = self.tried(tests, folder, PATIENCE)
+        elif self.tried([*SHORT, *tests[:-1]], folder, PLAIN, NUMBA_DISABLE_JIT="1") == "fail":
+            return False
+        else:
+            with tempfile.TemporaryDirectory() as code:
+                found = self.tried(tests, folder, COMPILING, **{CODE: code})
+        if found == "fail without it":
+            raise RuntimeError(f"{self.name}: its tests {found}")
+        return found == "pass"
 
 
 def draw(seed: int, count: int) -> Iterator[Mutant]:
@@ -182,6 +205,9 @@ def main(seed: int, count: int) -> int:
     found = {mutant.name: before.get(mutant.name, "") for mutant in drawn}
     with tempfile.TemporaryDirectory() as temporary:
         folder = copied(Path(temporary))
+        if not passes([GOLDEN], folder):
+            print(f"{GOLDEN} fails without a mutant", file=sys.stderr)
+            return 2
         for mutant in drawn:
             if found[mutant.name] in ("", "survives"):
                 try:

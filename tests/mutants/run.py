@@ -43,12 +43,16 @@ def copied(folder: Path) -> Path:
     return folder
 
 
-def passes(tests: Sequence[str], folder: Path, patience: float | None = None) -> bool:
-    """Whether tests pass in the copy. Raises RuntimeError where they do not run, TimeoutExpired after ``patience`` [s]."""
+def passes(tests: Sequence[str], folder: Path, patience: float | None = None, **environment: str) -> bool:
+    """Whether tests pass in the copy; none has a limit of time of its own, because the first one compiles kernels.
+
+    Raises RuntimeError where they do not run, TimeoutExpired after ``patience`` [s].
+    """
+    own = {"PYTHONPATH": str(folder / ".import"), "PYTHONDONTWRITEBYTECODE": "1"}
     done = subprocess.run(
-        [sys.executable, "-P", "-m", "pytest", "-n", "0", "-x", "-q", *tests],
+        [sys.executable, "-P", "-m", "pytest", "-n", "0", "-x", "-q", "--timeout", "0", *tests],
         cwd=folder,
-        env={**os.environ, "PYTHONPATH": str(folder / ".import"), "PYTHONDONTWRITEBYTECODE": "1"},
+        env={**os.environ, **own, **environment},
         stdin=subprocess.DEVNULL,
         capture_output=True,
         text=True,

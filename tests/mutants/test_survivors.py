@@ -138,12 +138,13 @@ def test_drawn_mutants_are_sources_that_differ_in_one_place():
         text = mutant.path.read_text(encoding="utf-8")
         changed = text[: mutant.low] + mutant.new + text[mutant.high :]
         assert ast.dump(ast.parse(changed)) != ast.dump(ast.parse(text))
-        assert all((ROOT / test).exists() for test in draw.nearest(mutant.path))
+        assert all((ROOT / test.partition("::")[0]).exists() for test in draw.nearest(mutant.path))
 
 
 def test_a_record_of_drawn_mutants_goes_on_and_tries_survivors_again(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(draw, "RECORD", tmp_path / "drawn.json")
     monkeypatch.setattr(draw, "copied", lambda folder: folder)
+    monkeypatch.setattr(draw, "passes", lambda tests, _: tests == [draw.GOLDEN])
     names = [mutant.name for mutant in draw.draw(1, 6)]
     tried = []
 
@@ -161,6 +162,38 @@ def test_a_record_of_drawn_mutants_goes_on_and_tries_survivors_again(tmp_path, m
     before = (len(names) - 2) / (len(names) - 1)
     assert draw.rate(draw.kept(1).values()) == (before, 1.0)
     assert capsys.readouterr().out.endswith(f"{100 * before:.0f} % killed when drawn, 100 % today\n")
+
+
+def test_no_mutant_is_tried_where_golden_answers_fail_without_one(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(draw, "RECORD", tmp_path / "drawn.json")
+    monkeypatch.setattr(draw, "copied", lambda folder: folder)
+    monkeypatch.setattr(draw, "passes", lambda *_: False)
+    monkeypatch.setattr(draw.Mutant, "survives", lambda *_: pytest.fail("tried"))
+    assert draw.main(1, 6) == 2
+    assert "test_answers.py fails without a mutant" in capsys.readouterr().err
+
+
+def test_kernels_are_tried_as_plain_python_and_their_machine_code_is_kept_apart(tmp_path, monkeypatch):
+    path = next(path for path in draw.modules() if "kernel" in path.parts)
+    low, high, new = next(draw.mutants(path.read_text(encoding="utf-8")))
+    mutant, asked, answers = draw.Mutant(path, low, high, new), [], [True, True]
+    copy = tmp_path / path.relative_to(ROOT)
+    copy.parent.mkdir(parents=True)
+
+    def passes(tests, *_, **environment):
+        asked.append((set(environment), copy.read_text(encoding="utf-8") != path.read_text(encoding="utf-8")))
+        return "--lf" not in tests and answers.pop(0)
+
+    monkeypatch.setattr(draw, "passes", passes)
+    assert mutant.survives(tmp_path)
+    assert asked == [({"NUMBA_DISABLE_JIT"}, True), ({"NUMBA_CACHE_DIR"}, True)]
+    assert copy.read_text(encoding="utf-8") == path.read_text(encoding="utf-8")
+    asked.clear()
+    answers[:] = [False, False]
+    with pytest.raises(RuntimeError, match="fail without it"):
+        mutant.survives(tmp_path)
+    plain, code = {"NUMBA_DISABLE_JIT"}, {"NUMBA_CACHE_DIR"}
+    assert asked == [(plain, True), (plain, False), (code, True), (set(), False)]
 
 
 def test_the_kept_record_of_drawn_mutants_reaches_the_goal():

@@ -46,8 +46,8 @@ def report(
     out
         Folder to write to.
     quick
-        Compute the coarsest mesh of the 3D reference of cases 1 and 2 only, no pictures, crosscheck, stability or timing;
-        the report says so. --stored takes less time and shows more.
+        Compute the 3D reference of cases 1 and 2 on the coarsest mesh only, and make the sections that rest on it; what
+        sources printed, errors, friction, rolling and the rest are left out, and the report names them.
     stored
         Compute no run of the 3D reference: use those that come with the package, and leave out what they do not hold.
     store

@@ -43,16 +43,16 @@ NOT_SETTLED = 5
 
 
 def run_mesh_study(
-    names: Sequence[str], levels: int, store: Path, engine: Engine, *, spread: bool, source: bool, fresh: bool = False
+    names: Sequence[str], count: int | None, store: Path, engine: Engine, *, spread: bool, source: bool, fresh: bool = False
 ) -> Answer:
     """Compute what is missing (fresh: everything anew), answer with the table, write it as CSV and SVG into the store.
 
-    Raises Refusal for a scene of which no run converged.
+    count: as for `levels_of`. Raises InputError for other levels, Refusal for a scene of which no run converged.
     """
     from rollbench.comparison.sections.study_figure import study_figure
 
     scenes: list[Solvable] = [x for name in names for x in each_case(catalogue.any_scene(name), name)]
-    stores = (store,) if fresh else (store, shipped_store())
+    stores, levels = (store,) if fresh else (store, shipped_store()), levels_of(count)
     found = compute_study(scenes, levels, stores, engine, on_terminal, spread=spread, source=source, fresh=fresh)
     tables: dict[str, list[dict[str, Any]]] = {scene.name: [] for scene in scenes}
     parts: list[Any] = []
@@ -70,14 +70,23 @@ def run_mesh_study(
     return Answer(tables, parts, code_of(one.found for one in found))
 
 
-def table_of(one: Referenced, stores: Sequence[Path], levels: int) -> list[dict[str, Any]]:
+def levels_of(count: int | None) -> tuple[int, ...]:
+    """Levels of a mesh study: `ADVISED`, or 1 to ``count``. Raises InputError where there are fewer."""
+    if count is None:
+        return ADVISED
+    if not 1 <= count <= len(LEVELS):
+        raise InputError("command line", "--levels", str(count), f"1 to {len(LEVELS)}", "three levels give an order")
+    return tuple(range(1, count + 1))
+
+
+def table_of(one: Referenced, stores: Sequence[Path], levels: Sequence[int]) -> list[dict[str, Any]]:
     """The table of a mesh study; of one of several sets without the effect of modelling choices: none is varied there."""
     return study_table(one.scene, stores, levels) if one.of is None else quantity_table(one.found, None, {})
 
 
 def compute_study(
     scenes: Sequence[Solvable],
-    levels: int,
+    levels: Sequence[int],
     stores: Sequence[Path],
     engine: Engine,
     step: Callable[[str], None],
@@ -86,15 +95,13 @@ def compute_study(
     source: bool = False,
     fresh: bool = False,
 ) -> list[Referenced]:
-    """References of the scenes by all runs on levels 1 to ``levels``, set by set; what the stores lack is computed and kept
+    """References of the scenes by all runs on some levels, set by set; what the stores lack is computed and kept
     in the first.
 
-    spread, source, fresh: as the options of ``rollbench mesh-study``. Raises InputError for other levels, and for spread of
-    several sets on one shaft, Refusal for a scene of which no run converged.
+    spread, source, fresh: as the options of ``rollbench mesh-study``. Raises InputError for spread of several sets on one
+    shaft, Refusal for a scene of which no run converged.
     """
-    if not 1 <= levels <= len(LEVELS):
-        raise InputError("command line", "--levels", str(levels), f"1 to {len(LEVELS)}", "three levels give an order")
-    tasks = plan(scenes, range(1, levels + 1), source=source)
+    tasks = plan(scenes, levels, source=source)
     several = next((s.name for s in scenes if isinstance(s, Assembly)), None) if spread else None
     if several is not None:
         raise InputError("command line", "--spread", f"with {several}", "scenes of one set", "leave it out")
@@ -105,14 +112,14 @@ def compute_study(
         """Say what the coarsest level found while finer ones are computed."""
         for scene in task.scenes if task.level == min(LEVELS) and not task.variant else ():
             for one in referenced(scene, stores[:1], (task.level,)):
-                table = _extremes(table_of(one, stores[:1], task.level))
+                table = _extremes(table_of(one, stores[:1], (task.level,)))
                 values = (f"{row['quantity']} {row[f'level {task.level}']:.4g} {row['unit']}" for row in table)
                 step(f"{one.found.scene}, by level {task.level} alone: {'; '.join(values)}")
 
     failed = ensure(tasks, stores[0], engine, step, stores[1:], fresh=fresh, stored=first)
     found = []
     for scene in scenes:
-        sets = referenced(scene, stores, tuple(range(1, levels + 1)), fitted=levels)
+        sets = referenced(scene, stores, tuple(levels), fitted=len(levels))
         if not sets:
             raise unconverged(scene.name, failed)
         found += sets

@@ -123,11 +123,11 @@ def keep_experience(stores: Sequence[Path]) -> None:
 
 
 def wanted_parts(only: Sequence[str], *, quick: bool = False) -> list[Part]:
-    """Sections asked for; all if none, but for the long ones of a quick report. Raises InputError for a bad name."""
+    """Sections asked for; if none all, or those of a quick report. Raises InputError for a bad name."""
     for name in only:
         if name not in SECTIONS:
             raise InputError("command line", "--only", f'"{name}"', ", ".join(SECTIONS), "name a section")
-    return [part for part in PARTS if (part.name in only if only else not (quick and part.long))]
+    return [part for part in PARTS if (part.name in only if only else part.quick or not quick)]
 
 
 def save_model_form(study: Study) -> None:
@@ -155,11 +155,11 @@ def make_report(
 ) -> Answer:
     """Run, draw and write the report; exit code 1 where the live check does not agree.
 
-    quick: coarsest meshes of the 3D reference only; stored: the runs that come with the package; store: folder in which
-    computed runs are kept, so that an interrupted report goes on; fresh: compute them even if it holds them; everything:
-    the costly sections too, and the present version is added to the history in ``store``; against: an earlier report, to
-    list what moved. The models' run times are those kept, measured anew with ``fresh`` and where the section of run times
-    is named. Raises InputError for a bad section name or folder.
+    quick: the coarsest meshes of two cases and the sections that rest on them; stored: the runs that come with the package;
+    store: folder in which computed runs are kept, so that an interrupted report goes on; fresh: compute them even if it
+    holds them; everything: the costly sections too, and the present version is added to the history in ``store``; against:
+    an earlier report, to list what moved. The models' run times are those kept, measured anew with ``fresh`` and where the
+    section of run times is named. Raises InputError for a bad section name or folder.
     """
     need_packages("matplotlib", "scikit-fem")
     before = None if against is None else report_moved.tables(against)
@@ -205,11 +205,11 @@ def make_report(
         facts["left out"] = "; ".join(gap.line().removeprefix("left out: ") for gap in missed)
     if checked is not None:
         facts["live check"] = checked.line().removeprefix("live check: ")
-    left_out = ", ".join(part.name for part in PARTS if part.long)
+    without = "" if only else f", without {', '.join(part.name for part in PARTS if not part.quick)}"
     report = Report(
         title="rollbench validation report",
         subtitle="Low-order models of ball screws and bearings against printed numbers and a 3D contact reference"
-        + (f" (quick run: coarse meshes, cases 1 and 2 only, without {left_out})" if quick else "")
+        + (f" (quick run: coarse meshes, cases 1 and 2 only{without})" if quick else "")
         + "".join(f" ({gap.line()})" for gap in missed),
         provenance=facts,
         pages=pages(made),

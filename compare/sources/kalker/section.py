@@ -50,7 +50,12 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     missing = [name for name, own in found.items() if not own]
     items: list[Text | Table | Figure | PressureMap] = [
         Text(_words(found, proof)),
-        Table.of("rolling-verification", "Contacts with known answers on three grids", [_proof(p) for p in proof]),
+        Table.of(
+            "rolling-verification",
+            "Contacts with known answers on three grids",
+            [_proof(p) for p in proof],
+            "No order where an error is no smaller than on the grid before: it follows where cells lie.",
+        ),
         Table.of(
             "rolling-pairs",
             "Two balls: Tables 3.5 and 3.7, low-order against 3D",

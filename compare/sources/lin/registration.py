@@ -6,7 +6,7 @@ REGISTRATION = Registration(
     title="Lin (2019)",
     parts=(
         Part("hertz", "sources.lin.sections.hertz", page="reference"),
-        Part("cases", "sources.lin.sections.cases", runs=True, page="cases"),
+        Part("cases", "sources.lin.sections.cases", quick=True, runs=True, page="cases"),
         Part(
             "reconstruction", "sources.lin.sections.reconstruction", runs=True, needs=("friction", "rolling"), page="cases"
         ),

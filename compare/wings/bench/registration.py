@@ -4,5 +4,5 @@ from rollbench.comparison.registration import Part, Registration
 
 REGISTRATION = Registration(
     commands={"bench": "wings.bench.arguments"},
-    parts=(Part("timing", "wings.bench.section", long=True, alone=True, page="robustness"),),
+    parts=(Part("timing", "wings.bench.section", alone=True, page="robustness"),),
 )

@@ -10,13 +10,14 @@ from rollbench.comparison.commands.printing import Answer, on_terminal
 from rollbench.comparison.commands.tables import ruled
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.reference.jobs import Engine, ensure, plan
-from rollbench.comparison.reference.levels import ADVISED
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.wings.benchmark import answers, scoring
 from rollbench.comparison.wings.benchmark.exporting import export
 from rollbench.comparison.wings.benchmark.problems import HERE, NAME, PROBLEMS, RUNS, problem
 from rollbench.comparison.wings.benchmark.scoring import LOAD, Score, named, read, score
 
+#: Levels of its runs.
+LEVELS = (1, 2, 4)
 #: Size of a folder is said in this [bytes].
 MB = 1e6
 
@@ -85,7 +86,7 @@ def _table(scores: Sequence[Score]) -> Any:
 def compute(folder: Path, engine: Engine) -> Answer:
     """Compute the runs that no store holds and write the answers. Raises InputError where a run does not settle."""
     stores = (RUNS, shipped_store())
-    failed = ensure(plan([p.described for p in PROBLEMS.values()], ADVISED), RUNS, engine, on_terminal, stores)
+    failed = ensure(plan([p.described for p in PROBLEMS.values()], LEVELS), RUNS, engine, on_terminal, stores)
     if failed:
         raise InputError(NAME, failed[0].scene, failed[0].status, "a run that settles", "see the scene's loads")
     return Answer({"files": [str(p) for p in answers.save(folder)]}, [f"wrote {folder / answers.FILE}"])

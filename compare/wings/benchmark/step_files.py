@@ -22,6 +22,7 @@ from rollbench.comparison.wings.benchmark.neutral import placed
 from rollbench.comparison.wings.benchmark.problems import Problem
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
+from rollbench.meshes.gmsh_session import session
 from rollbench.meshes.helix import ball_layout, layout_at, reduced_lead
 from rollbench.meshes.parts import SIDE_SIGNS, SIDES, Scene
 from rollbench.meshes.solid import dimensions
@@ -72,16 +73,10 @@ def write_step(one: Problem, folder: Path) -> dict[Path, float]:
 
 @contextmanager
 def _model() -> Iterator[Any]:
-    import gmsh
-
-    gmsh.initialize(readConfigFiles=False, interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
+    with session() as gmsh:
         gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
         gmsh.model.add("step")
         yield gmsh
-    finally:
-        gmsh.finalize()
 
 
 def _write(gmsh: Any, path: Path) -> None:

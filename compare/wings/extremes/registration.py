@@ -5,5 +5,5 @@ from rollbench.comparison.registration import Part, Registration
 REGISTRATION = Registration(
     needs=("sweep",),
     commands={"stability": "wings.extremes.arguments"},
-    parts=(Part("stability", "wings.extremes.section", long=True, page="robustness"),),
+    parts=(Part("stability", "wings.extremes.section", page="robustness"),),
 )

@@ -108,9 +108,18 @@ def _table(name: str, own: Sequence[RollingRow]) -> Any:
 
 
 def run_rolling_study(
-    names: Sequence[str], levels: int, store: Path, engine: Engine, *, source: bool, fresh: bool, bodies: str = HALF_SPACE
+    names: Sequence[str],
+    levels: int | None,
+    store: Path,
+    engine: Engine,
+    *,
+    source: bool,
+    fresh: bool,
+    bodies: str = HALF_SPACE,
 ) -> Answer:
-    """Every quantity on every grid, as it is and on top of the rigid limit, and its uncertainty from them all."""
+    """Every quantity on every grid, all of them unless given, as it is and on top of the rigid limit, and its uncertainty
+    from them all."""
+    levels = len(LEVELS) if levels is None else levels
     if not 1 <= levels <= len(LEVELS):
         raise InputError("command line", "--levels", str(levels), f"1 to {len(LEVELS)}", "three levels give a scatter")
     out: list[dict[str, Any]] = []

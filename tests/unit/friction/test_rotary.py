@@ -274,6 +274,17 @@ def test_root_finding_of_the_source():
     assert found.count("failed") > 10
 
 
+@pytest.mark.parametrize("push", [(0.0, 6.0, 0.0), (-4.0, 0.0, 0.0)])
+def test_a_root_balances_the_other_forces_on_the_body(push):
+    """A contact that nothing drives slips under a force until friction, smooth in slip, is as large the other way."""
+    at = contacts(1e-3, 3e-4, 100.0, 0.1)
+    p = Problem(at, np.eye(3)[None], np.zeros((1, 3)), np.array(push))
+    found = balance_by_root(p, source_law(BEARING, 100.0, None), np.array([1e-3, 1e-3, 0.0]) * np.sign(push))
+    assert found.status == "exact"
+    assert found.friction.force[0] == pytest.approx(-np.array(push[:2]), abs=1e-6)
+    assert found.motion[0, :2] @ np.array(push[:2]) > 0.0
+
+
 def test_sweep():
     u = np.linspace(0.0, 8e-6, 9)
     right, printed = sweep(BEARING, 100.0, u), sweep(BEARING, 100.0, u, source_law(BEARING, 100.0, 0.08))

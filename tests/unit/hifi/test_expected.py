@@ -9,7 +9,7 @@ from tests.helpers import small_screw
 from rollbench.comparison.models.study import with_groove
 from rollbench.comparison.scenes import catalogue
 from rollbench.hifi.contact.hertz import hertz
-from rollbench.hifi.meshing.expected import ExpectedContacts, expected_contacts, hertz_units
+from rollbench.hifi.meshing.expected import ExpectedContacts, closing, expected_contacts, hertz_units
 from rollbench.hifi.meshing.fit import socket_size
 from rollbench.hifi.meshing.settings import Settings, expected_reach, expected_semi_axes
 from rollbench.meshes.groove_map import GrooveMap
@@ -45,6 +45,14 @@ def test_ring_under_axial_load_is_the_closed_form():
     a = hertz(1.0, *radii(RING, -1.0), 210e9, 0.28).semi_x * np.cbrt(load)
     assert found.across[0, 0] == pytest.approx(a, rel=1e-6)
     assert found.shift[0, 0] == pytest.approx((angle - beta) * screw.groove_radius, rel=1e-4)
+
+
+@pytest.mark.parametrize("force", [200.0, 3000.0])
+def test_a_nut_closes_all_balls_as_far_as_their_forces_sum_up_to_the_axial_one(force):
+    """A shift x of the nut closes each ball's two contacts by x sin a, of whose forces the sine is along the axis."""
+    sin, units = np.sin(RING.track.contact_angle), hertz_units(RING)
+    load = (closing(RING, force) * sin / (units[0].approach + units[3].approach)) ** 1.5
+    assert RING.ball_count * load * sin == pytest.approx(force, rel=1e-12)
 
 
 def radii(scene, sign):

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -23,6 +24,7 @@ from rollbench.hifi.rolling.bodies import (
     bar_kernel,
     contact_kernel,
     forget_kernels,
+    of_groove,
     patch_kernels,
 )
 from rollbench.hifi.rolling.elements import Solids, influence
@@ -295,6 +297,19 @@ def test_zones_and_bars_that_do_not_fit_are_refused():
         whole_ball(R, Zone((4e-3, 4e-3), (2, 2), 3.0))
     with pytest.raises(ValueError, match="thicker than its ring"):
         grooved_bar(Groove(R, 1.12 * R, 0.8, 1.4, -100.0), 8.0 * R, ZONE)
+
+
+def test_a_groove_s_own_answers_are_those_of_the_other_sense_along_tangents():
+    """Tangential motions by tangential forces, and normal by normal ones, keep their sign; turned round twice all do."""
+    k = 4
+    added = np.random.default_rng(3).normal(size=(3 * k, 3 * k))
+    zone = SimpleNamespace(half=(1.0, 1.0))
+    turned = of_groove(added, zone, 1).M
+    assert pytest.approx(added, rel=1e-14) == of_groove(turned, zone, 1).M
+    tangents, normal = slice(0, 2 * k), slice(2 * k, None)
+    assert turned[tangents, tangents] == pytest.approx(added[tangents, tangents], rel=1e-14)
+    assert turned[normal, normal] == pytest.approx(added[normal, normal], rel=1e-14)
+    assert turned[tangents, normal] == pytest.approx(-added[tangents, normal], rel=1e-14)
 
 
 def test_kernels_of_other_monomials_do_not_add():

@@ -7,6 +7,7 @@ from scipy.integrate import dblquad
 from rollbench.hifi.rolling.elements import Solids, influence
 from rollbench.hifi.rolling.normal import press
 from rollbench.hifi.rolling.patch import grid, hertz_patch
+from rollbench.lowfi.hertz import contact_approach, contact_modulus, hertz_constants
 
 UNLIKE = Solids((80e9, 120e9), (0.28, 0.22))
 #: Johnson (1985): displacements (row) by unit point forces (column) at (x, y), shear modulus g, ratio n.
@@ -49,6 +50,15 @@ def test_pressure_of_a_sphere_is_hertz():
     assert patch.load == pytest.approx(225.0, rel=1e-12)
     assert patch.approach == pytest.approx(9.24316e-6, rel=2e-3)
     assert patch.normal.max() / patch.size.prod() == pytest.approx(4183.80e6, rel=1e-2)
+
+
+@pytest.mark.parametrize("radii", [(5e-3, 4e-2), (4e-2, 5e-3)])
+def test_pressure_of_an_ellipse_is_hertz(radii):
+    """Cells are longer along the ellipse's longer axis; formulas are those of the low-order models."""
+    patch = hertz_patch(225.0, radii, 210e9, 0.28, (28, 20))
+    exact = hertz_constants(1.0 / radii[0], 1.0 / radii[1], contact_modulus(210e9, 0.28, 210e9, 0.28))
+    assert patch.approach == pytest.approx(float(contact_approach(225.0, exact.C)), rel=2e-3)
+    assert patch.normal.max() / patch.size.prod() == pytest.approx(float(exact.pressure(225.0)), rel=1e-2)
 
 
 def test_pressure_and_gap_are_complementary():

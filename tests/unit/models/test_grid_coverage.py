@@ -1,17 +1,21 @@
 """Bars of 95 % hold what finer levels find, scene by scene; what they rest on and do not hold is kept as measured."""
 
+from itertools import combinations
+
 import numpy as np
 import pytest
+from scipy.optimize import nnls
 from tests.judging_levels import COUNT, chosen, name_of
 
 from rollbench.comparison.models import total_uncertainty
 from rollbench.comparison.models.answers import load_answers
-from rollbench.comparison.models.grid_coverage import MANY, coverage, experience, judges, levelled, share_of
+from rollbench.comparison.models.grid_coverage import MANY, coverage, coverage_of, experience, judges, levelled, share_of
+from rollbench.comparison.models.mesh_study import study_table
 from rollbench.comparison.models.modelling import VARIED, combined, varied
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.convergence import observe
 from rollbench.comparison.reference.grid_parts import both_flanks, moving, read
-from rollbench.comparison.reference.levels import LEVELS
+from rollbench.comparison.reference.levels import ADVISED, LEVELS
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.scenes import scene_file
 from rollbench.comparison.sections.reference_mesh import coverage_table, shared_text
@@ -33,6 +37,50 @@ def test_bars_of_two_levels_or_more_hold_95_per_cent_of_the_contacts() -> None:
     assert all(h.judge > h.level for h in own)
     for level in (2, 3):
         assert 0.93 <= share_of([h for h in own if h.level == level]) <= 0.99
+
+
+def alone(levels: tuple[int, ...]) -> np.ndarray:
+    """Errors of these levels, each alone, over all scenes that have them all: changes between any two are the sums of two
+    errors' squares, since levels err independently. In terms of a scene's mean change."""
+    pairs = list(combinations(range(len(levels)), 2))
+    columns = np.array([[float(k in pair) for k in range(len(levels))] for pair in pairs])
+    rows = []
+    for loads in levelled(STUDY).values():
+        if set(levels) <= set(loads):
+            y = np.array([loads[k][moving(loads)] for k in levels])
+            changes = np.array([((y[a] - y[b]) ** 2).mean() for a, b in pairs])
+            rows.append(changes / changes.mean())
+    found = np.mean(rows, axis=0)
+    return np.sqrt(nnls(columns / found[:, None], np.ones(len(pairs)))[0])
+
+
+def test_each_advised_level_is_clearly_more_accurate() -> None:
+    """By 1.5 or more, as bars say and as measured; with level 2 between, neither it nor level 4 after it were."""
+    assert ADVISED == (1, 3)
+    errors = alone((1, 2, 3))
+    assert errors[0] / errors[2] == pytest.approx(1.78, abs=0.1)
+    assert errors[1] / errors[2] < 1.3
+    finer = alone((1, 2, 3, 4))
+    assert (finer[1] / finer[3], finer[0] / finer[2]) == (pytest.approx(1.45, abs=0.1), pytest.approx(2.03, abs=0.1))
+    held = coverage_of(STUDY, ADVISED)
+    first = {h.scene: h.bar for h in coverage(STUDY) if h.level == min(ADVISED)}
+    assert np.median([first[h.scene] / h.bar for h in held]) > 1.5
+    assert len(held) >= 17
+    assert 0.93 <= share_of(held) <= 0.99
+    assert min(h.share for h in held if h.contacts >= MANY) >= 0.88
+
+
+def test_displacements_of_the_advised_levels_are_held_too() -> None:
+    """On level 4: each by the change of all; by its own alone 80 % were."""
+    held = []
+    for name, loads in levelled(STUDY).items():
+        if {*ADVISED, 4} <= set(loads):
+            own, finer = (study_table(STUDY.scene(name), STUDY.stores, levels) for levels in (ADVISED, (4,)))
+            limits = {row["quantity"]: row["level 4"] for row in finer}
+            lines = [row for row in own if row["quantity"].startswith("centreline") and row["quantity"] in limits]
+            held += [abs(row["level 3"] - limits[row["quantity"]]) <= row["uncertainty"] for row in lines]
+    assert len(held) > 60
+    assert 0.93 <= np.mean(held) <= 0.99
 
 
 def test_drawn_judges_are_those_of_the_rule() -> None:

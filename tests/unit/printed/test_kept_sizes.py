@@ -1,5 +1,6 @@
 """Finite bodies of other sizes: kept where the key of sources and scene holds, one computed anew."""
 
+import json
 import math
 import re
 
@@ -54,6 +55,16 @@ def test_all_are_computed_where_the_key_does_not_hold(text, tmp_path, solved):
 def test_the_package_has_them_of_every_choice():
     text = (shipped_store() / kept_sizes.FILE).read_text(encoding="utf-8")
     assert all(choice in text for choice in variants())
+
+
+def test_what_choices_change_is_counted_from_the_shipped_ones_without_half_spaces(tmp_path, monkeypatch):
+    rows = []
+    for k, (choice, (_, own)) in enumerate(variants().items()):
+        value = 9.0 if own is None else 2.0 if "as shipped" in choice else 2.0 * (1.0 + 0.01 * k)
+        rows.append({"choice": choice, "values": dict.fromkeys(NAMES, value)})
+    (tmp_path / kept_sizes.FILE).write_text(json.dumps({"variants": rows}))
+    monkeypatch.setattr(kept_sizes, "shipped_store", lambda: tmp_path)
+    assert [kept_sizes.choices_share(straight) for straight in (True, False)] == pytest.approx([0.06, 0.10])
 
 
 def test_every_choice_has_the_sizes_that_its_name_says():

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from rollbench.comparison.models import comparison
 from rollbench.comparison.models.ladder import DEEP, UNSEEN
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.models.total_uncertainty import total
-from rollbench.comparison.reference import jobs
+from rollbench.comparison.reference import computing, jobs
 from rollbench.comparison.reference.estimate import reference_of
 from rollbench.comparison.reference.levels import LEVELS, STUDIED
 from rollbench.comparison.reference.store import Run, bodies_path, load, path_in, save, shipped_store
@@ -33,6 +34,29 @@ def test_a_task_without_its_bodies_is_missing(tmp_path: Path) -> None:
     assert jobs.missing([task], (tmp_path,)) == [task]
     jobs.keep(tmp_path, task, [run], bodies_of(scene, 1))
     assert jobs.missing([task], (tmp_path,)) == []
+
+
+def test_a_run_of_several_sets_adds_up_what_they_took(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Unknowns of every set, seconds of each set-up once however many share it, memory with that of the largest helpers."""
+    monkeypatch.setattr(computing, "peak_MB", lambda: 100.0)
+    monkeypatch.setattr(computing, "recorded", lambda _: {})
+
+    def setup(unknowns: int, helpers: float, quality: float) -> SimpleNamespace:
+        found = dict.fromkeys(("screw", "nut", "ball"), quality)
+        seconds, dims = {"meshes": 2.0, "bodies": 3.0}, SimpleNamespace(assumed=("a wall",))
+        return SimpleNamespace(
+            sides=(0, 3), unknowns=unknowns, seconds=seconds, others_MB=helpers, quality=found, dims=dims
+        )
+
+    one, two = setup(1000, 30.0, 0.4), setup(500, 50.0, 0.3)
+    of_set = SimpleNamespace(load=np.ones((2, 4)), angle=np.full((2, 4), np.pi / 4.0), frozen=None)
+    sums = {"seconds": 1.0, "status": "converged", "moving": 0.0, "balance": 0.0, "along_groove": 0.0, "shaft_balance": 0.0}
+    found = SimpleNamespace(sets=[of_set] * 3, stations=np.zeros(4), centreline=np.zeros((4, 6)), **sums)
+    task, assembly = SimpleNamespace(level=1, variant=""), SimpleNamespace(name="three")
+    run = computing._run_of_sets(task, assembly, found, (one, one, two), (), lambda _: None)
+    assert (run.unknowns, run.peak_MB) == (2500, 150.0)
+    assert run.stages == {"meshes": 4.0, "bodies": 6.0}
+    assert (run.load.shape, run.angle[0, 0], run.quality["ball"], run.assumed) == ((6, 4), 45.0, 0.3, ("a wall",))
 
 
 def test_cores_are_divided_among_workers(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,10 +10,12 @@ import pytest
 from tests.helpers import small_screw
 
 from rollbench.lowfi.hertz import hertz_constants
-from rollbench.lowfi.statics.problem import nominal_curvatures, nominal_hertz
+from rollbench.lowfi.statics.problem import build, nominal_curvatures, nominal_hertz
 from rollbench.lowfi.statics.static import solve_static
-from rollbench.lowfi.statics.validity import DENT_PRESSURE, LARGE, size_warnings
+from rollbench.lowfi.statics.validity import DENT_PRESSURE, LARGE, size_warnings, tilt_warning
 from rollbench.lowfi.warned import Warned, above
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import BallErrors, Balls, Errors, SideErrors, Support
 
 
@@ -43,6 +45,20 @@ def test_ellipses_too_large_for_a_half_space_are_told_from_there_on():
     radius = 3e-3
     assert size_warnings(np.full((2, 4), 0.999 * LARGE * radius), radius) == []
     assert size_warnings(np.full((2, 4), 1.001 * LARGE * radius), radius)[0].kind == "size"
+
+
+@pytest.mark.parametrize(("ratio", "words"), [(0.009, None), (0.05, "5 % of the largest"), (40.0, "more than the largest")])
+def test_what_small_rotations_neglect_is_a_share_of_the_approach_or_more_than_it(ratio, words):
+    """A tilt t moves a groove by R t^2 / 2 beyond its linear motion, R the pitch radius; C F^(2/3) is the approach."""
+    scene, tilt = pressed(500.0), 2e-3
+    layout = ball_layout(scene)
+    problem = build(scene, specimen(scene, layout), layout, np.ones(4, dtype=bool))
+    approach = 0.5 * scene.track.pitch_radius * tilt**2 / ratio
+    force = np.full((layout.z.size, 4), (approach / problem.C.max()) ** 1.5)
+    motion = np.zeros((2, 6))
+    motion[:, 4] = tilt
+    found = tilt_warning(problem, force, np.array([0.0, scene.screw.length]), motion)
+    assert [words in str(one) for one in found] == ([True] if words else [])
 
 
 def test_the_long_axis_of_the_ellipse_lies_across_the_groove():

@@ -33,10 +33,16 @@ def test_contact_of_another_program_to_its_digits():
 
 
 def test_order_counts_the_cells_of_its_own_grids():
-    values = (1.0 + 0.1, 1.0, 1.0 + 0.1 / FINER**2)
+    values = (1.0 + 0.1, 1.0 - 0.09, 1.0 + 0.1 / FINER**2)
     assert Proof("", "", values, 1.0, 1.0, values[-1], FINER).order == pytest.approx(2.0)
     assert Proof("", "", values, 1.0, 1.0, values[-1], None).order is None
     assert Proof("", "", values[::-1], 1.0, 1.0, values[-1]).order is None
+
+
+@pytest.mark.parametrize("middle", [0.89, 1.1, 1.0, 1.001])
+def test_errors_that_do_not_fall_from_grid_to_grid_have_no_order(middle):
+    values = (1.1, middle, 1.01)
+    assert Proof("", "", values, 1.0, 1.0, values[-1]).order is None
 
 
 def test_a_narrow_strip_of_stick_has_no_order_and_says_so():

@@ -1,0 +1,58 @@
+"""A session of gmsh changes nothing of what the process does on signals, and ends whatever happens."""
+
+import os
+import signal
+import subprocess
+import sys
+
+import gmsh
+import pytest
+
+from rollbench.meshes.gmsh_session import RESET, session
+
+#: Sends this process what gmsh resets, in a session and after it, and counts what its own handlers are told.
+PROGRAM = """
+import os, signal
+from rollbench.meshes.gmsh_session import RESET, session
+came, numbers = [], [getattr(signal, name) for name in RESET]
+for number in numbers:
+    signal.signal(number, lambda n, _: came.append(n))
+with session():
+    for number in numbers:
+        os.kill(os.getpid(), number)
+for number in numbers:
+    os.kill(os.getpid(), number)
+assert came == 2 * numbers, came
+"""
+UNIX = pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="signals of Unix")
+
+
+@UNIX
+def test_signals_are_handled_as_before_in_a_session_and_after_it():
+    """gmsh gives TERM back to the system: a command ended by it neither tidied up nor said so."""
+    assert {"SIGTERM", "SIGHUP"} <= set(RESET)
+    done = subprocess.run([sys.executable, "-P", "-c", PROGRAM], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+@UNIX
+def test_a_pipe_that_nobody_reads_is_an_error_in_a_session_too():
+    reads, writes = os.pipe()
+    os.close(reads)
+    with session(), pytest.raises(BrokenPipeError):
+        os.write(writes, b"word")
+    os.close(writes)
+
+
+def test_a_session_ends_with_an_error_and_leaves_one_that_runs():
+    def stopped():
+        with session({"Mesh.Optimize": 0}):
+            assert gmsh.option.getNumber("Mesh.Optimize") == 0
+            with session():
+                pass
+            assert gmsh.isInitialized()
+            raise ValueError("stop")
+
+    with pytest.raises(ValueError, match="stop"):
+        stopped()
+    assert not gmsh.isInitialized()
