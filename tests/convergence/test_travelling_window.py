@@ -24,12 +24,14 @@ def loads_at(scene, by, **how):
 
 
 def window_errors(scene, widths, parts=PARTS):
-    """Largest difference of a load, as a part of the mean load, for windows of these widths [rad] on the same stretch of travel."""
+    """Largest difference of a load as a part of the mean load, for windows of these widths [rad] on one stretch of travel."""
     places = parts * max(widths)
     exact = [loads_at(scene, by) for by in places]
     mean = np.mean([load[load > 0.0].mean() for load in exact])
     travelling = [Travelling(width) for width in widths]
-    each = [[np.abs(loads_at(scene, by, whole=t) - e).max() for by, e in zip(places, exact, strict=True)] for t in travelling]
+    each = [
+        [np.abs(loads_at(scene, by, whole=t) - e).max() for by, e in zip(places, exact, strict=True)] for t in travelling
+    ]
     return np.max(each, axis=1) / mean
 
 
