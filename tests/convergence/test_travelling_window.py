@@ -24,7 +24,7 @@ def loads_at(scene, by, **how):
 
 
 def window_errors(scene, widths, parts=PARTS):
-    """Largest difference of a load as a part of the mean load, for windows of these widths [rad] on one stretch of travel."""
+    """Largest difference of a load as a part of the mean load, for windows of these widths [rad] on one stretch."""
     places = parts * max(widths)
     exact = [loads_at(scene, by) for by in places]
     mean = np.mean([load[load > 0.0].mean() for load in exact])

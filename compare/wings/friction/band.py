@@ -12,7 +12,8 @@ from rollbench.comparison.models.loading import preload
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.quantities import number
 from rollbench.comparison.wings.friction.answer import Line, three
-from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
+from rollbench.comparison.wings.friction.quick import kept_state
+from rollbench.lowfi.friction.whole.state import FrictionState
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.helix import lead_angle
@@ -43,7 +44,7 @@ class Solved:
         """Friction torque [N m] at the loads of a result; nan where there is none."""
         if not result.converged:
             return float("nan")
-        state = friction_state(scene or self.scene, result, friction, self.motion, self.options.member)
+        state = kept_state(scene or self.scene, result, friction, self.motion, self.options.member)
         return state.torque.friction if state.balls.converged and not state.unsettled else float("nan")
 
 

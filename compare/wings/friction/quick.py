@@ -18,6 +18,12 @@ from rollbench.meshes.parts import Friction, Motion, Scene
 _kept_state = kept(FrictionState)(friction_state)
 
 
+def kept_state(scene: Scene, result: StaticResult, friction: Friction, motion: Motion, member: int) -> FrictionState:
+    """`friction_state`, kept on disc between commands for equal scenes and loads."""
+    loads = replace(result, solver=replace(result.solver, seconds=0.0, setup_seconds=0.0), warnings=())
+    return _kept_state(scene, loads, friction, motion, member)
+
+
 def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tuple[FrictionState | None, str]:
     """Friction of a scene that gives a coefficient, where no kernel has to be compiled for it; else what to do. Kept on
     disc between commands for equal scenes and loads: loading the machine code takes longer than all else of a solve."""
@@ -25,8 +31,7 @@ def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tupl
     if will_compile(scene, scene.friction) and not cached(CONTACT):
         return None, "kernels are not compiled yet; rollbench friction SCENE does it, once"
     try:
-        loads = replace(result, solver=replace(result.solver, seconds=0.0, setup_seconds=0.0), warnings=())
-        state = _kept_state(scene, loads, scene.friction, scene.motion or ONE_TURN, options.member)
+        state = kept_state(scene, result, scene.friction, scene.motion or ONE_TURN, options.member)
     except ValueError as error:
         return None, str(error)
     return state, ""

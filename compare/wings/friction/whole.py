@@ -36,9 +36,10 @@ from rollbench.comparison.wings.friction.output import (
     sums,
     warnings_of,
 )
+from rollbench.comparison.wings.friction.quick import kept_state
 from rollbench.comparison.wings.friction.run import Run, run_data, run_lines, run_table, solve_run
 from rollbench.lowfi.friction.whole.heathcote import WIDE, heathcote
-from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
+from rollbench.lowfi.friction.whole.state import FrictionState
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.parts import Friction, Motion, Scene, Support
 
@@ -109,7 +110,7 @@ def solve_scene(scene: Scene, choices: Choices) -> FrictionAnswer:
         return FrictionAnswer(data, [], [], False)
     motion = scene.motion or Motion(ONE_TURN)
     try:
-        states = [friction_state(scene, result, pair, motion, choices.member) for pair in pairs]
+        states = [kept_state(scene, result, pair, motion, choices.member) for pair in pairs]
     except ValueError as error:  # balls that overlap by their random sizes
         raise Refusal(scene.name, "balls", str(error), "spread the balls, or take neighbours = false") from error
     bare = result if not loaded(scene) else run_model(replace(scene, loads=()), model, options)
@@ -149,7 +150,7 @@ def drag_torques(
     def solved(changed: Scene, result: StaticResult) -> list[FrictionState] | str:
         if not result.converged:
             return result.status
-        return [friction_state(changed, result, pair, motion, options.member) for pair in pairs]
+        return [kept_state(changed, result, pair, motion, options.member) for pair in pairs]
 
     without: Sequence[FrictionState] | str = states
     if loaded(scene):
