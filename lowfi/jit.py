@@ -24,8 +24,8 @@ import signal
 import sys
 import tempfile
 import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext, suppress
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -267,6 +267,17 @@ def _load(package: str) -> ModuleType:
     with _numba_writes_to(code_folder()):
         spec.loader.exec_module(module)
     return module
+
+
+def part_of(package: str, kernels: Mapping[str, Sequence[str]], name: str) -> Any:
+    """What ``name`` says in a package whose modules are imported when first asked for: one of its ``kernels``, by their
+    module, or a module. Raises AttributeError for another name."""
+    module = next((module for module, names in kernels.items() if name in names), "")
+    if not (module or importlib.util.find_spec(f"{package}.{name}")):
+        raise AttributeError(f"{package} has no {name}")
+    with _numba_writes_to(code_folder()) if is_compiled(package) else nullcontext():
+        found = importlib.import_module(f"{package}.{module or name}")
+    return getattr(found, name) if module else found
 
 
 def driver_of(system: str, driver: str) -> ModuleType:

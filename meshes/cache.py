@@ -200,6 +200,7 @@ def sources(package: str) -> str:
     return digest.hexdigest() if count else ""
 
 
+@lru_cache
 def _version(package: str) -> str:
     try:
         return metadata.version(package)

@@ -1,15 +1,31 @@
-"""Shared by the tests of scenes: shipped scenes as text, with lines changed, and the names of the axes."""
+"""Shared by the tests of scenes: shipped scenes and those of tests as text, with lines changed; the names of the axes."""
+
+from pathlib import Path
+
+from tests.load_cases import TEXT
 
 from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.scenes.template import template
 from rollbench.meshes.axis import Assembly
+
+SCENES = Path(__file__).parent / "scenes"
 
 
 def axis_names():
     return tuple(name for name in catalogue.scene_names() if isinstance(catalogue.shipped(name), Assembly))
 
 
+def own_text(name):
+    """Text of a scene that only tests have."""
+    return (SCENES / f"{name}.toml").read_text(encoding="utf-8")
+
+
 def text(name):
-    return catalogue.scene_text(name)
+    """Text of a scene: of tests, commented, with load cases, or shipped."""
+    if (SCENES / f"{name}.toml").exists():
+        return own_text(name)
+    others = {"support-bearings": lambda: template(name), "load cases": lambda: TEXT}
+    return others.get(name, lambda: catalogue.scene_text(name))()
 
 
 def changed(name, *changes):

@@ -12,8 +12,8 @@ from rollbench.comparison.api.results import Friction, Judged, Result, Solution
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.registration import needed
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.load_cases import DutyCycle, cases_by_name
-from rollbench.comparison.scenes.scene_file import Described, each_case, solvable
+from rollbench.comparison.scenes.duty_cycle import Described, DutyCycle, cases_by_name
+from rollbench.comparison.scenes.scene_file import each_case, solvable
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
@@ -39,9 +39,11 @@ def solve(scene: Described | str | Path, model: str = "", *, member: int = 0) ->
     random errors.
     Raises InputError for what cannot be solved so; no equilibrium is no error: see ``Solution.converged``.
     """
-    from rollbench.comparison.commands.solving.cases_output import case_json, cases_json
-    from rollbench.comparison.models.load_cases import solve_any, together
+    from rollbench.comparison.commands.solving.cases_output import cases_json
+    from rollbench.comparison.commands.solving.one_output import case_json
+    from rollbench.comparison.models.load_cases import solve_any
     from rollbench.comparison.models.registry import Options, default_model
+    from rollbench.comparison.models.together import together
 
     described, options = _described(scene), Options(member=member)
     scenes = each_case(described, described.name)

@@ -40,8 +40,8 @@ class LoadAnswers:
 class Answers:
     """Answers of one low-order result. displacement: axial [m] of the screw at the nut's centre from that without loads
     (from the nominal place where nothing holds the screw then); force: axial on the nut [N]; tangent: axial rigidity [N/m],
-    rotation held, None where the model has no tangent, or none is found, for which ``tangent_words`` say why; friction: the
-    state, or words why it is not computed."""
+    rotation held, None where the model has no tangent, or none is found, for which ``tangent_words`` say why; friction: its
+    sums, JSON-ready, or words why it is not computed."""
 
     loads: LoadAnswers
     force: float
@@ -51,7 +51,7 @@ class Answers:
     tangent_words: str
     preload: Preload | None
     lift: LiftOff | None
-    friction: Any
+    friction: dict[str, Any] | None
     friction_words: str
 
 
@@ -119,17 +119,18 @@ def gather(scene: Scene, result: StaticResult, model: str, options: Options) -> 
     except ValueError:
         three = None
     lift = lift_off(scene, result, bare, model, options) if held is not None else None
-    state, words = quick_friction(scene, result, options)
+    friction, words = quick_friction(scene, result, options)
     slope, why = axial_tangent(scene, model, options) if force != 0.0 else (None, "")
     loads = load_answers(scene, result.load, result.contact_angle)
-    return Answers(loads, force, moved, three, slope, why, held, lift, state, words)
+    return Answers(loads, force, moved, three, slope, why, held, lift, friction, words)
 
 
-def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tuple[Any, str]:
-    """State of friction where the scene gives a coefficient and no kernel has to be compiled for it; else what to do."""
+def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tuple[dict[str, Any] | None, str]:
+    """JSON-ready sums of friction where the scene gives a coefficient and no kernel has to be compiled for it; else what to
+    do."""
     if scene.friction is None:
         return None, "no coefficient in the scene; for one of 0.1: rollbench friction SCENE --mu 0.1"
     for friction in offered("friction"):
-        state, words = friction(scene, result, options)
-        return state, words
+        found: tuple[dict[str, Any] | None, str] = friction(scene, result, options)
+        return found
     return None, "friction is left out of this installation"

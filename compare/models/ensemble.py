@@ -13,7 +13,6 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.statics.elastic_system import one_thread
 from rollbench.lowfi.statics.mechanism import free_motions
 from rollbench.lowfi.statics.pressed import Pressed, pressed
 from rollbench.lowfi.statics.problem import Problem, build, distances, hertz_C, lever_arms
@@ -32,6 +31,7 @@ from rollbench.lowfi.statics.static import (
     reference_scale,
     solve_static,
 )
+from rollbench.lowfi.threads import one_thread
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimens, alike_in_shape, specimen, specimens, without_draws
 from rollbench.meshes.helix import BallLayout, ball_layout, nominal_groove_centres

@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.answers import Answers, LoadAnswers, gather
 from rollbench.comparison.models.loading import axial_of
 from rollbench.comparison.models.model_form import ModelForm, estimate
 from rollbench.comparison.models.outside import outside
 from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.scenes.load_cases import DutyCycle, LoadCase
-from rollbench.lowfi.rating.equivalent import EquivalentLife, equivalent_life
-from rollbench.lowfi.rating.life import Life, life, over_cases
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
@@ -24,9 +17,6 @@ from rollbench.meshes.parts import Load, Scene
 
 if TYPE_CHECKING:
     from rollbench.comparison.models.axis_answers import AxisAnswers
-
-#: What is said of a shaft without a set of balls.
-NO_BALLS = "none: rollers are not rated"
 
 
 @dataclass(frozen=True)
@@ -105,111 +95,3 @@ def solve_one(scene: Scene, model: str, options: Options) -> Solved:
     warned = outside(scene, found.loads, axial_of(found.preload))
     result = replace(result, warnings=(*result.warnings, *warned))
     return Solved(scene, result, found, estimate(scene, result))
-
-
-@dataclass(frozen=True)
-class Extreme:
-    """An extreme value over the cases in SI units (errors in per cent), and the case that has it."""
-
-    value: float
-    case: str
-
-
-@dataclass(frozen=True)
-class Lives:
-    """Life of one set over a duty cycle. life: of its contact loads, standard: by the standards' equivalent loads, each
-    None with words that say why; set: its name, empty where it is the only one."""
-
-    life: Life | None
-    life_words: str
-    standard: EquivalentLife | None
-    standard_words: str
-    set: str = ""
-
-    @property
-    def difference_percent(self) -> float | None:
-        """Of the life by the loads from that by the standard [%]."""
-        if self.life is None or self.standard is None:
-            return None
-        return float(error_percent(self.life.revolutions, self.standard.revolutions))
-
-
-@dataclass(frozen=True)
-class Together:
-    """What the cases of a duty cycle say together.
-
-    pressure [Pa], safety, error [% of the mean load]: largest pressure, least static safety and largest expected error of
-    the converged cases; uncovered: cases whose error nothing says; unsolved: status of those that did not converge; lives:
-    of every set of balls, in order; speed: mean one [rad/s].
-    """
-
-    pressure: Extreme | None
-    safety: Extreme | None
-    error: Extreme | None
-    uncovered: tuple[str, ...]
-    unsolved: dict[str, str]
-    lives: tuple[Lives, ...]
-    speed: float | None
-
-    @property
-    def least(self) -> Lives:
-        """Of the set that lives shortest; the first of which nothing is known, where there is one."""
-        none = Lives(None, NO_BALLS, None, NO_BALLS)
-        return min(self.lives, key=lambda own: 0.0 if own.life is None else own.life.revolutions, default=none)
-
-
-def together(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis]) -> Together:
-    """Extremes and lives of the solved cases of a cycle, in its order."""
-    pairs = list(zip(cycle.cases, solved, strict=True))
-    found = [(case, s.answers) for case, one in pairs for s in one.sets.values()]
-    errors = [(case, None if one.expected is None else one.expected.percent) for case, one in pairs if one.answers]
-    return Together(
-        _extreme(max, ((case, a.worst.pressure) for case, a in found if a.worst)),
-        _extreme(min, ((case, a.safety.factor) for case, a in found if a.safety)),
-        _extreme(max, errors),
-        tuple(case.name for case, percent in errors if percent is None),
-        {case.name: one.result.status for case, one in pairs if one.answers is None},
-        tuple(_lives(cycle, name, [one.sets.get(name) for one in solved]) for name in cycle.sets),
-        cycle.speed,
-    )
-
-
-def cycle_life(cycle: DutyCycle, name: str, loads: Sequence[Array | None]) -> tuple[Life | None, str]:
-    """Life over the cycle of contact loads ``(n, 4)`` [N] of a set in every case (None: it has none), or why there is
-    none; name: of the set (`DutyCycle.sets`)."""
-    lacking = [case.name for case, load in zip(cycle.cases, loads, strict=True) if load is None and case.share > 0.0]
-    if lacking:
-        return None, f"none, because case {lacking[0]} has no loads"
-    try:
-        known = [np.zeros((1, 4)) if load is None else load for load in loads]
-        rated = life(cycle.sets[name], over_cases(known, cycle.shares))
-    except ValueError as error:
-        return None, str(error)
-    return rated, "" if rated is not None else "no load"
-
-
-def loads_of(result: StaticResult | AxisResult) -> dict[str, Array]:
-    """Contact loads ``(n, 4)`` [N] of each set of balls by its name in `DutyCycle.sets`."""
-    if isinstance(result, StaticResult):
-        return {"": result.load}
-    return {s.of.name: s.balls.load for s in result.sets if s.balls is not None}
-
-
-def _lives(cycle: DutyCycle, name: str, each: Sequence[OfSet | None]) -> Lives:
-    """Lives of a set; each: in every case, None where it has no loads."""
-    rated, words = cycle_life(cycle, name, [None if own is None else own.load for own in each])
-    if rated is None:
-        return Lives(rated, words, None, words, name)
-    used = [(own, case.share) for own, case in zip(each, cycle.cases, strict=True) if own is not None and case.share > 0.0]
-    parts, shares, forces = [own.parts for own, _ in used], [share for _, share in used], [own.force for own, _ in used]
-    try:
-        found = equivalent_life(parts, shares, forces, max(own.preload for own, _ in used))
-    except ValueError as error:
-        return Lives(rated, words, None, str(error), name)
-    return Lives(rated, words, found, "" if found is not None else "no load", name)
-
-
-def _extreme(pick: Callable[..., tuple[float, str]], values: Iterable[tuple[LoadCase, float | None]]) -> Extreme | None:
-    """The extreme of the values that are known."""
-    known = [(value, case.name) for case, value in values if value is not None]
-    return Extreme(*pick(known, key=lambda one: one[0])) if known else None

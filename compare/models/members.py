@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import bdtr, bdtrik
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.member_blocks import Block, contact_loads, places, solve_block, without_random_errors
@@ -26,8 +25,9 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 
-#: Members of a block; from how many on kernels are compiled, and are used where they have been.
-BLOCK, COMPILE_FROM, USE_FROM = 500, 200, 10
+#: Members of a block: the most, and the least of one set, as it takes as long to prepare some; from how many on kernels are
+#: compiled, and are used where they have been.
+BLOCK, LEAST, COMPILE_FROM, USE_FROM = 500, 50, 200, 10
 #: Least time [s] that other processes must take over to be started: each imports and compiles for itself.
 WORTH_WORKERS = 10.0
 #: Bins of the histogram of a contact's load, and its end over the largest load without random errors.
@@ -149,7 +149,8 @@ def _blocks(
 ) -> Iterator[tuple[int, Block]]:
     """Blocks in order, whatever the order they come in: the first in this process, and all where starting others would take
     longer."""
-    size = max(1, min(BLOCK, count // 16))  # by the count alone: how members are cut into blocks shows in round-off
+    least = LEAST if isinstance(arguments[0], Scene) else 1
+    size = max(least, min(BLOCK, count // 16))  # by the count alone: how members are cut into blocks shows in round-off
     jobs: list[parallel.Job] = [(solve, (*arguments, first, min(size, count - first))) for first in range(0, count, size)]
     if (engine.workers or 1) > 1 and engine.backend == "joblib":
         start = perf_counter()
@@ -201,9 +202,16 @@ class _Sums:
 
 
 def _binomial_quantile(p: float, trials: int, chance: float) -> int:
-    """Least count that a binomial variable stays below or at with a probability of ``p``."""
-    count = int(np.ceil(bdtrik(p, trials, chance)))
-    return count - 1 if count > 0 and bdtr(count - 1, trials, chance) >= p else count
+    """Least count that a binomial variable stays below or at with a probability of ``p``.
+
+    Sums the probabilities within fifteen deviations of the mean; scipy.special has this too, but takes long to import.
+    """
+    mean, reach = trials * chance, 15.0 * (1.0 + np.sqrt(trials * chance * (1.0 - chance)))
+    first = max(0, int(mean - reach))
+    k = np.arange(first, min(trials, int(mean + reach)))
+    grown = np.append(0.0, np.cumsum(np.log((trials - k) / (k + 1.0) * chance / (1.0 - chance))))
+    below = np.cumsum(np.exp(grown - grown.max()))
+    return first + int(np.searchsorted(below, (1.0 - 1e-12) * p * below[-1]))  # less the round-off of the sum
 
 
 def statistics(values: Array) -> dict[str, Any] | None:

@@ -140,7 +140,7 @@ def quantity_table(found: Reference, base: Run | None, changed: Mapping[str, Run
     runs, table = found.runs, []
     shown = [(name, unit, take) for name, unit, take in quantities(runs[-1]) if any(take(r) for r in runs)]
     lines = [take for _, _, take in shown if take.func is _line]
-    pooled = pool([[take(r) for take in lines] for r in runs], found.sizes) if len(runs) == 2 and lines else []
+    pooled = pool([[take(r) for take in lines] for r in runs], found.sizes) if len(runs) == 2 and lines else np.empty(0)
     of_two = dict(zip(lines, pooled, strict=len(runs) == 2))  # each alone may agree by chance
     for name, unit, take in shown:
         values = [take(r) for r in runs]

@@ -18,7 +18,7 @@ from rollbench.meshes.parts import SIDES, Scene
 T = TypeVar("T")
 
 if TYPE_CHECKING:
-    from rollbench.comparison.scenes.scene_file import Described
+    from rollbench.comparison.scenes.duty_cycle import Described
 
 
 @dataclass

@@ -11,9 +11,10 @@ import numpy as np
 from rollbench.comparison.scenes.arrangement import arrangement_faults, bearings_of, with_conformity
 from rollbench.comparison.scenes.axis_schema import AxisCaseKeys, AxisKeys, CaseHousingKeys, HousingKeys, SetKeys, StiffKeys
 from rollbench.comparison.scenes.body_checks import geometry_faults
+from rollbench.comparison.scenes.duty_cycle import DutyCycle
 from rollbench.comparison.scenes.fault import TOLERANCE, Fault, mm
 from rollbench.comparison.scenes.key_checks import choice_faults, friction_choice_faults
-from rollbench.comparison.scenes.load_cases import DutyCycle, case_faults, duty_cycle, of_case
+from rollbench.comparison.scenes.load_cases import case_faults, duty_cycle, of_case
 from rollbench.comparison.scenes.preload import force_of
 from rollbench.comparison.scenes.quantity import ShareOfRating
 from rollbench.comparison.scenes.records import friction_of, load_of, material_of, scene_of, support_of, vector

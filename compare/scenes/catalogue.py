@@ -15,8 +15,8 @@ from rollbench.comparison.scenes.names import AXIS
 from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
+    from rollbench.comparison.scenes.duty_cycle import Described
     from rollbench.comparison.scenes.kinds import KindScene
-    from rollbench.comparison.scenes.scene_file import Described
 
 Of = TypeVar("Of", bound="KindScene")
 

@@ -1,12 +1,13 @@
-"""Load cases of one scene: ``[[cases]]`` as records with their shares of the revolutions, and what is wrong with them."""
+"""From ``[[cases]]`` of a scene file to a duty cycle, and what is wrong with them."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
+from rollbench.comparison.scenes.duty_cycle import DutyCycle, LoadCase
 from rollbench.comparison.scenes.fault import Fault, mm
 from rollbench.comparison.scenes.records import load_of
 from rollbench.comparison.scenes.schema import CaseKeys, SceneKeys
@@ -19,73 +20,6 @@ if TYPE_CHECKING:
 
 #: Largest distance of the sum of shares from 1: shares are written with a few digits.
 ROUNDED = 1e-6
-
-
-@dataclass(frozen=True)
-class LoadCase:
-    """One load case. share: of the revolutions, 0 where it is checked statically only; speed: of the turning part [rad/s],
-    None where the shares are given; scene: the parts, of one set or several, under its loads, supports and oversize."""
-
-    name: str
-    share: float
-    speed: float | None
-    scene: Scene | Assembly
-
-
-@dataclass(frozen=True)
-class DutyCycle:
-    """A scene with several load cases, in the order of the file. parts: the scene without them; speed: mean speed of the
-    turning part [rad/s], None where neither the cases nor the scene give one."""
-
-    parts: Scene | Assembly
-    cases: tuple[LoadCase, ...]
-    speed: float | None
-
-    @property
-    def name(self) -> str:
-        """Of the scene."""
-        return self.parts.name
-
-    @property
-    def title(self) -> str:
-        """Of the scene."""
-        return self.parts.title
-
-    @property
-    def assumed(self) -> tuple[str, ...]:
-        """Of the scene."""
-        return self.parts.assumed
-
-    @property
-    def sets(self) -> dict[str, Scene]:
-        """Parts of each set of balls by name; of the only one without a name."""
-        if isinstance(self.parts, Scene):
-            return {"": self.parts}
-        return {s.name: s.parts for s in self.parts.sets if isinstance(s.parts, Scene)}
-
-    @property
-    def shares(self) -> tuple[float, ...]:
-        """Of the revolutions, in order; their sum is 1."""
-        return tuple(case.share for case in self.cases)
-
-
-@dataclass(frozen=True)
-class CaseOf:
-    """A load case of a cycle, told by the name of its scene."""
-
-    cycle: DutyCycle
-    case: LoadCase
-
-    @property
-    def keys(self) -> dict[str, Any]:
-        """What every row of the case says of it in JSON."""
-        return {"scene": self.cycle.name, "case": self.case.name, "share": self.case.share}
-
-
-def cases_by_name(described: Iterable[object]) -> dict[str, CaseOf]:
-    """The load cases among what is described, by the names of their scenes."""
-    cycles = [cycle for cycle in described if isinstance(cycle, DutyCycle)]
-    return {case.scene.name: CaseOf(cycle, case) for cycle in cycles for case in cycle.cases}
 
 
 def duty_cycle(scene: Scene | Assembly, keys: Sequence[CaseKeys]) -> DutyCycle:

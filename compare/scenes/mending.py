@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from rollbench.comparison.scenes.keys import tidy_schema
-from rollbench.comparison.scenes.refusal import Said, key_faults, node_at, unknown
+from rollbench.comparison.scenes.refusal import Said, refusal
 
 Keys = TypeVar("Keys", bound=BaseModel)
 
@@ -35,6 +35,16 @@ class Broken:
         return not any(key.split(".")[0].split("[")[0] in self.mended for key in keys)
 
 
+def sound(raw: Mapping[str, Any], keys: type[Keys], origin: str) -> Keys:
+    """Keys of a file, each by itself in range. Raises SceneError with all faults."""
+    try:
+        return keys.model_validate(raw)
+    except ValidationError as error:
+        from rollbench.comparison.scenes.key_faults import key_faults
+
+        raise refusal(origin, key_faults(keys, error)) from None
+
+
 def validated(raw: Mapping[str, Any], keys: type[Keys]) -> tuple[Keys | None, Broken]:
     """Keys of a file and what is wrong with them; faulty values are replaced by examples, unknown keys left out.
 
@@ -43,17 +53,19 @@ def validated(raw: Mapping[str, Any], keys: type[Keys]) -> tuple[Keys | None, Br
     try:
         return keys.model_validate(raw), Broken()
     except ValidationError as error:
+        from rollbench.comparison.scenes.key_faults import key_faults, node_at, unknown
+
         faults = error.errors(include_url=False)
         said = tuple(key_faults(keys, error))
-    schema, sound, names = tidy_schema(keys), deepcopy(dict(raw)), set()
+    schema, rest, names = tidy_schema(keys), deepcopy(dict(raw)), set()
     for fault in faults:
         where = fault["loc"]
         whole = len(where) == 1 and fault["type"] == "extra_forbidden"  # what it stands for is missing, if anything
         names |= {unknown(schema, fault)[1]} - {""} if whole else {str(part) for part in where[:1]}
-        if not where or not _mend(sound, where, fault["type"], node_at(schema, where)):
+        if not where or not _mend(rest, where, fault["type"], node_at(schema, where)):
             return None, Broken(said, frozenset(names))
     try:
-        return keys.model_validate(sound), Broken(said, frozenset(names))
+        return keys.model_validate(rest), Broken(said, frozenset(names))
     except ValidationError:
         return None, Broken(said, frozenset(names))
 

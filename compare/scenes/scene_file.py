@@ -3,46 +3,26 @@ line."""
 
 from __future__ import annotations
 
-import difflib
 import hashlib
 import re
 import tomllib
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any
 
-from pydantic import ValidationError
-
-from rollbench.comparison.errors import SceneError, escaped
-from rollbench.comparison.registration import kinds
-from rollbench.comparison.scenes.body_checks import contact_faults, geometry_faults
-from rollbench.comparison.scenes.fault import Fault
-from rollbench.comparison.scenes.key_checks import choice_faults
-from rollbench.comparison.scenes.load_cases import DutyCycle, case_faults, duty_cycle, of_case
-from rollbench.comparison.scenes.mending import validated
-from rollbench.comparison.scenes.names import AXIS, WHOLE
-from rollbench.comparison.scenes.preload import preloaded
-from rollbench.comparison.scenes.records import scene_of
-from rollbench.comparison.scenes.refusal import refusal, refuse, refuse_keys, spoken
-from rollbench.comparison.scenes.schema import SceneKeys
-from rollbench.comparison.scenes.units import show
+from rollbench.comparison.errors import SceneError
+from rollbench.comparison.scenes.duty_cycle import Described, DutyCycle
+from rollbench.comparison.scenes.names import WHOLE
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.one_arc import as_one_arc
+from rollbench.meshes.kept import kept
 from rollbench.meshes.parts import Scene
 
-if TYPE_CHECKING:
-    from rollbench.comparison.scenes.axis_schema import AxisKeys
-    from rollbench.comparison.scenes.kinds import KindScene
-
-#: What a scene file describes.
-Described: TypeAlias = "Scene | KindScene | Assembly | DutyCycle"
 #: Most parts of a dotted key: the reader's time and memory grow with their square.
 MAX_PARTS = 32
 _PART = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')"""
 _DOTTED = re.compile(rf"""(?<![\w\-."'])(?:{_PART}[ \t]*+\.[ \t]*+){{{MAX_PARTS}}}""")
 #: Largest scene file [bytes] and longest line [characters]: 100 000 listed azimuths on one line have 2 MB.
 MAX_BYTES, MAX_LINE = 4_000_000, 2_500_000
-#: Tables that no whole screw or bearing has; without a kind they tell that one is missing.
-FOREIGN = {"load", "angles", "grooves", "chain", "four_point", "double_row"}
 
 
 def load(path: str | Path) -> Scene:
@@ -83,55 +63,26 @@ def whole(scene: Described, origin: str) -> Scene:
         advice = "this command takes one nut or ring with its balls: take solve, compare, check, friction or sweep"
         raise SceneError(origin, "sets", f"{len(scene.sets)} sets", "one set that stands", advice)
     advice = f"only friction solves this kind: rollbench friction {origin.removesuffix('.toml')}"
-    raise SceneError(origin, "kind", show(scene.kind), ", ".join(map(show, WHOLE)), advice)
+    raise SceneError(origin, "kind", f'"{scene.kind}"', ", ".join(f'"{kind}"' for kind in WHOLE), advice)
+
+
+@dataclass(frozen=True)
+class Known:
+    """What the text of a scene file describes, as it is kept."""
+
+    described: Described
 
 
 def read(text: str, origin: str) -> Described:
     """The scene of any kind in ``text``; ``origin`` is the file named in errors. Raises SceneError, and nothing else."""
-    return read_tables(read_toml(text, origin), origin)
+    return _known(text, origin).described
 
 
-def read_tables(raw: dict[str, Any], origin: str) -> Described:
-    """The scene of any kind of the tables ``raw``. Raises SceneError, and nothing else."""
-    kind = raw.get("kind")
-    if "sets" in raw or kind == AXIS:
-        return _read_axis(raw, origin)
-    nut = raw.get("nut")
-    bodies = isinstance(nut, dict) and "length" in nut  # a whole scene with a key misspelt
-    if kind is None and FOREIGN & raw.keys() and not bodies:
-        name = sorted(FOREIGN & raw.keys())[0]
-        advice = f"[{name}] belongs to a kind that only friction solves: name it, as rollbench new FILE --kind KIND does"
-        raise SceneError(origin, "kind", "nothing", ", ".join(map(show, kinds())), advice)
-    if kind is None or kind in WHOLE:
-        return of_tables(raw, origin)
-    if kind not in kinds():
-        near = difflib.get_close_matches(str(kind), (*WHOLE, *kinds()), n=1, cutoff=0.5)
-        advice = f"did you mean {show(near[0])}?" if near else "leave it out for a whole screw or bearing"
-        raise SceneError(origin, "kind", show(kind), ", ".join(map(show, (*WHOLE, *kinds()))), advice)
-    from rollbench.comparison.scenes.kinds import kind_named
+@kept(Known)
+def _known(text: str, origin: str) -> Known:
+    from rollbench.comparison.scenes.scene_tables import read_tables  # schema and checks: not for a text that is known
 
-    of = kind_named(kind)
-    try:
-        keys = of.keys.model_validate(raw)
-    except ValidationError as error:
-        refuse_keys(origin, of.keys, error)
-    refuse(origin, raw, list(of.faults(keys)))
-    return of.record(keys, escaped(Path(origin).stem))
-
-
-def _read_axis(raw: dict[str, Any], origin: str) -> Scene | Assembly | DutyCycle:
-    from rollbench.comparison.scenes.axis_file import read_axis
-
-    return read_axis(_axis_keys(raw, origin), raw, origin, Path(origin).stem)
-
-
-def _axis_keys(raw: dict[str, Any], origin: str) -> AxisKeys:
-    from rollbench.comparison.scenes.axis_schema import AxisKeys
-
-    try:
-        return AxisKeys.model_validate(raw)
-    except ValidationError as error:
-        refuse_keys(origin, AxisKeys, error)
+    return Known(read_tables(read_toml(text, origin), origin))
 
 
 def kind_of(scene: Described) -> str:
@@ -140,53 +91,6 @@ def kind_of(scene: Described) -> str:
     if not isinstance(scene, Scene):
         return scene.kind
     return "bearing" if scene.track.lead == 0.0 else "ball screw"
-
-
-def keys_of(raw: dict[str, Any], origin: str) -> SceneKeys | AxisKeys:
-    """The keys of the tables ``raw`` of a whole screw or bearing, or of several sets on one shaft, each by itself in range.
-
-    Raises SceneError.
-    """
-    if "sets" in raw or raw.get("kind") == AXIS:
-        return _axis_keys(raw, origin)
-    try:
-        return SceneKeys.model_validate(raw)
-    except ValidationError as error:
-        refuse_keys(origin, SceneKeys, error)
-
-
-def of_tables(raw: dict[str, Any], origin: str) -> Scene | DutyCycle:
-    """The whole screw or bearing of the tables ``raw``, in one load case or several; ``origin``: the file named in errors.
-
-    Raises SceneError with all that is wrong, as far as it can be told before the first faults are mended.
-    """
-    keys, broken = validated(raw, SceneKeys)
-    said = list(broken.said)
-    if keys is not None:
-        faults = (*choice_faults(keys), *case_faults(keys))
-        said += spoken(raw, [fault for fault in faults if broken.leaves(fault.keys)])
-    if keys is None or not broken.bodies or len(said) > len(broken.said):
-        raise refusal(origin, said)
-    scene = scene_of(keys, escaped(Path(origin).stem))
-    said += spoken(raw, _body_faults(scene))
-    if said:
-        raise refusal(origin, said)
-    if keys.preload is not None:
-        scene = preloaded(scene, keys.preload)
-        refuse(origin, raw, _body_faults(scene))
-    scene = as_one_arc(scene)
-    if not keys.cases:
-        return scene
-    cycle = duty_cycle(scene, keys.cases)
-    refuse(
-        origin, raw, [of_case(f, k) for k, case in enumerate(cycle.cases) for f in _body_faults(whole(case.scene, origin))]
-    )
-    return cycle
-
-
-def _body_faults(scene: Scene) -> list[Fault]:
-    """Bodies that cannot be built; where all can, contacts that cannot be solved."""
-    return list(geometry_faults(scene)) or list(contact_faults(scene))
 
 
 def read_text(path: str | Path) -> str:

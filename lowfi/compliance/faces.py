@@ -26,15 +26,13 @@ from scipy.linalg.lapack import dtbtrs
 from scipy.special import k0e
 
 from rollbench.lowfi.compliance.cell import groove_line
+from rollbench.lowfi.compliance.flank import NARROW, Flank, half_space
 from rollbench.lowfi.compliance.fourier import Body, Grid, Layer, factor_c, lower_corner, refine_lines, tube_grid
 from rollbench.lowfi.compliance.groove import (
-    NARROW,
-    Flank,
     every_harmonic,
     finer,
     flank_normals,
     flank_weights,
-    half_space,
     harmonics_to,
     patch_shares,
     spline,

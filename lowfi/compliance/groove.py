@@ -15,54 +15,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rollbench.lowfi.compliance.cell import cell_grid, groove_line
+from rollbench.lowfi.compliance.cell import groove_line
+from rollbench.lowfi.compliance.flank import NARROW, Flank
 from rollbench.lowfi.compliance.fourier import Body, Grid, Layer, on_last, quadratic, solved
-from rollbench.lowfi.compliance.sphere import expansion
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.parts import Material
 from rollbench.meshes.roots import brentq
 from rollbench.meshes.section import BeamSection
 
-#: Standard deviation of the narrow patch over the ball's radius, and elements of its mesh (flank, land, depth).
-NARROW = 0.18
-MESH = (8, 4, 10)
 #: Least share of a cylinder that counts as solid.
 LEAST_SHARE = 0.02
 #: Largest power of that share by which a layer is softer along the axis.
 LARGEST_POWER = 200.0
-#: ln of the standard deviation of a round Gaussian with the same mean logarithmic distance as a Hertz pressure of unit
-#: mean semi-axis: 2 ln 2 - 7/4 - (ln 2 - gamma/2).
-GAUSSIAN = float(np.log(2.0) - 1.75 + 0.5 * np.euler_gamma)
-
-
-@dataclass(frozen=True)
-class Flank:
-    """Groove of one body on half a lead: map, radius of the lands, plain surface (bore or outer radius) [m], whether the
-    screw's, half a lead (or half a ring's width) [m], material."""
-
-    map: GrooveMap
-    land: float
-    far: float
-    screw: bool
-    half: float
-    material: Material
-
-    @property
-    def side(self) -> int:
-        """The flank taken, SR or NR (the other one is its mirror image)."""
-        return 1 if self.screw else 3
-
-    def grid(self, mesh: tuple[int, int, int] | None = None) -> Grid:
-        """Half a lead with its groove."""
-        return cell_grid(self.map, self.land, self.far, self.screw, mesh or MESH, self.half)
-
-    def contact(self) -> tuple[float, float]:
-        """Nominal contact point (r, zeta) [m]."""
-        m = self.map
-        x3, z3 = m.ball * m.signs[self.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
-        r, zeta, _ = m.unroll(np.array(x3), np.array(z3))
-        return float(r), float(zeta)
 
 
 def smooth_radius(flank: Flank, power: int) -> float:
@@ -220,11 +183,6 @@ def finer(flank: Flank, coarse: Grid, last: int) -> float:
     return float(whole @ patch_shares(every, width, radius))
 
 
-def half_space(width: float, material: Material) -> float:
-    """Mean motion [m/N] of a round Gaussian patch on a half space by its own normal load: (1 - nu^2)/(2 sqrt(pi) E s)."""
-    return float((1.0 - material.poissons_ratio**2) / (2.0 * np.sqrt(np.pi) * material.youngs_modulus * width))
-
-
 @dataclass(frozen=True)
 class RingCompliance:
     """Motion of both flanks of a grooved ring by loads on them, ``(harmonics, 4, 4)`` [m/N]: left r, z, right r, z; a ring
@@ -284,33 +242,3 @@ def ring_contacts(ring: RingCompliance, azimuth: Array) -> Array:
     for n, (share, S) in enumerate(zip(shares, ring.S, strict=True)):
         G += share * np.einsum("ij,satb->siatjb", np.cos(n * angle), S.reshape(2, 2, 2, 2))
     return np.asarray(G.reshape(4 * N, 4 * N))
-
-
-def curvatures(flank: Flank) -> tuple[float, float]:
-    """Principal curvatures of the flank at the contact, across the groove and along it, convex positive [1/m]."""
-    m = flank.map
-    along = np.cos(m.beta) / flank.contact()[0] * (1.0 if flank.screw else -1.0)
-    return -1.0 / float(m.radius[flank.side]), float(along)
-
-
-def size_slope(flank: Flank) -> float:
-    """What `at_size` changes by the logarithm of a contact's size [m/N]: by the flank's mean curvature."""
-    a, b = expansion(flank.material.poissons_ratio)
-    return float(-(a + 2.0 * b) / (16.0 * np.pi * flank.material.shear_modulus) * sum(curvatures(flank)))
-
-
-def at_size(flank: Flank, semi_axes: tuple[float, float]) -> float:
-    """What a contact of those semi-axes [m], across the groove and along it, adds to the correction for the narrow round
-    patch [m/N], by curvature alone.
-
-    A pressure exp(i k x) presses a surface of curvatures kappa in by
-    (A/|k| + (alpha tr kappa + beta k kappa k/k^2)/k^2)/2G, A = 2 (1 - nu), alpha = A (1 - 2 nu),
-    beta = -(1 - 2 nu)(3 - 2 nu): the only form that is linear in kappa, from the long cylinder under pressure that varies
-    along it and around it; a sphere's c_n gives the same. In space 1/k^2 is a logarithm, and cos(2 phi)/k^2 is
-    -cos(2 phi)/(4 pi), whose mean over an ellipse is -(a - b)/(a + b)/(4 pi).
-    """
-    a, b = semi_axes
-    nu, G = flank.material.poissons_ratio, flank.material.shear_modulus
-    across, along = curvatures(flank)
-    shape = (1.0 - 2.0 * nu) * (3.0 - 2.0 * nu) / (16.0 * np.pi * G) * (across - along) * (a - b) / (a + b)
-    return float(size_slope(flank) * (np.log(0.5 * (a + b) / (NARROW * flank.map.ball)) + GAUSSIAN) + shape)

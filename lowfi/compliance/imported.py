@@ -11,7 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.lowfi.compliance.bodies import BallCompliance, ball_compliance, contact_frames, whole_body
+from rollbench.lowfi.compliance.between import contact_frames
+from rollbench.lowfi.compliance.bodies import BallCompliance, ball_compliance, whole_body
 from rollbench.lowfi.compliance.parts import REFINED, Backend, geometry_only, grooved_section, held_at
 from rollbench.lowfi.compliance.tube import clamped, motion_rows
 from rollbench.meshes.arrays import Array
@@ -38,6 +39,11 @@ class Condensed:
         if found.geometry != geometry_digest(scene):
             raise ValueError("made for other parts (track, screw, nut, balls or [solid] differ)")
         return Condensed(found)
+
+    @property
+    def whole(self) -> bool:
+        """Whether both bodies are those of the file."""
+        return self.parts == PARTS
 
     def sides_of(self, sides: list[int]) -> list[int]:
         """Those of some sides whose contacts follow the file."""

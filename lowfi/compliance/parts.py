@@ -1,19 +1,19 @@
 """What stands for screw and nut between their contacts, by backend: grooved sections, smooth bodies, where they are held.
 
-Everything here depends on a scene's geometry alone.
+Everything here depends on a scene's geometry alone. Finite elements are imported where a geometry is not known yet.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from rollbench.lowfi.compliance.cell import cell_section
-from rollbench.lowfi.compliance.groove import Flank, groove_layer, smooth_radius
-from rollbench.lowfi.compliance.tube import Tube
+from rollbench.lowfi.compliance.flank import Flank
+from rollbench.lowfi.threads import one_thread
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
@@ -22,8 +22,13 @@ from rollbench.meshes.parts import Ingredients, Scene
 from rollbench.meshes.section import BeamSection, screw_section, tube_section
 from rollbench.meshes.solid import dimensions
 
+if TYPE_CHECKING:
+    from rollbench.lowfi.compliance.tube import Tube
+
 #: Least width of the kernels' patch over the ball's radius, for steep contact angles.
 LEAST = 0.5
+#: Left and right flank of a groove.
+BOTH = (0, 1)
 #: Fixings of the nut by the name of the scene's key.
 HELD = {
     "left face": "low",
@@ -144,16 +149,23 @@ def held_at(scene: Scene, screw: bool) -> str:
 @kept(BeamSection)
 def grooved_section(geometry: Scene, screw: bool) -> BeamSection:
     """Section constants of the grooved screw or nut (`cell_section`); of the plain body for a track without lead."""
+    from rollbench.lowfi.compliance.cell import cell_section
+    from rollbench.lowfi.compliance.groove import smooth_radius
+
     flank = flank_of(geometry, screw)
     if geometry.track.lead == 0.0:
         if screw:
             return screw_section(geometry)
         return tube_section(2.0 * flank.far, 2.0 * smooth_radius(flank, 2), flank.material)
-    return cell_section(flank.map, flank.land, flank.far, screw, flank.material).section
+    with one_thread():
+        return cell_section(flank.map, flank.land, flank.far, screw, flank.material).section
 
 
 def smooth_body(geometry: Scene, screw: bool, backend: Backend) -> Tube:
     """The smooth body of revolution that stands for screw or nut."""
+    from rollbench.lowfi.compliance.groove import groove_layer, smooth_radius
+    from rollbench.lowfi.compliance.tube import Tube
+
     flank = flank_of(geometry, screw)
     low, high = dimensions(geometry).ends(geometry)
     half, position = geometry.nut.length / 2.0, geometry.nut.position
@@ -187,3 +199,11 @@ def clamp(tube: Tube) -> tuple[tuple[float, float], str]:
         return tube.ends, tube.held
     base = tube.flange.stations(*tube.ends)[2 if tube.flange.bonded else 1]
     return (base, base), "low"
+
+
+def of_flanks(G: Array, flanks: Sequence[int]) -> Array:
+    """Rows and columns of some flanks ``(2 c, 2 c)`` of a matrix of both ``(4 N, 4 N)``."""
+    if len(flanks) == len(BOTH):
+        return G
+    half = len(G) // 2
+    return np.concatenate([np.concatenate([G[i * half :][:half, j * half :][:, :half] for j in flanks], 1) for i in flanks])

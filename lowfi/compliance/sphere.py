@@ -10,7 +10,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from scipy.special import eval_legendre
+from numpy.polynomial.legendre import legval
 
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Material
@@ -42,7 +42,7 @@ def smooth_part(cosine: float, poisson: float) -> float:
     a, b = expansion(poisson)
     n = np.arange(2.0, TERMS)
     terms = (2 * n + 1) * legendre_compliance(n, poisson) - 2.0 * a - (a + 2.0 * b) / n
-    total = float(terms @ eval_legendre(n, cosine))
+    total = float(legval(cosine, np.append([0.0, 0.0], terms)))
     # n = 0 and 1 of the closed sums: 2 A sum P_n over n >= 0, (A + 2 B) sum P_n / n over n >= 1
     total += float(legendre_compliance(np.array(0.0), poisson)) - 2.0 * a - (2.0 * a + a + 2.0 * b) * cosine
     return total

@@ -2,30 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rollbench.lowfi.compliance.bodies import WholeBody, whole_body
-from rollbench.lowfi.compliance.imported import Condensed
 from rollbench.lowfi.compliance.parts import REFINED, Backend
 from rollbench.lowfi.statics import elastic, static
-from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild, one_thread
+from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild
 from rollbench.lowfi.statics.problem import Problem, distances
 from rollbench.lowfi.statics.selection import all_sides, choose_sides
 from rollbench.lowfi.statics.settle import contact_angles, verdict
 from rollbench.lowfi.statics.static import Engine, Unheld, pick_engine, round_off_bound, unheld
+from rollbench.lowfi.threads import one_thread
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.errors import Specimen
-from rollbench.meshes.helix import BallLayout, layout_at, reduced_lead
-from rollbench.meshes.parts import Scene, Track
+from rollbench.meshes.helix import BallLayout
+from rollbench.meshes.parts import Scene
 
-#: Length of a window of `Travelling` and the least one [rad], how far beyond it balls may be as a part of it, and how far
-#: they may move against each other [rad].
-WINDOW, LEAST, BEYOND, APART = np.radians(8.0), 1e-4, 0.01, 5e-4
+if TYPE_CHECKING:
+    from rollbench.lowfi.compliance.imported import Condensed
 
 
 @dataclass(frozen=True)
@@ -91,71 +89,6 @@ def solved_system(
         return solved.problem, solved.status
     system, outcome = solved.elastic, solved.outcome
     return system, verdict(outcome, elastic.round_off(system, outcome.scale), partial(unheld, system.problem))
-
-
-class Window(NamedTuple):
-    """Compliance of a body ``(3, 2 c, 2 c)`` [m/N] where its balls are, and half a length [rad] and a length on."""
-
-    azimuth: Array
-    z: Array
-    length: float
-    G: tuple[Array, Array, Array]
-
-
-@dataclass
-class Travelling:
-    """Compliance of bodies between contacts that travel round the track together, in place of `whole_body`: computed at
-    three places of a window, between them by the parabola through these.
-
-    ahead: length of a window [rad], signed as the balls travel in the nut. A body of revolution with a groove in it answers
-    balls that turn and advance together alike, but for its ends: the compliance changes slowly. Where balls move by more
-    than ``APART`` against each other, or others are on the loaded arc, a new window begins. Kept for one scene and backend.
-    """
-
-    ahead: float
-    windows: dict[tuple[object, ...], list[Window]] = field(default_factory=dict)
-
-    def __call__(self, scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int]) -> Array:
-        """As `whole_body`."""
-        track, rate = scene.track, reduced_lead(scene.track)
-        known = self.windows.setdefault((screw, tuple(flanks), layout.z.size), [])
-        for window in known:
-            moved = layout.azimuth - window.azimuth
-            part = float(np.mean(moved if rate == 0.0 else (layout.z - window.z) / rate)) / window.length
-            apart = np.abs(moved - moved.mean()).max()
-            if apart <= APART and -BEYOND <= part <= 1.0 + BEYOND:
-                break
-        else:
-            part, window = 0.0, self.begin(layout, track, lambda place: whole_body(scene, place, screw, backend, flanks))
-            known.append(window)
-        first, second, third = window.G
-        left = 1.0 - part
-        return np.asarray(left * (left - part) * first + 4.0 * part * left * second + part * (part - left) * third)
-
-    def begin(self, layout: BallLayout, track: Track, compute: Callable[[BallLayout], Array]) -> Window:
-        """A window from ``layout`` on, shorter where a ball would pass the nut's face. Raises as `whole_body`."""
-        rate, length = reduced_lead(track), self.ahead
-        while True:
-            places = (layout_at(track, layout.azimuth + s, layout.z + s * rate) for s in (length, 0.5 * length, 0.0))
-            try:
-                third, second, first = map(compute, places)
-            except ValueError:
-                if abs(length) < LEAST:
-                    raise
-                length /= 8.0
-                continue
-            return Window(layout.azimuth, layout.z, length, (first, second, third))
-
-
-def in_motion(model: str, ahead: float) -> Callable[..., ContactLoads]:
-    """How a model finds the loads of balls that travel; ahead: 1.0 or -1.0, as they do in the nut."""
-    if model != "refined":
-        return AGAIN[model]
-    return partial(elastic_loads, whole=Travelling(WINDOW * ahead))
-
-
-#: How the models of a static run find loads again and again, by name.
-AGAIN: dict[str, Callable[..., ContactLoads]] = {"lin": beam_loads, "refined": elastic_loads}
 
 
 def _loads(force: Array, normal: Array, C: Array, status: str) -> ContactLoads:

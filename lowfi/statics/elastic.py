@@ -9,14 +9,13 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 from time import perf_counter
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rollbench.lowfi.compliance.imported import Condensed
 from rollbench.lowfi.compliance.parts import REFINED, Backend, idealised
 from rollbench.lowfi.hertz import contact_stiffness
-from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild, one_thread
+from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild
 from rollbench.lowfi.statics.mechanism import Mechanism, free_motions
 from rollbench.lowfi.statics.records import Outcome
 from rollbench.lowfi.statics.result import StaticResult
@@ -26,10 +25,14 @@ from rollbench.lowfi.statics.shaft import flank_loads, node_forces, node_motions
 from rollbench.lowfi.statics.solved import SolvedState
 from rollbench.lowfi.statics.static import Engine, Unheld, pick_engine, pin, unheld, with_other_pin
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS, assemble_result, failed_result
+from rollbench.lowfi.threads import one_thread
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimen, specimen
 from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.parts import Scene
+
+if TYPE_CHECKING:
+    from rollbench.lowfi.compliance.imported import Condensed
 
 #: Formulation of a solution with elastic bodies.
 CONDENSED = "convex energy, elastic bodies condensed to the contacts"

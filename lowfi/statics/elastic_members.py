@@ -12,13 +12,14 @@ import numpy as np
 
 from rollbench.lowfi.compliance.parts import Backend
 from rollbench.lowfi.statics.elastic import Solution, flank_forces, iterate, round_off, solve_sides, untouched
-from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild, one_thread, pair_data, typical_force
+from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild, pair_data, typical_force
 from rollbench.lowfi.statics.kernel.status import CONVERGED, ITERATIONS
 from rollbench.lowfi.statics.problem import distances, hertz_C
 from rollbench.lowfi.statics.selection import all_sides, choose_sides
 from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.lowfi.statics.shaft import node_motions, rigid_nodes, rows_of
 from rollbench.lowfi.statics.static import force_floor, least_force
+from rollbench.lowfi.threads import one_thread
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.errors import alike_in_shape, specimen, specimens, without_draws
 from rollbench.meshes.helix import ball_layout

@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
-from functools import cache
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag
-from threadpoolctl import ThreadpoolController
 
 from rollbench.lowfi.compliance.bodies import BallCompliance, WholeBody, ball_compliance, body_compliance, whole_body
-from rollbench.lowfi.compliance.imported import PARTS, Condensed
 from rollbench.lowfi.compliance.modes import soft_modes
 from rollbench.lowfi.compliance.parts import Backend, geometry_only, grooved_section
 from rollbench.lowfi.hertz import contact_stiffness
@@ -29,6 +24,9 @@ from rollbench.meshes.errors import Specimen
 from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import Scene
 
+if TYPE_CHECKING:
+    from rollbench.lowfi.compliance.imported import Condensed
+
 #: Largest number of balls: compliance between all contacts is formed whole, so memory and set-up grow as its square.
 LARGEST = 1000
 #: Share of a contact's tangent compliance that Hertz's law may lend to the bodies: it falls with the force's cube root, and
@@ -36,18 +34,6 @@ LARGEST = 1000
 LENT = 0.25
 #: Number of balls from which on the bodies' soft modes serve the solution, instead of a dense factor.
 MODES_FROM = 24
-
-
-@cache
-def _libraries() -> Any:
-    """The libraries of linear algebra of this process: to find them takes as long as to solve a scene."""
-    return ThreadpoolController()
-
-
-def one_thread() -> AbstractContextManager[object]:
-    """Linear algebra on one thread: with small matrices, more only wait for one another."""
-    found: AbstractContextManager[object] = _libraries().limit(limits=1, user_api="blas")
-    return found
 
 
 @dataclass(frozen=True)
@@ -143,7 +129,8 @@ def positive(G: Array, normals: Array, tangent: float) -> tuple[Array, Array, fl
     lam, V = np.linalg.eigh(G)
     lacks = np.einsum("ia,iajb,jb->ij", normals, ((V * np.minimum(lam, 0.0)) @ V.T).reshape(lent.size, 2, -1, 2), normals)
     lent = np.minimum(np.abs(lacks).sum(axis=1), LENT * tangent)
-    G = G + block_diag(*(lent[:, None, None] * normals[:, :, None] * normals[:, None, :]))
+    each, G = np.arange(lent.size), G.copy()
+    G.reshape(lent.size, 2, lent.size, 2)[each, :, each] += lent[:, None, None] * normals[:, :, None] * normals[:, None, :]
     if _is_positive(G):
         return G, lent, 0.0
     lam, V = np.linalg.eigh(G)
@@ -283,7 +270,7 @@ def ready(
     shaft = shaft_of(problem)
     axes = typical_axes(problem, typical_force(problem))
     ball = ball_compliance(problem.scene, axes, backend)
-    if condensed is not None and condensed.parts == PARTS:
+    if condensed is not None and condensed.whole:
         ball = condensed.ball(problem.scene, axes)
     flanks, assumed = flanks_of(problem, shaft, backend, condensed, layout, ball, whole)
     pair = one_pair(problem)

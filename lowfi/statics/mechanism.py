@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import qr
 
 from rollbench.lowfi.statics.problem import Problem, wrench_rows
-from rollbench.lowfi.statics.shape import rigid_transport, unresisted
+from rollbench.lowfi.statics.shape import pivots, rigid_transport, unresisted
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import FREEDOMS
 
@@ -73,12 +72,10 @@ def free_motions(problem: Problem) -> Mechanism:
     if drives(null @ work, problem.load, track.pitch_radius):
         return Mechanism(True, f"{text}: no support and no contact resists it, and the loads drive it")
     if problem.basis is not None:  # freedoms are the columns of the basis that the supports leave
-        _, _, order = qr(null, pivoting=True)
-        order = np.flatnonzero(~problem.fixed[0])[order]
+        left = np.flatnonzero(~problem.fixed[0])
+        pins = tuple(int(left[k]) for k in pivots(null))
     else:
-        _, _, order = qr(free.T, pivoting=True)
-    count = null.shape[0]
-    pins = tuple(int(k) for k in order[:count])
+        pins = tuple(pivots(free.T))
     return Mechanism(
         False, text, pins, no_torsion, _others(free, pins, track.pitch_radius) if problem.basis is None else ()
     )
@@ -88,8 +85,7 @@ def _others(free: Array, pins: tuple[int, ...], arm: float) -> tuple[int, ...]:
     """Freedoms besides the pins that hold all free motions ``(6, k)`` as well; none where there are no such."""
     scaled = free * np.array([1.0, 1.0, 1.0, arm, arm, arm])[:, None]
     rest = [k for k in range(6) if k not in pins]
-    _, _, order = qr(scaled[rest].T, pivoting=True)
-    others = tuple(rest[int(k)] for k in order[: len(pins)])
+    others = tuple(rest[k] for k in pivots(scaled[rest].T))
     sizes = np.linalg.svd(scaled[list(others)], compute_uv=False)
     return others if len(others) == len(pins) and sizes[-1] > 1e-6 * np.abs(scaled).max() else ()
 

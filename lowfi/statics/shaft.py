@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_solve_banded, cholesky_banded, qr
 
+from rollbench.lowfi.statics.kernel.banded import factor_band, substitute_columns
 from rollbench.lowfi.statics.kernel.beam import add_element
 from rollbench.lowfi.statics.problem import Problem
-from rollbench.lowfi.statics.shape import principal, rigid_transport
+from rollbench.lowfi.statics.shape import pivots, principal, rigid_transport
 from rollbench.meshes.arrays import Array
 
 #: Right-hand sides solved at a time.
@@ -31,15 +31,15 @@ class Shaft:
     work: Array
     arms: Array
     pin: int
-    free: NDArray[np.int64]
+    free: NDArray[np.bool_]
     factor: Array = field(repr=False)
     band: Array = field(repr=False)
 
     def solve(self, loads: Array) -> Array:
         """Motions ``(6 n, c)`` of all nodes by nodal loads ``(6 n, c)``, held freedoms at zero."""
-        out = np.zeros_like(loads)
-        if self.free.size:
-            out[self.free] = cho_solve_banded((self.factor, True), loads[self.free], check_finite=False)
+        out = np.where(self.free[:, None], loads, 0.0)
+        if self.free.any():
+            substitute_columns(self.factor, out)
         return out
 
     def times(self, q: Array) -> Array:
@@ -77,7 +77,7 @@ def shaft_of(problem: Problem) -> Shaft:
         loose = np.flatnonzero(~problem.fixed[0])
         arms = np.where(loose < 3, 1.0, 1.0 / arm)
         motions = np.eye(6)[:, loose]
-        none = np.zeros(0, dtype=np.int64)
+        none = np.zeros(6, dtype=bool)
         return Shaft(problem, motions, problem.load[0, loose], arms, 0, none, np.zeros((1, 0)), np.zeros((1, 6)))
     n = problem.nodes.size
     band = np.zeros((6 * n, 12))
@@ -90,29 +90,22 @@ def shaft_of(problem: Problem) -> Shaft:
     pin = pin_node(problem)
     held = problem.fixed.copy()
     if motions.shape[1]:
-        _, _, order = qr(motions.T, pivoting=True)
-        held[pin, order[: motions.shape[1]]] = True
-    free = np.flatnonzero(~held.ravel())
+        held[pin, pivots(motions.T)] = True
+    free = ~held.ravel()
     at_pin = np.einsum("nij,ni->j", rigid_transport(problem.nodes - problem.nodes[pin]), problem.load)
-    lower = band.T.copy()
-    return Shaft(problem, motions, motions.T @ at_pin, np.ones(motions.shape[1]), pin, free, _factor(lower, free), lower)
+    arms = np.ones(motions.shape[1])
+    return Shaft(problem, motions, motions.T @ at_pin, arms, pin, free, _factor(band, free), band.T.copy())
 
 
-def _factor(lower: Array, free: NDArray[np.int64]) -> Array:
-    """Banded Cholesky factor of the free part of a lower band ``(12, 6 n)``."""
-    size = lower.shape[1]
-    kept = np.zeros((lower.shape[0], free.size))
-    place = np.full(size, -1, dtype=np.int64)
-    place[free] = np.arange(free.size)
-    for k in range(lower.shape[0]):
-        columns = free[free + k < size]
-        rows = place[columns + k]
-        inside = rows >= 0
-        own = place[columns[inside]]
-        kept[rows[inside] - own, own] = lower[k, columns[inside]]
-    if free.size == 0:
-        return kept
-    return np.asarray(cholesky_banded(kept, lower=True, check_finite=False))
+def _factor(band: Array, free: NDArray[np.bool_]) -> Array:
+    """Factor of a lower band ``(6 n, 12)`` (`kernel.banded`) with freedoms that are not free held by a unit diagonal."""
+    kept = band.copy()
+    for k in range(1, band.shape[1]):
+        kept[: len(free) - k, k] *= free[: len(free) - k] & free[k:]
+    kept[~free, 0] = 1.0
+    if not factor_band(kept):
+        raise np.linalg.LinAlgError("the stiffness of a shaft with supports is not positive")
+    return kept
 
 
 def rows_of(problem: Problem, used: list[int]) -> tuple[NDArray[np.int64], Array]:

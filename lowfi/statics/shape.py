@@ -113,3 +113,19 @@ def unresisted(rows: Array) -> Array:
         return np.eye(rows.shape[1])
     size, vt = principal(rows)
     return vt[int((size > 1e-9 * max(1.0, size.max(initial=0.0))).sum()) :]
+
+
+def pivots(rows: Array) -> list[int]:
+    """As many columns of rows ``(k, m)`` as these have rank, each the one with most beyond those before it: as QR with
+    column pivoting takes them."""
+    rest, found = rows.copy(), []
+    for _ in range(min(rows.shape)):
+        sizes = (rest * rest).sum(axis=0)
+        k = int(sizes.argmax())
+        if sizes[k] == 0.0:
+            break
+        found.append(k)
+        along = rest[:, k] / np.sqrt(sizes[k])
+        rest -= np.outer(along, along @ rest)
+        rest[:, found] = 0.0
+    return found

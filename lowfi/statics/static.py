@@ -16,7 +16,6 @@ from rollbench.lowfi import jit
 from rollbench.lowfi.hertz import contact_force, contact_stiffness
 from rollbench.lowfi.statics.mechanism import Mechanism, free_motions
 from rollbench.lowfi.statics.problem import Problem, build, distances, tightest
-from rollbench.lowfi.statics.proof import opening_motion, ran_away, words_of
 from rollbench.lowfi.statics.records import BeamArrays, BeamContacts, BeamSlopes, BeamState, Options, Outcome
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.selection import (
@@ -345,6 +344,8 @@ def settle(prepared: Prepared, *, everything: bool = False, refine: int = 1, pro
 
 def unheld(problem: Problem) -> str:
     """Status sentence of a screw that ran away: not held only where a linear program proves it."""
+    from rollbench.lowfi.statics.proof import opening_motion, ran_away, words_of
+
     opens = "the load opens every contact that could carry it, so the screw moves without limit (linear program: {})"
     return ran_away(partial(opening_motion, problem), "the screw", lambda motion: opens.format(words_of(motion)))
 

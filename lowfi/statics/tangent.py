@@ -13,23 +13,26 @@ takes it between the screw's node and the nut's, and adds its own shaft and bear
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
 
-from rollbench.lowfi.compliance.imported import Condensed
 from rollbench.lowfi.compliance.parts import REFINED, Backend
 from rollbench.lowfi.statics.again import solved_system
-from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild, one_thread
+from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild
 from rollbench.lowfi.statics.kernel.elastic_balls import ball_rows
 from rollbench.lowfi.statics.problem import Problem
 from rollbench.lowfi.statics.selection import all_sides
 from rollbench.lowfi.statics.shaft import rows_of
 from rollbench.lowfi.statics.shape import rigid_transport
+from rollbench.lowfi.threads import one_thread
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import FREEDOMS, Scene, Support
+
+if TYPE_CHECKING:
+    from rollbench.lowfi.compliance.imported import Condensed
 
 
 @dataclass(frozen=True)
@@ -102,7 +105,7 @@ def _condensed(solved: Elastic, clamped: Elastic, station: float) -> Array:
         by_clamp = by_clamp.reshape(N, 2, 2, 6)[:, solved.pair[0]].reshape(2 * N, 6)
     A += screw @ bodies.first @ screw.T
     moved = screw @ by_clamp
-    K = moved.T @ cho_solve(cho_factor(A), moved)
+    K = moved.T @ np.linalg.solve(A, moved)
     return np.asarray(0.5 * (K + K.T))
 
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+import subprocess
+import sys
 from dataclasses import replace
 from functools import partial
 
@@ -199,3 +202,11 @@ def test_scenes_go_through_the_command_line_too():
     for words in other:
         assert changed(words).verdict == scenes.MISSTATED, words
     assert "exit codes 1" in scenes.judge(7, right, "lin", lambda tokens: (1, command(tokens)[1])).words
+
+
+def test_the_command_itself_solves_its_scenes_through_the_command_line():
+    """In a process of its own, which loads the options of no command but the one that is asked for."""
+    words = [sys.executable, "-m", "rollbench", "stability", "--random", "2", "--seed", "808", "--json"]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert json.loads(done.stdout)["scenes"]["right"] >= 1

@@ -17,8 +17,8 @@ from rollbench.comparison.gate.user import Asked, check_scenes
 from rollbench.comparison.gate.verdict import CODES, LIMIT, Verdict, Word, worst_of
 from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.load_cases import cases_by_name
-from rollbench.comparison.scenes.scene_file import Described, each_case
+from rollbench.comparison.scenes.duty_cycle import Described, cases_by_name
+from rollbench.comparison.scenes.scene_file import each_case
 
 if TYPE_CHECKING:
     from rich.table import Table

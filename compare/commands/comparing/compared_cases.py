@@ -7,9 +7,9 @@ from typing import Any
 
 from rollbench.comparison.commands.comparing.compare_output import Comparison
 from rollbench.comparison.measure import error_percent
-from rollbench.comparison.models.load_cases import cycle_life
+from rollbench.comparison.models.together import cycle_life
 from rollbench.comparison.quantities import number
-from rollbench.comparison.scenes.load_cases import CaseOf, DutyCycle
+from rollbench.comparison.scenes.duty_cycle import CaseOf, DutyCycle
 
 
 def cycles_of(cases: Mapping[str, CaseOf]) -> Iterable[DutyCycle]:

@@ -32,7 +32,7 @@ from rollbench.comparison.reference.levels import ADVISED, LEVELS, SOURCE_LEVEL
 from rollbench.comparison.reference.store import Run, shipped_store
 from rollbench.comparison.reference.tasks import Solvable, Task
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.load_cases import cases_by_name
+from rollbench.comparison.scenes.duty_cycle import cases_by_name
 from rollbench.comparison.scenes.scene_file import each_case
 from rollbench.comparison.writing import no_figure, write_csv, write_figure
 from rollbench.meshes.axis import Assembly

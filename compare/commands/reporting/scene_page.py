@@ -12,17 +12,19 @@ from typing import Any
 import numpy as np
 
 from rollbench.comparison import __version__
-from rollbench.comparison.commands.solving.cases_output import case_json, case_rows, cases_json, together_entries
+from rollbench.comparison.commands.solving.cases_output import case_rows, cases_json, together_entries
+from rollbench.comparison.commands.solving.one_output import case_json
 from rollbench.comparison.commands.solving.summary import entries
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.gate.user import judged_by
 from rollbench.comparison.measure import LoadError, load_error
 from rollbench.comparison.models.answers import Answers, tangent_of
 from rollbench.comparison.models.comparison import from_result
-from rollbench.comparison.models.load_cases import solve_one, together
+from rollbench.comparison.models.load_cases import solve_one
 from rollbench.comparison.models.model_form import FILE, ModelForm
 from rollbench.comparison.models.registry import DEFAULT, Options
 from rollbench.comparison.models.study import Study
+from rollbench.comparison.models.together import together
 from rollbench.comparison.models.u_val import QUANTITIES, Validated, validated
 from rollbench.comparison.provenance import SOURCES, commit, sources_hash
 from rollbench.comparison.reference.estimate import Reference
@@ -30,7 +32,7 @@ from rollbench.comparison.reference.grid_summary import uncertainty_percent
 from rollbench.comparison.reference.store import path_in, shipped_store
 from rollbench.comparison.registration import offered
 from rollbench.comparison.scenes import catalogue, scene_file
-from rollbench.comparison.scenes.load_cases import DutyCycle
+from rollbench.comparison.scenes.duty_cycle import DutyCycle
 from rollbench.comparison.sections.applicability import range_figure, range_table
 from rollbench.comparison.sections.loaded_screw import loaded_screw
 from rollbench.comparison.sections.sketch import sketch_of

@@ -1,4 +1,4 @@
-"""A solved scene, or the load cases of a duty cycle, as JSON and for the terminal."""
+"""The load cases of a duty cycle as JSON and for the terminal."""
 
 from __future__ import annotations
 
@@ -6,12 +6,14 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from rollbench.comparison.commands.printing import text_width
-from rollbench.comparison.commands.solving.solve_output import as_json, as_table, stiffness_json, stiffness_lines
-from rollbench.comparison.commands.solving.summary import LIFE, answers_json, block, entry
+from rollbench.comparison.commands.solving.one_output import case_json, case_table
+from rollbench.comparison.commands.solving.solve_output import stiffness_lines
+from rollbench.comparison.commands.solving.summary import LIFE, entry
 from rollbench.comparison.commands.wrapping import aligned
-from rollbench.comparison.models.load_cases import Lives, Solved, SolvedAxis, Together
+from rollbench.comparison.models.load_cases import Solved, SolvedAxis
+from rollbench.comparison.models.together import Lives, Together
 from rollbench.comparison.quantities import number, quantity, record
-from rollbench.comparison.scenes.load_cases import DutyCycle, LoadCase
+from rollbench.comparison.scenes.duty_cycle import DutyCycle, LoadCase
 from rollbench.lowfi.statics.tangent import Tangent
 
 #: What the cases of a duty cycle say together.
@@ -38,30 +40,6 @@ COLUMNS = (
     ("static safety", "static_safety", "factor"),
     ("life 1e6 rev", "life", "L10_million_revolutions"),
 )
-
-
-def case_json(one: Solved | SolvedAxis, tangent: Tangent | None = None) -> dict[str, Any]:
-    """A solved scene for JSON; tangent: the stiffness at a station, where it was asked for of one set."""
-    if isinstance(one, SolvedAxis):
-        from rollbench.comparison.commands.solving import axis_output
-
-        return axis_output.as_json(one.scene, one.result, one.answers, one.result.member)
-    answers = None if one.answers is None else answers_json(one.scene, one.result, one.answers)
-    if answers is not None and tangent is not None:
-        answers["stiffness"] = stiffness_json(tangent.station, tangent.status, tangent.matrix)
-    return as_json(one.scene, one.result, one.expected, answers)
-
-
-def case_table(one: Solved | SolvedAxis, *, balls: bool = False, details: bool = False) -> list[Any]:
-    """A solved scene for the terminal; balls: with the table of every ball; details: with what lies behind the answers."""
-    if isinstance(one, SolvedAxis):
-        from rollbench.comparison.commands.solving import axis_output, axis_summary
-
-        said = "" if one.answers is None else axis_summary.block(one.scene, one.result, one.answers, text_width())
-        return axis_output.as_table(one.scene, one.result, block=said, balls=balls, details=details)
-    speed = None if one.scene.motion is None else one.scene.motion.speed
-    text = "" if one.answers is None else block(one.scene, one.result, one.answers, one.expected, text_width(), speed)
-    return as_table(one.scene, one.result, one.expected, block=text, balls=balls, details=details)
 
 
 def cases_json(

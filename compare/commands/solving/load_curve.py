@@ -52,12 +52,12 @@ def curve_rows(scene: Scene | Assembly, points: list[CurvePoint], options: Optio
         slope = 1.0 / np.gradient(moved, force)
     rows = []
     for p, k in zip(points, slope, strict=True):
-        state = None
+        friction = None
         if isinstance(p.result, AxisResult):
             k = np.nan if p.result.stiffness is None else p.result.stiffness[2, 2]
         elif isinstance(scene, Scene) and p.largest > 0.0:
-            state, _ = quick_friction(scene, p.result, options)
-        torque = None if state is None else 1e3 * state.torque.friction
+            friction, _ = quick_friction(scene, p.result, options)
+        torque = None if friction is None else friction["friction_torque_Nmm"]
         stiffness = 1e-6 * float(k) if np.isfinite(k) else None
         values = (p.factor, p.force, 1e6 * p.displacement, stiffness, p.largest, torque)
         rows.append(dict(zip(COLUMNS, values, strict=True)))

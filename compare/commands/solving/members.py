@@ -21,7 +21,7 @@ from rollbench.comparison.models.registry import default_model
 from rollbench.comparison.quantities import number
 from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.load_cases import DutyCycle
+from rollbench.comparison.scenes.duty_cycle import DutyCycle
 from rollbench.comparison.scenes.scene_file import each_case
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly

@@ -9,18 +9,17 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.comparison.commands.printing import Answer
-from rollbench.comparison.commands.solving.cases_output import case_json, case_table, cases_json, cases_table
+from rollbench.comparison.commands.solving.one_output import case_json, case_table
 from rollbench.comparison.commands.solving.solve_choices import Choices
 from rollbench.comparison.commands.solving.solve_output import stiffness_lines
 from rollbench.comparison.errors import InputError, named, one_line
 from rollbench.comparison.models.answers import tangent_of
-from rollbench.comparison.models.load_cases import Solved, SolvedAxis, solve_any, together
+from rollbench.comparison.models.load_cases import Solved, SolvedAxis, solve_any
 from rollbench.comparison.models.registry import Options, default_model
 from rollbench.comparison.scenes import catalogue, units
-from rollbench.comparison.scenes.load_cases import DutyCycle
+from rollbench.comparison.scenes.duty_cycle import DutyCycle
 from rollbench.comparison.scenes.scene_file import each_case
 from rollbench.comparison.watch import checked, watched
-from rollbench.comparison.writing import need_writable
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.lowfi.warned import above
@@ -61,6 +60,9 @@ def run_solve(name: str, choices: Choices) -> Answer:
         return Answer(
             case_json(solved[0], tangents[0]), [*case_table(solved[0], **shown), *lines, *written], code, folded=True
         )
+    from rollbench.comparison.commands.solving.cases_output import cases_json, cases_table
+    from rollbench.comparison.models.together import together
+
     whole = together(described, solved)
     data = cases_json(described, solved, whole, tangents)
     return Answer(data, [*cases_table(described, solved, whole, tangents, **shown), *written], code, folded=True)
@@ -132,12 +134,12 @@ def _checked(choices: Choices) -> tuple[str, float]:
         from rollbench.comparison.commands.solving.matrix_files import check_matrix
 
         check_matrix(choices.matrix)
-    if choices.curve is not None:
-        if choices.curve.suffix.lower() != ".csv":
-            raise InputError("command line", "--curve", str(choices.curve), "a name that ends in .csv", "rename it")
-        need_writable(choices.curve)
-    if choices.loads_csv is not None:
-        need_writable(choices.loads_csv)
+    if choices.curve is not None and choices.curve.suffix.lower() != ".csv":
+        raise InputError("command line", "--curve", str(choices.curve), "a name that ends in .csv", "rename it")
+    for path in filter(None, (choices.curve, choices.loads_csv)):
+        from rollbench.comparison.writing import need_writable
+
+        need_writable(path)
     if not choices.stiffness_at:
         return model, 0.0
     try:

@@ -11,7 +11,6 @@ from rollbench.comparison.commands.solving.solve_output import MODEL_FORM, model
 from rollbench.comparison.models.answers import Answers, LoadAnswers
 from rollbench.comparison.models.model_form import ModelForm
 from rollbench.comparison.quantities import number, quantity, record, shown
-from rollbench.comparison.registration import offered
 from rollbench.lowfi.rating.contacts import ALLOWED
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import StaticResult
@@ -116,7 +115,7 @@ def contacts_json(found: LoadAnswers) -> dict[str, Any]:
 
 def answers_json(scene: Scene, result: StaticResult, found: Answers) -> dict[str, Any]:
     """All answers: forces in N, displacements in um, rigidities in N/um."""
-    three, life, state = found.rigidities, found.loads.life, found.friction
+    three, life = found.rigidities, found.loads.life
     data = contacts_json(found.loads)
     if life is not None and scene.motion is not None and scene.motion.speed:
         data["life"]["L10_hours"] = number(life.hours(scene.motion.speed))
@@ -133,7 +132,7 @@ def answers_json(scene: Scene, result: StaticResult, found: Answers) -> dict[str
         **data,
         "preload": record(PRELOAD, found.preload),
         "contact_lost": record(CONTACT_LOST, found.lift),
-        "friction": None if state is None else offered("drawn friction")[0](state),
+        "friction": found.friction,
         "friction_words": found.friction_words or None,
     }
 

@@ -36,7 +36,7 @@ def startup_jobs() -> Iterator[Job]:
         "print(b - a, c - b - (t() - c))"
     )
     _, done = launch(["-c", code.format(engine="interpreted")])
-    note = "imports of a low-order solve (numpy, scipy and pydantic among them), after the interpreter's own start"
+    note = "imports of a low-order solve (numpy among them), after the interpreter's own start"
     yield Job("imports", _number(done, 0), None, None, None, note)
     with tempfile.TemporaryDirectory() as cache:
         for job, note in (

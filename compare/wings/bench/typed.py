@@ -26,8 +26,8 @@ from rollbench.lowfi.statics.elastic_system import LARGEST
 from rollbench.meshes.memory import peak_MB, reset_peak
 from rollbench.reports.records import Figure, Panel, Quantity, Row, Series, Table
 
-_BASE = "import numpy, pydantic, cyclopts, rich.console"
-_LINEAR = f"{_BASE}, scipy.linalg, scipy.special"
+_BASE = "import numpy, cyclopts, rich.console"
+_COMPILED = f"{_BASE}, scipy.linalg, numba"
 
 
 @dataclass(frozen=True)
@@ -50,12 +50,12 @@ class Typed:
 _SOLVE = "commands.solving.solve"
 TYPED = (
     Typed("list", _BASE, "commands.listing", 0.35),
-    Typed("solve lin-case1", _LINEAR, _SOLVE, 0.6),
-    Typed("solve lin-case1 --model lin", _LINEAR, _SOLVE, 0.4),
-    Typed("friction lin-case1", f"{_LINEAR}, numba", "wings.friction.whole", 0.6),
-    Typed("solve lin-random --members 100 --model lin", f"{_LINEAR}, numba", "commands.solving.members", 1.0),
-    Typed("solve lin-random --members 20", f"{_LINEAR}, numba", "commands.solving.members", 1.0),
-    Typed("solve lin-random --members 1000", f"{_LINEAR}, numba", "commands.solving.members", 2.0, 2),
+    Typed("solve lin-case1", _BASE, _SOLVE, 0.6),
+    Typed("solve lin-case1 --model lin", _BASE, _SOLVE, 0.4),
+    Typed("friction lin-case1", f"{_COMPILED}, scipy.special, pydantic", "wings.friction.whole", 0.6),
+    Typed("solve lin-random --members 100 --model lin", _COMPILED, "commands.solving.members", 1.0),
+    Typed("solve lin-random --members 20", _COMPILED, "commands.solving.members", 1.0),
+    Typed("solve lin-random --members 1000", _COMPILED, "commands.solving.members", 2.0, 2),
 )
 #: File of a store that holds time and memory over size.
 GROWTH = "growth.json"

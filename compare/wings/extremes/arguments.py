@@ -55,6 +55,7 @@ def stability(
         File to write the campaign's counts or the survey's record to, for the report's table; an interrupted campaign goes
         on from what it left there, and a survey does not solve the scenes again that this file answers.
     """
+    from rollbench.comparison.commands.arguments import commands
     from rollbench.comparison.wings.extremes.command import run_campaign, run_drawn, run_stability
 
     if survey is not None:
@@ -71,5 +72,5 @@ def stability(
                 "command line", "--seed, --model, --files, --kills, --keep", "given", "with --random or --axes", "add it"
             )
         return print_answer(run_stability(as_json=as_json), as_json)
-    run = partial(app, exit_on_error=False, print_error=False, result_action="return_value")
+    run = partial(commands("solve"), exit_on_error=False, print_error=False, result_action="return_value")
     return print_answer(run_campaign(count, seed, model or "lin", files, kills, keep, run, axes=axes is not None), as_json)

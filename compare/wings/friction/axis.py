@@ -22,9 +22,9 @@ from rollbench.comparison.wings.friction.output import (
     loss_rows,
     solver_line,
     static_only,
-    sums,
     warnings_of,
 )
+from rollbench.comparison.wings.friction.sums import sums
 from rollbench.comparison.wings.friction.whole import NO_SPEED, ONE_TURN, Choices, coefficients, settled, status_of
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
 from rollbench.lowfi.statics.result import AxisResult, SetResult
@@ -97,7 +97,7 @@ def _drag(assembly: Assembly, model: str, friction: Friction, motion: Motion) ->
 
 
 def _set_row(i: int, s: SetResult, state: FrictionState, drag: float | None) -> dict[str, Any]:
-    return {"set": i + 1, "name": s.of.name} | sums(state, drag) | {"loss_W": number(state.torque.power)}
+    return {"set": i + 1, "name": s.of.name} | sums(state.torque, drag) | {"loss_W": number(state.torque.power)}
 
 
 def _answer(

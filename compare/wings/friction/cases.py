@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from rollbench.comparison.quantities import number
-from rollbench.comparison.scenes.load_cases import DutyCycle
+from rollbench.comparison.scenes.duty_cycle import DutyCycle
 from rollbench.comparison.scenes.scene_file import kind_of
 from rollbench.comparison.wings.friction.answer import FrictionAnswer, three
 from rollbench.comparison.wings.friction.axis import solve_axis

@@ -12,6 +12,7 @@ from rollbench.comparison.commands.printing import Column
 from rollbench.comparison.quantities import number
 from rollbench.comparison.wings.friction.answer import Line, balance, energy_line, increase, three
 from rollbench.comparison.wings.friction.left_out import BESIDES, WHOLE
+from rollbench.comparison.wings.friction.sums import moves, sums
 from rollbench.lowfi.friction.whole.feedback import JAMMED
 from rollbench.lowfi.friction.whole.heathcote import WIDE
 from rollbench.lowfi.friction.whole.losses import CAUSES
@@ -140,42 +141,9 @@ def loss_rows(state: FrictionState) -> list[dict[str, Any]]:
     ]
 
 
-def _percent(part: float) -> float | None:
-    return number(100.0 * part)
-
-
-def sums(state: FrictionState, drag: float | None) -> dict[str, Any]:
-    """Torques [N mm] about +z, axial load, efficiencies; null where the scene has none."""
-    t = state.torque
-    screw, ideal = t.translating, t.ratio != 0.0
-    forward, backward = t.efficiency
-    return {
-        "friction_torque_Nmm": number(1e3 * t.friction),
-        "friction_torque_on_screw_Nmm": number(-math.copysign(1e3 * t.friction, t.speed)),
-        "friction_torque_on_nut_Nmm": number(math.copysign(1e3 * t.friction, t.speed)),
-        "drag_torque_Nmm": None if drag is None else number(1e3 * drag),
-        "axial_load_N": number(t.load) if screw or not ideal else 0.0,
-        "driving_torque_on_screw_Nmm": number(1e3 * t.on_screw),
-        "driving_torque_on_nut_Nmm": number(-1e3 * t.on_screw),
-        "load_moves": moves(t),
-        "forward_torque_Nmm": number(1e3 * t.forward) if screw else None,
-        "backward_torque_Nmm": number(1e3 * t.backward) if screw else None,
-        "efficiency_forward_percent": _percent(forward),
-        "efficiency_backward_percent": None if t.locking else _percent(backward),
-        "self_locking": t.locking if screw else None,
-    }
-
-
-def moves(torque: ScrewTorque) -> str | None:
-    """Whether the scene's motion goes against the axial load or with it."""
-    if not torque.translating:
-        return None
-    return "with the load" if torque.load * torque.ratio * torque.speed > 0.0 else "against the load"
-
-
 def mu_row(friction: Friction, state: FrictionState, drag: float | None) -> dict[str, Any]:
     """The sums for one pair of coefficients."""
-    found = sums(state, drag)
+    found = sums(state.torque, drag)
     names = (
         "friction_torque_Nmm",
         "drag_torque_Nmm",

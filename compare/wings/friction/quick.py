@@ -4,54 +4,45 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from math import pi
 from typing import Any
 
 from rollbench.comparison.models.registry import Options
 from rollbench.comparison.scenes.fault import TOLERANCE, Fault, mm
-from rollbench.lowfi.friction.whole.circuit import ONE_TURN, CircuitError, circuits, travel
-from rollbench.lowfi.friction.whole.state import FrictionState, friction_state, will_compile
-from rollbench.lowfi.jit import CONTACT, cached
+from rollbench.comparison.wings.friction.sums import sums
+from rollbench.lowfi.friction.whole.settled import torque_of
+from rollbench.lowfi.friction.whole.torque import ScrewTorque
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.kept import kept
 from rollbench.meshes.parts import Friction, Motion, Scene
 
-_kept_state = kept(FrictionState)(friction_state)
+#: Where a scene does not say how fast it turns.
+DRIVE = Motion(2.0 * pi)
+_kept_torque = kept(ScrewTorque)(torque_of)
 
 
-def kept_state(scene: Scene, result: StaticResult, friction: Friction, motion: Motion, member: int) -> FrictionState:
-    """`friction_state`, kept on disc between commands for equal scenes and loads."""
-    loads = replace(result, solver=replace(result.solver, seconds=0.0, setup_seconds=0.0), warnings=())
-    return _kept_state(scene, loads, friction, motion, member)
-
-
-def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tuple[FrictionState | None, str]:
-    """Friction of a scene that gives a coefficient, where no kernel has to be compiled for it; else what to do. Kept on
-    disc between commands for equal scenes and loads: loading the machine code takes longer than all else of a solve."""
+def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tuple[dict[str, Any] | None, str]:
+    """Sums of friction of a scene that gives a coefficient, where no kernel has to be compiled for it; else what to do.
+    Kept on disc between commands for equal scenes and loads: loading the machine code takes longer than all else of a
+    solve."""
     assert scene.friction is not None
-    if will_compile(scene, scene.friction) and not cached(CONTACT):
-        return None, "kernels are not compiled yet; rollbench friction SCENE does it, once"
+    loads = replace(result, solver=replace(result.solver, seconds=0.0, setup_seconds=0.0), warnings=())
     try:
-        state = kept_state(scene, result, scene.friction, scene.motion or ONE_TURN, options.member)
+        return sums(_kept_torque(scene, loads, scene.friction, scene.motion or DRIVE, options.member), None), ""
     except ValueError as error:
         return None, str(error)
-    return state, ""
-
-
-def sums_json(state: FrictionState) -> dict[str, Any]:
-    """Sums of a state as JSON-ready values."""
-    from rollbench.comparison.wings.friction.output import sums
-
-    return sums(state, None)
 
 
 def torque(
     sets: list[tuple[Scene, StaticResult]], friction: Friction, motion: Motion | None, options: Options
 ) -> float | None:
     """Friction torque of all sets [N mm]; None where it does not settle, or friction does not take a set."""
+    from rollbench.lowfi.friction.whole.state import friction_state
+
     total = 0.0
     for scene, result in sets:
         try:
-            state = friction_state(scene, result, friction, motion or ONE_TURN, options.member)
+            state = friction_state(scene, result, friction, motion or DRIVE, options.member)
         except ValueError:
             return None
         if not state.balls.converged or state.unsettled:
@@ -62,6 +53,8 @@ def torque(
 
 def circuit_faults(scene: Scene) -> Iterator[Fault]:
     """Circuits that cannot be built, and runs that leave the screw."""
+    from rollbench.lowfi.friction.whole.circuit import CircuitError, circuits, travel
+
     try:
         circuits(scene)
     except CircuitError as error:

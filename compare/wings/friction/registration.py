@@ -10,7 +10,6 @@ REGISTRATION = Registration(
     kinds=dict.fromkeys(KINDS, "wings.friction.kinds.table:KINDS"),
     functions={
         "friction": "wings.friction.quick:quick_friction",
-        "drawn friction": "wings.friction.quick:sums_json",
         "friction of a scene": "wings.friction.solve:library",
         "friction of a page": "wings.friction.page:section",
         "circuit faults": "wings.friction.quick:circuit_faults",

@@ -7,8 +7,7 @@ from typing import Any
 from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.errors import InputError, one_line
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.load_cases import DutyCycle
-from rollbench.comparison.scenes.scene_file import Described
+from rollbench.comparison.scenes.duty_cycle import Described, DutyCycle
 from rollbench.comparison.watch import checked, watched
 from rollbench.comparison.wings.friction.answer import FrictionAnswer, as_table
 from rollbench.comparison.wings.friction.whole import Choices, solve_scene

@@ -18,7 +18,15 @@ from rollbench.comparison.models.registry import DEFAULT, Options, run_model
 from rollbench.comparison.quantities import number
 from rollbench.comparison.scenes.scene_file import kind_of
 from rollbench.comparison.wings.friction.answer import FrictionAnswer, balance
-from rollbench.comparison.wings.friction.band import Solved, band, band_lines, feedback_warnings, play, play_warning
+from rollbench.comparison.wings.friction.band import (
+    Solved,
+    band,
+    band_lines,
+    feedback_warnings,
+    kept_state,
+    play,
+    play_warning,
+)
 from rollbench.comparison.wings.friction.output import (
     BALL_COLUMNS,
     LOSS_COLUMNS,
@@ -33,11 +41,10 @@ from rollbench.comparison.wings.friction.output import (
     slip_warnings,
     slip_words,
     solver_line,
-    sums,
     warnings_of,
 )
-from rollbench.comparison.wings.friction.quick import kept_state
 from rollbench.comparison.wings.friction.run import Run, run_data, run_lines, run_table, solve_run
+from rollbench.comparison.wings.friction.sums import sums
 from rollbench.lowfi.friction.whole.heathcote import WIDE, heathcote
 from rollbench.lowfi.friction.whole.state import FrictionState
 from rollbench.lowfi.statics.result import StaticResult
@@ -209,7 +216,7 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
     motion = scene.motion or Motion(ONE_TURN)
     good = all(settled(s) for s in solved[1])
     status = status_of(next((s for s in solved[1] if not settled(s)), state))
-    torque = sums(state, drag.torque)
+    torque = sums(state.torque, drag.torque)
     rows, losses = ball_rows(result, state), loss_rows(state)
     over = [mu_row(f, s, d.torque) for f, s, d in zip(*solved, strict=True)]
     assumed = [*friction.assumed, *(() if scene.motion else (NO_SPEED,)), *_assumed(scene, result)]

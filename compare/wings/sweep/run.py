@@ -13,7 +13,7 @@ from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.models.registry import AXIS_MODELS, MODELS
 from rollbench.comparison.reference import parallel
 from rollbench.comparison.reference.jobs import Engine
-from rollbench.comparison.scenes import scene_file
+from rollbench.comparison.scenes import scene_file, scene_tables
 from rollbench.comparison.wings.sweep import store
 from rollbench.comparison.wings.sweep.design import Method, points, values
 from rollbench.comparison.wings.sweep.keys import Vary, changed, displaced
@@ -62,14 +62,14 @@ class Sweep:
     def check(self) -> None:
         """Raise InputError for an unknown model, a key that a scene does not have, or values out of its range."""
         raw = scene_file.read_toml(self.text, self.origin)
-        scene = scene_file.read_tables(raw, self.origin)
+        scene = scene_tables.read_tables(raw, self.origin)
         known = AXIS_MODELS if isinstance(scene, Assembly) else tuple(name for name in MODELS if name != "condensed")
         if self.model not in known:
             raise InputError("command line", "--model", self.model, ", ".join(known), "see: rollbench list")
         scene_file.each_case(scene, self.origin)
         for vary in self.keys:
             for value in vary.ends:
-                scene_file.keys_of(changed(raw, [vary], [value]), self.origin)
+                scene_tables.keys_of(changed(raw, [vary], [value]), self.origin)
 
 
 def run_samples(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[int, store.Record]:

@@ -12,8 +12,8 @@ from threadpoolctl import threadpool_limits
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.registry import Options, run_model
-from rollbench.comparison.scenes import scene_file
-from rollbench.comparison.scenes.load_cases import DutyCycle
+from rollbench.comparison.scenes import scene_file, scene_tables
+from rollbench.comparison.scenes.duty_cycle import DutyCycle
 from rollbench.comparison.wings.sweep import store
 from rollbench.comparison.wings.sweep.keys import Vary, changed
 from rollbench.comparison.wings.sweep.outputs import axis_outputs, cycle_outputs, outputs
@@ -37,7 +37,7 @@ def solve_sample(
 ) -> dict[str, Any]:
     """Status and outputs of one sample; a scene or model that refuses the values is a status, with its reason."""
     try:
-        scene = scene_file.read_tables(changed(_tables(text, origin), keys, values), origin)
+        scene = scene_tables.read_tables(changed(_tables(text, origin), keys, values), origin)
         if isinstance(scene, DutyCycle):
             return _solve_cases(scene, model, engine)
         result, kept = _solve(scene_file.solvable(scene, origin), model, engine)

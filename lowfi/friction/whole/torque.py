@@ -11,16 +11,19 @@ of friction.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rollbench.lowfi.friction.screw.path import ON_SCREW
-from rollbench.lowfi.friction.whole.contacts import StaticContacts
-from rollbench.lowfi.friction.whole.losses import BallFriction
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import reduced_lead
 from rollbench.meshes.parts import Motion as Drive
 from rollbench.meshes.parts import Scene
+
+if TYPE_CHECKING:
+    from rollbench.lowfi.friction.whole.contacts import StaticContacts
+    from rollbench.lowfi.friction.whole.losses import BallFriction
 
 #: Axial load over the sum of contact forces below which it is round-off: no efficiency is made of it.
 ROUND_OFF = 1e-6

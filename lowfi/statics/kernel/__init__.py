@@ -1,37 +1,29 @@
-"""Kernels of the static model in a subset of Python that numba compiles; see ``lowfi.jit`` for the two engines."""
+"""Kernels of the static model in a subset of Python that numba compiles; see ``lowfi.jit`` for the two engines.
 
-from .axis import evaluate_axis, solve_axis, solve_lines, tangent
-from .axis_matrix import add_axis
-from .axis_start import start_axis
-from .ball import settle_ball
-from .beam import assemble_beam
-from .elastic import solve_forces, start_forces
-from .elastic_balls import ball_rows, contact_law, evaluate_balls, rest
-from .flanks import flank_members
-from .members import answers, ensemble
-from .newton import evaluate, solve_beam, start_and_solve
-from .rollers import roller_forces
+A module is imported when a kernel of it is first asked for: no solve needs those of beams, elastic bodies and whole axes.
+"""
 
-__all__ = [
-    "add_axis",
-    "answers",
-    "assemble_beam",
-    "ball_rows",
-    "contact_law",
-    "ensemble",
-    "evaluate",
-    "evaluate_axis",
-    "evaluate_balls",
-    "flank_members",
-    "rest",
-    "roller_forces",
-    "settle_ball",
-    "solve_axis",
-    "solve_beam",
-    "solve_forces",
-    "solve_lines",
-    "start_and_solve",
-    "start_axis",
-    "start_forces",
-    "tangent",
-]
+from typing import Any
+
+from rollbench.lowfi.jit import part_of
+
+#: Kernels that are called from outside, by their module.
+KERNELS = {
+    "axis": ("evaluate_axis", "solve_axis", "solve_lines", "tangent"),
+    "axis_matrix": ("add_axis",),
+    "axis_start": ("start_axis",),
+    "ball": ("settle_ball",),
+    "beam": ("assemble_beam",),
+    "elastic": ("solve_forces", "start_forces"),
+    "elastic_balls": ("ball_rows", "contact_law", "evaluate_balls", "rest"),
+    "flanks": ("flank_members",),
+    "members": ("answers", "ensemble"),
+    "newton": ("evaluate", "solve_beam", "start_and_solve"),
+    "rollers": ("roller_forces",),
+}
+__all__ = [name for names in KERNELS.values() for name in names]
+
+
+def __getattr__(name: str) -> Any:
+    globals()[name] = found = part_of(__name__, KERNELS, name)
+    return found

@@ -265,6 +265,15 @@ def settle_ball(
 
 
 @kernel
+def ball_mismatch(contact: Array, scale: float) -> float:
+    """Largest net contact force on a ball over ``scale`` [N]; contact (N, 4, 5). The beam's equations do not see it."""
+    worst = 0.0
+    for i in range(contact.shape[0]):
+        worst = max(worst, net_force(contact[i])[0])
+    return worst / scale if scale > 0.0 else worst
+
+
+@kernel
 def block(contact: Array, s: int) -> tuple[float, float, float]:
     """Stiffness h_s = F' m m^T + F kt t t^T of contact s: (xx, xz, zz) [N/m]."""
     if contact[s, FORCE] <= 0.0:

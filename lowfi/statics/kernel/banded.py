@@ -1,6 +1,7 @@
 """Symmetric positive definite banded systems, A[i, j] = band[j, i - j] for i >= j: the lower band, column by column.
 
-Compiled: the LDL^T below. Interpreted: LAPACK through scipy. A test compares them.
+Compiled: the LDL^T below. Interpreted: Cholesky block by block through numpy, as scipy.linalg takes longer to import than a
+scene to be solved. A test compares them.
 """
 
 import numpy as np
@@ -67,22 +68,51 @@ def ldl_substitute_columns(band: Array, Y: Array) -> None:
                 take(Y[j], Y[j + i], band[j, i])
 
 
-def _lapack_factor(band: Array) -> bool:
-    from scipy.linalg import LinAlgError, cholesky_banded
+def _blocks(band: Array) -> tuple[Array, Array]:
+    """The matrix of a band (n, w) as blocks of w - 1 freedoms: those on the diagonal (m, b, b), lower triangle, and those
+    below them (m, b, b), upper triangle; filled up to m b freedoms by a unit matrix."""
+    n, width = band.shape
+    size = max(width - 1, 1)
+    filled = np.zeros((-(-n // size) * size, size + 1))
+    filled[:n, :width] = np.where(np.arange(n)[:, None] + np.arange(width) < n, band, 0.0)
+    filled[n:, 0] = 1.0
+    row, column = np.indices((size, size))
+    first = np.arange(0, len(filled), size)[:, None, None] + column
+    return np.tril(filled[first, np.maximum(row - column, 0)]), np.triu(filled[first, size + np.minimum(row - column, 0)])
 
+
+def _block_factor(band: Array) -> bool:
+    n, width = band.shape
+    on, below = _blocks(band)
     try:
-        band[:] = cholesky_banded(band.T, lower=True, check_finite=False).T
-    except LinAlgError:
+        for k in range(len(on)):
+            if k:
+                below[k - 1] = np.linalg.solve(on[k - 1], below[k - 1].T).T
+                on[k] -= below[k - 1] @ below[k - 1].T
+            on[k] = np.linalg.cholesky(on[k])
+    except np.linalg.LinAlgError:
         return False
+    both = np.concatenate([on, below], axis=1)  # a column of the factor down to the end of the next block
+    size = on.shape[1]
+    place = np.arange(n)
+    for k in range(width):
+        band[:, k] = both[place // size, place % size + k, place % size]
     return True
 
 
-def _lapack_substitute(band: Array, b: Array) -> None:  # one column, or several
-    from scipy.linalg import cho_solve_banded
+def _block_substitute(band: Array, b: Array) -> None:  # one column, or several
+    on, below = _blocks(band)
+    inverse = np.linalg.inv(on)  # of all blocks at once
+    whole = np.zeros((on.shape[0] * on.shape[1], *b.shape[1:]))
+    whole[: len(b)] = b
+    x = whole.reshape(*on.shape[:2], b.size // len(b))
+    for k in range(len(on)):
+        x[k] = inverse[k] @ (x[k] - below[k - 1] @ x[k - 1] if k else x[k])
+    for k in range(len(on) - 1, -1, -1):
+        x[k] = inverse[k].T @ (x[k] - below[k].T @ x[k + 1] if k + 1 < len(on) else x[k])
+    b[:] = whole[: len(b)]
 
-    b[:] = cho_solve_banded((band.T, True), b, check_finite=False)
 
-
-factor_band = ldl_factor if is_compiled(__name__) else _lapack_factor
-substitute_band = ldl_substitute if is_compiled(__name__) else _lapack_substitute
-substitute_columns = ldl_substitute_columns if is_compiled(__name__) else _lapack_substitute
+factor_band = ldl_factor if is_compiled(__name__) else _block_factor
+substitute_band = ldl_substitute if is_compiled(__name__) else _block_substitute
+substitute_columns = ldl_substitute_columns if is_compiled(__name__) else _block_substitute

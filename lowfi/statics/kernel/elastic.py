@@ -27,10 +27,10 @@ from rollbench.lowfi.statics.records import (
     SearchStart,
 )
 
+from .ball import ball_mismatch
 from .coupling import apply_rows, body_motion, border, cholesky_lower, couple, forces_of_rows, triangular
 from .elastic_balls import ball_rows, evaluate_balls
 from .modes import gradients, soft_factor
-from .newton import ball_mismatch
 
 #: Residual asked of the linear equations, as a fraction of that of the contact forces: a tenth keeps Newton's own order.
 FORCING = 0.1

@@ -26,7 +26,7 @@ from rollbench.lowfi.statics.records import (
     RowState,
 )
 
-from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, flank_hessian, net_force, settle_ball
+from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, ball_mismatch, flank_hessian, settle_ball
 from .banded import factor_band, substitute_band
 from .beam import force_of
 
@@ -182,15 +182,6 @@ def hold(band: Array, i: int) -> None:
     for w in range(1, min(width, i + 1)):
         band[i - w, w] = 0.0
     band[i, 0] = 1.0
-
-
-@kernel
-def ball_mismatch(contact: Array, scale: float) -> float:
-    """Largest net contact force on a ball over ``scale`` [N]; contact (N, 4, 5). The beam's equations do not see it."""
-    worst = 0.0
-    for i in range(contact.shape[0]):
-        worst = max(worst, net_force(contact[i])[0])
-    return worst / scale if scale > 0.0 else worst
 
 
 @kernel

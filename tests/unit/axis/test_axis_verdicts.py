@@ -1,12 +1,12 @@
 """Verdicts on several sets: what is no load, what is out of balance, and what is proven not to be held."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from tests.axes import TURNING, assembly, bearing, double_nut, one_set, solved
 from tests.helpers import relative, small_screw
+from tests.shipped_texts import own_text
 
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.scenes import scene_file
@@ -22,9 +22,8 @@ pytestmark = pytest.mark.xdist_group("axis verdicts")
 
 
 def scene(name):
-    """An assembly of this folder."""
-    text = (Path(__file__).parent / "scenes" / f"{name}.toml").read_text(encoding="utf-8")
-    return scene_file.read(text, name)
+    """An assembly that only tests have."""
+    return scene_file.read(own_text(name), name)
 
 
 @pytest.mark.compiles(30)

@@ -82,32 +82,6 @@ def test_a_scene_without_equilibrium_is_said_and_exits_1(command, tmp_path: Path
     assert data["balls"][0]["load_N"]["SL"] is None
 
 
-@pytest.mark.parametrize(
-    ("tokens", "words"),
-    [
-        (("solve", "lin-case"), ("lin-case1", "advice")),
-        (("solve", "lin-case1", "--model", "ansys"), ("model", "mei")),
-        (("solve", "no/such.toml"), ("no/such.toml", "advice")),
-        (("solve",), ("scene",)),
-        (("solve", "lin-case1", "--frobnicate"), ("frobnicate",)),
-        (("solve", "lin-case1", "--member", "3"), ("member", "random")),
-        (("solve", "lin-random", "--member", "-1"), ("--member",)),
-        (("solve", "bearing-9", "--model", "source"), ("beam",)),
-        (("check", "--max-error", "-7"), ("--max-error",)),
-        (("report", "--only", "nonsense"), ("nonsense", "hertz")),
-        (("frobnicate",), ("frobnicate",)),
-    ],
-)
-def test_bad_input_is_one_line_and_exit_2(command, tokens: tuple[str, ...], words: tuple[str, ...]) -> None:
-    code, out, err = command(*tokens)
-    assert code == 2
-    assert out == ""
-    assert err.count("\n") == 1
-    for word in words:
-        assert word in err
-    assert "Traceback" not in err
-
-
 def test_new_writes_a_scene_that_solves_and_never_overwrites(command, tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
     assert command("new", str(file))[0] == 0
@@ -129,13 +103,6 @@ def test_new_scene_of_a_kind_solves_as_written(kind: str, command, tmp_path: Pat
     advised = out.split("rollbench ")[1].split()[0]
     assert advised == ("solve" if kind == "bearing" else "friction")
     assert command(advised, str(file), "--json")[0] == 0
-
-
-def test_solve_refuses_what_only_friction_solves(command) -> None:
-    code, _, err = command("solve", "lin-screw-run")
-    assert code == 2
-    assert "rollbench friction lin-screw-run" in err
-    assert err.count("\n") == 1
 
 
 def test_list_and_schema(command) -> None:

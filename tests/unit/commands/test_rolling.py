@@ -1,12 +1,9 @@
 """``compare`` and ``mesh-study`` of scenes of rolling balls: rows, store, refusals."""
 
-import json
-
 import pytest
 
-from rollbench.comparison.commands.arguments import commands
 from rollbench.comparison.commands.comparing import kinds as rolling_choices
-from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.errors import InputError
 from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.wings.rolling import commands as rolling
@@ -23,13 +20,8 @@ def _coarse(monkeypatch, tmp_path):
     monkeypatch.setattr(rolling, "shipped_store", lambda: tmp_path / "none")
 
 
-def call(capsys, *tokens):
-    code = commands()([*tokens, "--json"], exit_on_error=False, print_error=False, result_action="return_value")
-    return code, json.loads(capsys.readouterr().out)
-
-
-def test_compare_sets_low_order_printed_and_3d_side_by_side(capsys, tmp_path):
-    code, data = call(capsys, "compare", "lin-pair-a", "--levels", "2", "--store", str(tmp_path))
+def test_compare_sets_low_order_printed_and_3d_side_by_side(command, tmp_path):
+    code, data = command.json("compare", "lin-pair-a", "--levels", "2", "--json", "--store", tmp_path)
     rows = data["rows"]
     assert code == 0
     (force,) = (r for r in rows if r["quantity"] == "force 1-2")
@@ -40,13 +32,13 @@ def test_compare_sets_low_order_printed_and_3d_side_by_side(capsys, tmp_path):
     assert {r["quantity"] for r in rows} >= {"deviation 1 apart", "drive touching", "increase"}
 
 
-def test_mesh_study_resumes_from_its_store(capsys, tmp_path, monkeypatch):
-    call(capsys, "mesh-study", "lin-rotary-3", "--levels", "1", "--store", str(tmp_path))
+def test_mesh_study_resumes_from_its_store(command, tmp_path, monkeypatch):
+    command.json("mesh-study", "lin-rotary-3", "--levels", "1", "--json", "--store", tmp_path)
     assert len(list(tmp_path.glob("rolling-lin-rotary-3-level1-*.json"))) == 1
     computed = []
     real = rolling.compute
     monkeypatch.setattr(rolling, "compute", lambda scene, level, *rest: computed.append(level) or real(scene, level, *rest))
-    code, rows = call(capsys, "mesh-study", "lin-rotary-3", "--levels", "2", "--store", str(tmp_path))
+    code, rows = command.json("mesh-study", "lin-rotary-3", "--levels", "2", "--json", "--store", tmp_path)
     assert code == 0
     assert computed == [2]
     assert {r["level"] for r in rows} == {"1", "2"}
@@ -71,39 +63,11 @@ def test_a_grid_is_stored_as_soon_as_it_is_done(tmp_path, monkeypatch):
     assert len(list(tmp_path.glob("rolling-lin-rotary-3-level1-*.json"))) == 1
 
 
-@pytest.mark.parametrize(
-    ("options", "word"),
-    [
-        (["--levels", "5"], "1 to 3"),
-        (["--levels", "source,1"], "--source-mesh"),
-        (["--model", "lin"], "--model"),
-        (["--balls"], "--balls"),
-        (["--backend", "mpi"], "--backend"),
-    ],
-)
-def test_options_that_rolling_balls_do_not_have_are_refused(options, word, tmp_path):
-    with pytest.raises(InputError, match=word):
-        commands()(["compare", "lin-pair-a", *options, "--store", str(tmp_path)], exit_on_error=False, print_error=False)
-
-
-def test_the_spread_of_whole_screws_is_refused(tmp_path):
-    with pytest.raises(InputError, match="--spread"):
-        commands()(
-            ["mesh-study", "lin-pair-a", "--spread", "--store", str(tmp_path)], exit_on_error=False, print_error=False
-        )
-
-
 def test_the_key_follows_all_that_a_run_depends_on(monkeypatch):
     one, other = catalogue.any_scene("lin-pair-a"), catalogue.any_scene("lin-pair-b")
     keys = {runs.key_of(one, 1), runs.key_of(one, 2), runs.key_of(other, 1)}
     monkeypatch.setattr(runs, "SCHEMA", 99)
     assert len(keys | {runs.key_of(one, 1)}) == 4
-
-
-@pytest.mark.parametrize(("name", "word"), [("lin-chain-10", "10 balls"), ("lin-screw-run", "screw run")])
-def test_scenes_beyond_the_model_are_refused_with_the_reason(name, word, tmp_path):
-    with pytest.raises(Refusal, match=word):
-        commands()(["compare", name, "--store", str(tmp_path)], exit_on_error=False, print_error=False)
 
 
 def test_whole_screws_and_rolling_balls_are_not_mixed():
@@ -128,9 +92,9 @@ def test_one_grid_has_no_uncertainty(tmp_path):
     assert uncertainty(run, "torque N mm") == float("inf")
 
 
-def test_finite_bodies_have_keys_of_their_own_and_half_spaces_beside_them(capsys, tmp_path, monkeypatch):
+def test_finite_bodies_have_keys_of_their_own_and_half_spaces_beside_them(command, tmp_path, monkeypatch):
     monkeypatch.setitem(runs.BODIES, "finite", Sizes(cells=(2, 2), growth=3.0, degree=2))
-    code, data = call(capsys, "compare", "lin-pair-a", "--levels", "1", "--bodies", "finite", "--store", str(tmp_path))
+    code, data = command.json("compare", "lin-pair-a", "--levels", "1", "--bodies", "finite", "--json", "--store", tmp_path)
     rows = data["rows"]
     assert code == 0
     (force,) = (r for r in rows if r["quantity"] == "force 1-2")
@@ -149,10 +113,3 @@ def test_a_process_that_ends_for_want_of_memory_is_bad_input(monkeypatch):
     monkeypatch.setattr(runs, "prepare_bodies", ended)
     with pytest.raises(InputError, match="memory"):
         runs.compute(catalogue.any_scene("lin-rotary-3"), 1)
-
-
-def test_unknown_bodies_and_a_choice_of_them_under_a_whole_screw_are_refused():
-    with pytest.raises(InputError, match="--bodies"):
-        commands()(["compare", "lin-pair-a", "--bodies", "rubber"], exit_on_error=False, print_error=False)
-    with pytest.raises(InputError, match="finite bodies"):
-        commands()(["compare", "lin-case1", "--bodies", "finite"], exit_on_error=False, print_error=False)

@@ -124,14 +124,3 @@ def test_the_same_page_made_again_has_not_moved(html: str, tmp_path, monkeypatch
     monkeypatch.setattr(verify, "make_page", made)
     found = verify.run_page(SCENE, new, tmp_path, old)
     assert (found.code, found.parts[-1]) == (0, "nothing moved")
-
-
-@pytest.mark.parametrize("options", [["--quick"], ["--stored"], ["--only", "hertz"]])
-def test_options_of_the_whole_report_are_refused_with_a_scene(options: list[str]) -> None:
-    with pytest.raises(InputError, match="without a scene"):
-        commands()(["report", SCENE, *options], result_action="return_value")
-
-
-def test_without_a_scene_a_report_is_set_against_a_report(tmp_path) -> None:
-    with pytest.raises(InputError, match="the folder of a report"):
-        commands()(["report", "--against", str(tmp_path)], result_action="return_value")

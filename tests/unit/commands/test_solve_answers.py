@@ -147,23 +147,6 @@ def test_curve_and_matrix_from_the_command_line(tmp_path: Path, command) -> None
 
 
 @pytest.mark.parametrize(
-    ("more", "words"),
-    [
-        (("--matrix", "k.mtx"), "--stiffness-at"),
-        (("--stiffness-at", "8 mm", "--matrix", "k.txt"), ".dmig"),
-        (("--stiffness-at", "9 m"), "16 mm"),
-        (("--stiffness-at", "8 kg"), "--stiffness-at"),
-        (("--curve", "x.txt"), ".csv"),
-    ],
-)
-def test_options_that_do_not_go_together_are_one_line(more: tuple[str, ...], words: str, command) -> None:
-    code, _, err = command("solve", "bearing-9", *more)
-    assert code == 2
-    assert err.count("\n") == 1
-    assert words in err
-
-
-@pytest.mark.parametrize(
     "words",
     [("solve", "two-balls", "--model", "lin", "--balls"), ("friction", "two-balls", "--model", "lin", "--mu", "0.1")],
 )

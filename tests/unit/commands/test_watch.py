@@ -32,14 +32,6 @@ def test_a_limit_that_is_not_reached_changes_nothing(command):
     assert (code, found["status"]) == (0, "converged")
 
 
-@pytest.mark.parametrize("name", ["solve", "friction"])
-@pytest.mark.parametrize("limit", ["0", "-3", "nan", "1e12"])
-def test_a_limit_that_is_no_time_is_refused(name, limit, command):
-    code, _, err = command(name, "lin-case1", f"--time-limit={limit}")
-    assert code == 2
-    assert "--time-limit" in err
-
-
 def test_a_bar_says_on_a_terminal_what_is_done_and_leaves_nothing(monkeypatch, capsys):
     for terminal in (False, True):
         monkeypatch.setattr(watch.sys.stderr, "isatty", lambda shown=terminal: shown)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rollbench.comparison.scenes import catalogue
-from rollbench.lowfi.compliance.bodies import contact_frames
+from rollbench.lowfi.compliance.between import contact_frames
 from rollbench.lowfi.compliance.ends import end_response
 from rollbench.lowfi.compliance.parts import LADDER, REFINED, geometry_only, smooth_body
 from rollbench.meshes.helix import ball_layout

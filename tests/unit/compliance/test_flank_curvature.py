@@ -7,17 +7,8 @@ import pytest
 from scipy.special import ive
 
 from rollbench.comparison.scenes import catalogue
-from rollbench.lowfi.compliance.groove import (
-    NARROW,
-    at_size,
-    curvatures,
-    equal_loads,
-    flank_normals,
-    half_space,
-    normal_load,
-    own_motion,
-    size_slope,
-)
+from rollbench.lowfi.compliance.flank import NARROW, at_size, curvatures, half_space, size_slope
+from rollbench.lowfi.compliance.groove import equal_loads, flank_normals, normal_load, own_motion
 from rollbench.lowfi.compliance.parts import flank_of, geometry_only
 from rollbench.lowfi.compliance.sphere import expansion, legendre_compliance, own_compliance, own_slope
 

@@ -10,9 +10,11 @@ from rollbench.comparison.scenes import scene_file
 from rollbench.comparison.scenes.catalogue import scene
 from rollbench.comparison.wings.extremes.survey.draw import SEED, scene_text
 from rollbench.lowfi.compliance import faces
-from rollbench.lowfi.compliance.bodies import forget, grooved_part, kept_near_face, kernel_part, nut_beam
+from rollbench.lowfi.compliance.between import grooved_part, kept_near_face, kernel_part, nut_beam
+from rollbench.lowfi.compliance.bodies import forget
+from rollbench.lowfi.compliance.flank import NARROW, half_space
 from rollbench.lowfi.compliance.fourier import Body, Grid, lower_corner, solved
-from rollbench.lowfi.compliance.groove import NARROW, equal_loads, half_space, harmonics_to, own_motion
+from rollbench.lowfi.compliance.groove import equal_loads, harmonics_to, own_motion
 from rollbench.lowfi.compliance.parts import REFINED, flank_of, geometry_only, grooved_section, smooth_body
 from rollbench.meshes.helix import ball_layout
 

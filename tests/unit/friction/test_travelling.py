@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw
 
-from rollbench.lowfi.compliance.bodies import REFINED, contact_frames, whole_body
-from rollbench.lowfi.statics.again import APART, WINDOW, Travelling
+from rollbench.lowfi.compliance.between import contact_frames
+from rollbench.lowfi.compliance.bodies import whole_body
+from rollbench.lowfi.compliance.parts import REFINED
+from rollbench.lowfi.statics.travelling import APART, WINDOW, Travelling
 from rollbench.meshes.helix import ball_layout, layout_at, reduced_lead
 
 SCENE = small_screw(6, 1.2, force=(0.0, 0.0, 400.0))
@@ -22,7 +24,7 @@ def test_between_the_places_of_a_window_the_compliance_is_that_of_the_place(scre
     travelling = Travelling(WINDOW)
     travelling(SCENE, moved(0.0), screw, REFINED, (0, 1))
     calls = []
-    monkeypatch.setattr("rollbench.lowfi.statics.again.whole_body", lambda *a: calls.append(a) or whole_body(*a))
+    monkeypatch.setattr("rollbench.lowfi.statics.travelling.whole_body", lambda *a: calls.append(a) or whole_body(*a))
     for part in (0.2, 0.5, 0.9):
         place = moved(part * WINDOW)
         exact = whole_body(SCENE, place, screw, REFINED, (0, 1))

@@ -1,6 +1,5 @@
 """check and compare of a scene with load cases: every case beside its own reference, the worst one named."""
 
-import json
 from dataclasses import asdict, replace
 from pathlib import Path
 
@@ -8,7 +7,6 @@ import numpy as np
 import pytest
 from tests.load_cases import SHIPPED, written
 from tests.load_cases import TEXT as WITH_STORED
-from tests.unit.commands.test_solve_cases import run
 
 import rollbench
 from rollbench.comparison.models.registry import Options, run_model
@@ -34,9 +32,8 @@ def keep(store: Path, text: str, **off: float) -> dict[str, np.ndarray]:
     return out
 
 
-def checked(capsys, store: Path, path: str, *words: str) -> tuple[int, dict]:
-    code = run("check", path, "--model", "lin", "--stored", str(store), "--json", *words)
-    return code, json.loads(capsys.readouterr().out)
+def checked(command, store: Path, path: str, *words: object) -> tuple[int, dict]:
+    return command.json("check", path, "--model", "lin", "--stored", store, "--json", *words)
 
 
 def test_cases_of_one_scene_share_their_meshes() -> None:
@@ -44,9 +41,9 @@ def test_cases_of_one_scene_share_their_meshes() -> None:
     assert [[scene.name for scene in group] for group in groups(cases)] == [["two-rest", "two-push", "two-loose"]]
 
 
-def test_the_gate_takes_the_worst_case_and_names_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_gate_takes_the_worst_case_and_names_it(command, tmp_path: Path) -> None:
     keep(tmp_path / "store", TEXT, push=0.7)
-    code, found = checked(capsys, tmp_path / "store", written(tmp_path, TEXT), "--junit", str(tmp_path / "out.xml"))
+    code, found = checked(command, tmp_path / "store", written(tmp_path, TEXT), "--junit", tmp_path / "out.xml")
     assert [one["case"] for one in found["cases"]] == ["rest", "push", "loose"]
     assert [one["verdict"] for one in found["cases"]] == ["pass", "fail", "pass"]
     assert (code, found["verdict"], found["passed"]) == (1, "fail", False)
@@ -58,7 +55,7 @@ def test_the_gate_takes_the_worst_case_and_names_it(tmp_path: Path, capsys: pyte
 
 
 def test_what_does_not_converge_comes_after_what_fails_and_before_what_is_undecided(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     keep(tmp_path / "store", TEXT, loose=1.07)
     from rollbench.comparison.gate import user
@@ -70,24 +67,23 @@ def test_what_does_not_converge_comes_after_what_fails_and_before_what_is_undeci
         return replace(found, status="not converged") if scene.name == "two-push" else found
 
     monkeypatch.setattr(user, "run_model", lost)
-    code, found = checked(capsys, tmp_path / "store", written(tmp_path, TEXT), "--max-error", "7")
+    code, found = checked(command, tmp_path / "store", written(tmp_path, TEXT), "--max-error", "7")
     assert [one["verdict"] for one in found["cases"]] == ["pass", "not converged", "undecided"]
     assert (code, found["worst_cases"][0]["case"]) == (1, "push")
 
 
-def test_a_case_without_reference_is_not_covered(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_case_without_reference_is_not_covered(command, tmp_path: Path) -> None:
     (tmp_path / "none").mkdir()
-    code, found = checked(capsys, tmp_path / "none", written(tmp_path, TEXT))
+    code, found = checked(command, tmp_path / "none", written(tmp_path, TEXT))
     assert [one["verdict"] for one in found["cases"]] == ["not covered"] * 3
     assert code == 4
 
 
-def test_compare_sets_the_life_over_the_cycle_beside_that_of_the_reference(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_compare_sets_the_life_over_the_cycle_beside_that_of_the_reference(command, tmp_path: Path) -> None:
     loads = keep(tmp_path / "store", TEXT, push=0.9)
-    assert run("compare", written(tmp_path, TEXT), "--model", "lin", "--store", str(tmp_path / "store"), "--json") == 0
-    found = json.loads(capsys.readouterr().out)
+    words = "compare", written(tmp_path, TEXT), "--model", "lin", "--store", tmp_path / "store", "--json"
+    code, found = command.json(*words)
+    assert code == 0
     assert found["scenes"] == []
     assert [(one["scene"], one["case"], one["share"]) for one in found["cases"]] == [
         ("two", "rest", 0.75),
@@ -106,25 +102,25 @@ def test_compare_sets_the_life_over_the_cycle_beside_that_of_the_reference(
     assert [one["case"] for one in same["cases"]] == ["rest", "push", "loose"]
 
 
-def test_a_file_of_loads_is_judged_case_by_case(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_file_of_loads_is_judged_case_by_case(command, tmp_path: Path) -> None:
     keep(tmp_path / "store", TEXT, loose=0.5)
-    path, loads = written(tmp_path, TEXT), str(tmp_path / "loads.csv")
-    assert run("solve", path, "--model", "lin", "--loads-csv", loads) == 0
-    capsys.readouterr()
-    words = ("check", path, "--loads", loads, "--stored", str(tmp_path / "store"), "--json")
-    assert run(*words) == 1
-    found = json.loads(capsys.readouterr().out)
+    path, loads = written(tmp_path, TEXT), tmp_path / "loads.csv"
+    assert command("solve", path, "--model", "lin", "--loads-csv", loads).code == 0
+    words = ("check", path, "--loads", loads, "--stored", tmp_path / "store", "--json")
+    code, found = command.json(*words)
+    assert code == 1
     assert [one["verdict"] for one in found["cases"]] == ["pass", "pass", "fail"]
     assert found["worst_cases"][0]["case"] == "loose"
-    kept = [row for row in Path(loads).read_text().splitlines() if not row.startswith("push")]
-    Path(loads).write_text("\n".join(kept) + "\n")
-    assert run(*words) == 2, "a case whose rows are missing is not passed over"
-    assert "no rows of case push" in capsys.readouterr().err
+    kept = [row for row in loads.read_text().splitlines() if not row.startswith("push")]
+    loads.write_text("\n".join(kept) + "\n")
+    code, _, said = command(*words)
+    assert code == 2, "a case whose rows are missing is not passed over"
+    assert "no rows of case push" in said
 
 
 @pytest.mark.slow
 def test_one_file_with_three_cases_goes_through_all_commands_with_one_set_of_bodies(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from rollbench.hifi import setup
 
@@ -136,12 +132,12 @@ def test_one_file_with_three_cases_goes_through_all_commands_with_one_set_of_bod
         "check": ("--stored", store, "--limit", "life=50", "--limit", "contact angle=5"),
         "friction": (),
     }
-    for command, words in commands.items():
-        model = () if command == "compare" else ("--model", "lin")
-        run(command, path, *model, *words, "--json")
-        found = json.loads(capsys.readouterr().out)
-        assert list(dict.fromkeys(one["case"] for one in found["cases"])) == ["rest", "push", "loose"], command
-        assert "summary" in found or found["worst_cases"], command
-    assert run("report", path, "--out", str(tmp_path / "page"), "--store", store) == 0
-    assert "Of 3 load cases" in capsys.readouterr().out
+    for word, more in commands.items():
+        model = () if word == "compare" else ("--model", "lin")
+        _, found = command.json(word, path, *model, *more, "--json")
+        assert list(dict.fromkeys(one["case"] for one in found["cases"])) == ["rest", "push", "loose"], word
+        assert "summary" in found or found["worst_cases"], word
+    code, out, _ = command("report", path, "--out", tmp_path / "page", "--store", store)
+    assert code == 0
+    assert "Of 3 load cases" in out
     assert len(made) == 1

@@ -1,12 +1,10 @@
 """Load cases of several sets on one shaft, and files whose columns case and set say which contacts a row is of."""
 
 import csv
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.unit.commands.test_solve_cases import run
 
 import rollbench
 from rollbench.comparison.reference.tasks import groups
@@ -41,15 +39,10 @@ def written(folder: Path, text: str = PARTS + CASES, name: str = "dn.toml") -> s
     return str(folder / name)
 
 
-def told(capsys: pytest.CaptureFixture[str], *tokens: str) -> tuple[int, dict]:
-    code = run(*tokens, "--json")
-    return code, json.loads(capsys.readouterr().out)
-
-
-def loads_of(folder: Path, path: str, **factors: float) -> str:
+def loads_of(command, folder: Path, path: str, **factors: float) -> str:
     """The loads of the model lin as a file, those of one case and set times a factor: ``cutting_2=0.8``."""
     file = folder / f"loads{len(factors)}.csv"
-    assert run("solve", path, "--model", "lin", "--loads-csv", str(file)) == 0
+    assert command("solve", path, "--model", "lin", "--loads-csv", file).code == 0
     with file.open(encoding="utf-8") as read:
         rows = list(csv.DictReader(read))
     for row in rows:
@@ -61,15 +54,13 @@ def loads_of(folder: Path, path: str, **factors: float) -> str:
     return str(file)
 
 
-def test_every_case_is_the_scene_under_its_loads_and_every_set_has_its_life(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    code, found = told(capsys, "solve", written(tmp_path), "--model", "lin")
+def test_every_case_is_the_scene_under_its_loads_and_every_set_has_its_life(command, tmp_path: Path) -> None:
+    code, found = command.json("solve", written(tmp_path), "--model", "lin", "--json")
     assert code == 0
     assert [(one["scene"], one["case"], one["share"]) for one in found["cases"]] == [
         ("dn", name, share) for name, share in zip(NAMES, (0.7, 0.3, 0.0), strict=True)
     ]
-    alone = told(capsys, "solve", written(tmp_path, PARTS, "alone.toml"), "--model", "lin")[1]
+    alone = command.json("solve", written(tmp_path, PARTS, "alone.toml"), "--model", "lin", "--json")[1]
     assert found["cases"][1]["balls"] == alone["balls"]
     assert found["cases"][2]["balls"] != alone["balls"], "an oversize is that of every set"
     whole, parts = found["summary"], scene_file.read(PARTS, "dn.toml").sets
@@ -101,27 +92,24 @@ def test_cases_share_their_bodies_and_loads_elsewhere_do_not() -> None:
     assert [[scene.name for scene in group] for group in groups(cases)] == [["dn-rapid", "dn-cutting"], ["dn-warm"]]
 
 
-def test_one_reference_and_one_file_of_loads_are_read_by_case_and_set(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_one_reference_and_one_file_of_loads_are_read_by_case_and_set(command, tmp_path: Path) -> None:
     path = written(tmp_path)
-    file, off = loads_of(tmp_path, path), loads_of(tmp_path, path, cutting_2=0.8)
-    capsys.readouterr()
-    code, found = told(capsys, "check", path, "--model", "lin", "--reference", file)
+    file, off = loads_of(command, tmp_path, path), loads_of(command, tmp_path, path, cutting_2=0.8)
+    code, found = command.json("check", path, "--model", "lin", "--reference", file, "--json")
     assert (code, found["verdict"]) == (0, "pass")
     assert [(v["case"], v["set"]) for v in found["verdicts"]] == [(case, nut) for case in NAMES for nut in NUTS]
-    code, found = told(capsys, "check", path, "--loads", off, "--reference", file)
+    code, found = command.json("check", path, "--loads", off, "--reference", file, "--json")
     assert code == 1
     assert [(v["case"], v["set"]) for v in found["verdicts"] if v["word"] != "pass"] == [("cutting", "nut 2")]
     assert found["worst_cases"] == [{"scene": "dn", "case": "cutting", "verdict": "fail"}]
     assert rollbench.check(path, loads=off, reference=file).data["verdicts"] == found["verdicts"]
-    code, found = told(capsys, "compare", path, "--model", "lin", "--reference", off)
+    code, found = command.json("compare", path, "--model", "lin", "--reference", off, "--json")
     assert code == 0
     assert [(one["case"], one["set"]) for one in found["cases"]] == [(case, nut) for case in NAMES for nut in NUTS]
     assert [(row["set"], row["largest_error_case"]) for row in found["summary"]][1] == ("nut 2", "cutting")
     values = tmp_path / "values.csv"
     values.write_text("case,set,quantity,value,unit\ncutting,nut 2,life,1,revolutions\nrapid,1,rigidity,9,N/um\n")
-    found = told(capsys, "check", path, "--values", str(values), "--reference", file)[1]
+    found = command.json("check", path, "--values", values, "--reference", file, "--json")[1]
     assert [(v["case"], v["word"]) for v in found["verdicts"]] == [("rapid", "not covered"), ("cutting", "fail")]
     assert found["verdicts"][1]["set"] == "nut 2"
 
@@ -134,16 +122,12 @@ def test_one_reference_and_one_file_of_loads_are_read_by_case_and_set(
         (("rapid,1,2,SL", "rapid,1,2,SR"), "each contact once"),
     ],
 )
-def test_rows_that_are_not_there_are_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], change: tuple[str, str], words: str
-) -> None:
+def test_rows_that_are_not_there_are_one_line(command, tmp_path: Path, change: tuple[str, str], words: str) -> None:
     path = written(tmp_path)
-    file = Path(loads_of(tmp_path, path))
+    file = Path(loads_of(command, tmp_path, path))
     file.write_text(file.read_text().replace(*change))
-    capsys.readouterr()
-    assert run("check", path, "--reference", str(file)) == 2
-    said = capsys.readouterr().err
-    assert (words in said, said.count("\n")) == (True, 1), said
+    code, _, said = command("check", path, "--reference", file)
+    assert (code, words in said, said.count("\n")) == (2, True, 1), said
 
 
 @pytest.mark.parametrize(
@@ -155,21 +139,19 @@ def test_rows_that_are_not_there_are_one_line(
         ('[[cases]]\nname = "rapid"\nshare = 0\n', "cases[3].name"),
     ],
 )
-def test_what_a_case_of_several_sets_cannot_have_is_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], more: str, words: str
-) -> None:
-    assert run("solve", written(tmp_path, PARTS + CASES + more)) == 2
-    said = capsys.readouterr().err
-    assert (words in said, said.count("\n")) == (True, 1), said
+def test_what_a_case_of_several_sets_cannot_have_is_one_line(command, tmp_path: Path, more: str, words: str) -> None:
+    code, _, said = command("solve", written(tmp_path, PARTS + CASES + more))
+    assert (code, words in said, said.count("\n")) == (2, True, 1), said
 
 
-def test_friction_report_and_sweep(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    code, found = told(capsys, "friction", written(tmp_path), "--model", "lin")
+def test_friction_report_and_sweep(command, tmp_path: Path) -> None:
+    code, found = command.json("friction", written(tmp_path), "--model", "lin", "--json")
     torques = [one["torque"]["friction_torque_Nmm"] for one in found["cases"]]
     assert code == 0
     assert found["summary"]["mean_friction_torque_Nmm"] == pytest.approx(0.7 * torques[0] + 0.3 * torques[1])
-    assert run("report", written(tmp_path), "--out", str(tmp_path / "page")) == 2
-    assert "one nut or ring" in capsys.readouterr().err
+    code, _, said = command("report", written(tmp_path), "--out", tmp_path / "page")
+    assert code == 2
+    assert "one nut or ring" in said
     vary = ["sets[0].offset=-4 um,-5 um"]
     swept = rollbench.sweep(written(tmp_path), vary, samples=2, method="grid", model="lin", out=tmp_path / "sweep")
     assert swept["converged"] == 2

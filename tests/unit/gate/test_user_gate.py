@@ -102,28 +102,6 @@ def test_a_model_that_does_not_converge_fails(monkeypatch: pytest.MonkeyPatch) -
     assert verdict.line() == "FAIL: two-balls, lin: the model has no loads: no equilibrium"
 
 
-@pytest.mark.parametrize(
-    ("tokens", "words"),
-    [
-        (("--model", "lin"), ("--model", "name the scenes")),
-        (("--no-compute",), ("--no-compute", "name the scenes")),
-        (("two-balls", "--levels", "6"), ("--levels", "1 to 5")),
-        (("two-balls", "--levels", "2", "--no-compute"), ("--levels", "--no-compute")),
-        (("two-balls", "--stored", "nowhere"), ("--stored", "nowhere")),
-        (("two-balls", "--model", "ansys", "--no-compute"), ("--model", "refined")),
-        (("two-balls", "--model", "mei", "--no-compute"), ("--model", "describe two-balls")),
-        (("two-balls", "two-balls", "--no-compute"), ("each scene once",)),
-        (("two-balls", "--loads", "none.csv", "--no-compute"), ("none.csv", "no such file")),
-        (("two-balls", "lin-case1", "--loads", "a.csv", "--no-compute"), ("one scene, not 2",)),
-        (("lin-pair-a", "--no-compute"), ("linear pair",)),
-    ],
-)
-def test_what_cannot_be_asked_is_one_line(command, tokens: tuple[str, ...], words: tuple[str, ...]) -> None:
-    code, out, err = command("check", *tokens)
-    assert (code, out, err.count("\n")) == (2, "", 1)
-    assert all(word in err for word in words)
-
-
 GOOD = "ball,flank,newton\n1,SL,100\n1,NR,90.5\n2,sl,0\n2,NR,80\n"
 
 

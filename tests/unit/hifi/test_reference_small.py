@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.shipped_texts import own_text
 from tests.two_balls import SMALL
 
 from rollbench.comparison.scenes import catalogue
@@ -71,50 +72,13 @@ def test_loads_that_did_not_settle_say_what_they_may_still_move_by(small):
     assert 0.0 < np.abs(few.load - whole.load).max() <= few.moving < np.inf
 
 
-#: `two_balls` as a file, with one end of the screw displaced.
-TWO_BALLS = """title = "two balls"
-[material]
-youngs_modulus = "210 GPa"
-poissons_ratio = 0.28
-[track]
-pitch_radius = "16.5 mm"
-lead = "20 mm"
-contact_angle = "45 deg"
-[screw]
-length = "60 mm"
-outer_diameter = "32 mm"
-groove_radius = "3.254 mm"
-[nut]
-position = "30 mm"
-length = "16 mm"
-outer_diameter = "48 mm"
-groove_radius = "3.254 mm"
-[balls]
-radius = "2.778 mm"
-azimuths = ["-0.35 rad", "0.3 rad"]
-[solid]
-shaft = "6 mm"
-shaft_diameter = "30 mm"
-[[supports]]
-at = "0 mm"
-fix = ["ux", "uy", "rx", "ry", "rz"]
-[[supports]]
-at = "60 mm"
-fix = ["uy"]
-displace = { ux = "5 um" }
-[[loads]]
-at = "0 mm"
-force = ["0 N", "0 N", "400 N"]
-"""
-
-
 @pytest.mark.slow
 def test_a_command_whose_reference_does_not_settle_says_so_keeps_it_and_ends_with_a_code_of_its_own(
     small, tmp_path, monkeypatch, command
 ):
     """One update of directions and gaps does not settle these loads."""
     file, store = tmp_path / "two.toml", tmp_path / "store"
-    file.write_text(TWO_BALLS)
+    file.write_text(own_text("two-balls-across"))
     monkeypatch.setattr(setup, "prepare", lambda *given, **_: replace(small, settings=given[2]))
     for updates, code in ((1, 5), (reference.ROUNDS, 0)):
         monkeypatch.setitem(reference.solve_reference.__kwdefaults__, "updates", updates)

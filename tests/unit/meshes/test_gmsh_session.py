@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import gmsh
 import pytest
@@ -24,7 +25,14 @@ for number in numbers:
     os.kill(os.getpid(), number)
 assert came == 2 * numbers, came
 """
+PACKAGES = ("lowfi", "hifi", "meshes", "compare", "reports")
 UNIX = pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="signals of Unix")
+
+
+def test_gmsh_is_begun_in_one_place():
+    top = Path(__file__).parents[3]
+    texts = {path: path.read_text(encoding="utf-8") for name in PACKAGES for path in (top / name).rglob("*.py")}
+    assert [path.name for path, text in texts.items() if "gmsh.initialize" in text] == ["gmsh_session.py"]
 
 
 @UNIX

@@ -1,14 +1,12 @@
 """Members of several sets on one shaft: brute force, own draws of each set, refusals, what the command prints."""
 
 import csv
-import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from tests.axes import double_nut, fixed_axis
 
-from rollbench.comparison.cli import main
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.member_blocks import columns, contact_loads, life_sum, with_seed
 from rollbench.comparison.models.members import run_members
@@ -64,16 +62,15 @@ def test_nothing_random_is_refused():
         run_members(drawn(double_nut()), "lin", 1)
 
 
-def test_the_command_gives_statistics_of_each_set(tmp_path, capsys):
+def test_the_command_gives_statistics_of_each_set(tmp_path, command):
     text = catalogue.scene_text("double-nut").replace("count = 68", "count = 8").replace("turns = 4.3", "turns = 1.5")
     sigma = '\n[sets.errors.balls]\nsigma = "0.5 um"\n\n'
     first, second, third = text.partition('[[sets]]\nname = "nut 2"')
     file, rows = tmp_path / "small.toml", tmp_path / "rows.csv"
     file.write_text(first + sigma + second + third + sigma)
-    command = ["solve", str(file), "--members", "3", "--model", "lin"]
-    with pytest.raises(SystemExit, match="0"):
-        main([*command, "--json", "--csv", str(rows)])
-    data = json.loads(capsys.readouterr().out)
+    words = "solve", file, "--members", "3", "--model", "lin"
+    code, data = command.json(*words, "--json", "--csv", rows)
+    assert code == 0
     assert data["seed"] == [0, 1]
     assert [s["name"] for s in data["sets"]] == ["nut 1", "nut 2"]
     assert {row["set"] for row in data["balls"]} == {1, 2}
@@ -81,8 +78,7 @@ def test_the_command_gives_statistics_of_each_set(tmp_path, capsys):
     table = list(csv.DictReader(rows.read_text(encoding="utf-8").splitlines()))
     values = [float(r["set 2 mean_load_N"]) for r in table]
     assert data["sets"][1]["statistics"]["mean_load_N"]["mean"] == pytest.approx(np.mean(values), rel=1e-12)
-    with pytest.raises(SystemExit, match="0"):
-        main([*command, "--seed", "7"])
-    said = capsys.readouterr().out
+    code, said, _ = command(*words, "--seed", "7")
+    assert code == 0
     assert "seed [7, 8]" in said
     assert "set 2, nut 2" in said

@@ -13,7 +13,7 @@ from scipy.stats import binom, norm
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models import members
 from rollbench.comparison.models.member_blocks import KEPT, STEP, life_sum
-from rollbench.comparison.models.members import run_members, statistics
+from rollbench.comparison.models.members import LEVELS, _binomial_quantile, run_members, statistics
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.scenes.catalogue import scene as shipped
@@ -182,7 +182,8 @@ def test_distributions_come_first_and_bands_where_asked_for(command):
         assert ("\n   32    SL" in out) == bool(more)
 
 
-def test_options_of_members_need_members(command):
-    code, _, err = command("solve", "lin-random", "--seed", "7")
-    assert code == 2
-    assert "--members" in err
+def test_quantiles_of_a_binomial_variable_are_scipys():
+    for trials in (2, 20, 99, 1000, 300_000):
+        for chance in LEVELS:
+            for p in (0.025, 0.975):
+                assert _binomial_quantile(p, trials, chance) == binom.ppf(p, trials, chance)

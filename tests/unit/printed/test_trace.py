@@ -1,15 +1,12 @@
 """Every printed entry is traced to scenes, one computation and one test, and every trace resolves."""
 
 import ast
-import json
 from collections import Counter
 from importlib import import_module
 from pathlib import Path
 
 import pytest
 
-from rollbench.comparison.commands.arguments import commands
-from rollbench.comparison.errors import InputError
 from rollbench.comparison.evidence.registry import by_table, evidence, not_computed, traces
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import load_table, tables
@@ -81,27 +78,21 @@ def test_evidence_of_a_table_is_in_its_order_and_computed_once():
     assert evidence(study, "lin-B1")[0] is evidence(study, "lin-B1")[0]
 
 
-def test_command(capsys):
-    commands()(["list", "--trace", "--json"], result_action="return_value")
-    rows = json.loads(capsys.readouterr().out)
+def test_command(command):
+    _, rows = command.json("list", "--trace", "--json")
     assert len(rows) == len(TRACES)
     (row,) = (r for r in rows if (r["table"], r["key"]) == ("lin-3.2", "F_IR_II"))
     assert row["computation"] == "rollbench.comparison.sources.lin.evidence.rotary_linear:table_3_2"
     assert row["scenes"] == ["lin-rotary-2-printed", "lin-rotary-2"]
     assert row["test"] == "tests/sources/lin/literature/test_lin_chapter3_rotary.py::test_entry[lin-3.2:F_IR_II]"
-    commands()(["list", "--trace"], result_action="return_value")
-    assert "F_IR_II" in capsys.readouterr().out
+    assert "F_IR_II" in command("list", "--trace").out
 
 
-def test_one_table_in_a_pipe_breaks_no_name(capsys):
-    commands()(["list", "--trace", "--table", "smith-5", "--json"], result_action="return_value")
-    rows = json.loads(capsys.readouterr().out)
+def test_one_table_in_a_pipe_breaks_no_name(command):
+    _, rows = command.json("list", "--trace", "--table", "smith-5", "--json")
     assert [(r["table"], r["key"]) for r in rows] == [("smith-5", row.key) for row in load_table("smith-5")]
     assert {r["key"]: r["no_scene"] for r in rows}["accuracy_ball"] == "measured by the source: shown, not computed"
-    commands()(["list", "--table", "smith-5"], result_action="return_value")
-    out = capsys.readouterr().out
+    out = command("list", "--table", "smith-5").out
     for row in rows:
         assert {row["key"], row["computation"], row["test"].removeprefix("tests/sources/")} <= set(out.split())
         assert row["no_scene"] in out
-    with pytest.raises(InputError, match='"smith-7"'):
-        commands()(["list", "--table", "smith-7"], result_action="return_value")

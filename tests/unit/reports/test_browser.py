@@ -8,6 +8,7 @@ import re
 import shutil
 import subprocess
 from html import unescape
+from pathlib import Path
 
 import pytest
 from tests.report_samples import paged
@@ -19,57 +20,8 @@ CHROMIUM = shutil.which("chromium")
 pytestmark = [pytest.mark.skipif(CHROMIUM is None, reason="needs Debian's chromium"), pytest.mark.xdist_group("browser")]
 WIDTHS = {1400: 900, 390: 844}
 PAGES = ("index.html", "loads.html", "tables.html")
-#: Opens the pages, waits, works on each, and writes what it found into the page.
-WORK = """
-<body><script>
-const found = {}, wait = (ms) => new Promise((done) => setTimeout(done, ms));
-async function open(page, width, height) {
-  const frame = Object.assign(document.createElement("iframe"), { width, height, src: FOLDER + page });
-  await new Promise((done) => { frame.onload = done; document.body.append(frame); });
-  return frame.contentWindow;
-}
-async function look(page, width, height) {
-  const own = await open(page, width, height), doc = own.document, shown = (e) => e && e.getClientRects().length > 0;
-  const out = { overflow: doc.documentElement.scrollWidth - own.innerWidth };
-  out.paper = own.getComputedStyle(doc.body).backgroundColor;
-  out.clipped = [...doc.querySelectorAll(".clip")].map((box) => box.classList.contains("more"));
-  out.columns = [...doc.querySelectorAll(".panels")].map((box) => new Set([...box.children].map((p) => p.offsetLeft)).size);
-  out.contents = shown(doc.querySelector("nav"));
-  if (!out.contents) {
-    doc.getElementById("menu").click();
-    out.menu = shown(doc.querySelector("nav"));
-    doc.getElementById("menu").click();
-  }
-  own.scrollTo(0, 1e5); await wait(30);
-  out.stays = doc.querySelector(".bar").getBoundingClientRect().top; own.scrollTo(0, 0);
-  const first = [...doc.querySelectorAll("#answer .lead, #answer figure svg")].filter(shown);
-  out.bottom = Math.max(0, ...first.map((e) => e.getBoundingClientRect().bottom));
-  const query = doc.getElementById("query");
-  query.value = "tightness"; query.dispatchEvent(new own.Event("input"));
-  out.hits = [...doc.querySelectorAll("#hits a")].map((a) => a.getAttribute("href"));
-  query.value = "no such words"; query.dispatchEvent(new own.Event("input"));
-  out.none = doc.getElementById("hits").textContent;
-  const group = [...doc.querySelectorAll("svg .values")].find(shown);
-  if (group) {
-    const circle = group.children[1], box = circle.getBoundingClientRect();
-    const at = { clientX: box.x + box.width / 2, clientY: box.y + box.height / 2, bubbles: true };
-    group.ownerSVGElement.dispatchEvent(new own.PointerEvent("pointermove", at));
-    out.tip = doc.querySelector(".tip").textContent; out.shown = shown(doc.querySelector(".tip"));
-    group.ownerSVGElement.dispatchEvent(new own.PointerEvent("pointerleave"));
-    out.gone = !shown(doc.querySelector(".tip"));
-  }
-  doc.getElementById("theme").click();
-  out.switched = own.getComputedStyle(doc.body).backgroundColor;
-  doc.getElementById("theme").click();
-  found[`${page} ${width}`] = out;
-}
-(async () => {
-  for (const page of PAGES) for (const [width, height] of WIDTHS) await look(page, width, height);
-  const end = Object.assign(document.createElement("pre"), { id: "found", textContent: JSON.stringify(found) });
-  document.body.append(end);
-})();
-</script></body>
-"""
+#: Opens the pages, waits, works on each, and writes what it found into itself.
+WORK = (Path(__file__).parent / "work.html").read_text(encoding="utf-8")
 
 
 def small_report() -> Report:

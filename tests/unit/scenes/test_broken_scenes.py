@@ -47,6 +47,7 @@ def check_line(error: SceneError, file: str) -> str:
     return line
 
 
+BASES = {"template": GOOD, "bearing": broken(BEARING)}
 CASES = tomllib.loads(Path(__file__).with_name("broken.toml").read_text(encoding="utf-8"))
 #: Changes to the template that no file of cases should hold, key, value as found, a part of range or advice.
 HUGE = {
@@ -65,9 +66,10 @@ HUGE = {
 @pytest.mark.parametrize("name", CASES)
 def test_broken_scene(name, tmp_path):
     case = CASES[name]
-    base = {"template": GOOD, "bearing": broken(BEARING)}.get(case["file"])
-    text = changed(case["file"], *case["changes"]) if base is None else broken(dict(case["changes"]), base)
-    refused(tmp_path, text, case["key"], case["value"], case["advice"])
+    file, changes = case["file"], case.get("changes", ())
+    text = broken(dict(changes), BASES[file]) if file in BASES else changed(file, *changes)
+    more = refused(tmp_path, text + case.get("end", ""), case["key"], case["value"], case["advice"]).more
+    assert more == case.get("more", more)
 
 
 @pytest.mark.parametrize("name", HUGE)
@@ -76,12 +78,13 @@ def test_file_that_is_too_much(name, tmp_path):
     refused(tmp_path, broken(changes) if changes else "", *expected)
 
 
-def refused(tmp_path, text: str, key: str, value: str, part: str) -> None:
+def refused(tmp_path, text: str, key: str, value: str, part: str) -> SceneError:
     error = refusal(tmp_path, text)
     line = check_line(error, str(tmp_path / "my.toml"))
     assert error.key == key
     assert value in error.value
     assert part in line
+    return error
 
 
 def test_bearing_variant_is_sound():

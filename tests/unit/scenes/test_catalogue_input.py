@@ -56,25 +56,6 @@ def test_diameters_are_the_radii_to_the_last_digit() -> None:
     assert read(('pitch_radius = "16.5 mm"', 'pitch_diameter = "33 mm"\npitch_radius = "16.5 mm"')) == read()
 
 
-@pytest.mark.parametrize(
-    ("change", "key", "value", "part"),
-    [
-        ((PITCH[0], 'pitch_diameter = "33"'), "track.pitch_diameter", '"33"', "has no unit"),
-        ((PITCH[0], 'pitch_diameter = "33 kN"'), "track.pitch_diameter", '"33 kN"', "force"),
-        ((BALL[0], 'diameter = "0 mm"'), "balls.diameter", '"0 mm"', "0.02 mm to 2 m"),
-        ((BALL[0], 'diameter = "5.556 mm"\nradius = "3 mm"'), "balls.diameter", '"5.556 mm"', "6 mm, twice the radius"),
-        ((PITCH[0], 'pitch_diameter = "5 mm"'), "track.pitch_diameter", '"5 mm"', "as a radius; the balls would reach"),
-        ((PITCH[0], ""), "track.pitch_radius", "nothing", 'add pitch_radius = "16.5 mm", or pitch_diameter'),
-    ],
-)
-def test_faults_of_diameters_are_named_as_the_file_has_them(
-    change: tuple[str, str], key: str, value: str, part: str
-) -> None:
-    error = refused(change)
-    assert (error.key, error.value) == (key, value)
-    assert part in f"{error.allowed} {error.advice}"
-
-
 def test_materials_by_name() -> None:
     steel = ('youngs_modulus = "210 GPa"\npoissons_ratio = 0.28', 'name = "bearing steel"')
     assert read(steel).screw.material == replace(read().screw.material, poissons_ratio=0.3)
@@ -103,47 +84,6 @@ def test_filling_gives_the_count() -> None:
     centres = ball_layout(full).centre
     apart = np.linalg.norm(np.diff(centres, axis=0), axis=1)
     assert 5.556e-3 <= apart.min() < 5.556e-3 * (1.0 + 1.0 / full.ball_count), "no ball more would fit"
-
-
-@pytest.mark.parametrize(
-    ("changes", "key", "part"),
-    [
-        ((("count = 32", "count = 32\nfilling = 0.9"),), "balls.filling", "leave one out"),
-        ((("turns = 2", "turns = 1\ncircuits = 2"),), "balls.circuits", "got 2 without circuit_gap"),
-        ((("turns = 2", "turns = 1\ncircuit_gap = 0.5"),), "balls.circuit_gap", "2 or more"),
-        ((("turns = 2", "turns = 1\ncircuits = 3\ncircuit_gap = 0"),), "balls.count", "count = 33"),
-        (
-            (("turns = 2", "turns = 1\ncircuits = 2\ncircuit_gap = 0.1"), ("# [circulation]", "[circulation]")),
-            "circulation",
-            "write circuits = 2",
-        ),
-        ((("count = 32", ""), BALL), "balls.count", "azimuths"),
-        ((("turns = 2", f"{ARCS}\ncircuits = 2"),), "balls.circuits", "1 beside arcs"),
-        ((("turns = 2", f"{ARCS}\ncircuit_gap = 0.5"),), "balls.circuit_gap", "nothing beside arcs"),
-        ((("count = 32", "filling = 0.9"), ("turns = 2", ARCS)), "balls.filling", "write count instead"),
-        (
-            (("[[supports]]", '[preload]\nlead_offset = "5 mm"\n[[supports]]'), *HALVES),
-            "preload.lead_offset",
-            "offsets are micrometres",
-        ),
-        (
-            (("[[supports]]", '[preload]\nlead_offset = "5 um"\nforce = "1 kN"\n[[supports]]'), *HALVES),
-            "preload.force",
-            "leave the others out",
-        ),
-        ((("[[supports]]", "[preload]\n[[supports]]"),), "preload", "one of force, oversize and lead_offset"),
-        (
-            (("[[supports]]", '[preload]\noversize = "5 um"\n[errors.balls]\noversize = "1 um"\n[[supports]]'),),
-            "errors.balls.oversize",
-            "leave one of the two out",
-        ),
-        ((("[[supports]]", '[preload]\noversize = "0.6 mm"\n[[supports]]'),), "screw.groove_radius", "jam"),
-    ],
-)
-def test_contradictions_of_catalogue_keys(changes: tuple[tuple[str, str], ...], key: str, part: str) -> None:
-    error = refused(*changes)
-    assert error.key in (key, key.replace("balls.circuit_gap", "balls.circuits"))
-    assert part in " ".join(error.lines())
 
 
 def test_a_preload_force_is_what_rigid_bodies_press_with() -> None:
@@ -241,13 +181,6 @@ def test_a_preload_may_be_a_part_of_the_rating(text: str) -> None:
     bare = read()
     assert scene.errors.balls.oversize == oversize_for(bare, share * rating(bare))
     assert f"({100.0 * share:.3g} % of the dynamic load rating" in scene.assumed[-1]
-
-
-@pytest.mark.parametrize("text", ["0 % of C", "80 % of C", "-5 % of C", "5 %", "5 % of C0", "nan % of C"])
-def test_other_parts_of_the_rating_are_refused(text: str) -> None:
-    error = refused(("[[supports]]", f'[preload]\nforce = "{text}"\n[[supports]]'))
-    assert error.key == "preload.force"
-    assert "% of C" in error.allowed
 
 
 def test_rollers_have_no_computed_rating_to_preload_by() -> None:

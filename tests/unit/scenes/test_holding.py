@@ -45,28 +45,6 @@ def test_the_former_key_is_read_and_the_new_one_said() -> None:
     assert set(old.assumed) - set(new.assumed) == {'The former key solid.nut_held = "right face" is read as nut.held.at.'}
 
 
-@pytest.mark.parametrize(
-    ("text", "key", "said"),
-    [
-        ('[nut.held]\nat = "flange face"\n', "nut.held.at", "a flange"),
-        ('[nut.held]\ncentring = "bonded"\n', "nut.held.centring", "a flange"),
-        (FLANGE + '[nut.held]\nat = "left face"\ninner_diameter = "50 mm"\n', "nut.held.inner_diameter", "flange"),
-        (FLANGE + '[nut.held]\ncentring = "bonded"\n', "nut.held.centring", "without a fit"),
-        (FLANGE + '[nut.held]\ninner_diameter = "47 mm"\n', "nut.held.inner_diameter", "48 mm to 71.9 mm"),
-        (FLANGE + '[nut.held]\nouter_diameter = "73 mm"\n', "nut.held.outer_diameter", "48.1 mm to 72 mm"),
-        (FLANGE.replace("72", "48"), "nut.flange.diameter", "above 48.1 mm"),
-        (FLANGE.replace("11", "55"), "nut.flange.thickness", "below 54 mm"),
-        (FLANGE + 'centring = "43 mm"\n', "nut.flange.centring", "below 43 mm"),
-        ('[nut.held]\nat = "left face"\n[solid]\nnut_held = "left face"\n', "solid.nut_held", "former name"),
-    ],
-)
-def test_what_cannot_be_held_is_one_error(text: str, key: str, said: str) -> None:
-    with pytest.raises(SceneError) as caught:
-        read(text)
-    assert (caught.value.key, caught.value.more) == (key, 0)
-    assert said in str(caught.value)
-
-
 def test_a_ring_has_no_flange() -> None:
     with pytest.raises(SceneError, match=r"nut.flange: .* a lead above 0 mm"):
         read(FLANGE, lead="0 mm")

@@ -10,7 +10,7 @@ import pytest
 from tests.shipped_texts import axis_names
 
 from rollbench.comparison.errors import InputError, SceneError
-from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.comparison.scenes import catalogue, scene_file, scene_tables
 from rollbench.comparison.scenes.catalogue import scene_text
 from rollbench.comparison.scenes.schema import SceneKeys
 from rollbench.comparison.scenes.template import template
@@ -143,9 +143,9 @@ def test_kinds_of_friction_are_scenes_of_the_one_catalogue(tmp_path):
 
 
 def test_tables_that_tell_a_missing_kind_are_no_whole_scene_s():
-    assert not scene_file.FOREIGN & SceneKeys.model_fields.keys()
+    assert not scene_tables.FOREIGN & SceneKeys.model_fields.keys()
     for kind in FRICTION_ONLY:
-        assert scene_file.FOREIGN & KINDS[kind].keys.model_fields.keys(), kind
+        assert scene_tables.FOREIGN & KINDS[kind].keys.model_fields.keys(), kind
     with pytest.raises(SceneError, match=r"load: got .*did you mean loads"):
         scene_file.loads(template().replace("[[loads]]", "[[load]]"), "a.toml")
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.linalg import qr
 from tests.helpers import STEEL, dense, relative, with_ingredients
 
 from rollbench.comparison.scenes import catalogue
@@ -9,7 +10,7 @@ from rollbench.lowfi import jit
 from rollbench.lowfi.as_source.static import element_stiffness
 from rollbench.lowfi.statics.kernel import banded, beam, newton
 from rollbench.lowfi.statics.records import BeamArrays
-from rollbench.lowfi.statics.shape import motions_at, rigid_transport, shape_polynomials
+from rollbench.lowfi.statics.shape import motions_at, pivots, rigid_transport, shape_polynomials
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.partition import beam_nodes, contact_stations, fixed_partition
 from rollbench.meshes.section import tube_section
@@ -232,3 +233,12 @@ def test_idle_ends_of_the_shaft_are_left_out():
     assert (left_out, none) == (1, 0)
     assert everything.size == nodes.size + 1
     assert nodes[-1] == pytest.approx(stations.max())
+
+
+def test_pivots_are_those_of_qr_with_column_pivoting():
+    rng = np.random.default_rng(5)
+    for rows in (rng.normal(size=(3, 6)), np.outer([1.0, 2.0], rng.normal(size=6)), np.zeros((2, 4))):
+        _, r, order = qr(rows, pivoting=True)
+        rank = int((np.abs(np.diag(r)) > 1e-12).sum())
+        assert pivots(rows)[:rank] == order[:rank].tolist()
+        assert rank or not pivots(rows)

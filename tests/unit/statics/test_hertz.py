@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from scipy.special import ellipe, ellipk
+from scipy.special import ellipe, ellipk, elliprd, elliprf
 from tests.helpers import relative, small_screw, solved, with_ingredients
 
 from rollbench.comparison.scenes import catalogue
-from rollbench.lowfi.hertz import axis_ratio, contact_modulus, hertz_constants
+from rollbench.lowfi.hertz import axis_ratio, complete_integrals, contact_modulus, hertz_constants
 from rollbench.lowfi.statics.problem import actual_hertz, nominal_hertz
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
@@ -24,6 +24,13 @@ def contact(along, across, force=FORCE, modulus=MODULUS):
 def test_contact_modulus_of_unlike_bodies():
     assert contact_modulus(210e9, 0.28, 310e9, 0.26) == pytest.approx(1.0 / (0.9216 / 210e9 + 0.9324 / 310e9), rel=1e-15)
     assert contact_modulus(210e9, 0.28, np.inf, 0.3) == pytest.approx(210e9 / 0.9216, rel=1e-15)
+
+
+def test_integrals_are_carlsons_from_the_circle_to_the_line_contact():
+    k = np.geomspace(1e-6, 1.0, 200)
+    expected = elliprf(0.0, 1.0, k**2), elliprd(0.0, k**2, 1.0), elliprd(0.0, 1.0, k**2)
+    for found, own in zip(complete_integrals(k), expected, strict=True):
+        assert found == pytest.approx(own, rel=3e-15)
 
 
 def test_sphere_on_flat():

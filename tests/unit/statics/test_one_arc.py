@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.shipped_texts import own_text
 
 from rollbench.comparison.scenes import scene_file
 from rollbench.lowfi.compliance.parts import LADDER
@@ -15,40 +16,12 @@ from rollbench.lowfi.statics.tangent import tangent_stiffness
 from rollbench.meshes.one_arc import LEAST, as_one_arc, is_one_arc
 from rollbench.meshes.parts import Errors, Load, Scene, SideErrors, Support
 
-BEARING = """
-title = "deep groove"
-[material]
-youngs_modulus = "210 GPa"
-poissons_ratio = 0.3
-[track]
-pitch_radius = "35 mm"
-lead = "0 mm"
-contact_angle = "ANGLE deg"
-[screw]
-length = "16 mm"
-outer_diameter = "66 mm"
-bore = "50 mm"
-groove_radius = "6.5 mm"
-[nut]
-position = "8 mm"
-length = "16 mm"
-outer_diameter = "90 mm"
-groove_radius = "6.5 mm"
-[balls]
-radius = "6.25 mm"
-count = 9
-turns = 1
-[[supports]]
-at = "8 mm"
-fix = ["rx", "ry", "rz"]
-[ingredients]
-screw = "rigid"
-"""
+BEARING = own_text("deep-groove")
 SOLVERS = {"lin": solve_static, "refined": solve_elastic}
 
 
 def bearing(angle: float, *force: float) -> Scene:
-    scene = scene_file.read(BEARING.replace("ANGLE", repr(angle)), "deep-groove.toml")
+    scene = scene_file.read(BEARING.replace("0.01 deg", f"{angle!r} deg"), "deep-groove.toml")
     assert isinstance(scene, Scene)
     return replace(scene, loads=(Load(0.008, (force[0], 0.0, force[1]), (0.0, 0.0, 0.0)),))
 

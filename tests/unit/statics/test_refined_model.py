@@ -60,23 +60,6 @@ def test_condensed_bodies_from_a_file(command) -> None:
     assert any("condensed 3D model (mesh level 3" in line for line in data["assumed"])
 
 
-@pytest.mark.parametrize(
-    ("tokens", "words"),
-    [
-        (("solve", "lin-case1", "--condensed", "nowhere.npz"), "No such file"),
-        (("solve", "lin-case1", "--model", "condensed"), "--condensed FILE"),
-        (("solve", "lin-case1", "--model", "lin", "--condensed", "x.npz"), "the model condensed"),
-        (("condense", "lin-case1", "--level", "9"), "--level"),
-        (("condense", "lin-case1", "--out", "."), "a folder"),
-    ],
-)
-def test_bad_files_and_options_are_one_line(command, tokens: tuple[str, ...], words: str) -> None:
-    code, out, err = command(*tokens)
-    assert (code, out) == (2, "")
-    assert err.count("\n") == 1
-    assert words in err
-
-
 def test_bodies_of_other_parts_are_refused() -> None:
     with pytest.raises(InputError, match="other parts"):
         run_model(catalogue.scene("unseen-lead10"), "condensed", replace(QUIET, condensed=bodies()))

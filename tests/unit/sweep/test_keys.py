@@ -1,7 +1,7 @@
 import pytest
 
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.comparison.scenes import catalogue, scene_file, scene_tables
 from rollbench.comparison.scenes.like import double_nut_like, scene_like
 from rollbench.comparison.wings.sweep.keys import Vary, changed, displaced, read_vary
 
@@ -52,9 +52,9 @@ def put(key, value):
 
 
 def test_values_reach_the_scene():
-    scene = scene_file.of_tables(put("loads[0].force[2]", "3 kN"), "x")
+    scene = scene_tables.of_tables(put("loads[0].force[2]", "3 kN"), "x")
     assert scene.loads[0].force == (0.0, 0.0, 3000.0)
-    scene = scene_file.of_tables(put("errors.NL.profile_sigma", ["1 um"]), "x")
+    scene = scene_tables.of_tables(put("errors.NL.profile_sigma", ["1 um"]), "x")
     assert scene.errors.NL.profile_sigma == (1e-6,)
     assert RAW["loads"][0]["force"][2] == "5 kN"
 
@@ -80,7 +80,7 @@ def test_a_varied_key_takes_the_place_of_one_that_says_the_same(vary, gone):
     raw = scene_file.read_toml(scene_like("40x10"), "my.toml")
     keys = read_vary([vary])
     assert [other for _, other in displaced(raw, keys)] == gone
-    first, second = (scene_file.read_tables(changed(raw, keys, [v]), "my.toml") for v in keys[0].ends)
+    first, second = (scene_tables.read_tables(changed(raw, keys, [v]), "my.toml") for v in keys[0].ends)
     assert first != second
     assert raw == scene_file.read_toml(scene_like("40x10"), "my.toml"), "the scene itself stays"
 
@@ -89,5 +89,5 @@ def test_the_same_in_a_set():
     raw = scene_file.read_toml(double_nut_like("40x10"), "my.toml")
     keys = read_vary(["sets[1].nut.groove_radius=3.3 mm:3.4 mm"])
     assert displaced(raw, keys) == [("sets[1].nut.groove_radius", "sets[1].nut.conformity")]
-    found = scene_file.read_tables(changed(raw, keys, ["3.4 mm"]), "my.toml")
+    found = scene_tables.read_tables(changed(raw, keys, ["3.4 mm"]), "my.toml")
     assert [s.parts.nut.groove_radius for s in found.sets] == [pytest.approx(0.525 * 6.35e-3), 3.4e-3]

@@ -1,0 +1,83 @@
+"""What a scene file describes; load cases of one scene as records, with their shares of the revolutions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import Scene
+
+if TYPE_CHECKING:
+    from rollbench.comparison.scenes.kinds import KindScene
+
+#: What a scene file describes.
+Described: TypeAlias = "Scene | KindScene | Assembly | DutyCycle"
+
+
+@dataclass(frozen=True)
+class LoadCase:
+    """One load case. share: of the revolutions, 0 where it is checked statically only; speed: of the turning part [rad/s],
+    None where the shares are given; scene: the parts, of one set or several, under its loads, supports and oversize."""
+
+    name: str
+    share: float
+    speed: float | None
+    scene: Scene | Assembly
+
+
+@dataclass(frozen=True)
+class DutyCycle:
+    """A scene with several load cases, in the order of the file. parts: the scene without them; speed: mean speed of the
+    turning part [rad/s], None where neither the cases nor the scene give one."""
+
+    parts: Scene | Assembly
+    cases: tuple[LoadCase, ...]
+    speed: float | None
+
+    @property
+    def name(self) -> str:
+        """Of the scene."""
+        return self.parts.name
+
+    @property
+    def title(self) -> str:
+        """Of the scene."""
+        return self.parts.title
+
+    @property
+    def assumed(self) -> tuple[str, ...]:
+        """Of the scene."""
+        return self.parts.assumed
+
+    @property
+    def sets(self) -> dict[str, Scene]:
+        """Parts of each set of balls by name; of the only one without a name."""
+        if isinstance(self.parts, Scene):
+            return {"": self.parts}
+        return {s.name: s.parts for s in self.parts.sets if isinstance(s.parts, Scene)}
+
+    @property
+    def shares(self) -> tuple[float, ...]:
+        """Of the revolutions, in order; their sum is 1."""
+        return tuple(case.share for case in self.cases)
+
+
+@dataclass(frozen=True)
+class CaseOf:
+    """A load case of a cycle, told by the name of its scene."""
+
+    cycle: DutyCycle
+    case: LoadCase
+
+    @property
+    def keys(self) -> dict[str, Any]:
+        """What every row of the case says of it in JSON."""
+        return {"scene": self.cycle.name, "case": self.case.name, "share": self.case.share}
+
+
+def cases_by_name(described: Iterable[object]) -> dict[str, CaseOf]:
+    """The load cases among what is described, by the names of their scenes."""
+    cycles = [cycle for cycle in described if isinstance(cycle, DutyCycle)]
+    return {case.scene.name: CaseOf(cycle, case) for cycle in cycles for case in cycle.cases}

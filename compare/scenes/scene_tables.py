@@ -1,0 +1,111 @@
+"""From the tables of a scene file to the scene; what cannot be built is refused in one line."""
+
+from __future__ import annotations
+
+import difflib
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rollbench.comparison.errors import SceneError, escaped
+from rollbench.comparison.registration import kinds
+from rollbench.comparison.scenes.body_checks import contact_faults, geometry_faults
+from rollbench.comparison.scenes.duty_cycle import Described, DutyCycle
+from rollbench.comparison.scenes.fault import Fault
+from rollbench.comparison.scenes.key_checks import choice_faults
+from rollbench.comparison.scenes.load_cases import case_faults, duty_cycle, of_case
+from rollbench.comparison.scenes.mending import sound, validated
+from rollbench.comparison.scenes.names import AXIS, WHOLE
+from rollbench.comparison.scenes.preload import preloaded
+from rollbench.comparison.scenes.records import scene_of
+from rollbench.comparison.scenes.refusal import refusal, refuse, spoken
+from rollbench.comparison.scenes.schema import SceneKeys
+from rollbench.comparison.scenes.units import show
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.one_arc import as_one_arc
+from rollbench.meshes.parts import Scene
+
+if TYPE_CHECKING:
+    from rollbench.comparison.scenes.axis_schema import AxisKeys
+
+#: Tables that no whole screw or bearing has; without a kind they tell that one is missing.
+FOREIGN = {"load", "angles", "grooves", "chain", "four_point", "double_row"}
+
+
+def read_tables(raw: dict[str, Any], origin: str) -> Described:
+    """The scene of any kind of the tables ``raw``. Raises SceneError, and nothing else."""
+    kind = raw.get("kind")
+    if "sets" in raw or kind == AXIS:
+        return _read_axis(raw, origin)
+    nut = raw.get("nut")
+    bodies = isinstance(nut, dict) and "length" in nut  # a whole scene with a key misspelt
+    if kind is None and FOREIGN & raw.keys() and not bodies:
+        name = sorted(FOREIGN & raw.keys())[0]
+        advice = f"[{name}] belongs to a kind that only friction solves: name it, as rollbench new FILE --kind KIND does"
+        raise SceneError(origin, "kind", "nothing", ", ".join(map(show, kinds())), advice)
+    if kind is None or kind in WHOLE:
+        return of_tables(raw, origin)
+    if kind not in kinds():
+        near = difflib.get_close_matches(str(kind), (*WHOLE, *kinds()), n=1, cutoff=0.5)
+        advice = f"did you mean {show(near[0])}?" if near else "leave it out for a whole screw or bearing"
+        raise SceneError(origin, "kind", show(kind), ", ".join(map(show, (*WHOLE, *kinds()))), advice)
+    from rollbench.comparison.scenes.kinds import kind_named
+
+    of = kind_named(kind)
+    keys = sound(raw, of.keys, origin)
+    refuse(origin, raw, list(of.faults(keys)))
+    return of.record(keys, escaped(Path(origin).stem))
+
+
+def _read_axis(raw: dict[str, Any], origin: str) -> Scene | Assembly | DutyCycle:
+    from rollbench.comparison.scenes.axis_file import read_axis
+
+    return read_axis(_axis_keys(raw, origin), raw, origin, Path(origin).stem)
+
+
+def _axis_keys(raw: dict[str, Any], origin: str) -> AxisKeys:
+    from rollbench.comparison.scenes.axis_schema import AxisKeys
+
+    return sound(raw, AxisKeys, origin)
+
+
+def keys_of(raw: dict[str, Any], origin: str) -> SceneKeys | AxisKeys:
+    """The keys of the tables ``raw`` of a whole screw or bearing, or of several sets on one shaft, each by itself in range.
+
+    Raises SceneError.
+    """
+    if "sets" in raw or raw.get("kind") == AXIS:
+        return _axis_keys(raw, origin)
+    return sound(raw, SceneKeys, origin)
+
+
+def of_tables(raw: dict[str, Any], origin: str) -> Scene | DutyCycle:
+    """The whole screw or bearing of the tables ``raw``, in one load case or several; ``origin``: the file named in errors.
+
+    Raises SceneError with all that is wrong, as far as it can be told before the first faults are mended.
+    """
+    keys, broken = validated(raw, SceneKeys)
+    said = list(broken.said)
+    if keys is not None:
+        faults = (*choice_faults(keys), *case_faults(keys))
+        said += spoken(raw, [fault for fault in faults if broken.leaves(fault.keys)])
+    if keys is None or not broken.bodies or len(said) > len(broken.said):
+        raise refusal(origin, said)
+    scene = scene_of(keys, escaped(Path(origin).stem))
+    said += spoken(raw, _body_faults(scene))
+    if said:
+        raise refusal(origin, said)
+    if keys.preload is not None:
+        scene = preloaded(scene, keys.preload)
+        refuse(origin, raw, _body_faults(scene))
+    scene = as_one_arc(scene)
+    if not keys.cases:
+        return scene
+    cycle = duty_cycle(scene, keys.cases)
+    each = (case.scene for case in cycle.cases if isinstance(case.scene, Scene))
+    refuse(origin, raw, [of_case(fault, k) for k, one in enumerate(each) for fault in _body_faults(one)])
+    return cycle
+
+
+def _body_faults(scene: Scene) -> list[Fault]:
+    """Bodies that cannot be built; where all can, contacts that cannot be solved."""
+    return list(geometry_faults(scene)) or list(contact_faults(scene))

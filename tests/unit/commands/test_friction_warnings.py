@@ -1,0 +1,119 @@
+"""What ``rollbench friction`` warns of, once and in which words, and where it ends with 1."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+from tests.feed_drive import answer, mine
+from tests.helpers import small_screw
+
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.wings.friction import solve as friction_answer
+from rollbench.comparison.wings.friction.answer import as_table
+from rollbench.comparison.wings.friction.band import feedback_warnings
+from rollbench.comparison.wings.friction.solve import solve_friction
+from rollbench.comparison.wings.friction.whole import Choices, solve_scene
+from rollbench.lowfi.statics.static import solve_static
+from rollbench.meshes.parts import BallErrors, Errors, Friction, Motion
+
+
+def test_two_point_contact_on_a_helix_is_warned_of():
+    def warned(**options):
+        scene = replace(small_screw(force=(0.0, 0.0, 300.0), **options), friction=Friction(0.1, 0.1, feedback=False))
+        notes = answer(scene).data["warnings"]
+        return any("two flanks only" in line for line in notes)
+
+    assert warned()
+    assert not warned(oversize=5e-6)
+    assert not warned(lead=0.0, turns=5.0 / 6.0), "a ring's friction runs along its groove"
+
+
+def test_large_pressure_is_warned_of():
+    small = answer(small_screw(force=(0.0, 0.0, 300.0)), mu=(0.1,)).data["warnings"]
+    large = answer(small_screw(force=(0.0, 0.0, 30000.0)), mu=(0.1,)).data["warnings"]
+    assert not any("ISO 76" in line for line in small)
+    assert any("ISO 76" in line for line in large)
+
+
+@pytest.mark.parametrize(
+    ("lead", "feedback", "words"),
+    [
+        (20e-3, True, ("from four displaced starts",)),
+        (20e-3, False, ("none was searched for", "feedback = true")),
+        (0.0, True, ("none was searched for", "along the grooves")),
+    ],
+)
+def test_second_states_that_were_not_searched_for_are_not_said_to_be_absent(lead, feedback, words):
+    scene = small_screw(3, 0.7, lead=lead, force=(0.0, 0.0, 300.0), screw="rigid")
+    found = answer(replace(scene, friction=Friction(0.4, 0.4, feedback=feedback), motion=Motion(3.0)))
+    note = next(n for n in found.data["warnings"] if "jammed" in n)
+    assert all(word in note for word in words)
+    assert (found.data["solver"]["second_states"] is None) is ("none was searched for" in note)
+    assert "rolls" not in note
+
+
+def test_what_is_wrong_with_a_contact_is_told_once_and_as_solve_tells_it():
+    """Warnings of size and pressure are those of the state with friction; the contact loads' own are not repeated."""
+    hard = replace(small_screw(8, force=(0.0, 0.0, 60e3)), friction=Friction(0.1, 0.1, feedback=False))
+    static = solve_static(hard).warnings
+    for feedback in (False, True):
+        scene = replace(hard, friction=replace(hard.friction, feedback=feedback))
+        found = solve_scene(scene, Choices(model="lin")).data["warnings"]
+        for head in ("contact ellipse too large", "contact pressure too high"):
+            (once,) = (line for line in found if line.startswith(head))
+            (other,) = (line for line in static if line.startswith(head))
+            assert feedback or once == other
+
+
+def test_a_scene_that_states_no_play_says_what_play_does():
+    """One line with both torques; none where the file says how the balls fit, or the screw is preloaded."""
+    scene = replace(small_screw(force=(0.0, 0.0, 300.0)), friction=Friction(0.1, 0.1))
+    found = answer(scene)
+    played = found.data["play"]
+    smaller = replace(scene, errors=Errors(balls=BallErrors(oversize=-5e-6)))
+    assert played["friction_torque_as_given_Nmm"] == found.data["torque"]["friction_torque_Nmm"]
+    stated = answer(smaller)
+    assert played["friction_torque_Nmm"] == pytest.approx(stated.data["torque"]["friction_torque_Nmm"], rel=1e-9)
+    assert found.warning.startswith("WARNING: no preload and no play are stated")
+    assert all(f"{played[key]:.4g} N mm" in found.warning for key in played if key.startswith("friction"))
+    shown = [part for part in as_table(found) if isinstance(part, str)]
+    assert (shown[2], sum("no preload and no play" in part for part in shown)) == (found.warning, 1)
+    assert stated.data["play"] is None
+    assert stated.warning == ""
+    assert answer(replace(scene, errors=Errors(balls=BallErrors(oversize=3e-6)))).data["play"] is None
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new", "said"),
+    [
+        ("lin-case1-cut", "", "", ("WARNING: no preload and no play are stated",)),
+        ("two-balls", "", "", ()),
+        ("two-balls", 'oversize = "5 um"', 'oversize = "60 um"', ("WARNING outside", "contact pressure", "static safety")),
+        ("double-nut", "", "", ()),
+        ("double-nut", 'offset = "-4 um"', 'offset = "-120 um"', ("WARNING outside", "nut 1: preload", "nut 2: preload")),
+    ],
+)
+def test_strict_ends_with_1_where_a_line_stands_above_the_answers(name, old, new, said, tmp_path, command, monkeypatch):
+    (tmp_path / "a.toml").write_text(catalogue.scene_text(name).replace(old, new), encoding="utf-8")
+    found = solve_friction(str(tmp_path / "a.toml"), Choices(mu=(0.1,)))
+    monkeypatch.setattr(friction_answer, "solve_friction", lambda *_: found)
+    for strict in (False, True):
+        code, data = command.json("friction", name, "--mu", "0.1", "--json", *(["--strict"] if strict else []))
+        line = data["warning"] or ""
+        assert code == int(strict and bool(said))
+        assert [line.count(word) for word in said] == [1] * len(said)
+        assert bool(line) == bool(said)
+
+
+def test_friction_that_raises_the_torque_much_is_said():
+    state = SimpleNamespace(coupled=True, bare=SimpleNamespace(friction=0.1), torque=SimpleNamespace(friction=0.16))
+    assert "raises the torque 1.6 times, from 100 to 160 N mm" in feedback_warnings(state)[0]
+    state.torque.friction = 0.149
+    assert feedback_warnings(state) == []
+
+
+def test_without_friction_nothing_is_said_of_feedback_or_slip():
+    lines = answer(mine(), mu=(0.0,)).text
+    assert "energy: 0 W are put in and lost" in lines
+    assert "feedback" not in lines
+    assert "Heathcote" not in lines
