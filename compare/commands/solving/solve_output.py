@@ -223,14 +223,27 @@ def first_lines(result: Solved, block: str) -> list[str]:
 
 
 def last_lines(result: Solved, behind: Sequence[str], *, details: bool) -> list[str]:
+    """`closing_lines` of a result, with its notes."""
+    notes = [f"note: {line}" for line in result.solver.notes]
+    return closing_lines(result.warnings, behind, result.assumed, result.left_out, details=details, notes=notes)
+
+
+def closing_lines(
+    warnings: Sequence[str],
+    behind: Sequence[str],
+    assumed: Sequence[str],
+    left_out: Sequence[str],
+    *,
+    details: bool,
+    notes: Sequence[str] = (),
+) -> list[str]:
     """Warnings, then what lies behind the answers: lines on balance and solver, notes, assumptions, what was left out; or
     where to find it."""
-    warnings = [f"warning: {line}" for line in result.warnings]
+    said = [f"warning: {line}" for line in warnings]
     if not details:
-        count = f"{len(result.assumed)} assumptions, {len(result.left_out)} things left out, balance and solver"
-        return [*warnings, f"{count}: --assumptions"]
-    headed = ("note", result.solver.notes), ("assumed", result.assumed), ("left out", result.left_out)
-    return [*behind, *warnings, *(f"{heading}: {line}" for heading, lines in headed for line in lines)]
+        return [*said, f"{len(assumed)} assumptions, {len(left_out)} things left out, balance and solver: --assumptions"]
+    headed = ("assumed", assumed), ("left out", left_out)
+    return [*behind, *said, *notes, *(f"{heading}: {line}" for heading, lines in headed for line in lines)]
 
 
 def solver_lines(s: SolverReport, measured: str = "") -> list[str]:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollbench.comparison.commands.printing import Column, cell, text_width
+from rollbench.comparison.commands.printing import Column, text_width
+from rollbench.comparison.commands.solving.solve_output import closing_lines
 from rollbench.comparison.commands.solving.summary import entry
 from rollbench.comparison.commands.tables import listed
 from rollbench.comparison.measure import error_percent
@@ -26,7 +27,9 @@ if TYPE_CHECKING:
 NOTHING = 1e-6
 #: An entry of the block of answers: its label and what it says.
 Line = tuple[str, str]
-#: Share of a loss by which two computations of it differ without a cause.
+#: Labels of lines that say what lies behind the answers.
+BEHIND = ("solver", "law")
+#: Part of a loss by which two computations of it differ without a cause.
 ROUND_OFF = 1e-9
 
 
@@ -85,47 +88,55 @@ def flat_ball(sides: Sequence[str], row: dict[str, Any]) -> dict[str, Any]:
     return flat | {f"omega {n}": w for n, w in zip("xyz", row["rotation_rad_s"], strict=True)}
 
 
+def without_round_off(difference: float, size: float) -> float:
+    """A difference of two computations of something of this size, zero where it is round-off."""
+    return 0.0 if abs(difference) <= ROUND_OFF * abs(size) else difference
+
+
+def balance(power: float, loss: float) -> dict[str, Any]:
+    """Input power against dissipation [W]."""
+    left = without_round_off(power - loss, loss)
+    return {"input_power_W": number(power), "loss_W": number(loss), "balance_W": number(left)}
+
+
 def energy(power: float, loss: float, bound: float) -> dict[str, Any]:
-    """Input power against dissipation [W]; no percentage where less than ``NOTHING`` of full sliding is lost."""
-    off = number(float(error_percent(power, loss))) if loss > NOTHING * bound else None
-    return {
-        "input_power_W": number(power),
-        "loss_W": number(loss),
-        "balance_W": number(power - loss),
-        "balance_percent": off,
-    }
+    """`balance`, and as a percentage of the dissipation; none where less than ``NOTHING`` of full sliding is lost."""
+    return balance(power, loss) | {"balance_percent": increase(power, loss, bound)}
 
 
-def increase(loss: float, apart: float, bound: float) -> float | None:
-    """Increase of losses by ball-to-ball contact [%], zero where it is round-off; None where the balls apart lose next to
-    nothing."""
-    if not apart > NOTHING * bound:
+def increase(loss: float, before: float, bound: float) -> float | None:
+    """Increase of losses [%], zero where it is round-off; None where next to nothing was lost before."""
+    if not before > NOTHING * bound:
         return None
-    return 0.0 if abs(loss - apart) <= ROUND_OFF * apart else number(float(error_percent(loss, apart)))
+    return number(float(error_percent(before + without_round_off(loss - before, before), before)))
 
 
-def energy_line(values: dict[str, Any]) -> Line:
+def energy_line(values: dict[str, Any], digits: int = 6) -> Line:
     """The energy balance in words."""
-    power, loss, off = (
-        cell(values[k], f) for k, f in (("input_power_W", ".6g"), ("loss_W", ".6g"), ("balance_percent", "+.1e"))
-    )
-    return "energy", f"input power {power} W, dissipation {loss} W ({off} %)"
+    power, loss, left = (float(values[f"{name}_W"]) for name in ("input_power", "loss", "balance"))
+    if left == 0.0 or loss == 0.0:
+        return "energy", f"{loss:.{digits}g} W are put in and lost"
+    return "energy", f"{power:.{digits}g} W are put in and {loss:.{digits}g} W lost, {left:+.1e} W out of balance"
 
 
-def as_table(answer: FrictionAnswer, *, balls: bool = False) -> list[RenderableType]:
-    """The answer for the terminal: results in a few lines, tables, warnings, assumptions."""
+def as_table(answer: FrictionAnswer, *, balls: bool = False, details: bool = False) -> list[RenderableType]:
+    """The answer for the terminal: results in a block, tables, warnings; with details balance, solver, assumptions, and
+    what is left out, else where they are."""
     data = answer.data
     drawn = "" if data.get("member") is None else f", member {data['member']} of its random errors"
     parts: list[Any] = [f"{data['scene']}{drawn}, {data['kind']}: {data['status']}", data["title"]]
     parts += [*filter(None, [answer.warning])]
-    if answer.lines:
-        parts += ["", "\n".join(entry(label, text, text_width()) for label, text in answer.lines)]
+    if answers := [line for line in answer.lines if line[0] not in BEHIND]:
+        parts += ["", block(answers), ""]
     for title, columns, rows in [*answer.tables, *(answer.ball_tables if balls else ())]:
-        parts += ["", listed(title, columns, rows)]
-    parts += [""] if answer.tables else []
+        parts += [listed(title, columns, rows), ""]
     if answer.ball_tables and not balls:
         parts.append("motion, loads and losses of every ball: --balls")
-    parts += [f"warning: {w}" for w in data.get("warnings", ()) if w.brief != w]  # what stands above is not said again
-    for heading, key in (("assumed", "assumed"), ("left out", "left_out")):
-        parts += [f"{heading}: {line}" for line in data.get(key, ())]
-    return parts
+    warnings = [w for w in data.get("warnings", ()) if w.brief != w]  # what stands above is not said again
+    behind = [f"{label}: {text}" for label, text in answer.lines if label in BEHIND]
+    return [*parts, *closing_lines(warnings, behind, data.get("assumed", ()), data.get("left_out", ()), details=details)]
+
+
+def block(lines: Sequence[Line]) -> str:
+    """Labels and what they say, for the terminal."""
+    return "\n".join(entry(label, text, text_width()) for label, text in lines)

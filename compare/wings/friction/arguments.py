@@ -22,12 +22,13 @@ def friction(
     balls: Flag = False,
     time_limit: float | None = None,
     strict: Flag = False,
+    assumptions: Flag = False,
     as_json: Json = False,
 ) -> int:
     """Friction of a screw or bearing at its static loads: ball motion, losses, friction torque, efficiency, drag.
 
     Also solves the kinds of scenes that only friction solves: balls of a rotary or linear bearing, two balls or a whole
-    ball screw in time, bearings in pairs; these take --time-limit, --strict and --json only.
+    ball screw in time, bearings in pairs; these take --time-limit, --strict, --assumptions and --json only.
 
     Parameters
     ----------
@@ -48,9 +49,12 @@ def friction(
     strict
         Exit code 1 where a line WARNING stands above the answers: pressure, preload, static safety or rotations beyond
         what the models mean, or a play that nobody stated.
+    assumptions
+        Also print the assumptions, what is left out, the balance and the solver.
     """
     from rollbench.comparison.wings.friction.solve import run_friction
     from rollbench.comparison.wings.friction.whole import Choices
 
     choices = Choices(model, tuple(mu or ()), member, condensed)
-    return print_answer(run_friction(scene, choices, balls=balls, time_limit=time_limit, strict=strict), as_json)
+    found = run_friction(scene, choices, balls=balls, details=assumptions, time_limit=time_limit, strict=strict)
+    return print_answer(found, as_json)

@@ -13,13 +13,14 @@ from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.axis_answers import solve_sets
 from rollbench.comparison.models.registry import run_model
 from rollbench.comparison.quantities import number
-from rollbench.comparison.wings.friction.answer import NOTHING, FrictionAnswer, Line, three
+from rollbench.comparison.wings.friction.answer import NOTHING, FrictionAnswer, Line, balance, energy_line, three
 from rollbench.comparison.wings.friction.output import (
     BALL_COLUMNS,
     ball_rows,
     flat_rows,
     left_out,
     loss_rows,
+    solver_line,
     static_only,
     warnings_of,
 )
@@ -144,6 +145,7 @@ def _answer(
             f"friction torque of all sets {three(torque['friction_torque_Nmm'])} N mm",
         ),
         _energy_line(power),
+        solver_line(result.solver.residual, max((x.balls.left for _, _, x in solved), default=0.0)),
     ]
     return FrictionAnswer(data, [("sets", SET_COLUMNS, rows)], lines, good, every)
 
@@ -156,10 +158,7 @@ def _energy(solved: Solved) -> dict[str, Any]:
     along = float(np.sum([t.load * t.ratio * t.speed for t in torques]))
     taken, lost = (float(np.sum([getattr(t, name) for t in torques])) for name in ("input_power", "power"))
     driving, driven = max(turning, along), min(turning, along)
-    return {
-        "input_power_W": number(taken),
-        "loss_W": number(lost),
-        "balance_W": number(taken - lost),
+    return balance(taken, lost) | {
         "axial_load_power_W": number(along),
         "torque_power_W": number(turning),
         "efficiency_percent": number(-100.0 * driven / driving) if driven < -NOTHING * driving else None,
@@ -170,12 +169,9 @@ def _energy_line(values: dict[str, Any]) -> Line:
     """The powers in words."""
     part = values["efficiency_percent"]
     by = "the torque" if values["torque_power_W"] > values["axial_load_power_W"] else "the axial load"
-    taken = values["input_power_W"] if values["loss_W"] else 0.0  # else round-off
     worth = "no power leaves the shaft" if part is None else f"{by} drives with an efficiency of {part:.3g} %"
-    return (
-        "energy",
-        f"contacts take {taken:.3g} W, lose {values['loss_W']:.3g} W, difference {values['balance_W']:.1e} W; {worth}",
-    )
+    label, text = energy_line(values, 3)
+    return label, f"{text}; {worth}"
 
 
 def _sum(solved: Solved, drag: dict[int, float]) -> dict[str, Any]:

@@ -16,6 +16,7 @@ from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.helix import lead_angle
+from rollbench.meshes.kept import kept
 from rollbench.meshes.parts import BallErrors, Friction, Motion, Scene
 
 #: Coefficients of friction of rolling contacts that are measured with lubricants, least and largest.
@@ -26,6 +27,15 @@ MAKERS = 0.05
 SMALLER = 5e-6
 #: Factor of the feedback of friction on the balls' places from which on it is said.
 FED_BACK = 1.5
+
+
+_kept_state = kept(FrictionState)(friction_state)
+
+
+def kept_state(scene: Scene, result: StaticResult, friction: Friction, motion: Motion, member: int) -> FrictionState:
+    """`friction_state`, kept on disc between commands for equal scenes and loads."""
+    loads = replace(result, solver=replace(result.solver, seconds=0.0, setup_seconds=0.0), warnings=())
+    return _kept_state(scene, loads, friction, motion, member)
 
 
 @dataclass(frozen=True)
@@ -43,7 +53,7 @@ class Solved:
         """Friction torque [N m] at the loads of a result; nan where there is none."""
         if not result.converged:
             return float("nan")
-        state = friction_state(scene or self.scene, result, friction, self.motion, self.options.member)
+        state = kept_state(scene or self.scene, result, friction, self.motion, self.options.member)
         return state.torque.friction if state.balls.converged and not state.unsettled else float("nan")
 
 

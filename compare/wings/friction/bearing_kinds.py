@@ -24,7 +24,7 @@ from rollbench.comparison.wings.friction.kinds.bearing_ball import BearingBallSc
 from rollbench.comparison.wings.friction.kinds.bearing_pair import BearingPairScene
 from rollbench.comparison.wings.friction.screw_kinds import screw_warnings, sliding
 from rollbench.lowfi.friction.bearing.module_load import ModuleLoad
-from rollbench.lowfi.friction.bearing.pairs import BearingCase, BearingState, free_motion, solve_bearing
+from rollbench.lowfi.friction.bearing.pairs import BearingCase, BearingState, bearing_states, free_motion
 from rollbench.lowfi.friction.bearing.rotary import (
     SIDES,
     ball_contacts,
@@ -44,7 +44,6 @@ from rollbench.lowfi.friction.contact.motion import (
     without_friction,
 )
 from rollbench.lowfi.statics.validity import size_warnings
-from rollbench.meshes.arrays import Array
 
 
 def ball_motion(scene: BearingBallScene, problem: Problem) -> Motion:
@@ -178,14 +177,6 @@ def ball_lines(data: dict[str, Any]) -> list[Line]:
 
 
 # --- bearings in pairs
-
-
-def bearing_states(case: BearingCase, angle: Array) -> list[BearingState]:
-    """States of a bearing at load angles (n,) [rad], each the start of the next."""
-    states: list[BearingState] = []
-    for a in angle:
-        states.append(solve_bearing(case, float(a), states[-1] if states else None))
-    return states
 
 
 def rubs(case: BearingCase, state: BearingState) -> bool:

@@ -23,7 +23,16 @@ from rollbench.comparison.wings.friction.answer import (
 )
 from rollbench.comparison.wings.friction.kinds.linear import LinearScene
 from rollbench.lowfi.friction.linear.bearing import CONTACTS, directions
-from rollbench.lowfi.friction.linear.chain import ANOTHER, ChainResult, prepare, second_state, solve_linear_chain
+from rollbench.lowfi.friction.linear.chain import (
+    ANOTHER,
+    RISEN,
+    Chain,
+    ChainResult,
+    may_jam,
+    prepare,
+    second_state,
+    solve_linear_chain,
+)
 from rollbench.lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads
 from rollbench.lowfi.statics.validity import size_warnings
 from rollbench.lowfi.warned import Warned
@@ -114,6 +123,7 @@ def solve_linear(scene: KindScene) -> FrictionAnswer:
         "loss_apart_W": number(apart.loss),
         "friction_increase_percent": rise,
         "second_state": None if second is None else second_json(near, second),
+        "second_state_words": second_words(chains[1], second),
         "ball_to_ball_percent": number(100.0 * ball_loss / apart.loss) if apart.loss > NOTHING * bound else None,
         "ball_to_ball_loss_W": number(ball_loss),
         "energy": spent,
@@ -140,6 +150,19 @@ def second_json(near: ChainResult, second: ChainResult) -> dict[str, Any]:
     return {"drive_N": number(second.drive), "pairs": pairs}
 
 
+def second_words(chain: Chain, second: ChainResult | None) -> str:
+    """What is known of a second state of the chain."""
+    if not may_jam(chain):
+        return "one only: no balls in reach of each other, or no friction between them"
+    if second is None:
+        return (
+            "no second, jammed state was found, from three starts and from states with more friction between balls, "
+            f"{' and '.join(f'{mu:g}' for mu in RISEN)}: a search, no proof"
+        )
+    force = float(second.ball_force.max())
+    return f"there is a second, jammed state: up to {force:.3g} N between balls, {second.drive:.3g} N drive the carriage"
+
+
 def jam_warnings(near: ChainResult, second: ChainResult | None) -> list[Warned]:
     """What to say where balls may also stand in another, jammed state."""
     if second is None:
@@ -161,6 +184,7 @@ def linear_lines(data: dict[str, Any]) -> list[Line]:
             f"{data['drive_N']:.6g} N drive the carriage, {data['drive_apart_N']:.6g} N with the balls apart"
             + ("" if rise is None else f": ball-to-ball contact changes it by {rise:+.4g} %"),
         ),
+        ("states", data["second_state_words"]),
         energy_line(data["energy"]),
         (
             "solver",

@@ -10,7 +10,7 @@ import numpy as np
 
 from rollbench.comparison.commands.printing import Column
 from rollbench.comparison.quantities import number
-from rollbench.comparison.wings.friction.answer import Line, increase, three
+from rollbench.comparison.wings.friction.answer import Line, balance, energy_line, increase, three
 from rollbench.comparison.wings.friction.left_out import BESIDES, WHOLE
 from rollbench.comparison.wings.friction.sums import moves, sums
 from rollbench.lowfi.friction.whole.feedback import JAMMED
@@ -225,22 +225,22 @@ def _load_line(t: ScrewTorque) -> Line:
     return "load", f"{against}; {held}"
 
 
+def solver_line(residual: float, left: float) -> Line:
+    """How far loads and friction are from balance."""
+    return "solver", f"contact loads with a residual of {residual:.1e}, friction out of balance by {left:.1e} of its bound"
+
+
 def lines_of(motion: Motion, state: FrictionState, drag: tuple[float | None, str]) -> list[Line]:
     """The results in a few lines, the driving torque first; what a coefficient decides, which is hardly known to one digit,
     has three."""
     t, ring = state.torque, state.torque.ratio == 0.0
     inner, outer = ("inner ring", "outer ring") if ring else ("screw", "nut")
     without = "unknown: " + drag[1] if drag[0] is None else f"{three(1e3 * drag[0])} N mm" + f" ({drag[1]})" * bool(drag[1])
-    taken = t.input_power if t.power else 0.0  # else round-off
     lines = [
         _driving_line(t, motion, inner if motion.turns == "screw" else outer),
         ("friction", f"torque {three(1e3 * t.friction)} N mm of {inner} in {outer}; drag torque without loads {without}"),
         *(() if ring else (_load_line(t),)),
-        (
-            "energy",
-            f"contacts take {taken:.3g} W (forces and moments about the axis), lose {t.power:.3g} W (sum over contacts), "
-            f"difference {t.input_power - t.power:.1e} W",
-        ),
+        energy_line(balance(t.input_power, t.power), 3),
     ]
     bare = f"{three(1e3 * state.bare.friction)} N mm"
     if state.neighbours is not None:

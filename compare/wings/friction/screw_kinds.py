@@ -20,6 +20,7 @@ from rollbench.comparison.wings.friction.answer import (
     head,
     increase,
     load_row,
+    without_round_off,
 )
 from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewPairScene, ScrewRunScene
 from rollbench.comparison.wings.friction.run import judged, run_data, run_lines, stepped
@@ -218,7 +219,8 @@ def solve_run(scene: KindScene) -> FrictionAnswer:
     loss = h.torque * speed
     spent = energy(h.mean(loss * (1.0 + h.imbalance)), h.mean(loss), bound)
     known = spent["balance_percent"] is not None
-    spent["largest_step_balance_percent"] = number(100.0 * np.abs(h.imbalance).max()) if known else None
+    largest = without_round_off(float(np.abs(h.imbalance).max()), 1.0)
+    spent["largest_step_balance_percent"] = number(100.0 * largest) if known else None
     summary, failed = run_summary(h), int(np.sum(~h.converged))
     found = run_data(in_time)
     data = head(scene, in_time.status, in_time.converged, run.coupling) | {
@@ -243,7 +245,7 @@ def solve_run(scene: KindScene) -> FrictionAnswer:
     lines = [
         *run_lines(in_time),
         ("balls", f"{run.count} over {run.duration:.6g} s"),
-        (label, f"{text}, at most {cell(spent['largest_step_balance_percent'], '.1e')} % at an instant"),
+        (label, f"{text}, at most {largest:.1e} of the loss out of balance at an instant" if largest else text),
         ("solver", f"{failed} of {h.time.size} instants failed"),
         law_line(data),
     ]

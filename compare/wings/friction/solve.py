@@ -16,15 +16,22 @@ from rollbench.meshes.parts import Scene
 
 
 def run_friction(
-    name: str, choices: Choices, *, balls: bool = False, time_limit: float | None = None, strict: bool = False
+    name: str,
+    choices: Choices,
+    *,
+    balls: bool = False,
+    details: bool = False,
+    time_limit: float | None = None,
+    strict: bool = False,
 ) -> Answer:
-    """Solve a shipped scene or a file of any kind; balls: also the table of every ball. Exit code 1 where it did not
-    converge, the limit of time [s] ended it, or, if ``strict``, a line WARNING stands above the answers.
-    Raises InputError."""
+    """Solve a shipped scene or a file of any kind; balls, details: see `as_table`. Exit code 1 where it did not converge,
+    the limit of time [s] ended it, or, if ``strict``, a line WARNING stands above the answers. Raises InputError."""
     with watched(f"{one_line(name)}, friction", checked(time_limit)):
         found = solve_friction(name, choices)
     code = 1 if not found.converged or (strict and found.warning) else 0
-    return Answer(found.data | {"warning": found.warning or None}, as_table(found, balls=balls), code, folded=True)
+    return Answer(
+        found.data | {"warning": found.warning or None}, as_table(found, balls=balls, details=details), code, folded=True
+    )
 
 
 def solve_friction(name: str, choices: Choices) -> FrictionAnswer:

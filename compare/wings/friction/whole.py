@@ -17,8 +17,16 @@ from rollbench.comparison.models.outside import outside
 from rollbench.comparison.models.registry import DEFAULT, Options, run_model
 from rollbench.comparison.quantities import number
 from rollbench.comparison.scenes.scene_file import kind_of
-from rollbench.comparison.wings.friction.answer import FrictionAnswer
-from rollbench.comparison.wings.friction.band import Solved, band, band_lines, feedback_warnings, play, play_warning
+from rollbench.comparison.wings.friction.answer import FrictionAnswer, balance
+from rollbench.comparison.wings.friction.band import (
+    Solved,
+    band,
+    band_lines,
+    feedback_warnings,
+    kept_state,
+    play,
+    play_warning,
+)
 from rollbench.comparison.wings.friction.output import (
     BALL_COLUMNS,
     LOSS_COLUMNS,
@@ -32,12 +40,13 @@ from rollbench.comparison.wings.friction.output import (
     neighbour_data,
     slip_warnings,
     slip_words,
+    solver_line,
     warnings_of,
 )
 from rollbench.comparison.wings.friction.run import Run, run_data, run_lines, run_table, solve_run
 from rollbench.comparison.wings.friction.sums import sums
 from rollbench.lowfi.friction.whole.heathcote import WIDE, heathcote
-from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
+from rollbench.lowfi.friction.whole.state import FrictionState
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.parts import Friction, Motion, Scene, Support
 
@@ -108,7 +117,7 @@ def solve_scene(scene: Scene, choices: Choices) -> FrictionAnswer:
         return FrictionAnswer(data, [], [], False)
     motion = scene.motion or Motion(ONE_TURN)
     try:
-        states = [friction_state(scene, result, pair, motion, choices.member) for pair in pairs]
+        states = [kept_state(scene, result, pair, motion, choices.member) for pair in pairs]
     except ValueError as error:  # balls that overlap by their random sizes
         raise Refusal(scene.name, "balls", str(error), "spread the balls, or take neighbours = false") from error
     bare = result if not loaded(scene) else run_model(replace(scene, loads=()), model, options)
@@ -148,7 +157,7 @@ def drag_torques(
     def solved(changed: Scene, result: StaticResult) -> list[FrictionState] | str:
         if not result.converged:
             return result.status
-        return [friction_state(changed, result, pair, motion, options.member) for pair in pairs]
+        return [kept_state(changed, result, pair, motion, options.member) for pair in pairs]
 
     without: Sequence[FrictionState] | str = states
     if loaded(scene):
@@ -234,13 +243,8 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
             "between_balls_W": number(0.0 if state.neighbours is None else state.neighbours.power),
             "heathcote_percent": number(100.0 * slip),
         },
-        "energy": {
-            "input_power_W": number(e.input_power),
-            "loss_W": number(e.power),
-            "balance_W": number(e.input_power - e.power),
-            "axial_load_power_W": number(e.load * e.ratio * e.speed),
-            "torque_power_W": number(e.on_screw * e.speed),
-        },
+        "energy": balance(e.input_power, e.power)
+        | {"axial_load_power_W": number(e.load * e.ratio * e.speed), "torque_power_W": number(e.on_screw * e.speed)},
         "feedback": {
             "friction_torque_without_Nmm": number(1e3 * state.bare.friction),
             "unsettled_balls": len(state.unsettled),
@@ -276,6 +280,7 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
         tables.append(("over the coefficient of friction", mu_columns(kind_of(scene)), over))
     every = [("per ball", BALL_COLUMNS, flat_rows(rows))] if state.loaded else []
     lines = [*lines_of(motion, state, (drag.torque, drag.reason or drag.note)), *(band_lines(wide) if state.loaded else ())]
+    lines.append(solver_line(result.solver.residual, state.balls.left))
     if e.friction and slip <= WIDE:
         lines.append(("slip", "contacts are not flat: " + slip_words(slip)))
     return FrictionAnswer(data, tables, lines, good, every)

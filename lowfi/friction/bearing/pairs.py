@@ -165,11 +165,17 @@ class TorqueCurve:
         return float(self.torque.max() / self.torque.min())
 
 
-def torque_curve(case: BearingCase, angle: Array) -> TorqueCurve:
-    """Figure 4.7 for one bearing: angles (n,) [rad] of the force from the axis, each the start of the next."""
+def bearing_states(case: BearingCase, angle: Array) -> list[BearingState]:
+    """States with the force at angles (n,) [rad] from the axis, each the start of the next."""
     states: list[BearingState] = []
     for a in angle:
         states.append(solve_bearing(case, float(a), states[-1] if states else None))
+    return states
+
+
+def torque_curve(case: BearingCase, angle: Array) -> TorqueCurve:
+    """Figure 4.7 for one bearing: angles (n,) [rad] of the force from the axis."""
+    states = bearing_states(case, angle)
     return TorqueCurve(
         angle=np.asarray(angle, dtype=float),
         torque=np.array([s.torque for s in states]),

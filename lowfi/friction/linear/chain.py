@@ -17,6 +17,7 @@ that all part without it do part. ``second_state`` looks for others.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -39,6 +40,8 @@ HOLD = 1e-11
 ACCEPTED = 1e-9
 #: Difference of forces between balls that makes another state, over the largest friction bound of a ball.
 ANOTHER = 1e-3
+#: Coefficients between balls with which a jammed state is looked for too, and the factor by which they then fall.
+RISEN, FALLING = (0.3, 1.0), 0.85
 #: Most Newton steps.
 STEPS = 50_000
 
@@ -152,23 +155,40 @@ def solve_linear_chain(chain: Chain, start: Array | None = None, fast: bool = Tr
     return _result(chain, state, push, done, fast)
 
 
+def may_jam(chain: Chain) -> bool:
+    """Whether the chain may have several states: neighbours in reach of each other, and friction between them."""
+    return bool(chain.bearing.mu_balls > 0.0 and chain.problem.closed.any() and chain.scale > 0.0 and chain.sign != 0.0)
+
+
 def second_state(chain: Chain, found: ChainResult, fast: bool = True) -> ChainResult | None:
     """A solution of the chain other than ``found``, from three starts: the end of the path of rising friction between
-    balls, the balls as they are without it, and all pairs pressed together. Of several, the one with the largest force.
+    balls, the balls as they are without it, and all pairs pressed together; and where the path ends with more friction
+    (``RISEN``), followed as that falls to the chain's. Of several, the one with the largest force.
 
     A search: that it finds none is no proof that there is none. Without friction between balls there is only one.
     """
-    best, engine = None, kernels(LINEAR, compiled=fast)
-    if chain.bearing.mu_balls == 0.0 or not chain.problem.closed.any() or chain.scale == 0.0 or chain.sign == 0.0:
+    engine = kernels(LINEAR, compiled=fast)
+
+    def states() -> Iterator[ChainResult]:
+        for start in range(engine.STARTS):
+            state, push, work = _room(chain)
+            done = engine.other_motion(chain.problem, state, push, work, CREEP, TOLERANCE, STEPS, start)
+            yield _result(chain, state, push, done, fast)
+        for mu in (mu for mu in RISEN if mu > chain.bearing.mu_balls):
+            state, push, work = _room(chain)
+            at = chain.problem._replace(mu=mu)
+            done = engine.other_motion(at, state, push, work, CREEP, TOLERANCE, STEPS, 0)
+            while at.mu > chain.bearing.mu_balls and done[1] <= ACCEPTED and push.max() > 0.0:
+                at = at._replace(mu=max(at.mu * FALLING, chain.bearing.mu_balls))
+                done = engine.motion_from(at, state, push, work, CREEP, TOLERANCE)
+            if at.mu == chain.bearing.mu_balls:
+                yield _result(chain, state, push, done, fast)
+
+    if not may_jam(chain):
         return None
-    for start in range(engine.STARTS):
-        state, push, work = _room(chain)
-        done = engine.other_motion(chain.problem, state, push, work, CREEP, TOLERANCE, STEPS, start)
-        other = _result(chain, state, push, done, fast)
-        apart = float(np.abs(other.ball_force - found.ball_force).max()) > ANOTHER * chain.scale
-        if apart and other.status == "converged" and (best is None or other.ball_force.max() > best.ball_force.max()):
-            best = other
-    return best
+    good = (other for other in states() if other.status == "converged")
+    others = [s for s in good if np.abs(s.ball_force - found.ball_force).max() > ANOTHER * chain.scale]
+    return max(others, key=lambda other: float(other.ball_force.max()), default=None)
 
 
 def _room(chain: Chain) -> tuple[ChainState, Array, Work]:

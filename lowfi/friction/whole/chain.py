@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from rollbench.lowfi.friction.screw.chain import AnyChain, ChainMotion, Rubs, so
 from rollbench.lowfi.friction.screw.groove import Constants, Grooved
 from rollbench.lowfi.friction.screw.path import ON_SCREW
 from rollbench.lowfi.friction.whole.contacts import StaticContacts
-from rollbench.lowfi.friction.whole.losses import ball_path, rubs_of, shares, turn_back
+from rollbench.lowfi.friction.whole.losses import BallPath, ball_path, rubs_of, shares, turn_back
 from rollbench.lowfi.friction.whole.torque import about_axis
 from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.meshes.arrays import Array
@@ -19,15 +19,9 @@ from rollbench.meshes.parts import Motion as Drive
 
 
 @dataclass(frozen=True, eq=False)
-class SceneGrooves(Grooved):
-    """The nominal grooves of a scene in motion, one for a whole run: kernels keep arrays by it. See ``HelicalMotion``."""
+class SceneGrooves(BallPath, Grooved):
+    """The nominal grooves of a scene in motion, one for a whole run: kernels keep arrays by it."""
 
-    ball_radius: float
-    pitch_radius: float
-    contact_angle: float
-    lead: float
-    nut_speed: float
-    screw_speed: float
     mu: float
     hertz: Constants = field(repr=False)
 
@@ -40,16 +34,7 @@ class SceneGrooves(Grooved):
 def grooves_of(scene: Scene, friction: Friction, drive: Drive) -> SceneGrooves:
     """Nominal grooves of a scene whose screw or nut turns."""
     path, h = ball_path(scene, drive, scene.balls.radius), nominal_hertz(scene)
-    return SceneGrooves(
-        path.ball_radius,
-        path.pitch_radius,
-        path.contact_angle,
-        path.lead,
-        path.nut_speed,
-        path.screw_speed,
-        max(friction.screw, friction.nut),
-        Constants(h.C, h.C_a, h.C_b),
-    )
+    return SceneGrooves(**asdict(path), mu=max(friction.screw, friction.nut), hertz=Constants(h.C, h.C_a, h.C_b))
 
 
 @dataclass(frozen=True)

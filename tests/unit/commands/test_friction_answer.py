@@ -146,11 +146,20 @@ def test_the_torque_comes_first_and_the_table_of_balls_where_asked_for(width, mo
 
 
 def test_terminal_shows_torques_losses_and_what_is_left_out():
-    shown = [part for part in as_table(answer(mine())) if isinstance(part, str)]
-    text = " ".join("\n".join(shown).split())
-    for words in ("friction torque", "drag torque without", "efficiency", "energy contacts take", "left out: lubric"):
-        assert words in text
-    assert "which a motor must give the nut at 157.08 rad/s, which moves against the load" in text
+    found = answer(mine())
+    brief, full = (
+        " ".join("\n".join(part for part in as_table(found, details=d) if isinstance(part, str)).split()) for d in (0, 1)
+    )
+    for words in ("friction torque", "drag torque without", "efficiency", "W are put in and lost"):
+        assert words in brief
+        assert words in full
+    for words in ("left out: lubric", "assumed: ", "solver: contact loads with a residual of "):
+        assert words not in brief
+        assert words in full
+    count = f"{len(found.data['assumed'])} assumptions, {len(found.data['left_out'])} things left out, balance and solver"
+    assert f"{count}: --assumptions" in brief
+    assert "--assumptions" not in full
+    assert "which a motor must give the nut at 157.08 rad/s, which moves against the load" in brief
     locked = mine(("coefficient = 0.06", "coefficient = 0.5"), ("nut = 0.07", "nut = 0.5"), ("-3 kN", "-0.1 kN"))
     found = answer(locked)
     assert "self-locking" in found.text

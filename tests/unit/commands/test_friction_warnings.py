@@ -114,6 +114,6 @@ def test_friction_that_raises_the_torque_much_is_said():
 
 def test_without_friction_nothing_is_said_of_feedback_or_slip():
     lines = answer(mine(), mu=(0.0,)).text
-    assert "contacts take 0 W" in lines
+    assert "energy: 0 W are put in and lost" in lines
     assert "feedback" not in lines
     assert "Heathcote" not in lines

@@ -209,7 +209,7 @@ def test_a_screw_whose_friction_moves_all_leaves_no_feedback_out():
 
 
 def run(name, as_json):
-    found = run_friction(name, Choices())
+    found = run_friction(name, Choices(), details=True)
     return (found.code, [], [found.data]) if as_json else (found.code, found.parts, [])
 
 
@@ -228,7 +228,7 @@ def test_table_shows_result_energy_and_assumptions(name):
     code, shown, printed = run(name, False)
     lines = [part for part in shown if isinstance(part, str)]
     assert (code, printed) == (0, [])
-    for word in (name, "energy    input power", "assumed: ", "left out: lubricant", "solver    ", "law       coulomb"):
+    for word in (name, "energy    ", "put in and", "assumed: ", "left out: lubricant", "solver: ", "law: coulomb"):
         assert any(word in line for line in lines), word
     tables = [part for part in shown if not isinstance(part, str)]
     assert next(t.title for t in tables) in ("per contact", "per ball")

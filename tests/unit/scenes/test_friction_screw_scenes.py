@@ -258,7 +258,7 @@ def test_rows_face_to_face_are_turned_round():
 
 
 def run(path, as_json):
-    found = run_friction(str(path), Choices())
+    found = run_friction(str(path), Choices(), details=True)
     return (found.code, [], [found.data]) if as_json else (found.code, found.parts, [])
 
 
@@ -275,7 +275,7 @@ def test_table_and_json(tmp_path, name, changes):
     code, shown, printed = run(path, False)
     lines = [part for part in shown if isinstance(part, str)]
     assert (code, printed) == (0, [])
-    for word in (name, "energy    input power", "assumed: ", "left out: lubricant", "solver    ", "law       coulomb"):
+    for word in (name, "energy    ", "put in and", "assumed: ", "left out: lubricant", "solver: ", "law: coulomb"):
         assert any(word in line for line in lines), word
     tables = [part for part in shown if not isinstance(part, str)]
     assert tables

@@ -151,6 +151,16 @@ def other_motion(
 
 
 @kernel
+def motion_from(
+    chain: ChainArrays, state: ChainState, z: Array, work: Work, eps: float, tolerance: float
+) -> tuple[int, float]:
+    """As ``chain_motion``, by Newton's method alone from the state given, one of a similar chain."""
+    point = ChainPoint(state.slip, state.pair, state.drift, z)
+    reopen(point, eps)
+    return _settle(chain, point, work, eps, tolerance)
+
+
+@kernel
 def _settle(chain: ChainArrays, point: ChainPoint, work: Work, eps: float, tolerance: float) -> tuple[int, float]:
     """Newton steps on the exact equations from the point, and the largest residual."""
     exact = Smoothing(eps, 1.0, 0.0, 0.0)
