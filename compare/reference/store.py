@@ -30,6 +30,8 @@ SCHEMA = 8
 BODIES, SETS = 4, 1
 #: As `SCHEMA`, for runs with a load or support inside the 3D stretch of the screw: how a section takes it.
 SECTIONS = "mean of a slice"
+#: As `SCHEMA`, for runs with a hollow shaft beyond its 3D stretch: how it shears.
+HOLLOW = "shear of a hollow section"
 #: Programs whose results runs depend on.
 PROGRAMS = ("gmsh", "scikit-fem")
 #: Fields of a run that are arrays.
@@ -142,8 +144,9 @@ def _meshed(
     dims = dimensions(scene)
     low, high = dims.ends(scene)
     inner = dims.screw_held != "bore" and any(low < z < high for z in settings.get("stations", ()))
-    sections = (SECTIONS,) if inner else ()
-    return replace(dims, assumed=()), Fields("Settings", plain(settings)), tuple(sides), made_by, *sections
+    hollow = dims.screw_held != "bore" and dims.shaft_radius is None and scene.screw.bore > 0.0
+    marks = ((SECTIONS,) if inner else ()) + ((HOLLOW,) if hollow else ())
+    return replace(dims, assumed=()), Fields("Settings", plain(settings)), tuple(sides), made_by, *marks
 
 
 def path_in(store: Path, scene: Solvable, run: Run) -> Path:

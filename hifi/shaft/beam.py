@@ -20,19 +20,18 @@ class ShaftSection:
     kGA: float
 
 
-def round_section(radius: float, young: float, poisson: float) -> ShaftSection:
-    """Solid circular section; shear coefficient of Cowper 1966."""
-    area, inertia = np.pi * radius**2, np.pi * radius**4 / 4.0
-    shear = young / (2.0 * (1.0 + poisson))
-    return ShaftSection(
-        young * area, young * inertia, 2.0 * shear * inertia, 6.0 * (1.0 + poisson) / (7.0 + 6.0 * poisson) * shear * area
-    )
+def round_section(radius: float, young: float, poisson: float, bore: float = 0.0) -> ShaftSection:
+    """Circular section of a radius [m], with a bore [m] or solid; shear coefficient of Cowper 1966 for either."""
+    area, inertia = np.pi * (radius**2 - bore**2), np.pi * (radius**4 - bore**4) / 4.0
+    shear, squares = young / (2.0 * (1.0 + poisson)), (bore / radius) ** 2
+    ring = (20.0 + 12.0 * poisson) * squares / (1.0 + squares) ** 2
+    kappa = 6.0 * (1.0 + poisson) / (7.0 + 6.0 * poisson + ring)
+    return ShaftSection(young * area, young * inertia, 2.0 * shear * inertia, kappa * shear * area)
 
 
 def tube(radius: float, bore: float, material: Material) -> ShaftSection:
-    """Round section of these radii [m], with a hole unless that has none; kappa as if there were no hole."""
-    outer, inner = (round_section(r, material.youngs_modulus, material.poissons_ratio) for r in (radius, bore))
-    return ShaftSection(outer.EA - inner.EA, outer.EI - inner.EI, outer.GJ - inner.GJ, outer.kGA - inner.kGA)
+    """Round section of these radii [m], with a hole unless that has none."""
+    return round_section(radius, material.youngs_modulus, material.poissons_ratio, bore)
 
 
 def beam_stiffness(length: float, section: ShaftSection) -> Array:

@@ -66,7 +66,7 @@ def homogenise(m: GrooveMap, outer: float, bore: float, hole: float, material: M
         float((4.0 * EI / (young * np.pi) + bore**4) ** 0.25),
         float((2.0 * GJ / (shear * np.pi) + bore**4) ** 0.25),
     )
-    kGA = round_section(radii[1], young, poisson).kGA
+    kGA = round_section(radii[1], young, poisson, bore).kGA
     coupling = float(yielding[0, 1] / np.sqrt(yielding[0, 0] * yielding[1, 1]))
     bend = 0.5 * (per_length[3, 3] + per_length[4, 4])
     uniform = np.diag([1.0 / kGA, 1.0 / kGA, per_length[2, 2], bend, bend, per_length[5, 5]])

@@ -8,7 +8,7 @@ import pytest
 from rollbench.comparison.scenes import catalogue
 from rollbench.hifi.linear_algebra.response import transport
 from rollbench.hifi.shaft import cell
-from rollbench.hifi.shaft.beam import ShaftSection
+from rollbench.hifi.shaft.beam import ShaftSection, round_section, tube
 from rollbench.hifi.shaft.cut import HALF_TURN, at_high, at_low, cut_flexibility, groove_azimuth, turned, uniform_cantilever
 from rollbench.hifi.shaft.mounting import Stretch, mount, without_cuts
 from rollbench.meshes.groove_map import GrooveMap
@@ -145,6 +145,17 @@ def test_a_homogenised_shaft_lies_between_root_and_lands(meshed):
     groove = 0.5 * 3.254e-3**2 * (np.pi - 0.9)
     area = np.pi * (16e-3**2 - 4e-3**2) - 2.0 * np.pi * m.R * groove / 20e-3 * 0.8
     assert 1.02 * SCENE.screw.material.youngs_modulus * area > found.section.EA
+
+
+def test_a_hollow_shaft_shears_as_a_tube(meshed):
+    """Cowper's limits: solid, and a thin wall. The section's wall ends at its bore."""
+    young, poisson = 210e9, 0.3
+    shear = young / (2.0 * (1.0 + poisson))
+    solid, thin = (round_section(20e-3, young, poisson, bore) for bore in (0.0, 19.99e-3))
+    assert solid.kGA == pytest.approx(6.0 * (1.0 + poisson) / (7.0 + 6.0 * poisson) * solid.EA / young * shear, rel=1e-12)
+    assert thin.kGA == pytest.approx(2.0 * (1.0 + poisson) / (4.0 + 3.0 * poisson) * thin.EA / young * shear, rel=1e-5)
+    found, steel = meshed[0], SCENE.screw.material
+    assert found.section.kGA == tube(found.radii[1], 4e-3, steel).kGA < 0.83 * tube(found.radii[1], 0.0, steel).kGA
 
 
 def test_a_meshed_shaft_is_beam_and_cuts(meshed):
