@@ -13,12 +13,10 @@ pytestmark = pytest.mark.xdist_group("grid_coverage")
 
 #: Those beyond the line on their finest level, their errors [% of the mean load, largest and RMS] and the cause.
 BEYOND = {
-    # 16x16 with a bore of 6 mm, clamped at both ends, the right one displaced by 171 um: the 3D shaft beyond the nut shears
-    # as if it had no bore (1.5 times too stiff). With that shear in the model too, 3.9 and 1.7 %.
-    "survey-20360-37": (13.95, 3.99),
-    # Loads of the judging levels are from before a moment at the nut acted on a slice of the screw; by the survey's run,
-    # which is later, 0.53 and 0.24 %.
-    "survey-20360-109": (2.18, 1.23),
+    # 16x16 with a bore of 6 mm, clamped at both ends, the right one displaced by 171 um: many times the contact approach,
+    # so that 1 % of the shaft's stiffness is some per cent of a light load. (13.9 and 4.0 % while the 3D shaft beyond the
+    # nut sheared as if it had no bore.)
+    "survey-20360-37": (8.40, 2.45)
 }
 LARGEST, RMS = 1.5, 0.5
 
