@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw
 
-from rollbench.lowfi.statics.again import WINDOW, Travelling, elastic_loads
+from rollbench.lowfi.statics.again import elastic_loads
+from rollbench.lowfi.statics.travelling import WINDOW, Travelling
 from rollbench.meshes.errors import draw
 from rollbench.meshes.helix import ball_layout, layout_at, reduced_lead
 
