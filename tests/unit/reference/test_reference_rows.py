@@ -155,7 +155,7 @@ def test_levels_that_are_hardly_better_are_named_and_not_advised() -> None:
     enough = [row["enough_for_percent"] for row in level_rows(found)]
     assert enough == sorted(enough, reverse=True)
     text = closing(found)
-    assert text.startswith("Enough: level 1 for 0.15 % of the mean contact load, by experience with other scenes (")
+    assert text.startswith("Enough: level 1 for 0.29 % of the mean contact load, by experience with other scenes (")
     assert ", level 2 with those before it for 0.088 % (" in text
     assert enough[1] <= CLEARLY * enough[0]
     assert enough[3] <= CLEARLY * enough[1] < enough[2]
