@@ -1,7 +1,7 @@
 """What the way in which a nut is held does in 3D, six single bolts among the ways, for the report's section on it.
 
 ``python -m tests.nut_holding`` adds the ways that ``compare/references/nut_holding.json`` lacks (a minute or two of
-one core each).
+one core each, five for the first of a size).
 """
 
 import json
@@ -22,8 +22,8 @@ from rollbench.hifi.setup import prepare
 from rollbench.meshes.cache import Cache
 from rollbench.meshes.parts import SIDES, Load, Scene
 
-#: Sizes and mesh levels that are solved.
-CASES = (("bnf-3205-2p5", 1),)
+#: Sizes and mesh levels that are solved: a finer one for the size of fewest balls, which shows what the mesh changes.
+CASES = (("bnf-3205-2p5", 1), ("bnf-3205-2p5", 2), ("bnf-4010-5", 1), ("hiwin-63-10k5", 1))
 
 
 def with_section(scene: Scene) -> Scene:

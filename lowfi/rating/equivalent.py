@@ -17,12 +17,10 @@ f_0, which are not computed here), above 45 deg with those of thrust bearings,
 X = 1.25 tan(alpha) (1 - 2/3 sin(alpha)), Y = 1 where F_a > 1.25 tan(alpha) F_r. The standards know neither moments nor
 the four-point preload of one nut.
 
-What was held against documents that can be read freely. That a force of 2.83 times the preload frees the other half:
-Steinmeyer, "Equivalent Load: Considering the preload with double nuts"; THK's catalogue says about three times. X, Y and e
-at 25 deg (0.41, 0.87, 0.68) and 40 deg (0.35, 0.57, 1.14): LYC, "Equivalent dynamic load, angular contact ball bearings",
-table 2; those of 40 deg also of FAG's 7206-B. At the other angles a program of another author has the same factors but
-e = 1.33 at 45 deg; with 1.34 the two branches of P meet there within 0.1 % (X + e Y = 1.000). The form of (2) below parting
-and the factors of thrust bearings stand in no document that could be read, and are as the standards are quoted.
+Held against what makers print (``external-equivalent``, with pages): (1) by worked examples of HIWIN and Rexroth; (2) below
+parting and (3) by HIWIN and NBS, who write 3 for 2^(3/2), as THK does after deriving it: their F_1 is up to 4 % lower, and
+their F_2 negative before the halves part; e, X, Y at 25, 30 and 40 deg, and 1.25 tan(alpha) and X at 50, 55 and 60 deg by
+NSK. Those at 20, 35 and 45 deg are not printed there; at all of them the two branches of P meet within 0.3 % (X + e Y).
 """
 
 from __future__ import annotations
@@ -33,7 +31,7 @@ from math import degrees, hypot, sin, tan
 
 import numpy as np
 
-from rollbench.lowfi.rating.life import TURNING, is_thrust, rating
+from rollbench.lowfi.rating.life import RADIAL_UP_TO, TURNING, is_thrust, rating
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import beyond_step
 from rollbench.meshes.helix import ball_layout
@@ -77,12 +75,12 @@ def equivalent_life(
             raise ValueError(f"{standard} does not know {reason} (as in {one.name})")
     n = np.array([share for _, share, _ in used])
     if ring:
-        loads: tuple[float, ...] = (_mean(n, np.array([_of_ring(scenes[0], F) for _, _, F in used])),)
+        loads: tuple[float, ...] = (mean_force(n, np.array([_of_ring(scenes[0], F) for _, _, F in used])),)
         rated: tuple[float, ...] = (rating(scenes[0]),)
     else:
         axial = np.array([F[2] for _, _, F in used])
         along, against = halves(axial, preload)
-        loads, rated = (_mean(n, along), _mean(n, against)), _ratings(scenes[0])
+        loads, rated = (mean_force(n, along), mean_force(n, against)), _ratings(scenes[0])
     wear = sum((F / C) ** (10.0 / 3.0) for F, C in zip(loads, rated, strict=True))
     return EquivalentLife(float(wear**-0.9), loads, standard) if wear > 0.0 else None
 
@@ -98,7 +96,8 @@ def halves(force: Array, preload: float) -> tuple[Array, Array]:
     return np.where(force >= 0.0, loaded, other), np.where(force >= 0.0, other, loaded)
 
 
-def _mean(shares: Array, force: Array) -> float:
+def mean_force(shares: Array, force: Array) -> float:
+    """F_m [N] of (1), of forces no less than zero ``(n,)`` [N] with their shares of the revolutions ``(n,)``."""
     top = float(force.max(initial=0.0))
     return 0.0 if top == 0.0 else top * float(shares @ (force / top) ** TURNING) ** (1.0 / TURNING)
 
@@ -115,20 +114,29 @@ def _ratings(scene: Scene) -> tuple[float, float]:
     return (before, after) if offset > 0.0 else (after, before)
 
 
-def _of_ring(scene: Scene, force: Array) -> float:
-    """Equivalent load P [N] of a ring."""
-    radial, axial, alpha = hypot(force[0], force[1]), abs(float(force[2])), scene.track.contact_angle
-    if is_thrust(scene):
-        if axial <= 1.25 * tan(alpha) * radial:
-            raise ValueError("ISO 281 has no thrust bearing of one direction with so much radial force")
-        return 1.25 * tan(alpha) * (1.0 - 2.0 / 3.0 * sin(alpha)) * radial + axial
-    if axial <= 1e-9 * radial:
-        return radial
+def factors(alpha: float) -> tuple[float, float, float]:
+    """Limit e of axial over radial force, and X and Y beyond it, of a single row of contact angle alpha [rad] (ISO 281): a
+    radial bearing from 20 deg on, above 45 deg a thrust bearing. Raises ValueError, in words, below 20 deg."""
     angle = degrees(alpha)
+    if angle > RADIAL_UP_TO + 1e-9:
+        return 1.25 * tan(alpha), 1.25 * tan(alpha) * (1.0 - 2.0 / 3.0 * sin(alpha)), 1.0
     if angle < ANGLES[0] - 1e-9:
         raise ValueError("below 20 deg ISO 281's factors for axial force follow from its f0, which is not computed here")
     e, X, Y = (float(np.interp(angle, ANGLES, values)) for values in (LIMITS, RADIAL_FACTORS, AXIAL_FACTORS))
-    return radial if axial <= e * radial else X * radial + Y * axial
+    return e, X, Y
+
+
+def _of_ring(scene: Scene, force: Array) -> float:
+    """Equivalent load P [N] of a ring."""
+    radial, axial, thrust = hypot(force[0], force[1]), abs(float(force[2])), is_thrust(scene)
+    if not thrust and axial <= 1e-9 * radial:
+        return radial
+    e, X, Y = factors(scene.track.contact_angle)
+    if axial > e * radial:
+        return X * radial + Y * axial
+    if thrust:
+        raise ValueError("ISO 281 has no thrust bearing of one direction with so much radial force")
+    return radial
 
 
 def _outside(scene: Scene, *, ring: bool) -> str:

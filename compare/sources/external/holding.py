@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -16,6 +16,8 @@ from rollbench.comparison.models.model_form import FLANGE, estimate, surveyed_po
 from rollbench.comparison.models.registry import DEFAULT
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import entry
+from rollbench.comparison.reference import grid_parts
+from rollbench.comparison.reference.near_face import too_large
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.scenes.like import RIM, THICK
 from rollbench.comparison.sources.external.evidence.screws import scene_name
@@ -26,7 +28,7 @@ from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Flange, NutHeld, Scene
 from rollbench.reports.records import Cell, Quantity, Section, Table, Text
 
-#: Sizes of two makers, by the names of their printed rigidities; the first, of fewest balls, is solved in 3D too.
+#: Sizes of two makers, by the names of their printed rigidities.
 SIZES = ("bnf-3205-2p5", "bnf-3205-5", "bnf-4010-5", "hiwin-63-10k5")
 #: What was found in 3D, written by ``tests/nut_holding.py``.
 FILE = "nut_holding.json"
@@ -44,6 +46,7 @@ COLUMNS = (
     Quantity("load_change", "load over left face", "%", "+.2f"),
     Quantity("expected", "expected error of it", "% of mean", ".2f"),
     Quantity("off", f"largest error against {THREE}", "% of mean", ".2f"),
+    Quantity("mesh", f"uncertainty of {THREE} by its mesh", "% of mean", ".2f"),
     Quantity("life", "life L10", "10^6 rev", "g4"),
     Quantity("life_change", "life over left face", "%", "+.2f"),
     Quantity("rigidity", "rigidity", "N/um", "g4"),
@@ -86,25 +89,41 @@ def loads_of(row: dict[str, Any]) -> Array:
     return np.stack([own.get(side, np.zeros(len(next(iter(own.values()))))) for side in SIDES], axis=1)
 
 
+def by_level(scene: str, held: str) -> dict[int, dict[str, Any]]:
+    """What is stored of a scene, held so, by mesh level from coarse to fine."""
+    own = [x for x in stored(shipped_store()) if (x["scene"], x["held"], x["status"]) == (scene, held, "converged")]
+    return {x["level"]: x for x in sorted(own, key=lambda x: int(x["level"]))}
+
+
+def mesh_percent(scene: Scene, loads: Mapping[int, Array]) -> float:
+    """What the finest mesh leaves uncertain in any contact load at most [% of the mean load], from loads ``(n, 4)`` [N] by
+    level: 95 % by `grid_parts`, with one level by experience, and what a free face adds beside it."""
+    level, mean = max(loads), mean_load(loads[max(loads)])
+    bars = 0.01 * mean * grid_parts.parts(loads, grid_parts.read(shipped_store())).bars(loads)
+    return float(error_percent((bars + too_large(scene, loads[level], level)).max(), 0.0, mean))
+
+
 def rows_of(study: Study, size: str) -> list[dict[str, Cell]]:
     """One row for every way in which the nut of a catalogue size is held, by the default model (none for bolts, as it holds
-    the whole annulus of a flange); then one for every way that is stored of the 3D reference."""
+    the whole annulus of a flange); then one for every way and level that is stored of the 3D reference."""
     printed = entry("external-thk", f"rigidity_{size}").value
     name = scene_name(size)
     held = ways(study.scene(name))
     found = {way: study.solve(scene, DEFAULT) for way, scene in held.items() if way != BOLTED}
-    by_model = [
-        (DEFAULT, way, result.load, axial_force(result) / axial_displacement(held[way], result))
+    in_3D = {way: by_level(name, way) for way in held}
+    loads = {way: {k: loads_of(x) for k, x in own.items()} for way, own in in_3D.items()}
+    solved = [
+        (DEFAULT, way, result.load, axial_force(result) / axial_displacement(held[way], result), None)
         for way, result in found.items()
         if result.converged
     ]
-    own = [x for x in stored(shipped_store()) if x["scene"] == name and x["status"] == "converged"]
-    own.sort(key=lambda x: list(held).index(x["held"]))
-    in_3D = [(f"{THREE}, level {x['level']}", x["held"], loads_of(x), x["rigidity"]) for x in own]
-    reference = {way: load for _, way, load, _ in in_3D}
+    for level in loads[next(iter(held))]:
+        for way in (x for x in held if level in loads[x]):
+            bar = mesh_percent(held[way], {k: load for k, load in loads[way].items() if k <= level})
+            solved.append((f"{THREE}, level {level}", way, loads[way][level], in_3D[way][level]["rigidity"], bar))
     rows: list[dict[str, Cell]] = []
     first: dict[str, tuple[float, ...]] = {}
-    for by, way, load, rigidity in (*by_model, *in_3D):
+    for by, way, load, rigidity, bar in solved:
         lasts = life(held[way], load)
         if lasts is None:
             continue
@@ -120,7 +139,8 @@ def rows_of(study: Study, size: str) -> list[dict[str, Cell]]:
                 **dict(zip(("largest", "life", "rigidity"), values, strict=True)),
                 **dict(zip(("load_change", "life_change", "rigidity_change"), changes, strict=True)),
                 "expected": estimate(held[way], found[way]).percent if model else None,
-                "off": load_error(load, reference[way]).max_percent if model and way in reference else None,
+                "off": load_error(load, loads[way][max(loads[way])]).max_percent if model and loads[way] else None,
+                "mesh": bar,
                 "share": None if printed is None else 1.0 + float(error_percent(printed, values[2])) / 100.0,
             }
         )
@@ -128,21 +148,47 @@ def rows_of(study: Study, size: str) -> list[dict[str, Cell]]:
 
 
 def bolted_words() -> str:
-    """What single bolts instead of the whole annulus change in 3D, for the sizes that are stored."""
-    words, kept = [], {(x["scene"], x["level"], x["held"]): x for x in stored(shipped_store())}
-    for (scene, level, held), bolts in kept.items():
-        whole = kept.get((scene, level, WHOLE))
-        if held == BOLTED and whole is not None:
-            load, ring = loads_of(bolts), loads_of(whole)
-            largest = float(error_percent(load.max(), ring.max(), mean_load(ring)))
-            stiff = float(error_percent(bolts["rigidity"], whole["rigidity"]))
-            off = load_error(load, ring)
+    """What single bolts instead of the whole annulus change in 3D, on the finest level of every size that is stored."""
+    words = []
+    for size in SIZES:
+        scene = scene_name(size)
+        bolted, whole = by_level(scene, BOLTED), by_level(scene, WHOLE)
+        levels = bolted.keys() & whole.keys()
+        if levels:
+            bolts, ring = bolted[max(levels)], whole[max(levels)]
+            off, mean = load_error(loads_of(bolts), loads_of(ring)), mean_load(loads_of(ring))
+            largest = float(error_percent(loads_of(bolts).max(), loads_of(ring).max(), mean))
+            stiff = float(error_percent(bolts["rigidity"], ring["rigidity"]))
             words.append(
-                f"In {THREE}, level {level}, {BOLTS} bolts instead of the whole annulus (held: circles as wide as it) "
-                f"change the largest load of {scene} by {largest:+.2f} % of the mean load, any load by at most "
-                f"{off.max_percent:.2f} % of it ({off.rms_percent:.2f} % RMS), the rigidity by {stiff:+.2f} %."
+                f"{scene} (level {max(levels)}): the largest load by {largest:+.2f} % of the mean load, any load by at "
+                f"most {off.max_percent:.2f} % of it ({off.rms_percent:.2f} % RMS), the rigidity by {stiff:+.2f} %"
             )
-    return " ".join(words) or f"Single bolts were not solved in {THREE}."
+    said = f"{BOLTS} bolts instead of the whole annulus (held: circles as wide as it) change in {THREE} "
+    return said + "; ".join(words) + "." if words else f"Single bolts were not solved in {THREE}."
+
+
+def mesh_words(rows: list[dict[str, Cell]]) -> str:
+    """What the meshes leave uncertain, and how far a finer one moves what the table says of each way."""
+    bars = [float(row["mesh"] or 0.0) for row in rows if row["mesh"] is not None]
+    if not bars:
+        return f"Nothing was solved in {THREE}."
+    of = {(row["scene"], row["by"], row["held"]): row for row in rows}
+    moved: dict[str, list[float]] = {}
+    for (scene, by, held), row in of.items():
+        coarse = of.get((scene, f"{THREE}, level 1", held))
+        if coarse is not None and by not in (DEFAULT, coarse["by"]):
+            for column in ("load_change", "life_change", "rigidity_change"):
+                moved.setdefault(column, []).append(abs(float(row[column] or 0.0) - float(coarse[column] or 0.0)))
+            moved.setdefault("rigidity", []).append(abs(float(error_percent(row["rigidity"], coarse["rigidity"]))))
+    said = f"The meshes leave {min(bars):.2f} to {max(bars):.2f} % of the mean load uncertain (95 %)."
+    if not moved:
+        return said
+    most = {column: f"{max(values):.2f}" for column, values in moved.items()}
+    return (
+        f"{said} Where two levels were solved, the finer one moves the changes over the left face by at most "
+        f"{most['load_change']} points (largest load), {most['life_change']} (life), {most['rigidity_change']} (rigidity), "
+        f"the rigidity itself by {most['rigidity']} %."
+    )
 
 
 def between(rows: list[dict[str, Cell]], column: str, held: str = "", form: str = "+.1f") -> str:
@@ -175,6 +221,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         f"Catalogues print {shares['left']} of the rigidity with the left face held, {shares['flange, whole']} with the "
         f"whole face of a flange, {shares['flange, outer']} where only the outer half of its face bears and the flange "
         f"bends: the holding is {'a part of' if min(bent, default=0.0) < 1.0 else 'enough for'} what makers count in.",
+        mesh_words(rows),
         bolted_words(),
         flanged_words(),
     )

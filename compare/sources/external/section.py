@@ -33,6 +33,7 @@ TITLES = {
     "external-snfa": "A catalogue of SNFA that holds its contact angles",
     "external-gmn": "Preloaded pairs of a series of GMN",
     "external-thk": "Ball nuts of THK and HIWIN",
+    "external-equivalent": "Equivalent loads of preloaded nuts and of bearings",
 }
 #: Names of their sources in the figure.
 SOURCES = {
@@ -45,6 +46,7 @@ SOURCES = {
     "external-snfa": "SNFA",
     "external-gmn": "GMN",
     "external-thk": "THK and HIWIN",
+    "external-equivalent": "makers, equivalent loads",
 }
 
 

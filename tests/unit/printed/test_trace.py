@@ -63,7 +63,7 @@ def test_only_what_needs_no_scene_has_none():
         *("v_2pi", "ball_error", "profile_error", "e_1", "e_2", "e_3", "plus_or_minus", "load", "free_length", "deviation"),
         *("spread_100", "spread_1100", "spread_2100", "spread_percent"),
     }
-    formulas = {"external-contact", "external-vm63", "external-snfa", "external-gmn"}
+    formulas = {"external-contact", "external-vm63", "external-snfa", "external-gmn", "external-equivalent"}
     assert {t.table for t in external if not t.scenes} == formulas | {"external-sjovall", "external-thk"}
     assert {t.key for t in external if not t.scenes and t.table not in formulas} == {"thrust", "drag_formula"}
     without = {t.key for t in lin if not t.scenes and t.table not in NOT_COMPUTED}

@@ -24,6 +24,7 @@ pytestmark = pytest.mark.xdist_group(GROUP)
 
 TABLES = (
     "external-contact",
+    "external-equivalent",
     "external-gmn",
     "external-harris",
     "external-masta",
@@ -58,7 +59,7 @@ def test_what_was_inferred_is_said_of_every_scene_and_case() -> None:
 
 def test_the_gate_fails_for_a_value_beyond_its_band() -> None:
     rows = external_rows(STUDY, 7.0)
-    assert len(rows) == 74
+    assert len(rows) == 78
     assert all(row.passed for row in rows)
     tilt = next(e for e in evidence(STUDY, "external-masta") if e.printed.key == "tilt")
     high = tilt.printed.high or 0.0

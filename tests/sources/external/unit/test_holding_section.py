@@ -7,12 +7,14 @@ import numpy as np
 import pytest
 
 from rollbench.comparison.models.study import Study
+from rollbench.comparison.reference import grid_parts
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.sources.external import holding
 from rollbench.comparison.sources.external.evidence.screws import scene_name
 from rollbench.hifi.condensation.responses import on_bolts
 from rollbench.lowfi.rating.rigidity import slope_of
+from rollbench.meshes.loads import mean_load
 from rollbench.meshes.solid import dimensions
 from rollbench.reports.records import Table, Text
 
@@ -69,12 +71,61 @@ def test_rows_and_words_of_3d_are_those_of_the_record(monkeypatch: pytest.Monkey
     )
 
 
-def test_the_record_has_annulus_and_bolts_of_one_size() -> None:
+def finer(rows: list[dict[str, Any]], moved: float) -> list[dict[str, Any]]:
+    """Those ways on level 2, where the annulus is stiffer and the first ball loaded more by the share ``moved``."""
+    out = []
+    for row in rows:
+        share = moved if row["held"] == holding.WHOLE else 0.0
+        load = {side: [own[0] * (1.0 + share), *own[1:]] for side, own in row["load"].items()}
+        out.append({**row, "level": 2, "rigidity": row["rigidity"] * (1.0 + share), "load": load})
+    return out
+
+
+def test_rows_of_3d_have_the_uncertainty_of_their_meshes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One level has the bar of experience, two that of their change, either what a face adds; words on the finer one."""
+    monkeypatch.setattr(holding, "DEFAULT", "lin")
+    monkeypatch.setattr(holding, "too_large", lambda scene, load, level: 0.4 * (load > 0.0))  # noqa: ARG005 - made up
+    one = stored_ways()
+    monkeypatch.setattr(holding, "stored", lambda _: [*one, *finer(one, 0.02)])
+    rows = holding.rows_of(Study(), "bnf-4010-5")
+    bars = {(row["by"], row["held"]): row["mesh"] for row in rows if row["mesh"] is not None}
+    known = grid_parts.read(shipped_store())
+    assert bars["3D, level 1", holding.WHOLE] == pytest.approx(known.single[0] + 1.0), (
+        "0.4 N of a mean of 40 N beside a face"
+    )
+    both = {x["level"]: holding.loads_of(x) for x in (*one, *finer(one, 0.02)) if x["held"] == holding.WHOLE}
+    bar = grid_parts.parts(both, known).bars(both).max()
+    assert bars["3D, level 2", holding.WHOLE] == pytest.approx(bar + 0.4 / mean_load(both[2]) * 100.0, rel=1e-9)
+    assert bars["3D, level 2", holding.WHOLE] > bars["3D, level 2", "left face"]
+    words = holding.mesh_words(rows)
+    assert "by at most 2.00 points (largest load)" in words
+    assert words.endswith("the rigidity itself by 2.00 %.")
+
+
+def test_a_level_without_the_left_face_has_no_rows(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Changes of a level are over its own left face."""
+    monkeypatch.setattr(holding, "DEFAULT", "lin")
+    monkeypatch.setattr(holding, "stored", lambda _: [x for x in stored_ways() if x["held"] != "left face"])
+    rows = holding.rows_of(Study(), "bnf-4010-5")
+    assert {row["by"] for row in rows} == {"lin"}
+    assert holding.mesh_words(rows) == "Nothing was solved in 3D."
+
+
+SOLVED = sorted({(row["scene"], row["level"]) for row in holding.stored(shipped_store())})
+
+
+def test_three_sizes_are_solved() -> None:
+    assert len({scene for scene, level in SOLVED if level == 1}) >= 3
+
+
+@pytest.mark.parametrize(("name", "level"), SOLVED)
+def test_the_record_has_annulus_and_left_face_of_a_size(name: str, level: int) -> None:
     """Bolts hold less than the annulus; the loads of either way carry the scene's axial load."""
-    scene = catalogue.scene(scene_name(holding.SIZES[0]))
-    kept = {row["held"]: row for row in holding.stored(shipped_store()) if row["scene"] == scene.name}
-    assert {"left face", holding.WHOLE, holding.BOLTED} <= set(kept) <= set(holding.ways(scene))
-    assert kept[holding.BOLTED]["rigidity"] < kept[holding.WHOLE]["rigidity"]
+    scene = catalogue.shipped(name)
+    kept = {row["held"]: row for row in holding.stored(shipped_store()) if (row["scene"], row["level"]) == (name, level)}
+    assert {"left face", holding.WHOLE} <= set(kept) <= set(holding.ways(scene))
+    if holding.BOLTED in kept:
+        assert kept[holding.BOLTED]["rigidity"] < kept[holding.WHOLE]["rigidity"]
     for row in kept.values():
         load = holding.loads_of(row)
         assert row["status"] == "converged"
