@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -89,6 +89,17 @@ def loads_of(row: dict[str, Any]) -> Array:
     return np.stack([own.get(side, np.zeros(len(next(iter(own.values()))))) for side in SIDES], axis=1)
 
 
+class Solved(NamedTuple):
+    """A way of holding, solved: by what, the way, contact loads ``(n, 4)`` [N], rigidity [N/m], what its mesh leaves
+    uncertain in any load [% of the mean load]."""
+
+    by: str
+    way: str
+    load: Array
+    rigidity: float
+    mesh: float | None = None
+
+
 def by_level(scene: str, held: str) -> dict[int, dict[str, Any]]:
     """What is stored of a scene, held so, by mesh level from coarse to fine."""
     own = [x for x in stored(shipped_store()) if (x["scene"], x["held"], x["status"]) == (scene, held, "converged")]
@@ -113,17 +124,17 @@ def rows_of(study: Study, size: str) -> list[dict[str, Cell]]:
     in_3D = {way: by_level(name, way) for way in held}
     loads = {way: {k: loads_of(x) for k, x in own.items()} for way, own in in_3D.items()}
     solved = [
-        (DEFAULT, way, result.load, axial_force(result) / axial_displacement(held[way], result), None)
+        Solved(DEFAULT, way, result.load, axial_force(result) / axial_displacement(held[way], result))
         for way, result in found.items()
         if result.converged
     ]
     for level in loads[next(iter(held))]:
         for way in (x for x in held if level in loads[x]):
             bar = mesh_percent(held[way], {k: load for k, load in loads[way].items() if k <= level})
-            solved.append((f"{THREE}, level {level}", way, loads[way][level], in_3D[way][level]["rigidity"], bar))
+            solved.append(Solved(f"{THREE}, level {level}", way, loads[way][level], in_3D[way][level]["rigidity"], bar))
     rows: list[dict[str, Cell]] = []
     first: dict[str, tuple[float, ...]] = {}
-    for by, way, load, rigidity, bar in solved:
+    for by, way, load, rigidity, mesh in solved:
         lasts = life(held[way], load)
         if lasts is None:
             continue
@@ -140,7 +151,7 @@ def rows_of(study: Study, size: str) -> list[dict[str, Cell]]:
                 **dict(zip(("load_change", "life_change", "rigidity_change"), changes, strict=True)),
                 "expected": estimate(held[way], found[way]).percent if model else None,
                 "off": load_error(load, loads[way][max(loads[way])]).max_percent if model and loads[way] else None,
-                "mesh": bar,
+                "mesh": mesh,
                 "share": None if printed is None else 1.0 + float(error_percent(printed, values[2])) / 100.0,
             }
         )
@@ -179,7 +190,9 @@ def mesh_words(rows: list[dict[str, Cell]]) -> str:
         if coarse is not None and by not in (DEFAULT, coarse["by"]):
             for column in ("load_change", "life_change", "rigidity_change"):
                 moved.setdefault(column, []).append(abs(float(row[column] or 0.0) - float(coarse[column] or 0.0)))
-            moved.setdefault("rigidity", []).append(abs(float(error_percent(row["rigidity"], coarse["rigidity"]))))
+            moved.setdefault("rigidity", []).append(
+                abs(float(error_percent(float(row["rigidity"] or 0.0), float(coarse["rigidity"] or 1.0))))
+            )
     said = f"The meshes leave {min(bars):.2f} to {max(bars):.2f} % of the mean load uncertain (95 %)."
     if not moved:
         return said

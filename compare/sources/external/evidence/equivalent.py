@@ -26,7 +26,7 @@ def mean_of_phases(case: str) -> float:
     """Mean force of phases with forces, speeds and shares of the time, in the unit of the forces."""
     given = inputs()[case]
     turned = np.array(given["speeds"], dtype=float) * np.array(given["time"], dtype=float)
-    return given.get("factor", 1.0) * mean_force(turned / turned.sum(), np.array(given["forces"], dtype=float))
+    return float(given.get("factor", 1.0)) * mean_force(turned / turned.sum(), np.array(given["forces"], dtype=float))
 
 
 def loads(study: Study) -> tuple[Evidence, ...]:
