@@ -41,6 +41,8 @@ from rollbench.lowfi.compliance.tube import Tube, clamped, motion_rows, patch_we
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.section import BeamSection
 
+#: Radii [m] between which a whole face is held.
+WHOLE = (0.0, np.inf)
 #: How far before a contact a face counts, and how far behind it its body is clamped, over the ball's radius.
 REACH = 7.0
 #: Distances of the cuts from the groove's middle over the ball's radius; the first one is at the groove's edge.
@@ -121,25 +123,27 @@ def near_face(
 ) -> NearFace:
     """Gain of the body that ``smooth`` stands for; section: of its beam, which holds that part of all motions already.
 
-    held_radii: between which [m] a face is held, if it is; near: whether a contact has a face within reach.
+    held_radii: between which [m] a face is held, if it is; near: whether a contact has a face within reach. What is far from
+    any face rests on a whole one, however the body is held.
     """
 
-    def gains(finer: Patch, last: slice, kinds: int) -> tuple[Array, Grid, Array]:
-        """Gains of the cuts, the body, and the distances of the cuts; kinds: 2 with motions across the loads."""
+    def gains(finer: Patch, last: slice, kinds: int, radii: tuple[float, float]) -> tuple[Array, Grid, Array]:
+        """Gains of the cuts, the body, and the distances of the cuts; kinds: 2 with motions across the loads; radii: between
+        which a face is held."""
         grid, cuts = grooved_grid(flank, finer.mesh)
         cuts, z = cuts[last], grid.z[:, 0]
-        gain = less_smooth(flank, smooth, grid, cuts, held_radii, finer, kinds)
+        gain = less_smooth(flank, smooth, grid, cuts, radii, finer, kinds)
         if smooth.held not in ("bore", "outer"):
             beams = [less_smooth_beam(flank, smooth, section, (float(z[0]), float(z[cut]))) for cut in cuts]
             gain[1, :2, :, 0, :, 0] -= np.stack(beams, axis=-1)
         return gain, grid, z[cuts]
 
-    gain, grid, distance = gains(FAR, slice(-1, None), 1)
+    gain, grid, distance = gains(FAR, slice(-1, None), 1, WHOLE)
     far = both_ways(gain[1, :, :, 0, :, 0, -1])
     own = float(far[:, 0, 0].sum()) + finer(flank, half_lead(flank, grid), len(far) - 1)
     own -= half_space(NARROW * flank.map.ball, flank.material)
     if near:
-        gain, _, distance = gains(BESIDE_FACE, slice(None), 2)
+        gain, _, distance = gains(BESIDE_FACE, slice(None), 2, held_radii)
         gain[1, :, :, 1], gain[1, ..., 1, :] = 0.0, 0.0
     return NearFace(distance, gain - gain[..., -1:], flank.contact()[1], with_tail(flank, far), own)
 
@@ -191,7 +195,7 @@ def less_smooth(
     loads = smooth_loads(flank, plain, line, cuts, smooth.width, kinds)
     n = harmonics_to(finer.highest * flank.contact()[0] / flank.map.ball, STEP)
     return cut_motions(flank, grid, cuts, n, held_radii, smooth.held, true, width) - cut_motions(
-        flank, plain, cuts, n, (0.0, np.inf), smooth.held, loads, smooth.width, smooth.layer
+        flank, plain, cuts, n, WHOLE, smooth.held, loads, smooth.width, smooth.layer
     )
 
 
