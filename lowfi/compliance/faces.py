@@ -123,13 +123,13 @@ def near_face(
 ) -> NearFace:
     """Gain of the body that ``smooth`` stands for; section: of its beam, which holds that part of all motions already.
 
-    held_radii: between which [m] a face is held, if it is; near: whether a contact has a face within reach. What is far from
-    any face rests on a whole one, however the body is held.
+    held_radii: between which [m] a face is held, if it is; near: whether a contact has a face within reach. What is far
+    from any face rests on a whole one, however the body is held.
     """
 
     def gains(finer: Patch, last: slice, kinds: int, radii: tuple[float, float]) -> tuple[Array, Grid, Array]:
-        """Gains of the cuts, the body, and the distances of the cuts; kinds: 2 with motions across the loads; radii: between
-        which a face is held."""
+        """Gains of the cuts, the body, and the distances of the cuts; kinds: 2 with motions across the loads; radii:
+        between which a face is held."""
         grid, cuts = grooved_grid(flank, finer.mesh)
         cuts, z = cuts[last], grid.z[:, 0]
         gain = less_smooth(flank, smooth, grid, cuts, radii, finer, kinds)

@@ -176,6 +176,18 @@ def test_a_series_may_be_cut_anywhere(case, monkeypatch):
     assert found[0] * 1e9 == pytest.approx(found[1] * 1e9, abs=3e-3)
 
 
+def test_far_from_a_face_it_does_not_matter_how_the_face_is_held(case):
+    """Between radii that hold nothing of the nut (those of a flange's annulus) as over the whole face."""
+    parts, flank, smooth = case
+    section, angle = grooved_section(parts, False), np.array([0.0, 0.1, 0.4])
+    whole_face, annulus = (
+        faces.near_face(flank, smooth, section, radii, near=False)
+        for radii in ((0.0, np.inf), (1.1 * smooth.outer, 1.5 * smooth.outer))
+    )
+    assert annulus.own == whole_face.own
+    assert np.array_equal(annulus.between(angle), whole_face.between(angle))
+
+
 def test_beside_a_face_a_contact_is_as_small_as_it_is(monkeypatch):
     """Own compliance of a nut 32x10 held at both faces, its first ball 1.03 radii from one: 3D (free mesh twice as fine as
     level 1, 20 modes) has 1.63 um/kN less than at a middle ball, 1.80 on level 1; a patch of 0.18 radii 1.10."""
