@@ -26,6 +26,7 @@ from rollbench.hifi.rolling.patch import Patch, grid, hertz_patch, seen_radii
 from rollbench.hifi.rolling.regular import Regular
 from rollbench.hifi.rolling.rigid_limit import quadrature
 from rollbench.hifi.rolling.static_patches import Curve, cuts_of
+from rollbench.hifi.rolling.transient import Carried
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.contact_bodies import Zone, half_space
 
@@ -85,6 +86,41 @@ def _rolled(patch: Patch, transport: Array, slip: Array, mu: float) -> Answer:
     q = found.forces[0]
     loss, upwind = -float(q @ found.slips[0]), float(q @ (contact.elastic @ q))
     return Answer(*_resultant(patch.at, q), patch, found, loss, upwind)
+
+
+@dataclass(frozen=True)
+class Onset:
+    """A moment of a contact that begins to roll: shift along x [m] before it rolls, then creepage; cells that stick; power
+    of friction at 1 m/s [W] (of the push, its work [J])."""
+
+    motion: float
+    sticking: int
+    loss: float
+
+
+def onset(patch: Patch, mu: float, share: float, steps: int) -> list[Onset]:
+    """A contact pushed along x by ``share`` of mu P, which then rolls under that force: from Cattaneo's state to Carter's.
+
+    After the push, in steps of one cell, as CONTACT's example takes them. Raises ValueError where one does not converge.
+    """
+    n, size = len(patch.at), float(patch.size[0])
+    motion, none = np.repeat([1.0, 0.0], n)[:, None], np.zeros(2 * n)
+
+    def balance(_: Array) -> tuple[Array, Array]:
+        return np.array([share * mu * patch.load]), np.zeros((1, 1))
+
+    forces, y, out = none, np.array([patch.approach]), []
+    now, before = patch.tangential(), patch.tangential(size)
+    for step in range(steps + 1):
+        scale = 1.0 if step == 0 else size  # seconds of a cell at 1 m/s
+        rolling = Carried(Contact(mu * patch.normal, now, motion, np.array([0]), none), now / scale, before / scale)
+        found = solve_friction([rolling.at(forces)], balance, y, [forces] if step else None)
+        if not found.converged:
+            raise ValueError(f"step {step}: {found.status}")
+        forces, y = found.forces[0], found.motions
+        sticking = int(np.count_nonzero(found.stick[0]))
+        out.append(Onset(float(y[0]), sticking, -float(forces @ found.slips[0])))
+    return out
 
 
 def deviations(patch: Patch, bound: Array, tangential: Array) -> Array:
