@@ -51,9 +51,8 @@ class TransientResult:
 
 
 @dataclass(frozen=True)
-class Carried:
-    """A contact without its history; its displacements now, and those of the step before where the material was, per force
-    and over the step ``(2 n, 2 n)`` [m/s/N]."""
+class _Carried:
+    """A contact without its history, its displacements now and where the material was, per force, over the step."""
 
     contact: Contact
     now: Array
@@ -102,7 +101,7 @@ def _run(scene: Rolling, dt: float, steps: int, gap: float, choices: Choices) ->
     return TransientResult(time, speed, rotation, force, gap_left, loss, power, stored, process_time() - begin, status)
 
 
-def _carried(scene: Rolling, choices: Choices, dt: float) -> list[Carried]:
+def _carried(scene: Rolling, choices: Choices, dt: float) -> list[_Carried]:
     out = []
     for (_, _, touch), contact in zip(touching(scene), contacts_of(scene, choices), strict=True):
         patch = patch_of(scene, touch, choices)
@@ -112,13 +111,13 @@ def _carried(scene: Rolling, choices: Choices, dt: float) -> list[Carried]:
                 "a step carries material from beyond the zone of finite bodies: take shorter ones, or half spaces"
             )
         share = choices.elastic / dt
-        out.append(Carried(contact, share * patch.tangential(), share * patch.tangential(shift)))
+        out.append(_Carried(contact, share * patch.tangential(), share * patch.tangential(shift)))
     return out
 
 
 def _row(
     scene: Rolling,
-    carried: list[Carried],
+    carried: list[_Carried],
     forces: tuple[list[Array], list[Array]],
     slips: list[Array],
     y: Array,

@@ -26,7 +26,6 @@ from rollbench.hifi.rolling.patch import Patch, grid, hertz_patch, seen_radii
 from rollbench.hifi.rolling.regular import Regular
 from rollbench.hifi.rolling.rigid_limit import quadrature
 from rollbench.hifi.rolling.static_patches import Curve, cuts_of
-from rollbench.hifi.rolling.transient import Carried
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.contact_bodies import Zone, half_space
 
@@ -104,17 +103,17 @@ def onset(patch: Patch, mu: float, share: float, steps: int) -> list[Onset]:
     After the push, in steps of one cell, as CONTACT's example takes them. Raises ValueError where one does not converge.
     """
     n, size = len(patch.at), float(patch.size[0])
-    motion, none = np.repeat([1.0, 0.0], n)[:, None], np.zeros(2 * n)
+    motion, bound = np.repeat([1.0, 0.0], n)[:, None], mu * patch.normal
 
     def balance(_: Array) -> tuple[Array, Array]:
         return np.array([share * mu * patch.load]), np.zeros((1, 1))
 
-    forces, y, out = none, np.array([patch.approach]), []
+    forces, y, out = np.zeros(2 * n), np.array([patch.approach]), []
     now, before = patch.tangential(), patch.tangential(size)
     for step in range(steps + 1):
-        scale = 1.0 if step == 0 else size  # seconds of a cell at 1 m/s
-        rolling = Carried(Contact(mu * patch.normal, now, motion, np.array([0]), none), now / scale, before / scale)
-        found = solve_friction([rolling.at(forces)], balance, y, [forces] if step else None)
+        seconds = 1.0 if step == 0 else size  # of a cell at 1 m/s
+        contact = Contact(bound, now / seconds, motion, np.array([0]), -before @ forces / seconds)
+        found = solve_friction([contact], balance, y, [forces] if step else None)
         if not found.converged:
             raise ValueError(f"step {step}: {found.status}")
         forces, y = found.forces[0], found.motions
