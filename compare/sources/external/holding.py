@@ -17,7 +17,7 @@ from rollbench.comparison.models.registry import DEFAULT
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import entry
 from rollbench.comparison.reference import grid_parts
-from rollbench.comparison.reference.near_face import too_large
+from rollbench.comparison.reference.near_face import left_out
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.scenes.like import RIM, THICK
 from rollbench.comparison.sources.external.evidence.screws import scene_name
@@ -108,10 +108,10 @@ def by_level(scene: str, held: str) -> dict[int, dict[str, Any]]:
 
 def mesh_percent(scene: Scene, loads: Mapping[int, Array]) -> float:
     """What the finest mesh leaves uncertain in any contact load at most [% of the mean load], from loads ``(n, 4)`` [N] by
-    level: 95 % by `grid_parts`, with one level by experience, and what a free face adds beside it."""
+    level: 95 % by `grid_parts`, with one level by experience, and what contacts beside a free face add."""
     level, mean = max(loads), mean_load(loads[max(loads)])
     bars = 0.01 * mean * grid_parts.parts(loads, grid_parts.read(shipped_store())).bars(loads)
-    return float(error_percent((bars + too_large(scene, loads[level], level)).max(), 0.0, mean))
+    return float(error_percent((bars + left_out(scene, loads[level], level)).max(), 0.0, mean))
 
 
 def rows_of(study: Study, size: str) -> list[dict[str, Cell]]:

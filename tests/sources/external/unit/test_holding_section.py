@@ -86,7 +86,7 @@ def finer(rows: list[dict[str, Any]], moved: float) -> list[dict[str, Any]]:
 def test_rows_of_3d_have_the_uncertainty_of_their_meshes(monkeypatch: pytest.MonkeyPatch) -> None:
     """One level has the bar of experience, two that of their change, either what a face adds; words on the finer one."""
     monkeypatch.setattr(holding, "DEFAULT", "lin")
-    monkeypatch.setattr(holding, "too_large", lambda scene, load, level: 0.4 * (load > 0.0))  # noqa: ARG005 - made up
+    monkeypatch.setattr(holding, "left_out", lambda scene, load, level: 0.4 * (load > 0.0))  # noqa: ARG005 - made up
     one = stored_ways()
     monkeypatch.setattr(holding, "stored", lambda _: [*one, *finer(one, 0.02)])
     rows = holding.rows_of(Study(), "bnf-4010-5")
