@@ -52,7 +52,7 @@ TYPED = (
     Typed("list", _BASE, "commands.listing", 0.35),
     Typed("solve lin-case1", _BASE, _SOLVE, 0.6),
     Typed("solve lin-case1 --model lin", _BASE, _SOLVE, 0.4),
-    Typed("friction lin-case1", f"{_COMPILED}, scipy.special, pydantic", "wings.friction.whole", 0.6),
+    Typed("friction lin-case1", _BASE, "wings.friction.whole", 0.6),
     Typed("solve lin-random --members 100 --model lin", _COMPILED, "commands.solving.members", 1.0),
     Typed("solve lin-random --members 20", _COMPILED, "commands.solving.members", 1.0),
     Typed("solve lin-random --members 1000", _COMPILED, "commands.solving.members", 2.0, 2),
