@@ -68,7 +68,7 @@ def cpu_seconds(arguments: list[str], runs: int) -> float | None:
     found = []
     for _ in range(runs):
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        done = launch(arguments)[1]
+        done = launch(arguments, {"PYTHONDONTWRITEBYTECODE": ""})[1]  # as a user's, who has nothing there
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         if done.returncode != 0:
             return None
