@@ -143,7 +143,8 @@ def by_balls(counts: Sequence[int] = BALLS) -> dict[str, list[tuple[float, float
             for count in (n for n in counts if model == "lin" or n <= LARGEST):
                 scene = with_balls(case, count)
                 reset_peak()
-                other, begin = replace(scene, screw=replace(scene.screw, length=scene.screw.length + 1e-3)), process_time()
+                length = scene.screw.length + 1e-6 * count  # another geometry for every count
+                other, begin = replace(scene, screw=replace(scene.screw, length=length)), process_time()
                 run_model(other, model, options)
                 points.append((float(count), process_time() - begin, peak_MB() or 0.0))
     return found
