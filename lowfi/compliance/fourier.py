@@ -330,8 +330,8 @@ class Stretch:
 
 
 def joined(a: Stretch, b: Stretch, loads: Array) -> Stretch:
-    """Two stretches in a row without the line between, on which unit loads ``(h, m, j)`` act; one that ends the body has one
-    line.
+    """Two stretches in a row without the line between, on which unit loads ``(h, m, j)`` act; at an end of the body, a
+    stretch has one line.
 
     A load of which less than round-off reaches that line does nothing there. Raises LinAlgError where it is not held.
     """
@@ -375,7 +375,7 @@ def repeated(one: Stretch, count: int, loads: Array) -> Stretch:
 def _by_stretches(
     body: Body, n: Index, held: NDArray[np.bool_], line: int, rows: tuple[int, int], springs: Sequence[float]
 ) -> Array:
-    """`line_compliance` of harmonics n, of 0 and 1 one alone: rows of elements are joined, those that are alike by doubling."""
+    """`line_compliance` of harmonics n (0 or 1 alone): rows of elements are joined, those that are alike by doubling."""
     count, width = body.grid.shape[0], 3 * body.grid.shape[1]
     powers = np.array([[factor_c(i), factor_c(i) * i, factor_c(i) * i * i] for i in n.tolist()])
     free = np.array([~held & body.axis_free(i) for i in n.tolist()]).reshape(n.size, count, width)
