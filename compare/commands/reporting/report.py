@@ -202,9 +202,9 @@ def make_report(
     facts["3D reference"] = "stored runs of the package" if stored or not meshing else computed
     missed += lacking(made.values())
     if missed:
-        facts["left out"] = "; ".join(gap.line().removeprefix("left out: ") for gap in missed)
+        facts["left out"] = "; ".join(str(gap) for gap in missed)
     if checked is not None:
-        facts["live check"] = checked.line().removeprefix("live check: ")
+        facts["live check"] = str(checked)
     without = "" if only else f", without {', '.join(part.name for part in PARTS if not part.quick)}"
     report = Report(
         title="rollbench validation report",
