@@ -22,7 +22,6 @@ from rollbench.comparison.provenance import commit, inputs
 from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.registration import Part, offered
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.scene_file import scene_hash
 from rollbench.comparison.system import gmsh_fault, libraries, machine, need_packages
 from rollbench.comparison.writing import need_writable
 from rollbench.reports.records import Report
@@ -213,7 +212,6 @@ def make_report(
         + "".join(f" ({gap.line()})" for gap in missed),
         provenance=facts,
         pages=pages(made),
-        scene_hashes={name: scene_hash(text) for name, text in texts.items()},
         origin={**facts, "inputs": inputs(study.stores or (shipped_store(),), texts)},
     )
     try:
