@@ -21,7 +21,7 @@ def figures(made: Section) -> list[Figure]:
 
 
 def shows_entries(table: Table, name: str) -> None:
-    """A table has a row for every entry of a printed one, with its class, its verdict and its number; inputs are counted."""
+    """A table has a row for every entry of a printed one, with class, verdict and number; inputs are a note."""
     judged = [p for p in load_table(name) if p.kind != "input" or p.cls == "open"]
     given = len(load_table(name)) - len(judged)
     assert not given or f"Inputs, {given} of them" in table.note
