@@ -12,7 +12,7 @@ from rollbench.comparison.reference import grid_parts
 from rollbench.comparison.reference.convergence import representative_size
 from rollbench.comparison.reference.grid_parts import GridParts, parts
 from rollbench.comparison.reference.levels import LEVELS
-from rollbench.comparison.reference.near_face import too_large
+from rollbench.comparison.reference.near_face import left_out, too_large
 from rollbench.comparison.reference.store import Run, load, shipped_store
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
@@ -82,5 +82,6 @@ def reference_of(name: str, scene: Scene, runs: tuple[Run, ...], contacts: int =
     loads = {run.level: run.load for run in runs}
     found, best = parts(loads, grid_parts.read(shipped_store())), runs[-1]
     bars = 0.01 * mean_load(best.load) * found.bars(loads) if found.bar else np.zeros_like(best.load)
+    bars = bars + left_out(scene, best.load, best.level) + best.moving
     lips = too_large(scene, best.load, best.level)
-    return Reference(name, runs, best.load, bars + lips + best.moving, found, contacts, beside_face=lips)
+    return Reference(name, runs, best.load, bars, found, contacts, beside_face=lips)
