@@ -116,7 +116,6 @@ def test_a_level_without_the_left_face_has_no_rows(monkeypatch: pytest.MonkeyPat
 SOLVED = sorted({(row["scene"], row["level"]) for row in holding.stored(shipped_store())})
 
 
-
 @pytest.mark.parametrize(("name", "level"), SOLVED)
 def test_the_record_has_annulus_and_left_face_of_a_size(name: str, level: int) -> None:
     """Bolts hold less than the annulus; the loads of either way carry the scene's axial load."""
