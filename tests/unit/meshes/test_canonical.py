@@ -11,6 +11,7 @@ from tests.keyed_records import built, changed, default, example, keyed_records,
 
 from rollbench.comparison.reference.store import UNSAID, bodies_key, key_of
 from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi.statics.result import Status
 from rollbench.meshes import canonical as module
 from rollbench.meshes.canonical import Fields, canonical, digest
 from rollbench.meshes.frozen_defaults import FROZEN
@@ -143,6 +144,10 @@ def test_containers_and_arrays_count_by_content() -> None:
     )
     assert canonical(Fields("Errors", {"seed": 0})) == canonical(Errors()) == "Errors()"
     assert canonical(Errors(lead_offset=2e-6)) == "Errors(lead_offset=2e-06)"
+
+
+def test_a_status_is_written_as_its_text() -> None:
+    assert canonical(Status("not held", "rotation")) == canonical("not held: rotation") == '"not held: rotation"'
 
 
 @pytest.mark.parametrize(
