@@ -166,3 +166,7 @@ def test_digests_hold_the_version_of_the_form(monkeypatch: pytest.MonkeyPatch) -
     assert before != digest((1, "a"))
     monkeypatch.setattr(module, "FORM", module.FORM + 1)
     assert digest(1, "a") != before
+
+
+def test_a_status_is_written_as_its_sentence() -> None:
+    assert canonical(Status("not held", "why")) == canonical("not held: why")
