@@ -56,8 +56,6 @@ def canonical(value: object) -> str:
         return canonical(str(value))
     if isinstance(value, type):
         return f"class {value.__module__}.{value.__qualname__}"
-    if isinstance(value, str):  # a sentence that knows more is its text
-        return json.dumps(str(value))
     if isinstance(value, np.bool | np.integer | np.float64 | np.float32 | np.float16 | np.str_):
         return canonical(value.item())
     if type(value).__module__.startswith("scipy.sparse") and getattr(value, "format", "") in ("csr", "csc"):

@@ -146,10 +146,6 @@ def test_containers_and_arrays_count_by_content() -> None:
     assert canonical(Errors(lead_offset=2e-6)) == "Errors(lead_offset=2e-06)"
 
 
-def test_a_status_is_written_as_its_text() -> None:
-    assert canonical(Status("not held", "rotation")) == canonical("not held: rotation") == '"not held: rotation"'
-
-
 @pytest.mark.parametrize(
     "value",
     [object(), Path("a"), {1}, len, np.array([None]), 1j, np.ma.array([1.0])],
