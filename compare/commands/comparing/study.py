@@ -13,6 +13,7 @@ from rollbench.comparison.commands.comparing.compare_output import (
     answers_table,
     compared,
     contact_rows,
+    others,
     start_lines,
     verdict,
     write_files,
@@ -221,7 +222,12 @@ def run_compare(
         told = []
         for one, whole in each():
             told.append(((one.described, one.set), whole))
-            yield from (f"{one.found.scene}: {verdict(whole, one.found)}", "", *filter(None, [whole.total.beside]))
+            yield from (
+                f"{one.found.scene}: {verdict(whole, one.found)}",
+                *others(whole),
+                "",
+                *filter(None, [whole.total.beside]),
+            )
             yield from (answers_table(whole), *start_lines(whole), "", compared_table(whole.models, whole.itself), "")
             if balls:
                 yield from (_contacts(one.scene, whole.models, one.found), "")
