@@ -85,6 +85,6 @@ def reference_of(
     loads = {run.level: run.load for run in runs}
     found, best = parts(loads, known or grid_parts.read(shipped_store())), runs[-1]
     bars = 0.01 * mean_load(best.load) * found.bars(loads) if found.bar else np.zeros_like(best.load)
-    bars = bars + left_out(scene, best.load, best.level) + best.moving
     lips = too_large(scene, best.load, best.level)
-    return Reference(name, runs, best.load, bars, found, contacts, beside_face=lips)
+    beside = left_out(scene, best.load, best.level) if found.by_experience else lips
+    return Reference(name, runs, best.load, bars + beside + best.moving, found, contacts, beside_face=lips)
