@@ -52,6 +52,8 @@ def canonical(value: object) -> str:
         return _record(type(value).__name__, {f.name: getattr(value, f.name) for f in fields(value)})
     if isinstance(value, tuple) and hasattr(value, "_asdict"):
         return _record(type(value).__name__, value._asdict())
+    if isinstance(value, str):  # a text that knows more of itself, as a status
+        return canonical(str(value))
     if isinstance(value, type):
         return f"class {value.__module__}.{value.__qualname__}"
     if isinstance(value, np.bool | np.integer | np.float64 | np.float32 | np.float16 | np.str_):

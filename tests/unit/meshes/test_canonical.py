@@ -11,6 +11,7 @@ from tests.keyed_records import built, changed, default, example, keyed_records,
 
 from rollbench.comparison.reference.store import UNSAID, bodies_key, key_of
 from rollbench.comparison.scenes import catalogue
+from rollbench.lowfi.statics.result import Status
 from rollbench.meshes import canonical as module
 from rollbench.meshes.canonical import Fields, canonical, digest
 from rollbench.meshes.frozen_defaults import FROZEN
@@ -161,3 +162,7 @@ def test_digests_hold_the_version_of_the_form(monkeypatch: pytest.MonkeyPatch) -
     assert before != digest((1, "a"))
     monkeypatch.setattr(module, "FORM", module.FORM + 1)
     assert digest(1, "a") != before
+
+
+def test_a_status_is_written_as_its_sentence() -> None:
+    assert canonical(Status("not held", "why")) == canonical("not held: why")
