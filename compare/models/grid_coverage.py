@@ -23,7 +23,7 @@ from rollbench.comparison.models.modelling import REFINED, SPOKEN_FOR, base_run
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.grid_parts import Experience, Levelled, measured, moving, parts
 from rollbench.comparison.reference.levels import LEVELS, PRODUCTION
-from rollbench.comparison.reference.near_face import left_out
+from rollbench.comparison.reference.near_face import left_out, too_large
 from rollbench.comparison.reference.store import load, shipped_store
 from rollbench.comparison.scenes import scene_file
 from rollbench.meshes.arrays import Array
@@ -154,7 +154,8 @@ def _held(
     on, mean = moving(loads), mean_load(loads[judge])
     coarser = {k: loads[k] for k in levels}
     told, off = parts(coarser, known), np.abs(error_percent(loads[level][on], loads[judge][on], mean))
-    bars = told.bars(coarser) + error_percent(left_out(scene, loads[level], level), 0.0, mean)
+    beside_faces = left_out if told.by_experience else too_large
+    bars = told.bars(coarser) + error_percent(beside_faces(scene, loads[level], level), 0.0, mean)
     return Held(name, level, judge, int(on.sum()), told.bar, int((off <= bars[on]).sum()), name not in SHIPPED)
 
 

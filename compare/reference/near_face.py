@@ -13,8 +13,8 @@ of the bodies a missing compliance dC makes their load F too large by
 
 delta: Hertz's approaches, whose tangent is 2/3 delta / F. Held faces, and balls away from faces, have none. Where one flank
 of the screw carries load, equilibrium holds the sum of loads, and what these contacts have too much the others of their
-side have too little, in proportion to their own stiffness (`left_out`). In a ring all contacts are beside both faces, so
-that the changes between its own levels show it (`compare.reference.grid_parts`).
+side have too little, in proportion to their own stiffness (`left_out`). The changes between a scene's own levels show that,
+and of a ring, all of whose contacts are beside both faces, the rest as well (`compare.reference.grid_parts`).
 """
 
 from __future__ import annotations

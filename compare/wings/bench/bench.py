@@ -12,6 +12,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, replace
+from functools import partial
 from statistics import median
 
 import numpy as np
@@ -35,6 +36,8 @@ MEMBER_AIM, SETUP_AIM, COLD_AIM = 75e-6, 0.2e-3, 1000.0
 BALLS = (125, 250, 500, 1000)
 #: The same for the refined model: time is about linear to the last but one, the last is its largest size.
 REFINED_BALLS = (16, 32, 64, 125, 250)
+#: Balls of the second new geometry, beside those of case 1.
+NEW = 100
 
 
 def _source_seconds(task: Source, repeats: int, work: Callable[[], object] | None = None) -> float | None:
@@ -140,9 +143,10 @@ def _refined_jobs(repeats: int) -> Iterator[Job]:
 def _refined(repeats: int) -> Iterator[Job]:
     scene = shipped("lin-case1")
     slow = _source_seconds(Source(scene), repeats)
-    setup = timed(lambda: Refined(scene), max(1, repeats // 3), forget)
     note = "cell, kernels, flanks, beam, arrays"
-    yield Job("refined, bodies of a new geometry", setup, None, None, peak_MB(), note)
+    for job, wanted in (("", scene), (f", {NEW} balls", with_balls(scene, NEW))):
+        setup = timed(partial(Refined, wanted), max(1, repeats // 3), forget)
+        yield Job(f"refined, bodies of a new geometry{job}", setup, None, None, peak_MB(), note)
     again = timed(lambda: Refined(scene), repeats)
     note = "bodies kept: beam, supports, arrays"
     yield Job("refined, set-up of a known geometry", again, None, None, peak_MB(), note)

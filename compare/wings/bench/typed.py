@@ -54,6 +54,7 @@ TYPED = (
     Typed("solve lin-case1 --model lin", _BASE, _SOLVE, 0.4),
     Typed("friction lin-case1", _BASE, "wings.friction.whole", 0.6),
     Typed("solve lin-random --members 100 --model lin", _COMPILED, "commands.solving.members", 1.0),
+    Typed("solve lin-random --members 10000 --model lin", _COMPILED, "commands.solving.members", 3.0, 2),
     Typed("solve lin-random --members 20", _COMPILED, "commands.solving.members", 1.0),
     Typed("solve lin-random --members 1000", _COMPILED, "commands.solving.members", 2.0, 2),
 )

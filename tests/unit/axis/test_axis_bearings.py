@@ -110,6 +110,7 @@ def test_a_preload_that_cannot_be_met_is_a_failure():
     alone = bearing("a", 0.03, "+z", preload=700.0)
     found = solve_assembly(assembly(alone, segments=THICK, supports=(GUIDED,)))
     assert found.status.startswith("not held: preloads by force are not met at mounting")
+    assert found.status.cause == "mounting"
     assert not found.sets
 
 

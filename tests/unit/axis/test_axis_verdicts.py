@@ -1,5 +1,6 @@
 """Verdicts on several sets: what is no load, what is out of balance, and what is proven not to be held."""
 
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -87,6 +88,8 @@ def test_balls_across_the_bottom_of_a_one_way_groove_are_no_equilibrium_of_it():
     loads = (Load(0.25, (2e3, 0.0, 500.0)),)
     found = solve_assembly(assembly(*rows, supports=(TURNING,), loads=loads), engine="compiled")
     assert found.status.startswith("not held: no equilibrium has all loaded balls of b on the side")
+    sent = pickle.loads(pickle.dumps(found.status))  # as a worker of a campaign or a sweep sends it back
+    assert (sent, sent.kind, sent.cause) == (found.status, "not held", "crossed row")
     # only a groove of one arc is the same on both sides of its bottom
     assert "4 contact(s) lie beyond the groove's arc" in found.sets[1].balls.warnings[0]
 
