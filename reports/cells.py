@@ -51,6 +51,8 @@ def format_cell(value: Cell, form: str = "g4") -> str:
         text = str(value) if isinstance(value, int) else _significant(value, int(form[1:]))
     else:
         text = format(value, form)
+    if text[:1] in ("-", "+") and not re.search("[1-9]", text):
+        text = text[1:]  # a rounded zero has no sign
     return text.replace("-", "−") if "×" not in text else text
 
 
@@ -97,6 +99,16 @@ def micro(text: str) -> str:
     '2 µm larger, in N/µm; the sum'
     """
     return re.sub(r"\bum\b", "µm", text)
+
+
+def typeset(text: str) -> str:
+    """Text as a page shows it: um as µm, a true minus before a number, ± for +-, no line break before a per cent sign.
+
+    >>> typeset("-0.3 to 5 um, +-2 %")
+    '−0.3 to 5 µm, ±2\xa0%'
+    """
+    text = re.sub(r"(?<![^\s(=])-(?=\d)", "−", micro(text).replace("+-", "±"))
+    return re.sub(r"(?<=\d) %", "\xa0%", text)
 
 
 def filled(table: Table) -> tuple[list[Quantity], list[str]]:

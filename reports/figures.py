@@ -275,7 +275,8 @@ def _draw_series(axes: Any, series: Series, number: int) -> None:
     marker = MARKERS[(number + number // len(PALETTE)) % len(MARKERS)]
     label = "_nolegend_" if series.light or series.texts or not series.label else series.label
     if series.light:
-        axes.plot(x, y, linestyle="none", marker=".", markersize=4.0, color=colour, alpha=0.35, label=label, zorder=1.8)
+        drawn: dict[str, Any] = {"linewidth": 0.8} if series.style == "line" else {"linestyle": "none", "marker": "."}
+        axes.plot(x, y, markersize=4.0, color=colour, alpha=0.35, label=label, zorder=1.8, **drawn)
         return
     if series.style == "band":
         upper = np.asarray(series.y2, float)

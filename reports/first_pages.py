@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from rollbench.meshes.libraries import EXTRAS
-from rollbench.reports.cells import filled, format_cell, is_number, micro
+from rollbench.reports.cells import filled, format_cell, is_number, typeset
 from rollbench.reports.records import Report, Summary, Table
 
 #: Name of the file in the folder of a report.
@@ -53,16 +53,16 @@ def _data(report: Report, summary: Summary) -> dict[str, Any]:
     return {
         "title": report.title,
         "origin": ", ".join(origin) or report.title,
-        "question": micro(summary.question),
-        "answer": micro(summary.answer),
-        "caption": micro(f"{summary.figure.title}. {summary.figure.caption}"),
-        "coverage": [micro(line) for line in summary.coverage],
-        "limits": [micro(line) for line in summary.limits],
-        "table": micro(table.title),
-        "note": micro(table.note),
+        "question": typeset(summary.question),
+        "answer": typeset(summary.answer),
+        "caption": typeset(f"{summary.figure.title}. {summary.figure.caption}"),
+        "coverage": [typeset(line) for line in summary.coverage],
+        "limits": [typeset(line) for line in summary.limits],
+        "table": typeset(table.title),
+        "note": typeset(table.note),
         "columns": [
-            {"label": micro(c.label), "unit": f"[{micro(c.unit)}]" if c.unit else "", "number": is_number(c, table)}
+            {"label": typeset(c.label), "unit": f"[{typeset(c.unit)}]" if c.unit else "", "number": is_number(c, table)}
             for c in columns
         ],
-        "rows": [[micro(format_cell(row.get(c.key), c.format)) for c in columns] for row in table.rows],
+        "rows": [[typeset(format_cell(row.get(c.key), c.format)) for c in columns] for row in table.rows],
     }

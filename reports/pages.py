@@ -13,7 +13,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from rollbench.reports import field3d, figures, first_pages, scene3d, sketch, view3d
-from rollbench.reports.cells import cell_view, filled, is_number, micro, write_csv
+from rollbench.reports.cells import cell_view, filled, is_number, micro, typeset, write_csv
 from rollbench.reports.manifest import write_manifest
 from rollbench.reports.panels import draw_parts, themed
 from rollbench.reports.records import (
@@ -67,7 +67,7 @@ class _Writer:
             place = self.places.get(found[2])
             return found[0] if place is None else f'{found[1]} <a href="{place}">{found[2]}</a>'
 
-        return Markup(_NAMED.sub(link, str(escape(micro(text)))))
+        return Markup(_NAMED.sub(link, str(escape(typeset(text)))))
 
 
 def write_pages(report: Report, folder: Path, say: Progress) -> None:
@@ -81,7 +81,7 @@ def write_pages(report: Report, folder: Path, say: Progress) -> None:
         lstrip_blocks=True,
     )
     writer = _Writer(folder, say, _places(report))
-    environment.filters.update(micro=micro, linked=writer.linked)
+    environment.filters.update(typeset=typeset, linked=writer.linked)
     pages = [_page(page, number, len(report.pages), writer) for number, page in enumerate(report.pages, 1)]
     common = {"report": report, "pages": pages, "marker": Markup(MARKER)}
     turns = zip(pages, [None, *pages[:-1]], [*pages[1:], None], strict=True)

@@ -19,7 +19,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from rollbench.reports import figures, scene3d, sketch
-from rollbench.reports.cells import micro
+from rollbench.reports.cells import typeset
 from rollbench.reports.html import MARKER, format_cell
 from rollbench.reports.manifest import all_texts, parsed, sha256
 from rollbench.reports.records import Figure, LoadedScrew, Section, Sketch
@@ -73,7 +73,7 @@ def render(page: ScenePage) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.finalize = lambda value: value if isinstance(value, Markup) else micro(str(value))
+    environment.finalize = lambda value: value if isinstance(value, Markup) else typeset(str(value))
     environment.globals["cell"] = format_cell
     environment.globals["drawn"] = _drawn
     picture, missing = _picture(page.picture)

@@ -121,17 +121,21 @@ def surveyed() -> tuple[dict[str, float], ...]:
         return ()
 
 
+def compared_values(descriptor: Descriptor, *, ring: bool) -> list[float]:
+    """The values of a descriptor of every compared screw, shipped and drawn, or ring."""
+    drawn = () if ring else surveyed()
+    return [descriptor.of(s) for s in compared(ring=ring)] + [own[descriptor.name] for own in drawn]
+
+
 def places(scene: Scene, among: Sequence[Scene] | None = None) -> tuple[Place, ...]:
     """Where a scene lies among compared ones of its kind, screws or rings; empty where there is none of its kind.
 
     Raises ValueError as `meshes.solid.dimensions`.
     """
     ring = scene.track.lead == 0.0
-    others = compared(ring=ring) if among is None else among
-    drawn = surveyed() if among is None and not ring else ()
     out = []
     for d in DESCRIPTORS:
-        values = [d.of(s) for s in others] + [own[d.name] for own in drawn]
+        values = compared_values(d, ring=ring) if among is None else [d.of(s) for s in among]
         if values:
             out.append(Place(d, d.of(scene), min(values), max(values)))
     return tuple(out)

@@ -23,8 +23,8 @@ from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.parts import Scene
 
-#: Screws and a bearing that were not used while the refined model was developed: changed parts, and catalogue sizes.
-CHANGED, CATALOGUE, UNSEEN = (with_role(f"unseen{kind}") for kind in (", changed", ", catalogue", ""))
+#: Screws and a bearing that were not used while the refined model was developed.
+UNSEEN = with_role("unseen")
 #: Scenes that four mesh levels leave with an uncertainty above 0.3 %, by lightly loaded contacts beside heavy ones.
 DEEP = ("two-balls", "unseen-25x5")
 #: Models on the ladder, from the source's upwards.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rollbench.comparison.models.applicability import DESCRIPTORS, Descriptor, compared, places
+from rollbench.comparison.models.applicability import DESCRIPTORS, Descriptor, compared_values, places
 from rollbench.comparison.models.study import Study
 from rollbench.meshes.parts import Scene
 from rollbench.reports.records import Figure, Panel, Quantity, Row, Series, Table
@@ -14,7 +14,7 @@ def range_table(scene: Scene | None = None) -> Table:
     own = {} if scene is None else {p.descriptor.name: p for p in places(scene)}
     ring = scene is not None and scene.track.lead == 0.0
     for d in DESCRIPTORS:
-        values = [d.of(s) for s in compared(ring=ring)]
+        values = compared_values(d, ring=ring)
         row: Row = {
             Quantity("name", "what describes a scene", "", "s"): d.name,
             "unit": d.unit or "–",
@@ -29,9 +29,8 @@ def range_table(scene: Scene | None = None) -> Table:
         rows.append(row)
     kind = "rings" if ring else "screws"
     note = (
-        f"Of {len(compared(ring=ring))} {kind} compared with the 3D reference. At the edge of the range a "
-        "scene still counts as covered if it is as close to the compared ones as they are to each other; "
-        "outside, a result says that its error is not covered."
+        f"Of {len(values)} {kind}, shipped or drawn, that were compared with the 3D reference. Beyond a range by less "
+        "than its margin a scene still counts as covered; further out, a result says that its error is not covered."
     )
     return Table.of("applicability", "What was compared with the 3D reference", rows, note)
 
@@ -42,8 +41,7 @@ def range_figure(scene: Scene | None = None) -> Figure:
     ring = scene is not None and scene.track.lead == 0.0
     panels = []
     for a, b in (tuple(DESCRIPTORS[k] for k in pair) for pair in pairs):
-        others = compared(ring=ring)
-        series = [Series("compared", [a.of(s) for s in others], [b.of(s) for s in others], "markers")]
+        series = [Series("compared", compared_values(a, ring=ring), compared_values(b, ring=ring), "markers")]
         if scene is not None:
             series.append(Series(scene.name, [a.of(scene)], [b.of(scene)], "markers", emphasis=True))
         panels.append(Panel("", _label(a), _label(b), tuple(series)))

@@ -23,15 +23,19 @@ def printed_table(
 ) -> Table:
     """Printed entries, each with its computed values, error, class, verdict and remark.
 
-    Columns of values with the faults repeated and under an inferred reading are there where an entry has one; place:
-    with a column of places (else an entry from elsewhere than most says so in its label).
+    Columns of values with the faults repeated and under an inferred reading are there where an entry has one; place: every
+    entry, with a column of places (else without inputs, which test no model, and an entry from elsewhere than most says
+    so in its label).
     """
+    given = 0 if place else sum(judge(f)[0] == "input" for f in found)
+    found = [f for f in found if judge(f)[0] != "input"] if given else found
     columns = _columns(found, digits, place)
     usual = Counter(f.printed.place for f in found).most_common(1)[0][0]
     keys = [c.key for c in columns]
     rows = [{key: cells[key] for key in keys} for cells in (_cells(f, usual, place) for f in found)]
     common = _number_remarks(rows)
     notes = [note, FAULTS if "as_printed" in keys else ""]
+    notes += [f"Inputs, {given} of them, stand in table printed."] if given else []
     notes += [f"Remark {i}: {text}" for i, text in enumerate(common, 1)]
     return Table(name, title, columns, rows, " ".join(part for part in notes if part))
 

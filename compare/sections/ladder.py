@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy as np
 
 from rollbench.comparison.models.choices import VARIED, choices_of
 from rollbench.comparison.models.comparison import REFERENCED
-from rollbench.comparison.models.ladder import CATALOGUE, CHANGED, RUNGS, UNSEEN, Rung, ladder, left_out_one, shares
+from rollbench.comparison.models.ladder import RUNGS, UNSEEN, Rung, ladder, left_out_one, shares
 from rollbench.comparison.models.study import Study
 from rollbench.lowfi.compliance.imported import PARTS
 from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
@@ -43,24 +42,26 @@ def ladder_table(rungs: Sequence[Rung]) -> Table:
     return Table.of("ladder", "The ladder", rows, note)
 
 
-def ladder_figure(rungs: Sequence[Rung], names: Sequence[str], key: str, title: str) -> Figure | None:
-    """Largest and RMS error by rung, scene by scene, with the reference's uncertainty."""
-    panels = []
+def ladder_figure(rungs: Sequence[Rung]) -> Figure:
+    """Largest and RMS error by rung: every scene, and the median of the scenes."""
     order = [m.name for m in RUNGS]
-    for name in dict.fromkeys(r.scene for r in rungs if r.scene in names):
-        own = [r for r in rungs if r.scene == name]
-        x = [float(order.index(r.model) + 1) for r in own]
-        series = [
-            Series("largest error", x, [r.error.max_percent for r in own], "line+markers", emphasis=True),
-            Series("RMS error", x, [r.error.rms_percent for r in own], "line+markers"),
-        ]
-        bar = own[0].uncertainty
-        if bar is not None:
-            series.append(Series("grid uncertainty (largest)", [1.0, float(len(order))], [bar, bar], "line"))
-        panels.append(Panel(name, "", "error / % of the mean load", tuple(series), log="y", names=order))
-    if not panels:
-        return None
-    return Figure(key, title, tuple(panels))
+    scenes = list(dict.fromkeys(r.scene for r in rungs))
+
+    def panel(title: str, error: Callable[[Rung], float]) -> Panel:
+        found = {(r.scene, order.index(r.model) + 1.0): error(r) for r in rungs}
+        steps = sorted({x for _, x in found})
+        curves = [(name, [x for x in steps if (name, x) in found]) for name in scenes]
+        series = [Series(name, x, [found[name, v] for v in x], "line", light=True) for name, x in curves]
+        middle = [float(np.median([y for (_, x), y in found.items() if x == step])) for step in steps]
+        series.append(Series("median of the scenes", steps, middle, "line+markers", emphasis=True))
+        return Panel(title, "", "error / % of the mean load", tuple(series), log="y", names=order)
+
+    panels = (
+        panel("largest error", lambda r: float(r.error.max_percent)),
+        panel("RMS error", lambda r: float(r.error.rms_percent)),
+    )
+    caption = f"Pale: each of the {len(scenes)} scenes."
+    return Figure("ladder-rungs", "Error against the 3D reference, rung by rung", panels, caption, same_y=True)
 
 
 def choices_table(study: Study, step: Callable[[str], None]) -> Table:
@@ -190,14 +191,6 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         ),
         headline(rungs),
     )
-    items: list[Any] = [Text(text), ladder_table(rungs)]
-    for names, key, title_of in (
-        (REFERENCED, "ladder-cases", "Error by rung: the case studies"),
-        (CHANGED, "ladder-unseen", "Error by rung: screws not used before"),
-        (CATALOGUE, "ladder-catalogue", "Error by rung: catalogue sizes, not used before"),
-    ):
-        figure = ladder_figure(rungs, names, key, title_of)
-        items += [figure] if figure is not None else []
     step("bodies exchanged for those from 3D")
-    items += [shares_table(study), choices_table(study, step)]
+    items = (Text(text), ladder_table(rungs), ladder_figure(rungs), shares_table(study), choices_table(study, step))
     return Section("ladder", title, (*items, *estimate_items(study, rungs)))

@@ -23,8 +23,8 @@ MODELS = (DEFAULT, "lin")
 
 LEGEND = (
     "Sketches are to scale near the nut. Hatched: surface held in the 3D reference; pale: balls behind the "
-    f"axis. Verdicts are for {DEFAULT}. u_val: how closely an error is known, with 95 % confidence (section "
-    "u-val)."
+    f"axis. Verdicts are for {DEFAULT} and the inputs as stated, which model and reference share. u_val: how closely the "
+    "error against a real screw would be known, input tolerances included, with 95 % confidence (section u-val)."
 )
 
 Judged = Mapping[tuple[str, str], Validated]

@@ -9,6 +9,7 @@ and, above them, its chains of only children, which are the separators.
 
 from __future__ import annotations
 
+import signal
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -82,13 +83,23 @@ def vertices(K: sp.csc_matrix) -> tuple[sp.csr_matrix, Index]:
 
 
 def _dissected(graph: sp.csr_matrix, group: Index) -> Index:
-    """Order of the vertices of a compressed graph by nested dissection."""
+    """Order of the vertices of a compressed graph by nested dissection.
+
+    METIS takes SIGTERM for an error of its own, and leaves it blocked. So it is asked a second time after an error: what
+    recurs is an error and is raised, else the signal is unblocked and given back.
+    """
     import pymetis
 
     if graph.nnz == 0:
         return np.arange(graph.shape[0])
-    adjacency = pymetis.CSRAdjacency(graph.indptr, graph.indices)
-    order, _ = pymetis.nested_dissection(adjacency, vweights=np.bincount(group))
+    adjacency, weights = pymetis.CSRAdjacency(graph.indptr, graph.indices), np.bincount(group)
+    try:
+        order, _ = pymetis.nested_dissection(adjacency, vweights=weights)
+    except RuntimeError:
+        order, _ = pymetis.nested_dissection(adjacency, vweights=weights)
+        if hasattr(signal, "pthread_sigmask"):  # not on Windows
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM})
+        signal.raise_signal(signal.SIGTERM)
     return np.asarray(order, dtype=np.int64)
 
 

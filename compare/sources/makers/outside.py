@@ -169,8 +169,8 @@ def summary(found: Sequence[Outside]) -> Table:
         rows.append(
             {
                 "quantity": quantity,
-                "computed by": law,
                 "against": group,
+                "computed by": law,
                 NUMBER: s.number,
                 BIAS: s.bias,
                 SCATTER: s.scatter,

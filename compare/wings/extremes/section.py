@@ -8,6 +8,7 @@ from typing import Any
 
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.registration import offered
+from rollbench.comparison.sections.fit import WORDS
 from rollbench.comparison.wings.extremes.campaign.record import rows as campaign_rows
 from rollbench.comparison.wings.extremes.campaign.record import shipped
 from rollbench.comparison.wings.extremes.rows import tally, wide_rows
@@ -35,10 +36,9 @@ def survey_items() -> tuple[Text | Table, ...]:
         "answer. Errors are absolute values in per cent, those of loads relative to the mean load; rigidity "
         f"is the tangent, by 5 % more load. Records are by the version that solved them: {by}."
     )
-    words = {"scene": "number", "screw": "title", "contacts": "contacts", "status": "status"}
     errors = {f"{model} {short}": (model, key) for model in MODELS for short, key in SHORT.items()}
     rows: list[dict[str, Any]] = [
-        {name: r.get(key) for name, key in words.items()}
+        {"scene": r["number"], "screw": r["title"].partition(": ")[2], "contacts": r.get("contacts"), "status": r["status"]}
         | {name: r.get("models", {}).get(model, {}).get(key) for name, (model, key) in errors.items()}
         for r in scenes
     ]
@@ -49,13 +49,13 @@ def survey_items() -> tuple[Text | Table, ...]:
             "stability-survey",
             "Models against the survey",
             tuple(Quantity(name, name, "", "s" if name in sums[:3] else ".2f") for name in sums),
-            survey.summary(scenes),
+            [row | {"error": WORDS[row["error"].removeprefix("largest_")]} for row in survey.summary(scenes)],
         ),
         Table(
             "stability-survey-scenes",
             "The survey, scene by scene",
             (
-                *(Quantity(name, name, "", "s") for name in words),
+                *(Quantity(name, name, "", "s") for name in ("scene", "screw", "contacts", "status")),
                 *(Quantity(name, name, "% of mean", ".2f") for name in errors),
             ),
             rows,
@@ -105,21 +105,10 @@ def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG0
                     "Random extreme screws and bearings, mutated files and killed processes, each outcome judged by "
                     "a check of its own: balance summed from printed numbers, refusals proven by rank or a linear program, "
                     "small scenes with a rigid screw compared with plain minimisation. Random axes (--axes) of one to five "
-                    "sets are judged node by node: beam, springs, Hertz' law, every ball. The counts are the named "
-                    "command's.",
+                    "sets are judged node by node: beam, springs, Hertz' law, every ball.",
                 )
             ),
-            Table(
-                "stability-campaign",
-                "The campaign",
-                (
-                    Quantity("command", "command", "", "s"),
-                    Quantity("what", "what", "", "s"),
-                    Quantity("outcome", "outcome", "", "s"),
-                    Quantity("count", "count", "", "s"),
-                ),
-                campaign_rows(shipped()),
-            ),
+            Table.of("stability-campaign", "The campaigns", campaign_rows(shipped()), shown=None),
             *survey_items(),
         ),
         conclusion=f"The energy solver solves {solved} of {total} stiff and extreme scenes from a cold start; the source's "

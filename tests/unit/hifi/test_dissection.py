@@ -1,5 +1,7 @@
 """Order, elimination tree and supernodes of sparse matrices, against the pattern of a dense elimination."""
 
+import signal
+
 import numpy as np
 import pytest
 import scipy.sparse as sp
@@ -79,3 +81,38 @@ def test_the_elimination_tree_is_that_of_a_dense_factor():
         below = [np.flatnonzero(column[k + 1 :]) for k, column in enumerate(factor.T)]
         expected = [k + 1 + int(own[0]) if own.size else 60 for k, own in enumerate(below)]
         assert dissection._elimination_tree(graph).tolist() == expected
+
+
+@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="signals of POSIX")
+def test_term_during_the_ordering_ends_as_elsewhere(monkeypatch) -> None:
+    """METIS turns SIGTERM into an error of its own and leaves it blocked."""
+    calls = []
+
+    def metis(*args: object, **_: object) -> tuple[np.ndarray, np.ndarray]:
+        calls.append(args)
+        if len(calls) == 1:
+            signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM})
+            raise RuntimeError("Caught an unknown exception!")
+        return np.arange(125), np.arange(125)
+
+    def ended(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("pymetis.nested_dissection", metis)
+    before = signal.signal(signal.SIGTERM, ended)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            supernodes(grid(5))
+    finally:
+        signal.signal(signal.SIGTERM, before)
+        assert signal.SIGTERM not in signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM})
+    assert len(calls) == 2
+
+
+def test_an_error_of_metis_that_recurs_is_raised(monkeypatch) -> None:
+    def metis(*_: object, **__: object) -> None:
+        raise RuntimeError("Caught an unknown exception!")
+
+    monkeypatch.setattr("pymetis.nested_dissection", metis)
+    with pytest.raises(RuntimeError, match="unknown exception"):
+        supernodes(grid(5))

@@ -36,7 +36,9 @@ def test_compared_value_follows_the_class():
 
 
 def test_table_has_only_the_columns_that_its_entries_fill():
-    plain = printed_table("a", "A", [Evidence(row) for row in load_table("lin-3.1")])
+    given = [Evidence(row) for row in load_table("lin-3.1")]
+    plain = printed_table("a", "A", [*given, Evidence(load_table("lin-3.2")[0], 1.0)])
+    assert len(plain.rows) == 1 and f"Inputs, {len(given)} of them" in plain.note
     assert {"as_printed", "reading", "reading_error", "place"}.isdisjoint(c.key for c in plain.columns)
     assert FAULTS not in plain.note
     row = load_table("lin-3.7")[0]
@@ -50,7 +52,7 @@ def test_table_has_only_the_columns_that_its_entries_fill():
 
 def test_shared_remarks_stand_once_and_round_off_is_zero():
     found = [Evidence(row, value=(row.value or 0.0) * (1.0 + 1e-15)) for row in load_table("lin-3.1")]
-    table = printed_table("a", "A", found)
+    table = printed_table("a", "A", found, place=True)
     assert [row["remark"] for row in table.rows].count("remark 1") > 2
     assert "Remark 1: " in table.note
     assert all(row["error"] == 0.0 for row in table.rows)

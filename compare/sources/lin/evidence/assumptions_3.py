@@ -30,7 +30,7 @@ def balance_rows() -> list[Row]:
                     Quantity("torque", "friction's moment on the ring", "N mm", ".4f"): 1e3 * torque,
                     Quantity("input", "power in", "W", ".6f"): power,
                     Quantity("loss", "dissipation", "W", ".6f"): s.motion.loss,
-                    Quantity("balance", "power in against dissipation", "%", ".1e"): float(
+                    Quantity("balance", "power in against dissipation", "%", "g2"): float(
                         error_percent(power, s.motion.loss)
                     ),
                     Quantity("rest", "contacts at rest", "", "s"): int(s.motion.rest.sum()),

@@ -40,7 +40,7 @@ def by_model(tried: Sequence[Record]) -> str:
         solved, tries = counts.get(r.model, (0, 0))
         counts[r.model] = solved + (r.source or 0), tries + (r.source_tries or 0)
     worst_first = sorted(counts.items(), key=lambda item: item[1][0] / max(item[1][1], 1))
-    return ", ".join(f"{model} {solved} of {tries}" for model, (solved, tries) in worst_first)
+    return "; ".join(f"{model}: {solved} of {tries}" for model, (solved, tries) in worst_first)
 
 
 def table_section_items(found: Sequence[Record] | None = None) -> tuple[Text | Table, ...]:
@@ -54,9 +54,9 @@ def table_section_items(found: Sequence[Record] | None = None) -> tuple[Text | T
     tried = [r for r in found if r.source is not None]
     text = (
         f"Solved here: {sum(r.ours for r in found)} of {sum(r.tries for r in found)}; the source's root finding "
-        f"{sum(r.source or 0 for r in tried)} of {sum(r.source_tries or 0 for r in tried)}. By model: "
-        f"{by_model(tried)}. It decides which balls touch from their motions without contact (Lin 3.31, 3.77), so that "
-        "roots of longer chains may let balls overlap; these do not count as solved.",
+        f"{sum(r.source or 0 for r in tried)} of {sum(r.source_tries or 0 for r in tried)}. Model by model, the worst "
+        f"first: {by_model(tried)}. It decides which balls touch from their motions without contact (Lin 3.31, 3.77), so "
+        "that roots of longer chains may let balls overlap; these do not count as solved.",
     )
     note = (
         "Each case is solved from the solver's own start and from random ones. Spread: of the loss of one ball, or of "

@@ -34,7 +34,7 @@ from rollbench.reports.records import Figure, Panel, Section, Series, Table, Tex
 
 # --- tables
 
-TABLES = ("lin-3.1", "lin-3.2", "lin-3.3", "lin-3.4", "lin-3.5", "lin-G")
+TABLES = ("lin-3.2", "lin-3.3", "lin-3.4", "lin-3.5", "lin-G")
 #: Significant digits shown; Table 3.2 prints seven.
 DIGITS = {"lin-3.2": 7}
 NOTES = {
@@ -243,7 +243,6 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         "Friction and ball motion: one ball in a rotary bearing; balls in contact in a linear bearing",
         (
             Text(INTRODUCTION),
-            tables["lin-3.1"],
             tables["lin-3.2"],
             balance_table(),
             drawn[0],

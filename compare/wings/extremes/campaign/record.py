@@ -93,11 +93,24 @@ def shipped() -> list[Record]:
 
 
 def rows(records: Sequence[Record]) -> list[dict[str, Any]]:
-    """Rows of the report's table: what was run, with how many, and what came of it."""
+    """Rows of the report's table, a campaign each: its command and version, and how many scenes, damaged files and killed
+    processes ended in which way."""
     out = []
     for r in records:
-        for verdict, count in r["scenes"].items():
-            out.append({"command": r["command"], "what": "scenes", "outcome": verdict, "count": count})
-        for kind, row in r["files"].items():
-            out += [{"command": r["command"], "what": kind, "outcome": v, "count": n} for v, n in row.items()]
+        bad = {verdict: r["scenes"].get(verdict, 0) for verdict in scenes.BAD}
+        files = [row for kind, row in r["files"].items() if kind != "kill"]
+        out.append(
+            {
+                "command": r["command"],
+                "version": r.get("version", ""),
+                "right": r["scenes"][scenes.RIGHT],
+                "refused with a proven reason": sum(r["scenes"][verdict] for verdict in scenes.GOOD[1:]),
+                "wrong or unproven": sum(bad.values()),
+                "damaged files": sum(sum(row.values()) for row in files),
+                "of these read wrongly": sum(row["bad"] for row in files),
+                "killed processes": sum(r["files"].get("kill", {}).values()),
+                "of these not whole": r["files"].get("kill", {}).get("bad", 0),
+            }
+            | bad
+        )
     return out
