@@ -54,8 +54,8 @@ INGREDIENTS = ("elastic nut", "3D shaft", "finite ball", "patch coupling", "movi
 
 @dataclass(frozen=True)
 class ReferenceResult:
-    """Loads ``(n, 4)`` [N], contact angles ``(n, 4)`` [rad], ball motions ``(n, 3)`` [m], centreline: stations ``(s,)`` [m]
-    and motions ``(s, 6)``, contact record, residuals, unknowns (of the equivalent monolithic mesh), seconds by stage,
+    """Loads ``(n, 4)`` [N], contact angles ``(n, 4)`` [rad], centreline: stations ``(s,)`` [m] and motions ``(s, 6)``,
+    contact record, residuals, unknowns (of the equivalent monolithic mesh), seconds by stage,
     updates of directions and gaps, status; moving: what more of them may still change of any load [N] where these did not
     settle, else 0; frozen: loads with directions and gaps frozen at the nominal state ``(n, 4)`` [N], where they were asked
     for."""
@@ -63,7 +63,6 @@ class ReferenceResult:
     status: str
     load: Array
     contact_angle: Array
-    ball_motion: Array
     stations: Array
     centreline: Array
     sides: tuple[int, ...]
@@ -109,7 +108,6 @@ def solve_reference(
             ended.status,
             last.load,
             last.angle,
-            case.ball_motions(last)[0],
             stations,
             line,
             own.sides,

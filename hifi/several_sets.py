@@ -107,13 +107,12 @@ def _bodies(parts: Scene, assembly: Assembly, room: float, stations: set[float],
 @dataclass(frozen=True)
 class SetLoads:
     """What the contacts of a set carry: loads and contact angles ``(n, 4)`` [N, rad], loads with directions and gaps frozen
-    ``(n, 4)`` [N] (None: not asked for), motions of the balls ``(n, 3)`` [m], force on the shaft and its moment about the
-    axis at the nut's centre ``(6,)`` [N, N m]."""
+    ``(n, 4)`` [N] (None: not asked for), force on the shaft and its moment about the axis at the nut's centre ``(6,)``
+    [N, N m]."""
 
     load: Array
     angle: Array
     frozen: Array | None
-    ball_motion: Array
     on_shaft: Array
 
 
@@ -247,14 +246,7 @@ def _result(case: Case, ended: Ended, unmet: str, seconds: float) -> AxisReferen
     stations, line, housings = case.centreline(last)
     ends = np.cumsum([p.count for p in case.sets])[:-1]
     frozen = [None] * len(case.sets) if ended.frozen is None else np.split(ended.frozen, ends)
-    each = zip(
-        np.split(last.load, ends),
-        np.split(last.angle, ends),
-        frozen,
-        case.ball_motions(last),
-        _on_shaft(case, last),
-        strict=True,
-    )
+    each = zip(np.split(last.load, ends), np.split(last.angle, ends), frozen, _on_shaft(case, last), strict=True)
     return AxisReference(
         f"not converged: {unmet}" if unmet and ended.status == "converged" else ended.status,
         tuple(SetLoads(*own) for own in each),

@@ -149,13 +149,21 @@ def widest_gap(spec: BodySpec) -> float:
     return float(phi[k] + 0.5 * gaps[k])
 
 
-def outline(flange: Flange, outer: float, z: tuple[float, float]) -> tuple[list[str], list[tuple[float, float]]]:
+def outline(
+    flange: Flange, outer: float, z: tuple[float, float], least: float = SAME
+) -> tuple[list[str], list[tuple[float, float]]]:
     """Names of the surfaces outside a flanged nut of radius ``outer`` [m] from its low end on, and the circles (r, z) [m]
-    before, between and behind them."""
+    before, between and behind them.
+
+    least: width [m] below which the seat reaches the flange's rim or the nut's outer surface, and a fit is none: circles
+    closer than their own edges' deviation from the arc would cross in a mesh.
+    """
     rim = flange.diameter / 2.0
     end, face, fit = flange.stations(*z)
     far = z[1] if flange.side == "left" else z[0]
     low, high = flange.seat
+    high, low = rim if rim - high < least else high, outer if low - outer < least else low
+    fit = face if abs(fit - face) < least else fit
     corners = [
         ("rim", (rim, face)),
         ("flange", (high, face)),

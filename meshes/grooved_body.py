@@ -67,6 +67,8 @@ from rollbench.meshes.sockets import (
 FLANK = 0.48
 #: Longest edges on a flange over its thickness.
 THICKNESS = 0.25
+#: Width over the longest edges on a flange below which a ring of it is not meshed.
+SLIVER = 0.1
 
 
 @dataclass(frozen=True)
@@ -173,8 +175,9 @@ class Surface:
                 circles = [self._circle(r, z, limit) for z in self.z]
                 self._tube("bore" if self.spec.outer else "outside", r, circles[0], circles[1], self.z, limit)
             else:
-                names, places = outline(self.spec.flange, r, self.z)
-                circles = self._outline(names, places, limit, max(THICKNESS * self.spec.flange.thickness, self.shell.fine))
+                thin = max(THICKNESS * self.spec.flange.thickness, self.shell.fine)
+                names, places = outline(self.spec.flange, r, self.z, SLIVER * thin)
+                circles = self._outline(names, places, limit, thin)
             for loop, ring, (radius, _) in zip(loops, (circles[0], circles[-1]), (places[0], places[-1]), strict=True):
                 loop.insert(1 if self.spec.outer else 0, [ring.on(seen(radius))])
         for name, z, loop in zip(("low end", "high end"), self.z, loops, strict=True):

@@ -102,13 +102,13 @@ def micro(text: str) -> str:
 
 
 def typeset(text: str) -> str:
-    """Text as a page shows it: um as µm, a true minus before a number, ± for +-, no line break before a per cent sign.
+    """Text as a page shows it: um as µm, a true minus before a number, ± for +-, a space that holds before a per cent sign.
 
     >>> typeset("-0.3 to 5 um, +-2 %")
     '−0.3 to 5 µm, ±2\xa0%'
     """
     text = re.sub(r"(?<![^\s(=])-(?=\d)", "−", micro(text).replace("+-", "±"))
-    return re.sub(r"(?<=\d) %", "\xa0%", text)
+    return re.sub(r"(?<=\d) ?%", "\xa0%", text)
 
 
 def filled(table: Table) -> tuple[list[Quantity], list[str]]:
@@ -143,8 +143,8 @@ def verdict(text: str) -> str:
         return "open"
     first = re.split(r"\W", text.strip().lower(), maxsplit=1)[0]
     kinds = {
-        "good": ("reproduced", "band", "within", "converged", "agrees", "passed", "reached", "yes"),
-        "bad": ("contradicted", "not", "no", "failed", "fails", "diverged", "differs", "beyond"),
+        "good": ("reproduced", "band", "in", "within", "converged", "agrees", "passed", "reached", "yes"),
+        "bad": ("contradicted", "not", "no", "above", "below", "failed", "fails", "diverged", "differs", "beyond"),
         "open": ("open", "partly", "mechanism"),
     }
     return next((kind for kind, words in kinds.items() if first in words), "other")

@@ -15,11 +15,20 @@ TIMEOUT = 180.0  # s; two seconds are usual
 ADVICE = f"install the off-screen OpenGL libraries (Debian: {install(PICTURES)})"
 
 
+class CannotDraw(RuntimeError):
+    """A picture that could not be drawn: its cause, and advice where there is any."""
+
+    def __init__(self, cause: str, advice: str = "") -> None:
+        """The message is both."""
+        super().__init__(f"3D picture: {cause}" + (f"; {advice}" if advice else ""))
+        self.cause = cause
+
+
 def draw_in_child(module: str, picture: object, path: str | Path) -> None:
     """Run ``python -m module`` with the pickled (picture, file to write) on its standard input.
 
     Nothing is imported from the working folder.
-    Raises RuntimeError where this machine cannot draw it: says which libraries are missing, or what else went wrong.
+    Raises CannotDraw where this machine cannot draw it: says which libraries are missing, or what else went wrong.
     """
     here = os.getcwd()
     search = os.pathsep.join(p for p in sys.path if p and os.path.abspath(p) != here)
@@ -33,15 +42,15 @@ def draw_in_child(module: str, picture: object, path: str | Path) -> None:
             check=False,
         )
     except subprocess.TimeoutExpired:
-        raise RuntimeError(f"3D picture: not finished after {TIMEOUT:.0f} s; {ADVICE}") from None
+        raise CannotDraw(f"not finished after {TIMEOUT:.0f} s", ADVICE) from None
     if child.returncode == 0:
         return
     words = child.stderr.decode(errors="replace").strip().splitlines() or ["no message"]
     if child.returncode < 0:
-        raise RuntimeError(f"3D picture: no off-screen OpenGL on this machine; {ADVICE}")
+        raise CannotDraw("no off-screen OpenGL on this machine", ADVICE)
     if words[-1].startswith(("ImportError", "ModuleNotFoundError")):
-        raise RuntimeError(f"3D picture: pyvista cannot be loaded ({words[-1]}); install it, and {ADVICE}")
-    raise RuntimeError(f"3D picture: {words[-1]}")
+        raise CannotDraw(f"pyvista cannot be loaded ({words[-1]})", f"install it, and {ADVICE}")
+    raise CannotDraw(words[-1])
 
 
 def fault() -> str:
@@ -49,8 +58,8 @@ def fault() -> str:
     with tempfile.TemporaryDirectory() as folder:
         try:
             draw_in_child("rollbench.reports.offscreen", None, Path(folder) / "sphere.png")
-        except RuntimeError as error:
-            return str(error)
+        except CannotDraw as error:
+            return error.cause
     return ""
 
 

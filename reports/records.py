@@ -299,7 +299,6 @@ class Report:
     subtitle: str
     provenance: Mapping[str, str]
     pages: Sequence[Page]
-    scene_hashes: Mapping[str, str] = field(default_factory=dict)
     origin: Mapping[str, object] = field(default_factory=dict)
 
     @property

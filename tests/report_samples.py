@@ -81,7 +81,7 @@ def report(*items):
         ),
     )
     provenance = {"Version": "1.2.3", "Machine": "<unknown>"}
-    return Report("Report <1>", "Sub & title", provenance, paged(*sections), {"case.toml": "abc123"})
+    return Report("Report <1>", "Sub & title", provenance, paged(*sections))
 
 
 def paged(*sections):

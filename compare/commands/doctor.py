@@ -135,7 +135,7 @@ def _graphics() -> Iterator[Check]:
         else Check("meshing", "ok", "gmsh loads")
     )
     yield (
-        Check("off-screen rendering", "missing", drawing.split(";")[0], ONLY_FOR["pyvista"], remedy)
+        Check("off-screen rendering", "missing", drawing, ONLY_FOR["pyvista"], remedy)
         if drawing
         else Check("off-screen rendering", "ok", "a picture was drawn")
     )

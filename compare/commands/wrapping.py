@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rich.table import Column, Table
@@ -38,21 +38,6 @@ def _wrapped(line: str, width: int) -> str:
     own = {"subsequent_indent": " " * indent, "break_on_hyphens": False, "break_long_words": False}
     parts = textwrap.wrap(words, width, **own)  # type: ignore[arg-type]
     return "\n".join([*parts, *([] if command is None else [" " * indent + command[0]])])
-
-
-def aligned(rows: Sequence[Mapping[str, Any]], digits: str = ".4g") -> Table:
-    """Rows as a table, numbers flush right; no column without a value."""
-    from rich.table import Table as Made
-
-    out = Made(box=None, pad_edge=False, padding=(0, 1, 0, 0))
-    kept = [column for column in rows[0] if any(row[column] is not None for row in rows)]
-    for column in kept:
-        words = isinstance(rows[0][column], str)
-        out.add_column(column.replace("_", " ").replace("percent", "%"), justify="left" if words else "right")
-    for row in rows:
-        values = [row[column] for column in kept]
-        out.add_row(*("–" if v is None else format(v, digits) if isinstance(v, float) else str(v) for v in values))
-    return out
 
 
 def fitted(table: Table, width: int) -> list[Table]:

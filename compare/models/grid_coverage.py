@@ -23,7 +23,7 @@ from rollbench.comparison.models.modelling import REFINED, SPOKEN_FOR, base_run
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.grid_parts import Experience, Levelled, measured, moving, parts
 from rollbench.comparison.reference.levels import LEVELS, PRODUCTION
-from rollbench.comparison.reference.near_face import too_large
+from rollbench.comparison.reference.near_face import left_out
 from rollbench.comparison.reference.store import load, shipped_store
 from rollbench.comparison.scenes import scene_file
 from rollbench.meshes.arrays import Array
@@ -98,7 +98,22 @@ def socket_scatter(study: Study) -> float | None:
 def experience(study: Study) -> Experience | None:
     """What all compared scenes of a store tell; None where it does not hold them."""
     found, sockets = levelled(study), socket_scatter(study)
-    return None if sockets is None or len(found) < len(UNSEEN) else measured(found, sockets)
+    return None if sockets is None or len(found) < len(UNSEEN) else measured(found, sockets, study.once(_beside_faces))
+
+
+def _scene(study: Study, name: str) -> Scene:
+    """A compared scene, shipped or drawn."""
+    return judges(shipped_store())[1].get(name) or study.scene(name)
+
+
+def _beside_faces(study: Study) -> dict[str, Array]:
+    """Of every compared scene that has level 1, what this leaves out beside free faces ``(n, 4)`` [% of the mean load]."""
+    first = min(LEVELS)
+    return {
+        name: error_percent(left_out(_scene(study, name), loads[first], first), 0.0, mean_load(loads[max(loads)]))
+        for name, loads in levelled(study).items()
+        if first in loads
+    }
 
 
 def coverage(study: Study) -> list[Held]:
@@ -120,23 +135,26 @@ def _judged(study: Study, choose: Callable[[Levelled], list[tuple[int, ...]]]) -
     found, sockets = levelled(study), socket_scatter(study)
     if sockets is None or len(found) < len(UNSEEN):
         return []
-    drawn = judges(shipped_store())[1]
+    beside = study.once(_beside_faces)
     return [
-        _held(drawn.get(name) or study.scene(name), levels, found, sockets)
+        _held(_scene(study, name), levels, found, sockets, beside)
         for name, loads in found.items()
         for levels in choose(loads)
     ]
 
 
-def _held(scene: Scene, levels: tuple[int, ...], found: Mapping[str, Levelled], sockets: float) -> Held:
+def _held(
+    scene: Scene, levels: tuple[int, ...], found: Mapping[str, Levelled], sockets: float, beside: Mapping[str, Array]
+) -> Held:
     name, level = scene.name, max(levels)
     family = SPOKEN_FOR.get(name, name)
-    known = measured({other: own for other, own in found.items() if SPOKEN_FOR.get(other, other) != family}, sockets)
+    others = {other: own for other, own in found.items() if SPOKEN_FOR.get(other, other) != family}
+    known = measured(others, sockets, beside)
     loads, judge = found[name], max(found[name])
     on, mean = moving(loads), mean_load(loads[judge])
     coarser = {k: loads[k] for k in levels}
     told, off = parts(coarser, known), np.abs(error_percent(loads[level][on], loads[judge][on], mean))
-    bars = told.bars(coarser) + error_percent(too_large(scene, loads[level], level), 0.0, mean)
+    bars = told.bars(coarser) + error_percent(left_out(scene, loads[level], level), 0.0, mean)
     return Held(name, level, judge, int(on.sum()), told.bar, int((off <= bars[on]).sum()), name not in SHIPPED)
 
 

@@ -360,7 +360,11 @@ def _runner(scene: Scene | Assembly, name: str) -> Callable[[Options], StaticRes
     model = MODELS.get(name)
     if isinstance(scene, Scene):
         if model is None:
-            raise InputError("model", "name", f'"{name}"', ", ".join(MODELS), "see: rollbench list")
+            import difflib
+
+            near = difflib.get_close_matches(name.lower(), MODELS, n=1)
+            advice = f"did you mean {near[0]}?" if near else "lin is the thesis's model; see: rollbench list"
+            raise InputError("model", "name", f'"{name}"', ", ".join(MODELS), advice)
         return partial(model.run, model.scene(scene))
     if model is not None and not isinstance(model.assembly, str):
         return partial(model.assembly, model.of_assembly(scene))

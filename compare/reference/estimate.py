@@ -10,9 +10,9 @@ import numpy as np
 
 from rollbench.comparison.reference import grid_parts
 from rollbench.comparison.reference.convergence import representative_size
-from rollbench.comparison.reference.grid_parts import Experience, GridParts, parts
+from rollbench.comparison.reference.grid_parts import GridParts, parts
 from rollbench.comparison.reference.levels import LEVELS
-from rollbench.comparison.reference.near_face import too_large
+from rollbench.comparison.reference.near_face import left_out, too_large
 from rollbench.comparison.reference.store import Run, load, shipped_store
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
@@ -77,13 +77,11 @@ def reference(scene: Scene, stores: Sequence[Path] | None = None) -> Reference |
     return reference_of(scene.name, scene, runs, contacts=nominal_contacts(scene)) if runs else None
 
 
-def reference_of(
-    name: str, scene: Scene, runs: tuple[Run, ...], known: Experience | None = None, contacts: int = 0
-) -> Reference:
-    """Reference of a scene (of one set of several: its parts) by runs, coarse to fine; known: experience, the shipped one
-    unless given; contacts: see `Reference`."""
+def reference_of(name: str, scene: Scene, runs: tuple[Run, ...], contacts: int = 0) -> Reference:
+    """Reference of a scene (of one set of several: its parts) by runs, coarse to fine; contacts: see `Reference`."""
     loads = {run.level: run.load for run in runs}
-    found, best = parts(loads, known or grid_parts.read(shipped_store())), runs[-1]
+    found, best = parts(loads, grid_parts.read(shipped_store())), runs[-1]
     bars = 0.01 * mean_load(best.load) * found.bars(loads) if found.bar else np.zeros_like(best.load)
+    bars = bars + left_out(scene, best.load, best.level) + best.moving
     lips = too_large(scene, best.load, best.level)
-    return Reference(name, runs, best.load, bars + lips + best.moving, found, contacts, beside_face=lips)
+    return Reference(name, runs, best.load, bars, found, contacts, beside_face=lips)

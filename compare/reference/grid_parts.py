@@ -151,19 +151,22 @@ def _variances(columns: Array, shown: Array, fixed: float) -> Array:
     return np.asarray(found)
 
 
-def measured(found: Mapping[str, Levelled], sockets: float) -> Experience:
-    """Experience of scenes on several levels; sockets: standard deviation [% of the mean load], from a run of its own.
+def measured(found: Mapping[str, Levelled], sockets: float, known: Mapping[str, Array] | None = None) -> Experience:
+    """Experience of scenes on several levels; sockets: standard deviation [% of the mean load], from a run of its own;
+    known: by scene, what has a bar of its own on the coarsest level ``(n, 4)`` [% of the mean load]
+    (`compare.reference.near_face`), so that a single level's bar need not hold it.
 
     Raises ValueError without a scene of each kind.
     """
     shifts, errors = list[float](), (list[Array](), list[Array]())
-    for loads in found.values():
+    for name, loads in found.items():
         levels, finest = sorted(loads), max(loads)
         both = both_flanks(loads[finest])
         if both:
             shifts += [float(_change(loads, a, b, finest).mean()) for a, b in pairwise(levels) if a >= PRODUCTION]
         if levels[0] == min(LEVELS) and finest >= PRODUCTION:
-            errors[both].append(np.abs(_change(loads, levels[0], finest, finest)))
+            held = known[name][moving(loads)] if known and name in known else 0.0
+            errors[both].append(np.maximum(np.abs(_change(loads, levels[0], finest, finest)) - held, 0.0))
     if not shifts or not all(errors):
         raise ValueError("no experience without scenes that load one flank of the screw, and both, on fine levels")
     common = float(np.sqrt(np.mean(np.square(shifts)) / 2.0))

@@ -11,8 +11,10 @@ of the bodies a missing compliance dC makes their load F too large by
 
     dF = F dC / (2/3 (delta_s + delta_n) / F + C_lip),
 
-delta: Hertz's approaches, whose tangent is 2/3 delta / F. Held faces, and balls away from faces, have none. In a ring all
-contacts are beside both faces, so that the changes between its own levels show it (`compare.reference.grid_parts`).
+delta: Hertz's approaches, whose tangent is 2/3 delta / F. Held faces, and balls away from faces, have none. Where one flank
+of the screw carries load, equilibrium holds the sum of loads, and what these contacts have too much the others of their
+side have too little, in proportion to their own stiffness (`left_out`). In a ring all contacts are beside both faces, so
+that the changes between its own levels show it (`compare.reference.grid_parts`).
 """
 
 from __future__ import annotations
@@ -24,6 +26,7 @@ from pathlib import Path
 
 import numpy as np
 
+from rollbench.comparison.reference.grid_parts import STIFFNESS, both_flanks
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout
@@ -96,3 +99,13 @@ def too_large(scene: Scene, load: Array, level: int) -> Array:
             added = force**2 * missing / np.maximum(springs + lip * force, TINY)
             out[:, own] = np.maximum(out[:, own], added)
     return out
+
+
+def left_out(scene: Scene, load: Array, level: int) -> Array:
+    """What contact loads ``(n, 4)`` [N] of a level are wrong by at most, because contacts beside free faces have too much:
+    these, and where equilibrium holds the sum of loads the others of their side ``(n, 4)`` [N]."""
+    more = too_large(scene, load, level)
+    if both_flanks(load) or not more.any():
+        return more
+    stiffness = load**STIFFNESS
+    return np.asarray(more + more.sum(axis=0) * stiffness / np.maximum(stiffness.sum(axis=0), TINY))

@@ -13,11 +13,12 @@ from rollbench.comparison.scenes.keys import (
     Count,
     Deviation,
     Force,
+    Forces,
     Freedom,
     GrooveKeys,
     HeadKeys,
     MaterialKeys,
-    Moment,
+    Moments,
     MotionKeys,
     Size,
     Station,
@@ -160,12 +161,8 @@ class HousingKeys(StiffKeys):
     at: Station = key("station where its motion, springs and loads are taken", example="400 mm")
     fix: Annotated[list[Freedom], Field(max_length=6)] = key("freedoms held at zero", [], ["ux", "uy", "rx", "ry", "rz"])
     displace: DisplaceKeys = key("freedoms held at other values", DisplaceKeys(), {"uz": "20 um"})
-    force: Annotated[list[Force], Field(min_length=3, max_length=3)] = key(
-        "force on it along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"]
-    )
-    moment: Annotated[list[Moment], Field(min_length=3, max_length=3)] = key(
-        "moment on it about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"]
-    )
+    force: Forces = key("force on it along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"])
+    moment: Moments = key("moment on it about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"])
 
 
 class JointKeys(StiffKeys):
@@ -211,12 +208,8 @@ class CaseHousingKeys(Table):
     """Loads on one of the scene's housings in a case."""
 
     name: Name = key("name of the housing in the scene", example="carriage")
-    force: Annotated[list[Force], Field(min_length=3, max_length=3)] = key(
-        "force on it along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"]
-    )
-    moment: Annotated[list[Moment], Field(min_length=3, max_length=3)] = key(
-        "moment on it about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"]
-    )
+    force: Forces = key("force on it along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"])
+    moment: Moments = key("moment on it about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"])
 
 
 class AxisCaseKeys(CaseKeys):

@@ -145,7 +145,8 @@ def _profile_faults(scene: Scene, part: str, room: float) -> Iterator[Fault]:
 def _section_faults(scene: Scene) -> Iterator[Fault]:
     pitch, ball = scene.track.pitch_radius, scene.balls.radius
     if pitch <= ball:
-        advice = "the balls would reach the axis: enlarge the pitch radius or use smaller balls"
+        reach = f"balls of {mm(2.0 * ball)} would reach the axis"
+        advice = f"{reach}: check their diameter and its unit, or enlarge the pitch diameter"
         yield Fault(("track.pitch_radius",), f"above the ball radius, {mm(ball)}", advice)
         return
     low, high = 2.0 * (pitch - ball), 2.0 * (pitch + ball)

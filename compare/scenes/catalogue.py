@@ -114,6 +114,6 @@ def looks_like_path(text: str) -> bool:
 
 def _unknown(name: str) -> InputError:
     names = scene_names()
-    near = difflib.get_close_matches(name, names, n=3, cutoff=0.4)
+    near = difflib.get_close_matches(name, [*names, *(path.name for path in Path().glob("*.toml"))], n=3)
     advice = f"did you mean {' or '.join(near)}?" if near else "list the shipped scenes with: rollbench list"
     return InputError("scene", "name", f'"{name}"', f"one of {len(names)} shipped names, or a file", advice)

@@ -20,14 +20,14 @@ from rollbench.comparison.scenes.keys import (
     Duration,
     Element,
     Filling,
-    Force,
+    Forces,
     Freedom,
     GrooveKeys,
     Harmonic,
     HeadKeys,
     HelixKeys,
     MaterialKeys,
-    Moment,
+    Moments,
     MotionKeys,
     OversizeKeys,
     Sentence,
@@ -228,12 +228,8 @@ class LoadKeys(Table):
     """Load on the screw at one station, applied on the axis."""
 
     at: Station = key("station along the screw", example="0 mm")
-    force: Annotated[list[Force], Field(min_length=3, max_length=3)] = key(
-        "force along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"]
-    )
-    moment: Annotated[list[Moment], Field(min_length=3, max_length=3)] = key(
-        "moment about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"]
-    )
+    force: Forces = key("force along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"])
+    moment: Moments = key("moment about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"])
 
 
 class IngredientKeys(Table):

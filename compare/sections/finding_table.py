@@ -71,7 +71,7 @@ def _cells(f: Evidence, usual: str, place: bool) -> dict[str, Cell]:
         "printed": p.printed or "–",
         "as_printed": f.as_printed,
         "reading": f.reading,
-        "right": f.value,
+        "right": 0.0 if p.value == 0.0 and abs(f.value or 0.0) < ROUND_OFF and f.value is not None else f.value,
         "reading_error": shown_error(f.reading_error_percent),
         "error": shown_error(f.error_percent),
         "class": p.cls,

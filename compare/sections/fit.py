@@ -22,8 +22,8 @@ WORDS = {
 }
 NOT_FIT = (
     (
-        "Less certain: balls within about 1.4 ball radii of a nut face, and shaft ends displaced by many times "
-        "the contact approach under a light load. The largest errors in the table come from these."
+        "Less certain: balls within about 1.4 ball radii of a nut face, short nuts held by a flange, and shaft ends "
+        "displaced by many times the contact approach under a light load. The largest errors in the table come from these."
     ),
     (
         "Not fit for: lubrication films, plastic contact, dynamics of the recirculation, and temperature fields "

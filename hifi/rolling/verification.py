@@ -87,6 +87,41 @@ def _rolled(patch: Patch, transport: Array, slip: Array, mu: float) -> Answer:
     return Answer(*_resultant(patch.at, q), patch, found, loss, upwind)
 
 
+@dataclass(frozen=True)
+class Onset:
+    """A moment of a contact that begins to roll: shift along x [m] before it rolls, then creepage; cells that stick; power
+    of friction at 1 m/s [W] (of the push, its work [J])."""
+
+    motion: float
+    sticking: int
+    loss: float
+
+
+def onset(patch: Patch, mu: float, share: float, steps: int) -> list[Onset]:
+    """A contact pushed along x by ``share`` of mu P, which then rolls under that force: from Cattaneo's state to Carter's.
+
+    After the push, in steps of one cell, as CONTACT's example takes them. Raises ValueError where one does not converge.
+    """
+    n, size = len(patch.at), float(patch.size[0])
+    motion, bound = np.repeat([1.0, 0.0], n)[:, None], mu * patch.normal
+
+    def balance(_: Array) -> tuple[Array, Array]:
+        return np.array([share * mu * patch.load]), np.zeros((1, 1))
+
+    forces, y, out = np.zeros(2 * n), np.array([patch.approach]), []
+    now, before = patch.tangential(), patch.tangential(size)
+    for step in range(steps + 1):
+        seconds = 1.0 if step == 0 else size  # of a cell at 1 m/s
+        contact = Contact(bound, now / seconds, motion, np.array([0]), -before @ forces / seconds)
+        found = solve_friction([contact], balance, y, [forces] if step else None)
+        if not found.converged:
+            raise ValueError(f"step {step}: {found.status}")
+        forces, y = found.forces[0], found.motions
+        sticking = int(np.count_nonzero(found.stick[0]))
+        out.append(Onset(float(y[0]), sticking, -float(forces @ found.slips[0])))
+    return out
+
+
 def deviations(patch: Patch, bound: Array, tangential: Array) -> Array:
     """Standard deviations ``(2,)`` [m] along x and y of what forces ``(2 n,)`` [N] leave of their bound ``(n,)`` [N].
 

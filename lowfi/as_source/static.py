@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from rollbench.lowfi.hertz import contact_approach, contact_force, contact_slope
 from rollbench.lowfi.statics.mechanism import free_motions
 from rollbench.lowfi.statics.problem import SIGNS, Problem, build, error_free
-from rollbench.lowfi.statics.result import SolverReport, StaticResult
+from rollbench.lowfi.statics.result import SolverReport, StaticResult, Status
 from rollbench.lowfi.statics.selection import shifts_of_beam
 from rollbench.lowfi.statics.shape import shape_polynomials
 from rollbench.lowfi.statics.solved import SolvedState
@@ -286,10 +286,11 @@ def solve_source_result(scene: Scene, *, everything: bool = False, member: int =
     problem = build(scene, specimen(scene, layout, member), layout, use, everything=everything)
     mechanism = free_motions(problem)
     if mechanism.driven:
-        return failed_result(problem, "source", f"not held: {mechanism.text}", 0.0)
+        return failed_result(problem, "source", Status("not held", mechanism.text), 0.0)
     solution = solve_source(scene, everything=everything, member=member)
+    status = Status("converged") if solution.converged else Status("not converged", f"source's Newton: {solution.status}")
     if not np.all(np.isfinite(solution.load)) or not np.all(np.isfinite(solution.motion)):
-        return failed_result(problem, "source", solution.status, solution.seconds)
+        return failed_result(problem, "source", status, solution.seconds)
     angle = solution.contact_angle
     solved = SolvedState(
         problem,
@@ -312,7 +313,7 @@ def solve_source_result(scene: Scene, *, everything: bool = False, member: int =
         "equilibrium equations of the source",
     )
     left_out = ("nothing: all four sides are built",)
-    return assemble_result(solved, "source", solution.status, report, left_out, model_assumptions(scene), own_arms=True)
+    return assemble_result(solved, "source", status, report, left_out, model_assumptions(scene), own_arms=True)
 
 
 def _measure(system: System, phi: Array, forces: Array, load: Array) -> float:

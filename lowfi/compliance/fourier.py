@@ -10,21 +10,24 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cholesky_banded, solveh_banded
-from scipy.linalg.blas import dtrsm
-from scipy.linalg.lapack import dpotrf, dtbtrs
+from scipy.linalg.lapack import dtbtrs
 
 from rollbench.meshes.arrays import Array, Index
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
-#: Share of a unit load that reaches a line, below which it is none: less than round-off.
-NONE_LEFT = 1e-18
+#: Share of a unit load that reaches a line, below which it is none, and change of an element's stiffness over the largest,
+#: below which two are alike: both less than round-off.
+NONE_LEFT, ALIKE = 1e-18, 1e-13
+#: Numbers in the motions of harmonics that are found at once.
+AT_ONCE = 3_000_000
 #: Gauss points of the 9-node quadrilateral: three a side.
 GAUSS = np.array([-np.sqrt(0.6), 0.0, np.sqrt(0.6)])
 WEIGHT = np.array([5.0, 8.0, 5.0]) / 9.0
@@ -199,16 +202,6 @@ def lower_corner(L: Array, first: int, size: int) -> Array:
     return np.where((below >= 0) & (below < len(L)), L[np.clip(below, 0, len(L) - 1), first + place], 0.0)
 
 
-@dataclass(frozen=True)
-class Block:
-    """Freedoms ``(k,)`` and the parts K_0, K_1, K_2 of their own block ``(3, k, k)`` and of that between the first of them
-    and the block before ``(3, m, j)``."""
-
-    own: Index
-    diagonal: Array
-    lower: Array
-
-
 class Body:
     """A body of revolution, assembled once for all harmonics."""
 
@@ -238,38 +231,21 @@ class Body:
         size = 3 * self.grid.r.size
         return tuple(coo_matrix((k.ravel(), (row, column)), (size, size)).tocsr() for k in self.elements)
 
-    def rows(self) -> Array:
-        """The parts of K of each row of elements along r, ``(3, rows, 3, m, 3, m)``: of its three lines of m freedoms."""
-        count, columns = (n // 2 for n in self.grid.shape)
-        own = self.elements.reshape(3, count, columns, *(3,) * 6)
-        width = self.grid.shape[1]
-        out = np.zeros((3, count, 3, width, 3, 3, width, 3))
+    def rows(self, some: slice | Index = slice(None)) -> Array:
+        """The parts of K of rows of elements along r, ``(3, rows, 3, m, 3, m)``: of its three lines of m freedoms."""
+        columns, width = self.grid.shape[1] // 2, self.grid.shape[1]
+        own = self.elements.reshape(3, -1, columns, *(3,) * 6)[:, some]
+        out = np.zeros((3, own.shape[1], 3, width, 3, 3, width, 3))
         for j in range(columns):
             at = slice(2 * j, 2 * j + 3)
             out[:, :, :, at, :, :, at] += own[:, :, j]
-        return out.reshape(3, count, 3, 3 * width, 3, 3 * width)
+        return out.reshape(3, -1, 3, 3 * width, 3, 3 * width)
 
-    def blocks(self, held: NDArray[np.bool_]) -> list[Block]:
-        """The parts of K by pairs of grid lines along z: freedoms that are not held, own block, block to the one before.
-
-        Lines 2 k and 2 k + 1, the last one alone: only the first line of a block is joined to the block before.
-        """
-        rows, width = self.rows(), 3 * self.grid.shape[1]
-        found: list[Block] = []
-        before = np.zeros(0, dtype=np.int64)
-        for k in range(rows.shape[1] + 1):
-            lines = 2 if k < rows.shape[1] else 1
-            own = np.flatnonzero(~held[2 * k * width : (2 * k + lines) * width])
-            whole = np.zeros((3, lines * width, lines * width))
-            if lines == 2:
-                whole += rows[:, k, :2, :, :2].reshape(whole.shape)
-            if k:
-                whole[:, :width, :width] += rows[:, k - 1, 2, :, 2]
-            lower = rows[:, k - 1, 2, :, :2].reshape(3, width, 2 * width)
-            first = own[own < width]
-            found.append(Block(2 * k * width + own, whole[:, own[:, None], own], lower[:, first[:, None], before]))
-            before = own
-        return found
+    def alike(self) -> NDArray[np.bool_]:
+        """Which rows of elements along r are, but for round-off, as stiff as the row before, ``(rows,)``."""
+        rows = self.elements.reshape(3, self.grid.shape[0] // 2, -1)
+        change = np.abs(np.diff(rows, axis=1)).max(axis=(0, 2))
+        return np.append(False, change < ALIKE * np.abs(rows).max())
 
     def bands(self, free: NDArray[np.bool_]) -> Array:
         """The parts of K on the freedoms that are ``free`` ``(3 nodes,)``: lower bands ``(3, width, k)`` for `solved`."""
@@ -335,70 +311,104 @@ def line_compliance(
     tilt, axial and twist stiffness [N/m, N m] of the low end's mean motions. With springs, harmonics 0 and 1 have two more
     rows and columns: the mean motions of the high end (`end_motions`). Raises LinAlgError where the body is not held.
     """
-    nodes = np.arange(*rows) * body.grid.shape[1] + line
-    watched = np.full(3 * body.grid.r.size, -1, dtype=np.int64)
-    watched[(3 * nodes[:, None] + np.arange(3)).ravel()] = np.arange(3 * nodes.size)
-    on_axis = bool((body.grid.r == 0.0).any())
-    groups: dict[bytes, list[Block]] = {}
-    answers = []
-    for n in harmonics:
-        fixed = held | ~body.axis_free(n) if on_axis else held
-        blocks = groups.setdefault(fixed.tobytes(), [])
-        if not blocks:
-            blocks += body.blocks(fixed)
-        answers.append(_sweep(body, blocks, n, watched, springs))
-    return answers
+    n, size = np.asarray(harmonics), 3 * (rows[1] - rows[0])
+    most = max(1, AT_ONCE // size**2)
+    beams, waves = n[n < 2], n[n > 1]  # a wave dies out along the body, a beam's motion does not
+    groups = [beams[:1], beams[1:], *(waves[i : i + most] for i in range(0, waves.size, most))]
+    return [S for some in groups if some.size for S in _by_stretches(body, some, held, line, rows, springs)]
 
 
-def _sweep(body: Body, blocks: list[Block], n: int, watched: Index, springs: Sequence[float]) -> Array:
-    """Block Cholesky along z, forward only: with K = L L^T and Y = L^-1 E the answer is Y^T Y.
+@dataclass(frozen=True)
+class Stretch:
+    """A stretch of a body in h harmonics, of which the lines along r at its ends are left, q freedoms in all: stiffness
+    ``(h, q, q)`` of these, forces ``(h, q, k)`` on them by k unit loads between, and motion ``(h, k, k)`` of the places of
+    these loads with those lines held."""
 
-    Of a block X = L^-1 (C^T, E), C to the first line of the block after it: X^T X is what that line and its loads lose,
-    and a share of the answer. What harmonic n leaves of a load decays as exp(-n z / r): loads of which less than round-off
-    reaches a line are none for all lines after it, so that time grows with the length of a body but for harmonics 0 and 1.
+    stiffness: Array
+    forces: Array
+    motion: Array
+
+
+def joined(a: Stretch, b: Stretch, loads: Array) -> Stretch:
+    """Two stretches in a row without the line between, on which unit loads ``(h, m, j)`` act; at an end of the body, a
+    stretch has one line.
+
+    A load of which less than round-off reaches that line does nothing there. Raises LinAlgError where it is not held.
     """
-    powers = factor_c(n) * np.array([1.0, n, n * n])
-    ends = end_motions(body, n) if springs else np.zeros((0, 0))
-    total = int(watched.max()) + 1
-    found, seen, first = np.zeros((total + len(ends),) * 2), np.zeros(0, dtype=np.int64), 0
-    lost, loads = np.zeros((0, 0)), np.zeros((0, 0))
-    for k, block in enumerate(blocks):
-        own, last = block.own, k == len(blocks) - 1
-        diagonal = np.tensordot(powers, block.diagonal, 1)
-        diagonal[: len(lost), : len(lost)] -= lost
-        if k == 0 and len(ends):
-            low = ends[:, own[own < ends.shape[1]]]
-            size = low.shape[1]
-            diagonal[:size, :size] += low.T @ (np.array(springs[2:] if n == 0 else springs[:2])[:, None] * low)
-        new = np.flatnonzero(watched[own] >= 0)
-        high = total + np.arange(len(ends) if last else 0)
-        after = 0 if last else blocks[k + 1].lower.shape[1]
-        known = after + seen.size - first
-        X = np.zeros((own.size, known + new.size + high.size), order="F")
-        if not last:
-            X[:, :after] = np.tensordot(powers, blocks[k + 1].lower, 1).T
-        X[: len(loads), after:known] = -loads
-        X[new, known + np.arange(new.size)] = 1.0
-        if high.size:  # the last block is the last line
-            X[:, -high.size :] = ends[:, own - (3 * body.grid.r.size - ends.shape[1])].T
-        seen = np.concatenate([seen, watched[own[new]], high])
-        P = forward(diagonal, X)
-        found[first : seen.size, first : seen.size] += P[after:, after:]
-        felt = np.abs(P[:after, after:]).max(axis=0, initial=0.0) > NONE_LEFT
-        gone = int(felt.argmax()) if felt.any() else felt.size
-        lost, loads, first = P[:after, :after], P[:after, after + gone :], first + gone
-    answer = np.zeros_like(found)
-    answer[np.ix_(seen, seen)] = found[: seen.size, : seen.size]
-    return answer
+    h, m, own = loads.shape
+    low, high = a.stiffness.shape[1] - m, b.stiffness.shape[1] - m
+    before, after = a.forces.shape[2], a.forces.shape[2] + own
+    size, total = low + m + high, after + b.forces.shape[2]
+    K, forces, motion = np.zeros((h, size, size)), np.zeros((h, size, total)), np.zeros((h, total, total))
+    K[:, : low + m, : low + m] = a.stiffness
+    K[:, low:, low:] += b.stiffness
+    forces[:, : low + m, :before], forces[:, low:, after:] = a.forces, b.forces
+    forces[:, low : low + m, before:after] = loads
+    motion[:, :before, :before], motion[:, after:, after:] = a.motion, b.motion
+    return without_line(Stretch(K, forces, motion), slice(low, low + m))
 
 
-def forward(K: Array, X: Array) -> Array:
-    """X^T K^-1 X of a symmetric K ``(k, k)``, by its Cholesky factor; both are overwritten. Raises LinAlgError where K is
-    not positive."""
-    if K.size == 0:
-        return np.zeros((X.shape[1],) * 2)
-    L, fault = dpotrf(K.T, lower=1, clean=0, overwrite_a=1)  # symmetric, so that the transpose is K in LAPACK's order
-    if fault:
-        raise np.linalg.LinAlgError("the body is not held")
-    Y = dtrsm(1.0, L, X, lower=1, overwrite_b=1)
-    return np.asarray(Y.T @ Y)
+def without_line(whole: Stretch, line: slice) -> Stretch:
+    """A stretch without the freedoms ``line`` of those that are left of it; its arrays are changed."""
+    K, forces, motion = whole.stiffness, whole.forces, whole.motion
+    left = np.delete(np.arange(K.shape[1]), line)
+    reach = np.flatnonzero((np.abs(forces[:, line]) > NONE_LEFT).any(axis=(0, 1)))
+    felt = slice(reach[0], reach[-1] + 1) if reach.size else slice(0, 0)
+    X = np.concatenate([K[:, line, left], forces[:, line, felt]], axis=2)
+    Y = np.linalg.solve(np.linalg.cholesky(K[:, line, line]), X)
+    P, m = np.stack([y.T @ y for y in Y]), left.size
+    forces = forces[:, left]
+    forces[:, :, felt] -= P[:, :m, m:]
+    motion[:, felt, felt] += P[:, m:, m:]
+    return Stretch(K[:, left[:, None], left] - P[:, :m, :m], forces, motion)
+
+
+def repeated(one: Stretch, count: int, loads: Array) -> Stretch:
+    """Equal stretches in a row, by doubling; loads: on each of the lines between."""
+    if count == 1:
+        return one
+    half = repeated(one, count // 2, loads)
+    twice = joined(half, half, loads)
+    return joined(twice, one, loads) if count % 2 else twice
+
+
+def _by_stretches(
+    body: Body, n: Index, held: NDArray[np.bool_], line: int, rows: tuple[int, int], springs: Sequence[float]
+) -> Array:
+    """`line_compliance` of harmonics n (0 or 1 alone): rows of elements are joined, those that are alike by doubling."""
+    count, width = body.grid.shape[0], 3 * body.grid.shape[1]
+    powers = np.array([[factor_c(i), factor_c(i) * i, factor_c(i) * i * i] for i in n.tolist()])
+    free = np.array([~held & body.axis_free(i) for i in n.tolist()]).reshape(n.size, count, width)
+    unit = np.zeros((width, 3))
+    unit[3 * line + np.arange(3), np.arange(3)] = 1.0
+
+    def loads(i: int) -> Array:
+        return (free[:, i, :, None] * unit)[:, :, : 3 if rows[0] <= i < rows[1] else 0]
+
+    def row(k: int) -> Stretch:
+        moves, parts = free[:, 2 * k : 2 * k + 3].reshape(n.size, -1), body.rows(np.array([k]))
+        K = np.tensordot(powers, parts.reshape(3, 3 * width, -1), 1) * moves[:, :, None] * moves[:, None]
+        K[:, np.arange(3 * width), np.arange(3 * width)] += np.where(moves, 0.0, np.abs(K).max())
+        own = loads(2 * k + 1)
+        forces = np.pad(own, ((0, 0), (width, width), (0, 0)))
+        return without_line(Stretch(K, forces, np.zeros((n.size, *(own.shape[2],) * 2))), slice(width, 2 * width))
+
+    def end(springs: Array | float) -> Stretch:
+        return Stretch(np.zeros((n.size, width, width)) + springs, np.zeros((n.size, width, 0)), np.zeros((n.size, 0, 0)))
+
+    pattern = [(free[:, 2 * k : 2 * k + 3].tobytes(), rows[0] <= 2 * k + 1 < rows[1]) for k in range(count // 2)]
+    alike = body.alike()
+    starts = [k for k in range(count // 2) if not alike[k] or pattern[k] != pattern[k - 1]]
+    stretches = [repeated(row(k), after - k, loads(2 * k + 2)) for k, after in pairwise([*starts, count // 2])]
+    between, soft = [*(loads(2 * k) for k in starts), loads(count - 1)], 0.0
+    if springs and n[0] < 2:
+        motions = end_motions(body, int(n[0]))
+        low = motions * free[0, 0]
+        soft = low.T @ (np.array(springs[2:] if n[0] == 0 else springs[:2])[:, None] * low)
+        between[-1] = np.concatenate([between[-1], (motions * free[0, -1]).T[None]], axis=2)
+    stretches = [end(soft), *stretches, end(0.0)]
+    while between:  # those with the least loads first
+        counts = [s.forces.shape[2] for s in stretches]
+        i = min(range(len(between)), key=lambda i: counts[i] + counts[i + 1])
+        stretches[i : i + 2] = [joined(stretches[i], stretches[i + 1], between.pop(i))]
+    return stretches[0].motion

@@ -187,11 +187,14 @@ def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
     held = held_nodes(tube, grid)
     springs = end_springs(tube) if tube.held == "section" else ()
     found = line_compliance(body, range(tube.harmonics + 1), held, line, rows, springs)
-    size = 3 * (rows[1] - rows[0])
-    parts = np.array([np.hstack([S[i:size:3, j:size:3] for i, j in PARTS]) for S in found])
+    k = rows[1] - rows[0]
+    size, parts = 3 * k, np.empty((len(found), k, len(PARTS), k))
+    for n, S in enumerate(found):
+        for part, (i, j) in enumerate(PARTS):
+            parts[n, :, part] = S[i:size:3, j:size:3]
     ends = tuple(S[size:, :size].reshape(2, -1, 3).swapaxes(1, 2) for S in found[:2]) if springs else ()
     own = tuple(S[size:, size:] for S in found[:2]) if springs else ()
-    return TubeCompliance(tube, z[rows[0] : rows[1]], parts, ends, own)
+    return TubeCompliance(tube, z[rows[0] : rows[1]], parts.reshape(len(found), k, -1), ends, own)
 
 
 def end_springs(tube: Tube) -> tuple[float, float, float, float]:
@@ -230,11 +233,14 @@ def contact_compliance(found: TubeCompliance, points: Points, *, resultant: bool
     total = np.zeros((count, len(PARTS), count))
     for n, part in enumerate(found.parts):
         share = np.exp(-((n * tube.width / tube.radius) ** 2)) if n > 1 or not resultant else 1.0
-        c, s = np.cos(n * points.azimuth), np.sin(n * points.azimuth)
-        moved = (near @ (near @ part).reshape(-1, k).T).T.reshape(count, len(PARTS), count)
+        here = np.column_stack([np.cos(n * points.azimuth), np.sin(n * points.azimuth)])
+        by_load = (near @ part).reshape(count, len(PARTS), k).transpose(2, 1, 0).reshape(k, -1)
+        moved = (near @ by_load).reshape(count, len(PARTS), count)
         # cosine and sine of n times the angle between two contacts
-        total[:, :EVEN] += moved[:, :EVEN] * (share * (np.outer(c, c) + np.outer(s, s)))[:, None]
-        total[:, EVEN:] += moved[:, EVEN:] * (share * (np.outer(s, c) - np.outer(c, s)))[:, None]
+        moved[:, :EVEN] *= (share * here @ here.T)[:, None]
+        moved[:, EVEN:] *= (share * here @ (here[:, ::-1] * [1.0, -1.0]).T)[:, None]
+        total += moved
+    total = total.transpose(2, 1, 0)
     whole = np.empty((count, 3, 3, count))
     for k, (i, j) in enumerate(PARTS):
         whole[:, i, j], whole[:, j, i] = total[:, k], total[:, k].T

@@ -48,7 +48,7 @@ def draw_errors(seed: int, first: int, count: int, balls: int, half_range: float
     return half_range * (1.0 - 2.0 * np.random.Generator(stream).random((count, balls)))
 
 
-def solve_errors(chain: Chain, errors: Array, loads: Array, *, compiled: bool = True) -> tuple[Array, Array]:
+def solve_errors(chain: Chain, errors: Array, loads: Array) -> tuple[Array, Array]:
     """Quantities (n, L, 6) and residuals (n, L) of chains with errors (n, M) [m] under loads (L,) [N].
 
     Raises ValueError for a load that is not positive, or errors that do not fit.
@@ -58,7 +58,7 @@ def solve_errors(chain: Chain, errors: Array, loads: Array, *, compiled: bool = 
         raise ValueError("loads must be positive")
     e = checked(chain, errors)
     out = np.empty((len(e), f.size, len(QUANTITIES) + 1))
-    k = kernels(RANDOM_ERRORS, compiled=compiled)
+    k = kernels(RANDOM_ERRORS, compiled=True)
     k.batch(e, f, chain.compliance, LAWS.index(chain.law), chain.parameters, out)
     at = QUANTITIES.index("displacement")
     out[..., at : at + 2] -= np.asarray(free_motion(chain, e.max(axis=1)))[:, None, None]

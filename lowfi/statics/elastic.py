@@ -27,8 +27,8 @@ from rollbench.lowfi.statics.static import Engine, Unheld, pick_engine, pin, unh
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS, assemble_result, failed_result
 from rollbench.lowfi.threads import one_thread
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import Specimen, specimen
-from rollbench.meshes.helix import BallLayout, ball_layout
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
@@ -186,6 +186,7 @@ def solve_sides(rebuild: Rebuild) -> Solution | Unheld:
         rebuild = replace(rebuild, use=all_sides(scene))
 
 
+@one_thread()
 def solve_elastic(
     scene: Scene,
     *,
@@ -196,34 +197,16 @@ def solve_elastic(
     everything: bool = False,
     member: int = 0,
     refine: int = 1,
-    drawn: Specimen | None = None,
-    layout: BallLayout | None = None,
 ) -> StaticResult:
     """Contact loads, contact angles and shaft motion of a scene in static equilibrium with elastic bodies.
 
     backend: what answers the contact forces; condensed: compliance from a 3D model instead; name: of the model, for the
-    record; engine, everything, member, refine, drawn, layout: as for `lowfi.statics.static.solve_static`. Raises
-    ValueError for bodies that the dimensions make impossible; a scene without equilibrium is named in ``status``.
+    record; engine, everything, member, refine: as for `lowfi.statics.static.solve_static`. Raises ValueError for bodies
+    that the dimensions make impossible; a scene without equilibrium is named in ``status``.
     """
-    with one_thread():
-        return _solve(scene, backend, condensed, name, engine, everything, member, refine, drawn, layout)
-
-
-def _solve(
-    scene: Scene,
-    backend: Backend,
-    condensed: Condensed | None,
-    name: str,
-    engine: Engine,
-    everything: bool,
-    member: int,
-    refine: int,
-    drawn: Specimen | None,
-    layout: BallLayout | None,
-) -> StaticResult:
     start = perf_counter()
-    layout = ball_layout(scene) if layout is None else layout
-    drawn = drawn if drawn is not None else specimen(scene, layout, member)
+    layout = ball_layout(scene)
+    drawn = specimen(scene, layout, member)
     kernels = pick_engine(engine, layout.z.size, drawn.profile.shape[1] > 0)
     every = everything or drawn.profile.shape[1] > 0
     use = all_sides(scene) if every else choose_sides(scene, drawn)

@@ -64,7 +64,7 @@ class ElasticMembers:
         if key not in self._systems:
             self._systems[key] = None
             drawn = specimen(self.scene, self.layout)
-            parts = Rebuild(self.scene, drawn, self.layout, use, None, self.backend, None, self.engine, False, 1)
+            parts = Rebuild(self.scene, drawn, self.layout, use, None, self.backend, None, self.engine, False)
             solved = solve_sides(parts)
             if isinstance(solved, Solution) and solved.outcome.status == CONVERGED and solved.elastic.flanks.lent == 0.0:
                 self._systems[key] = _System(solved.elastic)

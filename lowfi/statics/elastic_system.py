@@ -18,7 +18,7 @@ from rollbench.lowfi.statics.problem import Problem, build, nominal_hertz
 from rollbench.lowfi.statics.records import NO_ROLLERS, BallContacts, Bodies, BodyState, Options
 from rollbench.lowfi.statics.shaft import Shaft, flank_response, shaft_of
 from rollbench.lowfi.statics.squeeze import Squeeze, squeezed, stretch_of
-from rollbench.lowfi.statics.static import MAX_ITERATIONS, TOLERANCE, force_floor, least_force, reference_scale
+from rollbench.lowfi.statics.static import MAX_ITERATIONS, least_force, options_of, reference_scale
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimen
 from rollbench.meshes.helix import BallLayout
@@ -282,7 +282,6 @@ def ready(
     if pair is not None:  # one diagonal alone: nothing to couple with
         local[..., 0] += 2.0 * ball.g**2
         rows = pair_data(problem, pair, local[..., 0], flanks.h)
-    stiffness = reference_scale(problem)[1]
     modes = [np.zeros((0, 0))] * 2
     if N >= MODES_FROM:
         modes = [soft_modes(G, contact_compliance(problem, typical_force(problem))) for G in (flanks.first, flanks.second)]
@@ -294,16 +293,7 @@ def ready(
     state = BodyState(
         np.zeros(flanks.v0.shape), np.zeros(flanks.work.size), np.zeros((N, 3)), np.zeros((N, 1 if pair else 4, 5))
     )
-    furthest = float(problem.drawn.ball_radius.max())
-    options = Options(
-        tolerance=TOLERANCE,
-        most=MAX_ITERATIONS,
-        stiffness=float(stiffness),
-        arm=float(problem.scene.track.pitch_radius),
-        bound=1e3,
-        floor=force_floor(problem),
-        furthest=furthest,
-    )
+    options = options_of(problem)
     return Elastic(
         problem,
         shaft,
@@ -312,7 +302,7 @@ def ready(
         bodies,
         contacts,
         state,
-        spring_rows(problem, pair, stiffness),
+        spring_rows(problem, pair, options.stiffness),
         options,
         shaft.arms,
         np.zeros(MAX_ITERATIONS + 1),
@@ -347,7 +337,7 @@ class Rebuild:
     condensed: Condensed | None
     engine: ModuleType
     everything: bool
-    refine: int
+    refine: int = 1
     whole: WholeBody = whole_body
 
     def __call__(self, more: Array | None = None) -> Elastic:

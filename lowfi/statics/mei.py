@@ -16,7 +16,7 @@ from scipy.linalg import solveh_banded
 
 from rollbench.lowfi.hertz import contact_approach, contact_force, contact_slope
 from rollbench.lowfi.statics.problem import SIGNS, distances, error_free, hertz_C
-from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult
+from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult, Status
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import BallLayout, ball_layout, lead_angle
@@ -173,7 +173,8 @@ def solve_mei(scene: Scene, *, member: int = 0, elastic_nut: bool = False) -> St
     force, _ = _contact(chain, x)
     load = np.zeros((layout.z.size, 4))
     load[:, [0, 3]], load[:, [1, 2]] = force[:, :1], force[:, 1:]
-    status = "converged" if residual <= 1e-10 else f"not converged: relative residual {residual:.1e}"
+    good = residual <= 1e-10
+    status = Status("converged") if good else Status("not converged", f"relative residual {residual:.1e}")
     beta = scene.track.contact_angle
     direction = SIGNS * np.array([cos(beta), sin(beta)])
     axes = np.stack([layout.radial, layout.binormal], axis=1)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.lowfi.statics.problem import SIGNS, Problem
+from rollbench.lowfi.statics.result import Status
 from rollbench.lowfi.statics.shape import rigid_transport
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import nominal_contact_points
@@ -81,16 +82,18 @@ def opening(work: Array, approach: Any, held: Array) -> Array | None:
     return None if -found.fun <= PROVEN else np.asarray(found.x[:k])
 
 
-def ran_away(motion: Callable[[], Array | None], body: str, opens: Callable[[Array], str]) -> str:
+def ran_away(motion: Callable[[], Array | None], body: str, opens: Callable[[Array], str]) -> Status:
     """Status sentence of a body that ran away: not held only where a linear program finds a ``motion`` that opens its
     contacts; opens: says so, of that motion."""
     try:
         found = motion()
     except ArithmeticError as error:
-        return f"not converged: {body} ran away, and whether its contacts can hold it is not known: {error}"
+        why = f"{body} ran away, and whether its contacts can hold it is not known: {error}"
+        return Status("not converged", why)
     if found is not None:
-        return f"not held: {opens(found)}"
-    return f"not converged: {body} ran away, though contact forces that push can balance the loads (linear program)"
+        return Status("not held", opens(found))
+    why = f"{body} ran away, though contact forces that push can balance the loads (linear program)"
+    return Status("not converged", why)
 
 
 def words_of(motion: Array) -> str:

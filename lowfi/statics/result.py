@@ -4,13 +4,40 @@ exception."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollingSet
+
+Ended = Literal["converged", "not held", "not converged", "stopped"]
+Cause = Literal["", "crossed row", "mounting", "not unique"]
+
+
+class Status(str):
+    """How a solution ended: a sentence of its ``kind`` and its ``reason``. cause: what lies behind it, where that is known:
+    a row of bearings pulled the way it cannot carry, preloads not met at mounting, contacts that are not unique.
+
+    >>> found = Status("not held", "rotation about the screw's axis")
+    >>> found, found.kind, found.reason
+    ("not held: rotation about the screw's axis", 'not held', "rotation about the screw's axis")
+    """
+
+    kind: Ended
+    reason: str
+    cause: Cause
+
+    def __new__(cls, kind: Ended, reason: str = "", cause: Cause = "") -> Status:
+        """The sentence, which is the kind alone where there is no reason to give."""
+        own = super().__new__(cls, f"{kind}: {reason}" if reason else kind)
+        own.kind, own.reason, own.cause = kind, reason, cause
+        return own
+
+    def __getnewargs__(self) -> tuple[Ended, str, Cause]:  # type: ignore[override]
+        """What a copy is made of, in another process too."""
+        return self.kind, self.reason, self.cause
 
 
 @dataclass(frozen=True)
@@ -77,11 +104,11 @@ class Answering:
 
 @dataclass(frozen=True, kw_only=True)
 class Solved(Answering):
-    """What every static solution says of the shaft. status: ``"converged"`` or what went wrong; centreline: stations
+    """What every static solution says of the shaft. status: "converged" or what went wrong; centreline: stations
     ``(k,)`` [m] and motions ``(k, 6)`` [m, rad]; member: which specimen of a scene with random errors."""
 
     model: str
-    status: str
+    status: Status
     centreline_z: Array
     centreline: Array
     equilibrium: Equilibrium | None

@@ -14,7 +14,7 @@ from rollbench.lowfi import jit
 from rollbench.lowfi.statics.kernel.status import CONVERGED, ITERATIONS, NOT_HELD, SINGULAR
 from rollbench.lowfi.statics.problem import SIGNS, Problem, actual_hertz
 from rollbench.lowfi.statics.records import Outcome
-from rollbench.lowfi.statics.result import SolverReport
+from rollbench.lowfi.statics.result import SolverReport, Status
 from rollbench.meshes.arrays import Array
 
 #: Outcomes without a usable state.
@@ -79,21 +79,22 @@ def least_residual(lengths: float, stiffness: float, scale: float) -> float:
     return ROUND_OFF * lengths * stiffness / scale if scale else 0.0
 
 
-def verdict(outcome: Outcome, bound: float, unheld: Callable[[], str], far: bool = False) -> str:
+def verdict(outcome: Outcome, bound: float, unheld: Callable[[], Status], far: bool = False) -> Status:
     """Status sentence of a solver outcome; bound: relative residual that double precision cannot get below; unheld: says by
     a linear program whether what moves without limit is held; far: the state is so far away that it says so of it too."""
     good = outcome.residual <= max(ACCEPTED, bound) and outcome.status in (CONVERGED, ITERATIONS)
     if good and not far:
-        return "converged"
+        return Status("converged")
     if outcome.status == NOT_HELD:
         return unheld()
-    if far and (said := unheld()).startswith("not held"):
+    if far and (said := unheld()).kind == "not held":
         return said
     if good:
-        return "converged"
+        return Status("converged")
     if outcome.status == SINGULAR:
-        return "stopped: the stiffness matrix is not positive definite"
-    return f"not converged: relative residual {outcome.residual:.1e} after {outcome.iterations} iterations"
+        return Status("stopped", "the stiffness matrix is not positive definite")
+    reason = f"relative residual {outcome.residual:.1e} after {outcome.iterations} iterations"
+    return Status("not converged", reason)
 
 
 def report_of(

@@ -17,7 +17,7 @@ from rollbench.lowfi.hertz import contact_force, contact_stiffness
 from rollbench.lowfi.statics.mechanism import Mechanism, free_motions
 from rollbench.lowfi.statics.problem import Problem, build, distances, tightest
 from rollbench.lowfi.statics.records import BeamArrays, BeamContacts, BeamSlopes, BeamState, Options, Outcome
-from rollbench.lowfi.statics.result import StaticResult
+from rollbench.lowfi.statics.result import StaticResult, Status
 from rollbench.lowfi.statics.selection import (
     all_sides,
     choose_sides,
@@ -110,6 +110,19 @@ def force_floor(problem: Problem) -> float:
     return max(float(load[:3].max()), float(load[3:].max()) / problem.scene.track.pitch_radius, _squeeze(problem)[1])
 
 
+def options_of(problem: Problem, tolerance: float = TOLERANCE) -> Options:
+    """How the solvers iterate on a problem, with rigid outer parts or elastic bodies."""
+    return Options(
+        tolerance=tolerance,
+        most=MAX_ITERATIONS,
+        stiffness=reference_scale(problem)[1],
+        arm=float(problem.scene.track.pitch_radius),
+        bound=1e3,
+        floor=force_floor(problem),
+        furthest=float(problem.drawn.ball_radius.max()),
+    )
+
+
 def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANCE) -> Prepared:
     """Arrays for the kernels, with a start that meets the prescribed displacements."""
     nodes = problem.nodes
@@ -117,7 +130,6 @@ def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANC
     s = problem.section
     sections = np.empty((lengths.size, 4))
     sections[:] = s.EA, s.EI, s.GJ, s.kGA
-    stiffness = reference_scale(problem)[1]
     count = problem.C.shape[0]
     q, d = lifted(nodes, problem.fixed, problem.prescribed)
     contacts = BeamContacts(
@@ -130,19 +142,10 @@ def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANC
         least_force(problem),
     )
     state = BeamState(q, d, np.zeros((count, 2)), np.zeros((count, 4, 5)))
-    options = Options(
-        tolerance=tolerance,
-        most=MAX_ITERATIONS,
-        stiffness=float(stiffness),
-        arm=float(problem.scene.track.pitch_radius),
-        bound=1e3,
-        floor=force_floor(problem),
-        furthest=float(problem.drawn.ball_radius.max()),
-    )
     constants, band = np.zeros((lengths.size, 5)), np.zeros((6 * nodes.size, problem.half_bandwidth + 1))
     engine.assemble_beam(lengths, sections, constants, band)
     beam = BeamArrays(lengths, problem.fixed, problem.load, constants, band)
-    return Prepared(problem, engine, beam, contacts, state, options, np.zeros(MAX_ITERATIONS + 1))
+    return Prepared(problem, engine, beam, contacts, state, options_of(problem, tolerance), np.zeros(MAX_ITERATIONS + 1))
 
 
 def iterate(prepared: Prepared, start: bool = True) -> Outcome:
@@ -184,9 +187,9 @@ class Unheld(NamedTuple):
     mechanism: Mechanism
 
     @property
-    def status(self) -> str:
+    def status(self) -> Status:
         """Status sentence."""
-        return f"not held: {self.mechanism.text}"
+        return Status("not held", self.mechanism.text)
 
 
 def solve_sides(
@@ -226,18 +229,16 @@ def solve_static(
     member: int = 0,
     refine: int = 1,
     discretisation: bool = False,
-    drawn: Specimen | None = None,
 ) -> StaticResult:
     """Contact loads, contact angles and shaft motion of a scene in static equilibrium (Lin 2.23-2.25).
 
     engine: interpreted, compiled, or chosen by size; everything: leave nothing out; member: which specimen of a scene
-    with random errors; refine: split every element; discretisation: also estimate the beam's discretisation error;
-    drawn: other balls than the scene's, with their errors (not with discretisation). Never raises for
-    a scene without equilibrium: ``status`` names the reason.
+    with random errors; refine: split every element; discretisation: also estimate the beam's discretisation error. Never
+    raises for a scene without equilibrium: ``status`` names the reason.
     """
     start = perf_counter()
     layout = ball_layout(scene)
-    drawn = drawn if drawn is not None else specimen(scene, layout, member)
+    drawn = specimen(scene, layout, member)
     kernels = pick_engine(engine, layout.z.size, drawn.profile.shape[1] > 0)
     known = distances(scene, drawn)
     use = all_sides(scene) if everything else choose_sides(scene, drawn, known)
@@ -262,7 +263,7 @@ def solve_static(
 
     result = with_other_pin(result, mechanism, otherwise)
     if discretisation and result.converged:
-        result = with_discretisation(scene, result, partial(solve_static, engine=engine, member=member, drawn=drawn))
+        result = with_discretisation(scene, result, partial(solve_static, engine=engine, member=member))
     return result
 
 
@@ -342,7 +343,7 @@ def settle(prepared: Prepared, *, everything: bool = False, refine: int = 1, pro
     return settled(partial(iterate, prepared), contacts, flanks, rebuild if profile else None, hertz)
 
 
-def unheld(problem: Problem) -> str:
+def unheld(problem: Problem) -> Status:
     """Status sentence of a screw that ran away: not held only where a linear program proves it."""
     from rollbench.lowfi.statics.proof import opening_motion, ran_away, words_of
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from rollbench.lowfi.hertz import contact_approach
 from rollbench.lowfi.statics.problem import Problem
-from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult
+from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult, Status
 from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.lowfi.statics.shape import motions_at, rigid_transport
 from rollbench.lowfi.statics.solved import SolvedState
@@ -157,7 +157,7 @@ def round_off(lengths: Array, sections: Array, motion: Array) -> tuple[float, fl
     return float(force), float(max(EI * bent, GJ * last[5]))
 
 
-def judged(status: str, balance: Equilibrium, frozen: bool, body: str = "the screw", ball: str = "") -> str:
+def judged(status: Status, balance: Equilibrium, frozen: bool, body: str = "the screw", ball: str = "") -> Status:
     """The status, or what is out of balance where the sums over the whole body and every ball contradict it; frozen:
     lever arms are those of the nominal contact points, so that moments about the true ones do not balance; ball: words for
     the worst one, where its number says too little."""
@@ -165,8 +165,8 @@ def judged(status: str, balance: Equilibrium, frozen: bool, body: str = "the scr
         return status
     if balance.ball_residual == balance.largest:
         size = f"{balance.ball_residual:.1e} of the largest force"
-        return f"not converged: {ball or f'ball {balance.worst_ball}'} is out of balance by {size}"
-    return f"not converged: {body} is out of balance by {balance.largest:.1e} of the largest force or moment"
+        return Status("not converged", f"{ball or f'ball {balance.worst_ball}'} is out of balance by {size}")
+    return Status("not converged", f"{body} is out of balance by {balance.largest:.1e} of the largest force or moment")
 
 
 def contacts_of(
@@ -179,7 +179,7 @@ def contacts_of(
     points, on_ball = contact_geometry(solved)
     return StaticResult(
         model="",
-        status="converged",
+        status=Status("converged"),
         azimuth=problem.layout.azimuth,
         z=problem.layout.z,
         load=force,
@@ -201,7 +201,7 @@ def contacts_of(
 def assemble_result(
     solved: SolvedState,
     model: str,
-    status: str,
+    status: Status,
     report: SolverReport,
     left_out: tuple[str, ...],
     idealised: tuple[str, ...],
@@ -215,13 +215,13 @@ def assemble_result(
     balance = equilibrium(solved, found.contact_point, found.force_direction)
     if not own_arms:
         status = judged(status, balance, problem.scene.ingredients.arm == "nominal")
-    if status.startswith("not converged"):
-        status = "; ".join((status, *profile_warning(solved, contact_angles(solved.normal))))
+    if status.kind == "not converged" and (places := profile_warning(solved, contact_angles(solved.normal))):
+        status = Status("not converged", "; ".join((status.reason, *places)), "not unique")
     assumed = (*problem.scene.assumed, *idealised)
     return replace(found, model=model, status=status, equilibrium=balance, assumed=assumed, left_out=left_out)
 
 
-def failed_result(problem: Problem, model: str, status: str, seconds: float) -> StaticResult:
+def failed_result(problem: Problem, model: str, status: Status, seconds: float) -> StaticResult:
     """Result record of a scene that has no equilibrium: no loads, and the reason."""
     n = problem.layout.z.size
     nan = np.full((n, 4), np.nan)

@@ -82,7 +82,7 @@ def tangent_stiffness(
             return Tangent(station, np.full((6, 6), np.nan), status)
         clamp = Support(station, tuple((name, 0.0) for name in FREEDOMS))
         held = replace(scene, supports=(clamp,), loads=())
-        rebuild = Rebuild(held, drawn, layout, system.problem.use, None, backend, condensed, system.engine, False, 1)
+        rebuild = Rebuild(held, drawn, layout, system.problem.use, None, backend, condensed, system.engine, False)
         return Tangent(station, _condensed(system, rebuild(), station), status)
 
 

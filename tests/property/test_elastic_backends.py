@@ -64,7 +64,7 @@ def assembled(scene, backend):
     layout = ball_layout(scene)
     drawn, use = specimen(scene, layout), np.ones(4, dtype=bool)
     kernels = jit.kernels(jit.STATICS, compiled=True)
-    problem = Rebuild(scene, drawn, layout, use, None, backend, None, kernels, False, 1).problem()
+    problem = Rebuild(scene, drawn, layout, use, None, backend, None, kernels, False).problem()
     return ready(pin(problem, free_motions(problem)), backend, kernels, layout)
 
 

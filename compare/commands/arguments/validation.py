@@ -167,7 +167,7 @@ def check(
         column uncertainty_N, or a line "# uncertainty: 0.5 %" above, and "# provenance: words"; without, zero is taken.
     levels
         Compute mesh levels 1 to N of the reference where they are not stored; the best stored unless given, 2 where there
-        are fewer. One level gives no uncertainty, and decides nothing.
+        are fewer. Level 1 alone has an uncertainty from experience with other scenes.
     stored
         Take the reference from runs stored in this folder, besides those shipped, and compute none.
     no_compute

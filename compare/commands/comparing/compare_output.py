@@ -225,14 +225,24 @@ def levels_text(found: Reference, total: Total) -> str:
 def verdict(whole: Comparison, found: Reference) -> str:
     """The first sentence: the error of the default model, or of the first one, what was to be expected, and what the
     comparison is uncertain by."""
-    own, e, reference = whole.spoken, whole.spoken.error, levels_text(found, whole.total)
+    reference = levels_text(found, whole.total)
+    return "; ".join(filter(None, [_off(whole.spoken, _expected(whole.expected)), reference]))
+
+
+def others(whole: Comparison) -> list[str]:
+    """The same sentence of the other low-order models, without what was to be expected."""
+    return [_off(b) for b in whole.models if b is not whole.spoken and b.label in MODELS]
+
+
+def _off(b: Beside, expected: str = "") -> str:
+    """What a model is off by; empty for the reference itself."""
+    e = b.error
     if e is None:
-        return reference
+        return ""
     where = f" (ball {e.ball} {e.side})" if e.ball else ""
     return (
-        f"{own.label} is off by {e.max_percent:.2f} % of the mean load on the worst contact{where}, "
-        f"{e.rms_percent:.2f} % RMS{_expected(whole.expected)}, and by {e.own_max_percent:.2f} % of a contact's own load; "
-        f"{reference}"
+        f"{b.label} is off by {e.max_percent:.2f} % of the mean load on the worst contact{where}, "
+        f"{e.rms_percent:.2f} % RMS{expected}, and by {e.own_max_percent:.2f} % of a contact's own load"
     )
 
 

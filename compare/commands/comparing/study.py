@@ -13,6 +13,7 @@ from rollbench.comparison.commands.comparing.compare_output import (
     answers_table,
     compared,
     contact_rows,
+    others,
     start_lines,
     verdict,
     write_files,
@@ -20,7 +21,7 @@ from rollbench.comparison.commands.comparing.compare_output import (
 from rollbench.comparison.commands.comparing.compare_output import table as compared_table
 from rollbench.comparison.commands.comparing.compared_cases import cycles_of, together_json, together_lines
 from rollbench.comparison.commands.printing import Answer, on_terminal
-from rollbench.comparison.commands.wrapping import aligned
+from rollbench.comparison.commands.tables import aligned
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.gate.user import judged_by, stored_beside
 from rollbench.comparison.models.comparison import compared_models, finest_bodies, rows, suited
@@ -221,7 +222,12 @@ def run_compare(
         told = []
         for one, whole in each():
             told.append(((one.described, one.set), whole))
-            yield from (f"{one.found.scene}: {verdict(whole, one.found)}", "", *filter(None, [whole.total.beside]))
+            yield from (
+                f"{one.found.scene}: {verdict(whole, one.found)}",
+                *others(whole),
+                "",
+                *filter(None, [whole.total.beside]),
+            )
             yield from (answers_table(whole), *start_lines(whole), "", compared_table(whole.models, whole.itself), "")
             if balls:
                 yield from (_contacts(one.scene, whole.models, one.found), "")
@@ -281,13 +287,5 @@ def named(one: Referenced) -> dict[str, str]:
 
 
 def _contacts(scene: Scene, models: Sequence[Beside], found: Reference) -> Any:
-    from rich.table import Table
-
-    own = contact_rows(scene, models, found)
-    out = Table(title=f"{scene.name}: contact loads / N", title_justify="left", box=None, pad_edge=False)
-    for column in list(own[0])[1:]:
-        out.add_column(column.removesuffix("_N"), justify="right")
-    for row in own:
-        cells = list(row.values())[1:]
-        out.add_row(*("–" if v is None else f"{v:.2f}" if isinstance(v, float) else str(v) for v in cells))
-    return out
+    rows = [{k.removesuffix("_N"): v for k, v in [*row.items()][1:]} for row in contact_rows(scene, models, found)]
+    return aligned(rows, ".2f", f"{scene.name}: contact loads / N")

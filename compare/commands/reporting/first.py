@@ -38,9 +38,13 @@ class LeftOut:
     why: str
     remedy: str
 
+    def __str__(self) -> str:
+        """What, why, and the command."""
+        return f"{', '.join(self.names)}: {self.why}; {self.remedy}"
+
     def line(self) -> str:
         """The same as one line."""
-        return f"left out: {', '.join(self.names)}: {self.why}; {self.remedy}"
+        return f"left out: {self}"
 
 
 def kept_parts(parts: Sequence[Part], *, named: bool, everything: bool) -> tuple[list[Part], list[LeftOut]]:
@@ -71,7 +75,7 @@ def lacking(sections: Iterable[Section]) -> list[LeftOut]:
     if any(isinstance(item, LoadedScrew | FieldPicture) for section in sections for item in section.items) and (
         why := drawing_fault()
     ):
-        left.append(LeftOut(("3D pictures",), why.split(";")[0].removeprefix("3D picture: "), install(PICTURES)))
+        left.append(LeftOut(("3D pictures",), why, install(PICTURES)))
     return left
 
 
@@ -89,13 +93,17 @@ class LiveCheck:
         """Whether the difference is round-off."""
         return self.percent <= AGREES
 
-    def line(self) -> str:
-        """The same as one line."""
+    def __str__(self) -> str:
+        """What was computed, and whether it agrees."""
         verdict = "agrees" if self.agrees else "DOES NOT AGREE"
         return (
-            f"live check: {self.scene}, level {self.level}, computed anew in {self.seconds:.0f} s, {verdict} with the "
+            f"{self.scene}, level {self.level}, computed anew in {self.seconds:.0f} s, {verdict} with the "
             f"shipped run: contact loads differ by up to {self.percent:.1g} % of the mean load"
         )
+
+    def line(self) -> str:
+        """The same as one line."""
+        return f"live check: {self}"
 
 
 def live_check(stores: Sequence[Path] | None, step: Callable[[str], None]) -> LiveCheck | None:

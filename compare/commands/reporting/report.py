@@ -22,7 +22,6 @@ from rollbench.comparison.provenance import commit, inputs
 from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.registration import Part, offered
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.scene_file import scene_hash
 from rollbench.comparison.system import gmsh_fault, libraries, machine, need_packages
 from rollbench.comparison.writing import need_writable
 from rollbench.reports.records import Report
@@ -202,9 +201,9 @@ def make_report(
     facts["3D reference"] = "stored runs of the package" if stored or not meshing else computed
     missed += lacking(made.values())
     if missed:
-        facts["left out"] = "; ".join(gap.line().removeprefix("left out: ") for gap in missed)
+        facts["left out"] = "; ".join(str(gap) for gap in missed)
     if checked is not None:
-        facts["live check"] = checked.line().removeprefix("live check: ")
+        facts["live check"] = str(checked)
     without = "" if only else f", without {', '.join(part.name for part in PARTS if not part.quick)}"
     report = Report(
         title="rollbench validation report",
@@ -213,7 +212,6 @@ def make_report(
         + "".join(f" ({gap.line()})" for gap in missed),
         provenance=facts,
         pages=pages(made),
-        scene_hashes={name: scene_hash(text) for name, text in texts.items()},
         origin={**facts, "inputs": inputs(study.stores or (shipped_store(),), texts)},
     )
     try:

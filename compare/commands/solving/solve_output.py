@@ -99,15 +99,16 @@ def expected_json(m: ModelForm | None, key: str) -> dict[str, float | None]:
     return {key.format(name): None if value is None else number(value) for name, value in found.items()}
 
 
-#: How the estimate's sentence begins.
-MODEL_FORM = "model-form error"
-
-
 def model_form_text(m: ModelForm) -> str:
     """The estimate in one sentence."""
+    return f"model-form error{': ' if m.percent is None else ' '}{model_form_words(m)}"
+
+
+def model_form_words(m: ModelForm) -> str:
+    """The same behind a label that says what it is of."""
     if m.percent is None or m.rms_percent is None:
         away = f" (nearest {m.nearest})" if m.nearest else ""
-        return f"{MODEL_FORM}: not covered by the comparisons with the 3D reference{away}; " + "; ".join(m.words)
+        return f"not covered by the comparisons with the 3D reference{away}; " + "; ".join(m.words)
     kind = "scene of its kind" if m.compared == 1 else "scenes of its kind"
     others = {
         "displacement": m.displacement_percent,
@@ -116,7 +117,7 @@ def model_form_text(m: ModelForm) -> str:
     }
     more = "".join(f", {name} {value:.1f} %" for name, value in others.items() if value is not None)
     return (
-        f"{MODEL_FORM} to expect: {m.percent:.1f} % of the mean load on the worst contact, {m.rms_percent:.1f} % RMS{more} "
+        f"to expect: {m.percent:.1f} % of the mean load on the worst contact, {m.rms_percent:.1f} % RMS{more} "
         f"(nine of ten of {m.compared} {kind} were within, nearest {m.nearest}); " + "; ".join(m.words)
     )
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.comparison.commands.solving.solve_output import MODEL_FORM, model_form_text
+from rollbench.comparison.commands.solving.solve_output import model_form_words
 from rollbench.comparison.models.answers import Answers, LoadAnswers
 from rollbench.comparison.models.model_form import ModelForm
 from rollbench.comparison.quantities import number, quantity, record, shown
@@ -157,7 +157,7 @@ def entries(
         ("friction", _friction(data)),
         ("life", _life(data, speed)),
         ("ratings", _ratings(data)),
-        ("error", "not estimated" if worth is None else model_form_text(worth).removeprefix(MODEL_FORM).lstrip(": ")),
+        ("error", "not estimated" if worth is None else model_form_words(worth)),
     )
 
 

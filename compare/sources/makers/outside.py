@@ -164,7 +164,7 @@ def summary(found: Sequence[Outside]) -> Table:
         words = "; ".join(f"{left.count(why)}: {why}" for why in dict.fromkeys(left))
         s = standing(own)
         if s is None:
-            without.append(f"{quantity}, {group}, {words}")
+            without.append(f"{quantity} of {group}, {words}")
             continue
         rows.append(
             {
@@ -184,7 +184,7 @@ def summary(found: Sequence[Outside]) -> Table:
         "Bias and scatter: mean and standard deviation of the errors of the computed value. Bands carry the rounding of "
         "what is printed through, and the usual range of what is not. Errors of clearances are in per cent of the "
         "displacement under the measuring load, those of contact loads by CalculiX of the mean load. 80 %: what makers "
-        f"advise to take of a computed rigidity of a nut. Not judged at all: {'. '.join(without)}."
+        f"advise to take of a computed rigidity of a nut. Not judged at all: {'; '.join(without)}."
     )
     return Table.of("outside-summary", "Outside values by quantity, law and maker", rows, note, shown=30)
 

@@ -109,7 +109,7 @@ class Refined:
         drawn = specimen(scene, layout)
         use = np.ones(4, dtype=bool) if everything else choose_sides(scene, drawn)
         kernels = pick_engine("compiled", scene.ball_count)
-        self.elastic = Rebuild(scene, drawn, layout, use, None, REFINED, None, kernels, everything, 1)()
+        self.elastic = Rebuild(scene, drawn, layout, use, None, REFINED, None, kernels, everything)()
         self.unknowns = self.elastic.state.phi.size + self.elastic.state.a.size
         self.iterations = 0
 

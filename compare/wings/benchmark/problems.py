@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -84,9 +84,9 @@ def problem(name: str) -> Problem:
     return PROBLEMS[name]
 
 
-def reference_of(one: Problem, stores: Sequence[Path] = (RUNS,)) -> list[Referenced]:
+def reference_of(one: Problem) -> list[Referenced]:
     """The stored reference of a problem, set by set. Raises InputError where none is stored."""
-    found = referenced(one.described, (*stores, shipped_store()))
+    found = referenced(one.described, (RUNS, shipped_store()))
     if not found:
         raise InputError(NAME, one.name, "no stored run", "a 3D reference", "make it: rollbench benchmark compute")
     return found

@@ -12,8 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rollbench.comparison.commands.printing import Answer, cell
-from rollbench.comparison.commands.tables import ruled
-from rollbench.comparison.commands.wrapping import aligned
+from rollbench.comparison.commands.tables import aligned, ruled
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.wings.extremes.rows import tally, wide_rows
 from rollbench.comparison.wings.extremes.static import FORMULATIONS, Attempt, failures, table

@@ -111,6 +111,28 @@ def increase(loss: float, before: float, bound: float) -> float | None:
     return number(float(error_percent(before + without_round_off(loss - before, before), before)))
 
 
+def by_contact(power: float, loss: float, apart: float, balls: float, bound: float) -> dict[str, Any]:
+    """What contact between balls adds: losses [W] with it and apart, between the balls alone, and if all slid fully."""
+    return {
+        "loss_apart_W": number(apart),
+        "friction_increase_percent": increase(loss, apart, bound),
+        "ball_to_ball_percent": number(100.0 * balls / apart) if apart > NOTHING * bound else None,
+        "ball_to_ball_loss_W": number(balls),
+        "energy": energy(power, loss, bound),
+    }
+
+
+def solver_line(solver: dict[str, Any], more: str = "") -> Line:
+    """What loads and friction are out of balance by [N]."""
+    loads, friction = solver["load_imbalance_N"], solver["friction_imbalance_N"]
+    return "solver", f"loads out of balance by {loads:.1e} N, friction by {friction:.1e} N{more}"
+
+
+def hertz_word(hertz: str) -> str:
+    """The word of scene files for the Hertz constants."""
+    return "nominal" if hertz == "right" else hertz
+
+
 def energy_line(values: dict[str, Any], digits: int = 6) -> Line:
     """The energy balance in words."""
     power, loss, left = (float(values[f"{name}_W"]) for name in ("input_power", "loss", "balance"))

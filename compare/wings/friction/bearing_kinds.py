@@ -18,7 +18,9 @@ from rollbench.comparison.wings.friction.answer import (
     energy,
     energy_line,
     head,
+    hertz_word,
     load_row,
+    solver_line,
 )
 from rollbench.comparison.wings.friction.kinds.bearing_ball import BearingBallScene
 from rollbench.comparison.wings.friction.kinds.bearing_pair import BearingPairScene
@@ -131,7 +133,7 @@ def solve_ball(scene: KindScene) -> FrictionAnswer:
     by_loss = number(1e3 * motion.loss / abs(speed)) if speed != 0.0 else None
     data = head(scene, ball_status(bool(held.any()), load.converged, motion.status), converged) | {
         "law": scene.law,
-        "hertz": "nominal" if scene.hertz == "right" else scene.hertz,
+        "hertz": hertz_word(scene.hertz),
         "coupled": False,
         "balls": [ball],
         "load_sum_N": number(load.force.sum()),
@@ -151,7 +153,7 @@ def solve_ball(scene: KindScene) -> FrictionAnswer:
 
 def ball_lines(data: dict[str, Any]) -> list[Line]:
     """The results of one ball in a few lines."""
-    (ball,), torque, solver = data["balls"], data["torque"], data["solver"]
+    (ball,), torque = data["balls"], data["torque"]
     by_loss = torque["friction_torque_Nmm"]
     return [
         (
@@ -167,11 +169,7 @@ def ball_lines(data: dict[str, Any]) -> list[Line]:
             ),
         ),
         energy_line(data["energy"]),
-        (
-            "solver",
-            f"loads out of balance by {solver['load_imbalance_N']:.1e} N, friction by "
-            f"{solver['friction_imbalance_N']:.1e} N",
-        ),
+        solver_line(data["solver"]),
         ("law", f"{data['law']}, Hertz constants {data['hertz']}"),
     ]
 
@@ -214,7 +212,7 @@ def solve_bearings(scene: KindScene) -> FrictionAnswer:
     case, angle = scene.four_point, [number(a) for a in np.degrees(scene.angle)]
     common = {
         "law": "coulomb",
-        "hertz": "nominal" if case.groove.hertz == "right" else case.groove.hertz,
+        "hertz": hertz_word(case.groove.hertz),
         "coupled": False,
         "force_N": number(case.force),
         "tilt": case.tilt,

@@ -11,14 +11,12 @@ from rollbench.comparison.errors import Refusal
 from rollbench.comparison.quantities import number
 from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.wings.friction.answer import (
-    NOTHING,
     FrictionAnswer,
     Line,
-    energy,
+    by_contact,
     energy_line,
     flat_ball,
     head,
-    increase,
     load_row,
 )
 from rollbench.comparison.wings.friction.kinds.linear import LinearScene
@@ -109,7 +107,6 @@ def solve_linear(scene: KindScene) -> FrictionAnswer:
     converged = loads_good and all(r.status == "converged" for r in (apart, near))
     balls, pairs = ball_rows(scene, angles, force, apart, near), pair_rows(scene, near)
     bound = scene.bearing.mu * float(force.sum()) * abs(scene.bearing.speed)
-    spent, rise = energy(near.power, near.loss, bound), increase(near.loss, apart.loss, bound)
     ball_loss = float(near.ball_loss.sum())
     semi = np.asarray(scene.bearing.hertz().C_a * np.cbrt(force))
     data = head(scene, near.status if loads_good else "no balance of the loads found", converged) | {
@@ -120,13 +117,9 @@ def solve_linear(scene: KindScene) -> FrictionAnswer:
         "pairs": pairs,
         "drive_N": number(near.drive),
         "drive_apart_N": number(apart.drive),
-        "loss_apart_W": number(apart.loss),
-        "friction_increase_percent": rise,
         "second_state": None if second is None else second_json(near, second),
         "second_state_words": second_words(chains[1], second),
-        "ball_to_ball_percent": number(100.0 * ball_loss / apart.loss) if apart.loss > NOTHING * bound else None,
-        "ball_to_ball_loss_W": number(ball_loss),
-        "energy": spent,
+        **by_contact(near.power, near.loss, apart.loss, ball_loss, bound),
         "solver": {
             "load_imbalance": number(left),
             "residual": number(near.residual),

@@ -11,15 +11,16 @@ from rollbench.comparison.commands.printing import Column, cell
 from rollbench.comparison.quantities import number
 from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.wings.friction.answer import (
-    NOTHING,
     FrictionAnswer,
     Line,
+    by_contact,
     energy,
     energy_line,
     flat_ball,
     head,
-    increase,
+    hertz_word,
     load_row,
+    solver_line,
     without_round_off,
 )
 from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewPairScene, ScrewRunScene
@@ -86,7 +87,6 @@ def solve_screw_pair(scene: KindScene) -> FrictionAnswer:
     r = solve_pair(pair)
     m, apart, rows, chains = r.touching.motion, r.free.motion.loss, pair_rows(r), (r.free, r.touching)
     bound, ball_loss = sliding(pair.groove, r.touching.load.force), float(m.ball_loss.sum())
-    spent, rise = energy(m.input_power, m.loss, bound), increase(m.loss, apart, bound)
     between = {"balls": "1-2", "gap_um": 0.0, "force_N": number(r.force), "loss_mW": number(1e3 * ball_loss)}
     solver = {
         "load_imbalance_N": number(max(c.load.left for c in chains)),
@@ -96,7 +96,7 @@ def solve_screw_pair(scene: KindScene) -> FrictionAnswer:
     }
     data = head(scene, pair_status(r), r.converged, pair.coupling) | {
         "law": "coulomb",
-        "hertz": hertz_word(pair.groove),
+        "hertz": hertz_word(pair.groove.hertz),
         "coupling": pair.coupling,
         "coupled": pair.coupling != "none",
         "deviation_deg": [number(degrees(t)) for t in pair.theta],
@@ -104,11 +104,7 @@ def solve_screw_pair(scene: KindScene) -> FrictionAnswer:
         "balls": rows,
         "pairs": [between | {"closing_apart_rad_s": number(r.closing)}],
         "load_sum_N": [number(f) for f in r.load],
-        "loss_apart_W": number(apart),
-        "friction_increase_percent": rise,
-        "ball_to_ball_percent": number(100.0 * ball_loss / apart) if apart > NOTHING * bound else None,
-        "ball_to_ball_loss_W": number(ball_loss),
-        "energy": spent,
+        **by_contact(m.input_power, m.loss, apart, ball_loss, bound),
         "solver": solver,
         "warnings": screw_warnings(pair.groove, r.touching.load.force),
     }
@@ -128,11 +124,7 @@ def pair_lines(data: dict[str, Any]) -> list[Line]:
         ),
         ("closing", f"when apart the balls close in at {pair['closing_apart_rad_s']:.6g} rad/s of azimuth"),
         energy_line(data["energy"]),
-        (
-            "solver",
-            f"loads out of balance by {solver['load_imbalance_N']:.1e} N, friction by "
-            f"{solver['friction_imbalance_N']:.1e} N, {solver['rounds']} rounds",
-        ),
+        solver_line(solver, f", {solver['rounds']} rounds"),
         law_line(data),
     ]
 
@@ -140,11 +132,6 @@ def pair_lines(data: dict[str, Any]) -> list[Line]:
 def law_line(data: dict[str, Any]) -> Line:
     """The law of friction, the contacts' constants and what friction moves."""
     return "law", f"coulomb, Hertz constants {data['hertz']}, coupling of friction to loads: {data['coupling']}"
-
-
-def hertz_word(groove: ScrewGroove) -> str:
-    """Hertz constants as a scene names them."""
-    return "nominal" if groove.hertz == "right" else groove.hertz
 
 
 PAIR_COLUMNS: tuple[Column, ...] = (
@@ -225,7 +212,7 @@ def solve_run(scene: KindScene) -> FrictionAnswer:
     found = run_data(in_time)
     data = head(scene, in_time.status, in_time.converged, run.coupling) | {
         "law": "coulomb",
-        "hertz": hertz_word(run.groove),
+        "hertz": hertz_word(run.groove.hertz),
         "coupling": run.coupling,
         "coupled": run.coupling != "none",
         "ball_count": run.count,

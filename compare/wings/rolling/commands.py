@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from rollbench.comparison.commands.printing import Answer, on_terminal
-from rollbench.comparison.commands.tables import ruled
-from rollbench.comparison.commands.wrapping import aligned
+from rollbench.comparison.commands.tables import aligned, ruled
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.reference.body_names import HALF_SPACE
 from rollbench.comparison.reference.jobs import Engine

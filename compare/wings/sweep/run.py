@@ -17,7 +17,7 @@ from rollbench.comparison.scenes import scene_file, scene_tables
 from rollbench.comparison.wings.sweep import store
 from rollbench.comparison.wings.sweep.design import Method, points, values
 from rollbench.comparison.wings.sweep.keys import Vary, changed, displaced
-from rollbench.comparison.wings.sweep.sample import REFUSED, solve_batch, solve_sample
+from rollbench.comparison.wings.sweep.sample import attempt, reason, solve_batch
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 
@@ -96,15 +96,17 @@ def run_samples(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[
 
 def _try_first(sweep: Sweep, places: Array) -> None:
     """Raise InputError where the first samples are all refused for one reason."""
-    reasons = set()
+    refused: list[InputError] = []
     for place in places[:FIRST]:
-        found = solve_sample(sweep.text, sweep.origin, sweep.keys, values(sweep.keys, place), sweep.model, "interpreted")
-        reasons.add(found.get("reason"))
-        if None in reasons or len(reasons) > 1:
+        try:
+            attempt(sweep.text, sweep.origin, sweep.keys, values(sweep.keys, place), sweep.model, "interpreted")
             return
+        except InputError as error:
+            refused.append(error)
+    if len({reason(error) for error in refused}) > 1:
+        return
     few = f"each of the first {min(FIRST, len(places))} samples is refused for one reason, the last one so"
-    said = found["status"].removeprefix(f"{REFUSED}: ")
-    raise Refusal(sweep.origin, "--vary", f"{few}: {said}", "vary other keys, or other ranges")
+    raise Refusal(sweep.origin, "--vary", f"{few}: {refused[-1]}", "vary other keys, or other ranges")
 
 
 def _solve_missing(sweep: Sweep, folder: Path, engine: Engine, step: Step, work: tuple[str, Array, list[int]]) -> None:

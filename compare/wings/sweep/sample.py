@@ -21,7 +21,7 @@ from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 
-CONVERGED, REFUSED = "converged", "refused"
+CONVERGED = "converged"
 _NUMBER = re.compile(r"[0-9][0-9.]*(e[+-]?[0-9]+)?")
 #: Balls on one shaft from which a sample by plain Python takes seconds.
 AXIS_COMPILED = 40
@@ -37,14 +37,23 @@ def solve_sample(
 ) -> dict[str, Any]:
     """Status and outputs of one sample; a scene or model that refuses the values is a status, with its reason."""
     try:
-        scene = scene_tables.read_tables(changed(_tables(text, origin), keys, values), origin)
-        if isinstance(scene, DutyCycle):
-            return _solve_cases(scene, model, engine)
-        result, kept = _solve(scene_file.solvable(scene, origin), model, engine)
-        return {"status": result.status, **kept}
+        return attempt(text, origin, keys, values, model, engine)
     except InputError as error:
-        reason = _NUMBER.sub("#", f"{error.key}: {error.allowed or error.value}")  # the range depends on the sample
-        return {"status": f"{REFUSED}: {error}", "reason": reason}
+        return {"status": f"refused: {error}", "reason": reason(error)}
+
+
+def attempt(text: str, origin: str, keys: Sequence[Vary], values: Sequence[Any], model: str, engine: str) -> dict[str, Any]:
+    """The same of values that scene and model take; raises InputError for others."""
+    scene = scene_tables.read_tables(changed(_tables(text, origin), keys, values), origin)
+    if isinstance(scene, DutyCycle):
+        return _solve_cases(scene, model, engine)
+    result, kept = _solve(scene_file.solvable(scene, origin), model, engine)
+    return {"status": result.status, **kept}
+
+
+def reason(error: InputError) -> str:
+    """Why values are refused, without the numbers, as a range depends on the sample."""
+    return _NUMBER.sub("#", f"{error.key}: {error.allowed or error.value}")
 
 
 def _solve_cases(cycle: DutyCycle, model: str, engine: str) -> dict[str, Any]:

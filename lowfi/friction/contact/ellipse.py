@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import elliprd
 
+from rollbench.lowfi.hertz import complete_integrals
 from rollbench.lowfi.jit import CONTACT, kernels
 from rollbench.meshes.arrays import Array
 
@@ -116,8 +116,8 @@ def linear_factor(ratio: ArrayLike) -> Array:
     >>> round(float(linear_factor(1.0)), 6)
     1.178097
     """
-    r2 = np.asarray(ratio, dtype=float) ** 2
-    return np.asarray(0.5 * r2 * elliprd(0.0, 1.0, r2))
+    k = np.asarray(ratio, dtype=float)
+    return np.asarray(0.5 * k * k * complete_integrals(k)[2])
 
 
 def cubic_factor(ratio: ArrayLike) -> Array:
@@ -125,8 +125,9 @@ def cubic_factor(ratio: ArrayLike) -> Array:
 
     g = (b/a)^2 (R_D(0, 1, r^2) - R_D(0, r^2, 1)) / (6 (1 - r^2)) by r = b/a; valid for ratio <= 1 - 1e-6.
     """
-    r2 = np.asarray(ratio, dtype=float) ** 2
-    return np.asarray(r2 * (elliprd(0.0, 1.0, r2) - elliprd(0.0, r2, 1.0)) / (6.0 * (1.0 - r2)))
+    k = np.asarray(ratio, dtype=float)
+    _, along, across = complete_integrals(k)
+    return np.asarray(k * k * (across - along) / (6.0 * (1.0 - k * k)))
 
 
 def linear_error(ratio: ArrayLike, factor: ArrayLike, reach: float = 0.5) -> Array:

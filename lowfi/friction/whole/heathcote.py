@@ -69,39 +69,38 @@ def least_power(rows: Array, added: Array, strength: Array, start: Array, slide:
 
     strength (N, 4): mu F [N]; start (N, 4): motions to begin from; slide: a typical sliding speed [m/s].
     """
-    weight = (strength[..., None] * quadrature()[2]).reshape(strength.shape[0], -1)
-    rows, added = rows.reshape(*weight.shape, 2, 4), added.reshape(*weight.shape, 2)
+    loaded = (strength > 0.0).any(axis=0)
+    weight = (strength[:, loaded, None] * quadrature()[2]).reshape(len(strength), -1)
+    rows, added = rows[:, loaded].reshape(len(weight), -1, 4), added[:, loaded].reshape(*weight.shape, 2)
     q = start.copy()
 
     def value(motion: Array, eps: float) -> tuple[Array, Array, Array]:
-        v = np.einsum("npci,ni->npc", rows, motion) + added
-        size = np.sqrt(np.einsum("npc,npc->np", v, v) + eps * eps)
-        return np.einsum("np,np->n", weight, size), v, size
+        v = (rows @ motion[..., None]).reshape(added.shape) + added
+        size = np.sqrt(v[..., 0] ** 2 + v[..., 1] ** 2 + eps * eps)
+        return (weight * size).sum(axis=1), v, size
 
     for eps in slide * np.array(SPEEDS):
         total, v, size = value(q, eps)
         for _ in range(STEPS):
             w = weight / size
-            along = np.einsum("npci,npc->npi", rows, v)
-            gradient = np.einsum("np,npi->ni", w, along)
-            hessian = np.einsum("np,npci,npcj->nij", w, rows, rows, optimize=True)
-            hessian -= np.einsum("np,npi,npj->nij", w / size**2, along, along, optimize=True)
+            along = np.einsum("npci,npc->npi", rows.reshape(*v.shape, 4), v)
+            gradient = (w[:, None] @ along)[:, 0]
+            hessian = rows.swapaxes(1, 2) @ (np.repeat(w, 2, axis=1)[..., None] * rows)
+            hessian -= along.swapaxes(1, 2) @ ((w / size**2)[..., None] * along)
             floor = 1e-10 * np.einsum("nii->n", hessian)
             step = -np.linalg.solve(hessian + floor[:, None, None] * np.eye(4), gradient[..., None])[..., 0]
             length = np.ones(q.shape[0])
             for _ in range(HALVINGS):
-                new = value(q + length[:, None] * step, eps)
-                worse = new[0] > total
+                worse = ~(value(q + length[:, None] * step, eps)[0] <= total)
                 if not worse.any():
                     break
                 length = np.where(worse, 0.5 * length, length)
-            good = new[0] <= total
-            q = q + np.where(good, length, 0.0)[:, None] * step
-            gained = float((total - value(q, eps)[0]).max())
+            length[worse] = 0.0
+            before, q = total, q + length[:, None] * step
             total, v, size = value(q, eps)
-            if gained <= 1e-12 * float(total.max()):
+            if float((before - total).max()) <= 1e-12 * float(before.max()):
                 break
-    return np.asarray(np.einsum("np,np->n", weight, np.sqrt(np.einsum("npc,npc->np", v, v))))
+    return value(q, 0.0)[0]
 
 
 def heathcote(scene: Scene, at: StaticContacts, found: BallFriction, friction: Friction, drive: Drive) -> float:

@@ -11,7 +11,7 @@ from rollbench.lowfi.hertz import contact_approach
 from rollbench.lowfi.statics.axis.structure import stands
 from rollbench.lowfi.statics.axis.system import tapered
 from rollbench.lowfi.statics.problem import nominal_hertz
-from rollbench.lowfi.statics.result import AxisResult
+from rollbench.lowfi.statics.result import AxisResult, Status
 from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing, Joint, RollerRow, RollingSet, diagonal
@@ -31,7 +31,7 @@ TOLD, FAILED = 1e-8, 1e-4
 TIED = diagonal((1e12, 1e12, 0.0, 1e9, 1e9, 1e9))
 
 
-def mount(assembly: Assembly, solve: Callable[[Assembly], AxisResult]) -> tuple[Assembly, tuple[str, ...], str]:
+def mount(assembly: Assembly, solve: Callable[[Assembly], AxisResult]) -> tuple[Assembly, tuple[str, ...], Status | None]:
     """The assembly with its preloads by force as offsets: those at which each such set carries its force, without loads
     and before the shaft warms.
 
@@ -39,11 +39,11 @@ def mount(assembly: Assembly, solve: Callable[[Assembly], AxisResult]) -> tuple[
     rest where these are met, or at none, which the solution then proves. Where a housing moves, to which they are only
     tied, Newton's method on the logarithms of the forces corrects their shifts. Parts that may be moved all together are
     moved as far one way as the other.
-    Returns the assembly, notes, and a status for preloads that are not met (else empty).
+    Returns the assembly, notes, and a status for preloads that are not met (else None).
     """
     which = [i for i, s in enumerate(assembly.sets) if s.preload > 0.0]
     if not which:
-        return assembly, (), ""
+        return assembly, (), None
     idle = tuple(replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in assembly.housings)
     bare = replace(assembly, loads=(), housings=idle, thermal_strain=0.0)
     goal = np.log([assembly.sets[i].preload for i in which])
@@ -55,8 +55,8 @@ def mount(assembly: Assembly, solve: Callable[[Assembly], AxisResult]) -> tuple[
 
     pushed, status = _pushed(bare, which, solve)
     if pushed is None:
-        kind, _, why = status.partition(": ")
-        return assembly, (), f"{kind}: preloads by force are not met at mounting: {why}"
+        why = f"preloads by force are not met at mounting: {status.reason}"
+        return assembly, (), Status(status.kind, why, "mounting")
     ways = np.array([-1.0 if assembly.sets[i].thrust == "+z" else 1.0 for i in which])
     shift = pushed - ways * float((ways * pushed).mean())
     value = excess(shift) if len(which) > 1 else np.array([np.nan])
@@ -82,11 +82,11 @@ def mount(assembly: Assembly, solve: Callable[[Assembly], AxisResult]) -> tuple[
     worst = float(np.abs(value).max())
     if not worst < TOLD:
         note += f"; the forces are off by {100.0 * worst:.1e} %"
-    failed = f"not converged: preloads by force are not met, off by {100.0 * worst:.2g} %: {words}"
-    return _shifted(assembly, which, shift), (note,), "" if worst < FAILED else failed
+    failed = Status("not converged", f"preloads by force are not met, off by {100.0 * worst:.2g} %: {words}")
+    return _shifted(assembly, which, shift), (note,), None if worst < FAILED else failed
 
 
-def _pushed(bare: Assembly, which: Sequence[int], solve: Callable[[Assembly], AxisResult]) -> tuple[Array | None, str]:
+def _pushed(bare: Assembly, which: Sequence[int], solve: Callable[[Assembly], AxisResult]) -> tuple[Array | None, Status]:
     """Shifts [m] against their rows of outer parts that slide along the axis, pushed by their preloads; None where they
     come to no rest, and the status of that solution."""
     sets, joints, bodies = list(bare.sets), list(bare.joints), {h.name: h for h in bare.housings}

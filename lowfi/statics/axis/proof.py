@@ -16,6 +16,7 @@ from rollbench.lowfi.statics.axis.structure import held_rows, rigid_motions
 from rollbench.lowfi.statics.axis.system import BallSet, System
 from rollbench.lowfi.statics.problem import SIGNS
 from rollbench.lowfi.statics.proof import opening, ran_away
+from rollbench.lowfi.statics.result import Status
 from rollbench.meshes.arrays import Array
 
 
@@ -71,7 +72,7 @@ def _roller_rows(system: System, by_row: Array) -> list[Array]:
     return out
 
 
-def unheld(system: System) -> str:
+def unheld(system: System) -> Status:
     """Status sentence of a shaft or a housing that ran away: not held only where the linear program proves it."""
     opens = "the loads open every contact that could carry them (linear program: {})"
     return ran_away(
@@ -79,7 +80,7 @@ def unheld(system: System) -> str:
     )
 
 
-def crossed(system: System, name: str, thrust: str, angle: float, load: float) -> str:
+def crossed(system: System, name: str, thrust: str, angle: float, load: float) -> Status:
     """Status sentence of a one-way row whose balls carry load [N] across the bottom of the groove, at an angle [rad].
 
     Where forces at nominal contacts could balance the loads there is a proof all the same: with arcs that go on across the
@@ -91,9 +92,10 @@ def crossed(system: System, name: str, thrust: str, angle: float, load: float) -
     except ArithmeticError:
         opened = False
     if opened:
-        return f"not held: the load opens {name}, which carries thrust along {thrust} only (linear program)"
-    return (
-        f"not held: no equilibrium has all loaded balls of {name} on the side of the groove that carries thrust along "
+        return Status("not held", f"the load opens {name}, which carries thrust along {thrust} only (linear program)")
+    reason = (
+        f"no equilibrium has all loaded balls of {name} on the side of the groove that carries thrust along "
         f"{thrust}: in the only one that there is (the energy is convex) a ball carries {load:.3g} N at a contact angle of "
         f"{np.degrees(angle):.1f} deg, across the groove's bottom"
     )
+    return Status("not held", reason, "crossed row")

@@ -7,7 +7,6 @@ from functools import partial
 from time import perf_counter
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from rollbench.lowfi.compliance.parts import REFINED, Backend
 from rollbench.lowfi.statics.axis.elastic import ElasticAxis, ready, section_of
@@ -20,11 +19,12 @@ from rollbench.lowfi.statics.axis.summary import Ending, assemble_axis, failed_a
 from rollbench.lowfi.statics.axis.system import BallSet, build, set_contacts, set_flanks, with_arms
 from rollbench.lowfi.statics.elastic import CONDENSED
 from rollbench.lowfi.statics.records import AxisState, Outcome
-from rollbench.lowfi.statics.result import AxisResult
+from rollbench.lowfi.statics.result import AxisResult, Status
 from rollbench.lowfi.statics.settle import NO_LOADS, Contacts, Flanks, least_residual, report_of, settled, verdict
 from rollbench.lowfi.statics.shaft import flank_loads, node_forces, node_motions
 from rollbench.lowfi.statics.static import MAX_ITERATIONS, Engine
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS
+from rollbench.lowfi.threads import one_thread
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
 
@@ -42,6 +42,7 @@ RIGID_RINGS = "elastic rings: cone and cup are rigid beyond the line contacts, w
 RIGID_INNER = "elastic inner ring: as the housing that it sits on, it is rigid beyond its contacts"
 
 
+@one_thread()
 def solve_refined(
     assembly: Assembly, *, engine: Engine = "auto", member: int = 0, backend: Backend = REFINED, name: str = "refined"
 ) -> AxisResult:
@@ -53,20 +54,16 @@ def solve_refined(
     if not assembly.ball_count:
         found = solve_assembly(assembly, engine=engine, member=member)
         return replace(found, model=name, left_out=(*found.left_out, *rigid_rings(assembly)))
-    with threadpool_limits(1, "blas"):
-        return _solve(assembly, engine, member, backend, name)
-
-
-def _solve(assembly: Assembly, engine: Engine, member: int, backend: Backend, name: str) -> AxisResult:
     start = perf_counter()
-    mounted, notes, unmet = mount(assembly, lambda other: _solve(other, engine, member, backend, name))
+    again = partial(solve_refined, engine=engine, member=member, backend=backend, name=name)
+    mounted, notes, unmet = mount(assembly, again)
     if unmet:
         return failed_axis(assembly, name, unmet, perf_counter() - start, ASSUMPTIONS)
     kernels = engine_for(assembly, engine)
     system = build(mounted, member, section=section_of(mounted, backend))
     loose = loose_motions(system)
     if loose.driven:
-        return failed_axis(assembly, name, f"not held: {loose.text}", perf_counter() - start, ASSUMPTIONS)
+        return failed_axis(assembly, name, Status("not held", loose.text), perf_counter() - start, ASSUMPTIONS)
     elastic = ready(pinned(system, loose), backend, kernels)
     prepared_at = perf_counter()
     elastic, outcome = settle(elastic, backend)

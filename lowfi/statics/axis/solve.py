@@ -18,7 +18,7 @@ from rollbench.lowfi.statics.axis.summary import AXIS_ASSUMPTIONS, Ending, assem
 from rollbench.lowfi.statics.axis.system import System, build, placed, set_contacts, set_flanks, with_arms
 from rollbench.lowfi.statics.axis.typical import typical
 from rollbench.lowfi.statics.records import AxisSlopes, AxisState, Options, Outcome
-from rollbench.lowfi.statics.result import AxisResult, SolverReport
+from rollbench.lowfi.statics.result import AxisResult, SolverReport, Status
 from rollbench.lowfi.statics.settle import NO_LOADS, Contacts, Flanks, least_residual, report_of, settled, verdict
 from rollbench.lowfi.statics.shape import lifted
 from rollbench.lowfi.statics.static import MAX_ITERATIONS, TOLERANCE, Engine, pick_engine
@@ -78,7 +78,7 @@ def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int =
     without equilibrium: ``status`` names the reason. Raises ValueError for dimensions that leave no body.
     """
     start = perf_counter()
-    mounted, notes, unmet = mount(assembly, lambda other: solve_assembly(other, engine=engine, member=member))
+    mounted, notes, unmet = mount(assembly, partial(solve_assembly, engine=engine, member=member))
     if unmet:
         return failed_axis(assembly, "lin", unmet, perf_counter() - start)
     kernels = engine_for(assembly, engine)
@@ -88,7 +88,7 @@ def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int =
         system = build(mounted, member, uses, places)
         loose = loose_motions(system)
         if loose.driven:
-            return failed_axis(assembly, "lin", f"not held: {loose.text}", perf_counter() - start)
+            return failed_axis(assembly, "lin", Status("not held", loose.text), perf_counter() - start)
         prepared = prepare(pinned(system, loose), kernels)
         ready = perf_counter()
         outcome = settle(prepared)
@@ -106,7 +106,7 @@ def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int =
     return assemble_axis(prepared.system, prepared.state, _ending(prepared, status, report, loose.text))
 
 
-def _ending(prepared: Prepared, status: str, report: SolverReport, loose: str) -> Ending:
+def _ending(prepared: Prepared, status: Status, report: SolverReport, loose: str) -> Ending:
     """Reactions and stiffnesses at the state."""
     system, state = prepared.system, prepared.state
     out = AxisSlopes(np.zeros(state.q.shape), np.zeros((system.contacts.r_ball.size, 8, 8)))

@@ -12,7 +12,7 @@ from rollbench.lowfi.statics.axis.sides import left_out
 from rollbench.lowfi.statics.axis.stiffness import asked, asked_row
 from rollbench.lowfi.statics.axis.system import BallSet, RollerSet, System, moved_flanks
 from rollbench.lowfi.statics.records import AxisState
-from rollbench.lowfi.statics.result import AxisResult, Equilibrium, HousingResult, SetResult, SolverReport
+from rollbench.lowfi.statics.result import AxisResult, Equilibrium, HousingResult, SetResult, SolverReport, Status
 from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.lowfi.statics.shape import rigid_transport
 from rollbench.lowfi.statics.solved import SolvedState
@@ -52,7 +52,7 @@ class Ending:
     holds the rows [N, N m]; stiffness: of each set of balls (6, 6), and of the whole; model, what it assumes
     and leaves out; shifts (N, 4, 2): of the flanks of all balls [m], None where they are those of the rows."""
 
-    status: str
+    status: Status
     report: SolverReport
     loose: str
     held: Array
@@ -99,7 +99,7 @@ def assemble_axis(system: System, state: AxisState, end: Ending) -> AxisResult:
     )
 
 
-def judged_axis(status: str, system: System, balance: Equilibrium, housings: Sequence[HousingResult]) -> str:
+def judged_axis(status: Status, system: System, balance: Equilibrium, housings: Sequence[HousingResult]) -> Status:
     """The status, or what is out of balance of shaft, balls and housings, as `lowfi.statics.summary.judged`."""
     frozen, ball = system.assembly.ingredients.arm == "nominal", ""
     for b in system.balls:
@@ -108,12 +108,13 @@ def judged_axis(status: str, system: System, balance: Equilibrium, housings: Seq
     status = judged(status, balance, frozen, "the shaft", ball)
     worst = max(housings, key=lambda h: h.residual, default=None)
     if status == "converged" and worst is not None and not frozen and not worst.residual <= BALANCE:
-        return f"not converged: {worst.name} is out of balance by {worst.residual:.1e} of the largest force"
+        reason = f"{worst.name} is out of balance by {worst.residual:.1e} of the largest force"
+        return Status("not converged", reason)
     return status
 
 
-def crossed_row(system: System, sets: Sequence[SetResult], scale: float) -> str:
-    """Words for a row that carries thrust one way and is pulled the other way, past its balls; empty where none is. scale:
+def crossed_row(system: System, sets: Sequence[SetResult], scale: float) -> Status | None:
+    """Status of a row that carries thrust one way and is pulled the other way, past its balls; None where none is. scale:
     largest force met [N]."""
     for s in sets:
         if s.balls is not None and s.of.thrust in ("+z", "-z"):
@@ -122,7 +123,7 @@ def crossed_row(system: System, sets: Sequence[SetResult], scale: float) -> str:
                 worst = int(np.where(past, s.balls.load, 0.0).argmax())
                 load, angle = s.balls.load.flat[worst], s.balls.contact_angle.flat[worst]
                 return crossed(system, s.of.name, s.of.thrust, float(angle), float(load))
-    return ""
+    return None
 
 
 def ball_result(system: System, b: BallSet, state: AxisState, end: Ending, stiffness: Array) -> SetResult:
@@ -217,7 +218,7 @@ def _housing(system: System, i: int, sets: tuple[SetResult, ...], q: Array, end:
 
 
 def failed_axis(
-    assembly: Assembly, model: str, status: str, seconds: float, assumed: tuple[str, ...] = AXIS_ASSUMPTIONS
+    assembly: Assembly, model: str, status: Status, seconds: float, assumed: tuple[str, ...] = AXIS_ASSUMPTIONS
 ) -> AxisResult:
     """Result of an assembly without equilibrium: no loads, and the reason; assumed: what the model assumes."""
     report = SolverReport(0, 0, float("nan"), seconds, 0, 0, "none", "none")

@@ -1,13 +1,14 @@
 """Symmetric positive definite banded systems, A[i, j] = band[j, i - j] for i >= j: the lower band, column by column.
 
 Compiled: the LDL^T below. Interpreted: Cholesky block by block through numpy, as scipy.linalg takes longer to import than a
-scene to be solved. A test compares them.
+scene to be solved; on one thread, as more wait for one another at every block. A test compares them.
 """
 
 import numpy as np
 
 from rollbench.lowfi.jit import is_compiled, kernel
 from rollbench.lowfi.statics.records import Array
+from rollbench.lowfi.threads import one_thread
 
 
 @kernel
@@ -81,6 +82,7 @@ def _blocks(band: Array) -> tuple[Array, Array]:
     return np.tril(filled[first, np.maximum(row - column, 0)]), np.triu(filled[first, size + np.minimum(row - column, 0)])
 
 
+@one_thread()
 def _block_factor(band: Array) -> bool:
     n, width = band.shape
     on, below = _blocks(band)
@@ -100,6 +102,7 @@ def _block_factor(band: Array) -> bool:
     return True
 
 
+@one_thread()
 def _block_substitute(band: Array, b: Array) -> None:  # one column, or several
     on, below = _blocks(band)
     inverse = np.linalg.inv(on)  # of all blocks at once

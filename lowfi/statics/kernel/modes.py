@@ -48,9 +48,7 @@ def soften(W: Array, C: Array, b: Array) -> None:
 def soft_factor(modes: tuple[Array, Array], S: Array, counts: Array, starts: Array, W: Array, C: Array) -> bool:
     """Fill W = S U and the factor C (r, r); False where it is not positive (numbers out of range)."""
     soft_rows(modes, S, counts, starts, W)
-    C[:, :] = np.dot(W.T, W)
-    for m in range(C.shape[0]):
-        C[m, m] += 1.0
+    C[:, :] = np.dot(W.T, W) + np.eye(C.shape[0])
     return cholesky_lower(C)
 
 
@@ -61,10 +59,7 @@ def soft_border(W: Array, C: Array, B: Array, Z: Array, hold: float, schur: Arra
     for c in range(k):
         Z[c] = B[c]
         soften(W, C, Z[c])
-    for c in range(k):
-        for e in range(k):
-            schur[c, e] = np.sum(B[c] * Z[e])
-        schur[c, c] += hold
+    schur[:, :] = np.dot(B, Z.T) + hold * np.eye(k)
     return cholesky_lower(schur)
 
 
@@ -72,14 +67,10 @@ def soft_border(W: Array, C: Array, B: Array, Z: Array, hold: float, schur: Arra
 def near(W: Array, C: Array, B: Array, Z: Array, schur: Array, target: Array, u: Array, a: Array) -> None:
     """Solve P u - B^T a = u (given), B u + hold a = target (k,): overwrites u, fills a (k,)."""
     soften(W, C, u)
-    k = B.shape[0]
-    for c in range(k):
-        a[c] = target[c] - np.sum(B[c] * u)
-    if k:
+    if B.shape[0]:
+        a[:] = target - np.dot(B, u)
         triangular(schur, a)
-    for c in range(k):
-        for i in range(u.shape[0]):
-            u[i] += a[c] * Z[c, i]
+        u += np.dot(a, Z)
 
 
 @kernel
@@ -100,11 +91,9 @@ def coupled(
     forces_of_rows(S, counts, starts, u, force)
     body_motion(bodies, force, motion)
     apply_rows(S, counts, starts, motion, out)
-    for i in range(u.shape[0]):
-        out[i] = u[i] - out[i]
-    for c in range(B.shape[0]):
-        for i in range(u.shape[0]):
-            out[i] -= a[c] * B[c, i]
+    out[:] = u - out
+    if B.shape[0]:
+        out -= np.dot(a, B)
 
 
 @kernel
@@ -138,8 +127,8 @@ def gradients(
     near(W, C, B, Z, schur, target, u, a)
     coupled(bodies, S, counts, starts, B, u, a, work, image)
     start = np.sum(u * image)
-    for c in range(k):
-        start += a[c] * np.sum(B[c] * u)
+    if k:
+        start += np.dot(a, np.dot(B, u))
     residual -= image
     z, da = residual.copy(), np.zeros(k)
     near(W, C, B, Z, schur, none, z, da)
@@ -152,17 +141,12 @@ def gradients(
             return -1
         coupled(bodies, S, counts, starts, B, p, pa, work, image)
         t = norm / np.sum(p * image)
-        for i in range(q):
-            u[i] += t * p[i]
-            residual[i] -= t * image[i]
-        for c in range(k):
-            a[c] += t * pa[c]
+        u += t * p
+        a += t * pa
+        residual -= t * image
         z[:] = residual
         near(W, C, B, Z, schur, none, z, da)
         new = np.sum(residual * z)
-        for i in range(q):
-            p[i] = z[i] + new / norm * p[i]
-        for c in range(k):
-            pa[c] = da[c] + new / norm * pa[c]
+        p, pa = z + new / norm * p, da + new / norm * pa
         norm = new
     return -1

@@ -19,6 +19,7 @@ from rollbench.comparison.commands.comparing.compare_output import (
     beside,
     compared,
     is_itself,
+    others,
     table,
     verdict,
     write_files,
@@ -63,6 +64,14 @@ def test_the_verdict_speaks_of_the_default_model_and_of_one_level(case: Any) -> 
     assert text.startswith("refined is off by 1.07 % of the mean load on the worst contact (ball 32")
     assert "3D reference on level 1, uncertain by 3.61 % in all: discretisation 0.20 % by experience with other" in text
     assert "modelling choices 3.00 %, most where the nut is held; inputs 2.00 %, most angle; large" in text
+
+
+def test_the_other_models_have_their_sentence(case: Any) -> None:
+    scene, models, found, itself = case
+    mesh = beside(scene, loads(scene, "3D level 2", 1.02), found)
+    (line,) = others(Comparison((*models, mesh), itself, None, TOTAL))
+    assert line.startswith("lin-source-partition is off by 10.72 % of the mean load on the worst contact (ball 32")
+    assert line.endswith("and by 10.00 % of a contact's own load")
 
 
 def test_the_table_fits_80_columns_with_the_reference_first(case: Any) -> None:

@@ -77,7 +77,7 @@ def test_a_package_that_cannot_be_imported_is_missing(monkeypatch: pytest.Monkey
 
 
 def test_the_python_package_is_advised_where_it_is_what_lacks(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(offscreen, "fault", lambda: "3D picture: pyvista cannot be loaded")
+    monkeypatch.setattr(offscreen, "fault", lambda: "pyvista cannot be loaded")
     monkeypatch.setattr(doctor, "gmsh_fault", lambda: "gmsh is not installed")
     monkeypatch.setattr(doctor, "version", lambda _: None)
     monkeypatch.setattr(system, "version", lambda _: None)

@@ -91,7 +91,7 @@ def test_packages_of_single_files_are_named_with_what_installs_them(monkeypatch)
 
 def test_pictures_that_cannot_be_drawn_are_named_with_what_installs_them(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(report_first, "find_spec", lambda name: name)
-    monkeypatch.setattr(report_first, "drawing_fault", lambda: "3D picture: no off-screen OpenGL on this machine; advice")
+    monkeypatch.setattr(report_first, "drawing_fault", lambda: "no off-screen OpenGL on this machine")
     scene = catalogue.scene("two-balls")
     screw = loaded_screw(scene, ("picture", "Loads"), np.ones((2, 4)), (np.zeros((1, 3)), np.ones((1, 3))), "")
     plain, drawn = Section("a", "No picture", ()), Section("b", "One", (screw,))

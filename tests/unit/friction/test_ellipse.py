@@ -238,6 +238,15 @@ def test_force_inside_is_a_cubic(b):
     assert linear_error(b, 1.38) == pytest.approx(np.max(np.abs(1.38 / g - 1.0)), rel=1e-5)
 
 
+def test_factors_are_those_of_carlsons_integrals():
+    r = np.geomspace(1e-5, 1.0 - 1e-6, 200)
+    across, along = elliprd(0.0, 1.0, r**2), elliprd(0.0, r**2, 1.0)
+    assert linear_factor(r) == pytest.approx(0.5 * r**2 * across, rel=1e-14)
+    exact = r**2 * (across - along) / (6.0 * (1.0 - r**2))
+    assert cubic_factor(r) == pytest.approx(exact, rel=1e-14, abs=1e-15 / (1.0 - r[-1]))
+    assert cubic_factor(r[r < 0.99]) == pytest.approx(exact[r < 0.99], rel=1e-12)
+
+
 def test_linear_factor_between_circle_and_line():
     assert linear_factor(1.0) == pytest.approx(3.0 * np.pi / 8.0, rel=1e-14)
     assert linear_factor(1e-5) == pytest.approx(1.5, rel=1e-8)

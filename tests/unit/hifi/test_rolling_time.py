@@ -6,7 +6,9 @@ from tests.rolling_scenes import linear_pair
 
 from rollbench.hifi.rolling.balls import Choices, solve_rolling
 from rollbench.hifi.rolling.loads import Cell, cell_loads
+from rollbench.hifi.rolling.patch import hertz_patch
 from rollbench.hifi.rolling.transient import run_from_rest
+from rollbench.hifi.rolling.verification import Creep, onset, steady_by_cells
 
 GRID = Choices((8, 8))
 
@@ -63,3 +65,14 @@ def test_a_cell_that_nothing_holds_does_not_converge():
     )
     found = cell_loads(Cell(**(cell.__dict__ | {"push": np.array([[0.0, -5.0]])})))
     assert not found.converged
+
+
+def test_a_pushed_ball_rolls_on_towards_the_creepage_of_steady_rolling() -> None:
+    """Found without time, at the same force: by two contact lengths it is there."""
+    load, share, mu = 0.4705, 0.657, 0.4
+    patch = hertz_patch(load, (0.17, 0.17), 2.56e6, 0.28, (11, 11))
+    found = onset(patch, mu, share, 22)
+    steady = steady_by_cells(patch, Creep(found[-1].motion, 0.0, 0.0), mu)
+    assert steady.force[0] == pytest.approx(-share * mu * load, rel=2e-3)
+    assert found[1].motion < 0.7 * found[-1].motion
+    assert max(one.motion for one in found[1:]) > 1.05 * found[-1].motion

@@ -11,7 +11,7 @@ from rollbench.hifi.condensation.responses import nut_transform
 from rollbench.hifi.elements.assembly import assemble
 from rollbench.hifi.elements.forms import elasticity
 from rollbench.hifi.linear_algebra.solvers import factor
-from rollbench.meshes.fem import nodes_on
+from rollbench.meshes.fem import nodes_on, points_of
 from rollbench.meshes.groove import BodySpec, outline
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Flange
@@ -82,3 +82,16 @@ def test_an_annulus_that_fills_the_face_leaves_no_other_surface() -> None:
     names, places = outline(Flange(66e-3, 6e-3, (25e-3, 33e-3), "right", 18e-3), WALL, ENDS)
     assert names == ["centring", "flange", "seat", "rim"]
     assert [z for _, z in places] == pytest.approx([0.388, 0.406, 0.406, 0.406, 0.412])
+
+
+def test_a_sliver_of_a_flange_is_not_meshed() -> None:
+    """Circles closer than the deviation of their edges crossed, and gmsh did not come to an end."""
+    thin = Flange(66e-3, 6e-3, (24.01e-3, 32.99e-3), "left", 0.01e-3)
+    names, places = outline(thin, WALL, ENDS, 0.1e-3)
+    assert names == ["rim", "seat", "outside"]
+    assert places == [(33e-3, 0.388), (33e-3, 0.394), (24e-3, 0.394), (24e-3, 0.412)]
+    assert set(outline(thin, WALL, ENDS)[0]) == {"rim", "flange", "seat", "centring", "outside"}
+    made = body(replace(FLANGE, seat=(24e-3, FLANGE.diameter / 2.0 - 15e-6)))
+    assert np.hypot(*points_of(made.mesh)[nodes_on(made.mesh, "seat")][:, :2].T).max() == pytest.approx(
+        FLANGE.diameter / 2.0
+    )

@@ -37,9 +37,9 @@ pytestmark = pytest.mark.xdist_group("grid_coverage")
 
 STUDY = Study()
 
-#: Drawn screws of 40 contacts or more whose bars hold less than the line, by level: all others are held to it. A factor of
-#: 2.2 in place of 2 would bring the first to the line and hold 99.3 % of all, more than a bar of 95 % should.
-LESS = {("survey-20360-37", 2): 0.867, ("survey-20360-154", 1): 0.735}
+#: A drawn screw of 40 contacts or more whose bars hold less than the line: 65 of 75 contacts, where 66 would meet it. All
+#: others are held to it. A factor of 2.2 in place of 2 would hold 99.3 % of all, more than a bar of 95 % should.
+LESS = {("survey-20360-37", 2): 0.867}
 
 
 def worst(held: list[Held]) -> float:
@@ -119,10 +119,11 @@ def test_drawn_judges_are_those_of_the_rule() -> None:
 
 
 def test_a_single_level_s_bar_is_what_experience_says() -> None:
-    """Of each scene by that of all others; the worst two are those on which the largest bar itself rests."""
+    """Of each scene by that of all others, with what the level has wrong beside free faces, which is no experience."""
     rows = [h for h in coverage(STUDY) if h.level == min(LEVELS)]
     assert 0.93 <= share_of(rows) <= 0.99
-    assert worst(rows) > 0.85
+    assert worst(rows) >= 0.88
+    assert np.median([h.bar for h in rows]) < 0.15
     assert all(0.08 < h.bar < 0.5 for h in rows)
 
 

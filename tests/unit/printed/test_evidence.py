@@ -38,7 +38,8 @@ def test_compared_value_follows_the_class():
 def test_table_has_only_the_columns_that_its_entries_fill():
     given = [Evidence(row) for row in load_table("lin-3.1")]
     plain = printed_table("a", "A", [*given, Evidence(load_table("lin-3.2")[0], 1.0)])
-    assert len(plain.rows) == 1 and f"Inputs, {len(given)} of them" in plain.note
+    assert len(plain.rows) == 1
+    assert f"Inputs, {len(given)} of them" in plain.note
     assert {"as_printed", "reading", "reading_error", "place"}.isdisjoint(c.key for c in plain.columns)
     assert FAULTS not in plain.note
     row = load_table("lin-3.7")[0]

@@ -112,6 +112,9 @@ def test_experience_is_measured_and_kept(tmp_path) -> None:
     assert 1.96 * spread < found.single[1] < 3.0 * spread
     wide = scenes | {"wide": made(91, (1, 2, 3), 0.4, 0.0, 0.0, both=True)}
     assert measured(wide, 0.02).single[1] > 3.0 * found.single[1]
+    assert measured(wide, 0.02, {"wide": np.full(wide["wide"][1].shape, 5.0)}).single[1] == pytest.approx(
+        found.single[1], rel=0.05
+    )
     assert found.scenes == tuple(scenes)
     save(tmp_path, found)
     assert read(tmp_path) == found

@@ -10,7 +10,7 @@ from tests.near_face import CASES, measured, scene_of
 
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.models.total_uncertainty import beside_face, total
-from rollbench.comparison.reference.near_face import AWAY, FILE, read, too_large
+from rollbench.comparison.reference.near_face import AWAY, FILE, left_out, read, too_large
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.scenes import catalogue
 from rollbench.hifi.meshing.expected import hertz_units
@@ -70,6 +70,19 @@ def test_it_concerns_the_flank_that_is_pressed_towards_a_free_face() -> None:
         assert not too_large(other, np.full((other.ball_count, 4), 200.0), 1).any()
     assert not too_large(scene, 0.0 * load, 1).any()
     assert too_large(scene, load, 3).max() < 0.6 * found.max()
+
+
+def test_what_contacts_beside_a_face_have_too_much_the_others_have_too_little_where_the_sum_is_held() -> None:
+    scene, load = near(), np.zeros((32, 4))
+    load[:16, [0, 3]], load[16:, [0, 3]] = 20.0, 160.0
+    more, found = too_large(scene, load, 1), left_out(scene, load, 1)
+    shared = found - more
+    assert more[:, 0].any()
+    assert shared.sum(axis=0) == pytest.approx(more.sum(axis=0))
+    assert not shared[:, 1:3].any()
+    assert shared[20, 0] == pytest.approx(2.0 * shared[3, 0])  # by their own stiffness: the cube root of the load
+    load[:, 1:3] = 1.0
+    assert left_out(scene, load, 1) == pytest.approx(too_large(scene, load, 1))
 
 
 def test_the_load_that_a_missing_compliance_adds() -> None:

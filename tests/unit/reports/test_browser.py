@@ -40,7 +40,7 @@ def small_report() -> Report:
         Section("loads", "Loads", (Text(["Words."]), Figure("both", "Loads", panels)), summary=summary),
         Section("tables", "Tables", (wide, narrow)),
     )
-    return Report("A report", "On what", {"a": "b"}, paged(*sections), {"x.toml": "ab" * 32})
+    return Report("A report", "On what", {"a": "b"}, paged(*sections))
 
 
 @pytest.fixture(scope="module")

@@ -50,7 +50,7 @@ def assembled(scene, backend=REFINED, use=ALL, engine=None):
     layout = ball_layout(scene)
     drawn = specimen(scene, layout)
     engine = engine or jit.kernels(jit.STATICS, compiled=False)
-    rebuild = Rebuild(scene, drawn, layout, np.array(use), None, backend, None, engine, False, 1)
+    rebuild = Rebuild(scene, drawn, layout, np.array(use), None, backend, None, engine, False)
     problem = rebuild.problem()
     return ready(pin(problem, free_motions(problem)), backend, engine, layout)
 

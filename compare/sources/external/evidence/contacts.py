@@ -6,13 +6,14 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from rollbench.comparison.evidence.record import Evidence, Sheet
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import load_table
 from rollbench.comparison.sources.external.evidence.case import assembly, given, inputs
 from rollbench.hifi.rolling.patch import hertz_patch
-from rollbench.hifi.rolling.verification import Creep, steady, steady_by_cells
+from rollbench.hifi.rolling.verification import Creep, Onset, onset, steady, steady_by_cells
 from rollbench.lowfi.bearings.angular_contact import curvatures, of_angle
 from rollbench.lowfi.hertz import HertzConstants, contact_modulus, hertz_constants
 from rollbench.meshes.parts import Scene
@@ -21,6 +22,8 @@ from rollbench.meshes.parts import Scene
 EXAMPLE_CELLS, EXAMPLE_MARGIN = 44, 1.1
 #: Cells of its wheel, along and across.
 WHEEL_CELLS = (48, 44)
+#: Cells by which its ball rolls from rest here, of 28 along the contact: past the largest creepage. The example has 56.
+ONSET_STEPS = 20
 
 
 def ball_of_bearing(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
@@ -106,6 +109,7 @@ def rolling(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table
         note = f"by CONTACT's differences over one cell; by those of rolling in 3D {getattr(other, key):.4g}"
         sheet.number(key, getattr(own, key), note)
     _wheel(sheet)
+    _transients(sheet)
     return sheet.evidence()
 
 
@@ -121,3 +125,25 @@ def _wheel(sheet: Sheet) -> None:
         if curve == "wheel_creep":
             force = steady_by_cells(patch, Creep(float(creep), 0.0, 0.0), mu).force
             sheet.number(row.key, float(force[0]) / (mu * load))
+
+
+@lru_cache(maxsize=4)
+def transient(case: str, steps: int) -> list[Onset]:
+    """CONTACT's example of a ball that is pushed aside, and then rolls by so many cells under that force."""
+    own, (load, circle) = inputs()[case], _hertz(case)
+    margin = 0.5 * given(case, "grid", "length") / (float(circle.C_a) * float(np.cbrt(load)))
+    patch = hertz_patch(*_example(case), (own["cells"], own["cells"]), margin=margin)
+    with threadpool_limits(1):  # as `rollbench.hifi.rolling.balls.solve_rolling`
+        return onset(patch, own["friction"], own["share"], steps)
+
+
+def _transients(sheet: Sheet) -> None:
+    """A push aside, and the way from there to steady rolling, cell by cell as CONTACT takes it."""
+    found = {"cattaneo": transient("cattaneo", 0), "onset": transient("onset", ONSET_STEPS)}
+    for row in load_table(sheet.table):
+        case, _, rest = row.key.partition("_")
+        if case in found:
+            what, _, step = rest.partition("_")
+            one = found[case][int(step or 0)]
+            value = {"shift": 1e3 * one.motion, "creep": one.motion, "sticking": float(one.sticking)}
+            sheet.number(row.key, value[what])

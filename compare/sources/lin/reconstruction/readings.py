@@ -8,6 +8,7 @@ from typing import Any
 
 from rollbench.comparison.reference.levels import SOURCE_LEVEL
 from rollbench.comparison.reference.variants import ends_in_plain_shaft, scaled, solid
+from rollbench.comparison.sources.lin.reconstruction.friction import MU, off_line
 from rollbench.meshes.parts import Scene
 
 #: The cases whose errors are printed, and the mesh level of the 3D runs.
@@ -17,7 +18,8 @@ CASES, LEVEL = ("lin-case1", "lin-case2"), 1
 @dataclass(frozen=True)
 class Reading:
     """One reading of one open choice: key, what is open, what it is read as; ingredients of the low-order model, or what
-    it makes of a scene in 3D; level of the 3D mesh; by_text: why the text speaks against it (empty: it does not)."""
+    it makes of a scene in 3D; level of the 3D mesh; by_text: why the text speaks against it (empty: it does not); sliding:
+    coefficient with which grooves slide on balls that do not turn, in 3D."""
 
     key: str
     choice: str
@@ -26,10 +28,12 @@ class Reading:
     change: Any = None
     level: int = LEVEL
     by_text: str = ""
+    sliding: float = 0.0
 
 
 SHAFT, HELD, LAND = "shaft beyond the nut", "what holds the nut", "nut's lands"
 HOLE, ENDS, MESH = "hole along the screw", "ends of the nut's groove", "mesh of the contacts"
+FRICTION = "friction of the contacts"
 SECTION, PARTITION, HERTZ, ARM = "section constant (C.8)", "beam elements in the nut", "Hertz constants", "lever arm"
 
 #: Of the low-order model, against the default: C.8 with its root, a node at every contact, right Hertz constants.
@@ -43,7 +47,7 @@ LOW = (
     Reading("ball", ARM, "at the ball's station", {"arm": "ball"}),
 )
 
-#: Of the 3D model, against the reference: shaft grooved all along, nut held on its whole left face.
+#: Of the 3D model, against the reference: shaft grooved all along, nut held on its whole left face, no friction.
 SOLID = (
     Reading(
         "plain", SHAFT, "plain, of the lands' diameter", change=lambda s: solid(shaft_diameter=s.screw.outer_diameter)(s)
@@ -58,6 +62,9 @@ SOLID = (
     Reading("hole", HOLE, "half as wide", change=scaled("hole_diameter", lambda d: 2.0 * d.hole, 0.5)),
     Reading("filled", ENDS, "filled beyond the balls", change=solid(nut_groove="loaded")),
     Reading("tetrahedra", MESH, "first-order tetrahedra of 0.08 mm", level=SOURCE_LEVEL),
+    Reading("off-line", FRICTION, "0.01, balls roll, as far off their lines as it can hold them", change=off_line),
+    Reading("sliding", FRICTION, "0.01, balls kept from turning, screw pushed on", sliding=MU),
+    Reading("sliding-back", FRICTION, "0.01, balls kept from turning, screw let back", sliding=-MU),
 )
 
 #: Some readings of different choices together.

@@ -54,5 +54,11 @@ def complete(step: Callable[[str], None], cache: Path | None = None) -> None:
             continue
         step(f"3D: {key_of(readings)}")
         own = scenes(readings)
-        for scene, run in zip(own, compute(Task(own, level_of(readings), cache=cache)), strict=True):
+        runs = compute(Task(own, level_of(readings), cache=cache))
+        sliding = sum(r.sliding for r in readings)
+        if sliding:
+            from rollbench.comparison.sources.lin.reconstruction.dragging import with_sliding
+
+            runs = with_sliding(own, runs, sliding, cache)
+        for scene, run in zip(own, runs, strict=True):
             save(RUNS, scene, run)

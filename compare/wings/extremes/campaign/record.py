@@ -15,6 +15,7 @@ from rollbench.comparison.wings.extremes.campaign.commanded import Command
 from rollbench.comparison.wings.extremes.campaign.draw import scene_text
 from rollbench.comparison.wings.extremes.campaign.draw_axes import axis_text
 from rollbench.comparison.wings.extremes.campaign.part import Part
+from rollbench.reports.records import Row
 
 Record = dict[str, Any]
 
@@ -92,25 +93,23 @@ def shipped() -> list[Record]:
     return read(Path(__file__).with_name("campaign.json"))
 
 
-def rows(records: Sequence[Record]) -> list[dict[str, Any]]:
+def rows(records: Sequence[Record]) -> list[Row]:
     """Rows of the report's table, a campaign each: its command and version, and how many scenes, damaged files and killed
     processes ended in which way."""
     out = []
     for r in records:
-        bad = {verdict: r["scenes"].get(verdict, 0) for verdict in scenes.BAD}
+        bad: Row = {verdict: r["scenes"].get(verdict, 0) for verdict in scenes.BAD}
         files = [row for kind, row in r["files"].items() if kind != "kill"]
-        out.append(
-            {
-                "command": r["command"],
-                "version": r.get("version", ""),
-                "right": r["scenes"][scenes.RIGHT],
-                "refused with a proven reason": sum(r["scenes"][verdict] for verdict in scenes.GOOD[1:]),
-                "wrong or unproven": sum(bad.values()),
-                "damaged files": sum(sum(row.values()) for row in files),
-                "of these read wrongly": sum(row["bad"] for row in files),
-                "killed processes": sum(r["files"].get("kill", {}).values()),
-                "of these not whole": r["files"].get("kill", {}).get("bad", 0),
-            }
-            | bad
-        )
+        ended: Row = {
+            "command": r["command"],
+            "version": r.get("version", ""),
+            "right": r["scenes"][scenes.RIGHT],
+            "refused with a proven reason": sum(r["scenes"][verdict] for verdict in scenes.GOOD[1:]),
+            "wrong or unproven": sum(r["scenes"].get(verdict, 0) for verdict in scenes.BAD),
+            "damaged files": sum(sum(row.values()) for row in files),
+            "of these read wrongly": sum(row["bad"] for row in files),
+            "killed processes": sum(r["files"].get("kill", {}).values()),
+            "of these not whole": r["files"].get("kill", {}).get("bad", 0),
+        }
+        out.append(ended | bad)
     return out

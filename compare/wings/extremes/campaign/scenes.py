@@ -79,13 +79,13 @@ def _of_axis(assembly: Assembly, result: AxisResult, model: str) -> tuple[str, s
     if result.converged:
         fault = check_axes.faults(assembly, result) if model == "lin" else ""
         return (WRONG, fault) if fault else (RIGHT, "")
-    if not result.status.startswith("not held"):
+    if result.status.kind != "not held":
         return SILENT, result.status
     runner = MODELS[model].assembly
-    if "no equilibrium has all" in result.status and callable(runner):  # the state with arcs that go on across the bottom
+    if result.status.cause == "crossed row" and callable(runner):  # the state with arcs that go on across the bottom
         state = runner(assembly, COMPILED)
         return (UNPROVEN if check_axes.faults(assembly, state) or not check_axes.crossed(state) else PROVEN), result.status
-    mounting = "not met at mounting" in result.status
+    mounting = result.status.cause == "mounting"
     return (PROVEN if check_axes.proven(assembly, mounting) else UNPROVEN), result.status
 
 
@@ -110,9 +110,9 @@ def _verdict(scene: Scene, result: StaticResult, number: int, model: str) -> tup
 
 def _refusal(scene: Scene, result: StaticResult) -> tuple[str, str]:
     """Verdict on a result without loads."""
-    if result.status.startswith("not held"):
+    if result.status.kind == "not held":
         return (PROVEN if check.proven(scene) else UNPROVEN), result.status
-    if "not unique" in result.status:
+    if result.status.cause == "not unique":
         return NOT_UNIQUE, result.status
     return SILENT, result.status
 

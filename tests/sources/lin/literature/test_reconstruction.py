@@ -1,11 +1,15 @@
 """Where the printed errors of Lin 2.4.1 come from: readings judged by the printed ratio alone predict them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from rollbench.comparison.evidence.audit import judge
 from rollbench.comparison.evidence.registry import evidence
 from rollbench.comparison.models.study import Study
+from rollbench.comparison.reference.store import load
+from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.sources.lin.reconstruction import scatter
 from rollbench.comparison.sources.lin.reconstruction.combined import (
     ERRORS,
@@ -17,12 +21,14 @@ from rollbench.comparison.sources.lin.reconstruction.combined import (
     ratio,
     solid_loads,
 )
-from rollbench.comparison.sources.lin.reconstruction.readings import LOW, SOLID, key_of, together
-from rollbench.comparison.sources.lin.reconstruction.runs import MOVERS, stored, wanted
+from rollbench.comparison.sources.lin.reconstruction.friction import MU, closure, off_line, slack, tilt_that_slides
+from rollbench.comparison.sources.lin.reconstruction.readings import CASES, LEVEL, LOW, SOLID, key_of, together
+from rollbench.comparison.sources.lin.reconstruction.runs import MOVERS, RUNS, scenes, stored, wanted
 from rollbench.comparison.sources.lin.sections.other_statements import has_shape, other_table
 from rollbench.comparison.sources.lin.sections.reconstruction import (
     combination_table,
     first_paragraph,
+    friction_paragraph,
     met_table,
     second_paragraph,
 )
@@ -45,7 +51,7 @@ def test_readings_that_are_combined_are_those_that_move_the_ratio(study):
 def test_combinations_are_of_different_choices():
     for c in together(SOLID, 3):
         assert len({r.choice for r in c}) == len(c)
-    assert len(wanted()) == len({key_of(c) for c in wanted()}) == 19
+    assert len(wanted()) == len({key_of(c) for c in wanted()}) == 22
     assert all(stored(c) is not None for c in wanted())
 
 
@@ -133,3 +139,85 @@ def test_the_table_of_combinations_has_every_pair_once_and_says_which_meet_the_r
     allowed = {pair for pair, row in zip(pairs, rows, strict=True) if row["text"] == "silent"}
     assert near & allowed == {(row["low order"], row["3D"]) for row in met_table(found).rows}
     assert near - allowed
+
+
+SCENE = catalogue.scene(CASES[0])
+FRICTION = {r.key: (r,) for r in SOLID if r.key in ("off-line", "sliding", "sliding-back")}
+
+
+def rolled(shift: float, tilt: float, steps: int = 2000) -> tuple[np.ndarray, np.ndarray]:
+    """Middle of a ball that rolls on two arcs of one radius, and the centre of the first arc, which has moved by ``shift``
+    across the load [m] and turned about its own middle by ``tilt`` [rad]; the other one stays, its centre at -h on x."""
+    r, ball, h = SCENE.screw.groove_radius, SCENE.balls.radius, slack(SCENE)
+    middle, centre, still = np.zeros(2), np.array([h, 0.0]), np.array([-h, 0.0])
+    for _ in range(steps):
+        normals = [(middle - c) / np.linalg.norm(middle - c) for c in (centre, still)]  # from each arc's centre to the ball
+        turn = tilt / steps
+        surface = np.array([0.0, shift / steps]) + turn * r * np.array([-normals[0][1], normals[0][0]])
+        across = np.array([-normals[0][1], normals[0][0]])
+        middle = middle + 0.5 * (surface @ across) * across  # a ball between a surface that moves and one at rest
+        centre = centre + np.array([0.0, shift / steps])
+    assert ball < r
+    return middle, centre
+
+
+@pytest.mark.parametrize(("shift", "tilt"), [(5e-6, 0.0), (-2e-6, 1e-4), (5e-6, 3e-4)])
+def test_a_ball_that_rolls_stays_on_its_line_but_for_the_tilt_of_the_grooves(shift, tilt):
+    h, r = slack(SCENE), SCENE.screw.groove_radius
+    middle, centre = rolled(shift, tilt)
+    line = 0.5 * (centre + np.array([-h, 0.0]))
+    phi = np.linalg.norm(middle - line) / h
+    assert phi == pytest.approx(abs(tilt) * r / (2.0 * h), abs=2e-5)
+    assert tilt_that_slides(SCENE) * r / (2.0 * h) == pytest.approx(MU)
+
+
+def test_a_ball_beside_its_line_has_balanced_forces_that_are_not_turned_and_fills_the_grooves_more():
+    """By the forces themselves: normals at both contacts, friction across them."""
+    h, ball, pressed = slack(SCENE), SCENE.balls.radius, 6e-6
+    arcs = np.array([[h + pressed, 0.0], [-h - pressed, 0.0]])
+    middle = np.array([0.0, h * MU])
+    away = middle - arcs
+    distance = np.linalg.norm(away, axis=1)
+    normal = away / distance[:, None]  # on the groove
+    assert distance - h == pytest.approx(pressed + closure(SCENE), rel=1e-3)
+    across = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
+    places = middle + ball * normal
+    line = (places[1] - places[0]) / np.linalg.norm(places[1] - places[0])
+    assert line == pytest.approx([1.0, 0.0], abs=1e-12)  # as that of the arcs' centres
+    force = normal * (normal @ line)[:, None] + across * (across @ line)[:, None]  # both along the line: they balance
+    assert np.abs((across @ line) / (normal @ line)) == pytest.approx(MU, rel=0.02)
+    assert force[0] == pytest.approx(force[1])
+
+
+def test_balls_as_far_off_their_lines_as_friction_holds_them_change_loads_as_little_in_both_models(study):
+    solid, low = (
+        solid_loads(study, FRICTION["off-line"]),
+        [study.solve(off_line(catalogue.scene(c)), "lin").load for c in CASES],
+    )
+    for found, base in ((solid, solid_loads(study, ())), (low, low_loads(study, ()))):
+        for a, b in zip(found, base, strict=True):
+            assert np.abs(a - b).max() < 1e-4 * b[:, 0].mean()
+            assert ratio(a) / ratio(b) - 1.0 == pytest.approx(2e-5, abs=3e-5)
+
+
+@pytest.mark.parametrize(("key", "sense"), [("sliding", 1.0), ("sliding-back", -1.0)])
+def test_friction_of_sliding_grooves_bears_its_part_of_the_axial_force(study, key, sense):
+    """Summed from stored loads and angles; and the loads as of a contact angle that is turned by that of friction."""
+    alpha = float(np.arctan(SCENE.track.lead / (2.0 * np.pi * SCENE.track.pitch_radius)))
+    for scene, name in zip(scenes(FRICTION[key]), CASES, strict=True):
+        run = load(scene, LEVEL, stores=[RUNS])
+        force, angle = run.load[:, 0], np.radians(run.angle[:, 0])
+        axial = np.cos(alpha) * (force * (np.sin(angle) + sense * MU * np.cos(angle))).sum()
+        assert axial == pytest.approx(5000.0, rel=1e-5)
+        own = catalogue.scene(name)
+        turned = replace(own, track=replace(own.track, contact_angle=own.track.contact_angle + sense * np.arctan(MU)))
+        low, base = (study.solve(s, "lin").load[:, 0].mean() for s in (turned, own))
+        solid = solid_loads(study, ())[CASES.index(name)][:, 0].mean()
+        assert force.mean() / solid - 1.0 == pytest.approx(low / base - 1.0, rel=0.05)
+
+
+def test_the_page_says_what_friction_does(study):
+    text = friction_paragraph(study)
+    assert text.startswith("Friction of 0.01 is computed")
+    assert "no load by more than 0.007 % of the mean and the ratio by +0.004 %" in text
+    assert "bears 0.95 % of the load" in text

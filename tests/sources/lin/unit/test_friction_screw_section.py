@@ -9,6 +9,7 @@ from time import perf_counter
 import numpy as np
 import pytest
 from tests.evidence_study import GROUP, STUDY
+from tests.section_items import drawn, figures, shows_entries, tables
 
 from rollbench.comparison.evidence.audit import judge
 from rollbench.comparison.evidence.registry import evidence
@@ -24,7 +25,6 @@ from rollbench.comparison.sources.lin.sections import friction_screw
 from rollbench.lowfi.friction.as_source.run import simulate_by_root
 from rollbench.lowfi.friction.linear.chain import solve_linear_chain
 from rollbench.lowfi.friction.screw.chain import solve_chain
-from rollbench.reports.figures import draw
 from rollbench.reports.records import Figure, Section, Table, Text
 
 pytestmark = [pytest.mark.xdist_group(GROUP), pytest.mark.slow]
@@ -68,10 +68,6 @@ def records() -> list[Record]:
         return friction_stability.rows()
 
 
-def tables(made) -> dict[str, Table]:
-    return {item.name: item for item in made.items if isinstance(item, Table)}
-
-
 def test_name_and_unique_items(made):
     assert made.name == "friction-screw"
     assert made.title == "Friction in a ball screw: two balls, a whole screw, and bearings in pairs"
@@ -98,11 +94,8 @@ def test_shown_rows_are_the_entries(made):
     shown = tables(made)
     for name in friction_screw.TABLES:
         table = shown[f"friction-{name}"]
-        for row, printed in zip(table.rows, load_table(name), strict=True):
-            assert set(row) == {c.key for c in table.columns}
-            assert row["class"] == printed.cls
-            assert row["printed"] == (printed.printed or "–")
-            assert row["remark"]
+        shows_entries(table, name)
+        assert all(row["remark"] for row in table.rows)
 
 
 def test_both_readings_stand_side_by_side(made):
@@ -167,16 +160,9 @@ def test_bearings_and_onset(made):
 
 
 def test_figures_have_data_and_can_be_drawn(made):
-    figures = [item for item in made.items if isinstance(item, Figure)]
-    assert [f.name for f in figures] == ["friction-pair-maps", "friction-run", "friction-load-angle"]
-    for figure in figures:
-        assert 1 <= len(figure.panels) <= 6
-        assert len(figure.caption) > 60
-        for panel in figure.panels:
-            for series in panel.series:
-                assert len(series.x) == len(series.y) > 1
-                assert np.isfinite(series.y).all()
-        assert draw(figure).startswith("<?xml")
+    assert [f.name for f in figures(made)] == ["friction-pair-maps", "friction-run", "friction-load-angle"]
+    assert all(len(f.caption) > 60 for f in figures(made))
+    drawn(figures(made))
 
 
 def test_torque_parts_add_up(made):

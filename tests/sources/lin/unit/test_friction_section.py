@@ -5,6 +5,7 @@ from collections import Counter
 import numpy as np
 import pytest
 from tests.evidence_study import GROUP, STUDY
+from tests.section_items import drawn, figures, shows_entries, tables
 
 from rollbench.comparison.evidence.audit import judge
 from rollbench.comparison.evidence.registry import evidence
@@ -15,8 +16,7 @@ from rollbench.comparison.scenes.scene_file import scene_hash
 from rollbench.comparison.sections.notes import assumptions
 from rollbench.comparison.sources.lin.evidence import rotary_linear, source_cases
 from rollbench.comparison.sources.lin.sections import friction
-from rollbench.reports.figures import draw
-from rollbench.reports.records import Figure, Section, Table
+from rollbench.reports.records import Figure, Section
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
@@ -27,10 +27,6 @@ def made() -> Section:
     section = friction.section(STUDY, steps.append)
     assert len(steps) == 4
     return section
-
-
-def tables(made):
-    return {item.name: item for item in made.items if isinstance(item, Table)}
 
 
 def test_every_printed_entry_has_one_finding():
@@ -74,13 +70,7 @@ def test_right_values_stand_beside_what_comes_out_by_a_fault_alone():
 def test_rows_show_class_verdict_and_both_values(made):
     shown = tables(made)
     for name in friction.TABLES:
-        table = shown[f"friction-{name}"]
-        assert len(table.rows) == len(load_table(name))
-        assert {c.key for c in table.columns} == set(table.rows[0])
-        for row, printed in zip(table.rows, load_table(name), strict=True):
-            assert row["class"] == printed.cls
-            assert row["verdict"]
-            assert row["printed"] == (printed.printed or "–")
+        shows_entries(shown[f"friction-{name}"], name)
     assert "remark 1" in [row["remark"] for row in shown["friction-lin-3.2"].rows]
     assert "Remark 1: Load distribution with F_1 = 1" in shown["friction-lin-3.2"].note
     three = {row["label"]: row for row in shown["friction-lin-3.2"].rows}
@@ -136,17 +126,10 @@ def test_least_dissipation_comes_from_every_start_and_root_finding_does_not(made
 
 
 def test_figures_have_data_and_can_be_drawn(made):
-    figures = [item for item in made.items if isinstance(item, Figure)]
-    assert [f.name for f in figures] == ["friction-torque", "friction-velocity", "friction-difference", "friction-force"]
-    for figure in figures:
-        assert 1 <= len(figure.panels) <= 6
-        assert len(figure.caption) > 60
-        for panel in figure.panels:
-            assert panel.series
-            for series in panel.series:
-                assert len(series.x) == len(series.y) > 1
-                assert np.isfinite(series.y).mean() > 0.8
-        assert draw(figure).startswith("<?xml")
+    names = ["friction-torque", "friction-velocity", "friction-difference", "friction-force"]
+    assert [f.name for f in figures(made)] == names
+    assert all(len(f.caption) > 60 for f in figures(made))
+    drawn(figures(made), finite=0.8)
 
 
 def test_curves_pass_through_the_printed_cases(made):

@@ -5,14 +5,13 @@ from collections import Counter
 import numpy as np
 import pytest
 from tests.evidence_study import GROUP, STUDY
+from tests.section_items import drawn, figures, shows_entries, tables
 
 from rollbench.comparison.evidence.entries import Entries
 from rollbench.comparison.printed.printed_data import load_table
 from rollbench.comparison.scenes import units
 from rollbench.comparison.sources.smith import section as smith
 from rollbench.comparison.sources.smith.evidence import case
-from rollbench.reports.figures import draw
-from rollbench.reports.records import Figure, Table
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
@@ -23,27 +22,18 @@ def made():
 
 
 def test_tables_show_every_entry(made):
-    tables = {item.name: item for item in made.items if isinstance(item, Table)}
-    assert list(tables) == [*smith.TITLES, "smith-layouts"]
+    shown = tables(made)
+    assert list(shown) == [*smith.TITLES, "smith-layouts"]
     for name in smith.TITLES:
-        rows, printed = tables[name].rows, load_table(name)
-        assert len(rows) == len(printed)
-        assert {c.key for c in tables[name].columns} == set(rows[0])
-        for row, p in zip(rows, printed, strict=True):
-            assert (row["class"], row["printed"]) == (p.cls, p.printed or "–")
-            assert row["verdict"]
-    total = {row["label"]: row for row in tables["smith-4.2"].rows}
+        shows_entries(shown[name], name)
+    total = {row["label"]: row for row in shown["smith-4.2"].rows}
     ball = total["stiffness of the axis with ball bearings (4.6), in 10^6"]
     assert (ball["as_printed"], ball["right"]) == pytest.approx((1.4883, 1.9149), abs=1e-4)
 
 
 def test_figure_can_be_drawn(made):
-    (figure,) = (item for item in made.items if isinstance(item, Figure))
-    for panel in figure.panels:
-        for series in panel.series:
-            assert len(series.x) == len(series.y) >= 1
-            assert np.all(np.isfinite(series.y))
-    assert draw(figure).startswith("<?xml")
+    (figure,) = figures(made)
+    drawn([figure])
     lines = {s.label: s.y for s in figure.panels[1].series}
     assert lines["ball, fixed-fixed"] == pytest.approx(lines["ball, fixed-fixed"][::-1])
     assert np.all(np.diff(lines["taper, fixed-supported"]) < 0.0)
