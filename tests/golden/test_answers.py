@@ -52,7 +52,6 @@ ANSWERS = (
     "solve unseen-hollow --stiffness-at '200 mm'",
     "solve lin-case3-tolerances --members 20 --model lin",
     "solve axis-fixed-fixed",
-    "solve smith-axis-tandem",
     "solve liu-drawn --model mei",
     "friction double-nut",
     "friction lin-pair-b",
