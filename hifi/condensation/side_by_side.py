@@ -86,6 +86,9 @@ def make(
                 one.result()
         except BrokenProcessPool as error:
             raise MemoryError("a process of the set-up was ended from outside: is there memory for it?") from error
+        except KeyboardInterrupt:  # a part may take minutes: nobody waits for it
+            others.terminate(kill_workers=True)
+            raise
         finally:
             left.clear()
     away = [one.cached for one in made.values() if one.process != os.getpid()]

@@ -37,8 +37,8 @@ CODE = "NUMBA_CACHE_DIR"
 SHORT = ("-m", "not survey and not wings and not installs and not compiles and not slow")
 #: Most files of nearest tests, those that name the module most often.
 NEAREST = 6
-#: Numbers of all kinds of answers, for every module.
-GOLDEN = "tests/golden/test_answers.py"
+#: Numbers of all kinds of answers and of the 3D models, for every module.
+GOLDEN = "tests/golden"
 EXAMPLES = "tests/unit/commands/test_doctests.py::test_examples[{}]"
 PHYSICS = ("lowfi", "hifi", "meshes", "compare/models", "compare/reference", "compare/gate", "compare/wings/rolling")
 #: What is no physics there: files, processes, stores, text.

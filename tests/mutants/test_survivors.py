@@ -170,7 +170,7 @@ def test_no_mutant_is_tried_where_golden_answers_fail_without_one(tmp_path, monk
     monkeypatch.setattr(draw, "passes", lambda *_: False)
     monkeypatch.setattr(draw.Mutant, "survives", lambda *_: pytest.fail("tried"))
     assert draw.main(1, 6) == 2
-    assert "test_answers.py fails without a mutant" in capsys.readouterr().err
+    assert "tests/golden fails without a mutant" in capsys.readouterr().err
 
 
 def test_kernels_are_tried_as_plain_python_and_their_machine_code_is_kept_apart(tmp_path, monkeypatch):

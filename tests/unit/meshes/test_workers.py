@@ -20,10 +20,20 @@ def work(k):
 with local():
     Parallel(n_jobs=2, batch_size=1, max_nbytes=None)(delayed(work)(k) for k in range(2))
 """
-#: The same, as the command line runs it.
-COMMAND = f"""
+#: Parts of a set-up, of which a helper makes the first and the parent the other, for so many seconds.
+SET_UP = """
+from rollbench.hifi.condensation.side_by_side import Part, make
+from rollbench.meshes.cache import Cache
+work = "print(__import__('os').getpid(), flush=True), __import__('time').sleep({})"
+make([Part("any", eval, (work.format(seconds),), tuple) for seconds in (120.0, OWN)], Cache(None), 2)
+"""
+
+
+def command(program: str) -> str:
+    """A program as the command line runs it."""
+    return f"""
 from rollbench.comparison import cli
-cli.commands = lambda _: lambda *_, **__: exec({PARENT!r}, {{"__name__": "jobs"}})
+cli.commands = lambda _: lambda *_, **__: exec({program!r}, {{"__name__": "jobs"}})
 cli.main([])
 """
 
@@ -47,17 +57,35 @@ def left(workers: list[int], seconds: float) -> list[int]:
 @pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="looks for processes in /proc")
 @pytest.mark.parametrize(
     ("program", "number", "code"),
-    [(PARENT, signal.SIGKILL, -9), (COMMAND, signal.SIGTERM, 143), (COMMAND, signal.SIGINT, 130)],
+    [(PARENT, signal.SIGKILL, -9), (command(PARENT), signal.SIGTERM, 143), (command(PARENT), signal.SIGINT, 130)],
 )
 def test_no_worker_outlives_the_process_that_started_it(program, number, code):
     """One worker is at work, the other has a result that is too large for a pipe that nobody reads."""
+    _ended(program, number, code, stopped=True)
+
+
+@pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="looks for processes in /proc")
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGKILL, -9), (signal.SIGTERM, 143), (signal.SIGINT, 130)])
+@pytest.mark.parametrize("own", [120.0, 0.0], ids=["at its own part", "waiting for the other"])
+def test_nobody_waits_for_the_parts_of_a_set_up_that_is_ended(own, number, code):
+    program = SET_UP.replace("OWN", str(own))
+    _ended(program if number == signal.SIGKILL else command(program), number, code, stopped=False)
+
+
+def _ended(program: str, number: int, code: int, stopped: bool) -> None:
+    """End a program that first prints two processes: both are gone soon. stopped: it does nothing meanwhile."""
     with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as parent:
         workers = [int(parent.stdout.readline()) for _ in range(2)]
-        os.kill(parent.pid, signal.SIGSTOP)
+        if stopped:
+            os.kill(parent.pid, signal.SIGSTOP)
         time.sleep(0.2)
         os.kill(parent.pid, number)
-        os.kill(parent.pid, signal.SIGCONT)
-        assert left(workers, 10.0) == []
+        if stopped:
+            os.kill(parent.pid, signal.SIGCONT)
+        lasting = left(workers, 10.0)
+        for pid in lasting:
+            os.kill(pid, signal.SIGKILL)
+        assert lasting == []
         told = parent.communicate()[1].decode()
     assert parent.returncode == code
     if code > 0:

@@ -1,0 +1,51 @@
+"""What golden answers keep of many numbers: of each name how many there are, their mean size, and a weighted mean."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Iterator
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+
+#: Relative, and what is round-off in every unit of an answer.
+TOLERANCE, ROUND_OFF = 1e-6, 1e-9
+
+
+def leaves(value: Any, left_out: Callable[[str], Any], name: str = "") -> Iterator[tuple[str, Any]]:
+    """Names and values of all numbers and arrays below a value; places in lists are no part of a name."""
+    if is_dataclass(value) and not isinstance(value, type):
+        value = {f.name: getattr(value, f.name) for f in fields(value)}
+    elif hasattr(value, "_asdict"):
+        value = value._asdict()
+    if isinstance(value, dict):
+        for key, below in value.items():
+            if not left_out(f"{name}.{key}"):
+                yield from leaves(below, left_out, f"{name}.{key}")
+    elif isinstance(value, list | tuple):
+        for below in value:
+            yield from leaves(below, left_out, name)
+    elif isinstance(value, np.ndarray | np.number | int | float) and not isinstance(value, bool):
+        yield name.removeprefix("."), value
+
+
+def means(value: Any, left_out: Callable[[str], Any]) -> dict[str, list[float]]:
+    """Of each name: how many numbers, their mean size, and their mean weighted by their place."""
+    numbers: dict[str, list[Any]] = defaultdict(list)
+    for name, found in leaves(value, left_out):
+        numbers[name].append(np.asarray(found, dtype=float).ravel())
+    out = {}
+    for name, values in numbers.items():
+        x = np.concatenate(values)
+        if x.size:
+            out[name] = [x.size, *(float(f"{m:.9g}") for m in (np.abs(x).mean(), (x * np.cos(np.arange(x.size))).mean()))]
+    return out
+
+
+def same(found: dict[str, list[float]], expected: dict[str, list[float]], round_off: float = ROUND_OFF) -> None:
+    """Assert that no number has moved; others may be new."""
+    assert not expected.keys() - found.keys()
+    for name, (count, size, mean) in expected.items():
+        assert found[name] == pytest.approx([count, size, mean], rel=TOLERANCE, abs=max(TOLERANCE * size, round_off)), name

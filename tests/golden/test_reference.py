@@ -1,0 +1,62 @@
+"""Numbers of the 3D models on their smallest scenes, part by part: they guard against change, as those beside them.
+
+Whoever changes them on purpose writes them anew with ``python -m tests.golden.test_reference`` and says why in the commit.
+"""
+
+import json
+import re
+from importlib.metadata import version
+from pathlib import Path
+
+import pytest
+from tests.golden.means import means, same
+from tests.two_balls import SMALL, two_balls
+
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.wings.rolling import runs
+from rollbench.hifi import setup
+from rollbench.hifi.bodies import submodel
+from rollbench.hifi.reference import solve_reference
+from rollbench.meshes.cache import Cache
+
+RECORD = Path(__file__).parent / "reference.json"
+ROLLING = ("lin-pair-a", "lin-screw-pair-a", "lin-rotary-2")
+#: Cells along and across, and the points of the two quadratures of the rigid limit.
+CELLS, QUADRATURES = (6, 8), (16, 19)
+#: Memory and time, residuals, and angles of contacts without load.
+LEFT_OUT = re.compile(
+    r"second|MB|scene|residual|equilibrium|balance|along_groove|deviation|iterations|contact_angle|upwind"
+)
+
+
+def set_up():
+    """Bodies, patches and shaft of two balls in a short nut, and its contact loads."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(submodel, "REALISATIONS", 1)
+        made = setup.prepare(two_balls(), (0, 3), SMALL, cache=Cache(None))
+    return means({"setup": made, "solved": solve_reference(made, made.scene)}, LEFT_OUT.search)
+
+
+def rolling(name):
+    """Balls that roll on a coarse grid."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(runs.LEVELS, 1, CELLS)
+        patch.setattr(runs, "QUADRATURES", QUADRATURES)
+        return means(runs.compute(catalogue.any_scene(name), 1), LEFT_OUT.search)
+
+
+def test_no_number_of_a_set_up_and_its_loads_moves():
+    expected = json.loads(RECORD.read_text(encoding="utf-8"))
+    if expected["gmsh"] != version("gmsh"):
+        pytest.skip("the record's meshes are another gmsh's")
+    same(set_up(), expected["two balls"], round_off=0.0)
+
+
+@pytest.mark.parametrize("name", ROLLING)
+def test_no_number_of_rolling_balls_moves(name):
+    same(rolling(name), json.loads(RECORD.read_text(encoding="utf-8"))[name])
+
+
+if __name__ == "__main__":
+    found = {"gmsh": version("gmsh"), "two balls": set_up(), **{name: rolling(name) for name in ROLLING}}
+    RECORD.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
