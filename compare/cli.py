@@ -54,7 +54,7 @@ def _let_threads_end() -> None:
 def main(tokens: list[str] | None = None) -> None:
     """Entry point: bad input gives one line on standard error and exit code 2, an interrupt 130, TERM 143; an output that
     nobody reads any more ends quietly with 141, one that cannot be written with 74 and one line."""
-    if tokens is None and threading.current_thread() is threading.main_thread():
+    if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, _terminated)
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # closed by the caller: nobody reads it
