@@ -165,12 +165,14 @@ def test_a_driven_helix_is_proven_by_rank():
 
 def test_a_record_is_kept_and_replaced_by_its_command(tmp_path):
     path = tmp_path / "campaign.json"
-    found = {"command": "a", "scenes": {"right": 3}, "files": {"kill": {"whole": 2}}, "bad": []}
+    none = dict.fromkeys((*scenes.GOOD, *scenes.BAD), 0)
+    found = {"command": "a", "scenes": none | {"right": 3}, "files": {"kill": {"whole": 2}}, "bad": []}
     path.write_text(record.text(found, path))
     path.write_text(record.text(found | {"command": "b"}, path))
-    path.write_text(record.text(found | {"scenes": {"right": 4}}, path))
+    path.write_text(record.text(found | {"scenes": none | {"right": 4, "wrong": 1}}, path))
     assert [(r["command"], r["scenes"]["right"]) for r in record.read(path)] == [("b", 3), ("a", 4)]
-    assert [row["count"] for row in record.rows(record.read(path))] == [3, 2, 4, 2]
+    rows = record.rows(record.read(path))
+    assert [(row["right"], row["wrong or unproven"], row["killed processes"]) for row in rows] == [(3, 0, 2), (4, 1, 2)]
     path.write_text("[[1]]")
     assert record.read(path) == []
 
