@@ -9,6 +9,7 @@ import numpy as np
 from rollbench.comparison.models.choices import VARIED, choices_of
 from rollbench.comparison.models.comparison import REFERENCED
 from rollbench.comparison.models.ladder import RUNGS, UNSEEN, Rung, ladder, left_out_one, shares
+from rollbench.comparison.models.model_form import SHARE
 from rollbench.comparison.models.study import Study
 from rollbench.lowfi.compliance.imported import PARTS
 from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
@@ -144,8 +145,8 @@ def estimate_items(study: Study, rungs: Sequence[Rung]) -> list[Table | Figure]:
             panels.append(Panel(model, "measured / % of the mean load", "expected / %", series, log="xy"))
     note = (
         "For every screw, shipped or surveyed, the largest load error is estimated from all other screws: a "
-        "linear fit of the logarithm of the error over the features, times the factor that covers 91 % of "
-        "the other scenes."
+        "linear fit of the logarithm of the error over the features, times the factor that covers "
+        f"{SHARE:.0%} of the other scenes."
     )
     out: list[Table | Figure] = [
         Table.of("ladder-estimate", "The model-form estimate tested on the compared scenes", lines, note)

@@ -18,7 +18,7 @@ from rollbench.lowfi.statics.problem import Problem, build, nominal_hertz
 from rollbench.lowfi.statics.records import NO_ROLLERS, BallContacts, Bodies, BodyState, Options
 from rollbench.lowfi.statics.shaft import Shaft, flank_response, shaft_of
 from rollbench.lowfi.statics.squeeze import Squeeze, squeezed, stretch_of
-from rollbench.lowfi.statics.static import MAX_ITERATIONS, least_force, options_of, reference_scale
+from rollbench.lowfi.statics.static import least_force, options_of, reference_scale
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimen
 from rollbench.meshes.helix import BallLayout
@@ -305,7 +305,7 @@ def ready(
         spring_rows(problem, pair, options.stiffness),
         options,
         shaft.arms,
-        np.zeros(MAX_ITERATIONS + 1),
+        np.zeros(options.most + 1),
         assumed,
     )
 

@@ -145,7 +145,8 @@ def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANC
     constants, band = np.zeros((lengths.size, 5)), np.zeros((6 * nodes.size, problem.half_bandwidth + 1))
     engine.assemble_beam(lengths, sections, constants, band)
     beam = BeamArrays(lengths, problem.fixed, problem.load, constants, band)
-    return Prepared(problem, engine, beam, contacts, state, options_of(problem, tolerance), np.zeros(MAX_ITERATIONS + 1))
+    options = options_of(problem, tolerance)
+    return Prepared(problem, engine, beam, contacts, state, options, np.zeros(options.most + 1))
 
 
 def iterate(prepared: Prepared, start: bool = True) -> Outcome:

@@ -22,7 +22,7 @@ from rollbench.lowfi.statics.records import AxisState, Outcome
 from rollbench.lowfi.statics.result import AxisResult, Status
 from rollbench.lowfi.statics.settle import NO_LOADS, Contacts, Flanks, least_residual, report_of, settled, verdict
 from rollbench.lowfi.statics.shaft import flank_loads, node_forces, node_motions
-from rollbench.lowfi.statics.static import MAX_ITERATIONS, Engine
+from rollbench.lowfi.statics.static import Engine
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS
 from rollbench.lowfi.threads import one_thread
 from rollbench.meshes.arrays import Array
@@ -91,7 +91,7 @@ def settle(elastic: ElasticAxis, backend: Backend) -> tuple[ElasticAxis, Outcome
         arrays = elastic.bodies, elastic.contacts, elastic.state
         if start:
             elastic.engine.start_forces(elastic.bodies, elastic.state, elastic.springs, elastic.options)
-        history = np.zeros(MAX_ITERATIONS + 1)
+        history = np.zeros(elastic.options.most + 1)
         found: Outcome = elastic.engine.solve_forces(*arrays, elastic.options, elastic.arms, history)
         return found
 

@@ -58,7 +58,7 @@ def prepare(system: System, engine: ModuleType, *, tolerance: float = TOLERANCE)
     system.contacts = system.contacts._replace(tiny=1e-14 * force)
     furthest = float(system.contacts.r_ball.max(initial=0.0))
     options = Options(tolerance, MAX_ITERATIONS, stiffness, system.arm, 1e3, floor, furthest)
-    return Prepared(system, engine, state, options, np.zeros(MAX_ITERATIONS + 1))
+    return Prepared(system, engine, state, options, np.zeros(options.most + 1))
 
 
 def iterate(prepared: Prepared, *, start: bool = True) -> Outcome:

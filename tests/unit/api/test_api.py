@@ -8,6 +8,7 @@ from tests.axes import one_set
 from tests.helpers import small_screw
 
 import rollbench
+from rollbench.reports.cells import typeset
 
 
 @pytest.fixture(scope="module")
@@ -88,6 +89,6 @@ def test_a_sweep_gives_its_summary(tmp_path: Path) -> None:
 def test_the_page_of_a_scene_is_written(tmp_path: Path) -> None:
     page = rollbench.report("two-balls", out=tmp_path / "page", store=tmp_path)
     assert page["passed"]
-    assert page["verdict"] in Path(page["page"]).read_text(encoding="utf-8")
+    assert typeset(page["verdict"]) in Path(page["page"]).read_text(encoding="utf-8")
     with pytest.raises(rollbench.InputError, match="quick: got given; allowed: without a scene"):
         rollbench.report("two-balls", quick=True, out=tmp_path / "page")

@@ -206,7 +206,7 @@ def numbers(value: Any) -> list[float]:
     ("scene", "model", "module"),
     [
         ("lin-case3", "lin", static),
-        ("bearing-9", "refined", elastic_system),
+        ("bearing-9", "refined", static),
         ("double-nut", "lin", axis_solve),
         ("double-nut", "refined", axis_elastic),
     ],

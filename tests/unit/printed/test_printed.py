@@ -16,7 +16,18 @@ from rollbench.comparison.sections import verdicts
 from rollbench.lowfi.friction.screw.run import Run
 
 TABLES = printed_data.tables()
-MAKERS = ("MASTA, ", "NSK, ", "Jones and Harris, ", "CONTACT, ", "Ansys VM63, ", "SNFA, ", "GMN, ", "THK, ")
+MAKERS = (
+    "MASTA, ",
+    "NSK, ",
+    "Jones and Harris, ",
+    "CONTACT, ",
+    "Ansys VM63, ",
+    "SNFA, ",
+    "GMN, ",
+    "THK, ",
+    "HIWIN, ",
+    "Rexroth, ",
+)
 SOURCES = {
     "lin": "Lin (2019), ",
     "smith": "Smith (1994), ",
