@@ -15,9 +15,10 @@ that the contacts of one scene do not average, from the mean changes of all scen
 equilibrium: those with load on both flanks of the screw.
 
 The bar is twice the root of the sum for the finest level and a next one together (2.2 times where it rests on the change
-between two neighbouring levels alone): in 95 % of contacts it holds what a finer mesh finds. What bodies and sockets get wrong are displacements, which a contact turns into load by its own stiffness,
-dF / dx ~ F^(1/3) (Hertz): these two parts are shared out among the contacts so. No bar holds what all meshes have in
-common (`compare.models.total_uncertainty`).
+between two neighbouring levels alone): in 95 % of contacts it holds what a finer mesh finds. What bodies and sockets get
+wrong are displacements, which a contact turns into load by its own stiffness, dF / dx ~ F^(1/3) (Hertz): these two parts
+are shared out among the contacts so. No bar holds what all meshes have in common
+(`compare.models.total_uncertainty`).
 """
 
 from __future__ import annotations
@@ -39,8 +40,8 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import mean_load
 
 FILE = "grid_parts.json"
-#: Standard deviations of a bar that holds 95 %, and of one that rests on a single change, between levels next to each other:
-#: what such a change tells of the next one scatters from scene to scene, and 2 held 87 % of one drawn screw's contacts.
+#: Standard deviations of a bar that holds 95 %, and of one that rests on the change between two neighbouring levels alone:
+#: what this tells of the next change scatters from scene to scene, and 2 held 87 % of one drawn screw's contacts.
 COVER, COVER_OF_ONE_CHANGE = 2.0, 2.2
 #: Second-order cells.
 ORDER = 2
