@@ -1,4 +1,4 @@
-"""The residual that double precision cannot get below, by every solver: what the lengths in its contacts make of round-off."""
+"""The residual that double precision cannot get below, by every solver: a force of round-off in the contacts' lengths."""
 
 from dataclasses import replace
 from functools import partial
