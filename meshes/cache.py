@@ -155,7 +155,7 @@ def _read(path: Path, type_: type[T]) -> tuple[T, float] | None:
         if hashlib.sha256(content).digest() != digest:
             return None
         value = unpacked(content[_SECONDS.size :], type_.__module__.split(".")[0])
-    except (OSError, ValueError, KeyError, AttributeError, ImportError):  # none, or of other sources: it is built anew
+    except (OSError, ValueError):  # none, or of other sources: it is built anew
         return None
     with suppress(OSError):  # a folder that may only be read
         os.utime(path)

@@ -150,6 +150,22 @@ def test_the_largest_load_has_the_uncertainty_of_its_contact() -> None:
             assert row["uncertainty"] == ball["uncertainty"]
 
 
+def test_a_mesh_study_adds_varied_choices_by_the_root_of_squares(tmp_path: Path) -> None:
+    """Three variants of two modelling choices, one of how the nut is held, and one of the mesh, on ball 3's load on SL."""
+    moves = {"land": 3.0, "land-wide": -5.0, "hole": 12.0, "nut-right": -7.0, "modes": 99.0}
+    base = np.full((32, 4), 100.0)
+    scene = catalogue.scene("lin-case1")
+    save(tmp_path, scene, run_of("lin-case1", 1, base))
+    for variant, move in moves.items():
+        load = base.copy()
+        load[2, 0] += move
+        save(tmp_path, scene, run_of("lin-case1", 1, load, variant))
+    table = {row["quantity"]: row for row in study_table(scene, [tmp_path], (1,))}
+    row, other = table["load of ball 3, SL"], table["load of ball 4, SL"]
+    assert (row["modelling_spread"], row["scene_choices"]) == (pytest.approx(13.0), pytest.approx(7.0))
+    assert (other["modelling_spread"], other["scene_choices"]) == (0.0, 0.0)
+
+
 def test_levels_that_are_hardly_better_are_named_and_not_advised() -> None:
     found = studied(catalogue.scene("lin-case1"), None)
     assert found is not None
