@@ -45,7 +45,7 @@ def test_the_shaft_is_kept_whatever_nut_and_stations_are():
     assert len(known) == 4, "the section, and the shafts of three lengths"
     thicker = replace(scene, nut=replace(scene.nut, outer_diameter=scene.nut.outer_diameter + 1e-3))
     assert keys(thicker, ends) == known == keys(scene, (0.0, 55e-3, 60e-3))
-    other = replace(scene, screw=replace(scene.screw, bore=3e-3))
+    other = replace(scene, screw=replace(scene.screw, bore=4e-3))
     assert not keys(other, ends) & known
     finer = keys(scene, ends, replace(SMALL, cell=8e-3))
     assert len(finer & known) == 1, "the section has cells of its own"
