@@ -137,7 +137,9 @@ def feed_back(
         active = active[more]
         mixer.keep(more)
         guess[active] = mixer.next(guess[active], answer[more])
-        now, shift[active], failed[active] = _seated(now, place, active, still[active] + guess[active], shift[active], at, fast)
+        now, shift[active], failed[active] = _seated(
+            now, place, active, still[active] + guess[active], shift[active], at, fast
+        )
     final = ball_friction(scene, now, friction, drive, fast)
     off = _left(now.force, now.normals[..., [0, 2]], along, still + _answer(final, now, place.axis))
     change = np.abs(off).max(axis=1) / np.maximum(now.force.sum(axis=1), 1e-300)
@@ -171,7 +173,13 @@ def second_states(
 
 
 def _seated(
-    now: StaticContacts, place: Seats, which: NDArray[np.int64], given: Array, start: Array, bare: StaticContacts, fast: bool
+    now: StaticContacts,
+    place: Seats,
+    which: NDArray[np.int64],
+    given: Array,
+    start: Array,
+    bare: StaticContacts,
+    fast: bool,
 ) -> tuple[StaticContacts, Array, NDArray[np.bool_]]:
     """Contacts with the balls ``which`` where forces (k, 3) hold them, their shifts (k, 3), and which did not settle."""
     away = place.away[which]
