@@ -49,8 +49,8 @@ ORDER = 2
 STIFFNESS = 1.0 / 3.0
 #: Cells of the contact and of the bodies over those of the level before, of a level after the last.
 NEXT = (0.75, 0.87)
-#: Shares of contacts that the bar of a single level holds: of all compared scenes, and of every one with one loaded flank of
-#: the screw, and with both, of which there are fewer to learn from.
+#: Shares of contacts that the bar of a single level holds: of all compared scenes, and of every one with one loaded flank
+#: of the screw, and with both, of which there are fewer to learn from.
 SHARE, LEAST = 0.95, (0.93, 0.95)
 #: Rounds of weights in a fit of variances, and the least variance [%^2] that is told from none.
 ROUNDS, TINY = 20, 1e-12
