@@ -77,7 +77,6 @@ def test_a_study_makes_everything_once():
 @pytest.mark.parametrize(
     ("changes", "key"),
     [({"nut_inner_diameter": 9e-3}, "solid.nut_inner_diameter"), ({"hole_diameter": 1.0}, "solid.hole_diameter")],
-    [({"nut_inner_diameter": 9e-3}, "solid.nut_inner_diameter"), ({"hole_diameter": 1.0}, "solid.hole_diameter")],
 )
 def test_a_body_that_cannot_be_built_names_its_key(changes: dict[str, float], key: str) -> None:
     scene = catalogue.scene("lin-case1")
