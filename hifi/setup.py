@@ -33,7 +33,7 @@ from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.shaft.beam import ShaftSection
 from rollbench.hifi.shaft.cell import Homogenised
 from rollbench.hifi.shaft.mounting import as_stiff_as, without_cuts
-from rollbench.meshes.cache import Cache
+from rollbench.meshes.cache import Cache, StageDone
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.parts import Scene
@@ -82,7 +82,7 @@ class _Stages:
     def told(self, stage: str, spent: float, cached: Sequence[bool]) -> None:
         """Tell the seconds that a stage took, of whose records some came from the cache."""
         origin = "" if not any(cached) else ", from the cache" if all(cached) else ", partly from the cache"
-        self.step(f"{stage}: {spent:.1f} s{origin}")
+        self.step(StageDone(stage, f"{spent:.1f} s{origin}", cached=bool(cached) and all(cached)))
 
     def made(self, parts: Sequence[Part], processes: int) -> list[Any]:
         """Records of the parts. A stage is told with its own seconds when its last part is made; what is kept of it is its
