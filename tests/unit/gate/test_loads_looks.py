@@ -1,0 +1,38 @@
+"""What loads that disagree as a whole look like: another unit, other balls, other flanks."""
+
+import numpy as np
+import pytest
+
+from rollbench.comparison.gate.loads_looks import NEAR, UNITS, looks
+
+FLANKS = ("SL", "NR")
+NEWTONS = {"kilonewtons": 1e3, "pounds": 0.45359237 * 9.80665, "kiloponds": 9.80665, "millinewtons": 1e-3}
+
+
+def loads():
+    """Eight balls on one diagonal, the last bears three times as much as the first."""
+    found = np.zeros((8, 4))
+    found[:, [0, 3]] = np.linspace(100.0, 300.0, 8)[:, None]
+    return found
+
+
+def test_units_are_those_of_their_definitions():
+    """The pound is 0.45359237 kg and standard gravity 9.80665 m/s2, both exactly."""
+    assert pytest.approx(NEWTONS, rel=1e-12) == UNITS
+
+
+@pytest.mark.parametrize("unit", UNITS)
+@pytest.mark.parametrize(("share", "seen"), [(1.0 - 0.99 * NEAR, True), (1.0 + 1.01 * NEAR, False)])
+def test_a_sum_near_that_in_another_unit_is_told(unit, share, seen):
+    said = looks(share * loads() / NEWTONS[unit], loads(), FLANKS, 7.0)
+    assert (f"look like {unit}: in newtons they are {NEWTONS[unit]:g} times as large" in said) is seen
+
+
+def test_other_balls_and_other_flanks_are_told_and_what_is_within_the_limit_is_not():
+    assert "the other way round" in looks(loads()[::-1], loads(), FLANKS, 7.0)
+    assert "otherwise" in looks(np.roll(loads(), 3, axis=0), loads(), FLANKS, 7.0)
+    other = loads()[:, [1, 0, 3, 2]]
+    assert "other flanks" in looks(other, loads() + 0.1 * other, ("SR", "NL"), 7.0)
+    assert looks(1.05 * loads(), loads(), FLANKS, 12.0) == ""
+    assert looks(0.0 * loads(), loads(), FLANKS, 7.0) == ""
+    assert looks(1.5 * loads(), loads(), FLANKS, 7.0) == ""
