@@ -51,7 +51,8 @@ PANELS = 6
 class TimePoint:
     """One model or mesh of a scene against the reference's finest level: largest and RMS error [% of the mean load],
     lowest and highest largest error that the grid uncertainty of every contact allows (None with one level); seconds
-    cold and warm, unknowns, peak memory [MB] (None: not measured), kind, and the status where it is no solution."""
+    cold and warm, unknowns, peak memory [MB] (None: not measured), kind, short name, and the status where it is no
+    solution."""
 
     label: str
     kind: Literal["model", "level", "source mesh"]
@@ -63,6 +64,7 @@ class TimePoint:
     warm: float | None
     unknowns: int
     memory: float | None
+    name: str
     status: str = "converged"
 
 
@@ -101,11 +103,11 @@ def time_points(name: str, found: Reference, study: Study, step: Step) -> list[T
         if known is None:
             step(f"{name}, {model.label}: cold and warm")
         out.append(_model_point(name, model, found, study, bodies if model.name == "condensed" else None, known))
-    runs = [(f"3D reference, level {r.level}", r) for r in found.runs]
+    runs = [(f"3D reference, level {r.level}", f"3D level {r.level}", r) for r in found.runs]
     source = load(scene, SOURCE_LEVEL, stores=study.stores)
     if source is not None:
-        runs.insert(0, ("3D reference, the source's mesh", source))
-    for label, run in runs:
+        runs.insert(0, ("3D reference, the source's mesh", "3D, source's mesh", source))
+    for label, short, run in runs:
         out.append(
             TimePoint(
                 label,
@@ -115,6 +117,7 @@ def time_points(name: str, found: Reference, study: Study, step: Step) -> list[T
                 run.solve_seconds,
                 run.unknowns,
                 run.peak_MB,
+                short,
                 run.status,
             )
         )
@@ -142,6 +145,7 @@ def _model_point(
         known.warm,
         result.solver.unknowns,
         known.memory,
+        model.name,
         result.status,
     )
 
@@ -294,7 +298,7 @@ def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
     """Speed ratio of the finest level to the source's low-order model, scene by scene."""
     rows: list[Row] = []
     for scene, own in points.items():
-        low = next(p for p in own if p.label == MODELS["lin"].label)
+        low = next(p for p in own if p.name == "lin")
         best = [p for p in own if p.kind == "level"][-1]
         if low.warm and best.warm:
             rows.append(
@@ -339,8 +343,7 @@ def time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
         "All points are errors against the finest level, with what its grid "
         f"uncertainty leaves of them as bars; what is below {FLOOR:g} % is drawn at the lower edge."
     )
-    axial = MODELS["mei"].label  # takes part where there is no preload
-    plain = [n for n in REFERENCED if n in points and any(p.label == axial for p in points[n])]
+    plain = [n for n in REFERENCED if n in points and any(p.name == "mei" for p in points[n])]
     groups = {
         "": plain,
         "-preload": [n for n in REFERENCED if n in points and n not in plain],
@@ -374,9 +377,8 @@ def kept_now(
     points: Mapping[str, Sequence[TimePoint]], first: Mapping[tuple[str, str], Cold], levels: Sequence[ColdLevel] = ()
 ) -> Kept:
     """The times of these points, first processes and levels, to be kept for reports to come."""
-    names = {model.label: model.name for model in MODELS.values()}
     times = {
-        (scene, names[p.label]): RunTime(p.cold, p.warm, p.memory)
+        (scene, p.name): RunTime(p.cold, p.warm, p.memory)
         for scene, own in points.items()
         for p in own
         if p.kind == "model" and p.warm is not None
