@@ -155,19 +155,24 @@ def held_at(scene: Scene, screw: bool) -> str:
 
 
 @lru_cache(maxsize=64)
-@kept(BeamSection)
 def grooved_section(geometry: Scene, screw: bool) -> BeamSection:
     """Section constants of the grooved screw or nut (`cell_section`); of the plain body for a track without lead."""
+    if geometry.track.lead == 0.0 and screw:
+        return screw_section(geometry)
+    return section_of(flank_of(geometry, screw))
+
+
+@lru_cache(maxsize=64)
+@kept(BeamSection)
+def section_of(flank: Flank) -> BeamSection:
+    """The same by the body's groove, kept for scenes whose other body differs."""
     from rollbench.lowfi.compliance.cell import cell_section
     from rollbench.lowfi.compliance.groove import smooth_radius
 
-    flank = flank_of(geometry, screw)
-    if geometry.track.lead == 0.0:
-        if screw:
-            return screw_section(geometry)
+    if flank.map.rg == 0.0:
         return tube_section(2.0 * flank.far, 2.0 * smooth_radius(flank, 2), flank.material)
     with one_thread():
-        return cell_section(flank.map, flank.land, flank.far, screw, flank.material).section
+        return cell_section(flank.map, flank.land, flank.far, flank.screw, flank.material).section
 
 
 def smooth_body(geometry: Scene, screw: bool, backend: Backend) -> Tube:
