@@ -51,8 +51,11 @@ def opening_motion(problem: Problem) -> Array | None:
 
 
 def approach(side: int, angle: float, flank: Array, first: int, balls: int) -> Array:
-    """How the contacts on one side of N balls, at an angle [rad], approach ``(N, k + 2 balls)``: by the motions ``(N, 2, k)``
-    of the flank along x3 and z3, and by those of the centres of all ``balls``, of which they are from ``first`` on."""
+    """How the contacts on one side of N balls, at an angle [rad], approach ``(N, k + 2 balls)``.
+
+    By motions ``(N, 2, k)`` of the flank along x3 and z3, and by those of the centres of all ``balls``, of which they are
+    from ``first`` on.
+    """
     N, direction = len(flank), SIGNS[side] * np.array([np.cos(angle), np.sin(angle)])
     centres = np.zeros((N, balls, 2))
     centres[np.arange(N), first + np.arange(N)] = direction
