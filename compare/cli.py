@@ -7,8 +7,8 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Iterable
-from contextlib import suppress
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
 from types import FrameType
 
 from cyclopts import CycloptsError
@@ -35,6 +35,19 @@ def _terminated(_number: int, _frame: FrameType | None) -> None:
     raise Terminated
 
 
+@contextmanager
+def _terminable() -> Iterator[None]:
+    """Handle TERM as an interrupt inside, and as before afterwards; only the main thread may set a handler."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, _terminated)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL if before is None else before)
+
+
 def _say(lines: Iterable[str]) -> None:
     """Lines on standard error, as far as anybody reads it: the exit code is what counts."""
     with suppress(OSError):
@@ -51,11 +64,10 @@ def _let_threads_end() -> None:
             thread.join(max(until - time.monotonic(), 0.0))
 
 
+@_terminable()
 def main(tokens: list[str] | None = None) -> None:
     """Entry point: bad input gives one line on standard error and exit code 2, an interrupt 130, TERM 143; an output that
     nobody reads any more ends quietly with 141, one that cannot be written with 74 and one line."""
-    if threading.current_thread() is threading.main_thread():
-        signal.signal(signal.SIGTERM, _terminated)
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # closed by the caller: nobody reads it
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 - for the life of the process

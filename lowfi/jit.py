@@ -17,7 +17,6 @@ from __future__ import annotations
 import hashlib
 import importlib
 import importlib.util
-import multiprocessing
 import os
 import shutil
 import signal
@@ -113,6 +112,8 @@ def _hold_signals_back() -> None:
 @cache
 def _announce() -> None:
     """Say, when the first kernel is about to be compiled, why nothing else is printed for a while."""
+    import multiprocessing
+
     if multiprocessing.parent_process() is None:
         sys.stderr.write("rollbench: compiling kernels, once on this machine: 20 to 60 s\n")
 

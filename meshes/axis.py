@@ -12,7 +12,7 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.meshes.parts import Friction, Ingredients, Load, Material, Motion, Scene, Screw, Support
+from rollbench.meshes.parts import FREEDOMS, Friction, Ingredients, Load, Material, Motion, Scene, Screw, Support
 
 #: A symmetric stiffness (6, 6), rows by FREEDOMS [N/m, N, N m].
 Stiffness = tuple[tuple[float, ...], ...]
@@ -60,6 +60,11 @@ class Housing:
     stiffness: Stiffness | None = None
     force: tuple[float, float, float] = (0.0, 0.0, 0.0)
     moment: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    @property
+    def stands(self) -> bool:
+        """Whether it cannot move at all."""
+        return {name for name, value in self.fixed if value == 0.0} == set(FREEDOMS)
 
 
 @dataclass(frozen=True)

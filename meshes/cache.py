@@ -11,8 +11,10 @@ a mesh generator is being worked on.
 
 from __future__ import annotations
 
+import glob
 import hashlib
 import os
+import re
 import shutil
 import struct
 import sys
@@ -20,7 +22,6 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from functools import lru_cache
-from importlib import metadata
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TypeVar
@@ -169,7 +170,7 @@ def _read(path: Path, type_: type[T]) -> tuple[T, float] | None:
         if hashlib.sha256(content).digest() != digest:
             return None
         value = unpacked(content[_SECONDS.size :], type_.__module__.split(".")[0])
-    except (OSError, ValueError, KeyError, AttributeError, ImportError):  # none, or of other sources: it is built anew
+    except (OSError, ValueError):  # none, or of other sources: it is built anew
         return None
     with suppress(OSError):  # a folder that may only be read
         os.utime(path)
@@ -205,10 +206,12 @@ def sources(package: str) -> str:
     spec = find_spec(package)
     digest, count = hashlib.sha256(), 0
     for folder in dict.fromkeys((spec.submodule_search_locations or []) if spec else []):
-        for path in sorted(Path(folder).rglob("*.py")):
-            text = path.read_bytes()
-            digest.update(f"{path.relative_to(folder).as_posix()} {len(text)}\n".encode() + text)
-            if path.stat().st_mtime > _BEGAN:
+        for path in sorted(glob.iglob("**/*.py", root_dir=folder, recursive=True)):
+            with open(os.path.join(folder, path), "rb") as file:
+                text = file.read()
+                changed = os.fstat(file.fileno()).st_mtime
+            digest.update(f"{path} {len(text)}\n".encode() + text)
+            if changed > _BEGAN:
                 digest.update(os.urandom(16))
             count += 1
     return digest.hexdigest() if count else ""
@@ -216,6 +219,14 @@ def sources(package: str) -> str:
 
 @lru_cache
 def _version(package: str) -> str:
+    """Version of an installed package, as its folder of metadata is named: `importlib.metadata` takes longer to load than
+    a screw to solve, and is asked where there is no such folder."""
+    name = re.sub("[-_.]+", "_", package)
+    folders = [found for place in sys.path for found in glob.iglob(f"{name}-*.dist-info", root_dir=place or ".")]
+    if folders:
+        return " ".join(sorted(folders))
+    from importlib import metadata
+
     try:
         return metadata.version(package)
     except metadata.PackageNotFoundError:

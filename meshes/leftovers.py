@@ -11,7 +11,6 @@ import platform
 import re
 import shutil
 import time
-import uuid
 from contextlib import suppress
 from pathlib import Path
 
@@ -22,7 +21,7 @@ OLD = 86_400.0
 def temporary(path: Path, ending: str = "tmp") -> Path:
     """A new name beside ``path`` for what will become it; leftovers of earlier ones of dead processes are removed."""
     clean(path, ending)
-    return path.with_name(f".{path.name}.{_machine()}-{os.getpid()}-{uuid.uuid4().hex[:8]}.{ending}")
+    return path.with_name(f".{path.name}.{_machine()}-{os.getpid()}-{os.urandom(4).hex()}.{ending}")
 
 
 def for_group(path: Path) -> None:

@@ -9,9 +9,11 @@ from __future__ import annotations
 import dataclasses
 import io
 import json
+import zlib
 from collections.abc import Callable
 from importlib import import_module
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -35,11 +37,14 @@ def packed(value: object) -> bytes:
 
 
 def unpacked(content: bytes, *packages: str) -> Any:
-    """The record of such bytes; ``packages``: names of more that may be named. Raises ValueError, KeyError, AttributeError
-    or ImportError for bytes of something else."""
-    with np.load(io.BytesIO(content), allow_pickle=False) as file:
-        tree, *arrays = (file[name] for name in file.files)
-    return _made(json.loads(tree.tobytes()), arrays, (*TRUSTED, *packages))
+    """The record of such bytes; ``packages``: names of more that may be named. Raises ValueError for bytes of something
+    else."""
+    try:
+        with np.load(io.BytesIO(content), allow_pickle=False) as file:
+            tree, *arrays = (file[name] for name in file.files)
+        return _made(json.loads(tree.tobytes()), arrays, (*TRUSTED, *packages))
+    except (AttributeError, EOFError, ImportError, LookupError, RecursionError, TypeError, BadZipFile, zlib.error) as error:
+        raise ValueError(f"no record: {error}") from error
 
 
 def _described(value: Any, arrays: list[Any]) -> Any:

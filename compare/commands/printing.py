@@ -61,26 +61,32 @@ def print_json(value: Any) -> None:
 def _show(parts: Iterable[Any], *, folded: bool) -> None:
     """On a terminal texts wrapped, and tables taken apart, to its width; elsewhere texts as they are unless folded, and
     tables without rules, 160 columns wide or as their words need."""
-    from rich.console import Console
-    from rich.table import Table
-
-    from rollbench.comparison.commands.wrapping import fitted, unbroken, wrapped
+    from rollbench.comparison.commands.wrapping import wrapped
 
     terminal = sys.stdout.isatty()
-    console = Console(width=None if terminal else 160, soft_wrap=True, highlight=False, markup=False)
     for part in parts:
-        if isinstance(part, Table):
-            tables = fitted(part, text_width()) if terminal else [part]
-            if not terminal:
-                part.box, part.pad_edge = None, False
-                console.width = max(160, unbroken(part))
-            with writing():
-                console.print(*tables, sep="\n")
+        if not isinstance(part, str):
+            _show_table(part, terminal)
             continue
         text = wrapped(part, text_width()) if folded else part
         text = "\n".join(map(escaped, text.split("\n")))  # names of files
         with writing():
-            console.print(wrapped(text, text_width()) if terminal else text)
+            print(wrapped(text, text_width()) if terminal else text)
+
+
+def _show_table(table: Any, terminal: bool) -> None:
+    """A table of rich, which texts alone do not load."""
+    from rich.console import Console
+
+    from rollbench.comparison.commands.wrapping import fitted, unbroken
+
+    console = Console(width=None if terminal else 160, soft_wrap=True, highlight=False, markup=False)
+    tables = fitted(table, text_width()) if terminal else [table]
+    if not terminal:
+        table.box, table.pad_edge = None, False
+        console.width = max(160, unbroken(table))
+    with writing():
+        console.print(*tables, sep="\n")
 
 
 def text_width() -> int:

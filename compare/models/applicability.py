@@ -11,6 +11,8 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -112,19 +114,45 @@ SURVEY = "survey.json"
 
 
 @cache
-def surveyed() -> tuple[dict[str, float], ...]:
-    """Descriptors by name of every drawn screw that was compared; none where the record is absent or damaged."""
+def survey() -> tuple[dict[str, Any], ...]:
+    """Record of every drawn screw that was compared; none where it is absent or damaged."""
     try:
-        scenes = json.loads((data.place("references") / SURVEY).read_text(encoding="utf-8"))["scenes"]
-        return tuple({d.name: float(row["places"][d.name]) for d in DESCRIPTORS} for row in scenes if row.get("points"))
+        scenes = json.loads(data.text(f"references/{SURVEY}"))["scenes"]
+        return tuple(row for row in scenes if row.get("points"))
     except (OSError, ValueError, TypeError, KeyError):
         return ()
 
 
+@cache
+def surveyed() -> tuple[dict[str, float], ...]:
+    """Descriptors by name of every drawn screw that was compared."""
+    return tuple({d.name: float(row["places"][d.name]) for d in DESCRIPTORS} for row in survey())
+
+
+#: Descriptors of the shipped scenes that were compared, in a store of runs: to read them all takes longer than a solution.
+PLACES = "places.json"
+
+
+def save_places(store: Path) -> None:
+    """Write the descriptors of `compared` rings and screws."""
+    from rollbench.comparison.writing import replace_file
+
+    found = {
+        kind: {s.name: {d.name: d.of(s) for d in DESCRIPTORS} for s in compared(ring=kind == "rings")}
+        for kind in ("rings", "screws")
+    }
+    replace_file(store / PLACES, json.dumps(found, indent=1) + "\n")
+
+
+@cache
+def shipped_places(*, ring: bool) -> tuple[dict[str, float], ...]:
+    """Those that come with the package."""
+    return tuple(json.loads(data.text(f"references/{PLACES}"))["rings" if ring else "screws"].values())
+
+
 def compared_values(descriptor: Descriptor, *, ring: bool) -> list[float]:
     """The values of a descriptor of every compared screw, shipped and drawn, or ring."""
-    drawn = () if ring else surveyed()
-    return [descriptor.of(s) for s in compared(ring=ring)] + [own[descriptor.name] for own in drawn]
+    return [own[descriptor.name] for own in (*shipped_places(ring=ring), *(() if ring else surveyed()))]
 
 
 def places(scene: Scene, among: Sequence[Scene] | None = None) -> tuple[Place, ...]:

@@ -119,14 +119,18 @@ def without_random_errors(scene: Scene | Assembly) -> Scene | Assembly:
     return _with_parts(scene, lambda parts, _: without_draws(parts))
 
 
-def _solved(scene: Scene, model: str, engine: str, first: int, count: int) -> tuple[Array, tuple[str, ...], Array, Array]:
-    """Loads, statuses, residuals and works of some members."""
+def _solved(
+    scene: Scene, model: str, engine: str, first: int, count: int, factor: float = 1.0
+) -> tuple[Array, tuple[str, ...], Array, Array]:
+    """Loads, statuses, residuals and works of some members under the loads times a factor; with one other than 1 after
+    those under the loads themselves."""
+    of, scene = scene, scaled(scene, factor) if factor != 1.0 else scene
     if model == "lin" and engine == "compiled":
         batch = run_ensemble(scene, count, first)
         return batch.loads, batch.statuses, batch.residuals, batch.works
     loads, residuals, works = np.full((count, scene.ball_count, 4), np.nan), np.full(count, np.nan), np.full(count, np.nan)
     if model in ELASTIC and shared(scene):
-        loads, residuals, works = _system(scene, model, engine).solve(first, count)
+        loads, residuals, works = _system(of, model, engine, factor).solve(first, count)
     statuses = ["converged"] * count
     for k in np.flatnonzero(np.isnan(residuals)):
         result = run_model(scene, model, Options(member=first + int(k), engine=engine, discretisation=False))
@@ -137,9 +141,11 @@ def _solved(scene: Scene, model: str, engine: str, first: int, count: int) -> tu
 
 
 @lru_cache(maxsize=4)
-def _system(scene: Scene, model: str, engine: str) -> ElasticMembers:
-    """What solves all blocks of a scene in this process."""
-    return ElasticMembers(scene, LADDER[model], kernels(STATICS, compiled=engine == "compiled"))
+def _system(scene: Scene, model: str, engine: str, factor: float) -> ElasticMembers:
+    """What solves all blocks of a scene in this process, under its loads times a factor."""
+    like = None if factor == 1.0 else _system(scene, model, engine, 1.0)
+    loaded = scene if like is None else scaled(scene, factor)
+    return ElasticMembers(loaded, LADDER[model], kernels(STATICS, compiled=engine == "compiled"), like)
 
 
 def _of_one(scene: Scene, model: str, engine: str, nominal: Array, first: int, count: int) -> Block:
@@ -149,7 +155,7 @@ def _of_one(scene: Scene, model: str, engine: str, nominal: Array, first: int, c
         force = float(sum(np.dot(x.force, x.force) for x in scene.loads))
         stiffness = np.full(count, np.nan)
         if force > 0.0:
-            more = _solved(scaled(scene, 1.0 + STEP), model, engine, first, count)[3] / (1.0 + STEP)
+            more = _solved(scene, model, engine, first, count, 1.0 + STEP)[3] / (1.0 + STEP)
             with np.errstate(divide="ignore", invalid="ignore"):
                 stiffness = 1e-6 * force * STEP / (more - works)
     good = np.array([s == "converged" for s in statuses])

@@ -11,15 +11,16 @@ distributed (Vovk, Gammerman and Shafer 2005). A scene that lies beyond the comp
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from rollbench.comparison import data
-from rollbench.comparison.models.applicability import SURVEY, outside
+from rollbench.comparison.models.applicability import outside, survey
 from rollbench.comparison.models.registry import MODELS
 from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.lowfi.statics.result import StaticResult
@@ -139,10 +140,16 @@ def features(scene: Scene, load: Array) -> dict[str, float]:
         "angle": float(np.degrees(scene.track.contact_angle)),
         "screw": scene.screw.groove_radius / (2.0 * radius),
         "nut": scene.nut.groove_radius / (2.0 * radius),
-        "turn": float(np.median(np.diff(np.sort(layout.azimuth)))) if scene.ball_count > 1 else 2.0 * np.pi,
+        "turn": _middle(np.diff(np.sort(layout.azimuth))) if scene.ball_count > 1 else 2.0 * np.pi,
         "few": 1.0 / scene.ball_count,
         **({FLANGE: 1.0} if held_by_flange(scene) else {}),
     }
+
+
+def _middle(values: Array) -> float:
+    """Median; numpy's own loads its masked arrays, which takes longer."""
+    ordered = np.sort(values)
+    return float(0.5 * (ordered[(ordered.size - 1) // 2] + ordered[ordered.size // 2]))
 
 
 def _scaled(values: dict[str, float], scales: Mapping[str, tuple[str, float]]) -> Array:
@@ -160,20 +167,18 @@ def save_points(store: Path, points: Sequence[Point]) -> None:
 @cache
 def shipped_points() -> tuple[Point, ...]:
     """The points that come with the package; none of a file that is absent or damaged."""
-    return (*_points(FILE), *surveyed_points())
+    return (*_points(lambda: json.loads(data.text(f"references/{FILE}"))), *surveyed_points())
 
 
 @cache
 def surveyed_points() -> tuple[Point, ...]:
     """Those of the survey."""
-    return _points(SURVEY)
+    return _points(lambda: [point for scene in survey() for point in scene["points"]])
 
 
-def _points(name: str) -> tuple[Point, ...]:
+def _points(rows: Callable[[], Iterable[dict[str, Any]]]) -> tuple[Point, ...]:
     try:
-        kept = json.loads(data.text(f"references/{name}"))
-        rows = kept if name == FILE else [p for scene in kept["scenes"] for p in scene.get("points", ())]
-        found = tuple(Point(**row) for row in rows)
+        found = tuple(Point(**row) for row in rows())
         return tuple(p for p in found if set(p.features) - {FLANGE} == set(SCALES))
     except (OSError, ValueError, TypeError, KeyError):
         return ()

@@ -26,7 +26,7 @@ BASE_GB = {0: 0.6, 1: 0.65, 2: 0.9, 3: 1.3, 4: 2.2, 5: 4.4}
 CONTACT_GB = 0.007
 #: What a second process saves of the time of the stages that it shares, and adds to the memory: a share, or where there are
 #: so many contacts that it makes patches alone (`hifi.setup.TOGETHER`), a share of what does not grow with them.
-SHARED, FASTER, MORE, TOGETHER = ("patches", "ball", "shaft section", "screw", "nut"), 1.7, 0.7, 160
+SHARED, FASTER, MORE, TOGETHER = ("meshes", "patches", "ball", "shaft section", "screw", "nut"), 1.7, 0.7, 160
 PATCHES_ALONE = 0.6
 #: Order of the stages, by the names that `hifi.setup.prepare` gives them.
 STAGES = ("meshes", "patches", "shaft section", "screw", "nut", "ball", "contact loads")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 import tomllib
 from functools import cache
@@ -113,6 +112,8 @@ def looks_like_path(text: str) -> bool:
 
 
 def _unknown(name: str) -> InputError:
+    import difflib
+
     names = scene_names()
     near = difflib.get_close_matches(name, [*names, *(path.name for path in Path().glob("*.toml"))], n=3)
     advice = f"did you mean {' or '.join(near)}?" if near else "list the shipped scenes with: rollbench list"

@@ -6,7 +6,6 @@ slow to import, is asked only about the others.
 
 from __future__ import annotations
 
-import difflib
 import math
 import re
 from decimal import Decimal
@@ -215,6 +214,8 @@ def _ask_pint(unit: str) -> tuple[str, str]:
 
 def _nearest(unit: str, dimension: str) -> str:
     """Advice naming the nearest common unit of the dimension, or all of them."""
+    import difflib
+
     known = [u for u, (d, _) in COMMON.items() if d == dimension]
     folded = [u for u in known if u.lower() == unit.lower()]
     near = folded or difflib.get_close_matches(unit, known, n=1, cutoff=0.6)

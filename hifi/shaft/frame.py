@@ -9,7 +9,7 @@ import numpy as np
 from rollbench.hifi.linear_algebra.response import transport
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing, Joint
-from rollbench.meshes.parts import FREEDOMS, Load, Scene, Support
+from rollbench.meshes.parts import Load, Scene, Support
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Frame:
         if isinstance(described, Scene):
             return Frame(described.supports, described.loads, described.track.pitch_radius)
         arm = max(s.parts.track.pitch_radius for s in described.sets if isinstance(s.parts, Scene))
-        moving = tuple(h for h in described.housings if not stands(h))
+        moving = tuple(h for h in described.housings if not h.stands)
         return Frame(described.supports, described.loads, arm, moving, described.joints)
 
     def number(self, housing: str | None) -> int | None:
@@ -53,8 +53,3 @@ class Frame:
                     rows[:, own] = sign * transport(joint.at - self.housings[moving].at)
             found.append((rows, np.array(joint.stiffness)))
         return found
-
-
-def stands(housing: Housing) -> bool:
-    """Whether a housing cannot move at all."""
-    return {name for name, value in housing.fixed if value == 0.0} == set(FREEDOMS)

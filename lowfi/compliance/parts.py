@@ -123,7 +123,10 @@ def with_balls(scene: Scene) -> tuple[Scene, Array]:
 
 @lru_cache(maxsize=64)
 def flank_of(scene: Scene, screw: bool) -> Flank:
-    """Groove of screw or nut on half a lead, or on half a ring's width. Raises ValueError for impossible dimensions."""
+    """Groove of screw or nut on half a lead, or on half a ring's width.
+
+    Raises ValueError for impossible dimensions, and where the land cuts the groove off before the nominal contact.
+    """
     dims = dimensions(scene)
     m = GrooveMap.of(scene)
     low, high = dims.ends(scene)
@@ -131,7 +134,12 @@ def flank_of(scene: Scene, screw: bool) -> Flank:
     half = np.pi * abs(m.rg) / m.starts if m.rg != 0.0 else 0.5 * width
     land = scene.screw.outer_diameter / 2.0 if screw else dims.land
     far = scene.screw.bore / 2.0 if screw else scene.nut.outer_diameter / 2.0
-    return Flank(m, land, far, screw, float(half), (scene.screw if screw else scene.nut).material)
+    flank = Flank(m, land, far, screw, float(half), (scene.screw if screw else scene.nut).material)
+    if (flank.contact()[0] >= land) if screw else (flank.contact()[0] <= land):
+        body, mend = ("screw", "raise screw.outer_diameter") if screw else ("nut", "lower solid.nut_inner_diameter")
+        angle = np.degrees(scene.track.contact_angle)
+        raise ValueError(f"the {body}'s land cuts its groove off before the contact at {angle:.4g} deg: {mend}")
+    return flank
 
 
 @lru_cache(maxsize=64)

@@ -10,7 +10,6 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.polynomial.legendre import legval
 
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Material
@@ -39,6 +38,8 @@ def expansion(poisson: float) -> tuple[float, float]:
 @lru_cache(maxsize=64)
 def smooth_part(cosine: float, poisson: float) -> float:
     """Series at angle arccos(cosine) without its first two terms' sums in closed form (both vanish at the contact)."""
+    from numpy.polynomial.legendre import legval
+
     a, b = expansion(poisson)
     n = np.arange(2.0, TERMS)
     terms = (2 * n + 1) * legendre_compliance(n, poisson) - 2.0 * a - (a + 2.0 * b) / n

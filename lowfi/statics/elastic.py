@@ -108,9 +108,8 @@ def round_off(elastic: Elastic, scale: float) -> float:
     """Relative residual below which double precision cannot get: see `lowfi.statics.settle.least_residual`."""
     problem = elastic.problem
     stiff = float(contact_stiffness(elastic.state.contact[..., 0], problem.C.min()).max(initial=0.0))
-    lengths = float(np.abs(flank_shifts(elastic)).max()) + float(np.abs(elastic.flanks.v0).max(initial=0.0))
-    lengths += problem.scene.balls.radius if problem.drawn.profile.shape[1] else 0.0
-    return least_residual(lengths, stiff, scale)
+    motion = float(np.abs(flank_shifts(elastic)).max()) + float(np.abs(elastic.flanks.v0).max(initial=0.0))
+    return least_residual(motion, stiff, scale, [problem])
 
 
 def untouched(elastic: Elastic) -> bool:

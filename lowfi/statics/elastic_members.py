@@ -29,11 +29,13 @@ from rollbench.meshes.parts import Scene
 class ElasticMembers:
     """Members of a scene whose random errors are those of the balls' radii (`shared`)."""
 
-    def __init__(self, scene: Scene, backend: Backend, engine: ModuleType) -> None:
-        """Nothing is built yet. backend: what answers the contact forces; engine: kernels."""
-        self.scene, self.backend, self.engine = scene, backend, engine
+    def __init__(self, scene: Scene, backend: Backend, engine: ModuleType, like: ElasticMembers | None = None) -> None:
+        """Nothing is built yet. backend: what answers the contact forces; engine: kernels; like: the same members under
+        nearly the same loads, solved before, whose solutions these start from."""
+        self.scene, self.backend, self.engine, self.like = scene, backend, engine, like
         self.layout = ball_layout(scene)
         self._systems: dict[bytes, _System | None] = {}
+        self._states: dict[tuple[int, bytes], list[Array]] = {}  # of the last members by number and sides
 
     def solve(self, first: int, count: int) -> tuple[Array, Array, Array]:
         """Loads ``(count, N, 4)`` [N], relative residuals and works ``(count,)`` [J], loads times the motions of their
@@ -43,19 +45,27 @@ class ElasticMembers:
         nominal = specimen(without_draws(self.scene), self.layout)
         C = hertz_C(self.scene, nominal, drawn.ball_radius)
         loads, numbers = np.full((count, self.layout.z.size, 4), np.nan), np.full((2, count), np.nan)
+        self._states.clear()
         with one_thread():
             for k in range(count):
-                use = choose_sides(self.scene, nominal, (offset[k], closure[k]))
-                system = self._system(use)
-                if system is None:
-                    continue
-                found = system.solve(drawn.ball_radius[k], offset[k], closure[k], C[k])
+                own = drawn.ball_radius[k], offset[k], closure[k], C[k]
+                use = choose_sides(self.scene, nominal, own[1:3])
+                found = self._member(first + k, use, own)
                 if found is None and not np.array_equal(use, all_sides(self.scene)):
-                    system = self._system(all_sides(self.scene))
-                    found = None if system is None else system.solve(drawn.ball_radius[k], offset[k], closure[k], C[k])
+                    found = self._member(first + k, all_sides(self.scene), own)
                 if found is not None:
                     loads[k], numbers[:, k] = found[0], found[1:]
         return loads, *numbers
+
+    def _member(self, number: int, use: Mask, own: tuple[Array, Array, Array, Array]) -> tuple[Array, float, float] | None:
+        """One member with some sides, as `_System.solve` takes it (``own``) and gives it."""
+        system, key = self._system(use), (number, use.tobytes())
+        if system is None:
+            return None
+        found = system.solve(*own, start=None if self.like is None else self.like._states.get(key))
+        if found is not None:
+            self._states[key] = [part.copy() for part in system.elastic.state]
+        return found
 
     def _system(self, use: Mask) -> _System | None:
         """The system with some sides, or with all where they are touched, in the solution of member 0, whatever members are
@@ -87,10 +97,15 @@ class _System:
         self.size = float(np.cbrt(typical_force(elastic.problem)))
         self.by_pushes, self.by_motions, self.at_rest = _work(elastic)
 
-    def solve(self, radii: Array, offset: Array, closure: Array, C: Array) -> tuple[Array, float, float] | None:
+    def solve(
+        self, radii: Array, offset: Array, closure: Array, C: Array, start: list[Array] | None
+    ) -> tuple[Array, float, float] | None:
         """Loads ``(N, 4)`` [N], relative residual and work [J] of a member: radii ``(N,)`` [m], `distances` and Hertz
-        constants ``(N, 4)``; None where it does not converge, or a flank that was left out may be touched."""
+        constants ``(N, 4)``; None where it does not converge, or a flank that was left out may be touched. start: state
+        to start from, in place of the first member's."""
         self._place(radii, offset, closure, C)
+        for part, first in zip(self.elastic.state, start or self.start, strict=True):
+            part[:] = first
         elastic = self.elastic
         outcome = iterate(elastic, False)
         if outcome.status not in (CONVERGED, ITERATIONS):
@@ -108,7 +123,7 @@ class _System:
         return loads, outcome.residual, work
 
     def _place(self, radii: Array, offset: Array, closure: Array, C: Array) -> None:
-        """Put a member's balls into the arrays of the kernels, and the state back to the first member's."""
+        """Put a member's balls into the arrays of the kernels."""
         elastic, problem = self.elastic, self.elastic.problem
         problem.geometry[..., :4], problem.geometry[..., 4] = offset, C
         problem.closure[:], problem.drawn.ball_radius[:] = closure, radii
@@ -119,8 +134,6 @@ class _System:
         local[..., 2] += slope * (1.0 / size - 1.0 / self.size)
         if elastic.pair is not None:
             elastic.contacts.pair[:] = pair_data(problem, elastic.pair, local[..., 0], local[..., 2])
-        for part, start in zip(elastic.state, self.start, strict=True):
-            part[:] = start
         elastic.contacts = elastic.contacts._replace(tiny=least_force(problem))
         elastic.options = elastic.options._replace(floor=force_floor(problem), furthest=float(radii.max()))
 

@@ -13,6 +13,7 @@ from functools import lru_cache
 import numpy as np
 
 from rollbench.lowfi.statics.again import beam_loads
+from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import BallErrors, Errors, Scene
@@ -24,9 +25,15 @@ def nominal(scene: Scene) -> Scene:
     return replace(scene, name="", title="", assumed=(), errors=errors)
 
 
-def nominal_contacts(scene: Scene) -> int:
-    """Number of contacts that the nominal screw loads; 0 where it loads none or has no equilibrium."""
-    return _contacts(nominal(scene))
+def nominal_contacts(scene: Scene, solved: StaticResult | None = None) -> int:
+    """Number of contacts that the nominal screw loads; 0 where it loads none or has no equilibrium.
+
+    solved: a converged result of the scene, which says so itself where it is of `lin` and the scene has no other errors.
+    """
+    bare = nominal(scene)
+    if solved is not None and solved.model == "lin" and bare == replace(scene, name="", title="", assumed=()):
+        return int(np.count_nonzero(solved.load > 0.0))
+    return _contacts(bare)
 
 
 @lru_cache(maxsize=256)

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebinterpolate, chebval
 from numpy.typing import NDArray
 
 from rollbench.lowfi.compliance.parts import geometry_only
@@ -209,6 +208,8 @@ def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> 
         return _repeated(_as_printed(scene) if kind == "as printed" else nominal_hertz(scene).C, own.shape)
     if own.ndim == 1:
         return _repeated(distinct_hertz(scene, drawn, own).C, own.shape)
+    from numpy.polynomial.chebyshev import chebinterpolate, chebval
+
     # C is smooth in the radius: for many specimens a polynomial through few exact values has all digits
     middle, half = 0.5 * (own.max() + own.min()), max(0.5 * float(own.max() - own.min()), 1e-9)
     series = chebinterpolate(lambda x: drawn_hertz(scene, drawn, middle + half * x).C, NODES - 1)  # type: ignore[type-var]

@@ -3,7 +3,7 @@ contact angle, and lever arms on uneven flanks. The same for one set and several
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from time import perf_counter
 from types import ModuleType
 from typing import NamedTuple
@@ -73,10 +73,12 @@ def settled(
     return outcome
 
 
-def least_residual(lengths: float, stiffness: float, scale: float) -> float:
-    """Relative residual that double precision cannot get below: eps times the motions or lengths [m] whose difference makes
-    the approach of contacts of such a stiffness [N/m], over the largest force met ``scale`` [N], times 8."""
-    return ROUND_OFF * lengths * stiffness / scale if scale else 0.0
+def least_residual(motions: float, stiffness: float, scale: float, problems: Iterable[Problem]) -> float:
+    """Relative residual that double precision cannot get below: eps times the lengths [m] whose difference makes the
+    approach of contacts of such a stiffness [N/m], over the largest force met ``scale`` [N], times 8. Lengths are motions,
+    and in problems with uneven flanks the ball's radius beside them."""
+    radius = max((p.scene.balls.radius for p in problems if p.drawn.profile.shape[1]), default=0.0)
+    return ROUND_OFF * (motions + radius) * stiffness / scale if scale else 0.0
 
 
 def verdict(outcome: Outcome, bound: float, unheld: Callable[[], Status], far: bool = False) -> Status:

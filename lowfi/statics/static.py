@@ -159,14 +159,13 @@ def iterate(prepared: Prepared, start: bool = True) -> Outcome:
 
 def round_off_bound(prepared: Prepared, scale: float) -> float:
     """Relative residual that double precision cannot get below (`lowfi.statics.settle.least_residual`), by the largest
-    motion and the largest stiffness of a node's flanks, summed; uneven flanks are met in lengths of the ball's radius."""
+    motion and the largest stiffness of a node's flanks, summed."""
     q, force = prepared.state.q, prepared.force
     problem = prepared.problem
     motion = float(np.abs(q[:, :3]).max(initial=0.0))
     stiff = contact_stiffness(force[:, :2], problem.C[:, :2])
     most = float(np.bincount(problem.node.ravel(), weights=stiff.ravel()).max(initial=0.0))
-    lengths = motion + (problem.scene.balls.radius if problem.drawn.profile.shape[1] else 0.0)
-    return least_residual(lengths, most, scale)
+    return least_residual(motion, most, scale, [problem])
 
 
 class Solution(NamedTuple):

@@ -47,8 +47,8 @@ def model_assumptions(scene: Scene) -> tuple[str, ...]:
 def centreline(problem: Problem, q: Array) -> tuple[Array, Array]:
     """Stations ``(k,)`` [m] over the whole screw, nodes included, and the motions there ``(k, 6)``."""
     length = problem.scene.screw.length
-    stations = np.unique(np.concatenate([np.arange(0.0, length + 0.5 * STATION, STATION), problem.nodes, [length]]))
-    stations = stations[stations <= length]
+    steps = np.arange(0.0, length + 0.5 * STATION, STATION)
+    stations = np.array([z for z in sorted({*steps.tolist(), *problem.nodes.tolist(), length}) if z <= length])
     flat = q.ravel()
     if problem.basis is not None:
         motion = problem.basis @ flat

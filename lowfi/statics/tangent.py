@@ -22,7 +22,7 @@ from rollbench.lowfi.statics.again import solved_system
 from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild
 from rollbench.lowfi.statics.kernel.elastic_balls import ball_rows
 from rollbench.lowfi.statics.problem import Problem
-from rollbench.lowfi.statics.selection import all_sides
+from rollbench.lowfi.statics.selection import all_sides, choose_sides
 from rollbench.lowfi.statics.shaft import rows_of
 from rollbench.lowfi.statics.shape import rigid_transport
 from rollbench.lowfi.threads import one_thread
@@ -77,7 +77,9 @@ def tangent_stiffness(
     layout = ball_layout(scene)
     drawn = specimen(scene, layout, member)
     with one_thread():
-        system, status = solved_system(scene, drawn, layout, backend, condensed, "auto", all_sides(scene))
+        every = condensed is not None or "kernel" in (backend.screw, backend.nut) or drawn.profile.shape[1] > 0
+        use = all_sides(scene) if every else choose_sides(scene, drawn)  # a beam's compliance lends nothing to contacts
+        system, status = solved_system(scene, drawn, layout, backend, condensed, "auto", use)
         if isinstance(system, Problem) or status != "converged":
             return Tangent(station, np.full((6, 6), np.nan), status)
         clamp = Support(station, tuple((name, 0.0) for name in FREEDOMS))

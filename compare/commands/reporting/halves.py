@@ -1,4 +1,5 @@
-"""Sections of a report made in two processes side by side: those on models beside 3D, and all others.
+"""Sections of a report made in two processes side by side: those on models beside 3D, ways of holding a nut and
+verification, and all others.
 
 The two share no result that takes long: the first rest on the ladder, the points of error against run time and on rolling
 contacts, the others on the evidence of printed tables. What measures times is made after both, by one process alone.

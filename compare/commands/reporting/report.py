@@ -132,12 +132,14 @@ def wanted_parts(only: Sequence[str], *, quick: bool = False) -> list[Part]:
 def save_model_form(study: Study) -> None:
     """Write what the model-form estimate rests on into the report's own store, for ``rollbench solve`` to read once it is
     shipped; nothing without references or without a store."""
+    from rollbench.comparison.models.applicability import save_places
     from rollbench.comparison.models.ladder import ladder, points
     from rollbench.comparison.models.model_form import save_points
 
     rungs = study.once(ladder)
     if rungs and study.stores:
         save_points(study.stores[0], points(study, rungs))
+        save_places(study.stores[0])
 
 
 def make_report(

@@ -127,7 +127,7 @@ def discretisation_percent(scene: Scene, result: StaticResult) -> float | None:
     change = result.solver.discretisation
     if change is None:
         return None
-    return number(float(error_percent(change, 0.0, mean_load(result.load, nominal_contacts(scene)))))
+    return number(float(error_percent(change, 0.0, mean_load(result.load, nominal_contacts(scene, result)))))
 
 
 def stiffness_json(station: float | None, status: str, matrix: Array) -> dict[str, Any]:
@@ -206,7 +206,7 @@ def as_table(
     parts: list[Any] = [title, *first_lines(result, block)]
     if balls and (result.load > 0.0).any():
         error = None if worth is None or worth.percent is None else worth.percent / 100.0
-        error = error and error * mean_load(result.load, nominal_contacts(scene))
+        error = error and error * mean_load(result.load, nominal_contacts(scene, result))
         parts += [_ball_table(result, error), "", _summary_table(result, error), ""]
     grid = discretisation_percent(scene, result)
     measured = "" if grid is None else f" (discretisation error {grid:.1e} % of the mean load)"

@@ -120,7 +120,7 @@ def answers_json(scene: Scene, result: StaticResult, found: Answers) -> dict[str
     if life is not None and scene.motion is not None and scene.motion.speed:
         data["life"]["L10_hours"] = number(life.hours(scene.motion.speed))
     return {
-        "loads": loads_json(result.load, nominal_contacts(scene)),
+        "loads": loads_json(result.load, nominal_contacts(scene, result)),
         "axial": {
             "force_N": number(found.force),
             "displacement_um": number(1e6 * found.displacement),

@@ -6,7 +6,7 @@ REGISTRATION = Registration(
     title="other programs, makers, textbooks",
     parts=(
         Part("external", "sources.external.section", runs=True, needs=("bearings", "friction", "rolling"), page="outside"),
-        Part("holding", "sources.external.holding", runs=True, page="outside"),
+        Part("holding", "sources.external.holding", runs=True, beside=True, page="outside"),
     ),
     functions={"gate": "sources.external.gate:external_rows"},
 )

@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 
 from rollbench.lowfi.hertz import contact_approach
-from rollbench.lowfi.statics.axis.structure import stands
 from rollbench.lowfi.statics.axis.system import tapered
 from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.lowfi.statics.result import AxisResult, Status
@@ -95,7 +94,7 @@ def _pushed(bare: Assembly, which: Sequence[int], solve: Callable[[Assembly], Ax
         one = sets[i]
         push, seat = -one.preload if one.thrust == "+z" else one.preload, f"outer part of {one.name}"
         sliding = tuple((f, 0.0) for f in FREEDOMS if f != "uz")
-        on = None if one.housing is None or stands(bodies[one.housing]) else bodies[one.housing]
+        on = None if one.housing is None or bodies[one.housing].stands else bodies[one.housing]
         if on is not None:
             sliding = ()
             joints.append(Joint(seat, on.name, one.position, TIED))

@@ -123,8 +123,8 @@ def round_off(elastic: ElasticAxis, scale: float) -> float:
     contact = elastic.state.contact
     stiff = float(contact[..., 3].max(initial=0.0))
     moved = float(np.abs(elastic.state.inner[:, :2]).max(initial=0.0))
-    lengths = 2.0 * float(np.abs(elastic.bodies.v0).max(initial=0.0)) + moved
-    return least_residual(lengths, stiff, scale)
+    motion = 2.0 * float(np.abs(elastic.bodies.v0).max(initial=0.0)) + moved
+    return least_residual(motion, stiff, scale, [b.problem for b in elastic.system.balls])
 
 
 def flank_forces(elastic: ElasticAxis) -> Array:

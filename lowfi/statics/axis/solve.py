@@ -148,4 +148,4 @@ def round_off(prepared: Prepared, scale: float) -> float:
     state = prepared.state
     motion = float(np.abs(state.q[:, :3]).max(initial=0.0)) + float(np.abs(prepared.system.contacts.v0).max(initial=0.0))
     stiff = float(state.contact[..., 3].max(initial=0.0)) + float(state.slices[:, 1].max(initial=0.0))
-    return least_residual(motion, stiff, scale)
+    return least_residual(motion, stiff, scale, [b.problem for b in prepared.system.balls])

@@ -43,11 +43,6 @@ class Structure:
         return np.concatenate([self.nodes, self.at])
 
 
-def stands(housing: Housing) -> bool:
-    """Whether a housing cannot move at all."""
-    return {name for name, value in housing.fixed if value == 0.0} == set(FREEDOMS)
-
-
 def shaft_nodes(assembly: Assembly, stations: Array) -> Array:
     """Nodes [m] at contact ``stations``, supports, loads, changes of section and the station that is asked about.
 
@@ -92,7 +87,7 @@ def structure_of(assembly: Assembly, stations: Array, section: BeamSection | Non
     """Rows of an assembly whose contacts enter the shaft at ``stations``; section: of the threaded shaft, instead of the
     scene's. Raises ValueError for a freedom held twice."""
     nodes = shaft_nodes(assembly, stations)
-    moving = [h for h in assembly.housings if not stands(h)]
+    moving = [h for h in assembly.housings if not h.stands]
     r = nodes.size + len(moving)
     fixed, prescribed, load = np.zeros((r, 6), dtype=bool), np.zeros((r, 6)), np.zeros((r, 6))
     holds = [(int(np.abs(nodes - s.at).argmin()), s.fixed, s.at) for s in assembly.supports]

@@ -11,8 +11,8 @@ from rollbench.comparison.scenes.arrangement import preload_of_set
 from rollbench.comparison.scenes.template import template
 from rollbench.lowfi.bearings.angular_contact import BallRow, of_angle
 from rollbench.lowfi.bearings.sets import PointRow, arrangement, equilibrium
-from rollbench.meshes.axis import ARRANGEMENTS, Assembly
-from rollbench.meshes.parts import Scene
+from rollbench.meshes.axis import ARRANGEMENTS, Assembly, Housing
+from rollbench.meshes.parts import FREEDOMS, Scene
 
 SET = template("support-bearings")
 
@@ -101,3 +101,12 @@ def test_starting_torque_grows_with_the_thrust_to_the_power_four_thirds() -> Non
 def test_a_rigidity_that_no_conformity_gives_is_refused() -> None:
     with pytest.raises(InputError, match=r"sets\[0\]\.pair_rigidity"):
         read(changed(('pair_rigidity = "1030 N/um"', 'pair_rigidity = "9000 N/um"')))
+
+
+def test_a_housing_that_is_held_where_it_is_stands():
+    """Held elsewhere it moves there, and held in five directions in the sixth."""
+    held = tuple((name, 0.0) for name in FREEDOMS)
+    assert Housing("h", 0.1, held).stands
+    assert not Housing("h", 0.1, held[1:]).stands
+    for k, (name, _) in enumerate(held):
+        assert not Housing("h", 0.1, (*held[:k], (name, 1e-9), *held[k + 1 :])).stands

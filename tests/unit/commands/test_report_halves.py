@@ -77,10 +77,11 @@ def test_a_fault_of_the_second_process_is_told():
         build([Part("x", "nothing_of_this_name", beside=True)], [OWN], lambda _: None, lambda _: None, Study(), abs)
 
 
-def test_sections_on_models_stand_together():
+def test_sections_of_the_second_process():
     assert sorted(part.name for part in PARTS if part.beside) == [
         "crosscheck",
         "history",
+        "holding",
         "how-to-read",
         "ladder",
         "overview",
@@ -89,4 +90,5 @@ def test_sections_on_models_stand_together():
         "rolling",
         "sheets",
         "u-val",
+        "verification",
     ]

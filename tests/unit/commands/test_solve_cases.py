@@ -5,15 +5,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.axes import one_set
+from tests.helpers import small_screw
 from tests.load_cases import CASES, SHIPPED, TEXT, written
 
 import rollbench
 from rollbench.comparison.commands.reporting.verify import _stable, read
-from rollbench.comparison.models.load_cases import solve_one
+from rollbench.comparison.models.load_cases import solve_any, solve_one
 from rollbench.comparison.models.registry import Options
 from rollbench.comparison.wings.sweep.keys import read_vary
 from rollbench.comparison.wings.sweep.run import Sweep
 from rollbench.comparison.wings.sweep.sample import solve_sample
+from rollbench.lowfi.rating.equivalent import equivalent_life
 from rollbench.lowfi.rating.life import life, over_cases
 
 #: A ring that nothing holds across its two balls, without and with a force across them.
@@ -138,3 +141,12 @@ def test_a_sweep_takes_the_worst_case_and_the_life_over_the_cycle(tmp_path: Path
     assert high["life_million_revolutions"] == pytest.approx(life_of_cycle, rel=1e-12)
     text = TEXT.replace(CASES, OPEN).replace('fix = ["uy", ', "fix = [")
     assert solve_sample(text, "two.toml", (), (), "lin", "interpreted")["status"].startswith("case open: ")
+
+
+@pytest.mark.parametrize("force", [0.02, 600.0])
+def test_a_nut_on_a_shaft_bears_its_own_force_alone(force: float) -> None:
+    """ISO 3408-5 adds preload between two halves: offsets that preload a set of several are in its force already."""
+    own = solve_any(one_set(small_screw(4, force=(0.0, 0.0, force))), "lin", Options()).sets["nut"]
+    found = equivalent_life([own.parts], [1.0], [own.force], own.preload)
+    assert found is not None
+    assert found.loads == (pytest.approx(force, rel=1e-6), 0.0)

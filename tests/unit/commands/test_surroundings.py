@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -223,3 +224,17 @@ def test_escape_characters_of_names_are_not_printed_raw(tmp_path, monkeypatch, c
         assert "\\x1b" in said, words
     line = Checked("x\x1b]0;title", "changed", "\x1b", "").line
     assert line.isprintable()
+
+
+@pytest.mark.parametrize("words", [["list"], ["solve", "no-such-scene"]])
+def test_a_caller_keeps_its_own_handler_of_term(words):
+    def own(*_):
+        pytest.fail("TERM came")
+
+    before = signal.signal(signal.SIGTERM, own)
+    try:
+        with pytest.raises(SystemExit):
+            main(words)
+        assert signal.getsignal(signal.SIGTERM) is own
+    finally:
+        signal.signal(signal.SIGTERM, before)

@@ -320,3 +320,14 @@ def test_friction_brings_a_third_contact() -> None:
     assert with_friction.motion.motion.loss > 1.5 * alone.motion.motion.loss
     back = coupled_ball(replace(cell, groove=replace(SCREW, nut_speed=-SCREW.nut_speed)), "ball")
     assert list(back.load.force[0] > 0.0) == [True, True, False, True]
+
+
+@pytest.mark.parametrize("lead", [0.0, 20e-3, -20e-3])
+def test_a_ball_that_rolls_orbits_at_the_mean_of_its_two_contacts(lead):
+    """Epicyclic gear: at the contact angle b the ball's centre moves along its path of radius L at half the sum of the
+    contacts' speeds, w_s (L - r cos b cos a) and w_n (L + r cos b cos a); cos a = R / L."""
+    groove = replace(SCREW, lead=lead)
+    path = np.hypot(groove.pitch_radius, lead / (2.0 * np.pi))
+    small = groove.ball_radius * np.cos(groove.contact_angle) * groove.pitch_radius / path
+    speed = 0.5 * (groove.screw_speed * (path - small) + groove.nut_speed * (path + small))
+    assert groove.nominal_orbit == pytest.approx(speed / path, rel=1e-12)

@@ -2,7 +2,6 @@
 
 import hashlib
 import io
-import json
 import multiprocessing
 import os
 import pickle
@@ -308,6 +307,19 @@ def test_a_folder_that_all_share_may_be_the_root(tmp_path: Path):
         private_folder(tmp_path, "link")
 
 
+def described(tree: str) -> bytes:
+    """A description without arrays, as records are packed."""
+    stream = io.BytesIO()
+    np.savez(stream, np.frombuffer(tree.encode(), np.uint8))
+    return stream.getvalue()
+
+
+def digested(content: bytes) -> bytes:
+    """Content of a file that took a second to make, behind the digest that it must have."""
+    timed = module._SECONDS.pack(1.0) + content
+    return hashlib.sha256(timed).digest() + timed
+
+
 class Evil:
     def __reduce__(self):
         return os.mkdir, ("executed",)
@@ -319,14 +331,30 @@ def test_nothing_in_a_file_is_run(tmp_path: Path, monkeypatch):
     (file,) = stored(tmp_path)
     stream = io.BytesIO()
     np.savez(stream, np.array([Evil()], dtype=object))
-    tree = json.dumps(["record", "os:mkdir", {"path": "executed"}])
-    named = io.BytesIO()
-    np.savez(named, np.frombuffer(tree.encode(), np.uint8))
-    for content in (pickle.dumps(Evil()), stream.getvalue(), named.getvalue()):
-        for put in (content, hashlib.sha256(content).digest() + content):
+    for content in (pickle.dumps(Evil()), stream.getvalue(), described('["record", "os:mkdir", {"path": "executed"}]')):
+        for put in (content, digested(content)):
             file.write_bytes(put)
             same(Cache(tmp_path / "cache").get(record, (1,), Record), record())
     assert not (tmp_path / "executed").exists()
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"PK\x03\x04 no archive",
+        *(described(tree) for tree in ('["array", 9]', '["record"]', '["none"]', "[]", '["dict", 1]', "{", 20_000 * "[")),
+        described('["sparse", "scipy.sparse:csr_matrix", [1], 1, 2, 3]'),
+    ],
+    ids=lambda content: content[-8:].hex(),
+)
+def test_what_fits_its_digest_and_is_no_record_is_built_anew(content: bytes, tmp_path: Path, capsys):
+    Cache(tmp_path).get(record, (1,), Record)
+    (file,) = stored(tmp_path)
+    file.write_bytes(digested(content))
+    same(Cache(tmp_path).get(record, (1,), Record), record())
+    same(Cache(tmp_path).get(never(record), (1,), Record), record())
+    assert capsys.readouterr().err == ""
 
 
 def test_files_of_earlier_versions_go(tmp_path: Path):

@@ -64,3 +64,13 @@ def test_a_session_ends_with_an_error_and_leaves_one_that_runs():
     with pytest.raises(ValueError, match="stop"):
         stopped()
     assert not gmsh.isInitialized()
+
+
+def test_a_session_prints_nothing(capfd):
+    """gmsh writes to the process's standard output, where a command prints its answer or JSON."""
+    with session() as program:
+        program.model.occ.addBox(0.0, 0.0, 0.0, 1.0, 1.0, 1.0)
+        program.model.occ.synchronize()
+        program.model.mesh.generate(3)
+        assert program.model.mesh.getNodes()[0].size > 0
+    assert capfd.readouterr() == ("", "")

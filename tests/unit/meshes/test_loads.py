@@ -64,3 +64,10 @@ def test_preload_is_no_error_and_a_screw_that_only_errors_press_is_counted_by_it
     bare = replace(preloaded, loads=(), errors=Errors(balls=BallErrors(sigma=2e-6)))
     assert nominal_contacts(bare) == 0
     assert mean_load(loads(0.2), 0) == mean_load(loads(0.2))
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+def test_the_mean_of_loads_is_as_small_as_they_are(scale):
+    few = np.array([[100.0, 0.0, 0.0, 100.0], [2.0, 0.0, 0.5, 2.0]])
+    assert mean_load(scale * few) == pytest.approx(scale * 204.5 / 4.0, rel=1e-12)
+    assert mean_load(scale * few, 5) == pytest.approx(scale * 204.5 / 5.0, rel=1e-12)

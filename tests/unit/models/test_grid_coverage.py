@@ -37,21 +37,14 @@ pytestmark = pytest.mark.xdist_group("grid_coverage")
 
 STUDY = Study()
 
-#: A drawn screw of 40 contacts or more whose bars hold less than the line: 65 of 75 contacts, where 66 would meet it. All
-#: others are held to it. A factor of 2.2 in place of 2 would hold 99.3 % of all, more than a bar of 95 % should.
-LESS = {("survey-20360-37", 2): 0.867}
-
 
 def worst(held: list[Held]) -> float:
-    """Least share of the scenes of 40 contacts or more, those of `LESS` apart, which must hold what they are said to."""
-    many = {(h.scene, h.level): h.share for h in held if h.contacts >= MANY}
-    for key in LESS.keys() & many.keys():
-        assert many.pop(key) == pytest.approx(LESS[key], abs=1e-3)
-    return min(many.values())
+    """Least share of the scenes of 40 contacts or more."""
+    return min(h.share for h in held if h.contacts >= MANY)
 
 
 def test_bars_of_two_levels_or_more_hold_95_per_cent_of_the_contacts() -> None:
-    """Of all contacts between 93 and 99 %, in no scene of 40 contacts or more but one under 88 %; no level far off."""
+    """Of all contacts between 93 and 99 %, in no scene of 40 contacts or more under 88 %; no level far off."""
     own = [h for h in coverage(STUDY) if h.level > min(LEVELS)]
     assert 0.93 <= share_of(own) <= 0.99
     assert worst(own) >= 0.88
@@ -109,7 +102,7 @@ def test_drawn_judges_are_those_of_the_rule() -> None:
     loads, scenes = judges(shipped_store())
     known = {name_of(number): number for number in chosen()}
     assert len(known) == COUNT
-    assert set(scenes) <= set(known)
+    assert set(scenes) == set(known)
     assert {name for name, own in loads.items() if set(own) == {1, 2, 3}} == set(scenes)
     for name, scene in scenes.items():
         assert scene == scene_file.loads(scene_text(SEED, known[name]), f"{name}.toml")

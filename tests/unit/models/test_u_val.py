@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.models.applicability import compared, outside, places
+from rollbench.comparison.models.applicability import DESCRIPTORS, compared, outside, places, shipped_places
 from rollbench.comparison.models.comparison import from_run
 from rollbench.comparison.models.model_form import estimate
 from rollbench.comparison.models.registry import Options, run_model
@@ -119,6 +119,12 @@ def test_compared_scenes_are_inside() -> None:
     for ring in (False, True):
         assert all(outside(scene) == () for scene in compared(ring=ring))
     assert len(compared(ring=False)) + len(compared(ring=True)) == 15
+
+
+def test_kept_places_are_those_of_the_scenes() -> None:
+    for ring in (False, True):
+        found = [{d.name: pytest.approx(d.of(scene), rel=1e-12) for d in DESCRIPTORS} for scene in compared(ring=ring)]
+        assert list(shipped_places(ring=ring)) == found
 
 
 @pytest.mark.parametrize(

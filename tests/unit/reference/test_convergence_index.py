@@ -31,6 +31,15 @@ def test_known_order_and_limit(order: float, sizes: tuple[float, ...]) -> None:
     assert together == pytest.approx([1.25 * 0.3, 1.25 * 0.6], rel=1e-5)
 
 
+@pytest.mark.parametrize(("order", "believed"), [(0.498, False), (0.502, True), (1.998, True), (2.002, False)])
+@pytest.mark.parametrize("sizes", [(4.0, 2.0, 1.0), (3.0, 2.2, 1.4, 1.0)])
+def test_orders_from_a_half_to_two_are_believed(order: float, believed: bool, sizes: tuple[float, ...]) -> None:
+    found = observe([5.0 + 0.3 * h**order for h in sizes], sizes)
+    assert (found.label == MONOTONE) is believed
+    assert found.own_order == pytest.approx(order, abs=1e-5)
+    assert (found.extrapolated is not None) is believed
+
+
 def test_units_scale_and_offset_change_nothing_else() -> None:
     rng = np.random.default_rng(4)
     values = rng.normal(size=(4, 6)) * 0.1 + SIZES[4][:, None] ** 1.5

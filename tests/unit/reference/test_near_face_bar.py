@@ -47,6 +47,14 @@ def test_finer_bodies_and_larger_distances_leave_less_out() -> None:
     assert all(others)  # of other leads and balls too
 
 
+def test_a_face_three_ball_radii_away_is_not_near() -> None:
+    assert KNOWN.radii[-2] < 2.99
+    lip, missing = KNOWN.at(np.array([2.99, 3.0, 3.01]), 1)
+    for value in (lip, missing):
+        assert value[0] > 0.0
+        assert value[1:].tolist() == [0.0, 0.0]
+
+
 def near(distance: float = 1.2, **solid):
     """Case 1 in a nut that ends so many ball radii beyond its last balls."""
     scene = catalogue.scene("lin-case1")

@@ -11,8 +11,9 @@ from tests.helpers import small_screw
 
 from rollbench.lowfi.hertz import hertz_constants
 from rollbench.lowfi.statics.problem import build, nominal_curvatures, nominal_hertz
+from rollbench.lowfi.statics.solved import SolvedState
 from rollbench.lowfi.statics.static import solve_static
-from rollbench.lowfi.statics.validity import DENT_PRESSURE, LARGE, size_warnings, tilt_warning
+from rollbench.lowfi.statics.validity import DENT_PRESSURE, LARGE, size_warnings, tilt_warning, warnings_of
 from rollbench.lowfi.warned import Warned, above
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
@@ -113,3 +114,18 @@ def test_a_warning_keeps_its_kind_in_a_copy_of_another_process() -> None:
         "WARNING outside what the models mean: rotations of 60 mrad; nut 1: rotations of 60 mrad"
     )
     assert above((Warned("tilt", "tilted"),)) == ""
+
+
+@pytest.mark.parametrize(("share", "far"), [(0.099, False), (0.101, True)])
+def test_a_ball_that_moves_by_a_tenth_of_its_radius_is_told(share, far):
+    scene = pressed(500.0)
+    layout = ball_layout(scene)
+    problem = build(scene, specimen(scene, layout), layout, np.ones(4, dtype=bool))
+    force, centre = np.zeros((8, 4)), np.zeros((8, 2))
+    force[:, [0, 3]] = 1.0
+    centre[3, 1] = -share * scene.balls.radius
+    rest, z = np.zeros((2, 6)), np.array([0.0, scene.screw.length])
+    state = SolvedState(problem, rest, centre, force, np.zeros((8, 4, 2)), rest, None, 1.0)
+    found = warnings_of(state, np.full((8, 4), scene.track.contact_angle), z, rest)
+    assert [str(one) for one in found if "tenth of its radius" in str(one)] == [str(one) for one in found]
+    assert bool(found) is far

@@ -1,0 +1,41 @@
+"""The residual that double precision cannot get below, by every solver: a force of round-off in the contacts' lengths."""
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pytest
+from tests.axes import one_set
+from tests.helpers import FLANK_ERRORS, NO_PROFILES, small_screw
+
+from rollbench.lowfi.hertz import contact_stiffness
+from rollbench.lowfi.statics.axis.refined import solve_refined
+from rollbench.lowfi.statics.axis.solve import solve_assembly
+from rollbench.lowfi.statics.elastic import solve_elastic
+from rollbench.lowfi.statics.problem import nominal_hertz
+from rollbench.lowfi.statics.static import solve_static
+
+SOLVERS = {
+    "beam": solve_static,
+    "bodies": solve_elastic,
+    "beam of several sets": lambda scene, **options: solve_assembly(one_set(scene), **options),
+    "bodies of several sets": lambda scene, **options: solve_refined(one_set(scene), **options),
+}
+EPS = float(np.finfo(float).eps)
+
+
+@pytest.mark.parametrize("solve", [partial(f, engine="compiled") for f in SOLVERS.values()], ids=list(SOLVERS))
+def test_uneven_flanks_are_met_in_lengths_of_the_ball_s_radius(solve):
+    """One ulp of a length r in the approach of the stiffest contact is a force of eps r k."""
+    uneven = replace(small_screw(count=9, force=(0.0, 0.0, 1500.0)), errors=FLANK_ERRORS)
+    even = replace(uneven, errors=replace(FLANK_ERRORS, **NO_PROFILES))
+    bounds = []
+    for scene in (uneven, even):
+        found = solve(scene)
+        assert found.converged, found.status
+        load = found.load if hasattr(found, "load") else found.sets[0].balls.load
+        stiffest = float(contact_stiffness(load.max(), nominal_hertz(scene).C.min()))
+        ulp = EPS * scene.balls.radius * stiffest / load.max()
+        bounds.append(found.solver.round_off_bound / ulp)
+    assert 1.0 < bounds[0] < 100.0  # some operations each, in more than one contact at a node
+    assert 0.0 < bounds[1] < 0.1 * bounds[0]
