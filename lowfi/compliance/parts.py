@@ -18,7 +18,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.kept import kept
-from rollbench.meshes.parts import Ingredients, Scene
+from rollbench.meshes.parts import Ingredients, Scene, UnfitKey
 from rollbench.meshes.section import BeamSection, screw_section, tube_section
 from rollbench.meshes.solid import dimensions
 
@@ -136,9 +136,11 @@ def flank_of(scene: Scene, screw: bool) -> Flank:
     far = scene.screw.bore / 2.0 if screw else scene.nut.outer_diameter / 2.0
     flank = Flank(m, land, far, screw, float(half), (scene.screw if screw else scene.nut).material)
     if (flank.contact()[0] >= land) if screw else (flank.contact()[0] <= land):
-        body, mend = ("screw", "raise screw.outer_diameter") if screw else ("nut", "lower solid.nut_inner_diameter")
+        body, mend, key = (
+            ("screw", "raise", "screw.outer_diameter") if screw else ("nut", "lower", "solid.nut_inner_diameter")
+        )
         angle = np.degrees(scene.track.contact_angle)
-        raise ValueError(f"the {body}'s land cuts its groove off before the contact at {angle:.4g} deg: {mend}")
+        raise UnfitKey(key, f"the {body}'s land cuts its groove off before the contact at {angle:.4g} deg: {mend} {key}")
     return flank
 
 
