@@ -32,21 +32,14 @@ def opening_motion(problem: Problem) -> Array | None:
     scene, layout = problem.scene, problem.layout
     arm, z0 = scene.track.pitch_radius, scene.nut.position
     scale = np.array([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
-    N = layout.z.size
-    beta = scene.track.contact_angle
-    direction = SIGNS * np.array([np.cos(beta), np.sin(beta)])
-    point = nominal_contact_points(scene)
+    N, point = layout.z.size, nominal_contact_points(scene)
     axes = np.stack([layout.radial, layout.binormal], axis=1)
-    # unknowns: the screw's motion (6) and those of the balls (2 N); every contact's approach must not grow
-    rows = np.zeros((4 * N, 6 + 2 * N))
-    for s in range(4):
-        normal = np.einsum("a,nak->nk", direction[s], axes)
-        own = np.arange(N)
-        rows[4 * own + s, 6 + 2 * own] = direction[s, 0]
-        rows[4 * own + s, 7 + 2 * own] = direction[s, 1]
-        if s < 2:
-            x = layout.centre + point[s, 0] * layout.radial + point[s, 1] * layout.binormal - np.array([0.0, 0.0, z0])
-            rows[4 * own + s, :6] = -np.concatenate([normal, np.cross(x, normal)], axis=1) * scale
+    flank = np.zeros((4, N, 2, 6))
+    for s in range(2):
+        x = layout.centre + point[s, 0] * layout.radial + point[s, 1] * layout.binormal - np.array([0.0, 0.0, z0])
+        flank[s] = np.concatenate([axes, np.cross(x[:, None], axes)], axis=2) * scale
+    sides = [approach(s, scene.track.contact_angle, flank[s], 0, N) for s in range(4)]
+    rows = np.stack(sides, axis=1).reshape(4 * N, -1)
     work = np.zeros(6)
     held: list[Array] = []
     for load in scene.loads:
@@ -55,6 +48,18 @@ def opening_motion(problem: Problem) -> Array | None:
         transport = rigid_transport(support.at - z0) * scale
         held += [transport[FREEDOMS.index(name)] for name, _ in support.fixed]
     return None if not work.any() else opening(work, rows, np.array(held).reshape(-1, 6))
+
+
+def approach(side: int, angle: float, flank: Array, first: int, balls: int) -> Array:
+    """How the contacts on one side of N balls, at an angle [rad], approach ``(N, k + 2 balls)``.
+
+    By motions ``(N, 2, k)`` of the flank along x3 and z3, and by those of the centres of all ``balls``, of which they are
+    from ``first`` on.
+    """
+    N, direction = len(flank), SIGNS[side] * np.array([np.cos(angle), np.sin(angle)])
+    centres = np.zeros((N, balls, 2))
+    centres[np.arange(N), first + np.arange(N)] = direction
+    return np.concatenate([-np.einsum("a,nak->nk", direction, flank), centres.reshape(N, -1)], axis=1)
 
 
 def opening(work: Array, approach: Any, held: Array) -> Array | None:

@@ -40,7 +40,7 @@ def test_energy_order_and_forces(seed):
     losses = h.torque * abs(h.advance[0])
     assert np.abs(h.torque_balance / losses).max() < (1e-8 if friction.screw == friction.nut else 1e-7)
     assert h.axial == pytest.approx(np.full(h.time.size, scene.loads[0].force[2]), rel=1e-8)
-    for track, own in zip(h.setting.balls.tracks, h.setting.balls.bounds, strict=True):
+    for track, own in ((track, track.balls) for track in h.setting.tracks):
         gap, force = h.gap[:, own], h.ball_force[:, own]
         assert gap.min() >= 0.0
         assert gap.sum(axis=1) == pytest.approx(

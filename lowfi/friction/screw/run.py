@@ -15,7 +15,7 @@ from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.load import Cell, screw_rows
 from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.pair import BOTH
-from rollbench.lowfi.friction.screw.travel import History, Instant, Place, Track, simulate, to_arc_end
+from rollbench.lowfi.friction.screw.travel import History, Instant, Place, Track, simulate
 from rollbench.meshes.arrays import Array
 
 
@@ -62,8 +62,9 @@ class Run:
 
     @property
     def tracks(self) -> tuple[Track]:
-        """The one closed track."""
-        return (Track(0, 2.0 * np.pi * self.turns, self.ring, self.groove.pair.spacing, slice(0, self.count)),)
+        """The one closed track, which turns with the nut."""
+        arc = 2.0 * np.pi * self.turns
+        return (Track(0, -0.5 * arc, arc, self.ring, self.groove.pair.spacing, slice(0, self.count)),)
 
     @property
     def spacing(self) -> Array:
@@ -87,8 +88,9 @@ class Run:
 
     def place(self, azimuth: Array, nut_angle: float) -> tuple[Array, NDArray[np.bool_]]:
         """Azimuths on the screw (N,) folded into the nut's turns, and which balls are in the loaded track."""
-        along = np.mod(azimuth - nut_angle + np.pi * self.turns, self.ring)
-        return along + nut_angle - np.pi * self.turns, along < 2.0 * np.pi * self.turns
+        (track,) = self.tracks
+        along = track.along(azimuth, nut_angle)
+        return along + nut_angle + track.first, along < track.arc
 
     def begin(self) -> Place:
         """Evenly spread balls."""
@@ -100,9 +102,8 @@ class Run:
         """Time [s] until a ball passes an end of the nut's turns; inf where it meets the same there as at the other end."""
         if self.tube == 0.0 and (self.amplitude == 0.0 or (self.cycles * self.turns).is_integer()):
             return np.inf
-        speed, arc = self.groove.speed, 2.0 * np.pi * self.turns
-        along = np.mod(azimuth - speed * time + 0.5 * arc, self.ring)
-        return to_arc_end(along, omega - speed, arc, self.ring)
+        speed = self.groove.speed
+        return self.tracks[0].to_end(azimuth, omega - speed, speed * time)
 
     def instant(self, azimuth: Array, time: float, slack: Array, memory: CoupledChain | None) -> Instant:
         """Loads and motions at azimuths (N,) on the screw; memory: the solution before."""

@@ -33,13 +33,26 @@ STEPS_PER_PITCH, FIRST_STEPS = 2.0, (8, 400)
 
 
 class Track(NamedTuple):
-    """One closed track: start from 0, loaded arc, whole length, distance of touching nominal balls [rad], its balls."""
+    """One closed track: start from 0, azimuth where its loaded arc begins, arc, whole length, distance of touching nominal
+    balls [rad], its balls."""
 
     start: int
+    first: float
     arc: float
     ring: float
     spacing: float
     balls: slice
+
+    def along(self, azimuth: Array, turned: float = 0.0) -> Array:
+        """Places of its balls on the track, 0 to its length, from azimuths (N,) of all; turned: of the track [rad]."""
+        return np.asarray(np.mod(azimuth[self.balls] - turned - self.first, self.ring))
+
+    def to_end(self, azimuth: Array, rate: Array, turned: float = 0.0) -> float:
+        """Time [s] until one of its balls passes an end of the loaded arc; rate (N,) of all on the track [rad/s]."""
+        along, rate = self.along(azimuth, turned), rate[self.balls]
+        forward = np.where(along < self.arc, self.arc, self.ring) - along
+        distance = np.where(rate > 0.0, forward, along - np.where(along > self.arc, self.arc, 0.0))
+        return float(np.divide(distance, np.abs(rate), out=np.full_like(rate, np.inf), where=rate != 0.0).min())
 
 
 class Place(NamedTuple):
@@ -229,13 +242,6 @@ class History:
 def groups(contact: Mask) -> Array:
     """Number of groups of touching balls (T,) on a closed track, from contacts (T, N)."""
     return np.asarray(np.sum(contact & ~np.roll(contact, 1, axis=1), axis=1) + np.all(contact, axis=1))
-
-
-def to_arc_end(along: Array, rate: Array, arc: float, ring: float) -> float:
-    """Time [s] until a ball at places (N,) along a ring, 0 to its length, passes an end of the loaded arc, 0 to ``arc``."""
-    forward = np.where(along < arc, arc, ring) - along
-    distance = np.where(rate > 0.0, forward, along - np.where(along > arc, arc, 0.0))
-    return float(np.divide(distance, np.abs(rate), out=np.full_like(rate, np.inf), where=rate != 0.0).min())
 
 
 def _to_meeting(place: Place, tracks: Sequence[Track]) -> float:

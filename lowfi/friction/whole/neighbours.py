@@ -12,7 +12,6 @@ from rollbench.lowfi.friction.whole.contacts import StaticContacts, spread
 from rollbench.lowfi.friction.whole.losses import BallFriction
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import draw
-from rollbench.meshes.helix import layout_at, reduced_lead
 from rollbench.meshes.parts import Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
 
@@ -46,17 +45,15 @@ def neighbours(
     all_balls = balls_of(scene, friction, drive, drawn, member)
     who = np.flatnonzero(all_balls.number >= 0)
     order = all_balls.number[who]
-    starts = np.concatenate([np.full(t.azimuth.size, t.start) for t in all_balls.tracks])
-    space = all_balls.azimuth + 2.0 * np.pi * starts / track.starts
-    station = scene.nut.position + reduced_lead(track) * (all_balls.azimuth - track.phase)
-    full = spread(at.part(order), layout_at(track, space, station), who, all_balls.radius, track.contact_angle)
+    layout = all_balls.layout(scene, all_balls.azimuth)
+    full = spread(at.part(order), layout, who, all_balls.radius, track.contact_angle)
     gap = all_balls.gaps(all_balls.azimuth) * all_balls.grooves.pair.closing
     slack = np.where(gap <= TOUCHING, 0.0, np.inf)
     least = np.inf
     orbit, rotation, force = np.full(order.size, np.nan), np.full((order.size, 3), np.nan), np.zeros(order.size)
     motion, pull, status = np.full((order.size, 4, 3), np.nan), np.zeros((order.size, 4, 3)), ["no load"] * order.size
     power, touching, left = 0.0, 0, 0.0
-    for own in all_balls.bounds:
+    for own in (track.balls for track in all_balls.tracks):
         number = all_balls.number[own]
         free = (number < 0) | (np.roll(number, -1) < 0)
         if track.lead != 0.0:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.screw.path import ON_SCREW
-from rollbench.lowfi.friction.screw.travel import Instant, Place, Track, to_arc_end
+from rollbench.lowfi.friction.screw.travel import Instant, Place, Track
 from rollbench.lowfi.friction.whole.balls import Balls
 from rollbench.lowfi.friction.whole.chain import SceneGrooves, chain_motion
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_at, spread
@@ -63,14 +62,10 @@ class Setting:
         scene, track = self.scene, self.scene.track
         on_screw, on_nut = self.angles(time)
         folded, loaded = self.balls.place(azimuth)
-        starts = np.concatenate([np.full(t.azimuth.size, t.start) for t in self.balls.tracks])
-        space = folded + on_nut + 2.0 * np.pi * starts / track.starts
-        station = scene.nut.position + reduced_lead(track) * (folded - track.phase)
-        who = np.flatnonzero(loaded)
-        layout = layout_at(track, space, station)
-        some = layout_at(track, space[who], station[who])
-        on_errors = space[who] - on_screw, space[who] - on_nut - scene.nut.azimuth
-        met = self.drawn.at(scene, *on_errors, station[who], self.balls.radius[who])
+        layout, who = self.balls.layout(scene, folded, on_nut), np.flatnonzero(loaded)
+        space, station = layout.azimuth[who], layout.z[who]
+        some = layout_at(track, space, station)
+        met = self.drawn.at(scene, space - on_screw, space - on_nut - scene.nut.azimuth, station, self.balls.radius[who])
         result = self.solve(met, some)
         at, status = None, "converged" if result.converged else f"contact loads: {result.status}"
         if result.converged:
@@ -87,11 +82,10 @@ class Setting:
         """Nominal grooves in motion."""
         return self.balls.grooves
 
-    @cached_property
+    @property
     def tracks(self) -> tuple[Track, ...]:
         """The closed tracks of the circuits."""
-        both = zip(self.balls.tracks, self.balls.bounds, strict=True)
-        return tuple(Track(t.start, t.arc, t.ring, t.spacing, balls) for t, balls in both)
+        return self.balls.tracks
 
     @property
     def spacing(self) -> Array:
@@ -115,8 +109,7 @@ class Setting:
         """Time [s] until a ball passes an end of its loaded arc; inf for a bearing, which has none."""
         if self.scene.track.lead == 0.0:
             return np.inf
-        arcs = [(np.mod(azimuth[own] - t.first, t.ring), omega[own], t) for t, own in self.balls.circuits]
-        return min(to_arc_end(along, rate, t.arc, t.ring) for along, rate, t in arcs)
+        return min(track.to_end(azimuth, omega) for track in self.tracks)
 
     def instant(self, azimuth: Array, time: float, slack: Array, memory: Memory) -> Instant | str:
         """Loads where the balls are, then their motions; azimuths (N,) in the nut's frame."""
@@ -135,7 +128,7 @@ class Setting:
                 (memory.q[own], memory.force[own]),
                 self.fast,
             )
-            for own in self.balls.bounds
+            for own in (track.balls for track in self.tracks)
         ]
         q, force, wrench = (np.concatenate([getattr(m, name) for m in moved]) for name in ("q", "ball_force", "wrench"))
         axial = -at.axial_force

@@ -14,8 +14,7 @@ import numpy as np
 from rollbench.lowfi.statics.axis.loose import words_for
 from rollbench.lowfi.statics.axis.structure import held_rows, rigid_motions
 from rollbench.lowfi.statics.axis.system import BallSet, System
-from rollbench.lowfi.statics.problem import SIGNS
-from rollbench.lowfi.statics.proof import opening, ran_away
+from rollbench.lowfi.statics.proof import approach, opening, ran_away
 from rollbench.lowfi.statics.result import Status
 from rollbench.meshes.arrays import Array
 
@@ -36,31 +35,22 @@ def opening_motion(system: System) -> Array | None:
     if float(np.abs(work).max()) <= 1e-12 * total:
         return None
     centres = 2 * system.contacts.r_ball.size
-    rows = [hstack([csr_array(a), csr_array(c)]) for b in system.balls for a, c in [_ball_rows(b, system, by_row)]]
+    rows = [csr_array(_ball_rows(b, system, by_row)) for b in system.balls]
     rows += [hstack([csr_array(x), csr_array((len(x), centres))]) for x in _roller_rows(system, by_row)]
     found = opening(work, csr_array(vstack(rows)), held_rows(s, motions))
     return None if found is None else np.asarray(motions @ found).reshape(-1, 6)
 
 
-def _ball_rows(b: BallSet, system: System, by_row: Array) -> tuple[Array, Array]:
+def _ball_rows(b: BallSet, system: System, by_row: Array) -> Array:
     """Approach of every contact that a set uses, by the rigid motions and by the centres of all balls: it must not grow.
 
     The one arc of a deep groove counts at its contact angle to either side.
     """
     beta = b.problem.scene.track.contact_angle
     angles = (beta, -beta) if b.of.thrust == "deep groove" else (beta,)
-    N = b.problem.layout.z.size
-    own = 2 * (b.balls.start + np.arange(N))
-    by_motion, by_centre = [], []
-    for side in np.flatnonzero(b.problem.use):
-        flank = b.moved(by_row)[:, side]
-        for angle in angles:
-            direction = SIGNS[side] * np.array([np.cos(angle), np.sin(angle)])
-            centre = np.zeros((N, 2 * system.contacts.r_ball.size))
-            centre[np.arange(N), own], centre[np.arange(N), own + 1] = direction
-            by_motion.append(-np.einsum("a,naj->nj", direction, flank))
-            by_centre.append(centre)
-    return np.concatenate(by_motion), np.concatenate(by_centre)
+    moved, balls = b.moved(by_row), system.contacts.r_ball.size
+    used = [(int(side), angle) for side in np.flatnonzero(b.problem.use) for angle in angles]
+    return np.concatenate([approach(s, angle, moved[:, s], b.balls.start, balls) for s, angle in used])
 
 
 def _roller_rows(system: System, by_row: Array) -> list[Array]:

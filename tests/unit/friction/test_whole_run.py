@@ -98,7 +98,7 @@ def test_loads_carry_what_the_scene_applies_at_every_instant(friction):
 @pytest.mark.parametrize("name", SCENES)
 def test_balls_keep_their_order_and_push_only_where_they_touch(name):
     h = run(name)
-    for track, own in zip(h.setting.balls.tracks, h.setting.balls.bounds, strict=True):
+    for track, own in ((track, track.balls) for track in h.setting.tracks):
         gap, spacing = h.gap[:, own], h.setting.balls.spacing[own]
         assert gap.min() >= 0.0
         assert gap.sum(axis=1) == pytest.approx(np.full(h.time.size, track.ring - spacing.sum()), abs=1e-10)
@@ -246,7 +246,7 @@ def test_given_loads_move_balls_as_in_the_source_s_module(clearance):
 def test_balls_of_unlike_sizes_touch_where_their_radii_meet():
     balls = setting(crowded()).balls
     radius, pair = balls.radius, balls.grooves.pair
-    own = balls.bounds[0]
+    own = balls.tracks[0].balls
     for k in range(own.start, own.stop - 1):
         phi = balls.spacing[k]
         chord = np.hypot(2.0 * balls.grooves.pitch_radius * np.sin(0.5 * phi), balls.grooves.ratio * phi)
