@@ -10,7 +10,6 @@ import os
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from time import perf_counter
 from typing import Any
 
@@ -24,16 +23,17 @@ from rollbench.hifi.condensation.responses import (
     ball_compliance,
     nut_response,
     screw_response,
-    shaft_section,
+    shaft_of,
+    shaft_parts,
 )
 from rollbench.hifi.condensation.side_by_side import Made, Part, make
 from rollbench.hifi.condensation.sides import SidePatches, condense_side, congruent, side_of, turned
-from rollbench.hifi.meshing.part_meshes import Meshes, mesh_parts
+from rollbench.hifi.meshing.part_meshes import Meshes, mesh_recipes
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.shaft.beam import ShaftSection
 from rollbench.hifi.shaft.cell import Homogenised
 from rollbench.hifi.shaft.mounting import as_stiff_as, without_cuts
-from rollbench.meshes.cache import Cache
+from rollbench.meshes.cache import Cache, StageDone
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.parts import Scene
@@ -82,17 +82,7 @@ class _Stages:
     def told(self, stage: str, spent: float, cached: Sequence[bool]) -> None:
         """Tell the seconds that a stage took, of whose records some came from the cache."""
         origin = "" if not any(cached) else ", from the cache" if all(cached) else ", partly from the cache"
-        self.step(f"{stage}: {spent:.1f} s{origin}")
-
-    def meshed(self, build: Callable[[], Meshes]) -> Meshes:
-        """The meshes, which read the cache themselves."""
-        start, cache = perf_counter(), self.cache
-        hits, misses, cold = cache.hits, cache.misses, cache.cold_seconds
-        meshes = build()
-        self.seconds["meshes"] = cache.cold_seconds - cold
-        cached = [True] * (cache.hits - hits) + [False] * (cache.misses - misses)
-        self.told("meshes", perf_counter() - start, cached)
-        return meshes
+        self.step(StageDone(stage, f"{spent:.1f} s{origin}", cached=bool(cached) and all(cached)))
 
     def made(self, parts: Sequence[Part], processes: int) -> list[Any]:
         """Records of the parts. A stage is told with its own seconds when its last part is made; what is kept of it is its
@@ -131,20 +121,24 @@ def prepare(
     """Meshes, patches and bodies of one geometry; ``sides``: which of SL, SR, NL, NR (0 to 3) may carry load.
 
     scenes: further scenes of the same parts that will be solved with this set-up; they may differ in loads, supports and
-    errors. cache: of meshes and condensed parts, keyed by all that they depend on. processes: that condense patches, then
-    bodies, at once. Raises ValueError where a mesh cannot be built, MemoryError where a process was ended from outside.
+    errors. cache: of meshes and condensed parts, keyed by all that they depend on. processes: that make meshes, then
+    patches and shaft, then bodies, at once. Raises ValueError where a mesh cannot be built, MemoryError where a process was
+    ended from outside.
     """
     stages = _Stages(cache or Cache(None), step)
     m, layout, dims = GrooveMap.of(scene), ball_layout(scene), dimensions(scene)
-    meshes = stages.meshed(partial(mesh_parts, scene, m, layout, dims, sides, settings, stages.cache))
-    parts = _patch_parts(scene, m, dims, meshes, sides, settings)
-    condensed = dict(zip(parts, stages.made(list(parts.values()), processes), strict=True))
-    patches = {s: condensed[s] if s in condensed else turned(condensed[s - 1]) for s in sides}
-
     stations = tuple(sorted({z for one in (scene, *scenes) for z in one.stations}))
-    bodies = _body_parts(scene, m, layout, dims, meshes, sides, settings, patches, stations)
+    recipes, whole = mesh_recipes(scene, m, layout, dims, sides, settings)
+    meshes = whole(*stages.made([Part("meshes", *recipe) for recipe in recipes], processes))
+    parts = _patch_parts(scene, m, dims, meshes, sides, settings)
+    found = stages.made([*parts.values(), *_shaft_parts(scene, m, dims, settings, stations)], processes)
+    condensed = dict(zip(parts, found, strict=False))
+    patches = {s: condensed[s] if s in condensed else turned(condensed[s - 1]) for s in sides}
+    shaft = shaft_of(scene.screw.material, m, scene.screw.bore / 2.0, found[len(parts) :])
+
+    bodies = _body_parts(scene, layout, dims, meshes, sides, settings, patches, stations)
     together = processes if layout.z.size * len(sides) <= TOGETHER else 1
-    shaft, screw, *nuts, ball = stages.made(bodies, together)
+    screw, *nuts, ball = stages.made(bodies, together)
     nut: NutResponse | None = nuts[0] if nuts else None
     screw = _as_the_section(screw, shaft, m, layout, sides, stations)
     unknowns = screw.unknowns + (nut.unknowns if nut else 0) + ball.unknowns * layout.z.size
@@ -181,9 +175,19 @@ def _patch_parts(
     return parts
 
 
+def _shaft_parts(
+    scene: Scene, m: GrooveMap, dims: Dimensions, settings: Settings, stations: tuple[float, ...]
+) -> list[Part]:
+    """What the shaft beyond the 3D stretch follows from, as parts to be made; stations of supports and loads [m]."""
+    screw, ends = scene.screw, dims.ends(scene)
+    beyond = dims.screw_held != "bore" and not all(ends[0] <= z <= ends[1] for z in stations)
+    size = settings.cell if beyond else None
+    radii = (screw.outer_diameter / 2.0, screw.bore / 2.0, dims.shaft_radius, dims.hole)
+    return shaft_parts(screw.material, m, *radii, size)
+
+
 def _body_parts(
     scene: Scene,
-    m: GrooveMap,
     layout: BallLayout,
     dims: Dimensions,
     meshes: Meshes,
@@ -192,19 +196,15 @@ def _body_parts(
     patches: dict[int, SidePatches],
     stations: tuple[float, ...],
 ) -> list[Part]:
-    """Shaft, screw, nut (where it is elastic) and ball, as parts to be made; stations of supports and loads [m]."""
+    """Screw, nut (where it is elastic) and ball, as parts to be made; stations of supports and loads [m]."""
     screw, nut, ball, ends = scene.screw, scene.nut, scene.balls.material, dims.ends(scene)
     inside = tuple(z for z in stations if ends[0] < z < ends[1])
     own = {s: p.groove for s, p in patches.items() if s < 2}
     facing = {s: p.groove for s, p in patches.items() if s >= 2}
     of_screw = (screw.material, nut, ends, inside, meshes.screw, layout, sides, own, settings, dims)
     of_nut = (nut.material, meshes.nut, layout, sides, facing, settings, dims)
-    beyond = dims.screw_held != "bore" and not all(ends[0] <= z <= ends[1] for z in stations)
-    size = settings.cell if beyond else None
-    of_shaft = (screw.material, m, screw.outer_diameter / 2.0, screw.bore / 2.0, dims.shaft_radius, dims.hole, size)
     nuts = [Part("nut", nut_response, of_nut, NutResponse)]
     return [
-        Part("shaft section", shaft_section, of_shaft, Shaft),
         Part("screw", screw_response, of_screw, ScrewResponse),
         *(nuts if scene.solid.nut == "elastic" else []),
         Part("ball", ball_compliance, (ball, meshes.ball, patches, settings), BallResponse),

@@ -31,6 +31,20 @@ from rollbench.meshes.leftovers import temporary
 from rollbench.meshes.packed import packed, unpacked
 from rollbench.meshes.private import private_folder
 
+
+class StageDone(str):
+    """What is said of a stage of a computation that is done: ``stage`` is its name, ``cached`` whether all was read."""
+
+    stage: str
+    cached: bool
+
+    def __new__(cls, stage: str, text: str, *, cached: bool = False) -> StageDone:
+        """The text ``stage: text``."""
+        own = super().__new__(cls, f"{stage}: {text}")
+        own.stage, own.cached = stage, cached
+        return own
+
+
 T = TypeVar("T")
 
 #: Folder of the records in that of a cache, and where versions before 0.5 had theirs.

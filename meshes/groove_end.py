@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.parts import UnfitKey
 from rollbench.meshes.sockets import ON_GROOVE, SocketSize, groove_lines, whole_turns
 from rollbench.meshes.solid import RUN_OUT, WHOLE
 
@@ -33,7 +34,7 @@ class GrooveEnds:
     def of(cls, m: GrooveMap, sockets: Iterable[tuple[float, float, int]], size: SocketSize) -> GrooveEnds:
         """Ends beyond the balls of ``sockets`` (azimuth [rad], z [m], side). Raises ValueError for a ring."""
         if not m.rg:
-            raise ValueError("the groove of a ring does not end: leave solid.nut_groove out")
+            raise UnfitKey("solid.nut_groove", "the groove of a ring does not end: leave solid.nut_groove out")
         lines = groove_lines(m)
         ball = 2.0 * m.ball / float(np.hypot(m.R, m.rg))
         reach = max(WHOLE * ball, size.phi)

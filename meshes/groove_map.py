@@ -7,7 +7,8 @@ phi + psi with psi = atan2(-z3 sin alpha, R_p + x3), and at z = zeta + r_g (phi 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from functools import cached_property
 from math import cos, sin
 
 import numpy as np
@@ -18,7 +19,7 @@ from rollbench.meshes.one_arc import near_apex
 from rollbench.meshes.parts import SIDE_SIGNS, Scene
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class GrooveMap:
     """Track of one scene: pitch radius R, reduced lead rg [m/rad], lead angle alpha, contact angle beta [rad], ball
     radius; per side: signs (4, 2), groove centres (4, 2) and radii (4,) in the section [m]; z of the nut's centre, phase,
@@ -53,6 +54,19 @@ class GrooveMap:
             track.phase,
             track.starts,
         )
+
+    @cached_property
+    def _content(self) -> tuple[object, ...]:
+        values = (getattr(self, field.name) for field in fields(self))
+        return tuple(value.tobytes() if isinstance(value, np.ndarray) else value for value in values)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether all numbers are equal."""
+        return isinstance(other, GrooveMap) and self._content == other._content
+
+    def __hash__(self) -> int:
+        """By all numbers."""
+        return hash(self._content)
 
     @property
     def one_arc(self) -> bool:

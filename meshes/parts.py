@@ -32,6 +32,19 @@ NutHeld = Literal[
 ]
 
 
+class UnfitKey(ValueError):
+    """Parts that cannot be built, or not solved by a model: ``key`` of the scene (``nut.outer_diameter``), and why."""
+
+    def __init__(self, key: str, reason: str) -> None:
+        """Keep both; the text is the reason."""
+        super().__init__(key, reason)
+        self.key = key
+
+    def __str__(self) -> str:
+        """The reason."""
+        return str(self.args[1])
+
+
 @dataclass(frozen=True)
 class Material:
     """Isotropic elastic material: Young's modulus [Pa] and Poisson's ratio."""

@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from rollbench.meshes.helix import groove_radii
-from rollbench.meshes.parts import Scene
+from rollbench.meshes.parts import Scene, UnfitKey
 
 #: Hole assumed along the axis of a solid screw, over the pitch radius: the mesh needs one; its effect is part of the
 #: modelling spread.
@@ -59,16 +59,19 @@ def _check_lands(scene: Scene, land: float, reach: float) -> None:
     found = 2e3 * land
     if found >= 1e3 * scene.nut.outer_diameter and pitch < found < most:
         wall = f"the nut's lands of {found:.4g} mm diameter leave no wall"
-        raise ValueError(f"nut.outer_diameter of {1e3 * scene.nut.outer_diameter:.4g} mm: {wall}")
+        raise UnfitKey("nut.outer_diameter", f"nut.outer_diameter of {1e3 * scene.nut.outer_diameter:.4g} mm: {wall}")
     if pitch < found < most:
         return
     if scene.solid.nut_inner_diameter is not None:
         between = f"it must lie between the pitch diameter {pitch:.4g} mm and {most:.4g} mm"
-        raise ValueError(f"solid.nut_inner_diameter of {found:.4g} mm leaves no groove: {between}")
-    raise ValueError(
+        raise UnfitKey(
+            "solid.nut_inner_diameter", f"solid.nut_inner_diameter of {found:.4g} mm leaves no groove: {between}"
+        )
+    raise UnfitKey(
+        "screw.outer_diameter",
         f"screw.outer_diameter of {outer:.4g} mm with a pitch diameter of {pitch:.4g} mm leaves no groove: the nut's lands "
         f"mirror the screw's, which must lie between {pitch - 2e3 * reach:.4g} mm and the pitch diameter; mend one of the "
-        "two, or give the nut's lands by solid.nut_inner_diameter"
+        "two, or give the nut's lands by solid.nut_inner_diameter",
     )
 
 
@@ -101,7 +104,7 @@ def dimensions(scene: Scene) -> Dimensions:
     held_radii = {"": (land, wall), "inner half": (land, middle), "outer half": (middle, wall)}[half]
     if held == "flange face":
         if flange is None:
-            raise ValueError('nut.held.at of "flange face" needs a flange: give [nut.flange]')
+            raise UnfitKey("nut.held.at", 'nut.held.at of "flange face" needs a flange: give [nut.flange]')
         held_radii = flange.seat
         where = f"in {flange.bolts} circles as wide as its annulus" if flange.bolts else "all over its annulus"
         assumed.append(
@@ -124,7 +127,10 @@ def dimensions(scene: Scene) -> Dimensions:
     groove_ends = solid.nut_groove == "loaded"
     if scene.track.lead == 0.0:
         if groove_ends:
-            raise ValueError('solid.nut_groove of "loaded" needs a lead: the groove of a ring does not end; leave it out')
+            raise UnfitKey(
+                "solid.nut_groove",
+                'solid.nut_groove of "loaded" needs a lead: the groove of a ring does not end; leave it out',
+            )
         assumed.append("Flat ends of the rings, without chamfers.")
     elif groove_ends:
         assumed.append(
@@ -136,9 +142,10 @@ def dimensions(scene: Scene) -> Dimensions:
     reach = float(groove_radii(scene).max())
     _check_lands(scene, land, reach)
     if not 0.0 < hole < R - reach:
-        raise ValueError(
+        raise UnfitKey(
+            "solid.hole_diameter",
             f"the hole of {2e3 * hole:.4g} mm diameter along the screw leaves no wall under the groove, which needs it "
-            f"below {2e3 * (R - reach):.4g} mm: set solid.hole_diameter"
+            f"below {2e3 * (R - reach):.4g} mm: set solid.hole_diameter",
         )
     return Dimensions(
         land,

@@ -4,7 +4,10 @@ threads of one another. What compiles kernels and what takes long is begun first
 import gc
 import json
 import os
+import re
 from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import pytest
@@ -12,6 +15,28 @@ import pytest
 for _library in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "VECLIB_MAXIMUM"):
     os.environ.setdefault(f"{_library}_NUM_THREADS", "1")
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # or each process that a test starts compiles all modules again
+
+#: Packages that the core does without: what a module of tests names of them makes it the wing's.
+WING = re.compile(r"rollbench\.(comparison\.(wings|sources)|lowfi\.(friction|bearings|random_errors)|hifi\.rolling)\b")
+
+
+@cache
+def of_a_wing(path: Path) -> bool:
+    """Whether a module tests a wing or a source."""
+    return "sources" in path.parts or WING.search(path.read_text(encoding="utf-8")) is not None
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Leave out wings, sources and cold 3D set-ups where the command names neither paths nor marks."""
+    as_configured = config.option.markexpr == config.getini("addopts")[-1]
+    if as_configured and config.args_source is pytest.Config.ArgsSource.TESTPATHS:
+        config.option.markexpr += " and not wing and not cold"
+
+
+def pytest_itemcollected(item: pytest.Item) -> None:
+    """Mark the tests of wings and sources."""
+    if of_a_wing(item.path):
+        item.add_marker("wing")
 
 
 def begun(item: pytest.Item) -> tuple[float, bool]:

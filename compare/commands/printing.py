@@ -100,9 +100,16 @@ def on_terminal(text: str) -> None:
 
 
 def cell(value: Any, form: str) -> str:
-    """A value as text."""
+    """A value as text; a number that is rounded to zero has no minus.
+
+    >>> cell(-0.001, ".2f"), cell(-0.001, "+.2f"), cell(-0.001, ".2g"), cell(-3, "d"), cell(None, "s")
+    ('0.00', '+0.00', '-0.001', '-3', '–')
+    """
     if value is None:
         return "–"
     if isinstance(value, bool):
         return "yes" if value else "no"
-    return str(value) if form == "s" else format(value, form)
+    if form == "s" or not isinstance(value, float):
+        return str(value) if form == "s" else format(value, form)
+    sign = form[:1] if form[:1] in "+- " else ""
+    return format(value, f"{sign}z{form.removeprefix(sign)}")

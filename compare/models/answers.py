@@ -86,7 +86,7 @@ def tangent_of(scene: Scene, station: float, model: str, options: Options) -> Ta
         )
     except ValueError as error:
         advice = "the loads are solved without it: leave the stiffness out"
-        raise Refusal(scene.name, blamed(str(error)), str(error), advice) from error
+        raise Refusal(scene.name, blamed(error), str(error), advice) from error
 
 
 def axial_tangent(scene: Scene, model: str, options: Options) -> tuple[float | None, str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
@@ -13,7 +12,7 @@ import numpy as np
 
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.parts import Scene
+from rollbench.meshes.parts import Scene, UnfitKey
 
 if TYPE_CHECKING:
     from rollbench.lowfi.compliance.imported import Condensed
@@ -317,17 +316,13 @@ def random_errors(scene: Scene | Assembly) -> bool:
     return any(isinstance(s.parts, Scene) and s.parts.errors.random for s in scene.sets)
 
 
-def blamed(reason: str) -> str:
+def blamed(error: ValueError) -> str:
     """The key of a scene that a solver's refusal names, or ``scene``.
 
-    >>> blamed("solid.nut_inner_diameter of 9 mm leaves no groove"), blamed("ball 3 and flank SL conform"), blamed("no")
-    ('solid.nut_inner_diameter', 'errors.SL', 'scene')
+    >>> blamed(UnfitKey("solid.nut_inner_diameter", "9 mm leave no groove")), blamed(ValueError("no"))
+    ('solid.nut_inner_diameter', 'scene')
     """
-    key = re.search(r"\b((?:track|screw|nut|balls|errors|solid|ingredients|material)\.[A-Za-z_.]*[A-Za-z_])", reason)
-    if key is not None:
-        return key[1]
-    flank = re.search(r"\bflank (SL|SR|NL|NR)\b", reason)
-    return f"errors.{flank[1]}" if flank is not None else "scene"
+    return error.key if isinstance(error, UnfitKey) else "scene"
 
 
 @overload
@@ -350,7 +345,7 @@ def run_model(scene: Scene | Assembly, name: str = "", options: Options | None =
             result = run(options)
     except ValueError as error:
         one = isinstance(scene, Scene)
-        where, what = (blamed(str(error)), "geometry and the ingredients") if one else ("scene", "geometry")
+        where, what = (blamed(error), "geometry and the ingredients") if one else ("scene", "geometry")
         raise Refusal(scene.name, where, str(error), f"check the {what}") from error
     return replace(result.answers(), model=name, member=options.member)
 

@@ -18,6 +18,7 @@ from rollbench.comparison.reference.variants import VARIANTS
 from rollbench.comparison.system import need_reference, out_of_memory
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
+from rollbench.meshes.cache import StageDone
 from rollbench.meshes.condensed import CondensedBodies
 from rollbench.meshes.memory import peak_MB
 from rollbench.meshes.parts import Scene
@@ -127,7 +128,7 @@ def _run_of_sets(
     task: Task, assembly: Assembly, found: AxisReference, setups: Sequence[Setup], ups: Sequence[SetUp], step: Step
 ) -> Run:
     """The run of one load case of several sets."""
-    step(f"contact loads: {found.seconds:.1f} s, {assembly.name} {found.status}")
+    step(StageDone("contact loads", f"{found.seconds:.1f} s, {assembly.name} {found.status}"))
     shared = list({id(s): s for s in setups}.values())
     return Run(
         scene=assembly.name,
@@ -224,7 +225,7 @@ def _one(task: Task, number: int, scene: Scene, setup: Setup, sides: tuple[int, 
         for name in INGREDIENTS:
             found = solve_reference(setup, scene, sides=sides, leave_out=frozenset([name]))
             without[name], seconds[name] = found.load, found.seconds["contact"]
-    step(f"contact loads: {result.seconds['contact']:.1f} s, {scene.name} {result.status}")
+    step(StageDone("contact loads", f"{result.seconds['contact']:.1f} s, {scene.name} {result.status}"))
     return Run(
         scene=task.scenes[number].name,
         level=task.level,

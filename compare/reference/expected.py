@@ -14,6 +14,7 @@ from rollbench.comparison.errors import InputError
 from rollbench.comparison.reference.sets import set_ups
 from rollbench.comparison.reference.tasks import Task, needed_sides
 from rollbench.comparison.system import available_GB
+from rollbench.meshes.cache import StageDone
 
 #: Seconds of the contact patches, by level: they do not depend on the number of contacts.
 PATCHES = {0: 3.0, 1: 13.0, 2: 25.0, 3: 45.0, 4: 100.0, 5: 200.0}
@@ -25,7 +26,7 @@ BASE_GB = {0: 0.6, 1: 0.65, 2: 0.9, 3: 1.3, 4: 2.2, 5: 4.4}
 CONTACT_GB = 0.007
 #: What a second process saves of the time of the stages that it shares, and adds to the memory: a share, or where there are
 #: so many contacts that it makes patches alone (`hifi.setup.TOGETHER`), a share of what does not grow with them.
-SHARED, FASTER, MORE, TOGETHER = ("patches", "ball", "shaft section", "screw", "nut"), 1.7, 0.7, 160
+SHARED, FASTER, MORE, TOGETHER = ("meshes", "patches", "ball", "shaft section", "screw", "nut"), 1.7, 0.7, 160
 PATCHES_ALONE = 0.6
 #: Order of the stages, by the names that `hifi.setup.prepare` gives them.
 STAGES = ("meshes", "patches", "shaft section", "screw", "nut", "ball", "contact loads")
@@ -111,17 +112,16 @@ class Progress:
         return f"{self.label}: {self.stages[0][0]}" if self.stages else self.label
 
     def line(self, text: str, spent: float) -> str:
-        """What is said when ``text`` (``stage: seconds``) is heard after ``spent`` seconds.
+        """What is said when ``text``, a `StageDone` at the end of a stage, is heard after ``spent`` seconds.
 
         Stages from the cache say nothing of the machine's pace.
         """
-        name = text.split(":")[0]
-        own = next((stage for stage in self.stages if stage[0] == name), None)
-        if own is None:
+        own = next((s for s in self.stages if isinstance(text, StageDone) and s[0] == text.stage), None)
+        if own is None or not isinstance(text, StageDone):
             return f"{self.label}: {text}"
         self.stages.remove(own)
         self.done += own[1]
-        self.computed += 0.0 if text.endswith(", from the cache") else own[1]
+        self.computed += 0.0 if text.cached else own[1]
         left = sum(seconds for _, seconds in self.stages)
         pace = min(max(spent / self.computed, 0.1), 10.0) if self.computed else 1.0
         total = f"about {duration(pace * (left + self.after))} left"

@@ -35,14 +35,14 @@ SPACER = 0.1
 
 def scene_like(size: str) -> str:
     """Text of a scene of a nominal size ``DIAMETERxLEAD`` in mm. Raises InputError where the rules do not reach."""
-    values = _values(size)
+    values = values_like(size)
     holding = f"held by a flange of {RIM:g} by {THICK:g} of its diameter"
     return _tidy(_text("screw", values, rigid=", between rigid bodies", nuts="the nut", holding=holding), values)
 
 
 def double_nut_like(size: str) -> str:
     """Text of a double nut of a nominal size, as `scene_like`: its nuts are pressed apart by a spacer."""
-    values = _values(size)
+    values = values_like(size)
     apart = values["nut"] + max(1.0, round(SPACER * values["nut"]))
     places = [values["middle"] - 0.5 * apart, values["middle"] + 0.5 * apart]
     nuts = [
@@ -66,8 +66,8 @@ def _tidy(text: str, values: dict[str, Any]) -> str:
     return re.sub(r"(?m)^circuit_gap = .*\n", "", text).replace("1 circuits of", "1 circuit of")
 
 
-def _values(size: str) -> dict[str, Any]:
-    """Numbers of a size, as they stand in the file."""
+def values_like(size: str) -> dict[str, Any]:
+    """Numbers of a size by the names in the texts, as they stand in the file: lengths in mm. Raises InputError."""
     outer, lead = _size(size)
     ball = max(b for b in STOCK if b <= max(STOCK[0], 1.01 * min(PER_LEAD * lead, PER_DIAMETER * outer)))
     pitch = round(outer + 2.0 * BEYOND * ball, 2)

@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from rollbench.comparison.models.model_form import QUANTITIES, Point, shipped_points
 from rollbench.comparison.models.registry import DEFAULT
 from rollbench.comparison.models.study import Study
+from rollbench.meshes.arrays import Array
 from rollbench.reports.records import Quantity, Row, Section, Table, Text
 
-#: Limit [%] that a use is counted by, and words of the errors.
+#: Limit [%] that a use is counted by.
 LIMIT = 7.0
-WORDS = {
-    "percent": "worst contact load, of the mean load",
-    "rms_percent": "RMS of the contact loads, of the mean load",
+#: Names of the errors, and their words in tables.
+NAMES = {
+    "percent": "worst contact load",
+    "rms_percent": "RMS of the contact loads",
     "displacement_percent": "axial displacement",
     "rigidity_percent": "axial tangent rigidity",
     "pressure_percent": "largest pressure",
 }
+WORDS = NAMES | {key: f"{NAMES[key]}, of the mean load" for key in ("percent", "rms_percent")}
 NOT_FIT = (
     (
         "Less certain: balls within about 1.4 ball radii of a nut face, short nuts held by a flange, and shaft ends "
@@ -34,42 +38,59 @@ NOT_FIT = (
 )
 
 
-def rows(points: Sequence[Point]) -> list[Row]:
-    """Median, 95th percentile and largest error of every model, and the share within the limit."""
-    found: list[Row] = []
+@dataclass(frozen=True)
+class Fit:
+    """Sizes of the errors (n,) [%] of a model in one quantity, a key of ``NAMES``."""
+
+    key: str
+    model: str
+    errors: Array
+
+    @property
+    def within(self) -> float:
+        """Share within the limit."""
+        return float(np.mean(self.errors <= LIMIT))
+
+    @property
+    def good(self) -> bool:
+        """Whether 95 of 100 are within the limit."""
+        return self.within >= 0.95
+
+    @property
+    def row(self) -> Row:
+        """Median, 95th percentile and largest error, and the share within the limit."""
+        return {
+            "quantity": WORDS[self.key],
+            "model": self.model,
+            Quantity("scenes", "scenes", "", "s"): int(self.errors.size),
+            Quantity("median", "median", "%", ".2f"): float(np.median(self.errors)),
+            Quantity("p95", "95 of 100", "%", ".2f"): float(np.percentile(self.errors, 95)),
+            Quantity("largest", "largest", "%", ".1f"): float(self.errors.max()),
+            Quantity("within", f"within {LIMIT:g} %", "%", ".0f"): 100.0 * self.within,
+            "verdict": "yes" if self.good else "no",
+        }
+
+
+def fits(points: Sequence[Point]) -> list[Fit]:
+    """Every model in every quantity that was compared."""
+    found = []
     for model in dict.fromkeys(p.model for p in points):
         for key in QUANTITIES:
             errors = np.array([abs(v) for p in points if p.model == model and (v := getattr(p, key)) is not None])
             if errors.size:
-                within = float(np.mean(errors <= LIMIT))
-                found.append(
-                    {
-                        "quantity": WORDS[key],
-                        "model": model,
-                        Quantity("scenes", "scenes", "", "s"): int(errors.size),
-                        Quantity("median", "median", "%", ".2f"): float(np.median(errors)),
-                        Quantity("p95", "95 of 100", "%", ".2f"): float(np.percentile(errors, 95)),
-                        Quantity("largest", "largest", "%", ".1f"): float(errors.max()),
-                        Quantity("within", f"within {LIMIT:g} %", "%", ".0f"): 100.0 * within,
-                        "verdict": "yes" if within >= 0.95 else "no",
-                    }
-                )
+                found.append(Fit(key, model, errors))
     return found
 
 
-def conclusion(found: Sequence[Row]) -> str:
+def conclusion(found: Sequence[Fit]) -> str:
     """What 95 of 100 compared scenes are fit for."""
-    good = [_plain(row) for row in found if row["model"] == DEFAULT and row["verdict"] == "yes"]
-    bad = [_plain(row) for row in found if row["model"] == "lin" and row["verdict"] == "no"]
+    good = [NAMES[x.key] for x in found if x.model == DEFAULT and x.good]
+    bad = [NAMES[x.key] for x in found if x.model == "lin" and not x.good]
     fit = (
         f"is fit for the {_listed(good)}: within {LIMIT:g} % on at least 95 of 100" if good else "is not shown to be fit on"
     )
     unfit = f" lin is not fit for the {_listed(bad)}." if bad else ""
     return f"On ordinary screws {DEFAULT} {fit} compared scenes.{unfit}"
-
-
-def _plain(row: Row) -> str:
-    return str(row["quantity"]).removesuffix(", of the mean load")
 
 
 def _listed(names: Sequence[str]) -> str:
@@ -79,10 +100,10 @@ def _listed(names: Sequence[str]) -> str:
 def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
     """Section of the report."""
     step("all compared scenes")
-    found = rows(shipped_points())
+    found = fits(shipped_points())
     note = (
         "All shipped and surveyed scenes, each against the 3D reference. Verdict: at least 95 of 100 scenes "
         "within the limit."
     )
-    table = Table.of("fit-for", "Errors of all compared scenes by quantity", found, note, shown=None)
+    table = Table.of("fit-for", "Errors of all compared scenes by quantity", [x.row for x in found], note, shown=None)
     return Section("fit", "Fit for, not fit for", (table, Text(NOT_FIT, bullets=True)), conclusion=conclusion(found))

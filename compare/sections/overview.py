@@ -9,7 +9,7 @@ import numpy as np
 
 from rollbench.comparison.models.comparison import REFERENCED
 from rollbench.comparison.models.ladder import UNSEEN, ladder
-from rollbench.comparison.models.registry import DEFAULT, MODELS
+from rollbench.comparison.models.registry import DEFAULT
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.models.total_uncertainty import total
 from rollbench.comparison.models.u_val import scatter
@@ -65,14 +65,11 @@ class Standing:
     within: int
 
 
-def named(label: str) -> tuple[str, str]:
-    """Short name and family of the label of a model or mesh."""
-    model = next((m for m in MODELS.values() if m.label == label), None)
-    if model is None:
-        return label.removeprefix("3D reference, ").replace("level", "3D level").replace(
-            "the source's mesh", "3D, source's mesh"
-        ), SOLID
-    return model.name, next((family for family, names in FAMILIES if model.name in names), model.label)
+def family_of(point: TimePoint) -> str:
+    """Family of a model or mesh."""
+    if point.kind != "model":
+        return SOLID
+    return next((family for family, names in FAMILIES if point.name in names), point.label)
 
 
 def off(point: TimePoint) -> float:
@@ -91,15 +88,15 @@ def standings(points: Mapping[str, Sequence[TimePoint]]) -> list[Standing]:
 
 
 def _standing(label: str, own: Sequence[tuple[str, TimePoint]]) -> Standing:
-    name, family = named(label)
+    first = own[0][1]
     errors = [off(p) for _, p in own]
     k = int(np.argmax(errors))
     ends = [(p.low, p.high) for _, p in own if p.low is not None and p.high is not None]
     low, high = np.median(np.array(ends), axis=0).tolist() if len(ends) == len(own) else (None, None)
     return Standing(
-        name=name,
+        name=first.name,
         label=label,
-        family=family,
+        family=family_of(first),
         scenes=len(own),
         worst=errors[k],
         worst_scene=own[k][0],
@@ -153,7 +150,7 @@ def _time_panel(
                 [max(off(p), FLOOR) for _, p in own],
                 "markers",
                 light=True,
-                names=[f"{named(p.label)[0]}, {scene}" for scene, p in own],
+                names=[f"{p.name}, {scene}" for scene, p in own],
             )
         )
     edge = front(found)
@@ -182,7 +179,7 @@ def _time_panel(
 
 
 def _shown(point: TimePoint, family: str) -> bool:
-    return point.status == "converged" and off(point) > 0.0 and named(point.label)[1] == family
+    return point.status == "converged" and off(point) > 0.0 and family_of(point) == family
 
 
 def answer(points: Mapping[str, Sequence[TimePoint]], bars: Sequence[float], total: float | None = None) -> str:

@@ -15,6 +15,8 @@ from rollbench.comparison.costs.cold import Cold, ColdLevel, measure, measure_le
 from rollbench.comparison.costs.run_times import Kept, RunTime, live, today
 from rollbench.comparison.costs.run_times import load as load_times
 from rollbench.comparison.costs.run_times import save as save_times
+from rollbench.comparison.costs.set_up_costs import Costs
+from rollbench.comparison.costs.set_up_costs import load as load_costs
 from rollbench.comparison.measure import error_percent, load_error
 from rollbench.comparison.models.comparison import REFERENCED, finest_bodies, suited
 from rollbench.comparison.models.ladder import UNSEEN, Rung, ladder
@@ -41,6 +43,8 @@ FIRST = "lin-case1"
 LARGE = (("unseen-40x10", 1), ("unseen-25x5", 1))
 #: Stages of a set-up that are told.
 DEAREST = 3
+#: Kinds of work of a set-up.
+WORK = ("all", "meshing", "assembly", "elimination", "dense")
 #: Models whose cold time is measured there even where times are kept.
 SAMPLE = ("lin", "refined")
 #: Panels of one figure.
@@ -51,7 +55,8 @@ PANELS = 6
 class TimePoint:
     """One model or mesh of a scene against the reference's finest level: largest and RMS error [% of the mean load],
     lowest and highest largest error that the grid uncertainty of every contact allows (None with one level); seconds
-    cold and warm, unknowns, peak memory [MB] (None: not measured), kind, and the status where it is no solution."""
+    cold and warm, unknowns, peak memory [MB] (None: not measured), kind, short name, and the status where it is no
+    solution."""
 
     label: str
     kind: Literal["model", "level", "source mesh"]
@@ -63,6 +68,7 @@ class TimePoint:
     warm: float | None
     unknowns: int
     memory: float | None
+    name: str
     status: str = "converged"
 
 
@@ -101,11 +107,11 @@ def time_points(name: str, found: Reference, study: Study, step: Step) -> list[T
         if known is None:
             step(f"{name}, {model.label}: cold and warm")
         out.append(_model_point(name, model, found, study, bodies if model.name == "condensed" else None, known))
-    runs = [(f"3D reference, level {r.level}", r) for r in found.runs]
+    runs = [(f"3D reference, level {r.level}", f"3D level {r.level}", r) for r in found.runs]
     source = load(scene, SOURCE_LEVEL, stores=study.stores)
     if source is not None:
-        runs.insert(0, ("3D reference, the source's mesh", source))
-    for label, run in runs:
+        runs.insert(0, ("3D reference, the source's mesh", "3D, source's mesh", source))
+    for label, short, run in runs:
         out.append(
             TimePoint(
                 label,
@@ -115,6 +121,7 @@ def time_points(name: str, found: Reference, study: Study, step: Step) -> list[T
                 run.solve_seconds,
                 run.unknowns,
                 run.peak_MB,
+                short,
                 run.status,
             )
         )
@@ -142,6 +149,7 @@ def _model_point(
         known.warm,
         result.solver.unknowns,
         known.memory,
+        model.name,
         result.status,
     )
 
@@ -253,11 +261,55 @@ def level_table(levels: Sequence[ColdLevel]) -> Table:
         "Each level in a process of its own on all cores, from the start of the interpreter to the loads, "
         "with no mesh, part or run known before. Peak memory: sum of the peaks of all processes of one "
         "set-up. Targets were 12 s for level 1 of a screw with 64 contacts, 40 s for its levels 1 to 3, and "
-        "50 s of processor time for level 1 with 200 contacts. Where they are missed, nearly half of the "
-        "time is the elimination of these meshes and a seventh their generation; coarser meshes would be "
-        "another reference."
+        "50 s of processor time for level 1 with 200 contacts. Where they are missed, the tables "
+        "reference-set-up-costs and reference-set-up-ways say what bounds them."
     )
     return Table.of("reference-levels-cold", "Levels of the 3D reference, cold", rows, note)
+
+
+def cost_tables(costs: Costs) -> list[Table]:
+    """Where the processor time of cold set-ups goes, and what cheaper ones would save and move."""
+    measured = f"Measured on {costs.machine}, {costs.date}, by tests/set_up_costs.py."
+    rows: list[Row] = [
+        {
+            "scene": job.scene,
+            "level": job.level,
+            "contacts": job.contacts,
+            "stage": stage,
+            Quantity("all", "CPU time", "s", ".2f"): spent["all"],
+            **{
+                Quantity(kind, f"of it {words}", "s", ".2f"): spent.get(kind, 0.0)
+                for kind, words in (("meshing", "meshing"), ("assembly", "assembly"), ("elimination", "elimination"))
+            },
+            Quantity("dense", "its dense algebra", "s", ".2f"): spent.get("dense", 0.0),
+        }
+        for job in costs.jobs
+        for stage, spent in (*job.stages.items(), ("all", {kind: job.of(kind) for kind in WORK}))
+    ]
+    floors = ", ".join(f"{job.of('all') / 2.0:.1f} s ({job.scene}, level {job.level})" for job in costs.jobs)
+    note = (
+        "One process of one thread, without start and imports. Elimination is what the meshes ask for: its dense algebra "
+        f"runs in LAPACK. Two cores that never wait for one another need at least {floors}. {measured}"
+    )
+    ways: list[Row] = [
+        {
+            "scene": way.scene,
+            "way": way.way,
+            Quantity("saved", "CPU time saved", "s", ".2f"): way.saved,
+            Quantity("moved", "moves a load by", "% of mean", ".4f"): way.moved,
+        }
+        for way in costs.ways
+    ]
+    tried = (
+        "Ways that were tried on level 1 and not taken. A load may move by 0.001 % of the mean load, or stored runs "
+        "would be of another reference. The library has one flank's patch, as the mean of those of pitch radii 5 % "
+        "smaller and larger; one for any screw has five such parameters (two conformities, contact angle, lead angle, "
+        f"ball over pitch radius), and with ten places of each 100,000 patches. {measured}"
+    )
+    return [
+        Table.of("reference-set-up-costs", "Processor time of a cold set-up, by stage and work", rows, note),
+        Table.of("reference-set-up-ways", "Cheaper set-ups, and what they do to loads", ways, tried),
+    ]
 
 
 def _dearest(level: ColdLevel) -> str:
@@ -294,7 +346,7 @@ def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
     """Speed ratio of the finest level to the source's low-order model, scene by scene."""
     rows: list[Row] = []
     for scene, own in points.items():
-        low = next(p for p in own if p.label == MODELS["lin"].label)
+        low = next(p for p in own if p.name == "lin")
         best = [p for p in own if p.kind == "level"][-1]
         if low.warm and best.warm:
             rows.append(
@@ -339,8 +391,7 @@ def time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
         "All points are errors against the finest level, with what its grid "
         f"uncertainty leaves of them as bars; what is below {FLOOR:g} % is drawn at the lower edge."
     )
-    axial = MODELS["mei"].label  # takes part where there is no preload
-    plain = [n for n in REFERENCED if n in points and any(p.label == axial for p in points[n])]
+    plain = [n for n in REFERENCED if n in points and any(p.name == "mei" for p in points[n])]
     groups = {
         "": plain,
         "-preload": [n for n in REFERENCED if n in points and n not in plain],
@@ -374,9 +425,8 @@ def kept_now(
     points: Mapping[str, Sequence[TimePoint]], first: Mapping[tuple[str, str], Cold], levels: Sequence[ColdLevel] = ()
 ) -> Kept:
     """The times of these points, first processes and levels, to be kept for reports to come."""
-    names = {model.label: model.name for model in MODELS.values()}
     times = {
-        (scene, names[p.label]): RunTime(p.cold, p.warm, p.memory)
+        (scene, p.name): RunTime(p.cold, p.warm, p.memory)
         for scene, own in points.items()
         for p in own
         if p.kind == "model" and p.warm is not None
@@ -392,4 +442,6 @@ def time_items(study: Study, step: Step) -> list[Table | Figure]:
     if study.timed and study.stores:
         save_times(study.stores[0], kept_now(points, first, levels))
     tables = [compile_table(first), level_table(levels), assembly_table(assembly_costs())] if first else []
+    costs = load_costs((*(study.stores or ()), shipped_store()))
+    tables += cost_tables(costs) if costs is not None and first else []
     return [time_table(points, study.once(when_measured, step)), *tables, speed_table(points), *time_figures(points)]

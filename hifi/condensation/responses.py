@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -23,6 +25,7 @@ from rollbench.hifi.bodies.coarse import (
     patch_modes,
 )
 from rollbench.hifi.bodies.patch import CondensedPatch
+from rollbench.hifi.condensation.side_by_side import Part
 from rollbench.hifi.condensation.sides import SidePatches
 from rollbench.hifi.elements.assembly import cells
 from rollbench.hifi.elements.rigid import rigid_modes
@@ -30,7 +33,8 @@ from rollbench.hifi.linear_algebra.response import compliance, transport
 from rollbench.hifi.meshing.part_meshes import body_kind, placed, sockets_of
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.shaft.beam import ShaftSection, round_section, tube
-from rollbench.hifi.shaft.cell import Homogenised, homogenise
+from rollbench.hifi.shaft.cell import Homogenised, homogenise, lengths, meshed_shaft
+from rollbench.hifi.shaft.helical_section import helical_stiffness
 from rollbench.hifi.shaft.mounting import Stretch
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.ball_body import BallBody
@@ -122,23 +126,32 @@ def ball_compliance(
     return BallResponse(G, {s: k[0] for s, k in kept.items()}, int(free.size))
 
 
-def shaft_section(
+def shaft_parts(
     e: Material, m: GrooveMap, outer: float, bore: float, radius: float | None, hole: float, size: float | None
-) -> Shaft:
-    """Section of the shaft beyond the 3D stretch, by what it depends on alone: other nuts and loads find it in the cache.
+) -> list[Part]:
+    """Parts that `shaft_of` makes the shaft beyond the 3D stretch of: its section, or stiffnesses of the helical section
+    and meshed shafts, by what they depend on alone, so that other nuts and loads find them in the cache.
 
     outer, bore: radii of the shaft's lands and bore [m]; radius: of a plain shaft in its place [m], if the scene has one;
     hole: radius of the bore of 3D meshes [m]; size: of their elements [m], or None where no station of supports or loads
     lies beyond the stretch, so that any section will do.
     """
-    plain = round_section(outer, e.youngs_modulus, e.poissons_ratio)
-    if size is None:
-        return Shaft(plain, None)
-    if radius is not None:
-        return Shaft(round_section(radius, e.youngs_modulus, e.poissons_ratio), None)
+    part = partial(Part, "shaft section")
+    plain = outer if size is None else radius
+    if plain is not None:
+        return [part(round_section, (plain, e.youngs_modulus, e.poissons_ratio), ShaftSection)]
     if m.rg == 0.0:
-        return Shaft(tube(outer, bore, e), None)
-    found = homogenise(m, outer, bore, hole, e, size)
+        return [part(tube, (outer, bore, e), ShaftSection)]
+    meshed = [part(meshed_shaft, (m, outer, hole, e, size, length), tuple) for length in lengths(m)]
+    return [part(helical_stiffness, (m, outer, bore, e), tuple), *meshed]
+
+
+def shaft_of(e: Material, m: GrooveMap, bore: float, made: Sequence[Any]) -> Shaft:
+    """Shaft beyond the 3D stretch from the records of its `shaft_parts`; bore: its radius [m]."""
+    section, *meshed = made
+    if not meshed:
+        return Shaft(section, None)
+    found = homogenise(m, bore, e, section, meshed)
     return Shaft(found.section, found)
 
 

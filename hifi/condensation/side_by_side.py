@@ -47,14 +47,15 @@ class Made(Generic[T]):
 def make(
     parts: Sequence[Part], cache: Cache, processes: int, told: Callable[[int, Made[Any]], None] = lambda *_: None
 ) -> list[Made[Any]]:
-    """Records of independent parts, in their order, by so many processes at once, this one among them, one thread each; by
-    this one alone for one. told: hears of each when it is made, one at a time. Raises what a part raises, and MemoryError
-    where a process was ended from outside."""
+    """Records of independent parts, in their order, by so many processes at once, this one among them, one thread each (a
+    second thread mostly waits where fronts are small); by this one alone for one. told: hears of each when it is made, one
+    at a time. Raises what a part raises, and MemoryError where a process was ended from outside."""
     if processes == 1 or len(parts) < 2:
         alone = []
-        for k, part in enumerate(parts):
-            alone.append(_make(part, cache))
-            told(k, alone[-1])
+        with threadpool_limits(1):
+            for k, part in enumerate(parts):
+                alone.append(_make(part, cache))
+                told(k, alone[-1])
         return alone
     from joblib.executor import get_memmapping_executor  # the workers of joblib.Parallel, not others beside them
     from joblib.externals.loky.process_executor import BrokenProcessPool

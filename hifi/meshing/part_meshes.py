@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal
+from functools import partial
+from typing import Any, Literal
 
 import numpy as np
 
@@ -30,6 +31,8 @@ RIM_EDGES = (0.5e-3, 0.35e-3, 0.25e-3, 0.15e-3)
 CARRIER = 0.5
 #: Contact as a socket of a body: (azimuth [rad], z [m], side).
 Place = tuple[float, float, int]
+#: Function, arguments and class of a record, as for `rollbench.meshes.cache.Cache.get`.
+Recipe = tuple[Callable[..., Any], tuple[Any, ...], type]
 
 
 @dataclass(frozen=True)
@@ -71,6 +74,14 @@ def mesh_parts(
 ) -> Meshes:
     """Mesh screw, nut and one ball of a scene."""
     cache = cache or Cache(None)
+    recipes, whole = mesh_recipes(scene, m, layout, dims, sides, settings)
+    return whole(*(cache.get(*recipe) for recipe in recipes))
+
+
+def mesh_recipes(
+    scene: Scene, m: GrooveMap, layout: BallLayout, dims: Dimensions, sides: tuple[int, ...], settings: Settings
+) -> tuple[list[Recipe], Callable[..., Meshes]]:
+    """Recipes of the meshes of screw, nut and one ball of a scene, and what makes one record of the three."""
     size = socket_size(scene, m, layout, sides, dims, settings)
     widths = (size.gamma * float(m.radius.mean()), size.phi * m.R)
     _, zone = patch_lines(settings, widths, size.depth)
@@ -101,10 +112,9 @@ def mesh_parts(
         nut.flange,
     )
     sockets = tuple(ball_place(m, size, s, zone)[0] for s in sides)
-    ball = cache.get(build_ball, (m, sockets, settings.ball_fine, settings.ball_coarse, size.cuts), BallBody)
-    screw = cache.get(build_body, (m, screw_spec), GroovedBody)
-    outer = cache.get(build_body, (m, nut_spec), GroovedBody)
-    return Meshes(screw, outer, ball, size, zone, widths)
+    bodies: list[Recipe] = [(build_body, (m, spec), GroovedBody) for spec in (screw_spec, nut_spec)]
+    ball = (build_ball, (m, sockets, settings.ball_fine, settings.ball_coarse, size.cuts), BallBody)
+    return [*bodies, ball], partial(Meshes, size=size, zone=zone, widths=widths)
 
 
 def sockets_of(layout: BallLayout, sides: tuple[int, ...], screw: bool) -> tuple[Place, ...]:

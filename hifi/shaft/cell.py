@@ -8,6 +8,7 @@ the leads between. Their meshes are too stiff, by a per cent in bending, so that
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +20,6 @@ from rollbench.hifi.elements.forms import elasticity
 from rollbench.hifi.linear_algebra.response import compliance
 from rollbench.hifi.shaft.beam import ShaftSection, round_section
 from rollbench.hifi.shaft.cut import cut_flexibility
-from rollbench.hifi.shaft.helical_section import helical_stiffness
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
@@ -45,19 +45,25 @@ class Homogenised:
 OTHER_PHASE = 0.25
 
 
-def homogenise(m: GrooveMap, outer: float, bore: float, hole: float, material: Material, size: float) -> Homogenised:
-    """Homogenised section of a shaft with these radii [m] of lands and bore; the cut by elements of ``size`` [m].
-
-    hole: radius of the bore of the 3D meshes [m], which may need one where the shaft has none. A shaft without lead is
-    plain beyond its groove. Raises ValueError where grooves of neighbouring turns overlap.
-    """
-    young, poisson = material.youngs_modulus, material.poissons_ratio
+def lengths(m: GrooveMap) -> tuple[float, float, float]:
+    """Lengths [m] of the short, the long and the third of the 3D shafts."""
     lead = 2.0 * np.pi * abs(m.rg)
     leads = int(np.ceil(2.4 * m.R / lead))
-    lengths = [lead * k for k in (leads, 2 * leads, leads + OTHER_PHASE)]
-    short, long, other = (_flexibility(m, outer, hole, material, size, length) for length in lengths)
-    per_length = (long - short) / (leads * lead)
-    stiffness, EI = helical_stiffness(m, outer, bore, material)
+    return lead * leads, lead * 2 * leads, lead * (leads + OTHER_PHASE)
+
+
+def homogenise(
+    m: GrooveMap, bore: float, material: Material, section: tuple[Array, float], shafts: Sequence[tuple[float, Array]]
+) -> Homogenised:
+    """Homogenised section of a shaft with a bore of this radius [m].
+
+    section: its stiffnesses by `hifi.shaft.helical_section.helical_stiffness`; shafts: short, long and third one by
+    `meshed_shaft`. A shaft without lead is plain beyond its groove.
+    """
+    young, poisson = material.youngs_modulus, material.poissons_ratio
+    (least, short), (most, long), _ = shafts
+    per_length = (long - short) / (most - least)
+    stiffness, EI = section
     yielding = np.linalg.inv(stiffness)
     EA, GJ = 1.0 / yielding[0, 0], 1.0 / yielding[1, 1]
     shear = young / (2.0 * (1.0 + poisson))
@@ -71,12 +77,18 @@ def homogenise(m: GrooveMap, outer: float, bore: float, hole: float, material: M
     bend = 0.5 * (per_length[3, 3] + per_length[4, 4])
     uniform = np.diag([1.0 / kGA, 1.0 / kGA, per_length[2, 2], bend, bend, per_length[5, 5]])
     uniform[2, 5] = uniform[5, 2] = per_length[2, 5]
-    cut = cut_flexibility(m, list(zip(lengths, (short, long, other), strict=True)), uniform)
+    cut = cut_flexibility(m, shafts, uniform)
     return Homogenised(ShaftSection(EA, EI, GJ, kGA), radii, coupling, cut)
 
 
-def _flexibility(m: GrooveMap, outer: float, hole: float, material: Material, size: float, length: float) -> Array:
-    """Motion (6, 6) of the rigid end section by loads on it, the other end clamped."""
+def meshed_shaft(
+    m: GrooveMap, outer: float, hole: float, material: Material, size: float, length: float
+) -> tuple[float, Array]:
+    """Length [m] of a 3D shaft of elements of ``size`` [m], and motion (6, 6) of its rigid end section by loads on it, the
+    other end clamped; outer: radius of its lands [m].
+
+    hole: radius of the bore of the mesh [m], which may need one where the shaft has none.
+    """
     spec = BodySpec(
         hole, outer, m.z0 - length / 2.0, m.z0 + length / 2.0, True, (), SocketSize(0.3, 1e-3, 0.05), size, size
     )
@@ -84,4 +96,4 @@ def _flexibility(m: GrooveMap, outer: float, hole: float, material: Material, si
     K = assemble(elasticity(material.youngs_modulus, material.poissons_ratio), mesh.mesh)
     T = end_transform(mesh.mesh, spec.z_high)
     rows = sp.csr_matrix((np.ones(6), (np.arange(6), T.shape[1] - 6 + np.arange(6))), (6, T.shape[1]))
-    return compliance((T.T @ K @ T).tocsc(), rows)
+    return length, compliance((T.T @ K @ T).tocsc(), rows)

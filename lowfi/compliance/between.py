@@ -7,12 +7,13 @@ theory, plus what grooves and faces add.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 
 from rollbench.lowfi.compliance.faces import REACH, NearFace, near_face, turned
-from rollbench.lowfi.compliance.flank import NARROW, half_space
+from rollbench.lowfi.compliance.flank import NARROW, Flank, half_space
 from rollbench.lowfi.compliance.groove import RingCompliance, ring_compliance, ring_contacts
 from rollbench.lowfi.compliance.parts import (
     BOTH,
@@ -29,6 +30,7 @@ from rollbench.lowfi.compliance.parts import (
     smooth_body,
 )
 from rollbench.lowfi.compliance.tube import (
+    Tube,
     TubeCompliance,
     clamped,
     contact_compliance,
@@ -43,6 +45,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import BallLayout, nominal_contact_points
 from rollbench.meshes.kept import kept
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.section import BeamSection
 from rollbench.meshes.solid import dimensions
 
 #: How far beyond the nut's faces the screw takes loads, over the patch's width: a contact beside a face keeps its patch.
@@ -66,7 +69,11 @@ def smooth_compliance(geometry: Scene, screw: bool, backend: Backend) -> TubeCom
     """Compliance of the smooth body over the stretch that the nut covers, kept for all scenes of one geometry."""
     tube, position = smooth_body(geometry, screw, backend), geometry.nut.position
     half = geometry.nut.length / 2.0 + BESIDE * tube.width
-    return tube_compliance(tube, (position - half, position + half))
+    return of_tube(tube, (position - half, position + half))
+
+
+#: Kept for scenes whose other body differs.
+of_tube = lru_cache(maxsize=32)(tube_compliance)
 
 
 @lru_cache(maxsize=32)
@@ -119,14 +126,21 @@ def nut_beam(scene: Scene, layout: BallLayout, flanks: Sequence[int] = BOTH) -> 
 
 
 @lru_cache(maxsize=32)
-@kept(NearFace)
 def kept_near_face(geometry: Scene, screw: bool, backend: Backend) -> NearFace:
-    """What grooves and faces of screw or nut add between contacts of a turn, kept for all scenes of one geometry."""
+    """What grooves and faces of screw or nut add between contacts of a turn, kept for all bodies of the same sections,
+    whatever their lengths."""
     radii = (0.0, np.inf) if screw else dimensions(geometry).held_radii
     section, tube = grooved_section(geometry, screw), smooth_body(geometry, screw, backend)
     low, high = (abs(end - geometry.nut.position) - 0.5 * geometry.nut.length for end in tube.ends)
     near = min(low, high) < REACH * geometry.balls.radius
-    return near_face(flank_of(geometry, screw), tube, section, radii, near=near)
+    return of_sections(flank_of(geometry, screw), replace(tube, ends=(0.0, 0.0), flange=None), section, radii, near)
+
+
+@lru_cache(maxsize=32)
+@kept(NearFace)
+def of_sections(flank: Flank, tube: Tube, section: BeamSection, radii: tuple[float, float], near: bool) -> NearFace:
+    """`near_face`, which takes neither ends nor flange of the smooth body."""
+    return near_face(flank, tube, section, radii, near=near)
 
 
 def grooved_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH) -> Array:

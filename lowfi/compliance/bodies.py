@@ -23,6 +23,7 @@ from rollbench.lowfi.compliance.parts import (
     held_at,
     is_ring,
     of_flanks,
+    section_of,
     with_balls,
 )
 from rollbench.lowfi.compliance.sphere import own_compliance, own_slope, sphere_compliance
@@ -177,7 +178,7 @@ def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Backe
 
 def forget() -> None:
     """Clear the per-geometry caches, so that the next solve is timed with its set-up."""
-    from rollbench.lowfi.compliance.between import kept_near_face, smooth_compliance, whole_ring
+    from rollbench.lowfi.compliance.between import kept_near_face, of_sections, of_tube, smooth_compliance, whole_ring
 
     for memory in (
         geometry_only,
@@ -185,7 +186,10 @@ def forget() -> None:
         flank_of,
         held_at,
         grooved_section,
+        section_of,
         smooth_compliance,
+        of_tube,
+        of_sections,
         whole_ring,
         _own_flank,
         kept_near_face,

@@ -18,7 +18,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.kept import kept
-from rollbench.meshes.parts import Ingredients, Scene
+from rollbench.meshes.parts import Ingredients, Scene, UnfitKey
 from rollbench.meshes.section import BeamSection, screw_section, tube_section
 from rollbench.meshes.solid import dimensions
 
@@ -136,9 +136,10 @@ def flank_of(scene: Scene, screw: bool) -> Flank:
     far = scene.screw.bore / 2.0 if screw else scene.nut.outer_diameter / 2.0
     flank = Flank(m, land, far, screw, float(half), (scene.screw if screw else scene.nut).material)
     if (flank.contact()[0] >= land) if screw else (flank.contact()[0] <= land):
-        body, mend = ("screw", "raise screw.outer_diameter") if screw else ("nut", "lower solid.nut_inner_diameter")
-        angle = np.degrees(scene.track.contact_angle)
-        raise ValueError(f"the {body}'s land cuts its groove off before the contact at {angle:.4g} deg: {mend}")
+        body, key = ("screw", "screw.outer_diameter") if screw else ("nut", "solid.nut_inner_diameter")
+        angle, verb = np.degrees(scene.track.contact_angle), "raise" if screw else "lower"
+        reason = f"the {body}'s land cuts its groove off before the contact at {angle:.4g} deg: {verb} {key}"
+        raise UnfitKey(key, reason)
     return flank
 
 
@@ -154,19 +155,24 @@ def held_at(scene: Scene, screw: bool) -> str:
 
 
 @lru_cache(maxsize=64)
-@kept(BeamSection)
 def grooved_section(geometry: Scene, screw: bool) -> BeamSection:
     """Section constants of the grooved screw or nut (`cell_section`); of the plain body for a track without lead."""
+    if geometry.track.lead == 0.0 and screw:
+        return screw_section(geometry)
+    return section_of(flank_of(geometry, screw))
+
+
+@lru_cache(maxsize=64)
+@kept(BeamSection)
+def section_of(flank: Flank) -> BeamSection:
+    """The same by the body's groove, kept for scenes whose other body differs."""
     from rollbench.lowfi.compliance.cell import cell_section
     from rollbench.lowfi.compliance.groove import smooth_radius
 
-    flank = flank_of(geometry, screw)
-    if geometry.track.lead == 0.0:
-        if screw:
-            return screw_section(geometry)
+    if flank.map.rg == 0.0:
         return tube_section(2.0 * flank.far, 2.0 * smooth_radius(flank, 2), flank.material)
     with one_thread():
-        return cell_section(flank.map, flank.land, flank.far, screw, flank.material).section
+        return cell_section(flank.map, flank.land, flank.far, flank.screw, flank.material).section
 
 
 def smooth_body(geometry: Scene, screw: bool, backend: Backend) -> Tube:

@@ -22,7 +22,7 @@ from rollbench.lowfi.statics.static import least_force, options_of, reference_sc
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimen
 from rollbench.meshes.helix import BallLayout
-from rollbench.meshes.parts import Scene
+from rollbench.meshes.parts import Scene, UnfitKey
 
 if TYPE_CHECKING:
     from rollbench.lowfi.compliance.imported import Condensed
@@ -266,7 +266,8 @@ def ready(
     """Arrays for the kernels. Raises ValueError for more than ``LARGEST`` balls or impossible dimensions of the bodies."""
     N = layout.z.size
     if N > LARGEST:
-        raise ValueError(f"balls.count of {N} balls: elastic bodies are limited to {LARGEST}; use the model lin")
+        reason = f"balls.count of {N} balls: elastic bodies are limited to {LARGEST}; use the model lin"
+        raise UnfitKey("balls.count", reason)
     shaft = shaft_of(problem)
     axes = typical_axes(problem, typical_force(problem))
     ball = ball_compliance(problem.scene, axes, backend)

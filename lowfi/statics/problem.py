@@ -17,7 +17,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimen, Specimens, specimen
 from rollbench.meshes.helix import BallLayout, ball_layout, groove_radii, nominal_contact_points, nominal_groove_centres
 from rollbench.meshes.partition import MERGE, beam_nodes, contact_stations
-from rollbench.meshes.parts import FREEDOMS, SIDE_SIGNS, SIDES, Errors, Material, Scene
+from rollbench.meshes.parts import FREEDOMS, SIDE_SIGNS, SIDES, Errors, Material, Scene, UnfitKey
 from rollbench.meshes.section import BeamSection, screw_section
 from rollbench.meshes.surface import ALL, principal_curvatures, printed_radii
 
@@ -149,9 +149,10 @@ def actual_hertz(scene: Scene, drawn: Specimen, gamma: Array) -> HertzConstants:
     if bad.size:
         i, s = (int(k) for k in bad[0])
         across, along = curvatures[i, s]
-        raise ValueError(
+        raise UnfitKey(
+            f"errors.{SIDES[s]}",
             f"ball {i + 1} and flank {SIDES[s]} conform at their contact angle of {np.degrees(gamma[i, s]):.4g} deg: "
-            f"relative curvatures {across:.3g} 1/m across the groove, {along:.3g} 1/m along it; Hertz needs positive ones"
+            f"relative curvatures {across:.3g} 1/m across the groove, {along:.3g} 1/m along it; Hertz needs positive ones",
         )
     return constants_of(scene, curvatures)
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.statics.kernel.banded import factor_band, substitute_columns
+from rollbench.lowfi.statics.kernel.banded import factor_band, inverse_blocks, substitute_blocks
 from rollbench.lowfi.statics.kernel.beam import add_element
 from rollbench.lowfi.statics.problem import Problem
 from rollbench.lowfi.statics.shape import pivots, principal, rigid_transport
@@ -39,8 +40,17 @@ class Shaft:
         """Motions ``(6 n, c)`` of all nodes by nodal loads ``(6 n, c)``, held freedoms at zero."""
         out = np.where(self.free[:, None], loads, 0.0)
         if self.free.any():
-            substitute_columns(self.factor, out)
+            substitute_blocks(self._blocks, out)
         return out
+
+    @cached_property
+    def _blocks(self) -> tuple[Array, Array]:
+        return inverse_blocks(self.factor)
+
+    @cached_property
+    def by_loads(self) -> tuple[Array, Array]:
+        """`free_state`, found once."""
+        return free_state(self)
 
     def times(self, q: Array) -> Array:
         """Stiffness times motions ``(6 n,)``: the nodal forces they take."""
@@ -134,7 +144,7 @@ def flank_response(shaft: Shaft, used: list[int]) -> tuple[Array, Array, Array]:
         loads[dof[pick // 2].T, np.arange(pick.size)] = rows[pick // 2, pick % 2].T
         q = shaft.solve(loads)
         G[:, pick] = np.einsum("cak,ckp->cap", rows, q[dof]).reshape(2 * count, pick.size)
-    own = np.add(*free_state(shaft))
+    own = np.add(*shaft.by_loads)
     rigid = rigid_nodes(shaft)
     v0 = np.einsum("cak,ck->ca", rows, own[dof]).ravel()
     R = np.einsum("cak,ckp->cap", rows, rigid[dof]).reshape(2 * count, -1)
@@ -171,14 +181,14 @@ def node_motions(shaft: Shaft, loads: Array, amplitudes: Array) -> Array:
         q = np.where(problem.fixed, problem.prescribed, 0.0)
         q[0, ~problem.fixed[0]] = amplitudes
         return q
-    moved, bent = free_state(shaft)
+    moved, bent = shaft.by_loads
     q = bent + shaft.solve(loads[:, None])[:, 0]
     return np.asarray((moved + q + rigid_nodes(shaft) @ amplitudes).reshape(-1, 6))
 
 
 def node_forces(shaft: Shaft, loads: Array) -> Array:
     """Forces and moments ``(n, 6)`` [N, N m] that the beam takes at its nodes when it moves as `node_motions` says."""
-    return shaft.times(free_state(shaft)[1] + shaft.solve(loads[:, None])[:, 0]).reshape(-1, 6)
+    return shaft.times(shaft.by_loads[1] + shaft.solve(loads[:, None])[:, 0]).reshape(-1, 6)
 
 
 def flank_loads(problem: Problem, forces: Array, used: list[int]) -> Array:

@@ -31,7 +31,7 @@ from rollbench.lowfi.compliance.ends import end_response
 from rollbench.lowfi.compliance.parts import Backend
 from rollbench.lowfi.statics.kernel.beam import element_constants, force_of
 from rollbench.lowfi.statics.problem import Problem
-from rollbench.lowfi.statics.shaft import Shaft, free_state, rows_of
+from rollbench.lowfi.statics.shaft import Shaft, rows_of
 from rollbench.lowfi.statics.shape import rigid_transport
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import BallLayout
@@ -161,6 +161,6 @@ def squeezed(shaft: Shaft, used: Sequence[int], stretches: Sequence[Stretch], st
     M = np.linalg.inv(np.eye(W) + 0.5 * (B + B.T) @ H)
     feel, by_forces = (D.T + A.T @ H) @ M, A - B @ D
     added = A.T @ D + feel @ by_forces
-    given = S @ free_state(shaft)[1] - warm
+    given = S @ shaft.by_loads[1] - warm
     moved = feel @ given + inside.T @ problem.load.ravel()
     return Squeeze(0.5 * (added + added.T), moved, S, feel, X @ H @ M, D + H @ M @ by_forces, H @ M @ given, inside)

@@ -130,22 +130,27 @@ def against_source(
     ours: float, theirs: Callable[[], SourceMotion], force: Array, repeats: int, begin: str = "from rolling"
 ) -> tuple[float | None, str]:
     """Ratio of the source's root finding to ``ours`` [s], None unless it finds the ball-to-ball forces found here (N-1,)
-    [N]; why.
+    [N]; what it is of, or why there is none (`worded`).
 
     begin: label of where the source's search starts.
     """
     found, largest = theirs(), float(force.max())
     off, way = float(np.max(np.abs(found.ball_force - force))) / largest, f"the source's root finding {begin}"
     if found.status == "failed":
-        return None, f"no ratio: {way} fails"
+        return None, f"{way} fails"
     if found.status == "overlapping":
         return None, (
-            f"no ratio: {way} lets balls overlap, as it decides from the motions without contact what touches (3.31); "
+            f"{way} lets balls overlap, as it decides from the motions without contact what touches (3.31); "
             f"ball-to-ball forces off by up to {off:.0%} of the largest"
         )
     if off > SAME:
-        return None, f"no ratio: {way} ends {off * largest:.3g} N off our ball-to-ball force"
-    return timed(theirs, repeats) / ours, f"ratio: {way}, without and in contact"
+        return None, f"{way} ends {off * largest:.3g} N off our ball-to-ball force"
+    return timed(theirs, repeats) / ours, f"{way}, without and in contact"
+
+
+def worded(ratio: float | None, how: str) -> str:
+    """What a ratio is of, or why there is none."""
+    return f"{'no ratio' if ratio is None else 'ratio'}: {how}"
 
 
 def linear_jobs(repeats: int) -> Iterator[FrictionJob]:
@@ -156,13 +161,13 @@ def linear_jobs(repeats: int) -> Iterator[FrictionJob]:
         ours = timed(partial(solve_linear_chain, chain), 10 * repeats)
         theirs = partial(solve_linear_by_root, LINEAR, *state)
         ratio, how = against_source(ours, theirs, solve_linear_chain(chain).ball_force, 5 * repeats)
-        how += ", over the chain solver in contact only" if ratio else ""
+        how = worded(ratio, how + ", over the chain solver in contact only" if ratio else how)
         name = "linear pair, given loads" if count == 2 else f"linear chain, {count} balls"
         yield FrictionJob(name, ours, LINEAR_PAIR if count == 2 else count * BALL, ratio, f"prepared, in contact; {how}")
     case, printed = (LINEAR, THETA, SIDE, VERTICAL), entry("lin-3.5", "a_time_numerical").printed
     ours, force = timed(lambda: solve_linear_pair(*case), 10 * repeats), np.array([solve_linear_pair(*case).force])
     ratio, how = against_source(ours, lambda: linear_pair_by_root(*case), force, 5 * repeats)
-    note = f"loads, without and in contact; {how}; the source prints {printed} s on another machine"
+    note = f"loads, without and in contact; {worded(ratio, how)}; the source prints {printed} s on another machine"
     yield FrictionJob("linear pair, all of it", ours, LINEAR_PAIR, ratio, note)
 
 
@@ -172,7 +177,8 @@ def pair_jobs(repeats: int) -> Iterator[FrictionJob]:
     for make, words in ((inferred, "loads not coupled"), (plain, "friction moves the balls")):
         pair = make()
         ratio, how = screw_ratio(pair, seconds := timed(partial(solve_pair, pair), 2 * repeats), 2 * repeats)
-        note = f"loads ({words}), without and in contact; {how}; the source prints {printed} s on another machine"
+        note = f"loads ({words}), without and in contact; {worded(ratio, how)}; "
+        note += f"the source prints {printed} s on another machine"
         yield FrictionJob(f"screw pair, {make.__name__} reading", seconds, SCREW_PAIR, ratio, note)
 
 
@@ -187,8 +193,8 @@ def screw_ratio(pair: Pair, ours: float, repeats: int) -> tuple[float | None, st
         theirs = partial(screw_pair_by_root, pair, None, *near)
         again, how_again = against_source(ours, lambda: theirs().motion, force, repeats, "from the solution")
     except RuntimeError:
-        return None, "no ratio: the source's root finding finds no loads"
-    return again, f"{how_again} ({how.removeprefix('no ratio: ')})"
+        return None, "the source's root finding finds no loads"
+    return again, f"{how_again} ({how})"
 
 
 def run_jobs(repeats: int) -> Iterator[FrictionJob]:
@@ -200,8 +206,8 @@ def run_jobs(repeats: int) -> Iterator[FrictionJob]:
     found = simulate_by_root(run, SOURCE_STEPS)
     theirs = (perf_counter() - begin) * run.steps / SOURCE_STEPS
     if found.failures:
-        why = f"no ratio: the source's root finding fails in {found.failures} of its first {SOURCE_STEPS} steps"
-        yield FrictionJob("whole screw", seconds, WHOLE, None, f"{note}; {why}")
+        why = f"the source's root finding fails in {found.failures} of its first {SOURCE_STEPS} steps"
+        yield FrictionJob("whole screw", seconds, WHOLE, None, f"{note}; {worded(None, why)}")
         return
     note += (
         f"; ratio: the source's root finding, {SOURCE_STEPS} steps times {run.steps / SOURCE_STEPS:g}, over the solver here"

@@ -33,9 +33,9 @@ class CellArrays(NamedTuple):
     In the plane of each ball's section, axes x and z; contacts 0 and 1 are on the inner body, 2 and 3 on the outer one.
     """
 
-    #: From the grooves' centres to the ball (N, 4, 2) along x, z [m].
+    #: From the grooves' centres to the ball (N, 4, 2) along x, z [m], where the contacts' interference is told.
     start: Array
-    #: Interference (N, 4) [m] along the groove angle.
+    #: Interference (N, 4) [m] along ``start``.
     interference: Array
     #: Hertz constants (4,) [m/N^(2/3)].
     C: Array
@@ -47,7 +47,7 @@ class CellArrays(NamedTuple):
     push: Array
     #: Forces (m,) on the inner body along its motions [N].
     pull: Array
-    #: Distance of a groove's centre from the ball [m].
+    #: Distance of a groove's centre from the ball [m], to limit steps.
     reach: float
 
 

@@ -51,3 +51,19 @@ def settle_cell(cell: CellArrays, load: float, ball: Array, inner: Array, fast: 
     left = float(max(np.max(np.abs(state.ball), initial=0.0), np.max(np.abs(state.inner), initial=0.0)))
     good = left <= ACCEPTED * (load + float(np.sum(state.force)))
     return Settled(state.force, state.normal, ball, inner, left, steps, good)
+
+
+def settle_each(
+    start: Array, interference: Array, C: Array, along: Array, given: Array, shift: Array, fast: bool = False
+) -> tuple[Array, Array, Array, Array]:
+    """``settle_cell`` of N balls that do not know of each other, each with an inner body that moves along ``along`` (2,).
+
+    start (N, 4, 2), interference (N, 4) as in ``CellArrays``, C (N, 4); given (N, 3): forces [N] on balls and inner bodies;
+    shift (N, 3): places to begin from [m]. Returns places, contact forces (N, 4) [N], normals (N, 4, 2), and the largest
+    force out of balance of each ball (N,) [N].
+    """
+    x, n = shift.copy(), len(shift)
+    force, normal, left = np.zeros((n, 4)), np.zeros((n, 4, 2)), np.zeros(n)
+    given_arrays = (np.ascontiguousarray(a, dtype=float) for a in (start, interference, C, along, given))
+    kernels(CONTACT, compiled=fast).minimise_each(*given_arrays, x, force, normal, left, GOAL, STEPS)
+    return x, force, normal, left

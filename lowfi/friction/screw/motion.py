@@ -18,7 +18,7 @@ from rollbench.lowfi.friction.screw.arrays import plain_array
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, contact_axes
 from rollbench.lowfi.friction.screw.load import Cell, ScrewLoad
 from rollbench.lowfi.jit import SCREW, kernels
-from rollbench.meshes.arrays import Array
+from rollbench.meshes.arrays import Array, Mask
 
 #: What friction may change: nothing; the balls' places (as the source, 3.4.1); those and the screw's.
 Coupling = Literal["none", "ball", "ball and screw"]
@@ -122,12 +122,17 @@ def feedback(cell: Cell, wrench: Array, extra: Array, coupling: Coupling) -> tup
 
 
 class Mixer:
-    """Anderson's acceleration of x = g(x) over the last few rounds, damped and begun anew where it takes many."""
+    """Anderson's acceleration of x = g(x) over the last few rounds, damped and begun anew where it takes many; of one x
+    (n,), or of many apart (k, n)."""
 
     def __init__(self, depth: int = 3, patience: int = 20) -> None:
         """Depth: differences kept; patience: rounds after which steps are halved and the history dropped."""
         self.depth, self.patience, self.rounds = depth, patience, 0
         self.x, self.r = list[Array](), list[Array]()
+
+    def keep(self, which: Mask) -> None:
+        """Go on with some of many x."""
+        self.x, self.r = [x[which] for x in self.x], [r[which] for r in self.r]
 
     def next(self, x: Array, g: Array) -> Array:
         """Next iterate after x gave g; x may be overwritten afterwards."""
@@ -138,9 +143,9 @@ class Mixer:
         self.x, self.r = [*self.x[-self.depth :], x.copy()], [*self.r[-self.depth :], g - x]
         if len(self.x) == 1:
             return np.asarray(x + part * (g - x))
-        dx, dr = np.diff(self.x, axis=0).T, np.diff(self.r, axis=0).T
-        share = np.linalg.lstsq(dr, self.r[-1], rcond=1e-8)[0]
-        return np.asarray(x + part * (g - x) - (dx + part * dr) @ share)
+        dx, dr = (np.diff(np.stack(rows, axis=-1)) for rows in (self.x, self.r))
+        share = np.linalg.pinv(dr, rcond=1e-8) @ self.r[-1][..., None]
+        return np.asarray(x + part * (g - x) - ((dx + part * dr) @ share)[..., 0])
 
 
 def hold_screw(cell: Cell, load: ScrewLoad) -> Cell:

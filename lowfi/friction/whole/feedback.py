@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rollbench.lowfi.friction.contact.rings import settle_each
 from rollbench.lowfi.friction.screw.motion import Mixer
 from rollbench.lowfi.friction.screw.path import ON_SCREW
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, with_loads
@@ -30,8 +31,6 @@ AGREED, ACCEPTED, ROUNDS = 1e-7, 1e-4, 200
 DISPLACED, ANOTHER = 3.0, 1e-3
 #: Coefficient of friction from which a second, jammed state of a ball was seen.
 JAMMED = 0.3
-#: Force out of balance as a fraction of a ball's contact forces; Newton steps; longest step as a fraction of the reach.
-GOAL, STEPS, FAR = 1e-13, 60, 0.3
 
 
 @dataclass(frozen=True)
@@ -82,74 +81,11 @@ def seats_at(at: StaticContacts, drawn: Specimen, C: Array) -> Seats:
     return seats(at, C, reach, drawn.centre)
 
 
-def forces(place: Seats, shift: Array) -> tuple[Array, Array, Array]:
-    """Contact forces (N, 4) [N], normals (N, 4, 2), lengths (N, 4) [m] after shifts (N, 3): ball x3, z3, screw along z."""
-    move = np.repeat(shift[:, None, :2], 4, axis=1)
-    move[:, ON_SCREW] -= shift[:, None, 2:] * place.axis[[0, 2]]
-    away = place.away + move
-    length = np.hypot(away[..., 0], away[..., 1])
-    depth = np.maximum(length - place.reach, 0.0) / place.C
-    return depth**1.5, away / length[..., None], length
-
-
-def settle_seats(place: Seats, given: Array, start: Array) -> tuple[Array, Array, Array, Array]:
-    """Shifts (N, 3) [m] at which contacts balance given forces (N, 3) [N] on balls (x3, z3) and screw (z), by Newton.
-
-    Each ball is the minimum of a convex energy. start (N, 3): shifts to begin from. Returns shifts, forces (N, 4),
-    normals (N, 4, 2), and the largest force out of balance of each ball (N,) [N].
-    """
-    x, along = start.copy(), place.axis[[0, 2]]
-    force, normal, length = forces(place, x)
-    left = _left(force, normal, along, given)
-    for _ in range(STEPS):
-        size = force.sum(axis=1) + np.abs(given).sum(axis=1)
-        open_ = np.abs(left).max(axis=1) > GOAL * size
-        if not open_.any():
-            break
-        step = -np.linalg.solve(_stiffness(place, force, normal, length), left[..., None])[..., 0]
-        most = np.abs(step).max(axis=1)
-        scale = np.where(open_, np.minimum(1.0, FAR * place.reach.min(axis=1) / np.maximum(most, 1e-300)), 0.0)
-        worst, energy = np.abs(left).max(axis=1), _energy(place, force, given, x)
-        slope = np.einsum("ni,ni->n", left, step)
-        for _ in range(40):
-            trial = x + scale[:, None] * step
-            new = forces(place, trial)
-            off = np.abs(_left(new[0], new[1], along, given)).max(axis=1)
-            falls = _energy(place, new[0], given, trial) <= energy + 1e-4 * scale * slope
-            good = (scale == 0.0) | falls | (off < 0.5 * worst)
-            if good.all():
-                break
-            scale = np.where(good, scale, 0.5 * scale)
-        x = x + np.where(good, scale, 0.0)[:, None] * step
-        force, normal, length = forces(place, x)
-        left = _left(force, normal, along, given)
-        if not (good & open_).any():
-            break
-    return x, force, normal, np.abs(left).max(axis=1)
-
-
-def _energy(place: Seats, force: Array, given: Array, x: Array) -> Array:
-    """Elastic energy less the work of the given forces, (N,) [J]."""
-    return np.asarray((0.4 * place.C * force ** (5.0 / 3.0)).sum(axis=1) - np.einsum("ni,ni->n", given, x))
-
-
 def _left(force: Array, normal: Array, along: Array, given: Array) -> Array:
-    """Derivatives of the energy (N, 3) [N]."""
+    """Forces (N, 3) [N] by which contacts leave balls (x3, z3) and screw (z) out of balance with given ones."""
     push = force[..., None] * normal
     screw = -np.einsum("nsi,i->n", push[:, ON_SCREW], along)
     return np.column_stack([push.sum(axis=1), screw]) - given
-
-
-def _stiffness(place: Seats, force: Array, normal: Array, length: Array) -> Array:
-    """Second derivatives of the energy (N, 3, 3) [N/m], with a floor for balls that float."""
-    k_n, k_t = 1.5 * np.cbrt(force) / place.C, force / length
-    each = k_t[..., None, None] * np.eye(2) + (k_n - k_t)[..., None, None] * np.einsum("nsi,nsj->nsij", normal, normal)
-    rows = np.zeros((4, 2, 3))
-    rows[:, :, :2] = np.eye(2)
-    rows[ON_SCREW, :, 2] = -place.axis[[0, 2]]
-    full = np.einsum("sia,nsij,sjb->nab", rows, each, rows)
-    floor = 1e-12 * max(float(k_n.max()), 1.0)
-    return np.asarray(full + floor * np.eye(3))
 
 
 @dataclass(frozen=True)
@@ -186,11 +122,11 @@ def feed_back(
     count = at.force.shape[0]
     along, loaded = place.axis[[0, 2]], at.force.sum(axis=1) > 0.0
     still = _left(at.force, at.normals[..., [0, 2]], along, np.zeros((count, 3)))
-    guess, shift, mixers = np.zeros((count, 3)), np.zeros((count, 3)), [Mixer(2, 40) for _ in range(count)]
+    guess, shift, mixer = np.zeros((count, 3)), np.zeros((count, 3)), Mixer(2, 40)
     now, active, rounds = at, np.flatnonzero(loaded), 0
     if near is not None and active.size:
         guess[active] = near[active]
-        now, shift[active], _ = _seated(at, place, active, still[active] + guess[active], shift[active], at)
+        now, shift[active], _ = _seated(at, place, active, still[active] + guess[active], shift[active], at, fast)
     failed = np.zeros(count, dtype=bool)
     while active.size and rounds < ROUNDS:
         rounds += 1
@@ -198,10 +134,12 @@ def feed_back(
         found = ball_friction(scene, some, friction, drive, fast)
         answer = _answer(found, some, place.axis)
         more = (np.abs(answer - guess[active]).max(axis=1) > AGREED * some.force.sum(axis=1)) | failed[active]
-        for k in np.flatnonzero(more):
-            guess[active[k]] = mixers[active[k]].next(guess[active[k]], answer[k])
         active = active[more]
-        now, shift[active], failed[active] = _seated(now, place, active, still[active] + guess[active], shift[active], at)
+        mixer.keep(more)
+        guess[active] = mixer.next(guess[active], answer[more])
+        now, shift[active], failed[active] = _seated(
+            now, place, active, still[active] + guess[active], shift[active], at, fast
+        )
     final = ball_friction(scene, now, friction, drive, fast)
     off = _left(now.force, now.normals[..., [0, 2]], along, still + _answer(final, now, place.axis))
     change = np.abs(off).max(axis=1) / np.maximum(now.force.sum(axis=1), 1e-300)
@@ -235,11 +173,18 @@ def second_states(
 
 
 def _seated(
-    now: StaticContacts, place: Seats, which: NDArray[np.int64], given: Array, start: Array, bare: StaticContacts
+    now: StaticContacts,
+    place: Seats,
+    which: NDArray[np.int64],
+    given: Array,
+    start: Array,
+    bare: StaticContacts,
+    fast: bool,
 ) -> tuple[StaticContacts, Array, NDArray[np.bool_]]:
     """Contacts with the balls ``which`` where forces (k, 3) hold them, their shifts (k, 3), and which did not settle."""
-    part = Seats(place.away[which], place.reach[which], place.C[which], place.axis)
-    x, force, normal, left = settle_seats(part, given, start)
+    away = place.away[which]
+    pressed = np.hypot(away[..., 0], away[..., 1]) - place.reach[which]
+    x, force, normal, left = settle_each(away, pressed, place.C[which], place.axis[[0, 2]], given, start, fast)
     failed = left > 1e-8 * np.maximum(force.sum(axis=1), bare.force[which].sum(axis=1))
     new_force, angle = now.force.copy(), now.angle.copy()
     new_force[which] = force

@@ -102,18 +102,28 @@ def _block_factor(band: Array) -> bool:
     return True
 
 
-@one_thread()
-def _block_substitute(band: Array, b: Array) -> None:  # one column, or several
+def inverse_blocks(band: Array) -> tuple[Array, Array]:
+    """What `substitute_blocks` takes of a factored band: inverses of the blocks on the diagonal, and those below them."""
     on, below = _blocks(band)
-    inverse = np.linalg.inv(on)  # of all blocks at once
-    whole = np.zeros((on.shape[0] * on.shape[1], *b.shape[1:]))
+    return np.linalg.inv(on), below
+
+
+@one_thread()
+def substitute_blocks(blocks: tuple[Array, Array], b: Array) -> None:
+    """Overwrite b, one column (n,) or several (n, k), by the solution, from `inverse_blocks`."""
+    inverse, below = blocks
+    whole = np.zeros((inverse.shape[0] * inverse.shape[1], *b.shape[1:]))
     whole[: len(b)] = b
-    x = whole.reshape(*on.shape[:2], b.size // len(b))
-    for k in range(len(on)):
+    x = whole.reshape(*inverse.shape[:2], b.size // len(b))
+    for k in range(len(inverse)):
         x[k] = inverse[k] @ (x[k] - below[k - 1] @ x[k - 1] if k else x[k])
-    for k in range(len(on) - 1, -1, -1):
-        x[k] = inverse[k].T @ (x[k] - below[k].T @ x[k + 1] if k + 1 < len(on) else x[k])
+    for k in range(len(inverse) - 1, -1, -1):
+        x[k] = inverse[k].T @ (x[k] - below[k].T @ x[k + 1] if k + 1 < len(inverse) else x[k])
     b[:] = whole[: len(b)]
+
+
+def _block_substitute(band: Array, b: Array) -> None:
+    substitute_blocks(inverse_blocks(band), b)
 
 
 factor_band = ldl_factor if is_compiled(__name__) else _block_factor

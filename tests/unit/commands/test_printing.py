@@ -3,8 +3,10 @@
 import ast
 from pathlib import Path
 
+import pytest
+
 from rollbench.comparison import commands
-from rollbench.comparison.commands.printing import Answer, print_answer
+from rollbench.comparison.commands.printing import Answer, cell, print_answer
 
 #: What writes to standard output itself: the printer, a completion script, the progress of a report.
 WRITERS = {"printing.py", "machine.py", "report.py", "halves.py"}
@@ -40,3 +42,11 @@ def test_parts_are_printed_as_they_come(capsys):
 
     print_answer(Answer(parts=parts()))
     assert capsys.readouterr().out == "second\n"
+
+
+@pytest.mark.parametrize(
+    ("value", "form", "text"),
+    [(-0.001, ".2f", "0.00"), (-0.0, ".4g", "0"), (-0.004, "+.2f", "+0.00"), (-0.006, ".2f", "-0.01"), (-3, "d", "-3")],
+)
+def test_a_number_that_is_rounded_to_zero_has_no_minus(value: float, form: str, text: str) -> None:
+    assert cell(value, form) == text

@@ -11,6 +11,7 @@ from rollbench.comparison.commands.reporting.parts import PAGES, PARTS, WHOLE, c
 from rollbench.comparison.commands.reporting.report import save_model_form, wanted_parts
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models import ladder, model_form
+from rollbench.comparison.models.applicability import PLACES
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.reports.records import Section, Table
@@ -58,4 +59,5 @@ def test_points_of_the_estimate_are_a_step_of_their_own(tmp_path: Path, monkeypa
     kept = (tmp_path / model_form.FILE).read_text(encoding="utf-8")
     assert kept.count('"scene": "lin-case1"') == 2
     save_model_form(Study())
-    assert sorted(p.name for p in tmp_path.iterdir()) == [model_form.FILE]
+    assert sorted(p.name for p in tmp_path.iterdir()) == [model_form.FILE, PLACES]
+    assert (tmp_path / PLACES).read_bytes() == (shipped_store() / PLACES).read_bytes()

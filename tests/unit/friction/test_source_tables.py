@@ -38,7 +38,7 @@ def test_ratio_only_for_the_same_answer():
     ratio, words = against_source(1e-9, lambda: motion([2.0, 1.0], "exact"), ours, 1)
     assert ratio is not None
     assert ratio > 1.0
-    assert words.startswith("ratio: ")
+    assert words.startswith("the source's root finding")
     for force, status, part in (
         ([2.0, 1.0], "failed", "fails"),
         ([0.0, 1.0], "overlapping", "off by up to 100% of the largest"),
@@ -46,7 +46,6 @@ def test_ratio_only_for_the_same_answer():
     ):
         ratio, words = against_source(1e-9, lambda f=force, s=status: motion(f, s), ours, 1)
         assert ratio is None
-        assert words.startswith("no ratio: ")
         assert part in words
 
 

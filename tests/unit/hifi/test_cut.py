@@ -10,6 +10,7 @@ from rollbench.hifi.linear_algebra.response import transport
 from rollbench.hifi.shaft import cell
 from rollbench.hifi.shaft.beam import ShaftSection, round_section, tube
 from rollbench.hifi.shaft.cut import HALF_TURN, at_high, at_low, cut_flexibility, groove_azimuth, turned, uniform_cantilever
+from rollbench.hifi.shaft.helical_section import helical_stiffness
 from rollbench.hifi.shaft.mounting import Stretch, mount, without_cuts
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import FREEDOMS, Load, Support
@@ -123,16 +124,16 @@ def test_ends_without_a_beam_beyond_stay(stations):
 @pytest.fixture(scope="module")
 def meshed():
     """Left-hand shaft of a bore of 8 mm, meshed: its section and cut, and flexibilities, each length meshed once."""
-    m, steel, bore, mesh = HANDS["left"], SCENE.screw.material, 4e-3, cell._flexibility
-    known = {}
+    m, steel, bore, known = HANDS["left"], SCENE.screw.material, 4e-3, {}
 
-    def once(*given):
-        return known[length] if (length := round(given[-1], 9)) in known else known.setdefault(length, mesh(*given))
+    def once(length):
+        if (key := round(length, 9)) not in known:
+            known[key] = cell.meshed_shaft(m, 16e-3, bore, steel, 8e-3, length)
+        return known[key]
 
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(cell, "_flexibility", once)
-        found = cell.homogenise(m, 16e-3, bore, bore, steel, 8e-3)
-    return found, lambda length: once(m, 16e-3, bore, steel, 8e-3, length), known
+    section = helical_stiffness(m, 16e-3, bore, steel)
+    found = cell.homogenise(m, bore, steel, section, [once(length) for length in cell.lengths(m)])
+    return found, lambda length: once(length)[1], known
 
 
 def test_a_homogenised_shaft_lies_between_root_and_lands(meshed):

@@ -2,7 +2,6 @@
 
 import os
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +11,6 @@ from rollbench.hifi import setup
 from rollbench.hifi.condensation.side_by_side import Part, make
 from rollbench.meshes.cache import Cache, key_of
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.solid import dimensions
 
 pytestmark = pytest.mark.xdist_group("helped by processes")
@@ -36,19 +34,22 @@ def test_a_prepared_geometry_comes_whole_from_the_cache(small, small_cache):
 def test_the_shaft_is_kept_whatever_nut_and_stations_are():
     """Its section costs a fifth of a coarse set-up, and depends on the screw alone."""
 
-    def key(scene, stations, sizes=SMALL):
-        m, layout, dims = (of(scene) for of in (GrooveMap.of, ball_layout, dimensions))
-        none = SimpleNamespace(screw=None, nut=None, ball=None)
-        part = setup._body_parts(scene, m, layout, dims, none, (0, 3), sizes, {}, stations)[0]
-        assert part.stage == "shaft section"
-        return key_of(part.build, part.arguments, part.type_)
+    def keys(scene, stations, sizes=SMALL):
+        parts = setup._shaft_parts(scene, GrooveMap.of(scene), dimensions(scene), sizes, stations)
+        assert {part.stage for part in parts} == {"shaft section"}
+        return {key_of(part.build, part.arguments, part.type_) for part in parts}
 
-    scene, ends = two_balls(), (0.0, 60e-3)
-    known = key(scene, ends)
+    plain, ends = two_balls(), (0.0, 60e-3)
+    scene = replace(plain, solid=replace(plain.solid, shaft_diameter=None))
+    known = keys(scene, ends)
+    assert len(known) == 4, "the section, and the shafts of three lengths"
     thicker = replace(scene, nut=replace(scene.nut, outer_diameter=scene.nut.outer_diameter + 1e-3))
-    assert key(thicker, ends) == known == key(scene, (0.0, 55e-3, 60e-3))
-    other = replace(scene, screw=replace(scene.screw, bore=3e-3))
-    assert len({known, key(other, ends), key(scene, ends, replace(SMALL, cell=8e-3)), key(scene, (30e-3,))}) == 4
+    assert keys(thicker, ends) == known == keys(scene, (0.0, 55e-3, 60e-3))
+    other = replace(scene, screw=replace(scene.screw, bore=4e-3))
+    assert not keys(other, ends) & known
+    finer = keys(scene, ends, replace(SMALL, cell=8e-3))
+    assert len(finer & known) == 1, "the section has cells of its own"
+    assert not keys(scene, (30e-3,)) & known
 
 
 def test_a_set_up_in_two_processes_is_the_same(small, small_cache, tmp_path):

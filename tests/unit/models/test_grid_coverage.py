@@ -102,7 +102,7 @@ def test_drawn_judges_are_those_of_the_rule() -> None:
     loads, scenes = judges(shipped_store())
     known = {name_of(number): number for number in chosen()}
     assert len(known) == COUNT
-    assert set(scenes) <= set(known)
+    assert set(scenes) == set(known)
     assert {name for name, own in loads.items() if set(own) == {1, 2, 3}} == set(scenes)
     for name, scene in scenes.items():
         assert scene == scene_file.loads(scene_text(SEED, known[name]), f"{name}.toml")

@@ -72,3 +72,14 @@ def test_a_study_makes_everything_once():
     assert calls == [1, 2]
     assert study.reference("lin-case1") is study.reference("lin-case1")
     assert list(study.references(("lin-case1", "lin-case3-ux"))) == ["lin-case1"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "key"),
+    [({"nut_inner_diameter": 9e-3}, "solid.nut_inner_diameter"), ({"hole_diameter": 1.0}, "solid.hole_diameter")],
+)
+def test_a_body_that_cannot_be_built_names_its_key(changes: dict[str, float], key: str) -> None:
+    scene = catalogue.scene("lin-case1")
+    with pytest.raises(InputError) as refused:
+        run_model(replace(scene, solid=replace(scene.solid, **changes)), "refined", QUIET)
+    assert refused.value.key == key

@@ -20,6 +20,7 @@ from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.watch import reader_gone
 from rollbench.comparison.writing import replace_file
 from rollbench.hifi.setup import TOGETHER
+from rollbench.meshes.cache import StageDone
 from rollbench.meshes.leftovers import for_group
 
 SCENES = ("unseen-hollow", "unseen-short-nut", "unseen-16x5", "unseen-40x10", "unseen-25x5")
@@ -83,11 +84,11 @@ def test_progress_says_stage_share_and_time_left() -> None:
     task = Task((catalogue.scene("lin-case1"),), 1)
     progress, stages = Progress(task), expected(task).stages
     assert progress.under_way == "lin-case1: level 1: meshes"
-    first = progress.line(f"meshes: {stages['meshes']:.1f} s", stages["meshes"])
+    first = progress.line(StageDone("meshes", f"{stages['meshes']:.1f} s"), stages["meshes"])
     assert first.startswith("lin-case1: level 1: meshes: ")
     assert f"about {duration(expected(task).seconds - stages['meshes'])} left" in first
     assert progress.under_way == "lin-case1: level 1: patches"
-    second = progress.line("patches: 1 s", 2.0 * (stages["meshes"] + stages["patches"]))
+    second = progress.line(StageDone("patches", "1 s"), 2.0 * (stages["meshes"] + stages["patches"]))
     left = 2.0 * (expected(task).seconds - stages["meshes"] - stages["patches"])
     assert f"about {duration(left)} left" in second
     assert progress.line("contact of side SL", 1.0) == "lin-case1: level 1: contact of side SL"
@@ -96,21 +97,21 @@ def test_progress_says_stage_share_and_time_left() -> None:
 def test_stages_from_the_cache_say_nothing_of_the_pace() -> None:
     task = Task((catalogue.scene("lin-case1"),), 1)
     progress, stages = Progress(task), expected(task).stages
-    progress.line("meshes: 0.0 s, from the cache", 0.0)
+    progress.line(StageDone("meshes", "0.0 s, from the cache", cached=True), 0.0)
     left = expected(task).seconds - stages["meshes"] - stages["patches"]
-    assert f"about {duration(left)} left" in progress.line("patches: 0.0 s, from the cache", 0.1)
+    assert f"about {duration(left)} left" in progress.line(StageDone("patches", "0.0 s, from the cache", cached=True), 0.1)
     left -= stages["ball"]
-    assert f"about {duration(3.0 * left)} left" in progress.line("ball: 3 s", 3.0 * stages["ball"])
+    assert f"about {duration(3.0 * left)} left" in progress.line(StageDone("ball", "3 s"), 3.0 * stages["ball"])
 
 
 def test_time_left_counts_further_tasks_and_every_load_case() -> None:
     scenes = tuple(catalogue.scene(name) for name in ("lin-case1", "lin-case2"))
     progress, whole = Progress(Task(scenes, 1), after=1000.0), expected(Task(scenes, 1))
-    lines = [progress.line(f"{name}: 1 s", 0.0) for name in whole.stages if name != "contact loads"]
+    lines = [progress.line(StageDone(name, "1 s"), 0.0) for name in whole.stages if name != "contact loads"]
     assert lines[-1].endswith("left in all")
     loads = whole.stages["contact loads"]
     for scene, left in zip(scenes, (0.5 * loads, 0.0), strict=True):
-        line = progress.line(f"contact loads: 1 s, {scene.name} converged", whole.seconds - left)
+        line = progress.line(StageDone("contact loads", f"1 s, {scene.name} converged"), whole.seconds - left)
         assert f"about {duration(left + 1000.0)} left in all" in line
     assert "100%" in line
     assert progress.under_way == progress.label

@@ -182,11 +182,12 @@ def test_levels_that_are_hardly_better_are_named_and_not_advised() -> None:
     assert enough == sorted(enough, reverse=True)
     text = closing(found)
     assert text.startswith("Enough: level 1 for 0.14 % of the mean contact load, by experience with other scenes (")
-    assert ", level 2 with those before it for 0.088 % (" in text
+    assert ", level 2 with those before it for 0.096 % (" in text
     assert enough[1] <= CLEARLY * enough[0]
-    assert enough[3] <= CLEARLY * enough[1] < enough[2]
-    assert ", level 4 with those before it for 0.07 % (" in text
-    assert text.endswith("Hardly better than the one before: level 3.")
+    assert enough[2] <= CLEARLY * enough[1]
+    assert enough[3] > CLEARLY * enough[2]
+    assert ", level 3 with those before it for 0.072 % (" in text
+    assert text.endswith("Hardly better than the one before: level 4.")
 
 
 def test_two_levels_give_parts_and_one_experience(tmp_path: Path) -> None:
@@ -208,7 +209,7 @@ def test_two_levels_give_parts_and_one_experience(tmp_path: Path) -> None:
     shown = 64.0 / 64.0  # mean square of the changes, per cent of a mean load of 100 N within 0.2 %
     cells = [LEVELS[k]["fine"] ** 4 for k in (1, 2, 3)]
     fixed = 2.0 * known.sockets**2
-    bar = 2.0 * np.sqrt((shown - fixed) * (cells[1] + cells[2]) / (cells[0] + cells[1]) + fixed)
+    bar = 2.2 * np.sqrt((shown - fixed) * (cells[1] + cells[2]) / (cells[0] + cells[1]) + fixed)
     assert two.parts.bar == pytest.approx(bar, rel=0.003)
     assert two.uncertainty[5, 3] == pytest.approx(0.01 * two.parts.bar * finer[finer > 0.0].mean(), rel=1e-3)
     assert two.uncertainty[0, 0] / two.uncertainty[5, 3] == pytest.approx(1.08 ** (1.0 / 3.0), rel=1e-3)

@@ -44,7 +44,7 @@ def test_every_point_has_the_same_reference_and_its_bar() -> None:
 
 
 def point(label: str, kind: str, error: float, cold: float, **changes: object) -> TimePoint:
-    made = TimePoint(label, kind, error, error / 2, max(0.0, error - 1.0), error + 1.0, cold, 0.1, 65, 100.0)  # type: ignore[arg-type]
+    made = TimePoint(label, kind, error, error / 2, max(0.0, error - 1.0), error + 1.0, cold, 0.1, 65, 100.0, label)  # type: ignore[arg-type]
     return replace(made, **changes)  # type: ignore[arg-type]
 
 
@@ -87,7 +87,7 @@ def test_bars_of_another_length_are_refused() -> None:
 
 
 def test_unseen_scenes_have_a_figure() -> None:
-    axial = point(reference_time.MODELS["mei"].label, "model", 9.0, 1.0)
+    axial = point(reference_time.MODELS["mei"].label, "model", 9.0, 1.0, name="mei")
     level = point("level 1", "level", 0.5, 40.0)
     points = {"lin-case1": [axial, level], "lin-case3": [level], UNSEEN[0]: [level], UNSEEN[1]: [level]}
     names = {f.name: [p.title for p in f.panels] for f in time_figures(points)}

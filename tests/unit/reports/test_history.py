@@ -31,7 +31,7 @@ def test_the_package_has_rows_of_its_releases():
 
 def test_numbers_of_a_report_are_those_of_its_points():
     def point(label: str, error: float, cold: float, memory: float | None, kind: str = "model") -> TimePoint:
-        return TimePoint(label, kind, error, 0.0, None, None, cold, None, 1, memory)  # type: ignore[arg-type]
+        return TimePoint(label, kind, error, 0.0, None, None, cold, None, 1, memory, label)  # type: ignore[arg-type]
 
     lin, solid = MODELS["lin"].label, "3D reference, level"
     points = {
@@ -56,8 +56,8 @@ def test_numbers_of_a_report_are_those_of_its_points():
 
 def test_only_a_report_that_keeps_adds_a_release(tmp_path, monkeypatch):
     study = Study((tmp_path, shipped_store()))
-    lin = TimePoint(MODELS["lin"].label, "model", 6.0, 2.0, None, None, 1.0, 0.1, 9, 90.0)
-    level = TimePoint("3D reference, level 4", "level", 0.0, 0.0, None, None, 90.0, 1.0, 9, 900.0)
+    lin = TimePoint(MODELS["lin"].label, "model", 6.0, 2.0, None, None, 1.0, 0.1, 9, 90.0, "lin")
+    level = TimePoint("3D reference, level 4", "level", 0.0, 0.0, None, None, 90.0, 1.0, 9, 900.0, "3D level 4")
     step = print
     study.made[all_points, step] = {"lin-case1": [lin, level]}
     monkeypatch.setattr(history, "load", lambda _: (ONE,))

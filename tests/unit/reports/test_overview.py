@@ -10,8 +10,8 @@ from rollbench.comparison.sections.overview import (
     KINDS,
     answer,
     coverage,
+    family_of,
     front,
-    named,
     off,
     standing_table,
     standings,
@@ -22,7 +22,8 @@ from rollbench.reports.panels import draw_parts
 
 
 def point(label: str, error: float, cold: float, kind: str = "model", **changes: object) -> TimePoint:
-    made = TimePoint(label, kind, error, error / 2.0, 0.9 * error, 1.1 * error + 0.1, cold, 0.1, 65, 100.0)  # type: ignore[arg-type]
+    name = next((m.name for m in MODELS.values() if m.label == label), label.replace("3D reference, level", "3D level"))
+    made = TimePoint(label, kind, error, error / 2.0, 0.9 * error, 1.1 * error + 0.1, cold, 0.1, 65, 100.0, name)  # type: ignore[arg-type]
     return replace(made, **changes)  # type: ignore[arg-type]
 
 
@@ -91,9 +92,9 @@ def test_figure_shows_every_point_light_and_every_median_with_its_bar(all_names:
 
 
 def test_every_model_has_a_family() -> None:
-    families = {named(model.label)[1] for model in MODELS.values()}
+    families = {family_of(point(model.label, 1.0, 1.0)) for model in MODELS.values()}
     assert len(families) == 4
-    assert named("3D reference, the source's mesh") == ("3D, source's mesh", "3D reference")
+    assert family_of(point("3D reference, the source's mesh", 1.0, 1.0, "source mesh")) == "3D reference"
 
 
 @pytest.mark.parametrize(

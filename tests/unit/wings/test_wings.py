@@ -134,7 +134,7 @@ def test_the_core_stands_without_a_wing_that_is_drawn(tmp_path):
     stands(wing, tmp_path)
 
 
-@pytest.mark.wings
+@pytest.mark.each_wing
 @pytest.mark.parametrize("wing", WINGS)
 def test_the_core_stands_without(wing, tmp_path):
     stands(wing, tmp_path)

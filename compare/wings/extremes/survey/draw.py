@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from math import floor, pi
 from typing import Any
@@ -11,7 +10,7 @@ import numpy as np
 
 from rollbench.comparison.scenes import scene_file
 from rollbench.comparison.scenes.circuits import touching_angle
-from rollbench.comparison.scenes.like import LOAD, scene_like
+from rollbench.comparison.scenes.like import LOAD, values_like
 from rollbench.comparison.scenes.units import show
 from rollbench.meshes.helix import ball_layout
 
@@ -48,15 +47,14 @@ def scene_text(seed: int, number: int) -> str:
     lead = int(rng.choice(SIZES[outer]))
     kind = str(rng.choice(PRELOADS))
     starts = 2 if lead > 0.3 * outer and kind != "lead offset" and rng.random() < 0.45 else 1
-    usual = tomllib.loads(scene_like(f"{outer}x{lead / starts:g}"))
-    ball, pitch = (float(x.removesuffix(" mm")) for x in (usual["balls"]["diameter"], usual["track"]["pitch_diameter"]))
+    sizes = values_like(f"{outer}x{lead / starts:g}")
+    ball, pitch, wall = sizes["ball"], sizes["pitch"], sizes["outside"]
     balls, count = _balls(rng, starts, ball, touching_angle(pitch / 2.0, lead, ball), halved=kind == "lead offset")
-    wall = float(usual["nut"]["outer_diameter"].removesuffix(" mm"))
     force = LOAD * ball**2 * count * np.sin(pi / 4.0)
     length = round(outer * rng.uniform(12.0, 30.0))
     scene: dict[str, Any] = {
         "title": f"survey {seed}, scene {number}: {outer}x{lead}, {kind}",
-        "material": usual["material"],
+        "material": {"name": "bearing steel"},
         "track": {
             "pitch_diameter": f"{pitch:g} mm",
             "lead": f"{lead} mm",
@@ -68,7 +66,7 @@ def scene_text(seed: int, number: int) -> str:
         "nut": {
             "position": f"{length * rng.uniform(0.3, 0.7):.4g} mm",
             "length": f"{length * 0.58:.4g} mm",
-            "outer_diameter": f"{wall * rng.uniform(0.95, 1.2):.3g} mm",
+            "outer_diameter": f"{(outside := float(f'{wall * rng.uniform(0.95, 1.2):.3g}')):g} mm",
             "conformity": _conformity(rng),
         },
         "balls": balls,
@@ -81,11 +79,12 @@ def scene_text(seed: int, number: int) -> str:
     if kind != "none":
         scene["preload"] = _preload(rng, kind, ball, force)
     scene["loads"] = _loads(rng, force, pitch / 2.0, scene["nut"]["position"])
-    scene["nut"]["length"] = _nut_length(scene, rng)
+    nut_length = _nut_length(scene, rng)
+    scene["nut"]["length"] = f"{nut_length:.3f} mm"
     if number >= TUBES:
         del scene["solid"]
         scene["title"] += ", flange"
-        scene["nut"] |= _flange(rng, *(float(scene["nut"][x].removesuffix(" mm")) for x in ("length", "outer_diameter")))
+        scene["nut"] |= _flange(rng, nut_length, outside)
     return _toml(scene)
 
 
@@ -184,11 +183,11 @@ def _loads(rng: np.random.Generator, force: float, radius: float, at: str) -> li
     return out
 
 
-def _nut_length(scene: Mapping[str, Any], rng: np.random.Generator) -> str:
-    """Nut that ends 1 to 6 ball radii beyond its last balls."""
+def _nut_length(scene: Mapping[str, Any], rng: np.random.Generator) -> float:
+    """Length [mm] of a nut that ends 1 to 6 ball radii beyond its last balls, whole micrometres."""
     read = scene_file.loads(_toml({k: v for k, v in scene.items() if k != "preload"}), "survey.toml")
     reach = float(np.abs(ball_layout(read).z - read.nut.position).max())
-    return f"{1e3 * 2.0 * (reach + read.balls.radius * _log(rng, 1.0, 6.0)) + 5e-4:.3f} mm"
+    return round(1e3 * 2.0 * (reach + read.balls.radius * _log(rng, 1.0, 6.0)) + 5e-4, 3)
 
 
 def _toml(scene: Mapping[str, Any]) -> str:

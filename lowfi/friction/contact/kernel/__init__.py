@@ -4,7 +4,7 @@ from .band import solve_with_pivots
 from .dissipation import dissipation, dissipation_many
 from .minimum import descend, evaluate, speeds_at
 from .motion import least_dissipation, least_dissipation_many
-from .rings import hertz_contact, minimise_energy, press
+from .rings import hertz_contact, minimise_each, minimise_energy, press
 
 __all__ = [
     "descend",
@@ -14,6 +14,7 @@ __all__ = [
     "hertz_contact",
     "least_dissipation",
     "least_dissipation_many",
+    "minimise_each",
     "minimise_energy",
     "press",
     "solve_with_pivots",

@@ -18,13 +18,13 @@ LONGEST_STEP = 0.3
 
 @kernel
 def hertz_contact(
-    start_x: float, start_z: float, move_x: float, move_z: float, interference: float, C: float, reach: float
+    start_x: float, start_z: float, move_x: float, move_z: float, interference: float, C: float
 ) -> tuple[float, float, float, float, float]:
     """Hertz force [N], its direction (x3, z3) on the groove, approach/C and distance [m] after a ball's move."""
     x, z = start_x + move_x, start_z + move_z
     size = sqrt(x * x + z * z)
-    # distance less reach, built as a change so that its round-off is that of the motion
-    grown = (move_x * (start_x + x) + move_z * (start_z + z)) / (size + reach)
+    # growth of the distance, built as a change so that its round-off is that of the motion
+    grown = (move_x * (start_x + x) + move_z * (start_z + z)) / (size + sqrt(start_x * start_x + start_z * start_z))
     d = max(grown + interference, 0.0) / C
     return d * sqrt(d), x / size, z / size, d, size
 
@@ -35,7 +35,7 @@ def press(cell: CellArrays, p: Array, u: Array, state: CellState) -> float:
 
     sum (2/5) C^(-3/2) <approach>^(5/2); less push . p + pull . u, which ``state`` derives too, it is convex.
     """
-    start, interference, C, section, offset, push, pull, reach = cell
+    start, interference, C, section, offset, push, pull, _ = cell
     ball, inner, stiff, force, normal = state
     energy = 0.0
     for j in range(u.shape[0]):
@@ -50,7 +50,7 @@ def press(cell: CellArrays, p: Array, u: Array, state: CellState) -> float:
             x, z = p[k, 0], p[k, 1]
             if i < ON_INNER:
                 x, z = x - shift_x, z - shift_z
-            f, n_x, n_z, d, size = hertz_contact(start[k, i, 0], start[k, i, 1], x, z, interference[k, i], C[i], reach)
+            f, n_x, n_z, d, size = hertz_contact(start[k, i, 0], start[k, i, 1], x, z, interference[k, i], C[i])
             k_n, k_t = 1.5 * sqrt(d) / C[i], f / size
             force[k, i], normal[k, i, 0], normal[k, i, 1] = f, n_x, n_z
             stiff[k, i, 0] = k_t + (k_n - k_t) * n_x * n_x
@@ -162,3 +162,33 @@ def minimise_energy(cell: CellArrays, load: float, p: Array, u: Array, state: Ce
         energy, worst = new, off
         copy(trial, state)
     return steps
+
+
+@kernel
+def minimise_each(
+    start: Array,
+    interference: Array,
+    C: Array,
+    along: Array,
+    given: Array,
+    x: Array,
+    force: Array,
+    normal: Array,
+    left: Array,
+    goal: float,
+    limit: int,
+) -> None:
+    """``minimise_energy`` of N balls, each with an inner body of its own that moves along ``along`` (2,).
+
+    start, interference as in ``CellArrays``; C (N, 4); given (N, 3): forces on ball and inner body [N]. Overwrites places
+    x (N, 3) [m], forces (N, 4), normals (N, 4, 2), and writes the largest force out of balance left (N,) [N].
+    """
+    section, offset, stiff = along.copy().reshape(1, 2, 1), np.zeros((1, 2)), np.zeros((1, 4, 3))
+    for k in range(x.shape[0]):
+        reach = sqrt(np.min(np.sum(start[k] * start[k], axis=1)))
+        push, pull = given[k : k + 1, :2].copy(), given[k, 2:].copy()
+        cell = CellArrays(start[k : k + 1], interference[k : k + 1], C[k], section, offset, push, pull, reach)
+        state = CellState(np.zeros((1, 2)), np.zeros(1), stiff, force[k : k + 1], normal[k : k + 1])
+        ball, inner = x[k : k + 1, :2].copy(), x[k, 2:].copy()
+        minimise_energy(cell, float(np.sum(np.abs(given[k]))), ball, inner, state, goal, limit)
+        x[k, :2], x[k, 2:], left[k] = ball[0], inner, largest(state.ball, state.inner)

@@ -109,7 +109,7 @@ def own(
     the ball on the screw in x3, y3, z3.
     """
     cell, groove, balls = system.cell, system.groove, system.balls
-    start, interference, C, reach = cell.start, cell.interference, cell.C, cell.reach
+    start, interference, C = cell.start, cell.interference, cell.C
     speed, mu = groove.speed, balls.strength * system.unit
     rows, load, g, h = np.empty((3, 4)), np.empty((OWN_ROWS, 3)), np.zeros(3), np.zeros((4, 3))
     out[:] = 0.0
@@ -117,7 +117,7 @@ def own(
     for i in range(4):
         on = i < ON_SCREW
         m_x, m_z = (p[0] - shift[0], p[1] - shift[1]) if on else (p[0], p[1])
-        f, n_x, n_z, d, size = hertz_contact(start[k, i, 0], start[k, i, 1], m_x, m_z, interference[k, i], C[i], reach)
+        f, n_x, n_z, d, size = hertz_contact(start[k, i, 0], start[k, i, 1], m_x, m_z, interference[k, i], C[i])
         if f == 0.0:
             continue
         contact_map(groove, n_x, n_z, rows)

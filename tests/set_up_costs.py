@@ -1,0 +1,193 @@
+"""Where the processor time of a level of a new screw goes, and what cheaper set-ups would do to its loads.
+
+``python -m tests.set_up_costs`` measures it anew (five minutes of one quiet core) and writes
+``compare/references/set_up_costs.json``, which the report's tables on cold levels are made of.
+"""
+
+import json
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from time import process_time
+from typing import Any
+
+import numpy as np
+import pytest
+from threadpoolctl import threadpool_limits
+
+from rollbench.comparison.costs.run_times import today
+from rollbench.comparison.costs.set_up_costs import FILE
+from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison.reference.tasks import needed_sides, settings_of
+from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.comparison.system import machine
+from rollbench.comparison.wings.extremes.survey.draw import SEED, scene_text
+from rollbench.hifi import setup
+from rollbench.hifi.bodies import patch
+from rollbench.hifi.condensation import sides
+from rollbench.hifi.condensation.responses import Shaft
+from rollbench.hifi.condensation.sides import condense_side, side_of, turned
+from rollbench.hifi.elements import assembly
+from rollbench.hifi.linear_algebra import fronts, response
+from rollbench.hifi.meshing.part_meshes import mesh_parts
+from rollbench.hifi.meshing.settings import Settings
+from rollbench.hifi.reference import solve_reference
+from rollbench.hifi.shaft import cell
+from rollbench.hifi.shaft.helical_section import helical_stiffness
+from rollbench.meshes import ball_body, grooved_body
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.cache import Cache
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import Scene
+from rollbench.meshes.solid import dimensions
+
+#: What a stage spends its time on: names of functions and the modules that call them; the dense algebra is a part of the
+#: elimination.
+WORK = {
+    "meshing": ("best_of", (ball_body, grooved_body)),
+    "assembly": ("assemble", (assembly, cell, patch)),
+    "elimination": ("gram", (response,)),
+    "dense": ("_eliminate", (fronts,)),
+}
+#: Jobs whose stages are measured: scene and level.
+JOBS = (("new screw", 1), ("unseen-40x10", 1))
+#: A flanged screw of the survey, which tries the cheaper set-ups too.
+FLANGED = 200
+#: Cells of the shafts that say what a cut does, over those of level 1: coarser ones, and those of levels 2 and 3.
+CELLS = (1.3, 1.6, 0.86, 0.74)
+#: Pitch radii over the screw's between which a library's patches are interpolated.
+BETWEEN = (0.95, 1.05)
+
+
+def scene_of(name: str) -> Scene:
+    """The new screw is case 1 with another nut."""
+    if name == "flanged":
+        return scene_file.loads(scene_text(SEED, FLANGED), f"survey-{SEED}-{FLANGED}.toml")
+    if name != "new screw":
+        return catalogue.scene(name)
+    scene = catalogue.scene("lin-case1")
+    return replace(scene, nut=replace(scene.nut, length=56e-3, outer_diameter=50e-3))
+
+
+@contextmanager
+def timed(spent: dict[str, float]) -> Iterator[None]:
+    """Add up the processor time of each kind of work."""
+
+    def watched(kind: str, work: Callable[..., Any]) -> Callable[..., Any]:
+        def run(*given: Any, **named: Any) -> Any:
+            begin = process_time()
+            try:
+                return work(*given, **named)
+            finally:
+                spent[kind] += process_time() - begin
+
+        return run
+
+    with pytest.MonkeyPatch.context() as put:
+        for kind, (name, modules) in WORK.items():
+            for module in modules:
+                put.setattr(module, name, watched(kind, getattr(module, name)))
+        yield
+
+
+def stages_of(name: str, level: int) -> dict[str, Any]:
+    """Processor time [s] of every stage of a cold set-up and its loads in one process of one thread, by kind of work."""
+    scene, spent, stages = scene_of(name), defaultdict[str, float](float), {}
+    wanted = needed_sides(scene)
+    before = {"all": process_time()}
+
+    def heard(text: str) -> None:
+        now = {"all": process_time(), **spent}
+        own = {kind: round(value - before.get(kind, 0.0), 2) for kind, value in now.items()}
+        stages[text.split(":")[0]] = {kind: value for kind, value in own.items() if value}
+        before.update(now)
+
+    with timed(spent):
+        made = setup.prepare(scene, wanted, settings_of([scene], level), heard, cache=Cache(None))
+        found = solve_reference(made, scene)
+    heard("contact loads:")
+    return {"scene": name, "level": level, "contacts": int((found.load > 0.0).sum()), "stages": stages}
+
+
+def ways_of(name: str) -> list[dict[str, Any]]:
+    """Cheaper shafts and patches of a scene on level 1: processor time that they save [s], largest change of a load [% of
+    the mean load]."""
+    scene = scene_of(name)
+    choices, wanted, raw, own, spent = settings_of([scene], 1), needed_sides(scene), [], [], []
+    kept, finished = sides.own_compliance, setup._as_the_section
+
+    def watched(*given: Any) -> Array:
+        own.append(kept(*given))
+        spent.append(process_time() - begun[-1])
+        return own[-1]
+
+    begun: list[float] = []
+    fine = sides.fine_compliance
+    with pytest.MonkeyPatch.context() as put:
+        put.setattr(sides, "fine_compliance", lambda *given: begun.append(process_time()) or fine(*given))
+        put.setattr(sides, "own_compliance", watched)  # of groove and ball of one side after the other
+        put.setattr(setup, "_as_the_section", lambda *given: raw.append(given) or finished(*given))
+        made = setup.prepare(scene, wanted, choices, cache=Cache(None))
+    load = solve_reference(made, scene).load
+
+    def row(way: str, changed: setup.Setup, saved: float) -> dict[str, Any]:
+        moved = np.abs(solve_reference(changed, scene).load - load).max() / load[load > 0.0].mean()
+        print(name, way, f"saves {saved:.2f} s, moves a load by {100.0 * moved:.4f} %", flush=True)
+        return {"scene": name, "way": way, "saved": round(saved, 2), "moved": round(100.0 * float(moved), 4)}
+
+    def with_own(side: int, value: Array) -> setup.Setup:
+        patches = {**made.patches, side: replace(made.patches[side], own=value)}
+        if len(wanted) == 4:
+            patches[side + 1] = turned(patches[side])
+        return replace(made, patches=patches)
+
+    one, other = (s for s in wanted if len(wanted) == 2 or s % 2 == 0)
+    like = own[1] if one % 2 == other % 2 else turned(replace(made.patches[one], own=own[1])).own
+    out = [row("one ball's patch for screw and nut", with_own(other, made.patches[other].own - own[3] + like), spent[3])]
+    between = np.mean([_own_of(scene, share, choices, wanted) for share in BETWEEN], axis=0)
+    out.append(row("screw's patch from a library", with_own(one, between), spent[0] + spent[1]))
+    return out + _shafts(scene, made, raw[0], choices, row)
+
+
+def _own_of(scene: Scene, share: float, choices: Settings, wanted: tuple[int, ...]) -> Array:
+    """Own compliance of the first flank of a screw whose pitch radius is a share of the scene's."""
+    away = 2.0 * (share - 1.0) * scene.track.pitch_radius
+    track = replace(scene.track, pitch_radius=share * scene.track.pitch_radius)
+    screw, nut = (replace(x, outer_diameter=x.outer_diameter + away) for x in (scene.screw, scene.nut))
+    near = replace(scene, track=track, screw=screw, nut=nut)
+    m, layout, dims = GrooveMap.of(near), ball_layout(near), dimensions(near)
+    meshes = mesh_parts(near, m, layout, dims, wanted, choices)
+    return condense_side(*side_of(near, m, dims, meshes, wanted[0], choices)).own
+
+
+def _shafts(scene: Scene, made: setup.Setup, raw: Any, choices: Settings, row: Callable[..., Any]) -> list[dict[str, Any]]:
+    """What other meshes, and another length, of the shafts do that say what a cut does."""
+    screw, _, *rest = raw
+    m, e, bore = made.map, scene.screw.material, scene.screw.bore / 2.0
+    section = helical_stiffness(m, scene.screw.outer_diameter / 2.0, bore, e)
+
+    def shafts(cells: float, lengths: Sequence[float]) -> tuple[setup.Setup, float]:
+        begin, radii = process_time(), (scene.screw.outer_diameter / 2.0, made.dims.hole)
+        meshed = [cell.meshed_shaft(m, *radii, e, cells * choices.cell, length) for length in lengths]
+        spent, found = process_time() - begin, cell.homogenise(m, bore, e, section, meshed)
+        return replace(made, screw=setup._as_the_section(screw, Shaft(found.section, found), *rest)), spent
+
+    whole = cell.lengths(m)
+    lead = 2.0 * np.pi * abs(m.rg)
+    usual = shafts(1.0, whole)[1]
+    ways = [(f"cut's cells {size:g} times as long", size, whole) for size in CELLS]
+    ways.append(("long shaft one lead longer than the short one", 1.0, (whole[0], whole[0] + lead, whole[2])))
+    out = []
+    for way, size, lengths in ways:
+        changed, spent = shafts(size, lengths)
+        out.append(row(way, changed, usual - spent))
+    return out
+
+
+if __name__ == "__main__":
+    with threadpool_limits(1):
+        found = {"machine": machine(), "date": today(), "jobs": [stages_of(*job) for job in JOBS]}
+        found["ways"] = [row for name in ("new screw", "flanged") for row in ways_of(name)]
+    (shipped_store() / FILE).write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
