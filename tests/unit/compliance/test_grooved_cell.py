@@ -152,3 +152,19 @@ def test_a_layer_is_softer_along_the_axis_than_around_it():
     S = np.linalg.inv(Layer((16e-3, 18e-3), (0.5, 1.0), 4.0, 2.0, 0.0).elasticity(E, nu, np.array(16e-3)))
     G = E / (2.0 * (1.0 + nu))
     assert np.diag(S) == pytest.approx(1.0 / np.array([E / 2, E / 2, E / 16, G / 4, G / 2, G / 4]))
+
+
+def test_a_bearing_s_outer_ring_is_a_tube_of_its_outer_diameter():
+    """EA = E pi (R^2 - r^2) and 4 EI / EA = R^2 + r^2 give both radii; the inner one is that of the bore's volume, two arcs
+    that meet at the apex, between cylindrical lands."""
+    scene = catalogue.scene("bearing-9")
+    section, E = grooved_section(geometry_only(scene), False), scene.nut.material.youngs_modulus
+    difference, total = section.EA / (np.pi * E), 4.0 * section.EI / section.EA
+    outer, inner = np.sqrt(0.5 * (total + difference)), np.sqrt(0.5 * (total - difference))
+    assert outer == pytest.approx(scene.nut.outer_diameter / 2.0, rel=1e-9)
+    radius, angle = scene.nut.groove_radius, scene.track.contact_angle
+    beside, above = (f(angle) * (radius - scene.balls.radius) for f in (np.sin, np.cos))
+    across = np.linspace(0.0, scene.nut.length / 2.0, 20_001) + beside
+    arc = scene.track.pitch_radius - above + np.sqrt(np.maximum(radius**2 - across**2, 0.0))
+    bore = np.maximum(arc, flank_of(geometry_only(scene), False).land)
+    assert inner == pytest.approx(np.sqrt((bore**2).mean()), rel=1e-3)

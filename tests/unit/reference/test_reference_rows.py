@@ -13,7 +13,7 @@ from rollbench.comparison.models.comparison import from_result, gate_points, ref
 from rollbench.comparison.models.mesh_study import CLEARLY, SCATTERS, closing, level_rows, studied, study_table
 from rollbench.comparison.models.registry import MODELS
 from rollbench.comparison.models.study import Study
-from rollbench.comparison.reference.estimate import Reference, reference
+from rollbench.comparison.reference.estimate import Reference, reference, reference_of
 from rollbench.comparison.reference.grid_parts import read
 from rollbench.comparison.reference.levels import LEVELS, STUDIED
 from rollbench.comparison.reference.near_face import left_out
@@ -164,6 +164,15 @@ def test_a_mesh_study_adds_varied_choices_by_the_root_of_squares(tmp_path: Path)
     row, other = table["load of ball 3, SL"], table["load of ball 4, SL"]
     assert (row["modelling_spread"], row["scene_choices"]) == (pytest.approx(13.0), pytest.approx(7.0))
     assert (other["modelling_spread"], other["scene_choices"]) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("levels", [1, 3])
+def test_what_loads_may_still_move_by_is_added_to_every_bar(levels: int) -> None:
+    scene, found = catalogue.scene("lin-case1"), _found("lin-case1")
+    runs = found.runs[:levels]
+    settled = reference_of("x", scene, runs, found.contacts)
+    left = reference_of("x", scene, (*runs[:-1], replace(runs[-1], moving=0.5)), found.contacts)
+    np.testing.assert_allclose(left.uncertainty - settled.uncertainty, 0.5, rtol=1e-9)
 
 
 def test_levels_that_are_hardly_better_are_named_and_not_advised() -> None:
