@@ -27,10 +27,10 @@ def of_a_wing(path: Path) -> bool:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Leave out wings, sources and cold 3D set-ups where the command names neither paths nor marks."""
+    """Leave out wings, sources and what is slow where the command names neither paths nor marks."""
     as_configured = config.option.markexpr == config.getini("addopts")[-1]
     if as_configured and config.args_source is pytest.Config.ArgsSource.TESTPATHS:
-        config.option.markexpr += " and not wing and not cold"
+        config.option.markexpr += " and not wing and not slow"
 
 
 def pytest_itemcollected(item: pytest.Item) -> None:

@@ -123,7 +123,8 @@ def parts(loads: Levelled, known: Experience) -> GridParts:
     amounts = _variances(np.array([_added(a, b) for a, b in steps]), np.maximum(shown - fixed, 0.0), fixed)
     left = (*(amounts * _added(finest, finest + 1)), fixed, 2.0 * known.common**2 if both else 0.0)
     cover = COVER_OF_ONE_CHANGE if levels == [finest - 1, finest] else COVER
-    return GridParts(cover * float(np.sqrt(sum(left))), *(float(np.sqrt(v)) for v in left), cover=cover)
+    contact, bodies, sockets, common = (float(np.sqrt(v)) for v in left)
+    return GridParts(cover * float(np.sqrt(sum(left))), contact, bodies, sockets, common, cover)
 
 
 def _change(loads: Levelled, level: int, other: int, finest: int) -> Array:
