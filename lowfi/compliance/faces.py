@@ -39,6 +39,7 @@ from rollbench.lowfi.compliance.groove import (
 )
 from rollbench.lowfi.compliance.tube import Tube, clamped, motion_rows, patch_weights, radial_ends
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import UnfitKey
 from rollbench.meshes.section import BeamSection
 
 #: Radii [m] between which a whole face is held.
@@ -124,8 +125,11 @@ def near_face(
     """Gain of the body that ``smooth`` stands for; section: of its beam, which holds that part of all motions already.
 
     held_radii: between which [m] a face is held, if it is; near: whether a contact has a face within reach. What is far
-    from any face rests on a whole one, however the body is held.
+    from any face rests on a whole one, however the body is held. Raises ValueError where a face is near and the land cuts
+    the groove off before the nominal contact.
     """
+    if near:
+        _check_land(flank)
 
     def gains(finer: Patch, last: slice, kinds: int, radii: tuple[float, float]) -> tuple[Array, Grid, Array]:
         """Gains of the cuts, the body, and the distances of the cuts; kinds: 2 with motions across the loads; radii:
@@ -146,6 +150,17 @@ def near_face(
         gain, _, distance = gains(BESIDE_FACE, slice(None), 2, held_radii)
         gain[1, :, :, 1], gain[1, ..., 1, :] = 0.0, 0.0
     return NearFace(distance, gain - gain[..., -1:], flank.contact()[1], with_tail(flank, far), own)
+
+
+def _check_land(flank: Flank) -> None:
+    edge = groove_line(flank.map, flank.land, flank.screw, 2)[1][-1]
+    if flank.contact()[1] < edge:
+        return
+    body, key = ("screw", "screw.outer_diameter") if flank.screw else ("nut", "solid.nut_inner_diameter")
+    angle, verb = np.degrees(flank.map.beta), "raise" if flank.screw else "lower"
+    raise UnfitKey(
+        key, f"the {body}'s land cuts its groove off before the contact at {angle:.4g} deg, near a face: {verb} {key}"
+    )
 
 
 def both_ways(waves: Array) -> Array:

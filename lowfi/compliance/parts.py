@@ -18,7 +18,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.kept import kept
-from rollbench.meshes.parts import Ingredients, Scene, UnfitKey
+from rollbench.meshes.parts import Ingredients, Scene
 from rollbench.meshes.section import BeamSection, screw_section, tube_section
 from rollbench.meshes.solid import dimensions
 
@@ -123,10 +123,7 @@ def with_balls(scene: Scene) -> tuple[Scene, Array]:
 
 @lru_cache(maxsize=64)
 def flank_of(scene: Scene, screw: bool) -> Flank:
-    """Groove of screw or nut on half a lead, or on half a ring's width.
-
-    Raises ValueError for impossible dimensions, and where the land cuts the groove off before the nominal contact.
-    """
+    """Groove of screw or nut on half a lead, or on half a ring's width. Raises ValueError for impossible dimensions."""
     dims = dimensions(scene)
     m = GrooveMap.of(scene)
     low, high = dims.ends(scene)
@@ -134,13 +131,7 @@ def flank_of(scene: Scene, screw: bool) -> Flank:
     half = np.pi * abs(m.rg) / m.starts if m.rg != 0.0 else 0.5 * width
     land = scene.screw.outer_diameter / 2.0 if screw else dims.land
     far = scene.screw.bore / 2.0 if screw else scene.nut.outer_diameter / 2.0
-    flank = Flank(m, land, far, screw, float(half), (scene.screw if screw else scene.nut).material)
-    if (flank.contact()[0] >= land) if screw else (flank.contact()[0] <= land):
-        body, key = ("screw", "screw.outer_diameter") if screw else ("nut", "solid.nut_inner_diameter")
-        angle, verb = np.degrees(scene.track.contact_angle), "raise" if screw else "lower"
-        reason = f"the {body}'s land cuts its groove off before the contact at {angle:.4g} deg: {verb} {key}"
-        raise UnfitKey(key, reason)
-    return flank
+    return Flank(m, land, far, screw, float(half), (scene.screw if screw else scene.nut).material)
 
 
 @lru_cache(maxsize=64)
