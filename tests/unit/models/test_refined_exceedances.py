@@ -18,8 +18,8 @@ BEYOND = {
     # nut sheared as if it had no bore.)
     "survey-20360-37": (8.40, 2.45),
     # 40x10, a nut of one turn under a moment on the shaft's section at its centre: contacts below that section feel the
-    # shaft's contraction, those above do not, so that the error leaps by 3 % from one ball to the next. (With a step smoothed
-    # by Saint-Venant's slowest mode 1.66 and 0.82 %: without a leap, and too tilted.)
+    # shaft's contraction, those above do not, so that the error leaps by 3 % from one ball to the next. (With a step
+    # smoothed by Saint-Venant's slowest mode 1.66 and 0.82 %: without a leap, and too tilted.)
     "survey-20360-130": (1.95, 0.75),
 }
 LARGEST, RMS = 1.5, 0.5
