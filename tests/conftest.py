@@ -30,7 +30,7 @@ def pytest_configure(config: pytest.Config) -> None:
     """Leave out wings, sources and what is slow where the command names neither paths nor marks."""
     as_configured = config.option.markexpr == config.getini("addopts")[-1]
     if as_configured and config.args_source is pytest.Config.ArgsSource.TESTPATHS:
-        config.option.markexpr += " and not wing and not slow"
+        config.option.markexpr += " and (every_run or not wing and not slow)"
 
 
 def pytest_itemcollected(item: pytest.Item) -> None:

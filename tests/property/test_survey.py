@@ -132,7 +132,7 @@ def test_the_command_prints_what_has_no_answer_and_keeps_the_record(
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "number", [pytest.param(k, marks=[] if k in SMALL else [pytest.mark.survey]) for k in range(SCENES)]
+    "number", [pytest.param(k, marks=pytest.mark.every_run if k in SMALL else pytest.mark.survey) for k in range(SCENES)]
 )
 def test_every_drawn_screw_has_an_answer(number: int) -> None:
     record = surveyed(SEED, number)

@@ -76,5 +76,6 @@ def test_friction(command, tmp_path, name):
 
 
 @pytest.mark.parametrize("tokens", [tokens for several in OTHERS.values() for tokens in several], ids=" ".join)
-def test_other_commands(command, tokens):
+def test_other_commands(command, tokens, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # a mesh study writes its files beside its store
     assert strict(command, *tokens)
