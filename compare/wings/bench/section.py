@@ -10,9 +10,11 @@ from typing import Any
 from rollbench.comparison.costs.timing import Job
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import entry, load_table
+from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.registration import offered
 from rollbench.comparison.wings.bench.axis_bench import jobs as axis_jobs
 from rollbench.comparison.wings.bench.bench import run_bench
+from rollbench.comparison.wings.bench.long import kept
 from rollbench.comparison.wings.bench.typed import as_typed, scaling, spent_table
 from rollbench.reports.records import Quantity, Row, Section, Table, Text
 
@@ -21,14 +23,9 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report."""
     commands = []
     for one in as_typed():
-        step(one.typed.job)
+        step(one.job)
         commands.append(one)
-    done = [
-        *(one.timed for one in commands),
-        *run_bench(step),
-        *(job for added in offered("timing jobs") for job in added()),
-        *axis_jobs(5),
-    ]
+    done = [*commands, *run_bench(step), *(job for added in offered("timing jobs") for job in added()), *axis_jobs(5)]
     rows: list[dict[str, Any]] = [asdict(job) for job in done]
     printed: list[Row] = [
         {
@@ -54,7 +51,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
                     ),
                 )
             ),
-            spent_table(commands),
+            spent_table([*done, *kept([*(study.stores or ()), shipped_store()])]),
             *scaling(study),
             Table(
                 "timing-jobs",

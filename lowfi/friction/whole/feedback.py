@@ -116,8 +116,8 @@ def feed_back(
     motion: Array | None = None,
 ) -> FedBack:
     """Contacts and friction in agreement, ball by ball; begun at the static state, so that of several states it is the one
-    that rolls on from there; near (N, 3): forces of friction of a similar state (``FedBack.push``) to begin with instead, motion
-    (N, 4): its motions [rad/s], which lead sooner to the same ones.
+    that rolls on from there; near (N, 3): forces of friction of a similar state (``FedBack.push``) to begin with instead,
+    motion (N, 4): its motions [rad/s], which lead sooner to the same ones.
 
     Failure is data: see ``FedBack.failed``.
     """

@@ -249,7 +249,8 @@ def least_dissipation_many(
 ) -> None:
     """``least_dissipation`` of N bodies without push: shape (N, m, 3), maps (N, m, 3, n), drives (N, m, 3).
 
-    q (N, n): motions of a similar state, nan where none is known. Writes q (N, n), forces (N, m, 3), rest (N, m), outcome (N, 2): status and largest force out of balance [N].
+    q (N, n): motions of a similar state, nan where none is known. Writes q, forces (N, m, 3), rest (N, m), outcome (N, 2):
+    status and largest force out of balance [N].
     """
     none, bounds = np.zeros(q.shape[1]), np.empty(2)
     for k in range(q.shape[0]):
