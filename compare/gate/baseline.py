@@ -78,7 +78,8 @@ def _seen(row: Row | None) -> tuple[str, str] | None:
 
 def _row(verdict: str, error: float | None, limit: float | None, unit: str) -> Row:
     """A row with its numbers as published."""
-    return Row(verdict, *(None if x is None else float(f"{x:.4g}") for x in (error, limit)), unit)
+    error, limit = (None if x is None else float(f"{x:.4g}") for x in (error, limit))
+    return Row(verdict, error, limit, unit)
 
 
 def _of_outcome(o: Outcome) -> tuple[Label, Row]:
