@@ -185,11 +185,12 @@ def response_of(
     arrays = *arrays, problem.nodes, problem.fixed, loaded
     parts = with_balls(problem.scene)[0], problem.scene.ingredients, problem.section, problem.sections
     key = *parts, backend, whole, one_pair(problem), problem.basis is None, *(x.tobytes() for x in arrays)
-    return _kept(_Asked(key, problem, layout, backend, whole))
+    return kept_response(_Asked(key, problem, layout, backend, whole))
 
 
 @lru_cache(maxsize=4)
-def _kept(asked: _Asked) -> Response:
+def kept_response(asked: _Asked) -> Response:
+    """The response that is asked for; at most four are kept."""
     return _response(asked.problem, asked.layout, asked.backend, None, asked.whole)
 
 
@@ -241,4 +242,4 @@ def _response(
 def forget() -> None:
     """Clear all that is kept of bodies, so that the next solve is timed with its set-up."""
     forget_bodies()
-    _kept.cache_clear()
+    kept_response.cache_clear()
