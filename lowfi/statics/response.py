@@ -180,11 +180,10 @@ def response_of(
     """The response of a problem for a backend, not to be written to; whole: see `body_compliance`."""
     if condensed is not None or layout.z.size > KEPT:
         return _response(problem, layout, backend, condensed, whole)
-    loaded = problem.load.any(axis=1)
-    arrays = layout.azimuth, layout.z, problem.drawn.centre, problem.B, problem.node, problem.use
-    arrays = *arrays, problem.nodes, problem.fixed, loaded
-    parts = with_balls(problem.scene)[0], problem.scene.ingredients, problem.section, problem.sections
-    key = *parts, backend, whole, one_pair(problem), problem.basis is None, *(x.tobytes() for x in arrays)
+    layouts = layout.azimuth, layout.z, problem.drawn.centre, problem.nodes
+    flanks = problem.use, problem.node, problem.B, problem.fixed, np.any(problem.load, axis=1)
+    parts = with_balls(problem.scene)[0], problem.scene.ingredients, problem.section, problem.sections, backend, whole
+    key = *parts, one_pair(problem), problem.basis is None, *(np.asarray(x).tobytes() for x in (*layouts, *flanks))
     return kept_response(_Asked(key, problem, layout, backend, whole))
 
 

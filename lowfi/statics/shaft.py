@@ -161,7 +161,7 @@ def flank_motions_by_loads(shaft: Shaft, used: list[int]) -> Array:
     dof, rows = rows_of(problem, used)
     if problem.basis is not None:
         return np.asarray(rows.reshape(2 * len(rows), -1) @ np.where(problem.fixed[0], problem.prescribed[0], 0.0))
-    return np.einsum("cak,ck->ca", rows, np.add(*shaft.by_loads)[dof]).ravel()
+    return np.asarray(np.einsum("cak,ck->ca", rows, np.add(*shaft.by_loads)[dof]).ravel())
 
 
 def free_state(shaft: Shaft) -> tuple[Array, Array]:
