@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.compliance.bodies import BallCompliance, WholeBody, ball_compliance, body_compliance
+from rollbench.lowfi.compliance.bodies import BallCompliance, WholeBody, ball_compliance, body_compliance, whole_body
 from rollbench.lowfi.compliance.ends import forget as forget_bodies
 from rollbench.lowfi.compliance.parts import Backend, with_balls
 from rollbench.lowfi.statics.conformity import oblique_term
@@ -171,26 +171,26 @@ class _Asked:
     problem: Problem = field(compare=False)
     layout: BallLayout = field(compare=False)
     backend: Backend = field(compare=False)
-    whole: WholeBody = field(compare=False)
 
 
 def response_of(
     problem: Problem, layout: BallLayout, backend: Backend, condensed: Condensed | None, whole: WholeBody
 ) -> Response:
-    """The response of a problem for a backend, not to be written to; whole: see `body_compliance`."""
-    if condensed is not None or layout.z.size > KEPT:
+    """The response of a problem for a backend, not to be written to; whole: see `body_compliance`. Of balls that travel
+    none is kept: their places do not come again."""
+    if condensed is not None or whole is not whole_body or layout.z.size > KEPT:
         return _response(problem, layout, backend, condensed, whole)
     layouts = layout.azimuth, layout.z, problem.drawn.centre, problem.nodes
     flanks = problem.use, problem.node, problem.B, problem.fixed, np.any(problem.load, axis=1)
-    parts = with_balls(problem.scene)[0], problem.scene.ingredients, problem.section, problem.sections, backend, whole
+    parts = with_balls(problem.scene)[0], problem.scene.ingredients, problem.section, problem.sections, backend
     key = *parts, one_pair(problem), problem.basis is None, *(np.asarray(x).tobytes() for x in (*layouts, *flanks))
-    return kept_response(_Asked(key, problem, layout, backend, whole))
+    return kept_response(_Asked(key, problem, layout, backend))
 
 
 @lru_cache(maxsize=4)
 def kept_response(asked: _Asked) -> Response:
     """The response that is asked for; at most four are kept."""
-    return _response(asked.problem, asked.layout, asked.backend, None, asked.whole)
+    return _response(asked.problem, asked.layout, asked.backend, None, whole_body)
 
 
 def _response(
