@@ -124,6 +124,12 @@ def parse(value: object, dimension: str) -> float:
     if isinstance(value, bool) or not isinstance(value, str):
         missing = isinstance(value, (int, float)) and not isinstance(value, bool)
         raise UnitError(value, dimension, "has no unit" if missing else "is not text")
+    return _of_text(value, dimension)
+
+
+@lru_cache(maxsize=1024)
+def _of_text(value: str, dimension: str) -> float:
+    """`parse` of a text: ends of ranges are read with every value, and a sweep reads one scene again and again."""
     number, unit = _split(value, dimension)
     if not unit:
         raise UnitError(value, dimension, "has no unit")
