@@ -23,7 +23,7 @@ def leaves(
     if is_dataclass(value) and not isinstance(value, type):
         also = [key for key, own in vars(type(value)).items() if properties and isinstance(own, property | cached_property)]
         value = {key: getattr(value, key) for key in (*(f.name for f in fields(value)), *also)}
-    elif hasattr(value, "_asdict"):
+    elif hasattr(value, "_asdict") and not isinstance(value, type):
         value = value._asdict()
     if isinstance(value, dict):
         for key, below in value.items():
