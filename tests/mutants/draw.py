@@ -181,7 +181,7 @@ class Mutant:
         finally:
             copy.write_text(text, encoding="utf-8")
         own = {name: word for name, word in environment.items() if name != CODE}  # the user's has no mutant
-        files = dict.fromkeys(test.partition("::")[0] for test in tests)  # pytest finds no test by its name that did not fail
+        files = dict.fromkeys(test.partition("::")[0] for test in tests)  # names of tests that passed are none
         if not passes([again, *files], folder, **own):
             raise RuntimeError(f"{self.name}: its tests fail without it")
         return False
