@@ -29,7 +29,8 @@ from rollbench.comparison.models import (
 from rollbench.comparison.models.comparison import REFERENCED, from_result
 from rollbench.comparison.models.registry import Options
 from rollbench.comparison.models.study import Study, with_balls, with_groove
-from rollbench.comparison.reference import convergence, grid_fits, levels, near_face, tasks, variants
+from rollbench.comparison.reference import convergence, grid_fits, levels, near_face, sets, tasks, variants
+from rollbench.comparison.scenes import catalogue
 
 RECORD = Path(__file__).parent / "studies.json"
 STUDY = cache(Study)
@@ -135,6 +136,14 @@ def varied():
     return out
 
 
+def shafts():
+    """Set-ups of several sets, all of a shaft and each alone."""
+    found = [
+        sets.set_ups([catalogue.shipped(name)], level) for name in ("double-nut", "axis-fixed-fixed") for level in (1, 3)
+    ]
+    return [sets.recorded(ups) for every in found for ups in (every, *([one] for one in every))]
+
+
 def verdicts():
     out = []
     for name in ("lin-case3", "unseen-flange"):
@@ -175,6 +184,7 @@ MAKERS = (
     uncertainties,
     faces,
     varied,
+    shafts,
     verdicts,
     exact,
     loaded,
