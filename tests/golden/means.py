@@ -37,13 +37,14 @@ def leaves(
 
 
 def means(value: Any, left_out: Callable[[str], Any], *, properties: bool = False) -> dict[str, list[float]]:
-    """Of each name: how many numbers, their mean size, and their mean weighted by their place."""
+    """Of each name: how many finite numbers, their mean size, and their mean weighted by their place."""
     numbers: dict[str, list[Any]] = defaultdict(list)
     for name, found in leaves(value, left_out, properties=properties):
         numbers[name].append(np.asarray(found, dtype=float).ravel())
     out = {}
     for name, values in numbers.items():
         x = np.concatenate(values)
+        x = x[np.isfinite(x)]
         if x.size:
             out[name] = [x.size, *(float(f"{m:.9g}") for m in (np.abs(x).mean(), (x * np.cos(np.arange(x.size))).mean()))]
     return out
