@@ -24,7 +24,7 @@ def numbers(module):
     called = [f for place in (module, *kinds) for _, f in getmembers(place, isfunction) if f.__module__ == module.__name__]
     defaults = [parameter.default for f in called for parameter in signature(f).parameters.values()]
     found = leaves([[value for name, value in own.items() if name.isupper()], defaults], lambda _: False)
-    return [float(f"{x:.9g}") for _, values in found for x in np.ravel(values)]
+    return [float(f"{x:.9g}") for _, values in found for x in np.ravel(values) if np.isfinite(x)]
 
 
 def constants():
