@@ -172,7 +172,7 @@ class Mutant:
         copy.write_text(text[: self.low] + self.new + text[self.high :], encoding="utf-8")
         again = "--lf"
         try:
-            if passes(tests, folder, patience, **environment):
+            if passes(["--cache-clear", *tests], folder, patience, **environment):
                 return True
         except RuntimeError:  # not even imported
             again = "--collect-only"
