@@ -13,6 +13,7 @@ from inspect import getmembers, isclass, isfunction, signature
 from pathlib import Path
 
 import numpy as np
+import pytest
 from tests.golden.means import leaves
 from tests.mutants import draw
 from tests.mutants.run import ROOT
@@ -38,6 +39,7 @@ def constants():
     return {name: own for name, own in found.items() if own}
 
 
+@pytest.mark.slow
 def test_no_constant_of_physics_moves():
     """In a process of its own: other tests set some of them."""
     program = "import json\nfrom tests.golden.test_constants import constants\nprint(json.dumps(constants()))"
