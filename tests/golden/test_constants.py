@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.golden.means import leaves
-from tests.mutants import draw
+from tests.mutants.draw import dotted, modules
 from tests.mutants.run import ROOT
 
 RECORD = Path(__file__).parent / "constants.json"
@@ -33,7 +33,7 @@ def numbers(module):
 
 def constants():
     found = {}
-    for name in map(draw.dotted, draw.modules()):
+    for name in map(dotted, modules()):
         with suppress(ImportError):  # one kernel is loaded for a system only
             found[name] = numbers(import_module(name))
     return {name: own for name, own in found.items() if own}
