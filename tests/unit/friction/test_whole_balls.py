@@ -1,6 +1,7 @@
 """Balls of whole screws and bearings one by one: closed forms, older solvers, ellipses of their contacts."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,12 +13,13 @@ from rollbench.comparison.sources.lin.evidence.source_cases import four_point, t
 from rollbench.lowfi.friction.bearing.pairs import solve_bearing
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import ball_motion
+from rollbench.lowfi.friction.whole import balls
 from rollbench.lowfi.friction.whole.contacts import contacts_of
 from rollbench.lowfi.friction.whole.losses import CAUSES, ball_friction
 from rollbench.lowfi.statics.problem import drawn_hertz
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.parts import Balls, Load, Material, Motion, Nut, Scene, Screw, Support, Track
+from rollbench.meshes.parts import Balls, Friction, Load, Material, Motion, Nut, Scene, Screw, Support, Track
 
 
 def ring_at(angle, force, groove, clearance=0.0, count=9):
@@ -138,3 +140,20 @@ def test_contacts_take_the_specimen_that_was_solved():
     at = contacts_of(scene, result, 3)
     assert np.array_equal(at.ball_radius, specimen(scene, ball_layout(scene), 3).ball_radius)
     assert not np.array_equal(at.ball_radius, contacts_of(scene, result, 0).ball_radius)
+
+
+@pytest.mark.parametrize("count", [2, 3, 9])
+def test_a_ring_that_is_full_of_balls_is_refused(count, monkeypatch):
+    """Two balls alone already touch each other on both sides."""
+    scene = small_screw(count, 1.0 - 1.0 / count, lead=0.0)
+    scene = replace(scene, balls=replace(scene.balls, azimuths=tuple(2.0 * np.pi * np.arange(count) / count)))
+    drawn = specimen(scene, ball_layout(scene))
+
+    def with_clearance(angle):
+        pair = SimpleNamespace(spacing=2.0 * np.pi / count - angle, closing=1.0)
+        monkeypatch.setattr(balls, "grooves_of", lambda *_: SimpleNamespace(pair=pair))
+        return balls.balls_of(scene, Friction(0.1, 0.1), Motion(10.0), drawn)
+
+    assert with_clearance(1e-6).radius.size == count
+    with pytest.raises(ValueError, match="without any clearance"):
+        with_clearance(0.0)
