@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Iterator
 from dataclasses import fields, is_dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -14,31 +15,36 @@ import pytest
 TOLERANCE, ROUND_OFF = 1e-6, 1e-9
 
 
-def leaves(value: Any, left_out: Callable[[str], Any], name: str = "") -> Iterator[tuple[str, Any]]:
-    """Names and values of all numbers and arrays below a value; places in lists are no part of a name."""
+def leaves(
+    value: Any, left_out: Callable[[str], Any], name: str = "", *, properties: bool = False
+) -> Iterator[tuple[str, Any]]:
+    """Names and values of all numbers, truth values and arrays below a value; places in lists are no part of a name.
+    properties: those of records too."""
     if is_dataclass(value) and not isinstance(value, type):
-        value = {f.name: getattr(value, f.name) for f in fields(value)}
-    elif hasattr(value, "_asdict"):
+        also = [key for key, own in vars(type(value)).items() if properties and isinstance(own, property | cached_property)]
+        value = {key: getattr(value, key) for key in (*(f.name for f in fields(value)), *also)}
+    elif hasattr(value, "_asdict") and not isinstance(value, type):
         value = value._asdict()
     if isinstance(value, dict):
         for key, below in value.items():
             if not left_out(f"{name}.{key}"):
-                yield from leaves(below, left_out, f"{name}.{key}")
+                yield from leaves(below, left_out, f"{name}.{key}", properties=properties)
     elif isinstance(value, list | tuple):
         for below in value:
-            yield from leaves(below, left_out, name)
-    elif isinstance(value, np.ndarray | np.number | int | float) and not isinstance(value, bool):
+            yield from leaves(below, left_out, name, properties=properties)
+    elif isinstance(value, np.ndarray | np.generic | int | float) and np.asarray(value).dtype.kind in "biuf":
         yield name.removeprefix("."), value
 
 
-def means(value: Any, left_out: Callable[[str], Any]) -> dict[str, list[float]]:
-    """Of each name: how many numbers, their mean size, and their mean weighted by their place."""
+def means(value: Any, left_out: Callable[[str], Any], *, properties: bool = False) -> dict[str, list[float]]:
+    """Of each name: how many finite numbers, their mean size, and their mean weighted by their place."""
     numbers: dict[str, list[Any]] = defaultdict(list)
-    for name, found in leaves(value, left_out):
+    for name, found in leaves(value, left_out, properties=properties):
         numbers[name].append(np.asarray(found, dtype=float).ravel())
     out = {}
     for name, values in numbers.items():
         x = np.concatenate(values)
+        x = x[np.isfinite(x)]
         if x.size:
             out[name] = [x.size, *(float(f"{m:.9g}") for m in (np.abs(x).mean(), (x * np.cos(np.arange(x.size))).mean()))]
     return out

@@ -5,6 +5,7 @@ Whoever changes them on purpose writes them anew with ``python -m tests.golden.t
 
 import json
 import re
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from tests.golden.means import means, same
 from tests.two_balls import SMALL, two_balls
 
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.wings.rolling import runs
+from rollbench.comparison.wings.rolling import cases, runs
 from rollbench.hifi import setup
 from rollbench.hifi.bodies import submodel
 from rollbench.hifi.reference import solve_reference
@@ -21,6 +22,8 @@ from rollbench.meshes.cache import Cache
 
 RECORD = Path(__file__).parent / "reference.json"
 ROLLING = ("lin-pair-a", "lin-screw-pair-a", "lin-rotary-2")
+#: Scenes that the model of rolling takes, and one of them whose ball is free in its radial direction only.
+TAKEN = (*ROLLING, "lin-pair-b", "lin-pair-worst", "lin-rotary-1", "lin-rotary-3", "lin-screw-pair-b-inferred")
 #: Cells along and across, and the points of the two quadratures of the rigid limit.
 CELLS, QUADRATURES = (6, 8), (16, 19)
 #: Memory and time, residuals, and angles of contacts without load.
@@ -45,6 +48,14 @@ def rolling(name):
         return means(runs.compute(catalogue.any_scene(name), 1), LEFT_OUT.search)
 
 
+def taken():
+    """What the model of rolling makes of scenes."""
+    scenes = [catalogue.any_scene(name) for name in TAKEN]
+    screw = catalogue.any_scene("lin-screw-pair-a")
+    scenes.append(replace(screw, pair=replace(screw.pair, free="r", force=(100.0,), coupling="none")))
+    return means([cases.case_of(scene, cases.Choices()) for scene in scenes], LEFT_OUT.search, properties=True)
+
+
 def test_no_number_of_a_set_up_and_its_loads_moves():
     expected = json.loads(RECORD.read_text(encoding="utf-8"))
     if expected["gmsh"] != version("gmsh"):
@@ -57,6 +68,10 @@ def test_no_number_of_rolling_balls_moves(name):
     same(rolling(name), json.loads(RECORD.read_text(encoding="utf-8"))[name])
 
 
+def test_no_number_of_what_rolls_moves():
+    same(taken(), json.loads(RECORD.read_text(encoding="utf-8"))["taken"])
+
+
 if __name__ == "__main__":
-    found = {"gmsh": version("gmsh"), "two balls": set_up(), **{name: rolling(name) for name in ROLLING}}
+    found = {"gmsh": version("gmsh"), "two balls": set_up(), "taken": taken()} | {name: rolling(name) for name in ROLLING}
     RECORD.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")

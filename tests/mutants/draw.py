@@ -1,10 +1,12 @@
-"""One-line mutants drawn by a seed: ``python tests/mutants/draw.py [SEED [COUNT]]``; prints the rate that the tests kill.
+"""One-line mutants drawn by seeds: ``python tests/mutants/draw.py [COUNT [SEED ...]]``; prints the rates that tests kill.
 
 As many modules of physics as mutants are drawn, kernels included, and in each one place: a number, an operator, a
-comparison or an index is another. The nearest tests are those that import the module, else those that import what imports
-it, the examples in its docstrings, and the golden answers of commands; the one that fails is run again without the mutant.
-Before the first mutant the golden answers are tried, which also makes the machine code that all use; mutants of kernels
-have machine code of their own. Seconds to minutes each; exit code 1 below `GOAL`, 2 where a test fails without a mutant.
+comparison or an index is another. All tests are run once in a copy that notes which of them evaluate which place; each
+mutant is then tried by these, the quickest first, and the one that fails is run again without the mutant. So the rate is
+that of all tests. What is evaluated at import, and kernels, which note nothing once compiled, are tried by the nearest
+tests: those that import the module, else those that import what imports it, the examples in its docstrings, and the golden
+answers of commands; kernels as plain Python first, then with machine code of their own.
+Minutes for all tests, then seconds to minutes each; exit code 1 below `GOAL`, 2 where a test fails only at times.
 `RECORD` keeps what became of each: an interrupted run goes on, and survivors are tried again; one that changes no answer
 is marked there by hand, "equivalent: why".
 """
@@ -17,14 +19,14 @@ import random
 import re
 import sys
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from subprocess import TimeoutExpired
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
-from tests.mutants.run import ROOT, copied, passes
+from tests.mutants.run import ROOT, copied, passes, pytest
 
 #: Share of the mutants that the tests are to kill.
 GOAL = 0.95
@@ -37,8 +39,22 @@ CODE = "NUMBA_CACHE_DIR"
 SHORT = ("-m", "not survey and not wings and not installs and not compiles and not slow")
 #: Most files of nearest tests, those that name the module most often.
 NEAREST = 6
+#: How many of the quickest tests are run before the rest.
+FIRST = 60
 #: Numbers of all kinds of answers and of the 3D models, for every module.
 GOLDEN = "tests/golden"
+#: A call around a drawn place: its value, and a line of the file `REACHED` for each test that evaluates it, in any process.
+NOTE = """
+def _note(number, value, seen=set()):
+    import os
+    test = os.environ.get("PYTEST_CURRENT_TEST", "").rpartition(" (")[0]
+    if test and (number, test) not in seen:
+        seen.add((number, test))
+        with open(os.environ["REACHED"], "a", encoding="utf-8") as file:
+            file.write(f"{number} {test}\\n")
+    return value
+__import__("builtins")._note = _note
+"""
 EXAMPLES = "tests/unit/commands/test_doctests.py::test_examples[{}]"
 PHYSICS = ("lowfi", "hifi", "meshes", "compare/models", "compare/reference", "compare/gate", "compare/wings/rolling")
 #: What is no physics there: files, processes, stores, text.
@@ -58,8 +74,9 @@ def modules() -> list[Path]:
     return [path for path in found if not OTHERS.search(path.stem)]
 
 
-def mutants(text: str) -> Iterator[tuple[int, int, str]]:
-    """Places of a source that may be another: offsets of its beginning and end, and what stands there then."""
+def mutants(text: str) -> Iterator[tuple[int, int, str, int, int]]:
+    """Places of a source that may be another: offsets of its beginning and end, what stands there then, and the offsets of
+    the whole expression."""
     lines, starts = text.splitlines(keepends=True), [0]
     for line in lines:
         starts.append(starts[-1] + len(line))
@@ -72,11 +89,12 @@ def mutants(text: str) -> Iterator[tuple[int, int, str]]:
                for part in [getattr(node, kind, None)] for one in (part if isinstance(part, list) else [part]) if one
                for x in ast.walk(one)}  # fmt: skip
     for node in ast.walk(tree):
-        if id(node) in skipped:
+        if id(node) in skipped or not isinstance(node, ast.expr):
             continue
+        whole = place(node.lineno, node.col_offset), place(node.end_lineno, node.end_col_offset)
         if isinstance(node, ast.Constant) and type(node.value) in (int, float):
             value = node.value + 1 if isinstance(node.value, int) else 1.01 * node.value or 0.01
-            yield place(node.lineno, node.col_offset), place(node.end_lineno, node.end_col_offset), repr(value)
+            yield *whole, repr(value), *whole
         elif isinstance(node, ast.BinOp | ast.Compare):
             left, right = (node.left, node.right) if isinstance(node, ast.BinOp) else (node.left, node.comparators[0])
             sign = _OPERATOR.get(type(node.op if isinstance(node, ast.BinOp) else node.ops[0]))
@@ -84,7 +102,7 @@ def mutants(text: str) -> Iterator[tuple[int, int, str]]:
             between = text[low : place(right.lineno, right.col_offset)]
             if sign and between.strip(" ()\n") == sign:
                 at = low + between.index(sign)
-                yield at, at + len(sign), _SWAPPED[sign]
+                yield at, at + len(sign), _SWAPPED[sign], *whole
 
 
 @cache
@@ -125,12 +143,14 @@ def nearest(path: Path) -> list[str]:
 
 @dataclass(frozen=True)
 class Mutant:
-    """A module, the offsets between which its text is another, and what stands there then."""
+    """A module, the offsets between which its text is another, what stands there then, and those of the expression."""
 
     path: Path
     low: int
     high: int
     new: str
+    start: int
+    end: int
 
     @property
     def name(self) -> str:
@@ -140,46 +160,90 @@ class Mutant:
         file, what = self.path.relative_to(ROOT).as_posix(), text.splitlines()[line - 1].strip()
         return f"{file}:{line}: {text[self.low : self.high]} to {self.new}: {what}"
 
-    def tried(self, tests: list[str], folder: Path, patience: float, **environment: str) -> str:
-        """What tests do in a copy that holds it: "pass", "fail", "run on", or "fail without it"."""
+    @property
+    def is_kernel(self) -> bool:
+        """Whether its module is compiled."""
+        return "kernel" in self.path.parts
+
+    def tried(self, tests: list[str], folder: Path, patience: float, **environment: str) -> bool:
+        """Whether it survives tests in a copy that holds it. Raises RuntimeError where they fail without it too."""
         text = self.path.read_text(encoding="utf-8")
         copy = folder / self.path.relative_to(ROOT)
         copy.write_text(text[: self.low] + self.new + text[self.high :], encoding="utf-8")
+        again = "--lf"
         try:
-            if passes(tests, folder, patience, **environment):
-                return "pass"
+            if passes(["--cache-clear", *tests], folder, patience, **environment):
+                return True
         except RuntimeError:  # not even imported
-            return "fail"
+            again = "--collect-only"
         except TimeoutExpired:
-            return "run on"
+            return False
         finally:
             copy.write_text(text, encoding="utf-8")
-        again = {name: word for name, word in environment.items() if name != CODE}  # the user's has no mutant
-        return "fail" if passes(["--lf", *tests], folder, **again) else "fail without it"
+        own = {name: word for name, word in environment.items() if name != CODE}  # the user's has no mutant
+        files = dict.fromkeys(test.partition("::")[0] for test in tests)  # names of tests that passed are none
+        if not passes([again, *files], folder, **own):
+            raise RuntimeError(f"{self.name}: its tests fail without it")
+        return False
 
-    def survives(self, folder: Path) -> bool:
-        """Whether the nearest tests pass in a copy that holds it; a kernel's short ones are tried as plain Python first,
-        and its machine code is kept apart. Raises RuntimeError where tests fail without it."""
+    def survives(self, tests: list[str], folder: Path) -> bool:
+        """Whether tests that evaluate its place pass in a copy that holds it, or the nearest, where there are none."""
+        if tests:
+            return all(self.tried(some, folder, PATIENCE) for some in (tests[:FIRST], tests[FIRST:]) if some)
         tests = nearest(self.path)
-        if "kernel" not in self.path.parts:
-            found = self.tried(tests, folder, PATIENCE)
-        elif self.tried([*SHORT, *tests[:-1]], folder, PLAIN, NUMBA_DISABLE_JIT="1") == "fail":
+        if not self.is_kernel:
+            return self.tried(tests, folder, PATIENCE)
+        if not self.tried([*SHORT, *tests[:-1]], folder, PLAIN, NUMBA_DISABLE_JIT="1"):
             return False
-        else:
-            with tempfile.TemporaryDirectory() as code:
-                found = self.tried(tests, folder, COMPILING, **{CODE: code})
-        if found == "fail without it":
-            raise RuntimeError(f"{self.name}: its tests {found}")
-        return found == "pass"
+        with tempfile.TemporaryDirectory() as code:
+            return self.tried(tests, folder, COMPILING, **{CODE: code})
 
 
 def draw(seed: int, count: int) -> Iterator[Mutant]:
-    """Mutants of a seed, each of another module."""
-    dice = random.Random(seed)
-    for path in dice.sample(modules(), count):
+    """Mutants of a seed, each of another module; a change of one module leaves those of the others."""
+    dice = {path: random.Random(f"{seed} {dotted(path)}") for path in modules()}
+    for path in sorted(dice, key=lambda path: dice[path].random())[:count]:
         places = list(mutants(path.read_text(encoding="utf-8")))
         if places and nearest(path):
-            yield Mutant(path, *dice.choice(places))
+            yield Mutant(path, *dice[path].choice(places))
+
+
+def plain(test: str) -> str:
+    """Name of a test without the group that several workers add to it."""
+    return re.sub(r"@[^\]]*$", "", test)
+
+
+def reaching(drawn: Sequence[Mutant], folder: Path, *options: str) -> dict[Mutant, list[str]]:
+    """Tests that pass and evaluate the place of each, the quickest first, found by one run of all tests in a copy."""
+    noted, init = folder / "reached.txt", folder / ".import/rollbench/__init__.py"
+    future = "from __future__ import annotations\n"
+    texts = {init: init.read_text(encoding="utf-8").replace(future, future + NOTE)}
+    for path in {mutant.path for mutant in drawn if not mutant.is_kernel}:
+        text, added = path.read_text(encoding="utf-8"), []
+        for number, mutant in enumerate(drawn):
+            if mutant.path == path:
+                added += [(mutant.start, -mutant.end, f"_note({number}, "), (mutant.end, 0, ")")]
+        for at, _, word in sorted(added, reverse=True):
+            text = text[:at] + word + text[at:]
+        texts[folder / path.relative_to(ROOT)] = text
+    before = {path: path.read_text(encoding="utf-8") for path in texts}
+    try:
+        for path, text in texts.items():
+            path.write_text(text, encoding="utf-8")
+        all_tests = ("tests", "--ignore", "tests/mutants", "--durations", "0", "--durations-min", "0", *options)
+        said = pytest(all_tests, folder, REACHED=str(noted)).stdout
+    finally:
+        for path, text in before.items():
+            path.write_text(text, encoding="utf-8")
+    failed = {plain(test) for test in re.findall(r"^(?:FAILED|ERROR) (.*?)(?: - .*)?$", said, re.MULTILINE)}
+    took: dict[str, float] = {}
+    for seconds, test in re.findall(r"^([\d.]+)s \w+ +(.*)$", said, re.MULTILINE):
+        took[plain(test)] = took.get(plain(test), 0.0) + float(seconds)
+    found: dict[Mutant, list[str]] = {mutant: [] for mutant in drawn}
+    for line in noted.read_text(encoding="utf-8").splitlines():
+        number, _, test = line.partition(" ")
+        found[drawn[int(number)]].append(plain(test))
+    return {mutant: sorted(set(tests) - failed, key=lambda test: took.get(test, 0.0)) for mutant, tests in found.items()}
 
 
 def kept(seed: int) -> dict[str, str]:
@@ -199,32 +263,33 @@ def rate(found: Iterable[str]) -> tuple[float, float]:
     return real.count("killed") / len(real), sum(word.startswith("killed") for word in real) / len(real)
 
 
-def main(seed: int, count: int) -> int:
-    """Try those of which nothing is kept, and survivors again; print and keep each, and the rates."""
-    drawn, before = list(draw(seed, count)), kept(seed)
-    found = {mutant.name: before.get(mutant.name, "") for mutant in drawn}
+def main(count: int, seeds: Sequence[int]) -> int:
+    """Try those of which nothing is kept, and survivors again; print and keep each, and the rates of each seed."""
+    drawn = {mutant: seed for seed in seeds for mutant in draw(seed, count)}
+    found = {seed: kept(seed) for seed in seeds}
+    todo = [mutant for mutant, seed in drawn.items() if found[seed].get(mutant.name, "survives") == "survives"]
     with tempfile.TemporaryDirectory() as temporary:
         folder = copied(Path(temporary))
-        if not passes([GOLDEN], folder):
-            print(f"{GOLDEN} fails without a mutant", file=sys.stderr)
-            return 2
-        for mutant in drawn:
-            if found[mutant.name] in ("", "survives"):
-                try:
-                    lives = mutant.survives(folder)
-                except RuntimeError as error:
-                    print(error, file=sys.stderr)
-                    return 2
-                killed = "killed by a later test" if found[mutant.name] else "killed"
-                found[mutant.name] = "survives" if lives else killed
-                keep(seed, {name: word for name, word in found.items() if word})
-            print(f"{found[mutant.name]}: {mutant.name}", flush=True)
-    first, now = rate(found.values())
-    said = f"{100.0 * first:.0f} % killed when drawn, {100.0 * now:.0f} % today"
-    print(f"seed {seed}: {len(drawn)} mutants in as many of {len(modules())} modules: {said}")
-    return 0 if now >= GOAL else 1
+        tests = reaching(todo, folder) if todo else {}
+        for mutant in todo:
+            own = found[drawn[mutant]]
+            try:
+                lives = mutant.survives(tests[mutant], folder)
+            except RuntimeError as error:
+                print(error, file=sys.stderr)
+                return 2
+            killed = "killed by a later test" if mutant.name in own else "killed"
+            own[mutant.name] = "survives" if lives else killed
+            keep(drawn[mutant], own)
+            print(f"{own[mutant.name]}: {mutant.name}", flush=True)
+    reached = True
+    for seed, own in found.items():
+        first, now = rate(own.values())
+        print(f"seed {seed}: {len(own)} mutants: {100.0 * first:.0f} % killed when drawn, {100.0 * now:.0f} % today")
+        reached &= now >= GOAL
+    return 0 if reached else 1
 
 
 if __name__ == "__main__":
-    given = [int(word) for word in sys.argv[1:3]]
-    sys.exit(main(*given, *(1, 30)[len(given) :]))
+    given = [int(word) for word in sys.argv[1:]] or [30]
+    sys.exit(main(given[0], given[1:] or [1]))

@@ -18,6 +18,7 @@ from typing import Any
 
 ROOT = Path(__file__).parents[2]
 PARTS = (
+    ".ci",
     ".import",
     "lowfi",
     "hifi",
@@ -25,9 +26,13 @@ PARTS = (
     "compare",
     "reports",
     "tests",
+    "docs",
     "pyproject.toml",
     "README.md",
     "CONTRIBUTING.md",
+    "CHANGELOG.md",
+    "CITATION.cff",
+    "LICENSE",
 )
 
 
@@ -36,21 +41,23 @@ def copied(folder: Path) -> Path:
     for name in PARTS:
         source = ROOT / name
         if source.is_dir():
-            leave = shutil.ignore_patterns("__pycache__", "validation")
+            leave = shutil.ignore_patterns("__pycache__")
             shutil.copytree(source, folder / name, ignore=leave, dirs_exist_ok=True, symlinks=True)
         elif source.exists():
             shutil.copy(source, folder / name)
     return folder
 
 
-def passes(tests: Sequence[str], folder: Path, patience: float | None = None, **environment: str) -> bool:
-    """Whether tests pass in the copy; none has a limit of time of its own, because the first one compiles kernels.
+def pytest(
+    options: Sequence[str], folder: Path, patience: float | None = None, **environment: str
+) -> subprocess.CompletedProcess[str]:
+    """Run tests in the copy; none has a limit of time of its own, because the first one compiles kernels.
 
     Raises RuntimeError where they do not run, TimeoutExpired after ``patience`` [s].
     """
     own = {"PYTHONPATH": str(folder / ".import"), "PYTHONDONTWRITEBYTECODE": "1"}
     done = subprocess.run(
-        [sys.executable, "-P", "-m", "pytest", "-n", "0", "-x", "-q", "--timeout", "0", *tests],
+        [sys.executable, "-P", "-m", "pytest", "-q", "--timeout", "0", *options],
         cwd=folder,
         env={**os.environ, **own, **environment},
         stdin=subprocess.DEVNULL,
@@ -61,8 +68,13 @@ def passes(tests: Sequence[str], folder: Path, patience: float | None = None, **
     )
     if done.returncode not in (0, 1):
         said = done.stdout[-2000:] + done.stderr[-2000:]
-        raise RuntimeError(f"pytest ended with {done.returncode}: {' '.join(tests)}\n{said}")
-    return done.returncode == 0
+        raise RuntimeError(f"pytest ended with {done.returncode}: {' '.join(options)}\n{said}")
+    return done
+
+
+def passes(tests: Sequence[str], folder: Path, patience: float | None = None, **environment: str) -> bool:
+    """Whether tests pass in the copy, as `pytest` runs them in one process until one fails."""
+    return pytest(["-n", "0", "-x", *tests], folder, patience, **environment).returncode == 0
 
 
 def survives(mutant: dict[str, Any], folder: Path) -> bool:

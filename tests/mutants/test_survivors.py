@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import builtins
 import json
 import tomllib
 from dataclasses import replace
@@ -141,22 +142,29 @@ def test_drawn_mutants_are_sources_that_differ_in_one_place():
         assert all((ROOT / test.partition("::")[0]).exists() for test in draw.nearest(mutant.path))
 
 
-def test_a_record_of_drawn_mutants_goes_on_and_tries_survivors_again(tmp_path, monkeypatch, capsys):
+@pytest.fixture
+def own_record(tmp_path, monkeypatch):
+    """A record of its own, and a copy that is none: nothing is run."""
     monkeypatch.setattr(draw, "RECORD", tmp_path / "drawn.json")
     monkeypatch.setattr(draw, "copied", lambda folder: folder)
-    monkeypatch.setattr(draw, "passes", lambda tests, _: tests == [draw.GOLDEN])
+    monkeypatch.setattr(draw, "reaching", lambda drawn, _: {mutant: [mutant.name] for mutant in drawn})
+
+
+@pytest.mark.usefixtures("own_record")
+def test_a_record_of_drawn_mutants_goes_on_and_tries_survivors_again(monkeypatch, capsys):
     names = [mutant.name for mutant in draw.draw(1, 6)]
     tried = []
 
-    def survives(mutant, _):
+    def survives(mutant, tests, _):
+        assert tests == [mutant.name]
         tried.append(mutant.name)
         return mutant.name == names[0] and len(tried) <= len(names)
 
     monkeypatch.setattr(draw.Mutant, "survives", survives)
-    assert draw.main(1, 6) == 1
+    assert draw.main(6, [1]) == 1
     assert tried == names
     draw.keep(1, draw.kept(1) | {names[1]: "equivalent: it changes no answer"})
-    assert draw.main(1, 6) == 0
+    assert draw.main(6, [1]) == 0
     assert tried == [*names, names[0]]
     assert draw.kept(1)[names[0]] == "killed by a later test"
     before = (len(names) - 2) / (len(names) - 1)
@@ -164,19 +172,59 @@ def test_a_record_of_drawn_mutants_goes_on_and_tries_survivors_again(tmp_path, m
     assert capsys.readouterr().out.endswith(f"{100 * before:.0f} % killed when drawn, 100 % today\n")
 
 
-def test_no_mutant_is_tried_where_golden_answers_fail_without_one(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(draw, "RECORD", tmp_path / "drawn.json")
-    monkeypatch.setattr(draw, "copied", lambda folder: folder)
-    monkeypatch.setattr(draw, "passes", lambda *_: False)
-    monkeypatch.setattr(draw.Mutant, "survives", lambda *_: pytest.fail("tried"))
-    assert draw.main(1, 6) == 2
-    assert "tests/golden fails without a mutant" in capsys.readouterr().err
+@pytest.mark.usefixtures("own_record")
+def test_a_mutant_whose_tests_fail_without_it_ends_the_trial(monkeypatch, capsys):
+    def survives(mutant, *_):
+        raise RuntimeError(f"{mutant.name}: its tests fail without it")
+
+    monkeypatch.setattr(draw.Mutant, "survives", survives)
+    assert draw.main(6, [1]) == 2
+    assert draw.kept(1) == {}
+    assert "fail without it" in capsys.readouterr().err
+
+
+def test_tests_that_evaluate_a_place_are_found_the_quickest_first(tmp_path, monkeypatch):
+    module, copy = tmp_path / "tree/module.py", tmp_path / "copy"
+    init = copy / ".import/rollbench/__init__.py"
+    for path in (module, copy / "module.py"):
+        path.parent.mkdir(exist_ok=True)
+        path.write_text("def f(x):\n    return 2 * (x + 1) if x > 3 else 0\n", encoding="utf-8")
+    init.parent.mkdir(parents=True)
+    init.write_text("from __future__ import annotations\n", encoding="utf-8")
+    monkeypatch.setattr(draw, "ROOT", module.parent)
+    monkeypatch.setattr(builtins, "_note", None, raising=False)
+    drawn = [draw.Mutant(module, *place) for place in draw.mutants(module.read_text(encoding="utf-8"))]
+
+    def pytest(_, folder, **environment):
+        exec(init.read_text(encoding="utf-8"))
+        names: dict = {}
+        exec((folder / "module.py").read_text(encoding="utf-8"), names)
+        monkeypatch.setenv("REACHED", environment["REACHED"])
+        for test, x in {"slow[a b]@group": 4, "fails": 4, "quick": 5, "other": 1}.items():
+            monkeypatch.setenv("PYTEST_CURRENT_TEST", f"tests/a.py::{test} (call)")
+            assert names["f"](x) == (2 * (x + 1) if x > 3 else 0)
+        said = (
+            "0.50s call     tests/a.py::slow[a b]@group",
+            "0.01s call     tests/a.py::quick",
+            "FAILED tests/a.py::fails - x",
+        )
+        return SimpleNamespace(stdout="\n".join(said))
+
+    monkeypatch.setattr(draw, "pytest", pytest)
+    found = {module.read_text(encoding="utf-8")[m.start : m.end]: tests for m, tests in draw.reaching(drawn, copy).items()}
+    both, other = ["tests/a.py::quick", "tests/a.py::slow[a b]"], ["tests/a.py::other"]
+    assert found == dict.fromkeys(("2 * (x + 1)", "x + 1", "2", "1"), both) | {
+        "0": other,
+        "x > 3": other + both,
+        "3": other + both,
+    }
+    assert (copy / "module.py").read_text(encoding="utf-8") == module.read_text(encoding="utf-8")
 
 
 def test_kernels_are_tried_as_plain_python_and_their_machine_code_is_kept_apart(tmp_path, monkeypatch):
     path = next(path for path in draw.modules() if "kernel" in path.parts)
-    low, high, new = next(draw.mutants(path.read_text(encoding="utf-8")))
-    mutant, asked, answers = draw.Mutant(path, low, high, new), [], [True, True]
+    mutant = draw.Mutant(path, *next(draw.mutants(path.read_text(encoding="utf-8"))))
+    asked, answers = [], [True, True]
     copy = tmp_path / path.relative_to(ROOT)
     copy.parent.mkdir(parents=True)
 
@@ -185,13 +233,15 @@ def test_kernels_are_tried_as_plain_python_and_their_machine_code_is_kept_apart(
         return "--lf" not in tests and answers.pop(0)
 
     monkeypatch.setattr(draw, "passes", passes)
-    assert mutant.survives(tmp_path)
+    assert mutant.survives([], tmp_path)
     assert asked == [({"NUMBA_DISABLE_JIT"}, True), ({"NUMBA_CACHE_DIR"}, True)]
     assert copy.read_text(encoding="utf-8") == path.read_text(encoding="utf-8")
     asked.clear()
     answers[:] = [False, False]
     with pytest.raises(RuntimeError, match="fail without it"):
-        mutant.survives(tmp_path)
+        mutant.survives([], tmp_path)
+    with pytest.raises(RuntimeError, match="fail without it"):
+        mutant.tried([], tmp_path, 1.0, NUMBA_CACHE_DIR="")
     plain, code = {"NUMBA_DISABLE_JIT"}, {"NUMBA_CACHE_DIR"}
     assert asked == [(plain, True), (plain, False), (code, True), (set(), False)]
 

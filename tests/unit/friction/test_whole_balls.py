@@ -1,6 +1,7 @@
 """Balls of whole screws and bearings one by one: closed forms, older solvers, ellipses of their contacts."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,12 +14,13 @@ from rollbench.lowfi.friction.bearing.pairs import solve_bearing
 from rollbench.lowfi.friction.contact.kernel import motion as kernel
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import ball_motion
+from rollbench.lowfi.friction.whole import balls
 from rollbench.lowfi.friction.whole.contacts import contacts_of
 from rollbench.lowfi.friction.whole.losses import CAUSES, ball_friction
 from rollbench.lowfi.statics.problem import drawn_hertz
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.parts import Balls, Load, Material, Motion, Nut, Scene, Screw, Support, Track
+from rollbench.meshes.parts import Balls, Friction, Load, Material, Motion, Nut, Scene, Screw, Support, Track
 
 
 def ring_at(angle, force, groove, clearance=0.0, count=9):
@@ -154,3 +156,20 @@ def test_a_start_near_or_not_leads_to_the_same_motion(far, taken, monkeypatch):
     assert np.allclose(warm.q, cold.q, rtol=1e-11, atol=0.0)
     assert np.allclose(warm.loss, cold.loss, rtol=1e-10, atol=1e-12 * cold.loss.max())
     assert (max(speeds) < 1e-3 * first) == taken  # no larger regularising speed was needed
+
+
+@pytest.mark.parametrize("count", [2, 3, 9])
+def test_a_ring_that_is_full_of_balls_is_refused(count, monkeypatch):
+    """Two balls alone already touch each other on both sides."""
+    scene = small_screw(count, 1.0 - 1.0 / count, lead=0.0)
+    scene = replace(scene, balls=replace(scene.balls, azimuths=tuple(2.0 * np.pi * np.arange(count) / count)))
+    drawn = specimen(scene, ball_layout(scene))
+
+    def with_clearance(angle):
+        pair = SimpleNamespace(spacing=2.0 * np.pi / count - angle, closing=1.0)
+        monkeypatch.setattr(balls, "grooves_of", lambda *_: SimpleNamespace(pair=pair))
+        return balls.balls_of(scene, Friction(0.1, 0.1), Motion(10.0), drawn)
+
+    assert with_clearance(1e-6).radius.size == count
+    with pytest.raises(ValueError, match="without any clearance"):
+        with_clearance(0.0)

@@ -127,3 +127,21 @@ def test_balls_coupled_through_bodies(block, dense):
 def test_a_block_that_does_not_fit_is_refused(block, changes, message):
     with pytest.raises(ValueError, match=message):
         uncoupled(replace(block, **changes))
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"coupling": np.eye(4)}, "the modes have 5 columns, the coupling 4 rows"),
+        ({"blocks": [np.eye(4)]}, "1 blocks, 2 modes and 2 columns; one each is needed"),
+        ({"modes": [np.ones((4, 2)), np.ones((5, 3))]}, r"modes of block 1 have shape \(5, 3\); it must be \(4, 3\)"),
+        ({"columns": [np.array([0, 1]), np.array([2, 3, 5])]}, "columns of block 1 must be different numbers from 0 to 4"),
+        ({"columns": [np.array([0, 0]), np.array([2, 3, 4])]}, "columns of block 0 must be different numbers from 0 to 4"),
+        ({"columns": [np.array([0, 1]), np.array([-1, 3, 4])]}, "columns of block 1 must be different numbers from 0 to 4"),
+    ],
+)
+def test_blocks_that_are_not_coupled_as_said_are_refused(changes, message):
+    fits = {"blocks": [np.eye(4)] * 2, "modes": [np.ones((4, 2)), np.ones((4, 3))], "coupling": np.eye(5), "columns": None}
+    assert coupled(**fits).dense().shape == (8, 8)
+    with pytest.raises(ValueError, match=message):
+        coupled(**(fits | changes))

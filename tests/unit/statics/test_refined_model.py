@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 from pathlib import Path
+from time import perf_counter
 
 import numpy as np
 import pytest
@@ -69,7 +70,9 @@ def test_condensed_bodies_are_close_to_their_own_reference_and_to_the_refined_on
     scene = catalogue.scene("lin-case1")
     found = reference(scene)
     assert found is not None
+    start = perf_counter()
     rung = {r.model: r for r in ladder.climb(scene, found, None)}
+    assert 0.0 < sum(r.seconds for r in rung.values()) < perf_counter() - start
     assert rung["condensed"].error.max_percent < 0.5
     assert rung["condensed"].error.rms_percent < 0.25
     assert rung["refined"].error.max_percent < 1.2

@@ -1,0 +1,207 @@
+"""Numbers that comparisons rest on, of stored 3D runs and of a screw that differs on every flank: a guard against change,
+as those beside them.
+
+All fields and properties of the records are kept, printed or not. Whoever changes them on purpose writes them anew with
+``python -m tests.golden.test_studies`` and says why in the commit.
+"""
+
+import json
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.golden.means import means, same
+from tests.helpers import FLANK_ERRORS, small_screw
+
+from rollbench.comparison.gate import closed_forms, further, judged, verdict
+from rollbench.comparison.models import (
+    applicability,
+    compared_point,
+    loading,
+    mesh_study,
+    model_form,
+    modelling,
+    total_uncertainty,
+    u_val,
+)
+from rollbench.comparison.models.comparison import REFERENCED, from_result
+from rollbench.comparison.models.registry import Options
+from rollbench.comparison.models.study import Study, with_balls, with_groove
+from rollbench.comparison.reference import convergence, grid_fits, levels, near_face, sets, tasks, variants
+from rollbench.comparison.scenes import catalogue
+
+RECORD = Path(__file__).parent / "studies.json"
+STUDY = cache(Study)
+NAMES = (*REFERENCED, "unseen-flange", "unseen-four-point")
+OPTIONS = Options(discretisation=False, engine="interpreted")
+
+
+def uneven():
+    """A screw whose flanks, balls and loads are all different, far from the origin."""
+    scene = small_screw(7, 1.7, oversize=4e-6, force=(70.0, -40.0, 300.0), moment=(1.0, -2.0, 0.5), load_at=0.13)
+    return replace(scene, errors=replace(FLANK_ERRORS, balls=scene.errors.balls))
+
+
+def loads_of_levels():
+    """Loads [N] of three contacts on four meshes of decreasing cells, none of them converging alike."""
+    sizes = np.array([1.0, 0.7, 0.45, 0.3])
+    return np.stack([100.0 + 3.0 * sizes**1.3, 50.0 - 2.0 * sizes**2 + 0.3 * sizes, 20.0 + 0.5 * sizes], axis=-1), sizes
+
+
+def references():
+    return [STUDY().reference(name) for name in NAMES]
+
+
+def grids():
+    y, h = loads_of_levels()
+    own = [convergence.observe(y[4 - k :, i], h[4 - k :]) for k in range(1, 5) for i in range(3)]
+    pooled = [convergence.pool(y[-k:], h[-k:]) for k in range(1, 5)]
+    fits = [
+        fit
+        for weighted in (False, True)
+        for fit in (grid_fits.searched(y, h, weighted), grid_fits.given(y, h, 1.5, weighted))
+    ]
+    mixed = grid_fits.fixed(y, h, both=True)
+    settings = [levels.scaled(level, 3e-3, refined) for level in levels.LEVELS for refined in ((), ("cuts", "fine"))]
+    return {
+        "own": own,
+        "pooled": pooled,
+        "fits": fits,
+        "mixed": mixed,
+        "allowed": grid_fits.allowed(y, h, fits[0]),
+        "at": settings,
+    }
+
+
+def mesh_studies():
+    found = STUDY().references(NAMES)
+    return [[mesh_study.level_rows(one), mesh_study.study_table(STUDY().scene(name), None)] for name, one in found.items()]
+
+
+def choices():
+    scenes = [STUDY().scene(name) for name in NAMES]
+    effects = [effect for scene in scenes for effect in modelling.varied(scene)]
+    return {"effects": effects, "combined": [modelling.combined(scene, effects) for scene in scenes]}
+
+
+def validation():
+    rows = []
+    for name in REFERENCED:
+        answer = from_result(STUDY().solve(name, "lin"))
+        rows += [u_val.validated(STUDY(), name, "lin", quantity, answer) for quantity in u_val.QUANTITIES]
+    rows = [row for row in rows if row is not None]
+    return {"rows": rows, "scatter": u_val.scatter(rows)}
+
+
+def expectations():
+    points = model_form.shipped_points()
+    return {
+        "features": [model_form.features(STUDY().scene(name), STUDY().solve(name, "lin").load) for name in NAMES],
+        "left out": model_form.left_out(points, "lin")[:12],
+        "places": [applicability.places(STUDY().scene(name)) for name in NAMES],
+        "points": [
+            compared_point.point(name, STUDY().scene(name), STUDY().solve(name, "lin"), STUDY().reference(name).best)
+            for name in REFERENCED
+        ],
+    }
+
+
+def uncertainties():
+    found = STUDY().references(NAMES)
+    return [total_uncertainty.total(STUDY().scene(name), one) for name, one in found.items()]
+
+
+def faces():
+    return [
+        [near_face.too_large(scene, load, 1), near_face.left_out(scene, load, 1)]
+        for scene in (STUDY().scene("unseen-flange"), STUDY().scene("lin-case1"))
+        for load in [STUDY().reference(scene.name).load]
+    ]
+
+
+def varied():
+    """Scenes that variants make, and the settings of their meshes."""
+    out = []
+    for name in ("lin-case3", "unseen-flange"):
+        scene = STUDY().scene(name)
+        for key, variant in variants.VARIANTS.items():
+            try:
+                changed = variant.change(scene)
+            except ValueError:
+                continue
+            out += [changed, vars(tasks.settings_of([scene], variant.level, key))]
+        out += [variants.twisted(scene), with_balls(scene, 9), with_groove(scene, 0.54)]
+    return out
+
+
+def shafts():
+    """Set-ups of several sets, all of a shaft and each alone."""
+    found = [
+        sets.set_ups([catalogue.shipped(name)], level) for name in ("double-nut", "axis-fixed-fixed") for level in (1, 3)
+    ]
+    return [sets.recorded(ups) for every in found for ups in (every, *([one] for one in every))]
+
+
+def verdicts():
+    out = []
+    for name in ("lin-case3", "unseen-flange"):
+        scene, found, answer = STUDY().scene(name), STUDY().reference(name), from_result(STUDY().solve(name, "lin"))
+        limits = verdict.Limits(7.0, 2.0, dict.fromkeys(judged.QUANTITIES, 3.0))
+        out += verdict.judge("lin", answer.load, found, limits)
+        out += further.contact_verdicts("lin", further.contacts_by(scene, answer, limits.others), scene, found, limits)
+        values = further.values_by(scene, answer, limits.others)
+        out += [further.value_verdict("lin", value, scene, found, limits) for value in values]
+    return {"records": out, "json": [one.as_json() for one in out]}
+
+
+def exact():
+    scene = STUDY().scene("lin-case1")
+    forms = closed_forms.rigid_axial, closed_forms.cantilever, closed_forms.two_opposite_balls
+    return [closed_forms.sphere_on_flat(scene, 225.0), [form(scene) for form in forms], closed_forms.preload(scene, 7e-6)]
+
+
+def loaded():
+    scene = uneven()
+    result = loading.solve_scaled(scene, 1.0, "lin", OPTIONS)
+    bare = loading.solve_scaled(scene, 0.0, "lin", OPTIONS)
+    return {
+        "result": result,
+        "preload": loading.preload(scene, bare),
+        "lift off": loading.lift_off(scene, result, bare, "lin", OPTIONS),
+        "curve": loading.curve(scene, (0.5, 2.0), "lin", OPTIONS),
+    }
+
+
+MAKERS = (
+    references,
+    grids,
+    mesh_studies,
+    choices,
+    validation,
+    expectations,
+    uncertainties,
+    faces,
+    varied,
+    shafts,
+    verdicts,
+    exact,
+    loaded,
+)
+
+
+def left_out(name):
+    return any(word in name for word in ("second", "residual", "iteration", "memory", "MB", "balance", "equilibrium"))
+
+
+@pytest.mark.parametrize("maker", MAKERS, ids=lambda maker: maker.__name__)
+def test_no_number_of_a_study_moves(maker):
+    expected = json.loads(RECORD.read_text(encoding="utf-8"))[maker.__name__]
+    same(means(maker(), left_out, properties=True), expected)
+
+
+if __name__ == "__main__":
+    found = {maker.__name__: means(maker(), left_out, properties=True) for maker in MAKERS}
+    lines = [f"{json.dumps(name)}: {json.dumps(own)}" for name, own in found.items()]
+    RECORD.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
