@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.compliance.bodies import BallCompliance, WholeBody, ball_compliance, body_compliance, whole_body
-from rollbench.lowfi.compliance.modes import soft_modes
+from rollbench.lowfi.compliance.modes import negative_part, soft_modes
 from rollbench.lowfi.compliance.parts import Backend, geometry_only, grooved_section
 from rollbench.lowfi.hertz import contact_stiffness
 from rollbench.lowfi.statics.conformity import oblique_term
@@ -126,23 +126,23 @@ def positive(G: Array, normals: Array, tangent: float) -> tuple[Array, Array, fl
     lent = np.zeros(len(G) // 2)
     if _is_positive(G):
         return G, lent, 0.0
-    lam, V = np.linalg.eigh(G)
-    lacks = np.einsum("ia,iajb,jb->ij", normals, ((V * np.minimum(lam, 0.0)) @ V.T).reshape(lent.size, 2, -1, 2), normals)
+    lacks = np.einsum("ia,iajb,jb->ij", normals, negative_part(G)[0].reshape(lent.size, 2, -1, 2), normals)
     lent = np.minimum(np.abs(lacks).sum(axis=1), LENT * tangent)
     each, G = np.arange(lent.size), G.copy()
     G.reshape(lent.size, 2, lent.size, 2)[each, :, each] += lent[:, None, None] * normals[:, :, None] * normals[:, None, :]
     if _is_positive(G):
         return G, lent, 0.0
-    lam, V = np.linalg.eigh(G)
-    return (V * np.maximum(lam, 0.0)) @ V.T, lent, max(0.0, float(-lam.min()))
+    cut, least = negative_part(G)
+    return G - cut, lent, max(0.0, -least)
 
 
 def _is_positive(G: Array) -> bool:
     if G.size == 0:
         return True
-    bump = 1e-10 * float(np.trace(G)) / len(G)
+    raised, each = G.copy(), np.arange(len(G))
+    raised[each, each] += max(1e-10 * float(np.trace(G)) / len(G), 1e-300)
     try:
-        np.linalg.cholesky(G + max(bump, 1e-300) * np.eye(len(G)))
+        np.linalg.cholesky(raised)
     except np.linalg.LinAlgError:
         return False
     return True
