@@ -289,17 +289,21 @@ def spring_compliance(tube: Tube, x: Array, axes: Array) -> Array:
 def cantilever(rows: Array, stations: Array, base: float, section: BeamSection, loaded: slice = slice(None)) -> Array:
     """Compliance ``(k, m)`` of motions on a Timoshenko cantilever held at ``base`` [m]; rows ``(k, 6)`` of the section's
     motion at ``stations`` ``(k,)`` [m], loads on those ``loaded``, m."""
-    a = stations - base
-    left, right = a[:, None], a[loaded]
-    m = np.where(left * right > 0.0, np.minimum(np.abs(left), np.abs(right)), 0.0)
-    m1, m2 = 0.5 * m * m * np.sign(left), m * m * m / 3.0
-    uu = (left * right * m - (left + right) * m1 + m2) / section.EI + m / section.kGA
-    ur = (left * m - m1) / section.EI  # deflection by a moment
-    ru = (right * m - m1) / section.EI
-    shift, turn = rows[:, :2], rows[:, [4, 3]] * np.array([1.0, -1.0])
+    left, shift, turn = (stations - base)[:, None], rows[:, :2], rows[:, [4, 3]] * np.array([1.0, -1.0])
     yielding = rows[:, 2:] / np.array([section.EA, section.EI, section.EI, section.GJ])
-    G = uu * (shift @ shift[loaded].T) + ur * (shift @ turn[loaded].T) + ru * (turn @ shift[loaded].T)
-    return np.asarray(G + m * (yielding @ rows[loaded, 2:].T))
+    by = np.arange(len(rows))[loaded]
+    out = np.empty((len(rows), by.size))
+    for first in range(0, by.size, CHUNK):
+        some = by[first : first + CHUNK]
+        right = left[some, 0]
+        m = np.where(left * right > 0.0, np.minimum(np.abs(left), np.abs(right)), 0.0)
+        m1, m2 = 0.5 * m * m * np.sign(left), m * m * m / 3.0
+        uu = (left * right * m - (left + right) * m1 + m2) / section.EI + m / section.kGA
+        ur = (left * m - m1) / section.EI  # deflection by a moment
+        ru = (right * m - m1) / section.EI
+        G = uu * (shift @ shift[some].T) + ur * (shift @ turn[some].T) + ru * (turn @ shift[some].T)
+        out[:, first : first + CHUNK] = G + m * (yielding @ rows[some, 2:].T)
+    return out
 
 
 def clamped(rows: Array, stations: Array, ends: tuple[float, float], held: str, section: BeamSection) -> Array:
