@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from rollbench.lowfi.threads import one_thread
@@ -12,10 +14,11 @@ from rollbench.meshes.arrays import Array
 SOFT = 0.3
 #: Largest compliance whose modes are all found at once, in time that grows as its cube; of a larger one only those wanted.
 WHOLE = 1000
-#: Of a larger one: share of its modes that are looked at first, and how often the compliance is applied to them.
-SHARE, PASSES = 1.0 / 16.0, 4
-#: Negative modes looked for first, and shift that makes a compliance positive, over its mean on the diagonal.
-FEW, SHIFT = 4, 3e-5
+#: Of a larger one: vectors that a search for soft modes begins with, over the number of motions, and how often the
+#: compliance is applied to them.
+SHARE, DEPTH = 1.0 / 64.0, 5
+#: The same of a search for negative modes, by the inverse of what is positive by this shift, over the mean on the diagonal.
+FEW, INVERSES, SHIFT = 16, 20, 3e-5
 
 
 def soft_modes(G: Array, contact: float) -> Array:
@@ -29,33 +32,42 @@ def soft_modes(G: Array, contact: float) -> Array:
 
 
 def _largest(G: Array, limit: float) -> tuple[Array, Array]:
-    """Eigenvalues and vectors of G down to a limit or below it, by iteration of a subspace."""
-    draw, count = np.random.default_rng(0), int(SHARE * len(G))
-    while True:
-        V = draw.standard_normal((len(G), count))
-        for _ in range(PASSES):
-            V = np.linalg.qr(G @ V)[0]
-        values, turn = np.linalg.eigh(V.T @ (G @ V))
-        if values[0] <= limit or 2 * count > len(G):
-            return values, V @ turn
+    """Eigenvalues of G, of which those above a limit are found, and vectors."""
+    count = int(SHARE * len(G))
+    while count * DEPTH < len(G):
+        values, vectors = _ritz(G, lambda x: G @ x, count, DEPTH)
+        if 2 * (values > limit).sum() < values.size:
+            return values, vectors
         count *= 2
+    return np.linalg.eigh(G)
+
+
+def _ritz(G: Array, apply: Callable[[Array], Array], count: int, depth: int) -> tuple[Array, Array]:
+    """Eigenvalues and vectors of G within what an operator makes of some vectors when it is applied to them ``depth`` times
+    (a block Krylov space): those at the far end of the operator's spectrum are those of G."""
+    found = np.linalg.qr(np.random.default_rng(0).standard_normal((len(G), count)))[0]
+    for _ in range(depth - 1):
+        more = apply(found[:, -count:])
+        for _ in range(2):  # once leaves round-off of what is taken away
+            more -= found @ (found.T @ more)
+        found = np.hstack([found, np.linalg.qr(more)[0]])
+    values, turn = np.linalg.eigh(found.T @ (G @ found))
+    return values, found @ turn
 
 
 def negative_part(G: Array) -> tuple[Array, float]:
-    """The part ``(n, n)`` of a symmetric G in modes of negative eigenvalues, and the least eigenvalue or one above it that
-    is not negative. Raises LinAlgError where they are not found."""
+    """The part ``(n, n)`` of a symmetric G in modes of negative eigenvalues, and the least eigenvalue."""
     values, vectors = np.linalg.eigh(G) if len(G) <= WHOLE else _smallest(G)
     below = values < 0.0
-    return (vectors[:, below] * values[below]) @ vectors[:, below].T, float(values.min())
+    return (vectors[:, below] * values[below]) @ vectors[:, below].T, float(values[0])
 
 
 def _smallest(G: Array) -> tuple[Array, Array]:
-    """Eigenvalues and vectors of G from below up to zero or beyond: the largest of the inverse of G, shifted to be positive."""
+    """Eigenvalues of G, of which those below zero are found, and vectors."""
     from scipy.linalg import cho_factor, cho_solve
-    from scipy.sparse.linalg import LinearOperator, eigsh
 
     each, count, shift = np.arange(len(G)), FEW, SHIFT * float(np.trace(G)) / len(G)
-    with one_thread():  # scipy's library too
+    with one_thread():  # scipy has a library of its own
         while True:
             shifted = G.copy()
             shifted[each, each] += shift
@@ -64,12 +76,9 @@ def _smallest(G: Array) -> tuple[Array, Array]:
                 break
             except np.linalg.LinAlgError:
                 shift *= 3.0
-        inverse = LinearOperator(G.shape, matvec=lambda x: cho_solve(factor, x, check_finite=False), dtype=float)
-        start = np.random.default_rng(0).standard_normal(len(G))
-        while count < len(G) // 8:
-            over, vectors = eigsh(inverse, count, which="LA", v0=start)
-            values = 1.0 / over - shift
-            if values.max() >= 0.0:
+        while count * INVERSES < len(G):
+            values, vectors = _ritz(G, lambda x: np.asarray(cho_solve(factor, x, check_finite=False)), count, INVERSES)
+            if 2 * (values < 0.0).sum() < count:
                 return values, vectors
             count *= 2
-        return np.linalg.eigh(G)
+    return np.linalg.eigh(G)

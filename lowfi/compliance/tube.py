@@ -77,10 +77,10 @@ class Tube:
 
 @dataclass(frozen=True)
 class TubeCompliance:
-    """Motion [m/N] (r, t, z) of the loaded grid line by loads on it at stations z ``(k,)`` [m]: line ``(3 k, 3 k)`` for each
-    harmonic, with what else follows. Of a shaft held by its section, for harmonics 0 and 1, by
-    loads on the mean motions of its high end (`lowfi.compliance.fourier.end_motions`): ends ``(2, 3, k)``, the line
-    (r, t, z), and own ``(2, 2)``, these motions themselves."""
+    """Motion [m/N] of the loaded grid line by loads on it at stations z ``(k,)`` [m]: line, for each harmonic a symmetric
+    matrix ``(3 k, 3 k)``, freedoms r, t, z station by station. Of a shaft held by its section, for harmonics 0 and 1, by
+    loads on the mean motions of its high end (`lowfi.compliance.fourier.end_motions`), two rows and columns more in line:
+    ends ``(2, 3, k)``, the line (r, t, z), and own ``(2, 2)``, these motions themselves."""
 
     tube: Tube
     z: Array
@@ -252,14 +252,15 @@ def contact_compliance(found: TubeCompliance, points: Points, *, resultant: bool
             by_them[moves] += moved
     G, places = np.empty((count, 2, count, 2)), np.argsort(order)
     for moves, by_these in zip(chunks, total, strict=True):
-        whole, of_these = np.empty((moves.stop - moves.start, 3, 3, count)), np.concatenate([x[moves] for x in total], axis=2)
+        whole = np.empty((moves.stop - moves.start, 3, 3, count))
+        of_these = np.concatenate([x[moves] for x in total], axis=2)
         for part, (i, j) in enumerate(PARTS):
             whole[:, i, j], whole[:, j, i] = of_these[:, part], by_these[:, part].T
         one_side = points.axes[order[moves]] @ whole.reshape(-1, 3, 3 * count)
-        by_load = one_side.reshape(-1, 2, 3, count)[..., places].transpose(3, 0, 1, 2).reshape(count, -1, 3)
-        G[order[moves]] = (by_load @ points.axes.swapaxes(1, 2)).reshape(count, -1, 2, 2).transpose(1, 2, 0, 3)
-    G = G.reshape(2 * count, 2 * count)
-    return np.asarray(0.5 * (G + G.T))
+        one_side = one_side.reshape(-1, 2, 3, count)[..., places].transpose(3, 0, 1, 2).reshape(count, -1, 3)
+        G[order[moves]] = (one_side @ points.axes.swapaxes(1, 2)).reshape(count, -1, 2, 2).transpose(1, 2, 0, 3)
+    square = G.reshape(2 * count, 2 * count)
+    return np.asarray(0.5 * (square + square.T))
 
 
 def on_line(tube: Tube, x: Array) -> Array:

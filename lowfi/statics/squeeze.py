@@ -55,8 +55,8 @@ class Stretch:
 
 @dataclass(frozen=True)
 class Inside:
-    """Motions of a shaft's n nodes by jumps at the contacts of its stretches, which lie on c flanks: of the nodes from these
-    to the cuts, and beyond a cut that carries no wrench."""
+    """Motions of a shaft's n nodes by jumps at the contacts of its stretches, which lie on c flanks: of the nodes from
+    these to the cuts, and beyond a cut that carries no wrench."""
 
     problem: Problem
     stretches: Sequence[Stretch]

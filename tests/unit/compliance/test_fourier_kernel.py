@@ -385,12 +385,17 @@ def test_a_load_that_reaches_no_further_is_left_out_and_nothing_else(monkeypatch
     held = np.zeros((*body.grid.shape, 3), dtype=bool)
     held[0] = True
     harmonics = (0, 1, 8)
-    cut = [S.whole() for S in line_compliance(body, harmonics, held.ravel(), 6, (0, 121))]
+    sums = line_compliance(body, harmonics, held.ravel(), 6, (0, 121))
+    cut = [S.whole() for S in sums]
     monkeypatch.setattr(fourier, "NONE_LEFT", -1.0)
     reached = [S.whole() for S in line_compliance(body, harmonics, held.ravel(), 6, (0, 121))]
     for n, short, whole in zip(harmonics, cut, reached, strict=True):
         assert abs(short - whole).max() < 1e-15 * abs(whole).max()
         assert (short[:45, -45:] == 0.0).all() == (n == 8)
+    low, high = sums[2].reach(150, 180)
+    assert 0 < low < 150 < 180 < high < 363
+    assert not cut[2][:low, 150:180].any()
+    assert not cut[2][high:, 150:180].any()
 
 
 def far_apart(width, held):
