@@ -12,7 +12,11 @@ _WHOLE = 2000
 
 def escaped(text: str) -> str:
     """``text`` with all that is not printable (controls, line ends, marks of direction) as escapes."""
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
+    return (
+        text
+        if text.isprintable()
+        else "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
+    )
 
 
 def one_line(text: str, longest: int = _LONGEST) -> str:

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
 from typing import Any
 
 from threadpoolctl import ThreadpoolController
+
+#: Libraries that a context of this thread holds already: to set them takes as long as to solve a small system.
+_held = threading.local()
 
 
 @contextmanager
@@ -17,8 +21,16 @@ def one_thread() -> Iterator[None]:
 
     Only libraries that are loaded when it begins are held: scipy brings one of its own beside numpy's.
     """
-    with _libraries("scipy.linalg" in sys.modules).limit(limits=1, user_api="blas"):
+    libraries, before = _libraries("scipy.linalg" in sys.modules), getattr(_held, "libraries", None)
+    if libraries is before:
         yield
+        return
+    with libraries.limit(limits=1, user_api="blas"):
+        _held.libraries = libraries
+        try:
+            yield
+        finally:
+            _held.libraries = before
 
 
 @cache

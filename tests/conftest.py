@@ -16,14 +16,22 @@ for _library in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "VECLIB_MAXIMUM"):
     os.environ.setdefault(f"{_library}_NUM_THREADS", "1")
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # or each process that a test starts compiles all modules again
 
-#: Packages that the core does without: what a module of tests names of them makes it the wing's.
-WING = re.compile(r"rollbench\.(comparison\.(wings|sources)|lowfi\.(friction|bearings|random_errors)|hifi\.rolling)\b")
+#: Packages that the core does without: a module of tests that imports one of them, or a helper that does, is the wing's.
+WING = re.compile(
+    r"^\s*(?:from|import) rollbench\."
+    r"(?:comparison\.(?:wings|sources)|lowfi\.(?:friction|bearings|random_errors)|hifi\.rolling)\b",
+    re.MULTILINE,
+)
+HELPER = re.compile(r"^from (tests\.[\w.]+) import ", re.MULTILINE)
+TESTS = Path(__file__).parent
 
 
 @cache
-def of_a_wing(path: Path) -> bool:
-    """Whether a module tests a wing or a source."""
-    return "sources" in path.parts or WING.search(path.read_text(encoding="utf-8")) is not None
+def imports_a_wing(path: Path) -> bool:
+    """Whether a module of tests, or a helper of it, imports a package that the core does without."""
+    text = path.read_text(encoding="utf-8")
+    helpers = (TESTS.parent.joinpath(*name.split(".")).with_suffix(".py") for name in HELPER.findall(text))
+    return WING.search(text) is not None or any(map(imports_a_wing, helpers))
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -35,7 +43,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 def pytest_itemcollected(item: pytest.Item) -> None:
     """Mark the tests of wings and sources."""
-    if of_a_wing(item.path):
+    if "sources" in item.path.parts or imports_a_wing(item.path):
         item.add_marker("wing")
 
 

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from rollbench.comparison.costs.assembly_bench import AssemblyCost
 from rollbench.comparison.costs.cold import Cold, ColdLevel, measure
 from rollbench.comparison.writing import replace_file
 
@@ -28,13 +29,14 @@ class RunTime:
 @dataclass(frozen=True)
 class Kept:
     """Times of one machine and day: ``times`` by scene and model, ``first``: a first process by model and engine,
-    ``levels`` of the 3D reference, cold (none where they were not measured)."""
+    ``levels`` of the 3D reference, cold, ``assembly``: ways to its stiffness (none where they were not measured)."""
 
     machine: str
     date: str
     times: Mapping[tuple[str, str], RunTime]
     first: Mapping[tuple[str, str], Cold]
     levels: Sequence[ColdLevel] = ()
+    assembly: Sequence[AssemblyCost] = ()
 
 
 def today() -> str:
@@ -46,7 +48,8 @@ def save(store: Path, kept: Kept) -> None:
     """Write times into a store. Raises InputError where it cannot be written."""
     times = [{"scene": scene, "model": model, **asdict(t)} for (scene, model), t in sorted(kept.times.items())]
     first = [{"model": model, **asdict(c)} for (model, _), c in sorted(kept.first.items())]
-    lists = {"times": times, "first": first, "levels": [asdict(c) for c in kept.levels]}
+    others = {name: [asdict(c) for c in own] for name, own in (("levels", kept.levels), ("assembly", kept.assembly))}
+    lists = {"times": times, "first": first, **others}
     rows = {name: ",\n ".join(json.dumps(row) for row in own) for name, own in lists.items()}
     head = f'"machine": {json.dumps(kept.machine)}, "date": {json.dumps(kept.date)}'
     body = ", ".join(f'"{name}": [\n {own}]' for name, own in rows.items())
@@ -61,7 +64,8 @@ def load(stores: Sequence[Path]) -> Kept | None:
             times = {(r["scene"], r["model"]): RunTime(r["cold"], r["warm"], r["memory"]) for r in found["times"]}
             first = {(r.pop("model"), r["engine"]): Cold(**r) for r in found["first"]}
             levels = tuple(ColdLevel(**r) for r in found.get("levels", []))
-            return Kept(str(found["machine"]), str(found["date"]), times, first, levels)
+            assembly = tuple(AssemblyCost(**r) for r in found.get("assembly", []))
+            return Kept(str(found["machine"]), str(found["date"]), times, first, levels, assembly)
         except (OSError, ValueError, KeyError, TypeError):
             continue
     return None

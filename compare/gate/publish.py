@@ -27,41 +27,55 @@ HEADS = ("verdict", "scene or check", "judged", "quantity", "error %", "uncertai
 
 @dataclass(frozen=True)
 class Outcome:
-    """One row of a published table: whether it is green, and its cells in the order of HEADS; near: see `Verdict`."""
+    """One row of a published table.
+
+    good: whether it is green; scene: or check; error, uncertainty and limit in ``unit``, None where there is none; ball
+    (from 1) and flank that decide; near: see `Verdict`.
+    """
 
     good: bool
-    cells: tuple[str, ...]
+    word: str
+    scene: str
+    judged: str
+    quantity: str
+    error: float | None
+    uncertainty: float | None
+    limit: float | None
+    unit: str = "%"
+    ball: int | None = None
+    flank: str = ""
+    note: str = ""
     near: tuple[tuple[int, float, float, float], ...] = ()
 
     @property
-    def word(self) -> str:
-        """The verdict."""
-        return self.cells[0]
+    def cells(self) -> tuple[str, ...]:
+        """Texts in the order of HEADS; a unit other than per cent stands behind its number."""
+        numbers = (amount(x, self.unit) for x in (self.error, self.uncertainty, self.limit))
+        ball = "" if self.ball is None else str(self.ball)
+        cells = (self.word, self.scene, self.judged, self.quantity, *numbers, ball, self.flank, self.note)
+        return tuple(one_line(cell, 2000) for cell in cells)
 
     def text(self) -> str:
         """All but the verdict, as ``heading: cell`` with semicolons."""
         return "; ".join(f"{head}: {cell}" for head, cell in zip(HEADS[1:], self.cells[1:], strict=True) if cell)
 
 
+def amount(value: float | None, unit: str) -> str:
+    """A number as a cell shows it."""
+    return "" if value is None else f"{value:.4g}{'' if unit == '%' else f' {unit}'}"
+
+
 def of_verdict(v: Verdict) -> Outcome:
     """The row of a verdict on a user's scene."""
-    at = ("", "") if v.ball is None else (str(v.ball), v.flank or "")
-    unit = "" if v.unit == "%" else f" {v.unit}"
-    numbers = [f"{text}{unit}" if (text := _number(x)) else "" for x in (v.error, v.uncertainty, v.limit)]
     note = "; ".join(part for part in (v.pair_text.strip(", "), v.detail) if part)
-    cells = (v.word, v.of, v.judged, v.quantity, *numbers, *at, note)
-    return Outcome(v.word == "pass", tuple(one_line(cell, 2000) for cell in cells), v.near)
+    numbers = v.error, v.uncertainty, v.limit, v.unit
+    return Outcome(v.word == "pass", v.word, v.of, v.judged, v.quantity, *numbers, v.ball, v.flank or "", note, v.near)
 
 
 def of_row(row: GateRow) -> Outcome:
     """The row of a check of the shipped gate."""
     numbers = (row.error_percent, row.uncertainty_percent, row.limit_percent)
-    cells = (row.verdict, row.name, "", row.kind, *map(_number, numbers), "", "", row.detail)
-    return Outcome(row.passed, tuple(one_line(cell, 2000) for cell in cells))
-
-
-def _number(value: float | None) -> str:
-    return "" if value is None else f"{value:.4g}"
+    return Outcome(row.passed, row.verdict, row.name, "", row.kind, *numbers, note=row.detail)
 
 
 def junit(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
@@ -76,8 +90,9 @@ def junit(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
         for note in notes:
             ElementTree.SubElement(properties, "property", {"name": "note", "value": note})
     for o in outcomes:
-        name = ", ".join(cell for cell in o.cells[1:4] if cell)
-        case = ElementTree.SubElement(suite, "testcase", {"classname": f"rollbench.{o.cells[1]}", "name": name})
+        cells = o.cells
+        name = ", ".join(cell for cell in cells[1:4] if cell)
+        case = ElementTree.SubElement(suite, "testcase", {"classname": f"rollbench.{cells[1]}", "name": name})
         if o.good:
             ElementTree.SubElement(case, "system-out").text = f"{o.word}; {o.text()}"
         else:
@@ -102,13 +117,13 @@ def markdown(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
 def worst(outcomes: Sequence[Outcome]) -> Outcome | None:
     """The row whose ball a picture shows: the first that is not green, or else that of the largest error."""
     shown = [o for o in outcomes if o.near]
-    return min(shown, key=lambda o: (o.good, -abs(float(o.cells[4] or 0.0))), default=None)
+    return min(shown, key=lambda o: (o.good, -abs(o.error or 0.0)), default=None)
 
 
 def _title(o: Outcome) -> str:
     """Scene, worst ball, error and limit."""
-    name = o.cells[1].replace('"', "'")
-    return f"{name}, ball {o.cells[7]} {o.cells[8]}: {abs(float(o.cells[4])):.2f} %, limit {o.cells[6]} %"
+    name = one_line(o.scene, 2000).replace('"', "'")
+    return f"{name}, ball {o.ball} {o.flank}: {abs(o.error or 0.0):.2f} {o.unit}, limit {o.limit:.4g} {o.unit}"
 
 
 def _chart(o: Outcome | None) -> list[str]:
@@ -120,7 +135,7 @@ def _chart(o: Outcome | None) -> list[str]:
     series = [", ".join(f"{x:.4g}" for x in of) for of in (reference, loads)]
     return [
         "",
-        f"Worst ball: bars are the reference, the line is {_safe(o.cells[2])}.",
+        f"Worst ball: bars are the reference, the line is {_safe(o.judged)}.",
         "",
         "```mermaid",
         "xychart-beta",
@@ -141,9 +156,9 @@ def picture(o: Outcome) -> Figure:
     ends = [r - b for r, b in zip(reference, bars, strict=True)], [r + b for r, b in zip(reference, bars, strict=True)]
     both = (
         Series("reference", balls, reference, "markers", emphasis=True, bars=ends),
-        Series(o.cells[2], balls, loads, "line+markers"),
+        Series(o.judged, balls, loads, "line+markers"),
     )
-    panel = Panel(f"flank {o.cells[8]}", "ball", "contact load / N", both, zero=True, integer_x=True)
+    panel = Panel(f"flank {o.flank}", "ball", "contact load / N", both, zero=True, integer_x=True)
     return Figure("worst-ball", _title(o), (panel,))
 
 

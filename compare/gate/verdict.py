@@ -40,6 +40,11 @@ class Limits:
     others: Mapping[str, float] = field(default_factory=dict)
 
 
+def of_whom(scene: str, case: str | None, set_: str | None) -> str:
+    """Scene, case and set, those that are given, in words."""
+    return ", ".join(filter(None, (scene, case, set_)))
+
+
 @dataclass(frozen=True)
 class Verdict:
     """One judgement: scene, whose loads, which quantity; error, the reference's uncertainty of it (None: not known) and the
@@ -86,7 +91,7 @@ class Verdict:
     @property
     def of(self) -> str:
         """Scene, case and set, in words."""
-        return ", ".join(filter(None, [self.scene, self.case and f"case {self.case}", self.set]))
+        return of_whom(self.scene, self.case and f"case {self.case}", self.set)
 
     def as_json(self) -> dict[str, Any]:
         """JSON-ready: numbers by keys whose ending says their unit; those in per cent are null where they have another."""

@@ -146,8 +146,12 @@ def save_places(store: Path) -> None:
 
 @cache
 def shipped_places(*, ring: bool) -> tuple[dict[str, float], ...]:
-    """Those that come with the package."""
-    return tuple(json.loads(data.text(f"references/{PLACES}"))["rings" if ring else "screws"].values())
+    """Those that come with the package; none where the file is absent or damaged."""
+    try:
+        found = json.loads(data.text(f"references/{PLACES}"))["rings" if ring else "screws"].values()
+        return tuple({d.name: float(own[d.name]) for d in DESCRIPTORS} for own in found)
+    except (OSError, ValueError, TypeError, KeyError, AttributeError):
+        return ()
 
 
 def compared_values(descriptor: Descriptor, *, ring: bool) -> list[float]:
@@ -170,5 +174,8 @@ def places(scene: Scene, among: Sequence[Scene] | None = None) -> tuple[Place, .
 
 
 def outside(scene: Scene) -> tuple[str, ...]:
-    """In words, each descriptor in which a scene is outside what was compared. Raises ValueError as `places`."""
+    """In words, each descriptor in which a scene is outside what was compared, or that this is not known, because the
+    installation lacks it. Raises ValueError as `places`."""
+    if not shipped_places(ring=scene.track.lead == 0.0):
+        return (f"what was compared is not known, because references/{PLACES} is absent or damaged: reinstall rollbench",)
     return tuple(place.words for place in places(scene) if place.outside)

@@ -17,9 +17,9 @@ from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.reference.grid_summary import uncertainty_percent
 from rollbench.comparison.scenes.catalogue import with_role
-from rollbench.lowfi.compliance.ends import forget
 from rollbench.lowfi.compliance.imported import PARTS, Condensed
 from rollbench.lowfi.statics.elastic import solve_elastic
+from rollbench.lowfi.statics.response import forget
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.parts import Scene
 

@@ -95,12 +95,15 @@ def solve_scaled(scene: Scene, factor: float, model: str, options: Options) -> S
 def preload(scene: Scene, bare: StaticResult) -> Preload:
     """The preload that a result without loads shows."""
     held = bare.load[bare.load > 0.0]
-    s = slope_of(scene)
-    left, right = float(bare.load[:, 0].sum()) * s, float(bare.load[:, 1].sum()) * s
     if not held.size:
         return Preload(0.0, 0.0, 0, 0.0)
     mean = mean_load(held, nominal_contacts(scaled(scene, 0.0)))
-    return Preload(mean, float(held.max()), int(held.size), min(left, right))
+    return Preload(mean, float(held.max()), int(held.size), axial_preload(scene, bare))
+
+
+def axial_preload(scene: Scene, bare: StaticResult) -> float:
+    """`Preload.axial` [N] of a result without loads."""
+    return min(float(bare.load[:, s].sum()) for s in (0, 1)) * slope_of(scene)
 
 
 def axial_of(held: Preload | None) -> float:

@@ -12,7 +12,6 @@ from pydantic_core import PydanticCustomError, core_schema
 
 from rollbench.comparison.scenes import units
 
-_NUMBER = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)\s*(\S.*)?")
 _OF_C = re.compile(r"\s*\+?([0-9]+\.?[0-9]*|\.[0-9]+)\s*%\s*of\s*C\s*")
 #: Units of speeds, angular speeds and times, as factors to SI; the SI unit first.
 RATES = {
@@ -121,13 +120,13 @@ class Rate(Quantity):
 
     def _number(self, value: object) -> float:
         rates = RATES[self.dimension]
-        match = _NUMBER.fullmatch(value.strip()) if isinstance(value, str) else None
-        unit = units.tidy(match[2] or "") if match else ""
-        if match is None or unit not in rates:
+        found = units.number_and_unit(value) if isinstance(value, str) else None
+        unit = units.tidy(found[1]) if found else ""
+        if found is None or unit not in rates:
             advice = f"write a number and one of {', '.join(rates)}, e.g. {units.show(self.example)}"
             article = "an" if self.dimension[0] == "a" else "a"
             raise self._refused(f"{article} {self.dimension}, {self.allowed}", advice)
-        return float(match[1]) * rates[unit]
+        return float(found[0]) * rates[unit]
 
     def __get_pydantic_json_schema__(self, _schema: Any, _handler: GetJsonSchemaHandler) -> dict[str, Any]:
         """Text with a unit."""

@@ -124,6 +124,12 @@ def parse(value: object, dimension: str) -> float:
     if isinstance(value, bool) or not isinstance(value, str):
         missing = isinstance(value, (int, float)) and not isinstance(value, bool)
         raise UnitError(value, dimension, "has no unit" if missing else "is not text")
+    return _of_text(value, dimension)
+
+
+@lru_cache(maxsize=1024)
+def _of_text(value: str, dimension: str) -> float:
+    """`parse` of a text: ends of ranges are read with every value, and a sweep reads one scene again and again."""
     number, unit = _split(value, dimension)
     if not unit:
         raise UnitError(value, dimension, "has no unit")
@@ -159,16 +165,22 @@ def _plain(value: object) -> float:
     return number
 
 
+def number_and_unit(text: str) -> tuple[str, str] | None:
+    """Number and unit of a quantity as written, the unit empty where there is none; None where the text is no quantity."""
+    text = text.strip()
+    match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
+    return None if match is None else (match[1], match[2] or "")
+
+
 def _split(value: str, dimension: str) -> tuple[Decimal, str]:
     """Number and tidied unit; raises UnitError if the text does not begin with a plain finite number."""
-    text = value.strip()
-    match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
-    if match is None:
-        if re.match(r"[+-]?(nan|inf)", text, re.IGNORECASE):
+    found = number_and_unit(value)
+    if found is None:
+        if re.match(r"[+-]?(nan|inf)", value.strip(), re.IGNORECASE):
             advice = f"write a finite number, e.g. {example(dimension)}"
             raise UnitError(value, dimension, "is not finite", advice)
         raise UnitError(value, dimension, "does not begin with a plain number")
-    return Decimal(match[1]), tidy(match[2] or "")
+    return Decimal(found[0]), tidy(found[1])
 
 
 def tidy(unit: str) -> str:

@@ -241,6 +241,12 @@ def cold_levels(study: Study, step: Step) -> Sequence[ColdLevel]:
     return out
 
 
+def assembly_ways(study: Study) -> Sequence[AssemblyCost]:
+    """Times of ways to assemble: as kept, unless the study is timed or none are kept."""
+    kept = None if study.timed else study.once(_kept)
+    return kept.assembly if kept is not None and kept.assembly else assembly_costs()
+
+
 def level_table(levels: Sequence[ColdLevel]) -> Table:
     """What somebody waits for who asks for a level of the 3D reference of a new scene."""
     rows: list[Row] = [
@@ -422,26 +428,34 @@ def when_measured(study: Study, step: Step) -> str:
 
 
 def kept_now(
-    points: Mapping[str, Sequence[TimePoint]], first: Mapping[tuple[str, str], Cold], levels: Sequence[ColdLevel] = ()
+    points: Mapping[str, Sequence[TimePoint]],
+    first: Mapping[tuple[str, str], Cold],
+    levels: Sequence[ColdLevel] = (),
+    assembly: Sequence[AssemblyCost] = (),
 ) -> Kept:
-    """The times of these points, first processes and levels, to be kept for reports to come."""
+    """The times of these points, first processes, levels and ways to assemble, to be kept for reports to come."""
     times = {
         (scene, p.name): RunTime(p.cold, p.warm, p.memory)
         for scene, own in points.items()
         for p in own
         if p.kind == "model" and p.warm is not None
     }
-    return Kept(machine(), today(), times, first, levels)
+    return Kept(machine(), today(), times, first, levels, assembly)
+
+
+def cold_tables(study: Study, step: Step, points: Mapping[str, Sequence[TimePoint]]) -> list[Table]:
+    """Tables of first processes, levels, ways to assemble and stages of a set-up; a timed study keeps what it measures."""
+    first, levels, assembly = first_processes(study, step), cold_levels(study, step), assembly_ways(study)
+    if study.timed and study.stores:
+        save_times(study.stores[0], kept_now(points, first, levels, assembly))
+    costs = load_costs((*(study.stores or ()), shipped_store()))
+    tables = [compile_table(first), level_table(levels), assembly_table(assembly)]
+    return tables + (cost_tables(costs) if costs is not None else [])
 
 
 def time_items(study: Study, step: Step) -> list[Table | Figure]:
     """Tables and figures of all scenes with a reference; a quick study measures no process and no assembly. What a timed
     study measures is kept in its first store."""
     points = study.once(all_points, step)
-    first, levels = ({}, ()) if study.quick else (first_processes(study, step), cold_levels(study, step))
-    if study.timed and study.stores:
-        save_times(study.stores[0], kept_now(points, first, levels))
-    tables = [compile_table(first), level_table(levels), assembly_table(assembly_costs())] if first else []
-    costs = load_costs((*(study.stores or ()), shipped_store()))
-    tables += cost_tables(costs) if costs is not None and first else []
+    tables = [] if study.quick else cold_tables(study, step, points)
     return [time_table(points, study.once(when_measured, step)), *tables, speed_table(points), *time_figures(points)]

@@ -26,7 +26,12 @@ def soft_modes(G: Array, contact: float) -> Array:
     than ``WHOLE`` motions on those close to that limit are mixed with stiffer ones."""
     if G.size == 0:
         return np.zeros(G.shape)
-    values, vectors = np.linalg.eigh(G) if len(G) <= WHOLE else _largest(G, SOFT * contact)
+    return softer(np.linalg.eigh(G) if len(G) <= WHOLE else _largest(G, SOFT * contact), contact)
+
+
+def softer(spectrum: tuple[Array, Array], contact: float) -> Array:
+    """The same by eigenvalues and eigenvectors of G, which hold the soft ones."""
+    values, vectors = spectrum
     soft = values > SOFT * contact
     return np.ascontiguousarray(vectors[:, soft] * np.sqrt(values[soft]))
 

@@ -93,19 +93,29 @@ def nominal_curvatures(scene: Scene) -> Array:
     return _curvatures_of(_parts_alone(scene))
 
 
+@lru_cache(maxsize=64)
 def _parts_alone(scene: Scene) -> Scene:
     return replace(geometry_only(scene), nut=replace(scene.nut, position=0.0, azimuth=0.0))
 
 
 def forget_nominal() -> None:
     """Clear what is kept of nominal contacts, so that the next solve is timed with its set-up."""
-    for kept in (_curvatures_of, _hertz_of, nominal_hertz):
+    for kept in (_curvatures_of, _hertz_of, _hertz_at, nominal_hertz):
         kept.cache_clear()
 
 
 @lru_cache(maxsize=64)
 def _hertz_of(bare: Scene) -> HertzConstants:
-    found = constants_of(bare, _curvatures_of(bare))
+    return _unwritable(constants_of(bare, _curvatures_of(bare)))
+
+
+@lru_cache(maxsize=64)
+def _hertz_at(bare: Scene, ball_radius: float) -> HertzConstants:
+    """Constants ``(1, 4)`` of error-free grooves with balls of another radius [m]."""
+    return _unwritable(drawn_hertz(bare, specimen(bare, ball_layout(bare)), np.array([ball_radius])))
+
+
+def _unwritable(found: HertzConstants) -> HertzConstants:
     for values in (found.C, found.C_a, found.C_b, found.eccentricity):
         values.flags.writeable = False
     return found
@@ -133,10 +143,11 @@ def distinct_hertz(scene: Scene, drawn: Specimen, ball_radius: Array) -> HertzCo
     """As `drawn_hertz` for balls of these radii ``(N,)`` [m], but one row for all of them where they are alike."""
     if not (ball_radius == ball_radius[0]).all():
         return drawn_hertz(scene, drawn, ball_radius)
-    exact = not drawn.profile.size and (drawn.radius == groove_radii(scene)).all()
-    if exact and ball_radius[0] == scene.balls.radius:
+    if drawn.profile.size or not (drawn.radius == groove_radii(scene)).all():
+        return drawn_hertz(scene, drawn, ball_radius[:1])
+    if ball_radius[0] == scene.balls.radius:
         return nominal_hertz(scene)
-    return drawn_hertz(scene, drawn, ball_radius[:1])
+    return _hertz_at(_parts_alone(scene), float(ball_radius[0]))
 
 
 def actual_hertz(scene: Scene, drawn: Specimen, gamma: Array) -> HertzConstants:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -33,19 +33,19 @@ class Shaft:
     arms: Array
     pin: int
     free: NDArray[np.bool_]
-    factor: Array = field(repr=False)
+    factor: tuple[Array, Array] = field(repr=False)
     band: Array = field(repr=False)
+
+    def under(self, problem: Problem) -> Shaft:
+        """The same shaft under the loads and prescribed displacements of another problem."""
+        return replace(self, problem=problem, work=_work(problem, self.motions, self.pin))
 
     def solve(self, loads: Array) -> Array:
         """Motions ``(6 n, c)`` of all nodes by nodal loads ``(6 n, c)``, held freedoms at zero."""
         out = np.where(self.free[:, None], loads, 0.0)
         if self.free.any():
-            substitute_blocks(self._blocks, out)
+            substitute_blocks(self.factor, out)
         return out
-
-    @cached_property
-    def _blocks(self) -> tuple[Array, Array]:
-        return inverse_blocks(self.factor)
 
     @cached_property
     def by_loads(self) -> tuple[Array, Array]:
@@ -87,8 +87,8 @@ def shaft_of(problem: Problem) -> Shaft:
         loose = np.flatnonzero(~problem.fixed[0])
         arms = np.where(loose < 3, 1.0, 1.0 / arm)
         motions = np.eye(6)[:, loose]
-        none = np.zeros(6, dtype=bool)
-        return Shaft(problem, motions, problem.load[0, loose], arms, 0, none, np.zeros((1, 0)), np.zeros((1, 6)))
+        none, no = np.zeros(6, dtype=bool), np.zeros((0, 6, 6))
+        return Shaft(problem, motions, _work(problem, motions, 0), arms, 0, none, (no, no), np.zeros((1, 6)))
     n = problem.nodes.size
     band = np.zeros((6 * n, 12))
     lengths = np.diff(problem.nodes)
@@ -102,9 +102,17 @@ def shaft_of(problem: Problem) -> Shaft:
     if motions.shape[1]:
         held[pin, pivots(motions.T)] = True
     free = ~held.ravel()
-    at_pin = np.einsum("nij,ni->j", rigid_transport(problem.nodes - problem.nodes[pin]), problem.load)
     arms = np.ones(motions.shape[1])
-    return Shaft(problem, motions, motions.T @ at_pin, arms, pin, free, _factor(band, free), band.T.copy())
+    work = _work(problem, motions, pin)
+    return Shaft(problem, motions, work, arms, pin, free, inverse_blocks(_factor(band, free)), band.T.copy())
+
+
+def _work(problem: Problem, motions: Array, pin: int) -> Array:
+    """Work ``(k,)`` of the loads on free rigid motions ``(6, k)``."""
+    if problem.basis is not None:
+        return np.asarray(problem.load[0] @ motions)
+    at_pin = np.einsum("nij,ni->j", rigid_transport(problem.nodes - problem.nodes[pin]), problem.load)
+    return np.asarray(motions.T @ at_pin)
 
 
 def _factor(band: Array, free: NDArray[np.bool_]) -> Array:
@@ -125,17 +133,16 @@ def rows_of(problem: Problem, used: list[int]) -> tuple[NDArray[np.int64], Array
     return np.concatenate(dof), np.concatenate([problem.B[:, s] for s in used])
 
 
-def flank_response(shaft: Shaft, used: list[int]) -> tuple[Array, Array, Array]:
-    """Compliance ``(2 c, 2 c)`` of the used flanks through the beam, their motion by loads and prescribed displacements
-    ``(2 c,)``, and by the free rigid motions ``(2 c, k)``."""
+def flank_response(shaft: Shaft, used: list[int]) -> tuple[Array, Array]:
+    """Compliance ``(2 c, 2 c)`` of the used flanks through the beam, and their motion by the free rigid motions
+    ``(2 c, k)``."""
     problem = shaft.problem
     dof, rows = rows_of(problem, used)
     count = rows.shape[0]
     if problem.basis is not None:
         flat = rows.reshape(2 * count, -1)
         loose = np.flatnonzero(~problem.fixed[0])
-        given = np.where(problem.fixed[0], problem.prescribed[0], 0.0)
-        return np.zeros((2 * count, 2 * count)), flat @ given, flat[:, loose]
+        return np.zeros((2 * count, 2 * count)), flat[:, loose]
     size = 6 * problem.nodes.size
     G = np.zeros((2 * count, 2 * count))
     for start in range(0, 2 * count, CHUNK):
@@ -144,11 +151,17 @@ def flank_response(shaft: Shaft, used: list[int]) -> tuple[Array, Array, Array]:
         loads[dof[pick // 2].T, np.arange(pick.size)] = rows[pick // 2, pick % 2].T
         q = shaft.solve(loads)
         G[:, pick] = np.einsum("cak,ckp->cap", rows, q[dof]).reshape(2 * count, pick.size)
-    own = np.add(*shaft.by_loads)
-    rigid = rigid_nodes(shaft)
-    v0 = np.einsum("cak,ck->ca", rows, own[dof]).ravel()
-    R = np.einsum("cak,ckp->cap", rows, rigid[dof]).reshape(2 * count, -1)
-    return 0.5 * (G + G.T), v0, R
+    R = np.einsum("cak,ckp->cap", rows, rigid_nodes(shaft)[dof]).reshape(2 * count, -1)
+    return 0.5 * (G + G.T), R
+
+
+def flank_motions_by_loads(shaft: Shaft, used: list[int]) -> Array:
+    """Motion ``(2 c,)`` [m] of the used flanks by loads and prescribed displacements."""
+    problem = shaft.problem
+    dof, rows = rows_of(problem, used)
+    if problem.basis is not None:
+        return np.asarray(rows.reshape(2 * len(rows), -1) @ np.where(problem.fixed[0], problem.prescribed[0], 0.0))
+    return np.asarray(np.einsum("cak,ck->ca", rows, np.add(*shaft.by_loads)[dof]).ravel())
 
 
 def free_state(shaft: Shaft) -> tuple[Array, Array]:

@@ -22,7 +22,7 @@ felt by the contacts below. Supports between the contacts of one set are taken a
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -96,8 +96,9 @@ class Squeeze:
 
     added ``(2 c, 2 c)`` [m/N]: to the compliance of the flanks and the stretches' own; moved ``(2 c,)`` [m]: by the scene's
     loads and prescribed displacements; wrenches ``(W, 6 n)``: S; feel ``(2 c, W)`` and nodes ``(6 n, W)``: motions of the
-    flanks and of the nodes by S q; jumps ``(W, 2 c)`` and given ``(W,)``: d by the flanks' forces and by loads;
-    inside: what the flanks' forces add to the nodes' motion that the beam's nodal loads do not bring about.
+    flanks and of the nodes by S q; jumps ``(W, 2 c)`` and given ``(W,)``: d by the flanks' forces and by loads; inside:
+    what the flanks' forces add to the nodes' motion that the beam's nodal loads do not bring about. Of these, moved and
+    given alone depend on the loads (`under`): bent ``(W, W)`` makes jumps of wrenches.
     """
 
     added: Array
@@ -108,6 +109,14 @@ class Squeeze:
     jumps: Array
     given: Array
     inside: Inside
+    bent: Array
+
+    def under(self, shaft: Shaft, thermal: Array | float = 0.0) -> Squeeze:
+        """The same under the loads and prescribed displacements of a shaft; thermal ``(W,)`` [N, N m]: wrenches at the cuts
+        that are among its loads and no strain of the stretches."""
+        wrench = self.wrenches @ shaft.by_loads[1] - thermal
+        moved = self.feel @ wrench + self.inside.by_loads(shaft.problem.load.reshape(-1, 1))[:, 0]
+        return replace(self, moved=moved, given=self.bent @ wrench)
 
     def node_loads(self, pushes: Array) -> Array:
         """Nodal loads ``(6 n,)`` that stand for the jumps, by the flanks' forces ``(2 c,)`` [N]."""
@@ -187,6 +196,6 @@ def squeezed(shaft: Shaft, used: Sequence[int], stretches: Sequence[Stretch], st
     M = np.linalg.inv(np.eye(W) + 0.5 * (B + B.T) @ H)
     feel, by_forces = (D.T + A.T @ H) @ M, A - B @ D
     added = A.T @ D + feel @ by_forces
-    given = S @ shaft.by_loads[1] - warm
-    moved = feel @ given + inside.by_loads(problem.load.reshape(-1, 1))[:, 0]
-    return Squeeze(0.5 * (added + added.T), moved, S, feel, X @ H @ M, D + H @ M @ by_forces, H @ M @ given, inside)
+    bent, none = H @ M, np.zeros(0)
+    found = Squeeze(0.5 * (added + added.T), none, S, feel, X @ H @ M, D + bent @ by_forces, none, inside, bent)
+    return found.under(shaft, warm)

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rollbench.lowfi.hertz import contact_approach
 from rollbench.lowfi.statics.problem import Problem
 from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult, Status
 from rollbench.lowfi.statics.settle import contact_angles
-from rollbench.lowfi.statics.shape import motions_at, rigid_transport
+from rollbench.lowfi.statics.shape import motion_matrices, rigid_transport
 from rollbench.lowfi.statics.solved import SolvedState
 from rollbench.lowfi.statics.validity import profile_warning, warnings_of
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Load, Scene
+from rollbench.meshes.section import BeamSection
 
 #: Statements that hold for every run of the source's low-order model.
 MODEL_ASSUMPTIONS = (
@@ -46,14 +49,27 @@ def model_assumptions(scene: Scene) -> tuple[str, ...]:
 
 def centreline(problem: Problem, q: Array) -> tuple[Array, Array]:
     """Stations ``(k,)`` [m] over the whole screw, nodes included, and the motions there ``(k, 6)``."""
-    length = problem.scene.screw.length
-    steps = np.arange(0.0, length + 0.5 * STATION, STATION)
-    stations = np.array([z for z in sorted({*steps.tolist(), *problem.nodes.tolist(), length}) if z <= length])
-    flat = q.ravel()
+    length, nodes = problem.scene.screw.length, tuple(problem.nodes.tolist())
     if problem.basis is not None:
-        motion = problem.basis @ flat
-        return stations, np.stack([rigid_transport(float(z - problem.nodes[0])) @ motion for z in stations])
-    return stations, motions_at(stations, problem.nodes, problem.section, q.reshape(-1, 6))
+        stations, motion = stations_of(length, nodes), problem.basis @ q.ravel()
+        return stations, rigid_transport(stations - problem.nodes[0]) @ motion
+    stations, j, m = _shapes(length, nodes, problem.section)
+    of_nodes = q.reshape(-1, 6)
+    motions = np.einsum("kab,kb->ka", m, np.concatenate([of_nodes[j], of_nodes[j + 1]], axis=1))
+    return stations.copy(), np.asarray(motions)
+
+
+def stations_of(length: float, nodes: tuple[float, ...]) -> Array:
+    """Stations [m] of the centreline of a screw with nodes there."""
+    steps = np.arange(0.0, length + 0.5 * STATION, STATION)
+    return np.array([z for z in sorted({*steps.tolist(), *nodes, length}) if z <= length])
+
+
+@lru_cache(maxsize=8)
+def _shapes(length: float, nodes: tuple[float, ...], section: BeamSection) -> tuple[Array, NDArray[np.int64], Array]:
+    """`stations_of`, and `motion_matrices` there: kept for all solutions on the same nodes."""
+    stations = stations_of(length, nodes)
+    return stations, *motion_matrices(stations, np.array(nodes), section)
 
 
 def contact_geometry(solved: SolvedState) -> tuple[Array, Array]:

@@ -73,7 +73,7 @@ def run_check(names: Sequence[str], what: Asked, engine: Engine, files: Files) -
     written = files.write(outcomes, [*above, *below])
     counts = ", ".join(f"{n} {word}" for word in CODES if (n := sum(v.word == word for v in verdicts)))
     data = verdicts_json(described, verdicts) | {"warnings": warnings, "not_judged": left}
-    data |= {} if files.baseline is None else {"changed": [change._asdict() for change in changed]}
+    data |= {} if files.baseline is None else {"changed": [change.as_json() for change in changed]}
     worst = [f"the worst of {x['scene']}: case {x['case']}, {x['verdict']}" for x in data.get("worst_cases", ())]
     return Answer(data, [*above, *(v.line() for v in verdicts), *worst, *below, counts, *written], CODES[data["verdict"]])
 
@@ -124,7 +124,7 @@ def run_shipped(max_error: float | None, files: Files) -> Answer:
     changed = files.changed(outcomes)
     written = [*files.since(changed), *files.write(outcomes, files.since(changed))]
     data = {"max_error_percent": limit, "passed": not bad, "rows": [row.as_json() for row in rows]}
-    data |= {} if files.baseline is None else {"changed": [change._asdict() for change in changed]}
+    data |= {} if files.baseline is None else {"changed": [change.as_json() for change in changed]}
     words = [row.verdict for row in rows]
     others = "".join(f", {n} {word}" for word in ("undecided", "reported") if (n := words.count(word)))
     line = f"{words.count('ok')} passed, {len(bad)} failed{others}"

@@ -23,7 +23,7 @@ from rollbench.reports.offscreen import fault as drawing_fault
 from rollbench.reports.records import FieldPicture, LoadedScrew, Section
 
 #: Sections that take most of a report's time: they come with ``--all``, with ``--fresh``, and by name.
-COSTLY = frozenset({"pictures", "friction", "friction-screw", "verification", "stability", "timing"})
+COSTLY = frozenset({"pictures", "friction", "friction-screw", "rolling", "verification", "stability", "timing"})
 #: Scene and level of the shipped run that is computed anew: a quarter of a minute on one core.
 CHECKED, LEVEL = "unseen-four-point", 1
 #: Largest difference [% of the mean load] that another processor's round-off explains.

@@ -43,7 +43,7 @@ CORE = (
     Part("ladder", "sections.ladder", quick=True, runs=True, meshes=True, beside=True, page="accuracy"),
     Part("u-val", "sections.u_val", quick=True, runs=True, meshes=True, beside=True, page="accuracy"),
     Part("reference-mesh", "sections.reference_mesh", quick=True, runs=True, beside=True, page="reference"),
-    Part("pictures", "sections.pictures", meshes=True, page="reference"),
+    Part("pictures", "sections.pictures", meshes=True, beside=True, page="reference"),
     Part("verification", "sections.verification", meshes=True, beside=True, page="reference"),
     Part("fit", "sections.fit", quick=True, page="trust"),
     Part("notes", "sections.notes", quick=True, runs=True, page="trust"),

@@ -25,7 +25,7 @@ from rollbench.comparison.scenes.catalogue import scene as shipped
 from rollbench.comparison.wings.bench.prepared import TOLERANCE, Energy, Refined, Source
 from rollbench.comparison.wings.bench.startup import command_line_job, startup_jobs
 from rollbench.lowfi.as_source import static as lin
-from rollbench.lowfi.compliance.ends import forget
+from rollbench.lowfi.statics.response import forget
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.memory import peak_MB, reset_peak
 from rollbench.meshes.parts import Scene

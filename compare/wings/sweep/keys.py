@@ -13,11 +13,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.scenes.units import show
+from rollbench.comparison.scenes.units import number_and_unit, show
 
 _ONE = r"[A-Za-z_]\w*(\[\d+\])*(\.\w+(\[\d+\])*)*"
 _PATH = re.compile(rf"{_ONE}(\+{_ONE})*")
-_NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*?)?\s*")
 _FORM = "KEY=A:B or KEY=v1,v2, units as in the scene"
 #: Keys of which a scene has one: a varied one takes the place of the others.
 _SAME = (
@@ -65,7 +64,7 @@ class Vary:
         """A value of this key for plots and means: in the range's unit, of a list its place from 1."""
         if self.choices:
             return 1.0 + self.choices.index(value)
-        return float(str(value).removesuffix(self.unit)) if self.unit else float(value)
+        return float(value) if isinstance(value, int | float) else float(_split(value)[0])
 
     @property
     def ends(self) -> tuple[Any, ...]:
@@ -122,17 +121,26 @@ def _read(text: str) -> Vary:
 
 
 def _range(key: str, text: str, values: str) -> Vary:
-    ends = [_NUMBER.fullmatch(part) for part in values.split(":")]
-    if len(ends) != 2 or ends[0] is None or ends[1] is None:
-        raise InputError("command line", "--vary", show(text), "two numbers, with or without unit", f"give {_FORM}")
-    (first, unit), (second, other) = ends[0].groups(), ends[1].groups()
+    try:
+        (first, unit), (second, other) = map(_split, values.split(":"))
+    except ValueError:
+        allowed = "two numbers, with or without unit"
+        raise InputError("command line", "--vary", show(text), allowed, f"give {_FORM}") from None
     if unit and other and unit != other:
         raise InputError("command line", "--vary", show(text), "one unit for both ends", f"write both in {other}")
     low, high = float(first), float(second)
     if not low < high:
         raise InputError("command line", "--vary", show(text), "A below B", "turn them round, or give a list of values")
     whole = not (unit or other) and all(re.fullmatch(r"[+-]?\d+", end) for end in (first, second))
-    return Vary(key, text, low, high, unit or other or "", whole)
+    return Vary(key, text, low, high, unit or other, whole)
+
+
+def _split(text: str) -> tuple[str, str]:
+    """Number and unit as written. Raises ValueError for what is no quantity."""
+    found = number_and_unit(text)
+    if found is None:
+        raise ValueError(text)
+    return found
 
 
 def _scalar(text: str) -> Any:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.comparison.models.answers import unloaded_place
-from rollbench.comparison.models.loading import along_axis, axial_load, preload, scaled, solve_scaled
+from rollbench.comparison.models.loading import along_axis, axial_load, axial_preload, scaled, solve_scaled
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.models.together import cycle_life, loads_of
 from rollbench.comparison.registration import offered
@@ -45,14 +45,13 @@ def outputs(scene: Scene, result: StaticResult, model: str, options: Options) ->
     """
     load = result.load
     bare = solve_scaled(scene, 0.0, model, options)
-    held = preload(scene, bare) if bare.converged else None
     force, moved = axial_force(result), axial_displacement(scene, result) - unloaded_place(scene, bare)
     return {
         **_of_loads([("", load)], nominal_contacts(scene)),
         "displacement_um": _displacement(scene, result),
         "largest_approach_um": _approach(result),
         "rigidity_N_per_um": _rigidity(force, moved),
-        "preload_N": None if held is None else held.axial,
+        "preload_N": axial_preload(scene, bare) if bare.converged else None,
         "torque_Nmm": None
         if scene.friction is None
         else _friction_torque([(scene, result)], scene.friction, scene.motion, options),

@@ -22,19 +22,11 @@ from rollbench.lowfi.statics.axis.structure import Structure, threaded
 from rollbench.lowfi.statics.axis.system import BallSet, System, widened
 from rollbench.lowfi.statics.axis.typical import typical, typical_force
 from rollbench.lowfi.statics.conformity import oblique_term
-from rollbench.lowfi.statics.elastic_system import (
-    LARGEST,
-    MODES_FROM,
-    by_ball,
-    contact_compliance,
-    normals_of,
-    positive,
-    spring_rows,
-    typical_axes,
-)
+from rollbench.lowfi.statics.elastic_system import LARGEST, MODES_FROM, contact_compliance, spring_rows
 from rollbench.lowfi.statics.problem import Problem, nominal_hertz
 from rollbench.lowfi.statics.records import BallContacts, Bodies, BodyState, Options
-from rollbench.lowfi.statics.shaft import Shaft, flank_response, shaft_of
+from rollbench.lowfi.statics.response import by_ball, normals_of, positive, typical_axes
+from rollbench.lowfi.statics.shaft import Shaft, flank_motions_by_loads, flank_response, shaft_of
 from rollbench.lowfi.statics.squeeze import Squeeze, squeezed, stretch_of
 from rollbench.lowfi.statics.static import MAX_ITERATIONS, TOLERANCE
 from rollbench.meshes.arrays import Array
@@ -211,7 +203,7 @@ def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticAxis:
     whole, s = combined(system, rollers), system.structure
     shaft, housings = shaft_of(whole), housings_of(s, system.arm)
     order = by_ball(N, 2)
-    beam, moved, rigid = flank_response(shaft, [0, 1])
+    (beam, rigid), moved = flank_response(shaft, [0, 1]), flank_motions_by_loads(shaft, [0, 1])
     stretches = [
         stretch_of(whole, b.problem.scene, b.problem.layout, backend, [0, 1], b.balls)
         for b in system.balls

@@ -85,6 +85,7 @@ def test_sections_of_the_second_process():
         "how-to-read",
         "ladder",
         "overview",
+        "pictures",
         "reference",
         "reference-mesh",
         "rolling",

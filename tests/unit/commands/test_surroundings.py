@@ -153,19 +153,6 @@ def test_numbers_and_words_in_tables_stay(text):
     assert harmless(text) == text
 
 
-def test_nothing_needs_what_only_unix_has(tmp_path):
-    words = ["sweep", "two-balls", "--vary", "errors.balls.oversize=4 um:7 um", "--samples", "2", "--model", "lin"]
-    program = f"""
-import sys
-sys.modules["fcntl"] = sys.modules["resource"] = None
-import rollbench.comparison.wings.crosscheck.calculix
-from rollbench.comparison.cli import main
-main({[*words, "--out", str(tmp_path / "sweep")]!r})
-"""
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
-    assert (done.returncode, "samples.csv" in done.stdout) == (0, True), done.stderr
-
-
 def test_a_page_whose_folder_cannot_be_made_is_refused_before_any_work(tmp_path, monkeypatch, command):
     from rollbench.comparison.commands.reporting import scene_page
 

@@ -1,48 +1,65 @@
 """What changed since earlier verdicts, in text, JSON and Markdown; the chart and the picture of the worst ball."""
 
+import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.gate.baseline import changes
-from rollbench.comparison.gate.publish import HEADS, Outcome, markdown, table, worst
+from rollbench.comparison.gate.publish import HEADS, Outcome, markdown, of_verdict, table, worst
+from rollbench.comparison.gate.verdict import Verdict
 
 NEAR = ((3, 100.0, 101.0, 0.5), (4, 110.0, 102.0, 0.5))
 
 
-def row(word: str, error: str, quantity: str = "largest error", scene: str = "mine", limit: str = "7") -> Outcome:
-    return Outcome(word == "pass", (word, scene, "a.csv", quantity, error, "0.1", limit, "4", "SL", ""), NEAR)
+def row(
+    word: str, error: float, quantity: str = "largest error", scene: str = "mine", limit: float = 7.0, unit: str = "%"
+) -> Outcome:
+    return Outcome(word == "pass", word, scene, "a.csv", quantity, error, 0.1, limit, unit, 4, "SL", near=NEAR)
 
 
 def test_what_changed_is_said(tmp_path: Path) -> None:
-    before = [row("pass", "-5.1"), row("pass", "1.234"), row("pass", "0.2 deg", "contact angle", limit="1 deg")]
-    before[1] = row("pass", "1.234", scene="same")
-    (tmp_path / "old.csv").write_text(table([*before, row("pass", "2", "life")]), encoding="utf-8")
+    before = [row("pass", -5.1), row("pass", 1.234), row("pass", 0.2, "contact angle", limit=1.0, unit="deg")]
+    before[1] = row("pass", 1.234, scene="same")
+    (tmp_path / "old.csv").write_text(table([*before, row("pass", 2, "life")]), encoding="utf-8")
     after = [
-        row("undecided", "6.8"),
-        row("pass", "1.2341", scene="same"),
-        row("fail", "1.3 deg", "contact angle", limit="1 deg"),
+        row("undecided", 6.8),
+        row("pass", 1.2341, scene="same"),
+        row("fail", 1.3, "contact angle", limit=1.0, unit="deg"),
     ]
-    found = [c.line() for c in changes(tmp_path / "old.csv", [*after, row("pass", "3", "torque")])]
+    found = [c.line() for c in changes(tmp_path / "old.csv", [*after, row("pass", 3, "torque")])]
     assert found == [
         "mine: largest error 5.10 -> 6.80 %, limit 7, pass -> undecided",
         "mine: contact angle 0.20 deg -> 1.30 deg, limit 1 deg, pass -> fail",
         "mine: life: no more, pass",
         "mine: torque: new, pass",
     ]
-    assert changes(tmp_path / "old.csv", [*before, row("pass", "2", "life")]) == []
+    assert changes(tmp_path / "old.csv", [*before, row("pass", 2, "life")]) == []
 
 
 @pytest.mark.parametrize("text", ["", "a,b\n1,2\n", "{}", '{"verdicts": 3}', ",".join(HEADS) + "\nx\n", "[" * 99])
 def test_another_file_is_refused(tmp_path: Path, text: str) -> None:
     (tmp_path / "a.csv").write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match="verdicts that --csv or --json wrote"):
-        changes(tmp_path / "a.csv", [row("pass", "1")])
+        changes(tmp_path / "a.csv", [row("pass", 1)])
+
+
+@pytest.mark.parametrize("unit", ["%", "deg"])
+@pytest.mark.parametrize("of", [{}, {"set": "front"}, {"case": "idle"}, {"set": "front", "case": "idle"}])
+def test_both_forms_name_the_rows_alike(tmp_path: Path, of: dict[str, str], unit: str) -> None:
+    one = Verdict("mine", "a.csv", "largest error", "pass", -5.12345, 0.1, 7.0, 4, "SL", unit=unit, **of)
+    (tmp_path / "a.csv").write_text(table([of_verdict(one)]), encoding="utf-8")
+    (tmp_path / "a.json").write_text(json.dumps({"verdicts": [one.as_json()]}), encoding="utf-8")
+    for form in ("csv", "json"):
+        assert changes(tmp_path / f"a.{form}", [of_verdict(one)]) == []
+        (change,) = changes(tmp_path / f"a.{form}", [of_verdict(replace(one, error=-6.0))])
+        assert change.line().endswith({"%": "5.12 -> 6.00 %, limit 7", "deg": "5.12 deg -> 6.00 deg, limit 7 deg"}[unit])
 
 
 def test_the_chart_is_of_the_worst_ball_of_what_is_not_green() -> None:
-    rows = [row("pass", "9"), row("fail", "-8", scene='a"b'), row("fail", "7.5"), Outcome(False, row("fail", "99").cells)]
+    rows = [row("pass", 9), row("fail", -8, scene='a"b'), row("fail", 7.5), replace(row("fail", 99), near=())]
     shown = worst(rows)
     assert shown is rows[1]
     text = markdown(rows, ["WARNING: a | b"])
@@ -56,7 +73,7 @@ def test_the_chart_is_of_the_worst_ball_of_what_is_not_green() -> None:
         "bar [101, 102]",
         "line [100, 110]",
     ]
-    assert "mermaid" not in markdown([Outcome(True, row("pass", "1").cells)])
+    assert "mermaid" not in markdown([replace(row("pass", 1), near=())])
 
 
 def test_the_command_tells_what_changed_since_a_file_of_either_form(command, tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 import csv
 import re
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -148,8 +149,8 @@ def test_faulty_loads_are_refused_by_line(tmp_path: Path, old: str, new: str, ke
     assert part in str(caught.value)
 
 
-CELLS = ("mine", "a|b", "largest error", "8.5", "1", "7", "2", "NR")
-ROWS = [Outcome(True, ("pass", *CELLS, "")), Outcome(False, ("fail", *CELLS, "=1+1 <b>"))]
+GREEN = Outcome(True, "pass", "mine", "a|b", "largest error", 8.5, 1.0, 7.0, "%", 2, "NR")
+ROWS = [GREEN, replace(GREEN, good=False, word="fail", note="=1+1 <b>")]
 
 
 def test_junit_is_green_only_where_it_passes() -> None:

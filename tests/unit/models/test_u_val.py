@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rollbench.comparison import data
 from rollbench.comparison.models.applicability import DESCRIPTORS, compared, outside, places, shipped_places
 from rollbench.comparison.models.comparison import from_run
 from rollbench.comparison.models.model_form import estimate
@@ -153,6 +154,28 @@ def test_solve_says_not_covered_where_a_scene_is_outside(change, name: str) -> N
     else:
         assert beyond == ()
         assert made.percent is not None
+
+
+@pytest.mark.parametrize("left", [None, "{", "[]", '{"screws": {"a": {}}, "rings": {"a": {}}}'])
+@pytest.mark.parametrize("name", [SCENE, "unseen-four-point"])
+def test_nothing_is_covered_where_an_installation_lacks_what_was_compared(monkeypatch, left: str | None, name: str):
+    def text(path: str) -> str:
+        if not path.endswith("places.json"):
+            return text_of(path)
+        if left is None:
+            raise FileNotFoundError(path)
+        return left
+
+    text_of, scene = data.text, STUDY.scene(name)
+    assert outside(scene) == ()
+    result = run_model(scene, "lin", Options(discretisation=False))
+    monkeypatch.setattr(data, "text", text)
+    shipped_places.cache_clear()
+    try:
+        assert estimate(scene, result).percent is None
+        assert "places.json is absent or damaged" in " ".join(outside(scene))
+    finally:
+        shipped_places.cache_clear()
 
 
 def test_a_scene_s_place_is_drawn() -> None:

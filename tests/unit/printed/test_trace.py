@@ -12,6 +12,8 @@ from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import load_table, tables
 from rollbench.comparison.scenes import catalogue
 
+#: The sources' modules are imported by the names that their registrations give.
+pytestmark = pytest.mark.wing
 BY_TABLE, NOT_COMPUTED = by_table(), not_computed()
 COMPUTATIONS = tuple(BY_TABLE.values())
 ROOT = Path(__file__).parents[3]

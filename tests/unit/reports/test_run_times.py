@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rollbench.comparison.costs import run_times
+from rollbench.comparison.costs.assembly_bench import AssemblyCost
 from rollbench.comparison.costs.cold import Cold
 from rollbench.comparison.costs.run_times import Kept, RunTime
 from rollbench.comparison.models.study import Study
@@ -16,6 +17,7 @@ KEPT = Kept(
     "2026-01-02",
     {("lin-case1", "lin"): RunTime(0.4, 1e-3, 99.0), ("lin-case1", "mei"): RunTime(0.3, 2e-3, None)},
     {("lin", "compiled"): Cold(12.0, 11.0, 1e-3, 380.0, "compiled", "converged")},
+    assembly=(AssemblyCost("tetrahedra", 12, "one vector form", 3.0, 1e-14),),
 )
 
 
@@ -38,6 +40,14 @@ def test_a_sample_is_measured_beside_the_kept_ones(monkeypatch):
     monkeypatch.setattr(run_times, "measure", lambda *_, **__: found)
     said = run_times.live("lin-case1", ("lin", "refined"), KEPT)
     assert said == "measured anew for this report on lin-case1: lin 0.50 s (kept: 0.40 s)"
+
+
+def test_ways_to_assemble_are_kept_ones_unless_the_study_is_timed(monkeypatch):
+    kept = run_times.load([shipped_store()]).assembly
+    assert len({(cost.mesh, cost.way) for cost in kept}) == 8
+    monkeypatch.setattr(reference_time, "assembly_costs", lambda: KEPT.assembly)
+    assert reference_time.assembly_ways(Study()) == kept
+    assert reference_time.assembly_ways(Study(timed=True)) == KEPT.assembly
 
 
 @pytest.mark.parametrize("timed", [False, True])

@@ -19,7 +19,8 @@ from rollbench.lowfi.statics.kernel import elastic_balls
 from rollbench.lowfi.statics.mechanism import free_motions
 from rollbench.lowfi.statics.problem import build
 from rollbench.lowfi.statics.records import BodyState
-from rollbench.lowfi.statics.shaft import flank_response, node_motions, shaft_of
+from rollbench.lowfi.statics.response import LENT, positive
+from rollbench.lowfi.statics.shaft import flank_motions_by_loads, flank_response, node_motions, shaft_of
 from rollbench.lowfi.statics.static import pin, solve_static
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
@@ -354,7 +355,7 @@ def test_shaft_against_the_dense_beam(case):
             first = 6 * problem.node[i, s]
             rows[i, s, :, first : first + problem.B.shape[3]] = problem.B[i, s]
     rows = rows.transpose(1, 0, 2, 3).reshape(-1, size)
-    G, v0, R = flank_response(shaft, [0, 1])
+    (G, R), v0 = flank_response(shaft, [0, 1]), flank_motions_by_loads(shaft, [0, 1])
     assert G.shape == (rows.shape[0],) * 2
     assert relative(G, G.T) == 0.0
     rng = np.random.default_rng(4)
@@ -404,22 +405,22 @@ def test_negative_compliance_is_lent_by_contacts_or_cut_away():
     rng = np.random.default_rng(1)
     Q = np.linalg.qr(rng.normal(size=(6, 6)))[0]
     values = np.array([5.0, 3.0, 2.0, 1.0, 0.5, -0.2]) * 1e-9
-    found, lent, cut = model.positive((Q * values) @ Q.T, np.zeros((3, 2)), 1e-8)
+    found, lent, cut = positive((Q * values) @ Q.T, np.zeros((3, 2)), 1e-8)
     assert cut == pytest.approx(0.2e-9, rel=1e-9, abs=0.0)
     assert not lent.any()
     assert relative(found, (Q * np.maximum(values, 0.0)) @ Q.T) < 1e-12
     whole = (Q * np.abs(values)) @ Q.T
-    assert model.positive(whole, np.zeros((3, 2)), 1e-8)[0] is whole
+    assert positive(whole, np.zeros((3, 2)), 1e-8)[0] is whole
     normals = np.array([[0.6, 0.8], [1.0, 0.0], [0.8, -0.6]])
     rows = np.zeros((3, 6))
     rows[np.arange(3)[:, None], 2 * np.arange(3)[:, None] + [0, 1]] = normals
     plain = 1e-9 * np.eye(6) - 1.5e-9 * np.outer(rows[1], rows[1])
-    found, lent, cut = model.positive(plain, normals, 1e-8)
+    found, lent, cut = positive(plain, normals, 1e-8)
     assert cut == 0.0
     assert lent == pytest.approx(np.array([0.0, 0.5, 0.0]) * 1e-9, abs=1e-18)
     assert relative(found - (rows.T * lent) @ rows, plain) < 1e-12
-    lent, cut = model.positive(plain, normals, 1e-9)[1:]
-    assert lent[1] == model.LENT * 1e-9
+    lent, cut = positive(plain, normals, 1e-9)[1:]
+    assert lent[1] == LENT * 1e-9
     assert cut == pytest.approx(0.25e-9)
 
 

@@ -252,3 +252,16 @@ def test_a_run_waits_for_the_processes_of_an_earlier_one(tmp_path, monkeypatch):
         run(tmp_path / "a")
     run(tmp_path / "a")
     assert list((tmp_path / "a" / store.LOCKS).iterdir()) == []
+
+
+def test_nothing_needs_what_only_unix_has(tmp_path):
+    words = ["sweep", "two-balls", "--vary", "errors.balls.oversize=4 um:7 um", "--samples", "2", "--model", "lin"]
+    program = f"""
+import sys
+sys.modules["fcntl"] = sys.modules["resource"] = None
+import rollbench.comparison.wings.crosscheck.calculix
+from rollbench.comparison.cli import main
+main({[*words, "--out", str(tmp_path / "sweep")]!r})
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert (done.returncode, "samples.csv" in done.stdout) == (0, True), done.stderr

@@ -52,21 +52,25 @@ def scene_text(seed: int, number: int) -> str:
     balls, count = _balls(rng, starts, ball, touching_angle(pitch / 2.0, lead, ball), halved=kind == "lead offset")
     force = LOAD * ball**2 * count * np.sin(pi / 4.0)
     length = round(outer * rng.uniform(12.0, 30.0))
+    track = {
+        "pitch_diameter": f"{pitch:g} mm",
+        "lead": f"{lead} mm",
+        "contact_angle": f"{rng.uniform(40.0, 50.0):.1f} deg",
+        "hand": str(rng.choice(["right", "right", "left"])),
+        "starts": starts,
+    }
+    screw = {"length": f"{length} mm", "outer_diameter": f"{outer} mm", "conformity": _conformity(rng)}
+    position = length * rng.uniform(0.3, 0.7)
+    outside = float(f"{wall * rng.uniform(0.95, 1.2):.3g}")
     scene: dict[str, Any] = {
         "title": f"survey {seed}, scene {number}: {outer}x{lead}, {kind}",
         "material": {"name": "bearing steel"},
-        "track": {
-            "pitch_diameter": f"{pitch:g} mm",
-            "lead": f"{lead} mm",
-            "contact_angle": f"{rng.uniform(40.0, 50.0):.1f} deg",
-            "hand": str(rng.choice(["right", "right", "left"])),
-            "starts": starts,
-        },
-        "screw": {"length": f"{length} mm", "outer_diameter": f"{outer} mm", "conformity": _conformity(rng)},
+        "track": track,
+        "screw": screw,
         "nut": {
-            "position": f"{length * rng.uniform(0.3, 0.7):.4g} mm",
+            "position": f"{position:.4g} mm",
             "length": f"{length * 0.58:.4g} mm",
-            "outer_diameter": f"{(outside := float(f'{wall * rng.uniform(0.95, 1.2):.3g}')):g} mm",
+            "outer_diameter": f"{outside:g} mm",
             "conformity": _conformity(rng),
         },
         "balls": balls,

@@ -1,0 +1,113 @@
+"""What the test command without options leaves out: all of wings and sources, what is slow, and nothing else."""
+
+import ast
+import subprocess
+import sys
+import tomllib
+from functools import cache
+from pathlib import Path
+
+import pytest
+from tests.conftest import TESTS, imports_a_wing
+from tests.copies import ROOT
+
+from rollbench.comparison.registration import registered
+
+PHYSICS = {f"rollbench.{name}" for name in ("lowfi.friction", "lowfi.bearings", "lowfi.random_errors", "hifi.rolling")}
+OF_WINGS = {"rollbench.comparison.wings", "rollbench.comparison.sources", *PHYSICS}
+
+
+@cache
+def imported(path: Path) -> set[str]:
+    """Modules, and what may be modules, that a file of tests imports anywhere, and its helpers."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            found |= {f"{node.module}.{alias.name}" for alias in node.names}
+    for name in [name for name in found if name.startswith("tests.")]:
+        for helper in (name, name.rpartition(".")[0]):
+            file = ROOT.joinpath(*helper.split(".")).with_suffix(".py")
+            if file.is_file() and file != TESTS / "conftest.py":
+                found |= imported(file)
+    return found
+
+
+def test_a_module_is_a_wing_s_where_it_or_a_helper_imports_one() -> None:
+    modules = sorted(TESTS.rglob("test_*.py"))
+    expected = {
+        path for path in modules if any(f"{name}.".startswith(f"{of}.") for name in imported(path) for of in OF_WINGS)
+    }
+    assert {path for path in modules if imports_a_wing(path)} == expected
+    assert 100 < len(expected) < len(modules) - 100
+
+
+def test_the_packages_of_wings_are_those_that_registrations_name() -> None:
+    folders = {folder for one in registered().values() for folder in one.folders}
+    assert {f"rollbench.{folder.replace('/', '.')}" for folder in folders} == {
+        of for of in OF_WINGS if "comparison" not in of
+    }
+
+
+MARKED = """
+import pytest
+
+def test_plain(): pass
+
+@pytest.mark.slow
+def test_slow(): pass
+
+@pytest.mark.slow
+@pytest.mark.every_run
+def test_slow_of_every_run(): pass
+
+@pytest.mark.survey
+def test_survey(): pass
+
+@pytest.mark.each_wing
+def test_each_wing(): pass
+
+@pytest.mark.installs
+def test_installs(): pass
+"""
+#: Options, and the tests that they run: of the core (c), of a wing (w), through a helper (h) and of a source (s).
+RUNS = {
+    "": "c-plain c-slow_of_every_run h-slow_of_every_run s-slow_of_every_run w-slow_of_every_run",
+    "tests/test_w.py": "w-plain w-slow w-slow_of_every_run",
+    "-m slow": " ".join(f"{module}-{name}" for module in "chsw" for name in ("slow", "slow_of_every_run")),
+    "-m wing and not slow": "h-each_wing h-installs h-plain h-survey s-each_wing s-installs s-plain s-survey "
+    "w-each_wing w-installs w-plain w-survey",
+    "-m installs": "c-installs h-installs s-installs w-installs",
+}
+
+
+@pytest.fixture(scope="module")
+def marked(tmp_path_factory) -> Path:
+    """A small tree with the options and the conftest of this one."""
+    root = tmp_path_factory.mktemp("marked")
+    options = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["pytest"]["ini_options"]
+    lines = [f"{key} = {value!r}" for key, value in options.items() if key not in ("pythonpath", "filterwarnings")]
+    (root / "pyproject.toml").write_text("\n".join(["[tool.pytest.ini_options]", *lines]) + "\n", encoding="utf-8")
+    texts = {
+        "conftest.py": (TESTS / "conftest.py").read_text(encoding="utf-8"),
+        "helper.py": "from rollbench.lowfi.friction import contact\n",
+        "test_c.py": '"""Tells of rollbench.comparison.wings.sweep and imports none."""\n' + MARKED,
+        "test_h.py": "if False:\n    pass\n" + "from tests.helper import contact\n" + MARKED,
+        "test_w.py": MARKED + "\ndef imports():\n    from rollbench.comparison.wings import sweep\n",
+        "sources/lin/test_s.py": MARKED,
+    }
+    for name, text in texts.items():
+        (root / "tests" / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / "tests" / name).write_text(text, encoding="utf-8")
+    return root
+
+
+@pytest.mark.parametrize("options", RUNS)
+def test_a_command_runs_what_its_marks_say(marked, options: str) -> None:
+    words = ["-m", options.removeprefix("-m ")] if options.startswith("-m") else options.split()
+    command = [sys.executable, "-m", "pytest", "-n0", "-vv", "-p", "no:cacheprovider", "-p", "no:rollbench", *words]
+    env = {"PYTHONPATH": f"{marked}:{ROOT / '.import'}", "PATH": ""}
+    done = subprocess.run(command, cwd=marked, env=env, capture_output=True, text=True)
+    run = [line.partition(" PASSED")[0].partition("test_")[2] for line in done.stdout.splitlines() if " PASSED" in line]
+    assert " ".join(sorted(one.replace(".py::test_", "-") for one in run)) == RUNS[options], done.stdout + done.stderr
