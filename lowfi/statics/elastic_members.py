@@ -148,10 +148,10 @@ def _work(elastic: Elastic) -> tuple[Array, Array, float]:
     by_flanks = np.zeros((load.size, 2 * len(rows)))
     for c in range(len(rows)):
         by_flanks[dof[c], 2 * c], by_flanks[dof[c], 2 * c + 1] = rows[c]
-    given, inside = np.zeros(load.size), np.zeros_like(by_flanks)
+    given, inside = np.zeros(load.size), np.zeros(by_flanks.shape[1])
     if squeeze is not None:
         by_flanks += squeeze.wrenches.T @ squeeze.jumps
         given = squeeze.wrenches.T @ squeeze.given
-        inside = np.where(problem.fixed.ravel()[:, None], 0.0, squeeze.inside)
+        inside = squeeze.inside.by_loads(np.where(problem.fixed, 0.0, problem.load).reshape(-1, 1))[:, 0]
     moved = node_motions(shaft, given, np.zeros(elastic.state.a.size)).ravel()
-    return load @ (shaft.solve(by_flanks) + inside), load @ rigid_nodes(shaft), float(load @ moved)
+    return load @ shaft.solve(by_flanks) + inside, load @ rigid_nodes(shaft), float(load @ moved)

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.compliance.bodies import WholeBody, whole_body
-from rollbench.lowfi.compliance.modes import softer
 from rollbench.lowfi.compliance.parts import Backend, geometry_only, grooved_section
 from rollbench.lowfi.hertz import contact_stiffness
 from rollbench.lowfi.statics.problem import Problem, build
@@ -125,7 +124,7 @@ def flanks_of(problem: Problem, force: float, shaft: Shaft, response: Response) 
         clipped, most_lent = max(low, high), float(max(on_screw.max(initial=0.0), on_nut.max(initial=0.0)))
         start, free = np.zeros((N, 4, 2)), np.zeros((N, 4, 2, shaft.work.size))
         start[:, :2], free[:, :2] = v0, response.R
-    modes = [softer(body.spectrum, tangent) if N >= MODES_FROM else np.zeros((0, 0)) for body in (first, second)]
+    modes = [body.soft_modes(tangent) if N >= MODES_FROM else np.zeros((0, 0)) for body in (first, second)]
     return Flanks(
         first.G,
         second.G,
