@@ -79,26 +79,26 @@ class _Stages:
         self.seconds: dict[str, float] = {}
         self.others: dict[int, float] = {}
 
-    def told(self, stage: str, spent: float, cached: Sequence[bool]) -> None:
-        """Tell the seconds that a stage took, of whose records some came from the cache."""
+    def report_stage(self, stage: str, spent: float, cached: Sequence[bool]) -> None:
+        """Report the seconds that a stage took, and whether its records came from the cache."""
         origin = "" if not any(cached) else ", from the cache" if all(cached) else ", partly from the cache"
         self.step(StageDone(stage, f"{spent:.1f} s{origin}", cached=bool(cached) and all(cached)))
 
-    def made(self, parts: Sequence[Part], processes: int) -> list[Any]:
-        """Records of the parts. A stage is told with its own seconds when its last part is made; what is kept of it is its
+    def run_parts(self, parts: Sequence[Part], processes: int) -> list[Any]:
+        """Records of the parts. A stage is reported with the seconds of its parts when the last is made; kept is its
         share of the time that all took."""
         start = perf_counter()
         by_stage: dict[str, list[Made[Any]]] = {part.stage: [] for part in parts}
         wanted = Counter(part.stage for part in parts)
 
-        def one_more(k: int, one: Made[Any]) -> None:
+        def on_done(k: int, one: Made[Any]) -> None:
             stage = parts[k].stage
             own = by_stage[stage]
             own.append(one)
             if len(own) == wanted[stage]:
-                self.told(stage, sum(x.seconds for x in own), [x.cached for x in own])
+                self.report_stage(stage, sum(x.seconds for x in own), [x.cached for x in own])
 
-        found = make(parts, self.cache, processes, one_more)
+        found = make(parts, self.cache, processes, on_done)
         share = (perf_counter() - start) / max(sum(one.seconds for one in found), 1e-9)
         for stage, own in by_stage.items():
             self.seconds[stage] = sum((1.0 if one.cached else share) * one.cold_seconds for one in own)
@@ -129,16 +129,16 @@ def prepare(
     m, layout, dims = GrooveMap.of(scene), ball_layout(scene), dimensions(scene)
     stations = tuple(sorted({z for one in (scene, *scenes) for z in one.stations}))
     recipes, whole = mesh_recipes(scene, m, layout, dims, sides, settings)
-    meshes = whole(*stages.made([Part("meshes", *recipe) for recipe in recipes], processes))
+    meshes = whole(*stages.run_parts([Part("meshes", *recipe) for recipe in recipes], processes))
     parts = _patch_parts(scene, m, dims, meshes, sides, settings)
-    found = stages.made([*parts.values(), *_shaft_parts(scene, m, dims, settings, stations)], processes)
+    found = stages.run_parts([*parts.values(), *_shaft_parts(scene, m, dims, settings, stations)], processes)
     condensed = dict(zip(parts, found, strict=False))
     patches = {s: condensed[s] if s in condensed else turned(condensed[s - 1]) for s in sides}
     shaft = shaft_of(scene.screw.material, m, scene.screw.bore / 2.0, found[len(parts) :])
 
     bodies = _body_parts(scene, layout, dims, meshes, sides, settings, patches, stations)
     together = processes if layout.z.size * len(sides) <= TOGETHER else 1
-    screw, *nuts, ball = stages.made(bodies, together)
+    screw, *nuts, ball = stages.run_parts(bodies, together)
     nut: NutResponse | None = nuts[0] if nuts else None
     screw = _as_the_section(screw, shaft, m, layout, sides, stations)
     unknowns = screw.unknowns + (nut.unknowns if nut else 0) + ball.unknowns * layout.z.size

@@ -42,7 +42,7 @@ def unpacked(content: bytes, *packages: str) -> Any:
     try:
         with np.load(io.BytesIO(content), allow_pickle=False) as file:
             tree, *arrays = (file[name] for name in file.files)
-        return _made(json.loads(tree.tobytes()), arrays, (*TRUSTED, *packages))
+        return _unpacked(json.loads(tree.tobytes()), arrays, (*TRUSTED, *packages))
     except (AttributeError, EOFError, ImportError, LookupError, RecursionError, TypeError, BadZipFile, zlib.error) as error:
         raise ValueError(f"no record: {error}") from error
 
@@ -77,23 +77,23 @@ def _name(class_: type) -> str:
     return f"{class_.__module__}:{class_.__qualname__}"
 
 
-def _made(tree: Any, arrays: list[Any], packages: tuple[str, ...]) -> Any:
+def _unpacked(tree: Any, arrays: list[Any], packages: tuple[str, ...]) -> Any:
     if not isinstance(tree, list):
         return tree
     sort, *rest = tree
 
-    def made(x: Any) -> Any:
-        return _made(x, arrays, packages)
+    def unpacked(x: Any) -> Any:
+        return _unpacked(x, arrays, packages)
 
     makers: dict[str, Callable[[], Any]] = {
         "array": lambda: arrays[rest[0]],
         "scalar": lambda: arrays[rest[0]][()],
-        "tuple": lambda: tuple(map(made, rest)),
-        "list": lambda: list(map(made, rest)),
-        "dict": lambda: {made(k): made(x) for k, x in rest},
-        "sparse": lambda: _class(rest[0], ("scipy",))(tuple(map(made, rest[2:])), shape=tuple(rest[1])),
+        "tuple": lambda: tuple(map(unpacked, rest)),
+        "list": lambda: list(map(unpacked, rest)),
+        "dict": lambda: {unpacked(k): unpacked(x) for k, x in rest},
+        "sparse": lambda: _class(rest[0], ("scipy",))(tuple(map(unpacked, rest[2:])), shape=tuple(rest[1])),
         "class": lambda: _class(rest[0], packages),
-        "record": lambda: _record(_class(rest[0], packages), {k: made(x) for k, x in rest[1].items()}),
+        "record": lambda: _record(_class(rest[0], packages), {k: unpacked(x) for k, x in rest[1].items()}),
     }
     return makers[sort]()
 

@@ -165,11 +165,9 @@ def _folders(store: Path) -> Iterator[Check]:
         yield Check("compiled kernels", "ok", f"kept in {folder.parent}{first}")
     root = default_root()
     if root is None:
-        yield Check(
-            "cache of meshes", "optional", "switched off", "meshes are made anew every time", "unset ROLLBENCH_CACHE"
-        )
+        yield Check("cache of meshes", "optional", "switched off", "meshes are built every time", "unset ROLLBENCH_CACHE")
     else:
-        yield _folder("cache of meshes", root, "meshes are made anew every time", "name another by ROLLBENCH_CACHE")
+        yield _folder("cache of meshes", root, "meshes are built every time", "name another by ROLLBENCH_CACHE")
     yield _folder("store of references", store, "no run of the 3D reference can be kept", "name another by --store")
 
 
@@ -217,6 +215,6 @@ def _shipped() -> Iterator[Check]:
     if len(held) == len(names):
         yield Check("shipped references", "ok", f"of all {len(names)} scenes, made by {made}")
     else:
-        cost = "the others are computed anew, in hours"
+        cost = "the others are recomputed, in hours"
         found = f"of {len(held)} of {len(names)} scenes, made by {made}"
-        yield Check("shipped references", "missing", found, cost, "install rollbench anew")
+        yield Check("shipped references", "missing", found, cost, "reinstall rollbench")

@@ -72,7 +72,7 @@ def run_export(
         raise InputError("command line", "--format", form, "a format whose packages are installed", str(error)) from None
     if ball is not None and not (1 <= ball <= scene.ball_count and part != BLOCK and form != "inp"):
         allowed = f"1 to {scene.ball_count}, for parts of the scene, in vtu, msh or med"
-        raise InputError("command line", "--ball", str(ball), allowed, "leave it out for the mesh alone")
+        raise InputError("command line", "--ball", str(ball), allowed, "leave it out for the mesh only")
     said = []
     if ball is not None and part in BODIES:
         said.append(f"fields are those of the {part} that is solved, with a socket at every contact: {part}{SOCKETS}")

@@ -15,12 +15,12 @@ if TYPE_CHECKING:
 
 def ruled(title: str, headings: Iterable[str], rows: Iterable[Iterable[str]], left: Collection[str] = ()) -> Table:
     """Texts as a table with a title and rules, flush right but for the columns whose headings are ``left``."""
-    return _made(headings, rows, left, title=title)
+    return _filled(headings, rows, left, title=title)
 
 
 def plain(headings: Sequence[str], rows: Iterable[Iterable[str]], left: Collection[str] = (), *, apart: int = 1) -> Table:
     """Texts as a table without rules, ``apart`` columns from one another, none wrapped; for the rest see `ruled`."""
-    out = _made(headings, rows, left, box=None, pad_edge=False, padding=(0, apart, 0, 0))
+    out = _filled(headings, rows, left, box=None, pad_edge=False, padding=(0, apart, 0, 0))
     for column in out.columns:
         column.no_wrap = True
     return out
@@ -31,10 +31,10 @@ def aligned(rows: Sequence[Mapping[str, Any]], digits: str = ".4g", title: str |
     kept = {k: k.replace("_", " ").replace("percent", "%") for k in rows[0] if any(row[k] is not None for row in rows)}
     left = [heading for key, heading in kept.items() if isinstance(rows[0][key], str)]
     texts = ([cell(row[k], digits if isinstance(row[k], float) else "s") for k in kept] for row in rows)
-    return _made(kept.values(), texts, left, title=title, box=None, pad_edge=False, padding=(0, 1, 0, 0))
+    return _filled(kept.values(), texts, left, title=title, box=None, pad_edge=False, padding=(0, 1, 0, 0))
 
 
-def _made(headings: Iterable[str], rows: Iterable[Iterable[str]], left: Collection[str], **look: Any) -> Table:
+def _filled(headings: Iterable[str], rows: Iterable[Iterable[str]], left: Collection[str], **look: Any) -> Table:
     from rich.table import Table as Made
 
     out = Made(title_justify="left", **look)
@@ -51,7 +51,7 @@ def listed(title: str, columns: Sequence[Column], rows: Iterable[Mapping[str, An
     return ruled(title, [heading for _, heading, _ in columns], texts)
 
 
-def told(title: str, quantities: Sequence[Quantity], found: Iterable[Any]) -> Table:
+def of_quantities(title: str, quantities: Sequence[Quantity], found: Iterable[Any]) -> Table:
     """Quantities of records as a table with a title and rules, their sets numbered from 1."""
     rows = ([str(i), *(cell(q.value(one), q.format) for q in quantities)] for i, one in enumerate(found, 1))
     return ruled(title, ["set", *(f"{q.label} {q.unit}".strip() for q in quantities)], rows)

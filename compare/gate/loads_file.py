@@ -67,11 +67,10 @@ def write_loads(path: Path, rows: Sequence[Mapping[str, str]]) -> str:
 
 @dataclass(frozen=True)
 class Rows:
-    """A CSV file: its headings as written and in small letters, the number of their line, whether numbers have a decimal
+    """A CSV file: its headings as written, the number of their line, whether numbers have a decimal
     comma, its rows with their line numbers, and its notes: lines above the headings, ``# name: text``."""
 
     titles: tuple[str, ...]
-    heads: tuple[str, ...]
     line: int
     decimal_comma: bool
     rows: tuple[tuple[int, dict[str, str]], ...]
@@ -96,7 +95,7 @@ class Rows:
         cells = ((number, [cell.strip() for cell in row]) for number, row in enumerate(rows, above + 2))
         kept = tuple((number, dict(zip(heads, row, strict=False))) for number, row in cells if any(row))
         notes = dict(_note(line) for line in lines[:above])
-        return cls(titles, heads, above + 1, separator != ",", kept, notes)
+        return cls(titles, above + 1, separator != ",", kept, notes)
 
 
 def read_loads(path: Path, balls: int, scene: Scene | None = None, only: Only = EVERY) -> GivenLoads:

@@ -67,7 +67,7 @@ def read_condensed(scene: Scene, options: Options) -> Condensed:
             "file",
             str(error),
             "a file that rollbench condense made of this scene's parts",
-            "make it anew: rollbench condense",
+            "make it again: rollbench condense",
         ) from None
 
 

@@ -41,7 +41,7 @@ class Study:
     scenes: dict[str, Scene] = field(default_factory=dict)
     others: dict[str, Described] = field(default_factory=dict)
     results: dict[tuple[Scene, str, int], StaticResult] = field(default_factory=dict)
-    made: dict[Any, Any] = field(default_factory=dict)
+    computed: dict[Any, Any] = field(default_factory=dict)
 
     def scene(self, name: str) -> Scene:
         """Shipped scene by name."""
@@ -83,9 +83,9 @@ class Study:
     def once(self, make: Callable[..., T], *args: Any) -> T:
         """``make(study, *args)``, computed on first use; the arguments must be hashable."""
         key = (make, *args)
-        if key not in self.made:
-            self.made[key] = make(self, *args)
-        return cast(T, self.made[key])
+        if key not in self.computed:
+            self.computed[key] = make(self, *args)
+        return cast(T, self.computed[key])
 
     def ensemble(self, name: str) -> EnsembleResult:
         """Drawn screws of a shipped scene with random errors."""

@@ -92,12 +92,12 @@ def _turned(scene: Scene) -> Scene:
 
 
 def _stiffer(scene: Scene) -> Scene:
-    def more(material: Material) -> Material:
+    def stiffened(material: Material) -> Material:
         return replace(material, youngs_modulus=1.01 * material.youngs_modulus)
 
-    screw = replace(scene.screw, material=more(scene.screw.material))
-    nut = replace(scene.nut, material=more(scene.nut.material))
-    return replace(scene, screw=screw, nut=nut, balls=replace(scene.balls, material=more(scene.balls.material)))
+    screw = replace(scene.screw, material=stiffened(scene.screw.material))
+    nut = replace(scene.nut, material=stiffened(scene.nut.material))
+    return replace(scene, screw=screw, nut=nut, balls=replace(scene.balls, material=stiffened(scene.balls.material)))
 
 
 def _larger(scene: Scene) -> Scene | None:

@@ -206,7 +206,7 @@ def enlarged(setup: Setup, found: Sequence[tuple[Array, Array]], left: int) -> t
             continue
         if max(after[0] / has[0], after[1] / has[1]) > 1.0 + GROWN:
             return larger, words
-    return None, words + (refused or ", as much as there is room for; lower the load, or make more room beside the contact")
+    return None, words + (refused or ", as much as there is room for; lower the load, or make more room around the contact")
 
 
 def with_bodies(task: Task) -> bool:

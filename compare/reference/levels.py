@@ -46,9 +46,9 @@ def scaled(level: int, ball: float, refined: Sequence[str] = ()) -> dict[str, An
     ratio = ball / BALL
     settings = dict(SOURCE_MESH if level == SOURCE_LEVEL else LEVELS[level]) | {name: BEYOND[name] for name in refined}
 
-    def own(name: str, value: Any) -> Any:
+    def for_ball(name: str, value: Any) -> Any:
         if isinstance(value, float) and name not in _RATIOS:
             return value * ratio
         return tuple(x * ratio for x in value) if name.endswith("sizes") else value
 
-    return {name: own(name, value) for name, value in settings.items()}
+    return {name: for_ball(name, value) for name, value in settings.items()}

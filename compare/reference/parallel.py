@@ -34,7 +34,7 @@ LONELY, LOOK = 60.0, 1.0
 #: Seconds without an answer of a scheduler that still holds the connection, after which it counts as lost.
 SILENCE = 120.0
 #: What to do when a cluster was lost.
-AGAIN = "see what ended it, start it anew and the same command again: runs that are stored are not repeated"
+AGAIN = "see what ended it, restart it, and give the same command again: runs that are stored are not repeated"
 
 _ALONE = threading.Lock()
 

@@ -102,12 +102,12 @@ def _but_sizes(settings: Mapping[str, Any]) -> str:
 def plain(settings: Mapping[str, Any]) -> dict[str, Any]:
     """Settings as they come back from a file: lists are tuples."""
 
-    def told(value: Any) -> Any:
+    def as_tuples(value: Any) -> Any:
         if isinstance(value, list | tuple):
-            return tuple(map(told, value))
+            return tuple(map(as_tuples, value))
         return plain(value) if isinstance(value, dict) else value
 
-    return {name: told(value) for name, value in settings.items()}
+    return {name: as_tuples(value) for name, value in settings.items()}
 
 
 @dataclass(frozen=True)

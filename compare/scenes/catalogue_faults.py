@@ -38,19 +38,19 @@ def _circuits(keys: SceneKeys) -> Iterator[Fault]:
     for name in ("filling", "circuit_gap") if listed else ():
         if getattr(balls, name) is not None:
             advice = "write count instead" if (name, listed) == ("filling", "arcs") else said
-            yield Fault((f"balls.{name}",), f"nothing beside {listed}", advice)
+            yield Fault((f"balls.{name}",), f"nothing together with {listed}", advice)
     if circuits == 1:
         if balls.circuit_gap is not None and not listed:
             yield Fault(("balls.circuits",), "2 or more with circuit_gap", "give circuits, or leave circuit_gap out", "one")
         return
     if listed:
-        yield Fault(("balls.circuits",), f"1 beside {listed}", said)
+        yield Fault(("balls.circuits",), f"1 together with {listed}", said)
     elif keys.track.lead == 0.0:
         yield Fault(("balls.circuits",), "1 for zero lead", "a bearing has one row")
     elif balls.circuit_gap is None:
         advice = "makers rarely print it: measure from ball to ball on a drawing, 0.3 to 1 turns are usual"
         value = f"{circuits} without circuit_gap"
-        yield Fault(("balls.circuits",), "circuit_gap beside it, the turns without balls between circuits", advice, value)
+        yield Fault(("balls.circuits",), "circuit_gap with it, the turns without balls between circuits", advice, value)
     own = 1 if keys.circulation is None else keys.circulation.circuits
     if (keys.circulation is not None or keys.time is not None) and own != circuits:
         advice = f"[balls] has {circuits} circuits of each start: write circuits = {circuits} under [circulation]"
@@ -69,4 +69,4 @@ def _preload(keys: SceneKeys) -> Iterator[Fault]:
         yield Fault(("preload.lead_offset",), "a lead above zero", "rows of a bearing are [[sets]] with an offset")
     if found.lead_offset is None and keys.errors.balls.oversize != 0.0:
         advice = "[preload] sets it: leave one of the two out"
-        yield Fault(("errors.balls.oversize",), "0 um beside [preload]", advice)
+        yield Fault(("errors.balls.oversize",), "0 um together with [preload]", advice)

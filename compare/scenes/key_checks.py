@@ -81,7 +81,7 @@ def _holding_faults(keys: SceneKeys) -> Iterator[Fault]:
     """A flange on a ring, keys of a flange's face without one, and the former key beside the new one."""
     nut, former = keys.nut, keys.solid.nut_held
     if nut.held.at is not None and former is not None:
-        yield Fault(("solid.nut_held",), "nut.held.at alone", "solid.nut_held is its former name: leave it out", "both")
+        yield Fault(("solid.nut_held",), "only nut.held.at", "solid.nut_held is its former name: leave it out", "both")
     if nut.flange is not None and keys.track.lead == 0.0:
         yield Fault(("nut.flange",), "a lead above 0 mm", "leave out the flange of a bearing's ring", "a flange")
     by_flange = nut.flange is not None and (nut.held.at or former or "flange face") == "flange face"

@@ -79,7 +79,7 @@ class MaterialKeys(Table):
         if value is None or SOLIDS[0] <= value <= SOLIDS[1] or info.data.get("unusual"):
             return value
         allowed = f"{1e-9 * SOLIDS[0]:g} GPa to {1e-9 * SOLIDS[1]:g} GPa"
-        advice = 'steel has "210 GPa"; if it is meant, write unusual = true beside it'
+        advice = 'steel has "210 GPa"; if it is meant, write unusual = true with it'
         raise PydanticCustomError("quantity", "{advice}", {"allowed": allowed, "advice": advice})
 
 

@@ -84,8 +84,8 @@ def case_faults(keys: SceneKeys | AxisKeys) -> Iterator[Fault]:
     timed = [k for k, case in enumerate(keys.cases) if case.time is not None]
     shared = [k for k, case in enumerate(keys.cases) if case.share]
     if timed and shared:
-        advice = "give all cases a share, or all time and speed; share = 0 may stand beside times"
-        yield Fault((f"cases[{shared[0]}].share",), "0 beside cases with a time", advice)
+        advice = "give all cases a share, or all time and speed; share = 0 may stand with times"
+        yield Fault((f"cases[{shared[0]}].share",), "0 with cases that have a time", advice)
     elif timed and not any(keys.cases[k].time for k in timed):
         yield Fault((f"cases[{timed[0]}].time",), "above 0 s in one of the cases", "shares follow from times: mend one")
     elif not timed and abs(sum(case.share or 0.0 for case in keys.cases) - 1.0) > ROUNDED:
@@ -102,7 +102,7 @@ def _share_faults(case: CaseKeys, where: str) -> Iterator[Fault]:
         yield Fault((f"{where}.share",), "either share or time", advice, found)
     elif case.time is not None and case.speed is None:
         advice = 'the share of the revolutions follows from both: write e.g. speed = "200 rpm"'
-        yield Fault((f"{where}.speed",), "a speed beside time", advice, "nothing")
+        yield Fault((f"{where}.speed",), "a speed with a time", advice, "nothing")
     if case.speed == 0.0:
         advice = "write share = 0 for a case at rest: it is checked statically only"
         yield Fault((f"{where}.speed",), "any angular speed but zero", advice)

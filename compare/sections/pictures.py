@@ -167,16 +167,16 @@ def mesh_overview(solved: Solved) -> FieldPicture:
 def _around(found: Stresses, *, edges: bool, values: bool) -> tuple[MeshPart, ...]:
     """All pieces around the ball; with the mesh, or coloured by the equivalent stress in MPa."""
 
-    def part(piece: SolidField, colour: str) -> MeshPart:
+    def coloured(piece: SolidField, colour: str) -> MeshPart:
         stress = MPA * piece.von_mises if values else None
         return MeshPart(piece.points, piece.cells, piece.kind, stress, colour, edges, outline=True)
 
     return (
-        part(found.bodies[0], STEEL),
-        part(found.bodies[1], NUT),
-        part(found.ball, BALL),
-        *(part(x, FINE) for x in found.grooves.values()),
-        *(part(x, FINE_BALL) for x in found.patches.values()),
+        coloured(found.bodies[0], STEEL),
+        coloured(found.bodies[1], NUT),
+        coloured(found.ball, BALL),
+        *(coloured(x, FINE) for x in found.grooves.values()),
+        *(coloured(x, FINE_BALL) for x in found.patches.values()),
     )
 
 

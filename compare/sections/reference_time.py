@@ -158,7 +158,7 @@ def _solved(name: str, model: Model, study: Study, bodies: Path | None) -> Stati
     """Result of a model on a scene; with condensed bodies from a file, that of the ladder where it has been climbed."""
     if bodies is None:
         return study.solve(name, model.name)
-    for rung in study.made.get((ladder,), ()):
+    for rung in study.computed.get((ladder,), ()):
         if (rung.scene, rung.model) == (name, model.name):
             return cast(Rung, rung).result
     return run_model(study.scene(name), model.name, Options(discretisation=False, condensed=bodies))

@@ -138,10 +138,10 @@ def settle(elastic: Elastic, build: Rebuild | None = None) -> tuple[Elastic, Out
         centre, contact, shift = contacts_of(elastic)
         return [Flanks(elastic.problem, contact, centre, shift)]
 
-    def rebuild(more: list[Array]) -> Outcome:
+    def rebuild(arms: list[Array]) -> Outcome:
         nonlocal elastic
         old = elastic
-        elastic = elastic if build is None else build(more[0])
+        elastic = elastic if build is None else build(arms[0])
         elastic.problem.C[:] = old.problem.C
         for new_state, old_state in zip(elastic.state, old.state, strict=True):
             new_state[:] = old_state

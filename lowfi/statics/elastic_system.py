@@ -236,9 +236,9 @@ class Rebuild:
     refine: int = 1
     whole: WholeBody = whole_body
 
-    def __call__(self, more: Array | None = None) -> Elastic:
-        """The problem, ready; ``more``: see `lowfi.statics.problem.build`."""
-        problem = self.problem(more)
+    def __call__(self, arms: Array | None = None) -> Elastic:
+        """The problem, ready; ``arms``: see `lowfi.statics.problem.build`."""
+        problem = self.problem(arms)
         return ready(problem, self.backend, self.engine, self.layout, self.condensed, self.whole)
 
     def pinned(self, problem: Problem) -> tuple[Rebuild, Elastic]:
@@ -246,7 +246,7 @@ class Rebuild:
         held = replace(self, held=(problem.fixed, problem.prescribed, problem.pins))
         return held, ready(problem, self.backend, self.engine, self.layout, self.condensed, self.whole)
 
-    def problem(self, more: Array | None = None) -> Problem:
+    def problem(self, arms: Array | None = None) -> Problem:
         """The problem with the backend's section."""
         found = build(
             self.scene,
@@ -255,7 +255,7 @@ class Rebuild:
             self.use,
             everything=self.everything,
             refine=self.refine,
-            more=more,
+            arms=arms,
             section=grooved_section(geometry_only(self.scene), True) if self.backend.section == "cell" else None,
         )
         return (

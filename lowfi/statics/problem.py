@@ -285,14 +285,14 @@ def _length(x: Array, z: Array) -> Array:
 def flank_rows(parts: tuple[Scene, Specimen, BallLayout, Array | None], side: int, origin_z: Array) -> Array:
     """Rows e . (u + theta x r) for the flank's point that carries the force, ``(..., N, 2, 6)``; u, theta at ``origin_z``.
 
-    That point is the groove's centre of curvature, on every line of action of the arc (plus ``more`` (N, 4, 2) where
+    That point is the groove's centre of curvature, on every line of action of the arc (plus ``arms`` (N, 4, 2) where
     the profile is no arc), or, frozen, the nominal contact point.
     """
-    scene, drawn, layout, more = parts
+    scene, drawn, layout, arms = parts
     if scene.ingredients.arm == "nominal":
         point = np.broadcast_to(nominal_contact_points(scene)[side], (layout.z.size, 2))
     else:
-        point = drawn.centre[..., side, :] + (more[:, side] if more is not None else 0.0)
+        point = drawn.centre[..., side, :] + (arms[:, side] if arms is not None else 0.0)
     x = layout.centre + point[..., :1] * layout.radial
     x += point[..., 1:] * layout.binormal
     x[..., 2] -= origin_z
@@ -353,15 +353,15 @@ def build(
     *,
     everything: bool = False,
     refine: int = 1,
-    more: Array | None = None,
+    arms: Array | None = None,
     section: BeamSection | None = None,
     known: tuple[Array, Array] | None = None,
 ) -> Problem:
     """Arrays of the static problem with the sides ``use`` (4,); ``refine`` splits every element into that many.
 
-    more: see ``flank_rows``; section: of the screw, instead of the scene's (Lin C.8); known: see ``pack_geometry``.
+    arms: see ``flank_rows``; section: of the screw, instead of the scene's (Lin C.8); known: see ``pack_geometry``.
     """
-    parts = (scene, drawn, layout, more)
+    parts = (scene, drawn, layout, arms)
     geometry, closure = pack_geometry(scene, drawn, hertz_C(scene, drawn), use, known)
     section = section or screw_section(scene)
     stations = contact_stations(scene, layout)

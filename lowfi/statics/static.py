@@ -330,9 +330,9 @@ def settle(prepared: Prepared, *, everything: bool = False, refine: int = 1, pro
         moved[:, :2] = flank_motions(problem, prepared.state.q)
         return [Flanks(problem, prepared.state.contact, prepared.state.p, moved)]
 
-    def rebuild(more: list[Array]) -> Outcome:
+    def rebuild(arms: list[Array]) -> Outcome:
         p = prepared.problem
-        rebuilt = build(p.scene, p.drawn, p.layout, p.use, everything=everything, refine=refine, more=more[0])
+        rebuilt = build(p.scene, p.drawn, p.layout, p.use, everything=everything, refine=refine, arms=arms[0])
         rebuilt = replace(rebuilt, fixed=p.fixed, prescribed=p.prescribed, pins=p.pins)
         rebuilt.C[:] = p.C
         prepared.problem = rebuilt

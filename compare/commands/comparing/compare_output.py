@@ -300,7 +300,7 @@ def load_figure(name: str, models: Sequence[Beside], found: Reference) -> Figure
         shown = (b for b in models if b.label in (*MODELS, OURS))
         series += [Series(b.label, balls, b.answer.load[:, s].tolist(), "line") for b in shown]
         panels.append(Panel(f"screw's flank {SIDES[s]}", "ball", "contact load / N", series, integer_x=True))
-    return Figure(name, "Contact loads: prediction beside reference", panels)
+    return Figure(name, "Contact loads: prediction and reference", panels)
 
 
 def write_files(scene: Scene, models: Sequence[Beside], found: Reference, store: Path) -> str:

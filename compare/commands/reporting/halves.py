@@ -69,7 +69,7 @@ def make(parts: Sequence[Part], announce: Step, step: Step, study: Study, then: 
         made[part.name] = section(study, step)
     if "ladder" in made:
         then(study)
-    return Made(made, replace(study, results={}, made={}))
+    return Made(made, replace(study, results={}, computed={}))
 
 
 class _Aside:

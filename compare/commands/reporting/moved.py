@@ -113,7 +113,7 @@ def checked(report: Path, stores: Sequence[Path]) -> Iterator[Checked]:
     try:
         manifest = read_manifest(folder)
     except (OSError, ValueError) as error:
-        raise InputError(str(folder / FILE), "file", str(error), "a manifest", "write the report anew") from None
+        raise InputError(str(folder / FILE), "file", str(error), "a manifest", "write the report again") from None
     names = [name.removeprefix(SCENE) for name in manifest["inputs"] if name.startswith(SCENE)]
     texts = {name: catalogue.scene_text(name) for name in names if name in catalogue.scene_names()}
     for stated, found in ((manifest["files"], hashes(folder)), (manifest["inputs"], inputs(stores, texts))):

@@ -11,7 +11,7 @@ from rollbench.comparison.commands.printing import Column
 from rollbench.comparison.commands.solving.axis_summary import set_summary, whole_stiffness, whole_summary
 from rollbench.comparison.commands.solving.solve_output import ball_rows as rows_of
 from rollbench.comparison.commands.solving.solve_output import behind_json, first_lines, last_lines, solver_lines
-from rollbench.comparison.commands.tables import listed, told
+from rollbench.comparison.commands.tables import listed, of_quantities
 from rollbench.comparison.models.axis_answers import AxisAnswers, SetAnswers
 from rollbench.comparison.models.registry import random_errors
 from rollbench.comparison.quantities import number, quantity
@@ -122,7 +122,7 @@ def as_table(
         *first_lines(result, block),
     ]
     if result.sets and result.converged:
-        parts += [told("sets: force on the shaft, stiffness of the set alone", SETS, result.sets)]
+        parts += [of_quantities("sets: force on the shaft, stiffness of the set alone", SETS, result.sets)]
         parts += _element_tables(result) if balls else []
     for h in result.housings if result.converged else ():
         moved = ", ".join(

@@ -93,9 +93,7 @@ def block(assembly: Assembly, result: AxisResult, found: AxisAnswers, width: int
         lines.append(("axial", text if rigid is None else f"{text}; tangent rigidity {rigid:.5g} N/um"))
         lost = axial["lost_motion_um_per_100N"]
         if lost is not None:
-            lines.append(
-                ("lost", f"{lost:.3g} um of motion for every 100 N of friction that reverses, by elasticity alone")
-            )
+            lines.append(("lost", f"{lost:.3g} um of motion for every 100 N of friction that reverses, by elasticity only"))
     if "worst_set" in data:
         name = assembly.sets[data["worst_set"] - 1].name
         speed = None if assembly.motion is None else assembly.motion.speed

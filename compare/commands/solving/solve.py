@@ -71,10 +71,10 @@ def run_solve(name: str, choices: Choices) -> Answer:
 def _of_case(choices: Choices, name: str) -> Choices:
     """Files of one load case: its name stands in theirs."""
 
-    def own(path: Path | None) -> Path | None:
+    def named(path: Path | None) -> Path | None:
         return None if path is None else path.with_stem(f"{path.stem}-{name}")
 
-    return replace(choices, matrix=own(choices.matrix), curve=own(choices.curve))
+    return replace(choices, matrix=named(choices.matrix), curve=named(choices.curve))
 
 
 def _write_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Sequence[str]) -> list[str]:

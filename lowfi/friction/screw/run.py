@@ -15,7 +15,8 @@ from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.load import Cell, screw_rows
 from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.pair import BOTH
-from rollbench.lowfi.friction.screw.travel import History, Instant, Place, Track, simulate
+from rollbench.lowfi.friction.screw.track import Track
+from rollbench.lowfi.friction.screw.travel import History, Instant, Place, simulate
 from rollbench.meshes.arrays import Array
 
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.friction.screw.travel import Track
+from rollbench.lowfi.friction.screw.track import Track
 from rollbench.lowfi.friction.whole.chain import SceneGrooves, grooves_of
 from rollbench.lowfi.friction.whole.circuit import circuits
 from rollbench.meshes.arrays import Array

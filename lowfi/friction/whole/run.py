@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.screw.path import ON_SCREW
-from rollbench.lowfi.friction.screw.travel import Instant, Place, Track
+from rollbench.lowfi.friction.screw.track import Track
+from rollbench.lowfi.friction.screw.travel import Instant, Place
 from rollbench.lowfi.friction.whole.balls import Balls
 from rollbench.lowfi.friction.whole.chain import SceneGrooves, chain_motion
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_at, spread

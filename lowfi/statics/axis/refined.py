@@ -101,9 +101,9 @@ def settle(elastic: ElasticAxis, backend: Backend) -> tuple[ElasticAxis, Outcome
     def flanks() -> list[Flanks]:
         return set_flanks(elastic.system, state_of(elastic)[0], flank_shifts(elastic))
 
-    def rebuild(more: list[Array]) -> Outcome:
+    def rebuild(arms: list[Array]) -> Outcome:
         nonlocal elastic
-        old, elastic = elastic, ready(with_arms(elastic.system, more), backend, elastic.engine)
+        old, elastic = elastic, ready(with_arms(elastic.system, arms), backend, elastic.engine)
         for new, known in zip(elastic.state, old.state, strict=True):
             new[:] = known
         return iterated(False)

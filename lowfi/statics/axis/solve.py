@@ -130,8 +130,8 @@ def settle(prepared: Prepared) -> Outcome:
     def iterated(start: bool) -> Outcome:
         return iterate(prepared, start=start)
 
-    def rebuild(more: list[Array]) -> Outcome:
-        prepared.system = with_arms(prepared.system, more)
+    def rebuild(arms: list[Array]) -> Outcome:
+        prepared.system = with_arms(prepared.system, arms)
         return iterated(False)
 
     def contacts() -> list[Contacts]:

@@ -141,10 +141,10 @@ def _ball_set(
     use: NDArray[np.bool_],
     place: Placed,
     first: int,
-    more: Array | None = None,
+    arms: Array | None = None,
 ) -> BallSet:
     layout, drawn = place
-    parts = (scene, drawn, layout, more)
+    parts = (scene, drawn, layout, arms)
     geometry, closure = pack_geometry(scene, drawn, hertz_C(scene, drawn), use)
     n, nodes, N = structure.nodes.size, structure.nodes, layout.z.size
     stations = contact_stations(scene, layout)
@@ -207,10 +207,10 @@ def widened(row: Ints, B: Array, width: int, rows: int) -> tuple[Ints, Array]:
     return row - last, np.where(last[..., None, None], second, first)
 
 
-def with_arms(system: System, more: Sequence[Array]) -> System:
+def with_arms(system: System, arms: Sequence[Array]) -> System:
     """The system at its Hertz constants with lever arms of all ball sets longer by (N, 4, 2) [m]."""
     balls = []
-    for b, m in zip(system.balls, more, strict=True):
+    for b, m in zip(system.balls, arms, strict=True):
         p = b.problem
         own = _ball_set(b.of, p.scene, system.structure, p.use, (p.layout, p.drawn), b.balls.start, m)
         own.problem.C[:] = p.C

@@ -66,7 +66,7 @@ def test_no_screws_are_drawn_unless_asked_for():
     found = {e.printed.key: e for e in evidence(study, "lin-2.4.2")}
     assert [found[k].agrees for k in ("random_two_point", "random_much", "combined_four_point")] == [None] * 3
     assert found["pitch_much"].agrees is True
-    assert not any(getattr(key[0], "__name__", "") == "_ensemble" for key in study.made)
+    assert not any(getattr(key[0], "__name__", "") == "_ensemble" for key in study.computed)
 
 
 def test_every_computation_fills_its_own_table_only():

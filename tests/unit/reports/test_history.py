@@ -59,7 +59,7 @@ def test_only_a_report_that_keeps_adds_a_release(tmp_path, monkeypatch):
     lin = TimePoint(MODELS["lin"].label, "model", 6.0, 2.0, None, None, 1.0, 0.1, 9, 90.0, "lin")
     level = TimePoint("3D reference, level 4", "level", 0.0, 0.0, None, None, 90.0, 1.0, 9, 900.0, "3D level 4")
     step = print
-    study.made[all_points, step] = {"lin-case1": [lin, level]}
+    study.computed[all_points, step] = {"lin-case1": [lin, level]}
     monkeypatch.setattr(history, "load", lambda _: (ONE,))
     section = history.section(study, step)
     assert [row["release"] for row in section.items[1].rows][:: len(QUANTITIES)] == ["0.1", history.NOW]

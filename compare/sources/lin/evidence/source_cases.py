@@ -25,13 +25,6 @@ PAIR_SCENES = {"a": "lin-screw-pair-a", "b": "lin-screw-pair-b"}
 RUN_SCENES = {2.0: "lin-screw-run-2deg", 3.0: "lin-screw-run"}
 LINEAR_PAIR, LINEAR_MATED, LINEAR_WORST = "lin-pair-a", "lin-pair-b", "lin-pair-worst"
 BEARINGS = "lin-bearing-pairs"
-SCENES_3_2_3_3 = (
-    *ROTARY_SCENES.values(),
-    *(f"{n}-printed" for n in ROTARY_SCENES.values()),
-    LINEAR_PAIR,
-    LINEAR_MATED,
-    LINEAR_WORST,
-)
 
 
 def rotary(name: str, *, printed: bool = False) -> BearingBallScene:

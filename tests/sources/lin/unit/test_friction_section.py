@@ -14,7 +14,7 @@ from rollbench.comparison.printed.printed_data import load_table
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.scenes.scene_file import scene_hash
 from rollbench.comparison.sections.notes import assumptions
-from rollbench.comparison.sources.lin.evidence import rotary_linear, source_cases
+from rollbench.comparison.sources.lin.evidence import rotary_linear
 from rollbench.comparison.sources.lin.sections import friction
 from rollbench.reports.records import Figure, Section
 
@@ -150,14 +150,19 @@ def test_formula_and_difference_add_up(made):
             np.testing.assert_allclose(np.subtract(b.y, a.y), c.y, atol=1e-12)
 
 
+#: Scenes of the cases of 3.2: as computed here, and with the source's constants and law; and those of 3.3.
+ROTARY = ("lin-rotary-1", "lin-rotary-2", "lin-rotary-3")
+SCENES = (*ROTARY, *(f"{name}-printed" for name in ROTARY), "lin-pair-a", "lin-pair-b", "lin-pair-worst")
+
+
 def test_scenes_of_friction_are_hashed_and_their_assumptions_shown():
     study = Study()
     evidence(study, *friction.TABLES)
-    assert set(study.used) == set(source_cases.SCENES_3_2_3_3)
+    assert set(study.used) == set(SCENES)
     rows = {row["assumed"]: row["scenes"] for row in assumptions(study)}
     for name, scene in study.used.items():
         assert scene_hash(catalogue.scene_text(name))
         for sentence in scene.assumed:
             assert rows[sentence] == "all" or name in rows[sentence].split(", ")
     study.scene("lin-case1")
-    assert list(study.used) == sorted({*source_cases.SCENES_3_2_3_3, "lin-case1"})
+    assert list(study.used) == sorted({*SCENES, "lin-case1"})
