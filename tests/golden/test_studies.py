@@ -216,7 +216,13 @@ def left_out(name):
     )
 
 
-@pytest.mark.parametrize("maker", MAKERS, ids=lambda maker: maker.__name__)
+#: Makers of some seconds.
+SLOW = (results, verdicts)
+
+
+@pytest.mark.parametrize(
+    "maker", [pytest.param(maker, marks=pytest.mark.slow if maker in SLOW else (), id=maker.__name__) for maker in MAKERS]
+)
 def test_no_number_of_a_study_moves(maker):
     expected = json.loads(RECORD.read_text(encoding="utf-8"))[maker.__name__]
     same(means(maker(), left_out, properties=True), expected)
