@@ -21,7 +21,9 @@ class Job:
     seconds: median wall clock (None: not measured); ratio: seconds of the source's formulation for the same task over
     these (None where it has no counterpart, or is the counterpart); unknowns of one solve; peak_MB: highest resident
     memory of the whole process, interpreter and libraries included, since the first job of its group (cold, warm,
-    ensemble, ...; each number of balls is a group) began; note: what is included.
+    ensemble, ...; each number of balls is a group) began; note: what is included. Of a job that a user waits for also aim
+    [s]; floor [s]: what no change here can save, measured, and of what (floor_of); modules [s]: with the import of the
+    package's own besides; when: version, day and machine of a time that is kept, empty for one of this run.
     """
 
     job: str
@@ -30,6 +32,11 @@ class Job:
     unknowns: int | None
     peak_MB: float | None
     note: str
+    aim: float | None = None
+    floor: float | None = None
+    floor_of: str = ""
+    modules: float | None = None
+    when: str = ""
 
 
 def timed(work: Callable[[], object], repeats: int, reset: Callable[[], object] | None = None) -> float:
@@ -51,11 +58,18 @@ def timed(work: Callable[[], object], repeats: int, reset: Callable[[], object] 
     return median(seconds[1:])
 
 
-def launch(arguments: list[str], extra: dict[str, str] | None = None) -> tuple[float, subprocess.CompletedProcess[str]]:
-    """Wall clock of a Python process [s], which imports nothing from the working folder, and what it left."""
-    environment = {**os.environ, **SINGLE_THREAD, **(extra or {})}
+def single_threaded(extra: dict[str, str] | None = None) -> dict[str, str]:
+    """Environment of a process that is timed, with further variables."""
+    return {**os.environ, **SINGLE_THREAD, **(extra or {})}
+
+
+def launch(
+    arguments: list[str], extra: dict[str, str] | None = None, limit: float = 300.0
+) -> tuple[float, subprocess.CompletedProcess[str]]:
+    """Wall clock of a Python process [s], which imports nothing from the working folder, and what it left; limit [s]."""
+    environment = single_threaded(extra)
     begin = perf_counter()
     done = subprocess.run(
-        [sys.executable, "-P", *arguments], capture_output=True, text=True, env=environment, check=False, timeout=300
+        [sys.executable, "-P", *arguments], capture_output=True, text=True, env=environment, check=False, timeout=limit
     )
     return perf_counter() - begin, done

@@ -21,16 +21,7 @@ from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.selection import all_clear, all_sides, choose_sides
 from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.lowfi.statics.shape import motion_matrices
-from rollbench.lowfi.statics.static import (
-    Engine,
-    Prepared,
-    iterate,
-    pick_engine,
-    pin,
-    prepare,
-    reference_scale,
-    solve_static,
-)
+from rollbench.lowfi.statics.static import Engine, Prepared, iterate, pick_engine, pin, prepare, scale_of, solve_static
 from rollbench.lowfi.threads import one_thread
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimens, alike_in_shape, specimen, specimens, without_draws
@@ -185,7 +176,7 @@ class _Batch:
     def _held(self, use: NDArray[np.bool_]) -> Problem | None:
         """The problem without random errors; None where the screw is not held."""
         problem = build(self.scene, self.mean, self.layout, use)
-        if reference_scale(problem)[0] == 0.0:  # only the random errors press anything together
+        if scale_of(problem).force == 0.0:  # only the random errors press anything together
             tightest = self._of(np.array([distances(self.scene, self.drawn)[1].max(axis=(1, 2)).argmax()]))
             drawn = replace(self.mean, ball_radius=tightest.ball_radius[0], centre=tightest.centre[0])
             problem = build(self.scene, drawn, self.layout, use)

@@ -241,6 +241,7 @@ class Body:
             out[:, :, :, at, :, :, at] += own[:, :, j]
         return out.reshape(3, -1, 3, 3 * width, 3, 3 * width)
 
+    @cached_property
     def alike(self) -> NDArray[np.bool_]:
         """Which rows of elements along r are, but for round-off, as stiff as the row before, ``(rows,)``."""
         rows = self.elements.reshape(3, self.grid.shape[0] // 2, -1)
@@ -296,6 +297,27 @@ def end_motions(body: Body, n: int) -> Array:
     return out.reshape(len(out), 3 * r.size)
 
 
+@dataclass(frozen=True)
+class BlockSum:
+    """A symmetric matrix ``(size, size)`` as the sum of blocks on its diagonal, each with the place where it begins."""
+
+    size: int
+    blocks: tuple[tuple[int, Array], ...]
+
+    def whole(self) -> Array:
+        """The matrix."""
+        out = np.zeros((self.size, self.size))
+        for first, block in self.blocks:
+            own = slice(first, first + len(block))
+            out[own, own] += block
+        return out
+
+    def reach(self, low: int, high: int) -> tuple[int, int]:
+        """First row, and last + 1, that columns ``low`` to ``high`` - 1 may reach."""
+        met = [(first, first + len(b)) for first, b in self.blocks if first < high and first + len(b) > low]
+        return min((x[0] for x in met), default=low), max((x[1] for x in met), default=low)
+
+
 def line_compliance(
     body: Body,
     harmonics: Sequence[int],
@@ -303,9 +325,9 @@ def line_compliance(
     line: int,
     rows: tuple[int, int],
     springs: Sequence[float] = (),
-) -> list[Array]:
+) -> list[BlockSum]:
     """Motion of the nodes of grid line r = ``line`` by loads on them, ``(3 k, 3 k)`` for each harmonic, freedoms U, V, W
-    node by node.
+    node by node; that of waves is made of blocks about as long as these reach.
 
     held ``(3 nodes,)``: fixed freedoms; rows (first, last + 1): which lines in z are loaded and watched; springs: shift,
     tilt, axial and twist stiffness [N/m, N m] of the low end's mean motions. With springs, harmonics 0 and 1 have two more
@@ -322,11 +344,11 @@ def line_compliance(
 class Stretch:
     """A stretch of a body in h harmonics, of which the lines along r at its ends are left, q freedoms in all: stiffness
     ``(h, q, q)`` of these, forces ``(h, q, k)`` on them by k unit loads between, and motion ``(h, k, k)`` of the places of
-    these loads with those lines held."""
+    these loads with those lines held: the sum of blocks ``(h, w, w)`` on its diagonal, each with its first load."""
 
     stiffness: Array
     forces: Array
-    motion: Array
+    motion: tuple[tuple[int, Array], ...] = ()
 
 
 def joined(a: Stretch, b: Stretch, loads: Array) -> Stretch:
@@ -339,17 +361,17 @@ def joined(a: Stretch, b: Stretch, loads: Array) -> Stretch:
     low, high = a.stiffness.shape[1] - m, b.stiffness.shape[1] - m
     before, after = a.forces.shape[2], a.forces.shape[2] + own
     size, total = low + m + high, after + b.forces.shape[2]
-    K, forces, motion = np.zeros((h, size, size)), np.zeros((h, size, total)), np.zeros((h, total, total))
+    K, forces = np.zeros((h, size, size)), np.zeros((h, size, total))
     K[:, : low + m, : low + m] = a.stiffness
     K[:, low:, low:] += b.stiffness
     forces[:, : low + m, :before], forces[:, low:, after:] = a.forces, b.forces
     forces[:, low : low + m, before:after] = loads
-    motion[:, :before, :before], motion[:, after:, after:] = a.motion, b.motion
+    motion = *a.motion, *((after + first, block) for first, block in b.motion)
     return without_line(Stretch(K, forces, motion), slice(low, low + m))
 
 
 def without_line(whole: Stretch, line: slice) -> Stretch:
-    """A stretch without the freedoms ``line`` of those that are left of it; its arrays are changed."""
+    """A stretch without the freedoms ``line`` of those that are left of it."""
     K, forces, motion = whole.stiffness, whole.forces, whole.motion
     left = np.delete(np.arange(K.shape[1]), line)
     reach = np.flatnonzero((np.abs(forces[:, line]) > NONE_LEFT).any(axis=(0, 1)))
@@ -359,7 +381,8 @@ def without_line(whole: Stretch, line: slice) -> Stretch:
     P, m = np.stack([y.T @ y for y in Y]), left.size
     forces = forces[:, left]
     forces[:, :, felt] -= P[:, :m, m:]
-    motion[:, felt, felt] += P[:, m:, m:]
+    if reach.size:
+        motion = *motion, (felt.start, P[:, m:, m:].copy())
     return Stretch(K[:, left[:, None], left] - P[:, :m, :m], forces, motion)
 
 
@@ -374,7 +397,7 @@ def repeated(one: Stretch, count: int, loads: Array) -> Stretch:
 
 def _by_stretches(
     body: Body, n: Index, held: NDArray[np.bool_], line: int, rows: tuple[int, int], springs: Sequence[float]
-) -> Array:
+) -> list[BlockSum]:
     """`line_compliance` of harmonics n (0 or 1 alone): rows of elements are joined, those that are alike by doubling."""
     count, width = body.grid.shape[0], 3 * body.grid.shape[1]
     powers = np.array([[factor_c(i), factor_c(i) * i, factor_c(i) * i * i] for i in n.tolist()])
@@ -391,13 +414,13 @@ def _by_stretches(
         K[:, np.arange(3 * width), np.arange(3 * width)] += np.where(moves, 0.0, np.abs(K).max())
         own = loads(2 * k + 1)
         forces = np.pad(own, ((0, 0), (width, width), (0, 0)))
-        return without_line(Stretch(K, forces, np.zeros((n.size, *(own.shape[2],) * 2))), slice(width, 2 * width))
+        return without_line(Stretch(K, forces), slice(width, 2 * width))
 
     def end(springs: Array | float) -> Stretch:
-        return Stretch(np.zeros((n.size, width, width)) + springs, np.zeros((n.size, width, 0)), np.zeros((n.size, 0, 0)))
+        return Stretch(np.zeros((n.size, width, width)) + springs, np.zeros((n.size, width, 0)))
 
     pattern = [(free[:, 2 * k : 2 * k + 3].tobytes(), rows[0] <= 2 * k + 1 < rows[1]) for k in range(count // 2)]
-    alike = body.alike()
+    alike = body.alike
     starts = [k for k in range(count // 2) if not alike[k] or pattern[k] != pattern[k - 1]]
     stretches = [repeated(row(k), after - k, loads(2 * k + 2)) for k, after in pairwise([*starts, count // 2])]
     between, soft = [*(loads(2 * k) for k in starts), loads(count - 1)], 0.0
@@ -411,4 +434,5 @@ def _by_stretches(
         counts = [s.forces.shape[2] for s in stretches]
         i = min(range(len(between)), key=lambda i: counts[i] + counts[i + 1])
         stretches[i : i + 2] = [joined(stretches[i], stretches[i + 1], between.pop(i))]
-    return stretches[0].motion
+    size, blocks = stretches[0].forces.shape[2], stretches[0].motion
+    return [BlockSum(size, tuple((first, block[i]) for first, block in blocks)) for i in range(n.size)]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.compliance.cell import stiffness_of
-from rollbench.lowfi.compliance.fourier import Body, Grid, Layer, line_compliance, quadratic, tube_grid
+from rollbench.lowfi.compliance.fourier import BlockSum, Body, Grid, Layer, line_compliance, quadratic, tube_grid
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Flange, Material
 from rollbench.meshes.section import BeamSection, shear_coefficient, tube_section
@@ -21,6 +21,8 @@ PARTS = ((0, 0), (1, 1), (2, 2), (0, 2), (1, 0), (1, 2))
 EVEN = 4
 #: Share of a patch on a node below which the patch does not reach it: less than round-off.
 UNREACHED = 1e-18
+#: Contacts whose loads are taken at once.
+CHUNK = 64
 #: Lines of a grid as near as this [m] are one; ends of elements as near to a flange's, over their length, give way to it.
 SAME, NEAR = 1e-9, 0.4
 #: Points and weights of the quadrature over a patch, and the shapes of an element there.
@@ -75,14 +77,14 @@ class Tube:
 
 @dataclass(frozen=True)
 class TubeCompliance:
-    """Motion [m/N] of the loaded grid line by loads on it at stations z ``(k,)`` [m]: for each harmonic the parts ``PARTS``
-    of a symmetric matrix, side by side ``(harmonics, k, 6 k)``. Of a shaft held by its section, for harmonics 0 and 1, by
-    loads on the mean motions of its high end (`lowfi.compliance.fourier.end_motions`): ends ``(2, 3, k)``, the line
-    (r, t, z), and own ``(2, 2)``, these motions themselves."""
+    """Motion [m/N] of the loaded grid line by loads on it at stations z ``(k,)`` [m]: line, for each harmonic a symmetric
+    matrix ``(3 k, 3 k)``, freedoms r, t, z station by station. Of a shaft held by its section, for harmonics 0 and 1, by
+    loads on the mean motions of its high end (`lowfi.compliance.fourier.end_motions`), two rows and columns more in line:
+    ends ``(2, 3, k)``, the line (r, t, z), and own ``(2, 2)``, these motions themselves."""
 
     tube: Tube
     z: Array
-    parts: Array
+    line: tuple[BlockSum, ...]
     ends: tuple[Array, ...] = ()
     own: tuple[Array, ...] = ()
 
@@ -187,14 +189,10 @@ def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
     held = held_nodes(tube, grid)
     springs = end_springs(tube) if tube.held == "section" else ()
     found = line_compliance(body, range(tube.harmonics + 1), held, line, rows, springs)
-    k = rows[1] - rows[0]
-    size, parts = 3 * k, np.empty((len(found), k, len(PARTS), k))
-    for n, S in enumerate(found):
-        for part, (i, j) in enumerate(PARTS):
-            parts[n, :, part] = S[i:size:3, j:size:3]
-    ends = tuple(S[size:, :size].reshape(2, -1, 3).swapaxes(1, 2) for S in found[:2]) if springs else ()
-    own = tuple(S[size:, size:] for S in found[:2]) if springs else ()
-    return TubeCompliance(tube, z[rows[0] : rows[1]], parts.reshape(len(found), k, -1), ends, own)
+    size = 3 * (rows[1] - rows[0])
+    by_end = [S.whole()[size:] for S in found[:2]] if springs else []
+    ends, own = tuple(S[:, :size].reshape(2, -1, 3).swapaxes(1, 2) for S in by_end), tuple(S[:, size:] for S in by_end)
+    return TubeCompliance(tube, z[rows[0] : rows[1]], tuple(found), ends, own)
 
 
 def end_springs(tube: Tube) -> tuple[float, float, float, float]:
@@ -228,25 +226,41 @@ def contact_compliance(found: TubeCompliance, points: Points, *, resultant: bool
     from scipy.sparse import csr_array
 
     tube, k, count = found.tube, found.z.size, points.z.size
-    weights = patch_weights(found.z, points.z, tube.width)
-    near = csr_array(np.where(np.abs(weights) > UNREACHED, weights, 0.0))
-    total = np.zeros((count, len(PARTS), count))
-    for n, part in enumerate(found.parts):
+    order = np.argsort(points.z, kind="stable")
+    azimuth, weights = points.azimuth[order], patch_weights(found.z, points.z[order], tube.width)
+    weights[np.abs(weights) <= UNREACHED] = 0.0
+    near, touched = csr_array(weights), weights != 0.0
+    first, last = touched.argmax(axis=1), k - touched[:, ::-1].argmax(axis=1)  # lines of each contact, in order
+    chunks = [slice(i, min(i + CHUNK, count)) for i in range(0, count, CHUNK)]
+    total = [np.zeros((count, len(PARTS), x.stop - x.start)) for x in chunks]
+    for n, line in enumerate(found.line):
+        S = line.whole()[: 3 * k, : 3 * k].reshape(k, 3, k, 3)
         share = np.exp(-((n * tube.width / tube.radius) ** 2)) if n > 1 or not resultant else 1.0
-        here = np.column_stack([np.cos(n * points.azimuth), np.sin(n * points.azimuth)])
-        by_load = (near @ part).reshape(count, len(PARTS), k).transpose(2, 1, 0).reshape(k, -1)
-        moved = (near @ by_load).reshape(count, len(PARTS), count)
-        # cosine and sine of n times the angle between two contacts
-        moved[:, :EVEN] *= (share * here @ here.T)[:, None]
-        moved[:, EVEN:] *= (share * here @ (here[:, ::-1] * [1.0, -1.0]).T)[:, None]
-        total += moved
-    total = total.transpose(2, 1, 0)
-    whole = np.empty((count, 3, 3, count))
-    for k, (i, j) in enumerate(PARTS):
-        whole[:, i, j], whole[:, j, i] = total[:, k], total[:, k].T
-    one_side = np.matmul(points.axes, whole.reshape(count, 3, -1)).reshape(count, 2, 3, count).transpose(3, 2, 0, 1)
-    G = np.matmul(points.axes, one_side.reshape(count, 3, -1)).reshape(2 * count, 2 * count)
-    return np.asarray(0.5 * (G + G.T))
+        c, s = np.cos(n * azimuth), np.sin(n * azimuth)
+        for loads, by_them in zip(chunks, total, strict=True):
+            a, b = int(first[loads][0]), int(last[loads][-1])
+            low, high = (x // 3 for x in line.reach(3 * a, 3 * b))
+            high = min(high, k)
+            moves = slice(int(np.searchsorted(last, low, "right")), int(np.searchsorted(first, high, "left")))
+            parts = np.stack([S[low:high, i, a:b, j] for i, j in PARTS], axis=1).reshape(-1, b - a)
+            by_load = (parts @ weights[loads, a:b].T).reshape(high - low, -1)
+            moved = (near[moves, low:high] @ by_load).reshape(-1, len(PARTS), loads.stop - loads.start)
+            here, there = share * np.stack([c[moves], s[moves]], axis=1), np.stack([c[loads], s[loads]])
+            # cosine and sine of n times the angle between two contacts
+            moved[:, :EVEN] *= (here @ there)[:, None]
+            moved[:, EVEN:] *= (here[:, ::-1] * [1.0, -1.0] @ there)[:, None]
+            by_them[moves] += moved
+    G, places = np.empty((count, 2, count, 2)), np.argsort(order)
+    for moves, by_these in zip(chunks, total, strict=True):
+        whole = np.empty((moves.stop - moves.start, 3, 3, count))
+        of_these = np.concatenate([x[moves] for x in total], axis=2)
+        for part, (i, j) in enumerate(PARTS):
+            whole[:, i, j], whole[:, j, i] = of_these[:, part], by_these[:, part].T
+        one_side = points.axes[order[moves]] @ whole.reshape(-1, 3, 3 * count)
+        one_side = one_side.reshape(-1, 2, 3, count)[..., places].transpose(3, 0, 1, 2).reshape(count, -1, 3)
+        G[order[moves]] = (one_side @ points.axes.swapaxes(1, 2)).reshape(count, -1, 2, 2).transpose(1, 2, 0, 3)
+    square = G.reshape(2 * count, 2 * count)
+    return np.asarray(0.5 * (square + square.T))
 
 
 def on_line(tube: Tube, x: Array) -> Array:
@@ -276,17 +290,21 @@ def spring_compliance(tube: Tube, x: Array, axes: Array) -> Array:
 def cantilever(rows: Array, stations: Array, base: float, section: BeamSection, loaded: slice = slice(None)) -> Array:
     """Compliance ``(k, m)`` of motions on a Timoshenko cantilever held at ``base`` [m]; rows ``(k, 6)`` of the section's
     motion at ``stations`` ``(k,)`` [m], loads on those ``loaded``, m."""
-    a = stations - base
-    left, right = a[:, None], a[loaded]
-    m = np.where(left * right > 0.0, np.minimum(np.abs(left), np.abs(right)), 0.0)
-    m1, m2 = 0.5 * m * m * np.sign(left), m * m * m / 3.0
-    uu = (left * right * m - (left + right) * m1 + m2) / section.EI + m / section.kGA
-    ur = (left * m - m1) / section.EI  # deflection by a moment
-    ru = (right * m - m1) / section.EI
-    shift, turn = rows[:, :2], rows[:, [4, 3]] * np.array([1.0, -1.0])
+    left, shift, turn = (stations - base)[:, None], rows[:, :2], rows[:, [4, 3]] * np.array([1.0, -1.0])
     yielding = rows[:, 2:] / np.array([section.EA, section.EI, section.EI, section.GJ])
-    G = uu * (shift @ shift[loaded].T) + ur * (shift @ turn[loaded].T) + ru * (turn @ shift[loaded].T)
-    return np.asarray(G + m * (yielding @ rows[loaded, 2:].T))
+    by = np.arange(len(rows))[loaded]
+    out = np.empty((len(rows), by.size))
+    for first in range(0, by.size, CHUNK):
+        some = by[first : first + CHUNK]
+        right = left[some, 0]
+        m = np.where(left * right > 0.0, np.minimum(np.abs(left), np.abs(right)), 0.0)
+        m1, m2 = 0.5 * m * m * np.sign(left), m * m * m / 3.0
+        uu = (left * right * m - (left + right) * m1 + m2) / section.EI + m / section.kGA
+        ur = (left * m - m1) / section.EI  # deflection by a moment
+        ru = (right * m - m1) / section.EI
+        G = uu * (shift @ shift[some].T) + ur * (shift @ turn[some].T) + ru * (turn @ shift[some].T)
+        out[:, first : first + CHUNK] = G + m * (yielding @ rows[some, 2:].T)
+    return out
 
 
 def clamped(rows: Array, stations: Array, ends: tuple[float, float], held: str, section: BeamSection) -> Array:

@@ -12,13 +12,13 @@ import numpy as np
 
 from rollbench.lowfi.compliance.parts import Backend
 from rollbench.lowfi.statics.elastic import Solution, flank_forces, iterate, round_off, solve_sides, untouched
-from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild, pair_data, typical_force
+from rollbench.lowfi.statics.elastic_system import Elastic, Rebuild, pair_data
 from rollbench.lowfi.statics.kernel.status import CONVERGED, ITERATIONS
 from rollbench.lowfi.statics.problem import distances, hertz_C
 from rollbench.lowfi.statics.selection import all_sides, choose_sides
 from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.lowfi.statics.shaft import node_motions, rigid_nodes, rows_of
-from rollbench.lowfi.statics.static import force_floor, least_force
+from rollbench.lowfi.statics.static import scale_of
 from rollbench.lowfi.threads import one_thread
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.errors import alike_in_shape, specimen, specimens, without_draws
@@ -94,7 +94,7 @@ class _System:
         self.elastic = elastic
         self.start = [part.copy() for part in elastic.state]
         self.local = elastic.contacts.local.copy()
-        self.size = float(np.cbrt(typical_force(elastic.problem)))
+        self.size = float(np.cbrt(scale_of(elastic.problem).typical))
         self.by_pushes, self.by_motions, self.at_rest = _work(elastic)
 
     def solve(
@@ -127,15 +127,16 @@ class _System:
         elastic, problem = self.elastic, self.elastic.problem
         problem.geometry[..., :4], problem.geometry[..., 4] = offset, C
         problem.closure[:], problem.drawn.ball_radius[:] = closure, radii
-        size, slope = float(np.cbrt(typical_force(problem))), elastic.flanks.slope
+        scale, slope = scale_of(problem), elastic.flanks.slope
+        size = float(np.cbrt(scale.typical))
         local = elastic.contacts.local
         local[:] = self.local
         local[..., 0] += slope * np.log(size / self.size)
         local[..., 2] += slope * (1.0 / size - 1.0 / self.size)
         if elastic.pair is not None:
             elastic.contacts.pair[:] = pair_data(problem, elastic.pair, local[..., 0], local[..., 2])
-        elastic.contacts = elastic.contacts._replace(tiny=least_force(problem))
-        elastic.options = elastic.options._replace(floor=force_floor(problem), furthest=float(radii.max()))
+        elastic.contacts = elastic.contacts._replace(tiny=scale.none)
+        elastic.options = elastic.options._replace(floor=scale.floor, furthest=float(radii.max()))
 
 
 def _work(elastic: Elastic) -> tuple[Array, Array, float]:
@@ -147,10 +148,10 @@ def _work(elastic: Elastic) -> tuple[Array, Array, float]:
     by_flanks = np.zeros((load.size, 2 * len(rows)))
     for c in range(len(rows)):
         by_flanks[dof[c], 2 * c], by_flanks[dof[c], 2 * c + 1] = rows[c]
-    given, inside = np.zeros(load.size), np.zeros_like(by_flanks)
+    given, inside = np.zeros(load.size), np.zeros(by_flanks.shape[1])
     if squeeze is not None:
         by_flanks += squeeze.wrenches.T @ squeeze.jumps
         given = squeeze.wrenches.T @ squeeze.given
-        inside = np.where(problem.fixed.ravel()[:, None], 0.0, squeeze.inside)
+        inside = squeeze.inside.by_loads(np.where(problem.fixed, 0.0, problem.load).reshape(-1, 1))[:, 0]
     moved = node_motions(shaft, given, np.zeros(elastic.state.a.size)).ravel()
-    return load @ (shaft.solve(by_flanks) + inside), load @ rigid_nodes(shaft), float(load @ moved)
+    return load @ shaft.solve(by_flanks) + inside, load @ rigid_nodes(shaft), float(load @ moved)

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.compliance.bodies import WholeBody, whole_body
-from rollbench.lowfi.compliance.modes import softer
 from rollbench.lowfi.compliance.parts import Backend, geometry_only, grooved_section
 from rollbench.lowfi.hertz import contact_stiffness
 from rollbench.lowfi.statics.problem import Problem, build
@@ -18,7 +17,7 @@ from rollbench.lowfi.statics.records import NO_ROLLERS, BallContacts, Bodies, Bo
 from rollbench.lowfi.statics.response import NOTHING, Response, by_ball, normals_of, one_pair, response_of
 from rollbench.lowfi.statics.shaft import Shaft, flank_motions_by_loads
 from rollbench.lowfi.statics.squeeze import Squeeze
-from rollbench.lowfi.statics.static import least_force, options_of, reference_scale
+from rollbench.lowfi.statics.static import options_of, scale_of
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimen
 from rollbench.meshes.helix import BallLayout
@@ -93,19 +92,15 @@ class Elastic:
         return a, 3 - a
 
 
-def typical_force(problem: Problem) -> float:
-    """Force [N] at which small terms that depend on the contacts' size are taken: the mean share of load or squeeze."""
-    return max(reference_scale(problem)[0], 1e-6)
-
-
 def contact_compliance(problem: Problem, force: float) -> float:
     """Tangent compliance [m/N] of a contact under a force [N]."""
     return float(1.0 / contact_stiffness(force, float(np.mean(problem.C))))
 
 
-def flanks_of(problem: Problem, shaft: Shaft, response: Response) -> Flanks:
-    """Motions of all flanks of a problem, with what balls add to the contacts' laws; shaft: under the problem's loads."""
-    N, force, squeeze = len(problem.C), typical_force(problem), response.squeeze
+def flanks_of(problem: Problem, force: float, shaft: Shaft, response: Response) -> Flanks:
+    """Motions of all flanks of a problem, with what balls add to the contacts' laws; force [N]: at which small terms are
+    taken that depend on a contact's size; shaft: under the problem's loads."""
+    N, squeeze = len(problem.C), response.squeeze
     size, tangent = float(np.cbrt(force)), contact_compliance(problem, force)
     sides = [s for s in (0, 1) if problem.use[s]]
     moved, v0 = flank_motions_by_loads(shaft, sides), np.zeros((N, 2, 2))
@@ -129,7 +124,7 @@ def flanks_of(problem: Problem, shaft: Shaft, response: Response) -> Flanks:
         clipped, most_lent = max(low, high), float(max(on_screw.max(initial=0.0), on_nut.max(initial=0.0)))
         start, free = np.zeros((N, 4, 2)), np.zeros((N, 4, 2, shaft.work.size))
         start[:, :2], free[:, :2] = v0, response.R
-    modes = [softer(body.spectrum, tangent) if N >= MODES_FROM else np.zeros((0, 0)) for body in (first, second)]
+    modes = [body.soft_modes(tangent) if N >= MODES_FROM else np.zeros((0, 0)) for body in (first, second)]
     return Flanks(
         first.G,
         second.G,
@@ -171,8 +166,8 @@ def ready(
         reason = f"balls.count of {N} balls: elastic bodies are limited to {LARGEST}; use the model lin"
         raise UnfitKey("balls.count", reason)
     response = response_of(problem, layout, backend, condensed, whole)
-    shaft, ball = response.shaft.under(problem), response.ball
-    flanks, pair = flanks_of(problem, shaft, response), one_pair(problem)
+    shaft, ball, scale = response.shaft.under(problem), response.ball, scale_of(problem)
+    flanks, pair = flanks_of(problem, scale.typical, shaft, response), one_pair(problem)
     local = np.zeros((N, 4, 3))
     local[..., 0] = flanks.e
     local[..., 1] = ball.g * np.array([1.0, ball.sign, ball.sign, 1.0])
@@ -182,14 +177,14 @@ def ready(
         local[..., 0] += 2.0 * ball.g**2
         rows = pair_data(problem, pair, local[..., 0], flanks.h)
     bodies = Bodies(flanks.first, flanks.second, flanks.R, flanks.v0, flanks.work, *flanks.modes)
-    profile, tiny = np.repeat(problem.drawn.profile[None], N, axis=0), least_force(problem)
+    profile = np.repeat(problem.drawn.profile[None], N, axis=0)
     contacts = BallContacts(
-        problem.geometry, problem.closure, local, problem.drawn.ball_radius, profile, rows, NO_ROLLERS, tiny
+        problem.geometry, problem.closure, local, problem.drawn.ball_radius, profile, rows, NO_ROLLERS, scale.none
     )
     state = BodyState(
         np.zeros(flanks.v0.shape), np.zeros(flanks.work.size), np.zeros((N, 3)), np.zeros((N, 1 if pair else 4, 5))
     )
-    options = options_of(problem)
+    options = options_of(problem, scale)
     return Elastic(
         problem,
         shaft,

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.compliance.bodies import BallCompliance, WholeBody, ball_compliance, body_compliance
+from rollbench.lowfi.compliance.bodies import BallCompliance, WholeBody, ball_compliance, body_compliance, whole_body
 from rollbench.lowfi.compliance.ends import forget as forget_bodies
+from rollbench.lowfi.compliance.modes import WHOLE, negative_part, soft_modes, softer
 from rollbench.lowfi.compliance.parts import Backend, with_balls
 from rollbench.lowfi.statics.conformity import oblique_term
 from rollbench.lowfi.statics.problem import Problem, nominal_hertz
@@ -69,6 +70,10 @@ class Compliance:
         values, vectors = np.linalg.eigh(self.G)
         return values, vectors
 
+    def soft_modes(self, contact: float) -> Array:
+        """`lowfi.compliance.modes.soft_modes`, of a small one by its whole spectrum."""
+        return softer(self.spectrum, contact) if len(self.G) <= WHOLE else soft_modes(self.G, contact)
+
     @cached_property
     def is_positive(self) -> bool:
         """Whether it has no negative eigenvalues but for round-off."""
@@ -77,8 +82,7 @@ class Compliance:
     @cached_property
     def lacks(self) -> Array:
         """What it lacks along the normals ``(n,)`` [m/N] by its negative eigenvalues."""
-        lam, V = self.spectrum
-        negative = ((V * np.minimum(lam, 0.0)) @ V.T).reshape(len(self.normals), 2, -1, 2)
+        negative = negative_part(self.G)[0].reshape(len(self.normals), 2, -1, 2)
         each = np.einsum("ia,iajb,jb->ij", self.normals, negative, self.normals)
         return np.asarray(np.abs(each).sum(axis=1))
 
@@ -95,8 +99,8 @@ class Compliance:
         G.reshape(lent.size, 2, lent.size, 2)[each, :, each] += lent[:, None, None] * across
         if _is_positive(G):
             return Compliance(G, self.normals), 0.0
-        lam, V = np.linalg.eigh(G)
-        return Compliance((V * np.maximum(lam, 0.0)) @ V.T, self.normals), max(0.0, float(-lam.min()))
+        cut, least = negative_part(G)
+        return Compliance(G - cut, self.normals), max(0.0, -least)
 
     def positive(self, tangent: float) -> tuple[Compliance, Array, float]:
         """`positive`."""
@@ -110,9 +114,10 @@ class Compliance:
 def _is_positive(G: Array) -> bool:
     if G.size == 0:
         return True
-    bump = 1e-10 * float(np.trace(G)) / len(G)
+    raised, each = G.copy(), np.arange(len(G))
+    raised[each, each] += max(1e-10 * float(np.trace(G)) / len(G), 1e-300)
     try:
-        np.linalg.cholesky(G + max(bump, 1e-300) * np.eye(len(G)))
+        np.linalg.cholesky(raised)
     except np.linalg.LinAlgError:
         return False
     return True
@@ -171,26 +176,26 @@ class _Asked:
     problem: Problem = field(compare=False)
     layout: BallLayout = field(compare=False)
     backend: Backend = field(compare=False)
-    whole: WholeBody = field(compare=False)
 
 
 def response_of(
     problem: Problem, layout: BallLayout, backend: Backend, condensed: Condensed | None, whole: WholeBody
 ) -> Response:
-    """The response of a problem for a backend, not to be written to; whole: see `body_compliance`."""
-    if condensed is not None or layout.z.size > KEPT:
+    """The response of a problem for a backend, not to be written to; whole: see `body_compliance`. Of balls that travel
+    none is kept: their places do not come again."""
+    if condensed is not None or whole is not whole_body or layout.z.size > KEPT:
         return _response(problem, layout, backend, condensed, whole)
     layouts = layout.azimuth, layout.z, problem.drawn.centre, problem.nodes
     flanks = problem.use, problem.node, problem.B, problem.fixed, np.any(problem.load, axis=1)
-    parts = with_balls(problem.scene)[0], problem.scene.ingredients, problem.section, problem.sections, backend, whole
+    parts = with_balls(problem.scene)[0], problem.scene.ingredients, problem.section, problem.sections, backend
     key = *parts, one_pair(problem), problem.basis is None, *(np.asarray(x).tobytes() for x in (*layouts, *flanks))
-    return kept_response(_Asked(key, problem, layout, backend, whole))
+    return kept_response(_Asked(key, problem, layout, backend))
 
 
 @lru_cache(maxsize=4)
 def kept_response(asked: _Asked) -> Response:
     """The response that is asked for; at most four are kept."""
-    return _response(asked.problem, asked.layout, asked.backend, None, asked.whole)
+    return _response(asked.problem, asked.layout, asked.backend, None, whole_body)
 
 
 def _response(

@@ -43,6 +43,8 @@ def lifted(nodes: Array, fixed: NDArray[np.bool_], prescribed: Array) -> tuple[A
     interpolated along the shaft; and how each element deforms by them ``(n - 1, 6)``: its end against its start, moved
     rigidly."""
     q = np.zeros((nodes.size, 6))
+    if not prescribed.any():
+        return q, q[1:].copy()
     for k in np.flatnonzero(prescribed.any(axis=0)):
         held = np.flatnonzero(fixed[:, k])
         if held.size:

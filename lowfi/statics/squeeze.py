@@ -54,14 +54,51 @@ class Stretch:
 
 
 @dataclass(frozen=True)
+class Inside:
+    """Motions of a shaft's n nodes by jumps at the contacts of its stretches, which lie on c flanks: of the nodes from
+    these to the cuts, and beyond a cut that carries no wrench."""
+
+    problem: Problem
+    stretches: Sequence[Stretch]
+    flanks: int
+
+    def _moves(self, x: Stretch) -> tuple[Array, Ints]:
+        """Motions ``(m, 6, 6)`` of the nodes below the end of a stretch by a jump at its cut, and the first node above each
+        of its flanks."""
+        nodes = self.problem.nodes
+        z = nodes[: x.cut + 1] if loaded_beyond(self.problem, x.cut) else nodes
+        return rigid_transport(z - nodes[x.cut]), np.searchsorted(z, x.stations - MERGE)
+
+    def by_flanks(self, pushes: Array) -> Array:
+        """Motions ``(6 n,)`` of the nodes by the flanks' forces ``(2 c,)`` [N]."""
+        out = np.zeros((self.problem.nodes.size, 6))
+        for x in self.stretches:
+            moves, first = self._moves(x)
+            jumps = np.zeros((len(moves) + 1, 6))
+            np.add.at(jumps, first, x.feel * pushes[x.flanks, None])
+            out[: len(moves)] += np.einsum("nij,nj->ni", moves, jumps.cumsum(axis=0)[:-1])
+        return out.ravel()
+
+    def by_loads(self, loads: Array) -> Array:
+        """Motions ``(2 c, k)`` of the flanks by loads ``(6 n, k)`` on the nodes: reciprocal to `by_flanks`."""
+        out, nodal = np.zeros((2 * self.flanks, loads.shape[1])), loads.reshape(-1, 6, loads.shape[1])
+        for x in self.stretches:
+            moves, first = self._moves(x)
+            wrenches = np.zeros((len(moves) + 1, *nodal.shape[1:]))
+            wrenches[:-1] = np.einsum("nij,nik->njk", moves, nodal[: len(moves)])
+            out[x.flanks] += np.einsum("cj,cjk->ck", x.feel, wrenches[::-1].cumsum(axis=0)[::-1][first])
+        return out
+
+
+@dataclass(frozen=True)
 class Squeeze:
     """Stretches on a shaft of n nodes, W = 6 motions of each cut that carries a wrench, c flanks.
 
     added ``(2 c, 2 c)`` [m/N]: to the compliance of the flanks and the stretches' own; moved ``(2 c,)`` [m]: by the scene's
     loads and prescribed displacements; wrenches ``(W, 6 n)``: S; feel ``(2 c, W)`` and nodes ``(6 n, W)``: motions of the
-    flanks and of the nodes by S q; jumps ``(W, 2 c)`` and given ``(W,)``: d by the flanks' forces and by loads; inside
-    ``(6 n, 2 c)``: what the flanks' forces add to the nodes' motion that the beam's nodal loads do not bring about. Of
-    these, moved and given alone depend on the loads (`under`): bent ``(W, W)`` makes jumps of wrenches.
+    flanks and of the nodes by S q; jumps ``(W, 2 c)`` and given ``(W,)``: d by the flanks' forces and by loads; inside:
+    what the flanks' forces add to the nodes' motion that the beam's nodal loads do not bring about. Of these, moved and
+    given alone depend on the loads (`under`): bent ``(W, W)`` makes jumps of wrenches.
     """
 
     added: Array
@@ -71,14 +108,14 @@ class Squeeze:
     nodes: Array
     jumps: Array
     given: Array
-    inside: Array
+    inside: Inside
     bent: Array
 
     def under(self, shaft: Shaft, thermal: Array | float = 0.0) -> Squeeze:
         """The same under the loads and prescribed displacements of a shaft; thermal ``(W,)`` [N, N m]: wrenches at the cuts
         that are among its loads and no strain of the stretches."""
         wrench = self.wrenches @ shaft.by_loads[1] - thermal
-        moved = self.feel @ wrench + self.inside.T @ shaft.problem.load.ravel()
+        moved = self.feel @ wrench + self.inside.by_loads(shaft.problem.load.reshape(-1, 1))[:, 0]
         return replace(self, moved=moved, given=self.bent @ wrench)
 
     def node_loads(self, pushes: Array) -> Array:
@@ -87,13 +124,13 @@ class Squeeze:
 
     def with_inside(self, motion: Array, pushes: Array, fixed: NDArray[np.bool_]) -> Array:
         """Motions ``(n, 6)`` of the nodes with what the flanks' forces add inside, where not held."""
-        return np.where(fixed, motion, motion + (self.inside @ pushes.ravel()).reshape(-1, 6))
+        return np.where(fixed, motion, motion + (self.inside.by_flanks(pushes.ravel())).reshape(-1, 6))
 
     def by_loads(self, loads: Array, motions: Array) -> tuple[Array, Array]:
         """Motions of the flanks ``(2 c, k)``, and of the nodes ``(6 n, k)`` beside these, by nodal loads ``(6 n, k)`` under
         which the beam alone moves by ``motions``."""
         wrench = self.wrenches @ motions
-        return np.asarray(self.feel @ wrench + self.inside.T @ loads), np.asarray(self.nodes @ wrench)
+        return np.asarray(self.feel @ wrench + self.inside.by_loads(loads)), np.asarray(self.nodes @ wrench)
 
 
 def stretch_of(
@@ -132,17 +169,6 @@ def cut_stiffness(problem: Problem, cut: int) -> tuple[Array, Array, float]:
     return T.T @ k @ T, T.T @ k @ np.hstack([-T, np.eye(6)]), section.EA
 
 
-def inside_of(problem: Problem, stretches: Sequence[Stretch], flanks: int) -> Array:
-    """Motions ``(6 n, 2 c)`` by jumps at the contacts: of the nodes from these to the cuts, and beyond a cut that carries
-    no wrench."""
-    out = np.zeros((problem.nodes.size, 6, flanks))
-    for x in stretches:
-        z = problem.nodes[: x.cut + 1] if loaded_beyond(problem, x.cut) else problem.nodes
-        above = z[:, None] >= x.stations - MERGE
-        out[: z.size, :, x.flanks] += (rigid_transport(z - problem.nodes[x.cut]) @ x.feel.T) * above[:, None]
-    return out.reshape(6 * problem.nodes.size, flanks)
-
-
 def squeezed(shaft: Shaft, used: Sequence[int], stretches: Sequence[Stretch], strain: float = 0.0) -> Squeeze | None:
     """What stretches add to a shaft and its flanks of the sides ``used``; None without stretches.
 
@@ -152,7 +178,7 @@ def squeezed(shaft: Shaft, used: Sequence[int], stretches: Sequence[Stretch], st
         return None
     problem = shaft.problem
     dof, rows = rows_of(problem, list(used))
-    count, inside = 2 * len(rows), inside_of(problem, stretches, 2 * len(rows))
+    count, inside = 2 * len(rows), Inside(problem, stretches, len(rows))
     loaded = [x for x in stretches if loaded_beyond(problem, x.cut)]
     W = 6 * len(loaded)
     S, k, warm = np.zeros((W, 6 * problem.nodes.size)), np.zeros((W, W)), np.zeros(W)

@@ -80,45 +80,51 @@ def pick_engine(engine: Engine, balls: int, uneven: bool = False) -> ModuleType:
     return jit.kernels(jit.STATICS, compiled=fast)
 
 
-def reference_scale(problem: Problem) -> tuple[float, float]:
-    """Force [N] of a typical loaded contact and its secant stiffness [N/m], from loads, interference, or else an
-    approach of a micrometre."""
-    pair, squeeze = _squeeze(problem)
-    load = np.abs(problem.load).sum(axis=0)
-    applied = load[:3].sum() + load[3:].sum() / problem.scene.track.pitch_radius
-    force = max(float(applied) / max(1, problem.C.shape[0]), squeeze)
+class Scale(NamedTuple):
+    """What forces and stiffnesses of a problem are measured by.
+
+    force [N]: of a typical loaded contact, from loads, interference, or else an approach of a micrometre; stiffness [N/m]:
+    its secant; floor [N]: the least that residuals are measured by: the largest load, moments over the arm, or the force by
+    which the tightest ball is pressed without load; none [N]: of a contact that counts as none.
+    """
+
+    force: float
+    stiffness: float
+    floor: float
+    none: float
+
+    @property
+    def typical(self) -> float:
+        """Force [N] above zero at which small terms that depend on a contact's size are taken."""
+        return max(self.force, 1e-6)
+
+
+def scale_of(problem: Problem) -> Scale:
+    """The scale of a problem.
+
+    A contact that counts as none has the round-off of a typical force. Where only motions are given, which may meet no
+    resistance in the end, the typical one says little, and forces on their way to nothing must get there.
+    """
+    arm, load = problem.scene.track.pitch_radius, np.abs(problem.load)
+    pair = float((problem.C[:, 0] + problem.C[:, 3]).sum()) / problem.C.shape[0] if problem.C.size else float("nan")
+    squeeze = float(contact_force(tightest(problem), pair))
+    (applied, turning), (largest, most) = ((x[:3], x[3:]) for x in (load.sum(axis=0), load.max(axis=0)))
+    force = max(float(applied.sum() + turning.sum() / arm) / max(1, problem.C.shape[0]), squeeze)
     if force == 0.0:  # given motions, or errors that squeeze a ball by three flanks
         force = float(contact_force(1e-6, pair))
-    return force, float(np.cbrt(force) / pair)
+    floor = max(float(largest.max()), float(most.max()) / arm, squeeze)
+    return Scale(force, float(np.cbrt(force) / pair), floor, (1e-14 if floor > 0.0 else 1e-10) * force)
 
 
-def least_force(problem: Problem) -> float:
-    """Force [N] of a contact that counts as none: round-off of a typical one. Where only motions are given, which may meet
-    no resistance in the end, the typical one says little, and forces on their way to nothing must get there."""
-    return (1e-14 if force_floor(problem) > 0.0 else 1e-10) * reference_scale(problem)[0]
-
-
-def _squeeze(problem: Problem) -> tuple[float, float]:
-    """Mean C_a + C_b [m/N^(2/3)] of the balls' pairs, and force [N] by which the tightest one is pressed without load."""
-    pair = float((problem.C[:, 0] + problem.C[:, 3]).sum()) / problem.C.shape[0] if problem.C.size else float("nan")
-    return pair, float(contact_force(tightest(problem), pair))
-
-
-def force_floor(problem: Problem) -> float:
-    """Least force [N] that residuals are measured by: the largest load, moments over the arm, or initial squeeze."""
-    load = np.abs(problem.load).max(axis=0)
-    return max(float(load[:3].max()), float(load[3:].max()) / problem.scene.track.pitch_radius, _squeeze(problem)[1])
-
-
-def options_of(problem: Problem, tolerance: float = TOLERANCE) -> Options:
-    """How the solvers iterate on a problem, with rigid outer parts or elastic bodies."""
+def options_of(problem: Problem, scale: Scale, tolerance: float = TOLERANCE) -> Options:
+    """How the solvers iterate on a problem of a scale, with rigid outer parts or elastic bodies."""
     return Options(
         tolerance=tolerance,
         most=MAX_ITERATIONS,
-        stiffness=reference_scale(problem)[1],
+        stiffness=scale.stiffness,
         arm=float(problem.scene.track.pitch_radius),
         bound=1e3,
-        floor=force_floor(problem),
+        floor=scale.floor,
         furthest=float(problem.drawn.ball_radius.max()),
     )
 
@@ -130,7 +136,7 @@ def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANC
     s = problem.section
     sections = np.empty((lengths.size, 4))
     sections[:] = s.EA, s.EI, s.GJ, s.kGA
-    count = problem.C.shape[0]
+    count, scale = problem.C.shape[0], scale_of(problem)
     q, d = lifted(nodes, problem.fixed, problem.prescribed)
     contacts = BeamContacts(
         problem.node,
@@ -139,13 +145,13 @@ def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANC
         problem.closure,
         problem.drawn.ball_radius,
         problem.drawn.profile,
-        least_force(problem),
+        scale.none,
     )
     state = BeamState(q, d, np.zeros((count, 2)), np.zeros((count, 4, 5)))
     constants, band = np.zeros((lengths.size, 5)), np.zeros((6 * nodes.size, problem.half_bandwidth + 1))
     engine.assemble_beam(lengths, sections, constants, band)
     beam = BeamArrays(lengths, problem.fixed, problem.load, constants, band)
-    options = options_of(problem, tolerance)
+    options = options_of(problem, scale, tolerance)
     return Prepared(problem, engine, beam, contacts, state, options, np.zeros(options.most + 1))
 
 

@@ -2,13 +2,39 @@
 
 from __future__ import annotations
 
-from rollbench.comparison.commands.arguments.terminal import Json, app
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from rollbench.comparison.commands.arguments.terminal import Flag, Json, app
 from rollbench.comparison.commands.printing import print_answer
 
 
 @app.command
-def bench(*, as_json: Json = False) -> int:
-    """Measure run times as ratios to the source's formulation in the same process."""
-    from rollbench.comparison.wings.bench.command import run_bench_command
+def bench(
+    names: Annotated[list[str] | None, Parameter(negative="", show_default=False)] = None,
+    /,
+    *,
+    long: Flag = False,
+    store: Annotated[Path | None, Parameter(show_default=False)] = None,
+    as_json: Json = False,
+) -> int:
+    """Measure run times as ratios to the source's formulation in the same process.
 
-    return print_answer(run_bench_command(), as_json)
+    Parameters
+    ----------
+    names
+        With --long: beginnings of the names of jobs; all unless given.
+    long
+        Measure what takes minutes instead, an hour in all on quiet cores: friction in time, first use after installation,
+        sweeps, audit, reports and, in a checkout, the tests.
+    store
+        With --long: folder of stored runs to keep these times in, which a report then shows.
+    """
+    from rollbench.comparison.errors import InputError
+    from rollbench.comparison.wings.bench.command import run_bench_command, run_long
+
+    if not long and (names or store is not None):
+        raise InputError("command line", "names, --store", "given", "with --long", "add --long")
+    return print_answer(run_long(names or (), store) if long else run_bench_command(), as_json)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from rollbench.lowfi.as_source import static as lin
@@ -32,7 +34,8 @@ class Energy:
         known = distances(scene, drawn)
         use = np.ones(4, dtype=bool) if everything else choose_sides(scene, drawn, known)
         problem = build(scene, drawn, layout, use, known=known)
-        self.prepared: Prepared = prepare(problem, pick_engine("compiled", scene.ball_count), tolerance=tolerance)
+        self.packed = partial(prepare, problem, pick_engine("compiled", scene.ball_count), tolerance=tolerance)
+        self.prepared: Prepared = self.packed()
         self.begin = [a.copy() for a in self.prepared.state]
         self.unknowns = problem.unknowns
         self.iterations = 0

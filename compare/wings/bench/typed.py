@@ -26,20 +26,20 @@ from rollbench.lowfi.statics.elastic_system import LARGEST
 from rollbench.meshes.memory import peak_MB, reset_peak
 from rollbench.reports.records import Figure, Panel, Quantity, Row, Series, Table
 
-_BASE = "import numpy, cyclopts, rich.console"
+BASE = "import numpy, cyclopts, rich.console"
 #: Numba finds its own parts only with the first kernel that is run, one kept on disc here.
-_COMPILED = (
-    f"{_BASE}; from rollbench.lowfi.jit import STATICS, kernels; kernels(STATICS, compiled=True).contact.hertz(1e-6, 1e-8)"
+COMPILED = (
+    f"{BASE}; from rollbench.lowfi.jit import STATICS, kernels; kernels(STATICS, compiled=True).contact.hertz(1e-6, 1e-8)"
 )
 
 
 @dataclass(frozen=True)
 class Typed:
-    """A command as typed: its words; libraries: code that loads what it cannot do without; module: of the package, whose
-    import brings all that the command is made of; aim [s]; runs: least of so many counts."""
+    """A command as typed: its words; base: code of the floor, which loads the libraries that it cannot do without; module:
+    of the package, whose import brings all that the command is made of; aim [s]; runs: least of so many counts."""
 
     words: str
-    libraries: str
+    base: str
     module: str
     aim: float
     runs: int = 3
@@ -52,14 +52,14 @@ class Typed:
 
 _SOLVE = "commands.solving.solve"
 TYPED = (
-    Typed("list", _BASE, "commands.listing", 0.35),
-    Typed("solve lin-case1", _BASE, _SOLVE, 0.6),
-    Typed("solve lin-case1 --model lin", _BASE, _SOLVE, 0.4),
-    Typed("friction lin-case1", _BASE, "wings.friction.whole", 0.6),
-    Typed("solve lin-random --members 100 --model lin", _COMPILED, "commands.solving.members", 1.0),
-    Typed("solve lin-random --members 10000 --model lin", _COMPILED, "commands.solving.members", 3.0, 2),
-    Typed("solve lin-random --members 20", _COMPILED, "commands.solving.members", 1.0),
-    Typed("solve lin-random --members 1000", _COMPILED, "commands.solving.members", 2.0, 2),
+    Typed("list", BASE, "commands.listing", 0.35),
+    Typed("solve lin-case1", BASE, _SOLVE, 0.6),
+    Typed("solve lin-case1 --model lin", BASE, _SOLVE, 0.4),
+    Typed("friction lin-case1", BASE, "wings.friction.whole", 0.6),
+    Typed("solve lin-random --members 100 --model lin", COMPILED, "commands.solving.members", 1.0),
+    Typed("solve lin-random --members 10000 --model lin", COMPILED, "commands.solving.members", 3.0, 2),
+    Typed("solve lin-random --members 20", COMPILED, "commands.solving.members", 1.0),
+    Typed("solve lin-random --members 1000", COMPILED, "commands.solving.members", 2.0, 2),
 )
 #: File of a store that holds time and memory over size.
 GROWTH = "growth.json"
@@ -67,12 +67,14 @@ GROWTH = "growth.json"
 BALLS, MEMBERS, FEW = (8, 16, 32, 64, 125, 250, 500, 1000), (10, 100, 1000, 10_000, 100_000), 100
 
 
-def cpu_seconds(arguments: list[str], runs: int) -> float | None:
-    """Least seconds of a processor that a Python process takes, of some runs; None where one fails."""
+def cpu_seconds(arguments: list[str], runs: int, extra: dict[str, str] | None = None, limit: float = 300.0) -> float | None:
+    """Least seconds of a processor that a Python process takes, of some runs; None where one fails. extra: variables of its
+    environment; limit: of its wall clock [s]."""
     found = []
     for _ in range(runs):
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        done = launch(arguments, {"PYTHONDONTWRITEBYTECODE": ""})[1]  # as a user's, who has nothing there
+        plain = {"PYTHONDONTWRITEBYTECODE": ""}  # as a user's, who has nothing there
+        done = launch(arguments, {**plain, **(extra or {})}, limit)[1]
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         if done.returncode != 0:
             return None
@@ -80,53 +82,40 @@ def cpu_seconds(arguments: list[str], runs: int) -> float | None:
     return min(found)
 
 
-@dataclass(frozen=True)
-class Spent:
-    """Processor seconds of a command as typed: whole process; libraries alone; with the package's modules. None where a
-    process failed."""
-
-    typed: Typed
-    whole: float | None
-    libraries: float | None
-    modules: float | None
-
-    @property
-    def timed(self) -> Job:
-        """As a job of the bench."""
-        if self.whole is None or self.libraries is None:
-            return Job(self.typed.job, None, None, None, None, "not measured: the command failed")
-        note = f"CPU of the whole process, caches warm; libraries alone {self.libraries:.2g} s; aim {self.typed.aim:g} s"
-        return Job(self.typed.job, self.whole, None, None, None, note)
-
-
-def as_typed(commands: Sequence[Typed] = TYPED) -> Iterator[Spent]:
+def as_typed(commands: Sequence[Typed] = TYPED) -> Iterator[Job]:
     """Each command as soon as it is measured."""
     for one in commands:
         command = ["-m", "rollbench", *one.words.split()]
         cpu_seconds(command, 1)  # fills the caches
-        modules = f"{one.libraries}; import rollbench.comparison.{one.module}"
-        codes = (command, ["-c", one.libraries], ["-c", modules])
-        yield Spent(one, *(cpu_seconds(code, one.runs) for code in codes))
+        modules = f"{one.base}; import rollbench.comparison.{one.module}"
+        whole, floor, more = (cpu_seconds(code, one.runs) for code in (command, ["-c", one.base], ["-c", modules]))
+        note = "CPU of the whole process, caches warm" if whole is not None else "not measured: the command failed"
+        yield Job(one.job, whole, None, None, None, note, one.aim, floor, "its libraries alone", more)
 
 
-def spent_table(found: Sequence[Spent]) -> Table:
-    """Where the time of each command goes, and its floor: a process that imports the same libraries and does nothing."""
+def spent_table(jobs: Sequence[Job]) -> Table:
+    """Where the time of each job with an aim goes, its floor, and by how much it misses."""
 
     def less(a: float | None, b: float | None) -> float | None:
         return None if a is None or b is None else max(a - b, 0.0)
 
     rows: list[Row] = [
         {
-            "command": one.typed.words,
-            Quantity("seconds", "whole process", "s", "g3"): one.whole,
-            Quantity("libraries", "libraries: the floor", "s", "g3"): one.libraries,
-            Quantity("modules", "modules of rollbench", "s", "g3"): less(one.modules, one.libraries),
-            Quantity("work", "work", "s", "g3"): less(one.whole, one.modules),
-            Quantity("aim", "aim", "s", "g3"): one.typed.aim,
+            "job": one.job,
+            Quantity("seconds", "today", "s", "g3"): one.seconds,
+            Quantity("aim", "aim", "s", "g3"): one.aim,
+            Quantity("misses", "times the aim", "", "g3"): None if one.seconds is None else one.seconds / one.aim,
+            Quantity("floor", "floor", "s", "g3"): one.floor,
+            Quantity("modules", "modules of rollbench", "s", "g3"): less(one.modules, one.floor),
+            Quantity("work", "work", "s", "g3"): less(one.seconds, one.floor if one.modules is None else one.modules),
+            "floor_of": one.floor_of,
+            "note": one.note,
+            "measured": one.when or "now",
         }
-        for one in found
+        for one in jobs
+        if one.aim is not None
     ]
-    return Table.of("time-spent", "Where the time of a command goes: seconds of a processor, caches warm", rows)
+    return Table.of("time-spent", "Where people wait: where the time goes, and its floor", rows)
 
 
 def _power(x: Sequence[float], y: Sequence[float]) -> float:

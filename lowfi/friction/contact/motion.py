@@ -86,9 +86,9 @@ def least_dissipation(problem: Problem, start: Array | None = None, fast: bool =
     shape = np.column_stack([at.a, at.b, at.strength])
     maps, drives = np.ascontiguousarray(problem.maps, dtype=float), np.ascontiguousarray(problem.drives, dtype=float)
     push = np.ascontiguousarray(problem.push, dtype=float)
-    code, left, steps = kernels(CONTACT, compiled=fast).least_dissipation(
-        shape, maps, drives, push, start is not None, q, forces, rest, bounds
-    )
+    used = kernels(CONTACT, compiled=fast)
+    begin = used.ROLLING if start is None else used.GIVEN
+    code, left, steps = used.least_dissipation(shape, maps, drives, push, begin, q, forces, rest, bounds)
     total = float(np.sum(at.strength))
     motion = problem.motion_at(q)
     resting = rest > 0.0

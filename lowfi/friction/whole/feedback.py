@@ -113,9 +113,11 @@ def feed_back(
     drive: Drive,
     fast: bool = False,
     near: Array | None = None,
+    motion: Array | None = None,
 ) -> FedBack:
     """Contacts and friction in agreement, ball by ball; begun at the static state, so that of several states it is the one
-    that rolls on from there; near (N, 3): forces of friction of a similar state (``FedBack.push``) to begin with instead.
+    that rolls on from there; near (N, 3): forces of friction of a similar state (``FedBack.push``) to begin with instead,
+    motion (N, 4): its motions [rad/s], which lead sooner to the same ones.
 
     Failure is data: see ``FedBack.failed``.
     """
@@ -128,10 +130,12 @@ def feed_back(
         guess[active] = near[active]
         now, shift[active], _ = _seated(at, place, active, still[active] + guess[active], shift[active], at, fast)
     failed = np.zeros(count, dtype=bool)
+    q = np.full((count, 4), np.nan) if motion is None else motion.copy()
     while active.size and rounds < ROUNDS:
         rounds += 1
         some = now.part(active)
-        found = ball_friction(scene, some, friction, drive, fast)
+        found = ball_friction(scene, some, friction, drive, fast, q[active])
+        q[active] = found.q
         answer = _answer(found, some, place.axis)
         more = (np.abs(answer - guess[active]).max(axis=1) > AGREED * some.force.sum(axis=1)) | failed[active]
         active = active[more]
@@ -140,7 +144,7 @@ def feed_back(
         now, shift[active], failed[active] = _seated(
             now, place, active, still[active] + guess[active], shift[active], at, fast
         )
-    final = ball_friction(scene, now, friction, drive, fast)
+    final = ball_friction(scene, now, friction, drive, fast, q)
     off = _left(now.force, now.normals[..., [0, 2]], along, still + _answer(final, now, place.axis))
     change = np.abs(off).max(axis=1) / np.maximum(now.force.sum(axis=1), 1e-300)
     return FedBack(now, final, failed | (change > ACCEPTED), rounds, float(change.max(initial=0.0)), guess)

@@ -78,6 +78,11 @@ class BallFriction:
         return "failed" not in self.status
 
     @property
+    def q(self) -> Array:
+        """Motions (N, 4) [rad/s]: orbit, then rotation."""
+        return np.column_stack([self.orbit, self.rotation])
+
+    @property
     def power(self) -> float:
         """Power lost by all contacts [W]."""
         return float(self.loss.sum())
@@ -87,12 +92,15 @@ class BallFriction:
         return contact_wrench(normals, self.force, self.moment)
 
 
-def ball_friction(scene: Scene, at: StaticContacts, friction: Friction, drive: Drive, fast: bool = False) -> BallFriction:
+def ball_friction(
+    scene: Scene, at: StaticContacts, friction: Friction, drive: Drive, fast: bool = False, near: Array | None = None
+) -> BallFriction:
     """Motion of least dissipation and friction of every ball.
 
     Where all coefficients are zero the motion is the limit for equal ones that vanish. Valid for a helix of any hand and
     number of starts and for a ring (zero lead); groove errors and the bending of the screw enter by loads and contact
-    angles, not by the directions of motion. fast: compiled kernels. Raises ValueError at rest.
+    angles, not by the directions of motion. fast: compiled kernels; near (N, 4): motions of a similar state, nan where
+    none is known, to begin from: ``BallFriction.q``. Raises ValueError at rest.
     """
     if drive.speed == 0.0:
         raise ValueError("friction at rest is not determined: give a speed")
@@ -102,7 +110,8 @@ def ball_friction(scene: Scene, at: StaticContacts, friction: Friction, drive: D
     part, top = shares(friction)
     rubs = rubs_of(scene, some, part, drive)
     n = loaded.size
-    q, forces, rests, outcome = np.zeros((n, 4)), np.zeros((n, 4, 3)), np.zeros((n, 4)), np.zeros((n, 2))
+    q = np.full((n, 4), np.nan) if near is None else near[loaded]
+    forces, rests, outcome = np.zeros((n, 4, 3)), np.zeros((n, 4)), np.zeros((n, 2))
     kernels(CONTACT, compiled=fast).least_dissipation_many(rubs.shape, rubs.maps, rubs.drives, q, forces, rests, outcome)
     seen = rubs.drives + np.einsum("nirj,nj->nir", rubs.maps, q)
     seen[rests > 0.0] = 0.0

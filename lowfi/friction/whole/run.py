@@ -55,10 +55,10 @@ class Setting:
         turned = self.drive.speed * time
         return (turned, 0.0) if self.drive.turns == "screw" else (0.0, turned)
 
-    def contacts(self, azimuth: Array, time: float, push: Array) -> tuple[StaticContacts, NDArray[np.bool_], str]:
+    def contacts(self, azimuth: Array, time: float, push: Array, q: Array) -> tuple[StaticContacts, NDArray[np.bool_], str]:
         """Contacts of all N balls at azimuths (N,) in the nut's frame, which are on a loaded arc, and how loads ended.
 
-        push (N, 3): forces of friction fed back in the step before, overwritten; see ``feed_back``.
+        push (N, 3): forces of friction fed back in the step before, overwritten, q (N, 4): its motions; see ``feed_back``.
         """
         scene, track = self.scene, self.scene.track
         on_screw, on_nut = self.angles(time)
@@ -73,7 +73,7 @@ class Setting:
             at = contacts_at(scene, result, met, some)
             if feeds_back(scene, self.friction):
                 place = seats_at(at, met, result.hertz_C)
-                fed = feed_back(scene, at, place, self.friction, self.drive, self.fast, push[who])
+                fed = feed_back(scene, at, place, self.friction, self.drive, self.fast, push[who], q[who])
                 push[who], at = fed.push, fed.at
                 status = f"friction and place do not agree on {int(fed.failed.sum())} balls" if fed.failed.any() else status
         return spread(at, layout, who, self.balls.radius, track.contact_angle), loaded, status
@@ -115,7 +115,7 @@ class Setting:
     def instant(self, azimuth: Array, time: float, slack: Array, memory: Memory) -> Instant | str:
         """Loads where the balls are, then their motions; azimuths (N,) in the nut's frame."""
         push = memory.push.copy()
-        at, loaded, status = self.contacts(azimuth, time, push)
+        at, loaded, status = self.contacts(azimuth, time, push, memory.q)
         if status != "converged":
             return status
         moved = [

@@ -4,18 +4,23 @@ import io
 import json
 import subprocess
 from contextlib import nullcontext, redirect_stdout
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from time import perf_counter
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
+from rollbench.comparison import __version__
 from rollbench.comparison.costs import timing
 from rollbench.comparison.costs.timing import Job, timed
+from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.scenes.catalogue import scene as shipped
+from rollbench.comparison.scenes.scene_file import loads
 from rollbench.comparison.sources.liu import bench as chain_bench
-from rollbench.comparison.wings.bench import bench, startup, typed
+from rollbench.comparison.wings.bench import bench, long, startup, typed
+from rollbench.comparison.wings.bench.arguments import bench as bench_command
 from rollbench.comparison.wings.bench.bench import run_bench
 from rollbench.comparison.wings.bench.prepared import Energy, Source
 from rollbench.comparison.wings.bench.startup import command_line_job
@@ -159,17 +164,48 @@ def test_random_errors_against_the_elimination():
 
 
 def test_commands_as_typed_and_what_they_cannot_do_without():
-    quick = typed.Typed("schema", "import pydantic", "scenes.kinds", 1.0, 1)
+    quick = typed.Typed("schema", "import pydantic", "scenes.kinds", 1e-3, 1)
     (found,) = typed.as_typed([quick])
-    assert found.timed.job == "schema, as typed"
-    assert found.whole is not None
-    assert found.libraries is not None
-    assert 0.0 < found.libraries < found.whole
-    (row,) = typed.spent_table([found]).rows
-    assert row["seconds"] == found.whole
+    assert found.job == "schema, as typed"
+    assert 0.0 < found.floor < found.modules < found.seconds
+    (row,) = typed.spent_table([found, Job("no aim", 1.0, None, None, None, "")]).rows
+    assert row["floor"] + row["modules"] + row["work"] == pytest.approx(row["seconds"])
+    assert row["misses"] == pytest.approx(found.seconds / 1e-3)
     (failed,) = typed.as_typed([typed.Typed("no-such-command", "import sys", "errors", 1.0, 1)])
-    assert failed.timed.seconds is None
+    assert failed.seconds is None
+    assert typed.spent_table([failed]).rows[0]["misses"] is None
     assert all(one.module and one.aim for one in typed.TYPED)
+
+
+def test_long_jobs_are_kept_with_version_and_day_and_shown(monkeypatch, tmp_path):
+    sample = long.Long("sample", "list", 1e-9, "sum(range(200_000 * {count}))", "a sum", (1, 20))
+    answer = long.Long("first use", "schema", 5.0, "import pydantic", caches="empty", clock="answer")
+    broken = long.Long("first report", "no-such-command", 5.0, caches="as they are", clock="wall")
+    monkeypatch.setattr(long, "LONG", (answer, broken, sample))
+    one, other = long.long_jobs(["first"], tmp_path)
+    assert 0.0 < one.floor < one.seconds < 60.0
+    assert one.when.startswith(f"{__version__}, ")
+    assert (other.seconds, other.note) == (None, "not measured: the command failed")
+    assert sample.each(sample.base, {"folder": str(tmp_path)}, ("-c",)) > 1e-4
+    later = replace(other, seconds=3.0)
+    long.keep(tmp_path, [later])
+    assert long.kept([tmp_path / "none", tmp_path]) == [one, later]
+    assert [row["measured"] for row in typed.spent_table(long.kept([tmp_path])).rows] == [one.when, other.when]
+    with pytest.raises(InputError, match="--long"):
+        next(long.long_jobs(["frist"], None))
+
+
+@pytest.mark.parametrize(("count", "length"), [(32, 54e-3), (120, 164e-3)])
+def test_screws_turned_in_time_are_case_1_with_more_balls(count, length):
+    made, case = loads(long._balls(count), "balls"), shipped("lin-case1")
+    assert (made.ball_count, made.nut.length) == (count, pytest.approx(length))
+    assert np.diff(made.balls.azimuths[:2]) == pytest.approx(np.diff(case.balls.azimuths[:2]))
+    assert made.time.steps == 200
+
+
+def test_names_of_long_jobs_are_refused_without_long():
+    with pytest.raises(InputError, match="add --long"):
+        bench_command(["audit"])
 
 
 def test_growth_with_size_is_a_figure_with_exponents(monkeypatch):

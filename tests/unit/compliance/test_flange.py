@@ -42,7 +42,7 @@ def motions(of: Tube, shift: float = 0.0) -> np.ndarray:
 def axial(of: Tube) -> float:
     """Motion of the far end along the axis by an axial force all around the line beside the flange."""
     found = tube_compliance(of, of.ends)
-    return float(found.parts[0][-1, 2 * found.z.size])
+    return float(found.line[0].whole()[-1, 2])
 
 
 def plate(thickness: float, inner: float, outer: float) -> float:

@@ -226,10 +226,8 @@ def test_angles_between_contacts_stand_for_both_sets_of_a_harmonic(resultant):
     points = Points(t, z, np.linalg.qr(rng.normal(size=(5, 3, 3)))[0][:, :2])
     weights, k = patch_weights(found.z, points.z, body.width), found.z.size
     expected = np.zeros((10, 10))
-    for n, parts in enumerate(found.parts):
-        rr, tt, zz, rz, tr, tz = parts.reshape(k, 6, k).transpose(1, 0, 2)
-        S = np.block([[rr, tr.T, rz], [tr, tt, tz], [rz.T, tz.T, zz]])
-        S = S.reshape(3, k, 3, k).transpose(1, 0, 3, 2).reshape(3 * k, 3 * k)
+    for n, line in enumerate(found.line):
+        S = line.whole()[: 3 * k, : 3 * k]
         share = 1.0 if resultant and n < 2 else np.exp(-((n * body.width / body.radius) ** 2))
         for one in harmonic_rows(n, points, weights):
             rows = one.reshape(10, -1)
@@ -363,7 +361,7 @@ def test_line_compliance_is_that_of_the_whole_body():
         held[0] = held_end
         found = line_compliance(body, range(3), held.ravel(), columns - 1, (2, 7), own_springs)
         watched = (3 * (np.arange(2, 7) * columns + columns - 1)[:, None] + np.arange(3)).ravel()
-        for n, S in enumerate(found if held_end else found[:2]):
+        for n, S in enumerate(S.whole() for S in (found if held_end else found[:2])):
             K = body.stiffness(n).toarray()
             if own_springs:
                 ends = np.zeros((2, 3 * count))
@@ -387,11 +385,17 @@ def test_a_load_that_reaches_no_further_is_left_out_and_nothing_else(monkeypatch
     held = np.zeros((*body.grid.shape, 3), dtype=bool)
     held[0] = True
     harmonics = (0, 1, 8)
-    cut = line_compliance(body, harmonics, held.ravel(), 6, (0, 121))
+    sums = line_compliance(body, harmonics, held.ravel(), 6, (0, 121))
+    cut = [S.whole() for S in sums]
     monkeypatch.setattr(fourier, "NONE_LEFT", -1.0)
-    for n, short, whole in zip(harmonics, cut, line_compliance(body, harmonics, held.ravel(), 6, (0, 121)), strict=True):
+    reached = [S.whole() for S in line_compliance(body, harmonics, held.ravel(), 6, (0, 121))]
+    for n, short, whole in zip(harmonics, cut, reached, strict=True):
         assert abs(short - whole).max() < 1e-15 * abs(whole).max()
         assert (short[:45, -45:] == 0.0).all() == (n == 8)
+    low, high = sums[2].reach(150, 180)
+    assert 0 < low < 150 < 180 < high < 363
+    assert not cut[2][:low, 150:180].any()
+    assert not cut[2][high:, 150:180].any()
 
 
 def far_apart(width, held):

@@ -7,7 +7,9 @@ from tests.helpers import small_screw
 from rollbench.lowfi.compliance.between import contact_frames
 from rollbench.lowfi.compliance.bodies import whole_body
 from rollbench.lowfi.compliance.parts import REFINED
+from rollbench.lowfi.statics.again import elastic_loads
 from rollbench.lowfi.statics.travelling import APART, WINDOW, Travelling
+from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout, layout_at, reduced_lead
 
 SCENE = small_screw(6, 1.2, force=(0.0, 0.0, 400.0))
@@ -52,3 +54,12 @@ def test_a_window_ends_before_a_ball_passes_the_nuts_face():
     travelling(SCENE, place, False, REFINED, (0, 1))
     ((window,),) = travelling.windows.values()
     assert 0.0 < window.length < 0.3 * WINDOW
+
+
+def test_loads_of_balls_that_travel_are_those_of_balls_that_stay():
+    scene = small_screw(3, 0.7, force=(0.0, 0.0, 60.0))
+    layout = ball_layout(scene)
+    drawn = specimen(scene, layout)
+    still, moving = elastic_loads(scene, drawn, layout), elastic_loads(scene, drawn, layout, whole=Travelling(WINDOW))
+    assert moving.converged
+    assert np.allclose(moving.load, still.load, rtol=0.0, atol=1e-12 * still.load.max())

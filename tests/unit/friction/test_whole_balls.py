@@ -11,6 +11,7 @@ from tests.whole_screws import AXIAL, MU, scene_of, single, state
 
 from rollbench.comparison.sources.lin.evidence.source_cases import four_point, table_3_6
 from rollbench.lowfi.friction.bearing.pairs import solve_bearing
+from rollbench.lowfi.friction.contact.kernel import motion as kernel
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import ball_motion
 from rollbench.lowfi.friction.whole import balls
@@ -140,6 +141,21 @@ def test_contacts_take_the_specimen_that_was_solved():
     at = contacts_of(scene, result, 3)
     assert np.array_equal(at.ball_radius, specimen(scene, ball_layout(scene), 3).ball_radius)
     assert not np.array_equal(at.ball_radius, contacts_of(scene, result, 0).ball_radius)
+
+
+@pytest.mark.parametrize(("far", "taken"), [(1e-6, True), (1e12, False)])
+def test_a_start_near_or_not_leads_to_the_same_motion(far, taken, monkeypatch):
+    groove = replace(table_3_6(), nut_speed=7.0, screw_speed=0.0)
+    at = single((100.0, 80.0, 75.0, 105.0), groove.contact_angle + np.array([0.02, -0.01, 0.03, 0.0]), groove)
+    speeds = []
+    descend = kernel.descend
+    monkeypatch.setattr(kernel, "descend", lambda *a: speeds.append(a[4]) or descend(*a))
+    cold = ball_friction(scene_of(groove), at, MU, Motion(7.0, "nut"))
+    first, speeds[:] = speeds[0], []
+    warm = ball_friction(scene_of(groove), at, MU, Motion(7.0, "nut"), near=cold.q * (1.0 + far))
+    assert np.allclose(warm.q, cold.q, rtol=1e-11, atol=0.0)
+    assert np.allclose(warm.loss, cold.loss, rtol=1e-10, atol=1e-12 * cold.loss.max())
+    assert (max(speeds) < 1e-3 * first) == taken  # no larger regularising speed was needed
 
 
 @pytest.mark.parametrize("count", [2, 3, 9])

@@ -103,6 +103,20 @@ def test_soft_modes_are_the_part_of_the_body_above_the_limit():
     assert np.linalg.eigvalsh(G - U @ U.T).max() < SOFT
 
 
+def test_of_large_bodies_only_the_modes_wanted_are_sought(monkeypatch):
+    """Soft and negative modes against all eigenvalues, where more are soft, or negative, than are looked for at first."""
+    monkeypatch.setattr(compliance_modes, "WHOLE", 100)
+    monkeypatch.setattr(compliance_modes, "FEW", 4)
+    Q = np.linalg.qr(np.random.default_rng(3).normal(size=(600, 600)))[0]
+    values = np.concatenate([np.geomspace(1e3, 0.5, 30), np.geomspace(0.2, 1e-3, 566), -1e-3 * np.arange(1, 5)])
+    U = soft_modes((Q * values) @ Q.T, 1.0)
+    assert U.shape == (600, 30)
+    assert relative(U @ U.T, (Q[:, :30] * values[:30]) @ Q[:, :30].T) < 1e-5
+    found, least = compliance_modes.negative_part((Q * values) @ Q.T)
+    assert relative(found, (Q[:, -4:] * values[-4:]) @ Q[:, -4:].T) < 1e-8
+    assert least == pytest.approx(-4e-3, rel=1e-9)
+
+
 @pytest.mark.parametrize("d", [2, 8])
 def test_contacts_too_stiff_for_the_modes_are_factored_whole(d):
     """Where rows are so stiff that conjugate gradients give up, the whole matrix answers."""

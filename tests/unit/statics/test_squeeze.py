@@ -99,7 +99,7 @@ def test_loads_and_forces_move_one_another_alike() -> None:
     rng = np.random.default_rng(2)
     forces, loads = rng.normal(size=4 * problem.layout.z.size), rng.normal(size=(6 * problem.nodes.size, 1))
     by_loads, _ = squeeze.by_loads(loads, shaft.solve(loads))
-    nodes = shaft.solve(squeeze.node_loads(forces)[:, None])[:, 0] + squeeze.inside @ forces
+    nodes = shaft.solve(squeeze.node_loads(forces)[:, None])[:, 0] + squeeze.inside.by_flanks(forces)
     nodes[np.repeat(problem.fixed.any(axis=1), 6)] = 0.0
     assert by_loads[:, 0] @ forces == pytest.approx(float(loads[:, 0] @ nodes), rel=1e-9)
 

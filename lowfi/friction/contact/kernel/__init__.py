@@ -3,10 +3,12 @@
 from .band import solve_with_pivots
 from .dissipation import dissipation, dissipation_many
 from .minimum import descend, evaluate, speeds_at
-from .motion import least_dissipation, least_dissipation_many
+from .motion import GIVEN, ROLLING, least_dissipation, least_dissipation_many
 from .rings import hertz_contact, minimise_each, minimise_energy, press
 
 __all__ = [
+    "GIVEN",
+    "ROLLING",
     "descend",
     "dissipation",
     "dissipation_many",

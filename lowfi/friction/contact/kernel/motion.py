@@ -10,6 +10,8 @@ from .minimum import column_units, descend, drive_speed, evaluate, residual, rol
 
 #: Status: rest and slip exact; regularised only (a contact on the verge of slip); nothing drives the body.
 EXACT, REGULARISED, AT_REST = 0, 1, 2
+#: What a search begins from: rolling as nearly as possible, a motion given, or one that is near the minimum.
+ROLLING, GIVEN, NEAR = 0, 1, 2
 
 
 @kernel
@@ -186,13 +188,14 @@ def lock(
 
 @kernel
 def least_dissipation(
-    shape: Array, maps: Array, drives: Array, push: Array, warm: bool, q: Array, forces: Array, rest: Array, bounds: Array
+    shape: Array, maps: Array, drives: Array, push: Array, start: int, q: Array, forces: Array, rest: Array, bounds: Array
 ) -> tuple[int, float, int]:
     """Motion of least dissipation; arguments as in ``evaluate``; writes q (n,), forces (m, 3), rest (m,), bounds (2,).
 
     A regularising speed falls from a tenth of the drive's to 1e-6 times it (further, to 1e-10, where a contact is on
     the verge of slip), each minimum the start of the next; then contacts at rest are locked. bounds: the least
-    dissipation less the work of push lies between them, by joint convexity in motion and speed. ``warm`` starts from q.
+    dissipation less the work of push lies between them, by joint convexity in motion and speed. start: ``ROLLING``, or
+    ``GIVEN``: q, or ``NEAR``: q, which is so near the minimum that the speed is 1e-6 at once, and ``ROLLING`` if it is not.
     Returns the status, the largest force out of balance [N], and the Newton steps.
     """
     top = drive_speed(shape, drives)
@@ -204,18 +207,24 @@ def least_dissipation(
         return AT_REST, 0.0, 0
     if top == 0.0:
         top = 1.0  # [m/s]: nothing but push drives, and no other speed is known
-    if not warm:
+    if start == ROLLING:
         q[:] = rolling_start(shape, maps, drives)
     n = q.shape[0]
     grad, hess = np.empty(n), np.empty((n, n))
-    part, count, balance = 0.1, 0, 0.0
+    part, count, balance, near = 0.1, 0, 0.0, start == NEAR
+    if near:
+        part = 1e-6
     while part > 1e-10:
         at_end = part <= 1.0001e-6
         goal = 1e-11 if at_end else 1e-3
-        value, excess, balance, steps = descend(
-            shape, maps, drives, push, part * top, q, goal, int(np.int64(200)), 1e9 * top
-        )
+        limit = int(np.int64(20 if near else 200))
+        value, excess, balance, steps = descend(shape, maps, drives, push, part * top, q, goal, limit, 1e9 * top)
         count += steps
+        if near and balance > goal * np.sum(shape[:, 2]):
+            part, near = 0.1, False
+            q[:] = rolling_start(shape, maps, drives)
+            continue
+        near = False
         if at_end:
             bounds[0] = value - excess
             motion, _ = speeds_at(shape, maps, drives, q)
@@ -240,9 +249,11 @@ def least_dissipation_many(
 ) -> None:
     """``least_dissipation`` of N bodies without push: shape (N, m, 3), maps (N, m, 3, n), drives (N, m, 3).
 
-    Writes q (N, n), forces (N, m, 3), rest (N, m), outcome (N, 2): status and largest force out of balance [N].
+    q (N, n): motions of a similar state, nan where none is known. Writes q, forces (N, m, 3), rest (N, m), outcome (N, 2):
+    status and largest force out of balance [N].
     """
-    none, bounds, cold = np.zeros(q.shape[1]), np.empty(2), bool(np.bool_(False))
+    none, bounds = np.zeros(q.shape[1]), np.empty(2)
     for k in range(q.shape[0]):
-        status, left, _ = least_dissipation(shape[k], maps[k], drives[k], none, cold, q[k], forces[k], rest[k], bounds)
+        start = ROLLING if np.isnan(q[k, 0]) else NEAR
+        status, left, _ = least_dissipation(shape[k], maps[k], drives[k], none, start, q[k], forces[k], rest[k], bounds)
         outcome[k, 0], outcome[k, 1] = status, left

@@ -10,7 +10,7 @@ from rollbench.lowfi.jit import CONTACT, is_compiled, kernel, kernels
 
 _OTHER = kernels(CONTACT, compiled=is_compiled(__name__))  # the kernels of one contact, compiled where these are
 dissipation, evaluate, least_dissipation = _OTHER.dissipation, _OTHER.evaluate, _OTHER.least_dissipation
-hertz_contact, solve_with_pivots = _OTHER.hertz_contact, _OTHER.solve_with_pivots
+hertz_contact, solve_with_pivots, ROLLING = _OTHER.hertz_contact, _OTHER.solve_with_pivots, _OTHER.ROLLING
 
 
 @kernel
@@ -108,7 +108,7 @@ def meeting(
 @kernel
 def alone(balls: BallArrays, x: Array) -> None:
     """Overwrites the motions (N, 4) of loaded balls by those of least dissipation without neighbours."""
-    forces, rest, bounds, none, cold = np.empty((4, 3)), np.empty(4), np.empty(2), np.zeros(4), bool(np.bool_(False))
+    forces, rest, bounds, none, start = np.empty((4, 3)), np.empty(4), np.empty(2), np.zeros(4), int(np.int64(ROLLING))
     for k in range(x.shape[0]):
         if np.sum(balls.shape[k, :, 2]) > 0.0:
-            least_dissipation(balls.shape[k], balls.maps[k], balls.drives[k], none, cold, x[k], forces, rest, bounds)
+            least_dissipation(balls.shape[k], balls.maps[k], balls.drives[k], none, start, x[k], forces, rest, bounds)
