@@ -19,7 +19,7 @@ from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.member_blocks import Block, contact_loads, places, solve_block, without_random_errors
 from rollbench.comparison.models.registry import MODELS, Options, default_model, random_errors, run_model
 from rollbench.comparison.reference import parallel
-from rollbench.comparison.reference.jobs import Engine
+from rollbench.comparison.reference.jobs import Engine, first_here
 from rollbench.lowfi.jit import STATICS, cached
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
@@ -151,7 +151,7 @@ def _blocks(
     jobs: list[parallel.Job] = [(solve, (*arguments, first, min(size, count - first))) for first in range(0, count, size)]
     waiting: dict[int, Block] = {}
     following = 0
-    for number, block in parallel.first_here(jobs, engine, "members", step):
+    for number, block in first_here(jobs, engine, "members", step):
         waiting[number] = block
         while following in waiting:
             yield following * size, waiting.pop(following)

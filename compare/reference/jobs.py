@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import threading
 from _thread import interrupt_main
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
 from rollbench.comparison.errors import InputError
+from rollbench.comparison.reference import parallel
 from rollbench.comparison.reference.computing import compute_with_bodies, with_bodies
 from rollbench.comparison.reference.expected import Progress, duration, expected, need_memory
 from rollbench.comparison.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
@@ -22,6 +24,8 @@ from rollbench.meshes.condensed import CondensedBodies
 from rollbench.meshes.memory import reset_peak
 
 Step = Callable[[str], None]
+#: Least time [s] that other processes must take over to be started: each imports and compiles for itself.
+WORTH_WORKERS = 10.0
 #: Interval of progress messages [s].
 HEARTBEAT = 20.0
 
@@ -40,6 +44,23 @@ class Engine:
     def processes(self) -> int:
         """Processes that one job may use: the cores of this machine, divided among the workers; one on a cluster."""
         return max(cores() // (self.workers or 1), 1) if self.backend == "joblib" else 1
+
+
+def first_here(jobs: Sequence[parallel.Job], engine: Engine, what: str, step: Step) -> Iterator[tuple[int, Any]]:
+    """Numbers and results as of `parallel.as_done`. Where other processes of this machine are asked for, two jobs are done
+    here first, and by the time of the second, for which everything is loaded, all of them where starting others takes
+    longer; ``step`` is told so, ``what`` being many of what the jobs make."""
+    workers, here = engine.workers, 0
+    if (workers or 1) > 1 and engine.backend == "joblib":
+        start, here = perf_counter(), min(2, len(jobs))
+        for number, found in parallel.as_done(jobs[:here]):
+            left, start = (perf_counter() - start) * (len(jobs) - here), perf_counter()
+            yield number, found
+        if here and left < WORTH_WORKERS:
+            step(f"no other processes: the {what} left take about {left:.1f} s here, to start others takes longer")
+            workers = 1
+    for number, found in parallel.as_done(jobs[here:], engine.backend, engine.scheduler, workers):
+        yield here + number, found
 
 
 def plan(
@@ -127,8 +148,6 @@ def ensure(
     What it will take is said first. stored: hears of every task that is kept while more are to come. Raises InputError
     where this machine has too little memory for it.
     """
-    from rollbench.comparison.reference import parallel
-
     wanted = tasks if fresh else missing(tasks, (store, *stores))
     here = engine.backend == "joblib"
     left = [replace(task, cache=engine.cache, processes=engine.processes) for task in wanted]

@@ -11,7 +11,7 @@ REGISTRATION = Registration(
             "sources.kalker.section",
             meshed="no motion against the static reference, sizes of bodies",
             beside=True,
-            needs=("bearings",),
+            needs=("bearings", "external"),
             page="rolling",
         ),
     ),

@@ -12,7 +12,7 @@ from rollbench.comparison import __version__
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.models.registry import AXIS_MODELS, MODELS
 from rollbench.comparison.reference import parallel
-from rollbench.comparison.reference.jobs import Engine
+from rollbench.comparison.reference.jobs import Engine, first_here
 from rollbench.comparison.scenes import scene_file, scene_tables
 from rollbench.comparison.wings.sweep import store
 from rollbench.comparison.wings.sweep.design import Method, points, values
@@ -123,7 +123,7 @@ def _solve_missing(sweep: Sweep, folder: Path, engine: Engine, step: Step, work:
     writer = store.Writer(folder, token)
     start = said = perf_counter()
     done = failed = 0
-    for _, (records, stored) in parallel.first_here(jobs, engine, "samples", step):
+    for _, (records, stored) in first_here(jobs, engine, "samples", step):
         if not stored:
             for record in records:
                 writer.append(record)
