@@ -8,7 +8,7 @@ loads in each process, six numbers a member, and one histogram a contact.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
 
@@ -28,8 +28,6 @@ from rollbench.meshes.parts import Scene
 #: Members of a block: the most, and the least of one set, as it takes as long to prepare some; from how many on kernels are
 #: compiled, and are used where they have been.
 BLOCK, LEAST, COMPILE_FROM, USE_FROM = 500, 50, 200, 10
-#: Least time [s] that other processes must take over to be started: each imports and compiles for itself.
-WORTH_WORKERS = 10.0
 #: Bins of the histogram of a contact's load, and its end over the largest load without random errors.
 BINS, END = 2000, 10.0
 LEVELS = (0.01, 0.05, 0.5, 0.95, 0.99)
@@ -147,22 +145,14 @@ def _check(scene: Scene | Assembly, model: str, count: int) -> None:
 def _blocks(
     solve: Callable[..., Block], arguments: tuple[Any, ...], count: int, engine: Engine, step: Callable[[str], None]
 ) -> Iterator[tuple[int, Block]]:
-    """Blocks in order, whatever the order they come in: the first in this process, and all where starting others would take
-    longer."""
+    """Blocks in order, whatever the order they come in."""
     least = LEAST if isinstance(arguments[0], Scene) else 1
     size = max(least, min(BLOCK, count // 16))  # by the count alone: how members are cut into blocks shows in round-off
     jobs: list[parallel.Job] = [(solve, (*arguments, first, min(size, count - first))) for first in range(0, count, size)]
-    if (engine.workers or 1) > 1 and engine.backend == "joblib":
-        start = perf_counter()
-        yield 0, solve(*arguments, 0, min(size, count))
-        left, jobs = (perf_counter() - start) * (len(jobs) - 1), jobs[1:]
-        if left < WORTH_WORKERS:
-            step(f"no other processes: the members left take about {left:.1f} s here, to start others takes longer")
-            engine = replace(engine, workers=1)
     waiting: dict[int, Block] = {}
-    following = done = -(-count // size) - len(jobs)
-    for number, block in parallel.as_done(jobs, engine.backend, engine.scheduler, engine.workers):
-        waiting[done + number] = block
+    following = 0
+    for number, block in parallel.first_here(jobs, engine, "members", step):
+        waiting[number] = block
         while following in waiting:
             yield following * size, waiting.pop(following)
             following += 1

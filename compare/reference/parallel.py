@@ -14,11 +14,15 @@ import warnings
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager
-from typing import Any
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
 
 from rollbench.comparison import __version__
 from rollbench.comparison.errors import InputError
 from rollbench.meshes.workers import local
+
+if TYPE_CHECKING:
+    from rollbench.comparison.reference.jobs import Engine
 
 #: A job: a function without arguments, or a function and its arguments. What leaves this process must be picklable.
 Job = Callable[[], Any] | tuple[Callable[..., Any], Sequence[Any]]
@@ -35,6 +39,9 @@ LONELY, LOOK = 60.0, 1.0
 SILENCE = 120.0
 #: What to do when a cluster was lost.
 AGAIN = "see what ended it, restart it, and give the same command again: runs that are stored are not repeated"
+
+#: Least time [s] that other processes must take over to be started: each imports and compiles for itself.
+WORTH_WORKERS = 10.0
 
 _ALONE = threading.Lock()
 
@@ -62,6 +69,23 @@ def as_done(
     if backend == "joblib" and (workers or 1) == 1:
         return ((number, function(*arguments)) for number, (function, arguments) in enumerate(calls))
     return _elsewhere(calls, backend, scheduler, workers or 0)
+
+
+def first_here(jobs: Sequence[Job], engine: Engine, what: str, step: Step) -> Iterator[tuple[int, Any]]:
+    """Numbers and results as of `as_done`. Where other processes of this machine are asked for, two jobs are done here
+    first, and by the time of the second, for which everything is loaded, all of them where starting others takes longer;
+    ``step`` is told so, ``what`` being many of what the jobs make."""
+    workers, here = engine.workers, 0
+    if (workers or 1) > 1 and engine.backend == "joblib":
+        start, here = perf_counter(), min(2, len(jobs))
+        for number, found in as_done(jobs[:here]):
+            left, start = (perf_counter() - start) * (len(jobs) - here), perf_counter()
+            yield number, found
+        if here and left < WORTH_WORKERS:
+            step(f"no other processes: the {what} left take about {left:.1f} s here, to start others takes longer")
+            workers = 1
+    for number, found in as_done(jobs[here:], engine.backend, engine.scheduler, workers):
+        yield here + number, found
 
 
 def _elsewhere(

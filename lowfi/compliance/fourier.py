@@ -333,7 +333,7 @@ def line_compliance(
     tilt, axial and twist stiffness [N/m, N m] of the low end's mean motions. With springs, harmonics 0 and 1 have two more
     rows and columns: the mean motions of the high end (`end_motions`). Raises LinAlgError where the body is not held.
     """
-    n, size = np.asarray(harmonics), 3 * (rows[1] - rows[0])
+    n, size = np.asarray(harmonics), max(3 * (rows[1] - rows[0]), 9 * body.grid.shape[1])  # loads, and freedoms of a row
     most = max(1, AT_ONCE // size**2)
     beams, waves = n[n < 2], n[n > 1]  # a wave dies out along the body, a beam's motion does not
     groups = [beams[:1], beams[1:], *(waves[i : i + most] for i in range(0, waves.size, most))]

@@ -27,7 +27,7 @@ from rollbench.comparison.models import (
     u_val,
 )
 from rollbench.comparison.models.comparison import REFERENCED, from_result
-from rollbench.comparison.models.registry import Options
+from rollbench.comparison.models.registry import MODELS, Options, run_model
 from rollbench.comparison.models.study import Study, with_balls, with_groove
 from rollbench.comparison.reference import convergence, grid_fits, levels, near_face, sets, tasks, variants
 from rollbench.comparison.scenes import catalogue
@@ -162,6 +162,13 @@ def exact():
     return [closed_forms.sphere_on_flat(scene, 225.0), [form(scene) for form in forms], closed_forms.preload(scene, 7e-6)]
 
 
+def results():
+    """Of every model that needs no file, on a scene that suits it."""
+    scenes = [STUDY().scene("lin-case2"), uneven()]
+    every = [model for model in MODELS.values() if model.name != "condensed"]
+    return [run_model(scene, model.name, OPTIONS) for scene in scenes for model in every if model.suits(scene)]
+
+
 def loaded():
     scene = uneven()
     result = loading.solve_scaled(scene, 1.0, "lin", OPTIONS)
@@ -187,15 +194,35 @@ MAKERS = (
     shafts,
     verdicts,
     exact,
+    results,
     loaded,
 )
 
 
 def left_out(name):
-    return any(word in name for word in ("second", "residual", "iteration", "memory", "MB", "balance", "equilibrium"))
+    return any(
+        word in name
+        for word in (
+            "second",
+            "residual",
+            "iteration",
+            "memory",
+            "MB",
+            "balance",
+            "equilibrium",
+            "evaluations",
+            "round_off",
+        )
+    )
 
 
-@pytest.mark.parametrize("maker", MAKERS, ids=lambda maker: maker.__name__)
+#: Makers of some seconds.
+SLOW = (results, verdicts)
+
+
+@pytest.mark.parametrize(
+    "maker", [pytest.param(maker, marks=pytest.mark.slow if maker in SLOW else (), id=maker.__name__) for maker in MAKERS]
+)
 def test_no_number_of_a_study_moves(maker):
     expected = json.loads(RECORD.read_text(encoding="utf-8"))[maker.__name__]
     same(means(maker(), left_out, properties=True), expected)

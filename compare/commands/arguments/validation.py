@@ -56,7 +56,7 @@ def report(
     fresh
         Recompute all runs, whatever is stored, and make all sections.
     everything
-        Also make the slow sections: pictures, friction, verification, stability, timing. Cold run times are the stored
+        Also make the slow sections: pictures, friction, rolling, verification, stability, timing. Run times are the stored
         ones, beside a sample measured now.
     against
         An earlier report, or with a scene an earlier page on it, to list what moved.

@@ -97,9 +97,13 @@ class Long:
         if self.counts:
             said = f"CPU of a sample: {self.counts[1]} less {self.counts[0]} of them"
         said += f", caches {self.caches}"
-        when = f"{__version__}, {today()}, {machine()}"
         note = said if whole is not None else "not measured: the command failed"
-        return Job(self.job, whole, None, None, None, note, self.aim, floor, self.base_of, None, when)
+        return Job(self.job, whole, None, None, None, note, self.aim, floor, self.base_of, None, now_and_here())
+
+
+def now_and_here() -> str:
+    """Version, day and machine of a time that is kept."""
+    return f"{__version__}, {today()}, {machine()}"
 
 
 _FIRST = "first use"
@@ -115,7 +119,7 @@ LONG = (
         0.25,
         _BODIES,
         "its solution alone",
-        (512, 640),
+        (64, 128),
     ),
     Long(
         "sample of a sweep, bodies kept",
@@ -123,7 +127,7 @@ LONG = (
         3e-3,
         _LOADS,
         "its solution alone",
-        (512, 2048),
+        (64, 512),
     ),
     Long("audit", "audit", 40.0, caches="as they are"),
     Long("first report", "report --out {folder}/report --store {folder}/runs", 90.0, caches="empty", clock="wall"),
@@ -134,7 +138,7 @@ LONG = (
         caches="as they are",
         clock="wall",
     ),
-    Long("tests", "-p no:cacheprovider tests", 240.0, caches="as they are", clock="wall", program="pytest"),
+    Long("tests of the core", "-p no:cacheprovider", 240.0, caches="as they are", clock="wall", program="pytest"),
 )
 
 
@@ -179,15 +183,20 @@ def keep(store: Path, jobs: Sequence[Job]) -> None:
     """Keep jobs in a store, in the order of `LONG`, in place of those of the same name. Raises InputError where it cannot
     be written."""
     found = {job.job: job for job in (*kept([store]), *jobs)}
-    rows = ",\n ".join(json.dumps(asdict(found[one.job])) for one in LONG if one.job in found)
-    replace_file(store / FILE, f"[{rows}]\n")
+    save(store, FILE, [found[one.job] for one in LONG if one.job in found])
 
 
-def kept(stores: Sequence[Path]) -> list[Job]:
+def save(store: Path, file: str, jobs: Sequence[Job]) -> None:
+    """Write jobs into a file of a store. Raises InputError where it cannot be written."""
+    rows = ",\n ".join(json.dumps(asdict(job)) for job in jobs)
+    replace_file(store / file, f"[{rows}]\n")
+
+
+def kept(stores: Sequence[Path], file: str = FILE) -> list[Job]:
     """Jobs of the first store that has any."""
     for store in stores:
         with suppress(OSError, ValueError, TypeError):
-            return [Job(**row) for row in json.loads((store / FILE).read_text(encoding="utf-8"))]
+            return [Job(**row) for row in json.loads((store / file).read_text(encoding="utf-8"))]
     return []
 
 

@@ -3,8 +3,8 @@ reports."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import asdict
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, replace
 from typing import Any
 
 from rollbench.comparison.costs.timing import Job
@@ -14,18 +14,32 @@ from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.registration import offered
 from rollbench.comparison.wings.bench.axis_bench import jobs as axis_jobs
 from rollbench.comparison.wings.bench.bench import run_bench
-from rollbench.comparison.wings.bench.long import kept
+from rollbench.comparison.wings.bench.long import kept, now_and_here, save
 from rollbench.comparison.wings.bench.typed import as_typed, scaling, spent_table
 from rollbench.reports.records import Quantity, Row, Section, Table, Text
+
+#: File of a store that holds the jobs of this section.
+JOBS = "jobs.json"
+
+
+def jobs_now(step: Callable[[str], None]) -> Iterator[Job]:
+    """Every job, measured now."""
+    for one in as_typed():
+        step(one.job)
+        yield one
+    yield from run_bench(step)
+    yield from (job for added in offered("timing jobs") for job in added())
+    yield from axis_jobs(5)
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report."""
-    commands = []
-    for one in as_typed():
-        step(one.job)
-        commands.append(one)
-    done = [*commands, *run_bench(step), *(job for added in offered("timing jobs") for job in added()), *axis_jobs(5)]
+    stores = [*(study.stores or ()), shipped_store()]
+    done = [] if study.timed else kept(stores, JOBS)
+    if not done:
+        done = [replace(job, when=now_and_here()) for job in jobs_now(step)]
+        if study.stores:
+            save(study.stores[0], JOBS, done)
     rows: list[dict[str, Any]] = [asdict(job) for job in done]
     printed: list[Row] = [
         {
@@ -51,7 +65,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
                     ),
                 )
             ),
-            spent_table([*done, *kept([*(study.stores or ()), shipped_store()])]),
+            spent_table([*done, *kept(stores)]),
             *scaling(study),
             Table(
                 "timing-jobs",
@@ -63,6 +77,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
                     Quantity("unknowns", "unknowns", "", "s"),
                     Quantity("peak_MB", "peak memory", "MB", ".0f"),
                     Quantity("note", "what is included", "", "s"),
+                    Quantity("when", "measured", "", "s"),
                 ),
                 rows,
             ),

@@ -110,7 +110,7 @@ def spent_table(jobs: Sequence[Job]) -> Table:
             Quantity("work", "work", "s", "g3"): less(one.seconds, one.floor if one.modules is None else one.modules),
             "floor_of": one.floor_of,
             "note": one.note,
-            "measured": one.when or "for this report",
+            "measured": one.when or "now",
         }
         for one in jobs
         if one.aim is not None

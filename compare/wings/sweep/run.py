@@ -22,8 +22,9 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 
 Step = Callable[[str], None]
-#: From this many samples on the compiled kernels are used: by the size of the design, so that it is always the same.
-COMPILE_FROM = 500
+#: From this many samples on the compiled kernels are used: by the size of the design, so that it is always the same. Plain
+#: Python takes about as long over them as the kernels take to be compiled.
+COMPILE_FROM = 50
 #: Samples that are tried before anything is stored: where each is refused for the same reason, nothing else is.
 FIRST = 10
 #: Most samples of a job, least number of jobs a worker, and seconds between two messages.
@@ -122,7 +123,7 @@ def _solve_missing(sweep: Sweep, folder: Path, engine: Engine, step: Step, work:
     writer = store.Writer(folder, token)
     start = said = perf_counter()
     done = failed = 0
-    for _, (records, stored) in parallel.as_done(jobs, engine.backend, engine.scheduler, engine.workers):
+    for _, (records, stored) in parallel.first_here(jobs, engine, "samples", step):
         if not stored:
             for record in records:
                 writer.append(record)

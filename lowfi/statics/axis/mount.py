@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from functools import lru_cache, partial
 
 import numpy as np
 
@@ -30,22 +31,48 @@ TOLD, FAILED = 1e-8, 1e-4
 TIED = diagonal((1e12, 1e12, 0.0, 1e9, 1e9, 1e9))
 
 
-def mount(assembly: Assembly, solve: Callable[[Assembly], AxisResult]) -> tuple[Assembly, tuple[str, ...], Status | None]:
+@dataclass(frozen=True)
+class _Mounting:
+    """An assembly as it is mounted, and what solves it: ``key`` names the latter."""
+
+    bare: Assembly
+    key: tuple[object, ...]
+    solve: Callable[[Assembly], AxisResult] = field(compare=False)
+
+
+def mount(assembly: Assembly, solve: partial[AxisResult]) -> tuple[Assembly, tuple[str, ...], Status | None]:
     """The assembly with its preloads by force as offsets: those at which each such set carries its force, without loads
     and before the shaft warms.
+
+    Returns the assembly, notes, and a status for preloads that are not met (else None).
+    """
+    which = _preloaded(assembly)
+    if not which:
+        return assembly, (), None
+    idle = tuple(replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in assembly.housings)
+    bare = replace(assembly, loads=(), housings=idle, thermal_strain=0.0)
+    shift, notes, unmet = _shifts(_Mounting(bare, (solve.func, *sorted(solve.keywords.items())), solve))
+    return assembly if shift is None else _shifted(assembly, which, np.array(shift)), notes, unmet
+
+
+def _preloaded(assembly: Assembly) -> list[int]:
+    """Places of the sets that are preloaded by a force."""
+    return [i for i, s in enumerate(assembly.sets) if s.preload > 0.0]
+
+
+@lru_cache(maxsize=4)
+def _shifts(mounting: _Mounting) -> tuple[tuple[float, ...] | None, tuple[str, ...], Status | None]:
+    """Shifts [m] against their rows of the sets that are preloaded by a force (None: they come to no rest), notes, status;
+    kept for the load cases of an assembly, which all are mounted alike.
 
     The energy is convex in the shifts too: outer parts that slide along the axis and are pushed by their preloads come to
     rest where these are met, or at none, which the solution then proves. Where a housing moves, to which they are only
     tied, Newton's method on the logarithms of the forces corrects their shifts. Parts that may be moved all together are
     moved as far one way as the other.
-    Returns the assembly, notes, and a status for preloads that are not met (else None).
     """
-    which = [i for i, s in enumerate(assembly.sets) if s.preload > 0.0]
-    if not which:
-        return assembly, (), None
-    idle = tuple(replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in assembly.housings)
-    bare = replace(assembly, loads=(), housings=idle, thermal_strain=0.0)
-    goal = np.log([assembly.sets[i].preload for i in which])
+    bare, solve = mounting.bare, mounting.solve
+    which = _preloaded(bare)
+    goal = np.log([bare.sets[i].preload for i in which])
 
     def excess(shift: Array) -> Array:
         found = solve(_shifted(bare, which, shift))
@@ -55,14 +82,14 @@ def mount(assembly: Assembly, solve: Callable[[Assembly], AxisResult]) -> tuple[
     pushed, status = _pushed(bare, which, solve)
     if pushed is None:
         why = f"preloads by force are not met at mounting: {status.reason}"
-        return assembly, (), Status(status.kind, why, "mounting")
-    ways = np.array([-1.0 if assembly.sets[i].thrust == "+z" else 1.0 for i in which])
+        return None, (), Status(status.kind, why, "mounting")
+    ways = np.array([-1.0 if bare.sets[i].thrust == "+z" else 1.0 for i in which])
     shift = pushed - ways * float((ways * pushed).mean())
     value = excess(shift) if len(which) > 1 else np.array([np.nan])
     if not float(np.abs(value).max()) < DIFFERENCE:  # the axis is held where it is
         shift = pushed
         value = excess(shift)
-    steps, slope = np.diag([DIFFERENCE * closing(assembly.sets[i]) for i in which]), np.zeros((0, 0))
+    steps, slope = np.diag([DIFFERENCE * closing(bare.sets[i]) for i in which]), np.zeros((0, 0))
     for _ in range(STEPS):
         worst = float(np.abs(value).max())
         if not worst > ACCEPTED:
@@ -76,13 +103,13 @@ def mount(assembly: Assembly, solve: Callable[[Assembly], AxisResult]) -> tuple[
         if not float(np.abs(new).max()) < worst:
             break  # the forces are not known any better
         shift, value = shift + move, new
-    words = ", ".join(f"{assembly.sets[i].name} {1e6 * d:.5g} um" for i, d in zip(which, shift, strict=True))
+    words = ", ".join(f"{bare.sets[i].name} {1e6 * d:.5g} um" for i, d in zip(which, shift, strict=True))
     note = f"preload by force: before loading, outer parts are moved against their rows by {words}"
     worst = float(np.abs(value).max())
     if not worst < TOLD:
         note += f"; the forces are off by {100.0 * worst:.1e} %"
     failed = Status("not converged", f"preloads by force are not met, off by {100.0 * worst:.2g} %: {words}")
-    return _shifted(assembly, which, shift), (note,), None if worst < FAILED else failed
+    return tuple(shift), (note,), None if worst < FAILED else failed
 
 
 def _pushed(bare: Assembly, which: Sequence[int], solve: Callable[[Assembly], AxisResult]) -> tuple[Array | None, Status]:

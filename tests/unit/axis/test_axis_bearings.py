@@ -1,6 +1,7 @@
 """Bearings on a shaft against closed formulas and independent solutions: sets of rows, tapered rollers, preload, heat."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -139,9 +140,28 @@ def test_noise_does_not_turn_a_singular_slope():
         sets = tuple(replace(s, force=s.force * (1.0 + 1e-11 * rng.standard_normal())) for s in found.sets)
         return replace(found, sets=sets)
 
-    mounted, _, unmet = mount(pressed_nuts(1431.0), noisy)
+    mounted, _, unmet = mount(pressed_nuts(1431.0), partial(noisy))
     assert unmet is None
     assert mounted.sets[0].offset == pytest.approx(-mounted.sets[1].offset, rel=1e-4)
+
+
+def test_load_cases_are_mounted_once():
+    """What carries a load and what carries none begin from the same shifts."""
+    alone, solved = pressed_nuts(1432.0), []
+
+    def counted(other):
+        solved.append(other)
+        return solve_assembly(other, engine="compiled")
+
+    again = partial(counted)
+    first, _, _ = mount(alone, again)
+    before = len(solved)
+    loaded, _, _ = mount(replace(alone, loads=(Load(0.0, (0.0, 0.0, 5.0), (0.0, 0.0, 0.0)),)), again)
+    assert len(solved) == before > 0
+    assert loaded.sets == first.sets
+    assert loaded.loads
+    mount(pressed_nuts(1433.0), again)
+    assert len(solved) > before
 
 
 def test_refined_names_its_own_assumptions_where_a_preload_is_not_met():

@@ -10,8 +10,9 @@ from tests.helpers import relative
 from rollbench.comparison.models.registry import MODELS
 from rollbench.lowfi import jit
 from rollbench.lowfi.rollers.line_contact import LineLaw
+from rollbench.lowfi.statics.axis import sides
 from rollbench.lowfi.statics.axis.solve import iterate, prepare
-from rollbench.lowfi.statics.axis.system import build, tapered
+from rollbench.lowfi.statics.axis.system import build, moved_flanks, tapered
 from rollbench.lowfi.statics.kernel import axis, axis_matrix, ball, rollers, skyline
 from rollbench.lowfi.statics.records import AxisSlopes
 from rollbench.meshes.axis import Housing, Joint, RollingSet, diagonal
@@ -160,3 +161,15 @@ def test_compiled_kernels_find_the_same():
         assert outcome.status == 0
         found.append(prepared.state.contact[..., 0].copy())
     assert relative(found[1], found[0]) < 1e-11
+
+
+def test_a_flank_between_nodes_moves_with_a_shaft_that_turns_as_one():
+    """Whether or not the stations of its contacts are nodes."""
+    prepared = prepare(build(double_nut()), jit.kernels(jit.STATICS, compiled=False))
+    system, q = prepared.system, np.zeros_like(prepared.state.q)
+    z, turn = system.structure.nodes, np.array([2e-5, -1e-5, 3e-5])
+    q[: z.size, 3:] = turn
+    q[: z.size, :3] = np.array([3e-6, 1e-6, -2e-6]) + np.cross(turn, np.stack([0.0 * z, 0.0 * z, z], axis=-1))
+    for b in system.balls:
+        for s in range(2):
+            assert relative(sides._flank_motion(system, b, s, q), moved_flanks(b, q)[:, s]) < 1e-12

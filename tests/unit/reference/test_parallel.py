@@ -15,6 +15,7 @@ from tests.jobs_in_order import run
 from rollbench.comparison import __version__
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.reference import parallel
+from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.reference.parallel import as_done
 
 pytestmark = pytest.mark.xdist_group("scheduler")
@@ -293,3 +294,18 @@ def test_a_worker_of_another_version_that_joins_later_refuses_its_job(backend, s
     with pytest.raises(InputError, match=rf"a worker of rollbench {__version__}, .*install version 99\.0 where"):
         run([(wait, (0.0, tmp_path))] * 2, *where(backend, scheduler))
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("worth", [0.0, 1e9])
+def test_workers_are_started_only_where_they_are_worth_it(monkeypatch, worth):
+    """The first two jobs are done here, and the others too where they take less time than starting processes."""
+    monkeypatch.setattr(parallel, "WORTH_WORKERS", worth)
+    said = []
+    found = dict(parallel.first_here([(os.getpid, ())] * 5, Engine(workers=2), "samples", said.append))
+    assert sorted(found) == [0, 1, 2, 3, 4]
+    assert found[0] == found[1] == os.getpid()
+    assert (set(found.values()) == {os.getpid()}) == bool(worth)
+    assert [line.startswith("no other processes: the samples left") for line in said] == [True] * bool(worth)
+    alone = parallel.first_here([(os.getpid, ())] * 3, Engine(), "samples", said.append)
+    assert dict(alone) == dict.fromkeys(range(3), os.getpid())
+    assert list(parallel.first_here([], Engine(workers=2), "samples", said.append)) == []
