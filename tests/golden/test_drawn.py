@@ -1,0 +1,347 @@
+"""Numbers of scenes that are drawn by seeds, as no shipped one is: they walk the rare branches, and guard against change.
+
+Of each scene a row is kept: how it ended in words, and of each name in its results a weighted mean. A number is kept only
+where a modulus that differs by `SHIFT` hardly moves it, so that no round-off is. Whoever changes them on purpose writes
+them anew with ``python -m tests.golden.test_drawn [MAKER ...]`` and says why in the commit.
+"""
+
+import contextlib
+import io
+import json
+import re
+import sys
+import tempfile
+from collections import defaultdict
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy import sparse
+from tests.golden.means import leaves
+from tests.rolling_scenes import linear_pair, screw_pair
+
+from rollbench.comparison.cli import main
+from rollbench.comparison.errors import InputError, Refusal
+from rollbench.comparison.gate import further, judged, verdict
+from rollbench.comparison.models import axis_answers
+from rollbench.comparison.models.answers import gather
+from rollbench.comparison.models.comparison import REFERENCED, from_result
+from rollbench.comparison.models.registry import Options, run_model
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.reference import sets, tasks
+from rollbench.comparison.registration import kinds
+from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.comparison.wings.extremes.campaign import draw as extreme
+from rollbench.comparison.wings.extremes.campaign.draw_axes import axis_text
+from rollbench.comparison.wings.extremes.survey import draw as survey
+from rollbench.hifi.contact.balls import solve_balls
+from rollbench.hifi.contact.compliance import coupled
+from rollbench.hifi.meshing.expected import expected_contacts, hertz_units
+from rollbench.hifi.meshing.fit import socket_size
+from rollbench.hifi.meshing.part_meshes import mesh_recipes
+from rollbench.hifi.rolling.balls import Choices, solve_rolling
+from rollbench.hifi.shaft.beam import round_section
+from rollbench.hifi.shaft.frame import Frame
+from rollbench.hifi.shaft.mounting import Stretch, mount_all
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.groove_map import GrooveMap
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import SIDES
+from rollbench.meshes.section import groove_section, screw_section, volume_ratio
+from rollbench.meshes.solid import dimensions
+from rollbench.meshes.surface import principal_curvatures
+
+RECORD = Path(__file__).parent / "drawn_scenes.json"
+SEED = 1719
+OTHERS = ("lin-cell", "lin-nut", "refined", "source", "mei", "mei-nut", "lin-source-partition")
+ELASTIC, PLAIN = ("refined", "lin-nut", "lin-cell"), ("lin", "source", "mei", "mei-nut")
+#: Share of the moduli by which they differ for the choice of what is kept, and by which that may move; tolerance of a test.
+SHIFT, STEADY, TOLERANCE = 1e-11, 1e-8, 1e-6
+#: Time, memory, round-off and how a solver went.
+LEFT_OUT = re.compile(
+    r"second|residual|iteration|memory|MB|version|balance|equilibrium|round_off|evaluations|ball$|upwind|engine|solver"
+    r"|change$|_error$|imbalance|goal|rounds|steps$|slack|\.state|remainder|^\.summary\.friction$"
+)
+MODULUS = re.compile(r'(youngs_modulus = ")([\d.]+)')
+COMPILED = Options(engine="compiled", discretisation=False)
+Found = tuple[str, dict[str, list[float]]]
+
+
+def weighted(value: Any) -> dict[str, list[float]]:
+    """Of each name below a value: a mean weighted by the places of its finite numbers, and mean size; the count of all."""
+    numbers: dict[str, list[Any]] = defaultdict(list)
+    for name, found in leaves(value, LEFT_OUT.search, properties=True):
+        numbers[name].append(np.asarray(found, dtype=float).ravel())
+    out = {"count": [float(sum(x.size for values in numbers.values() for x in values))] * 2}
+    for name, values in numbers.items():
+        x = np.concatenate(values)
+        x = x[np.isfinite(x)]
+        if x.size:
+            out[name] = [float((x * (1.5 + np.cos(np.arange(x.size)))).mean()), float(np.abs(x).mean())]
+    return out
+
+
+def shifted(text: str, shift: float) -> str:
+    """A scene file with other moduli of elasticity."""
+    return MODULUS.sub(lambda m: f"{m[1]}{float(m[2]) * (1.0 + shift):.16g}", text)
+
+
+def screw(number: int, shift: float, most: int = 40) -> str:
+    """Extreme screw or bearing of few balls: the first of some that are drawn for its number."""
+    for k in range(100):
+        text = extreme.scene_text(SEED, 100 * number + k)
+        if int(re.search(r"count = (\d+)", text)[1]) <= most:
+            return shifted(text, shift)
+    raise AssertionError
+
+
+def usual(number: int, shift: float) -> str:
+    """Screw as catalogues have it; each sixth with a flange."""
+    text = survey.scene_text(SEED, number + (survey.TUBES if number % 6 == 5 else 0))
+    return shifted(text.replace('name = "bearing steel"', 'youngs_modulus = "208 GPa"\npoissons_ratio = 0.3'), shift)
+
+
+def axis(number: int, shift: float) -> str:
+    """Several sets on one shaft."""
+    return shifted(axis_text(SEED, number), shift)
+
+
+def rubbing(text: str, number: int) -> str:
+    """A scene with coefficients of friction and a motion."""
+    rng = np.random.default_rng([SEED, 7, number])
+    mu = rng.choice([1e-3, 0.05, 0.1, 0.3], 3)
+    same = rng.random() < 0.5
+    text += "\n[friction]\n" + (f"coefficient = {mu[0]}\n" if same else f"screw = {mu[0]}\nnut = {mu[1]}\n")
+    text += f"balls = {mu[2]}\n" * (rng.random() < 0.5)
+    text += f"feedback = {str(bool(rng.random() < 0.5)).lower()}\nneighbours = {str(bool(rng.random() < 0.6)).lower()}\n"
+    speed, turns = rng.choice([-600, 30, 2000]), rng.choice(["screw", "screw", "nut"])
+    text += f'[motion]\nspeed = "{speed} rpm"\nturns = "{turns}"\n'
+    return text
+
+
+def in_time(number: int, shift: float) -> str:
+    """A usual screw that rubs, its balls run in time."""
+    rng = np.random.default_rng([SEED, 6, number])
+    text = rubbing(usual(300 + number, shift), number)
+    text += f"[circulation]\nreturning = {rng.integers(4)}\nfilling = {rng.uniform(0.6, 0.8):.2f}\n"
+    text += f'[time]\nangle = "{rng.choice([3, 20])} deg"\nsteps = {rng.integers(4, 7)}\n'
+    return text + 'output = "balls"\n' * (number % 2)
+
+
+def cases(number: int) -> str:
+    """Two load cases of a screw, and a third one of no share."""
+    rng, text = np.random.default_rng([SEED, 5, number]), ""
+    for name, share in zip("abc", (0.3, 0.7, 0.0), strict=True):
+        force = ", ".join(f'"{x:.4g} N"' for x in rng.normal(size=3) * (100.0, 100.0, 2000.0) * (rng.random(3) < 0.6))
+        text += f'\n[[cases]]\nname = "{name}"\nshare = {share}\n'
+        text += f'[[cases.loads]]\nat = "0 mm"\nforce = [{force}]\n'
+    return text
+
+
+def said_of(words: str) -> str:
+    """The beginning of a status or refusal, of one that names a residual no more."""
+    return words.strip().partition(": ")[0] if words.startswith("not converged") else words.strip()[:90]
+
+
+def answered(text: str, *words: str) -> Found:
+    """What a command answers as JSON for a scene file, or the beginning of its refusal."""
+    said, unsaid = io.StringIO(), io.StringIO()
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        contextlib.chdir(folder),
+        contextlib.redirect_stdout(said),
+        contextlib.redirect_stderr(unsaid),
+    ):
+        Path("drawn.toml").write_text(text, encoding="utf-8")
+        with pytest.raises(SystemExit) as stop:
+            main([words[0], "drawn.toml", *words[1:], "--json"])
+    out = json.loads(said.getvalue()) if said.getvalue().startswith("{") else {}
+    words = out.get("status", "" if "members" in "".join(words) else unsaid.getvalue())
+    return f"{stop.value.code} {said_of(words)}", weighted(out)
+
+
+def tried(work: Callable[[], Any]) -> Found:
+    """How some work ended, and the numbers of its result."""
+    try:
+        value = work()
+    except (InputError, Refusal, ValueError) as error:
+        return said_of(f"{type(error).__name__}: {error}"), {}
+    return said_of(str(getattr(value[0] if isinstance(value, tuple) else value, "status", "done"))), weighted(value)
+
+
+def solved(text: str, model: str) -> Any:
+    """A result, with all answers for one set of balls that bears loads."""
+    described = scene_file.read(text, "drawn.toml")
+    if isinstance(described, Assembly):
+        several = run_model(described, model, COMPILED)
+        return (several, axis_answers.gather(described, several)) if several.converged else several
+    scene = scene_file.whole(described, "drawn.toml")
+    result = run_model(scene, model, COMPILED)
+    return (result, gather(scene, result, model, COMPILED)) if result.converged else result
+
+
+def parts(number: int, shift: float) -> Any:
+    """What meshes and contacts of a screw are made from: no mesh is."""
+    scene = scene_file.loads(usual(number, shift), "drawn.toml")
+    layout, m = ball_layout(scene), GrooveMap.of(scene)
+    drawn, dims, sides = specimen(scene, layout, number), dimensions(scene), tasks.needed_sides(scene)
+    settings = tasks.settings_of([scene], 1 + number % 3)
+    found = [scene, layout, m, drawn, dims, sides, settings, groove_section(scene), screw_section(scene)]
+    found += [volume_ratio(scene), expected_contacts(scene), hertz_units(scene)]
+    found += [socket_size(scene, m, layout, sides, dims, settings)]
+    found += [[recipe[1][1:] for recipe in mesh_recipes(scene, m, layout, dims, sides, settings)[0]]]
+    return [*found, [principal_curvatures(scene, drawn, side, np.full(layout.z.size, 0.7)) for side in range(4)]]
+
+
+def shafts(number: int, shift: float) -> Any:
+    """A shaft of several sets as the 3D reference takes it: set-ups, and beams alone under its frame."""
+    found, rng = scene_file.read(axis(number, shift), "drawn.toml"), np.random.default_rng([SEED, 8, number])
+    frame = Frame.of(found)
+    screw = found.screw
+    section = round_section(screw.outer_diameter / 2.0, screw.material.youngs_modulus, screw.material.poissons_ratio)
+    at, length = sorted(rng.uniform(0.3, 0.6, 2) * screw.length), screw.length
+    stretch = replace(STRETCH, base=at[0], ports=(at[1],), observers=(sum(at) / 2.0,), ends=tuple(at))
+    frame = replace(frame, loads=tuple(replace(x, at=length * (x.at > 0.5 * length)) for x in frame.loads))
+    mounted = mount_all((stretch,), frame, lambda _: section)
+    level = 1 + number % 3
+    if isinstance(found, Assembly):
+        return (mounted, sets.recorded(sets.set_ups([found], level))) if number % 2 else mounted
+    return mounted, tasks.settings_of([found], level)
+
+
+def stretch_of(modes: int = 3) -> Stretch:
+    """A random stretch of screw with one port and one observer."""
+    rng = np.random.default_rng(SEED)
+    a = rng.normal(size=(modes + 12,) * 2)
+    return Stretch(a @ a.T * 1e-9, rng.normal(size=(modes + 12, 6)), 0.0, (0.1,), (0.05,), (0.0, 0.1), modes)
+
+
+STRETCH = stretch_of()
+
+
+def pressed(number: int, shift: float) -> Any:
+    """Random elastic bodies in contact."""
+    rng = np.random.default_rng([SEED, 9, number])
+    sizes, modes = rng.integers(4, 9, int(rng.integers(1, 4))), 3
+    blocks, shapes = [], []
+    for n in sizes:
+        a = rng.normal(size=(n, n))
+        blocks.append((a @ a.T + n * np.eye(n)) * 1e-8 * (1.0 + shift))
+        shapes.append(rng.normal(size=(n, modes)))
+    a = rng.normal(size=(modes * len(sizes),) * 2)
+    C = coupled(blocks, shapes, a @ a.T * 1e-9)
+    gap, rows = rng.normal(size=sizes.sum()) * 1e-6, np.abs(rng.normal(size=(sizes.sum(), 2)))
+    loads = rows[rng.integers(len(rows), size=3)].sum(axis=0) * 100.0
+    return solve_balls(C, gap, sparse.csr_matrix(rows), loads)[0]
+
+
+def rolled(number: int, shift: float) -> Any:
+    """Two balls that roll on coarse grids, elastic."""
+    rng = np.random.default_rng([SEED, 11, number])
+    if number % 2:
+        scene = linear_pair(rng.uniform(-4, 4), rng.uniform(-0.9, 0.9), mated=rng.random() < 0.3)
+    else:
+        scene = screw_pair(rng.choice([-1, 1]) * rng.uniform(5e-3, 40e-3), 1.0)
+    scene = replace(scene, young=scene.young * (1.0 + shift), mu=rng.uniform(0.02, 0.3), mu_balls=rng.uniform(0.0, 0.3))
+    return solve_rolling(scene, Choices((int(rng.integers(4, 7)), int(rng.integers(5, 8))), curved=rng.random() < 0.7))
+
+
+def judged_loads(number: int, shift: float) -> Any:
+    """Verdicts on loads, beside those of a stored reference, that are off by a random share."""
+    rng = np.random.default_rng([SEED, 13, number])
+    name = REFERENCED[number % len(REFERENCED)]
+    scene, found, answer = STUDY.scene(name), STUDY.reference(name), from_result(STUDY.solve(name, "lin"))
+    off = replace(answer, load=answer.load * (1.0 + rng.normal(size=answer.load.shape) * rng.choice([0.01, 0.1]) + shift))
+    others = rng.permutation(sorted(judged.QUANTITIES))[:4]
+    limits = verdict.Limits(*rng.uniform(0.5, 12.0, 2), dict.fromkeys(others, float(rng.uniform(0.5, 9.0))))
+    out = verdict.judge("lin", off.load, found, limits, ("SL", "NR") if number % 3 == 0 else SIDES)
+    out += further.contact_verdicts("lin", further.contacts_by(scene, off, limits.others), scene, found, limits)
+    out += [further.value_verdict("lin", v, scene, found, limits) for v in further.values_by(scene, off, limits.others)]
+    return out, [one.as_json() for one in out], [list(map(ord, one.line())) for one in out]
+
+
+def of_kind(number: int, shift: float) -> str:
+    """A shipped scene of a kind that only friction solves, its sizes changed by some per cent each."""
+    rng, names = np.random.default_rng([SEED, 15, number]), sorted(n for n in catalogue.scene_names() if of_a_kind(n))
+    name = names[number % len(names)]
+    text = re.sub(
+        r'"(-?[\d.]+) (mm|um|N|kN|deg|mm/s|rpm)"',
+        lambda m: f'"{float(m[1]) * (1.0 + rng.uniform(-0.06, 0.06)):.9g} {m[2]}"',
+        catalogue.scene_text(name),
+    )
+    return shifted(text, shift)
+
+
+def of_a_kind(name: str) -> bool:
+    """Whether only friction solves a shipped scene, in little time."""
+    return catalogue.heading(name).get("kind") in kinds() and not name.startswith("lin-screw-run")
+
+
+STUDY = Study()
+Item = Callable[[int, float], Found]
+#: Of each kind what makes an item of its number and the shift of the moduli, and how many items there are.
+MAKERS: dict[str, tuple[Item, int]] = {
+    "extreme": (lambda n, e: tried(lambda: solved(screw(n, e, 60), "lin")), 120),
+    "extreme, other models": (lambda n, e: tried(lambda: solved(screw(1000 + n, e, 16), OTHERS[n % len(OTHERS)])), 63),
+    "axes": (lambda n, e: tried(lambda: solved(axis(n, e), "lin")), 90),
+    "axes, refined": (lambda n, e: tried(lambda: solved(axis(1000 + n, e), ELASTIC[n % len(ELASTIC)])), 18),
+    "axes, commands": (lambda n, e: answered(axis(2000 + n, e), "solve", "--model", "lin"), 16),
+    "usual": (lambda n, e: tried(lambda: solved(usual(n, e), PLAIN[n % len(PLAIN)])), 48),
+    "usual, refined": (lambda n, e: answered(usual(24 + n, e), "solve"), 6),
+    "cases": (lambda n, e: answered(usual(100 + n, e) + cases(n), "solve", "--model", "lin", "--balls"), 4),
+    "members": (lambda n, e: answered(usual(40 + n, e), "solve", "--members", "5", "--model", "lin"), 5),
+    "friction of extremes": (lambda n, e: answered(rubbing(screw(2000 + n, e, 12), n), "friction", "--model", "lin"), 50),
+    "friction": (lambda n, e: answered(rubbing(usual(60 + n, e), n), "friction", "--model", "lin"), 16),
+    "friction of axes": (lambda n, e: answered(axis(3000 + n, e), "friction", "--model", "lin", "--mu", "0.1"), 12),
+    "friction in time": (lambda n, e: answered(in_time(n, e), "friction", "--model", "lin"), 6),
+    "friction of kinds": (lambda n, e: answered(of_kind(n, e), "friction"), 32),
+    "parts": (lambda n, e: tried(lambda: parts(200 + n, e)), 40),
+    "shafts": (lambda n, e: tried(lambda: shafts(4000 + n, e)), 40),
+    "pressed": (lambda n, e: tried(lambda: pressed(n, e)), 60),
+    "rolled": (lambda n, e: tried(lambda: rolled(n, e)), 20),
+    "judged": (lambda n, e: tried(lambda: judged_loads(n, e)), 24),
+}
+
+
+def row(name: str, number: int) -> tuple[str, dict[str, float | None]]:
+    """How an item ended, and its numbers that round-off does not move."""
+    (words, first), (again, second) = (MAKERS[name][0](number, shift) for shift in (0.0, SHIFT))
+    if words != again or first.keys() != second.keys():
+        return "", {}
+    steady = {key: abs(value - second[key][0]) <= STEADY * size for key, (value, size) in first.items()}
+    return words, {key: float(f"{value:.9g}") for key, (value, _) in first.items() if steady[key]}
+
+
+def written(name: str) -> dict[str, Any]:
+    """The record of a kind: names of numbers, and a row of each item: its words, then its numbers by these names."""
+    rows = [row(name, number) for number in range(MAKERS[name][1])]
+    names = list(dict.fromkeys(key for _, numbers in rows for key in numbers))
+    return {"names": names, "rows": [[words, *(numbers.get(key) for key in names)] for words, numbers in rows]}
+
+
+@pytest.mark.slow
+@pytest.mark.compiles(30)
+@pytest.mark.parametrize("name", MAKERS)
+def test_no_number_of_a_drawn_scene_moves(name):
+    record = json.loads(RECORD.read_text(encoding="utf-8"))[name]
+    assert len(record["rows"]) == MAKERS[name][1]
+    for number, (words, *kept) in enumerate(record["rows"]):
+        said, found = MAKERS[name][0](number, 0.0)
+        assert not words or said == words, number
+        for key, value in zip(record["names"], kept, strict=True):
+            if value is not None:
+                assert found[key][0] == pytest.approx(value, rel=TOLERANCE, abs=TOLERANCE * found[key][1]), (number, key)
+
+
+if __name__ == "__main__":
+    old = json.loads(RECORD.read_text(encoding="utf-8")) if sys.argv[1:] else {}
+    found = {name: written(name) if name in (sys.argv[1:] or MAKERS) else old[name] for name in MAKERS}
+    lines = []
+    for name, own in found.items():
+        rows = ",\n".join(json.dumps(one, separators=(",", ":")) for one in own["rows"])
+        lines.append(f'{json.dumps(name)}: {{"names": {json.dumps(own["names"])},\n"rows": [\n{rows}]}}')
+    RECORD.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
