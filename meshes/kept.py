@@ -5,7 +5,8 @@ Off unless a process switches it on, as the command line does: a library, a test
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import wraps
 from typing import TYPE_CHECKING, ParamSpec, TypeVar
 
@@ -32,6 +33,16 @@ def switch_on() -> None:
 def switch_off() -> None:
     """Make everything anew."""
     _stores.clear()
+
+
+@contextmanager
+def made_anew() -> Iterator[None]:
+    """Nothing is kept or taken from what was, for a while: for work that is timed."""
+    before, _stores[:] = list(_stores), []
+    try:
+        yield
+    finally:
+        _stores[:] = before
 
 
 def kept(type_: type[T]) -> Callable[[Callable[P, T]], Callable[P, T]]:

@@ -27,6 +27,7 @@ from rollbench.comparison.wings.bench.startup import command_line_job, startup_j
 from rollbench.lowfi.as_source import static as lin
 from rollbench.lowfi.statics.response import forget
 from rollbench.lowfi.statics.static import solve_static
+from rollbench.meshes.kept import made_anew
 from rollbench.meshes.memory import peak_MB, reset_peak
 from rollbench.meshes.parts import Scene
 
@@ -146,7 +147,8 @@ def _refined(repeats: int) -> Iterator[Job]:
     slow = _source_seconds(Source(scene), repeats)
     note = "cell, kernels, flanks, beam, arrays"
     for job, wanted, aim in (("", scene, 0.2), (f", {NEW} balls", with_balls(scene, NEW), 0.5)):
-        setup = timed(partial(Refined, wanted), max(1, repeats // 3), forget)
+        with made_anew():
+            setup = timed(partial(Refined, wanted), max(1, repeats // 3), forget)
         name, floor = f"refined, bodies of a new geometry{job}", timed(partial(Refined, wanted), max(1, repeats // 3))
         yield Job(name, setup, None, None, peak_MB(), note, aim, floor, "set-up with bodies kept")
     again = timed(lambda: Refined(scene), repeats)

@@ -23,6 +23,7 @@ from rollbench.comparison.scenes.catalogue import scene as shipped
 from rollbench.comparison.system import machine
 from rollbench.comparison.writing import replace_file
 from rollbench.lowfi.statics.elastic_system import LARGEST
+from rollbench.meshes.kept import made_anew
 from rollbench.meshes.memory import peak_MB, reset_peak
 from rollbench.reports.records import Figure, Panel, Quantity, Row, Series, Table
 
@@ -129,7 +130,7 @@ def by_balls(counts: Sequence[int] = BALLS) -> dict[str, list[tuple[float, float
     case = shipped("lin-case1")
     found: dict[str, list[tuple[float, float, float]]] = {"lin": [], "refined": []}
     options = Options(engine="compiled", discretisation=False)
-    with threadpool_limits(1, "blas"):
+    with threadpool_limits(1, "blas"), made_anew():
         for model, points in found.items():
             for count in (8, 64):  # compiles both ways to solve
                 run_model(with_balls(case, count), model, options)

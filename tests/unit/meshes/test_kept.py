@@ -35,6 +35,15 @@ def test_made_once_and_read_after() -> None:
     assert calls == [0.04]
 
 
+@pytest.mark.usefixtures("on")
+def test_what_is_timed_is_made_anew() -> None:
+    section(0.04)
+    with kept.made_anew():
+        section(0.04)
+    section(0.04)
+    assert calls == [0.04, 0.04]
+
+
 def test_a_damaged_file_is_made_anew(on: Path) -> None:
     whole = section(0.04)
     (file,) = (on / kept.FOLDER).rglob("*.npz")
