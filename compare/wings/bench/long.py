@@ -11,7 +11,7 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from shlex import split
-from time import perf_counter
+from time import perf_counter, time_ns
 from typing import Literal
 
 from rollbench.comparison import __version__
@@ -39,7 +39,7 @@ _SOLVED = (
 )
 _BODIES = _SOLVED.format("replace(s, nut=replace(s.nut, outer_diameter=0.048 + 1e-7 * k))")
 _LOADS = _SOLVED.format("replace(s, loads=(replace(s.loads[0], force=(0.0, 0.0, 5e3 + k)),))")
-_SWEEP = 'sweep lin-case1 --vary "{vary}" --method lhs --samples {{count}} --out {{folder}}/{{count}}'
+_SWEEP = 'sweep lin-case1 --vary "{vary}" --method lhs --samples {{count}} --seed {{seed}} --out {{folder}}/{{count}}'
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Long:
     """A job: its name, the words of its command, its aim [s], code of its floor and what that is. counts: two numbers of
     samples, the job being one of those between; caches: filled by a first run, empty, or as they are; clock: seconds of a
     processor, on the wall, or there up to the first line of the answer; program: the module that runs. {folder} in words:
-    an empty folder; {balls32}: a scene there.
+    an empty folder; {balls32}: a scene there; {seed}: another every time, so that no sample's bodies are known.
     """
 
     job: str
@@ -75,7 +75,10 @@ class Long:
         """Seconds of a command or code, or of one of its samples."""
         found = []
         for count in self.counts or (0,):
-            given = [x.format(count=count, **places) for x in (split(words) if first[0] == "-m" else [words])]
+            given = [
+                x.format(count=count, seed=time_ns() % 10**9, **places)
+                for x in (split(words) if first[0] == "-m" else [words])
+            ]
             found.append(self.seconds([*first, *given], Path(places["folder"])))
         known = [x for x in found if x is not None]
         if len(known) < len(found):
