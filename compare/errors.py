@@ -12,11 +12,9 @@ _WHOLE = 2000
 
 def escaped(text: str) -> str:
     """``text`` with all that is not printable (controls, line ends, marks of direction) as escapes."""
-    return (
-        text
-        if text.isprintable()
-        else "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
-    )
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
 
 
 def one_line(text: str, longest: int = _LONGEST) -> str:

@@ -77,7 +77,7 @@ def _smallest(G: Array) -> tuple[Array, Array]:
             shifted = G.copy()
             shifted[each, each] += shift
             try:
-                factor = cho_factor(shifted, lower=True, overwrite_a=True, check_finite=False)
+                factor = cho_factor(shifted, lower=True, overwrite_a=True)  # raises ValueError where G is not finite
                 break
             except np.linalg.LinAlgError:
                 shift *= 3.0

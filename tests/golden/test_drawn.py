@@ -43,6 +43,7 @@ from rollbench.hifi.meshing.expected import expected_contacts, hertz_units
 from rollbench.hifi.meshing.fit import socket_size
 from rollbench.hifi.meshing.part_meshes import mesh_recipes
 from rollbench.hifi.rolling.balls import Choices, solve_rolling
+from rollbench.hifi.several_sets import bodies_of
 from rollbench.hifi.shaft.beam import round_section
 from rollbench.hifi.shaft.frame import Frame
 from rollbench.hifi.shaft.mounting import Stretch, mount_all
@@ -50,7 +51,7 @@ from rollbench.meshes.axis import Assembly
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.parts import SIDES
+from rollbench.meshes.parts import SIDES, Scene
 from rollbench.meshes.section import groove_section, screw_section, volume_ratio
 from rollbench.meshes.solid import dimensions
 from rollbench.meshes.surface import principal_curvatures
@@ -200,6 +201,8 @@ def parts(number: int, shift: float) -> Any:
 def shafts(number: int, shift: float) -> Any:
     """A shaft of several sets as the 3D reference takes it: set-ups, and beams alone under its frame."""
     found, rng = scene_file.read(axis(number, shift), "drawn.toml"), np.random.default_rng([SEED, 8, number])
+    if isinstance(found, Assembly) and not any(isinstance(one.parts, Scene) for one in found.sets):
+        return bodies_of(found)
     frame = Frame.of(found)
     screw = found.screw
     section = round_section(screw.outer_diameter / 2.0, screw.material.youngs_modulus, screw.material.poissons_ratio)

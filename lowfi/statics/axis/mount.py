@@ -51,7 +51,7 @@ def mount(assembly: Assembly, solve: partial[AxisResult]) -> tuple[Assembly, tup
         return assembly, (), None
     idle = tuple(replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in assembly.housings)
     bare = replace(assembly, loads=(), housings=idle, thermal_strain=0.0)
-    shift, notes, unmet = _shifts(_Mounting(bare, (solve.func, *sorted(solve.keywords.items())), solve))
+    shift, notes, unmet = _shifts(_Mounting(bare, (solve.func, solve.args, *sorted(solve.keywords.items())), solve))
     return assembly if shift is None else _shifted(assembly, which, np.array(shift)), notes, unmet
 
 

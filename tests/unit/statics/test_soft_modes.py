@@ -164,3 +164,11 @@ def test_engines_agree_with_modes():
     assert relative(found[0].load, found[1].load) < 1e-11
     assert scene.ball_count >= model.MODES_FROM
     assert jit.is_compiled(jit.kernels(jit.STATICS, compiled=True).solve_forces.__module__)
+
+
+def test_a_large_compliance_that_is_not_finite_is_refused() -> None:
+    """A shift that makes it positive would be sought for ever."""
+    G = np.eye(compliance_modes.WHOLE + 1)
+    G[3, 4] = G[4, 3] = np.nan
+    with pytest.raises(ValueError, match="infs or NaNs"):
+        compliance_modes.negative_part(G)
