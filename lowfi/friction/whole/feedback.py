@@ -47,11 +47,6 @@ class Seats:
     axis: Array
 
 
-def feeds_back(scene: Scene, friction: Friction) -> bool:
-    """Whether friction moves balls in their grooves: it is asked for, there is friction, and a lead."""
-    return friction.feedback and scene.track.lead != 0.0 and max(friction.screw, friction.nut) > 0.0
-
-
 def seats(at: StaticContacts, C: Array, reach: Array, centre: Array) -> Seats:
     """Seats of balls from their contacts; reach (N, 4), centre (N, 4, 2): of the profiles without load [m].
 

@@ -8,9 +8,10 @@ from functools import partial
 import numpy as np
 
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of
-from rollbench.lowfi.friction.whole.feedback import JAMMED, feed_back, feeds_back, seats_of, second_states
+from rollbench.lowfi.friction.whole.feedback import JAMMED, feed_back, seats_of, second_states
 from rollbench.lowfi.friction.whole.losses import BallFriction, ball_friction, closing_speeds
 from rollbench.lowfi.friction.whole.neighbours import Neighbours, neighbours
+from rollbench.lowfi.friction.whole.settings import feeds_back, will_compile
 from rollbench.lowfi.friction.whole.torque import ScrewTorque, sum_up
 from rollbench.lowfi.jit import CONTACT, afterwards, cached, loaded
 from rollbench.lowfi.statics.result import StaticResult
@@ -18,8 +19,6 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
 
-#: Balls from which compiling the kernels (20 s, once) pays for a single solve, without feedback and with it.
-COMPILE_ABOVE, COUPLED_ABOVE = 1000, 8
 #: Balls up to which nobody waits for the kernels to be compiled: interpreted ones take some 0.1 s a ball.
 UNCOMPILED = 50
 
@@ -49,12 +48,6 @@ class FrictionState:
     def loaded(self) -> bool:
         """Whether any contact carries load."""
         return bool(np.any(self.at.force > 0.0))
-
-
-def will_compile(scene: Scene, friction: Friction) -> bool:
-    """Whether so many balls are solved that the kernels are compiled, unless machine code lies on disk (``cached``)."""
-    often = feeds_back(scene, friction) or friction.neighbours
-    return scene.ball_count > (COUPLED_ABOVE if often else COMPILE_ABOVE)
 
 
 def friction_state(
