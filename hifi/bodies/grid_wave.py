@@ -44,8 +44,8 @@ FILLED, COARSEST, LEAST = 0.85, 1.0, 0.6
 
 def relative_radii(m: GrooveMap, side: int) -> tuple[float, float]:
     """Relative radii [m] of ball and groove across and along it, by the normal curvatures of the helical groove."""
-    part = m.signs[side, 0] * np.cos(m.beta)
-    along = part * np.cos(m.alpha) ** 2 / (m.R + part * m.ball)
+    outward = m.signs[side, 0] * np.cos(m.beta)
+    along = outward * np.cos(m.alpha) ** 2 / (m.R + outward * m.ball)
     return 1.0 / (1.0 / m.ball - 1.0 / float(m.radius[side])), 1.0 / (1.0 / m.ball - along)
 
 
@@ -90,7 +90,7 @@ def approaches_at(
     m: GrooveMap,
     side: int,
     patch: CondensedPatch,
-    own: Array,
+    compliance: Array,
     loads: Array,
     place: tuple[float, float],
     start: Flags | None = None,
@@ -113,7 +113,7 @@ def approaches_at(
     nearest = -0.5 * float((t**2 / m.ball * (1.0 / scale - 1.0)).sum())
     along = normal + (beside[0] * tangent + beside[1] * forward) / m.ball
     close = W @ (patch.normals @ (along / np.linalg.norm(along)))
-    found, closed = approaches(own, W @ gap, close, loads, start)
+    found, closed = approaches(compliance, W @ gap, close, loads, start)
     return found - nearest, closed
 
 
@@ -197,9 +197,9 @@ class PeriodicApproach:
         return np.asarray(np.fft.ifftshift(out, axes=(0, 1)))
 
 
-def mean_approaches(m: GrooveMap, side: int, patch: CondensedPatch, own: Array, loads: Array) -> Array:
+def mean_approaches(m: GrooveMap, side: int, patch: CondensedPatch, compliance: Array, loads: Array) -> Array:
     """Approaches ``(f,)`` [m] of a contact in the middle of its zone without the grid's wave: mean over a cell."""
-    return np.asarray(PeriodicApproach.of(m, side, patch, own, loads).table(*MEAN).mean(axis=(0, 1)))
+    return np.asarray(PeriodicApproach.of(m, side, patch, compliance, loads).table(*MEAN).mean(axis=(0, 1)))
 
 
 @dataclass(frozen=True)
@@ -222,8 +222,8 @@ class GridWave:
         place = (centres - self.middle) @ self.directions.T / self.cell
         force = np.clip(loads, self.loads[0], self.loads[-1])
         found = CubicSpline(np.log(self.loads), self.table, axis=2)(np.log(force))  # (p, q, n)
-        for own in place.T:
-            found = _periodic(found, own)
+        for coordinate in place.T:
+            found = _periodic(found, coordinate)
         return np.where(loads > 0.0, found * np.cbrt(np.maximum(loads, 0.0) / force) ** 2, 0.0)
 
 

@@ -194,11 +194,11 @@ class _System:
                 continue
             d, n = self.rows[i]
             U, c = self.C.modes[i], self.C.columns[i]
-            both = np.hstack([U, n])
-            M = both.T @ ball.factor.solve(both)  # zero on the open pairs
-            R, own = roots(M[: c.size, : c.size], M[: c.size, c.size :], size[c])
-            T = np.zeros((len(own), self.f.size))
-            T[:, d] = own
+            columns = np.hstack([U, n])
+            M = columns.T @ ball.factor.solve(columns)  # zero on the open pairs
+            R, T_ball = roots(M[: c.size, : c.size], M[: c.size, c.size :], size[c])
+            T = np.zeros((len(T_ball), self.f.size))
+            T[:, d] = T_ball
             outer[np.ix_(d, d)] += M[c.size :, c.size :]
             traces.append((c, R))
             answers.append(G[c].T @ R)
@@ -235,8 +235,8 @@ def solve_balls(
     system = _System(C, gap, N, f, begin.balls)
     w, y = system.in_touch(touching) if touching and start is None else (begin.w.copy(), begin.y.copy())
     phi, back, balance = system.evaluate(w, y)
-    status, it, residual, factor, before = "", 0, np.inf, begin.factor, np.inf
-    for it in range(1, MOST + 1):  # noqa: B007
+    status, iteration, residual, factor, before = "", 0, np.inf, begin.factor, np.inf
+    for iteration in range(1, MOST + 1):  # noqa: B007
         heaviest = max(float(b.forces.sum()) for b in system.balls)
         scale = max(heaviest, float(np.abs(f).max(initial=0.0)) / len(system.balls))
         residual = float(np.abs(balance).max(initial=0.0)) / scale
@@ -279,5 +279,5 @@ def solve_balls(
             for i, g in enumerate(system.gaps)
         ]
     )
-    result = ContactResult(forces, slack, y, it, status, residual)
+    result = ContactResult(forces, slack, y, iteration, status, residual)
     return result, State(w, y, system.balls, factor)

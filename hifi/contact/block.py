@@ -118,9 +118,9 @@ def surface_compliance(mesh: BlockMesh, reach: tuple[float, float], young: float
     rows = matrix[cut][:, free]
     held, reactions = np.empty((len(nodes), len(nodes))), np.empty((len(cut), len(nodes)))
     for first in range(0, len(nodes), CHUNK):
-        part = slice(first, first + CHUNK)
-        answer = solver.solve(unit[:, part].toarray())
-        held[:, part], reactions[:, part] = unit.T @ answer, rows @ answer
+        chunk = slice(first, first + CHUNK)
+        answer = solver.solve(unit[:, chunk].toarray())
+        held[:, chunk], reactions[:, chunk] = unit.T @ answer, rows @ answer
     full = held - reactions.T @ _far_field(mesh, mesh.points[nodes, :2], young, poisson)
     seconds = {"assembly": assembled - start, "factor": factored - assembled, "solve": perf_counter() - factored}
     return SurfaceCompliance(
@@ -280,9 +280,9 @@ def on_mesh(job: HertzJob, mesh: BlockMesh, b_over_h: float, seconds: float = 0.
     )
 
 
-def read_pressure(surface: SurfaceCompliance, found: ContactResult) -> tuple[tuple[float, float], float, float]:
+def read_pressure(surface: SurfaceCompliance, result: ContactResult) -> tuple[tuple[float, float], float, float]:
     """Semi-axes [m], pressure at the pole and fitted pole pressure [Pa], as `HertzRun` defines them."""
-    return read_ellipse(surface.places, surface.areas, found.forces)
+    return read_ellipse(surface.places, surface.areas, result.forces)
 
 
 def read_ellipse(places: Array, areas: Array, forces: Array) -> tuple[tuple[float, float], float, float]:

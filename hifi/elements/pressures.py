@@ -35,9 +35,9 @@ class ElementHexHats(ElementHex2):  # type: ignore[misc]
 
 def halves(refdom: Any, degree: int) -> tuple[Array, Array]:
     """Gauss's rule of that degree on each of the four quarters of the unit square."""
-    points, own = get_quadrature(refdom, degree)
+    points, weights = get_quadrature(refdom, degree)
     shifts = [(i, j) for i in (0.0, 0.5) for j in (0.0, 0.5)]
-    return np.hstack([0.5 * points + np.array(s)[:, None] for s in shifts]), np.tile(0.25 * own, 4)
+    return np.hstack([0.5 * points + np.array(s)[:, None] for s in shifts]), np.tile(0.25 * weights, 4)
 
 
 def contact_weights(mesh: Mesh, contact: Index) -> sp.csr_matrix:

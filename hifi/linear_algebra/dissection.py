@@ -52,7 +52,7 @@ def supernodes(K: sp.csc_matrix) -> Supernodes:
     return Supernodes(
         freedoms[_ranges(begin[order], weights[order])],
         place[first],
-        starts[np.concatenate([[0], np.cumsum([own.size for own in rows])])],
+        starts[np.concatenate([[0], np.cumsum([row.size for row in rows])])],
         _ranges(place[at], weights[order[at]]),
     )
 
@@ -66,10 +66,10 @@ def vertices(K: sp.csc_matrix) -> tuple[sp.csr_matrix, Index]:
     weights = np.random.default_rng(0).random(size)
     signature = np.empty(size)  # equal columns, equal sums
     for low in range(0, size, CHUNK):
-        part = slice(low, min(low + CHUNK, size))
-        begin, end = pointers[part.start], pointers[part.stop]
-        own = (np.ones(end - begin), K.indices[begin:end], pointers[part.start : part.stop + 1] - begin)
-        signature[part] = sp.csr_matrix(own, shape=(part.stop - low, size)) @ weights
+        chunk = slice(low, min(low + CHUNK, size))
+        begin, end = pointers[chunk.start], pointers[chunk.stop]
+        columns = (np.ones(end - begin), K.indices[begin:end], pointers[chunk.start : chunk.stop + 1] - begin)
+        signature[chunk] = sp.csr_matrix(columns, shape=(chunk.stop - low, size)) @ weights
     _, first, group = np.unique(signature, return_index=True, return_inverse=True)
     count = len(first)
     pattern = sp.csr_matrix((np.ones(K.nnz, dtype=np.int8), K.indices, pointers), shape=K.shape)

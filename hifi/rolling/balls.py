@@ -251,14 +251,14 @@ def solve_rolling(
 
 
 def _result(
-    scene: Rolling, choices: Choices, contacts: Sequence[Contact], found: Friction, seconds: float
+    scene: Rolling, choices: Choices, contacts: Sequence[Contact], solution: Friction, seconds: float
 ) -> RollingResult:
     count = len(scene.balls)
-    motions = found.motions[: MOTIONS * count].reshape(count, MOTIONS)
-    force = found.motions[MOTIONS * count :]
+    motions = solution.motions[: MOTIONS * count].reshape(count, MOTIONS)
+    force = solution.motions[MOTIONS * count :]
     outs, power, wrench = [], 0.0, np.zeros((count, 6))
     for k, (b, i, t) in enumerate(touching(scene)):
-        c, q, s = contacts[k], found.forces[k], found.slips[k]
+        c, q, s = contacts[k], solution.forces[k], solution.slips[k]
         patch, axes = patch_of(scene, t, choices), axes_of(t, scene.track, scene.radius, scene.orbit)
         sunk = choices.elastic * patch.sunk
         points, tangents = surface(axes, scene.radius, t.radii, patch.at, curved=choices.curved, sunk=sunk)
@@ -269,11 +269,11 @@ def _result(
         two = [v.reshape(2, -1).T for v in (q, s)]
         loss, upwind = -float(q @ s), float(q @ (c.elastic @ q))
         outs.append(
-            ContactOut(b, i, patch.at, patch.size, patch.normal, two[0], two[1], found.stick[k], axes, loss, upwind)
+            ContactOut(b, i, patch.at, patch.size, patch.normal, two[0], two[1], solution.stick[k], axes, loss, upwind)
         )
     rub, between = np.zeros(force.size), np.zeros((count, 3))
     for k, (f, m) in enumerate(zip(force, scene.meetings, strict=True)):
-        slide = (m.rows @ found.motions[m.columns])[1:]
+        slide = (m.rows @ solution.motions[m.columns])[1:]
         rub[k] = scene.mu_balls * float(f) * float(np.linalg.norm(slide))
         pulls = m.forces(float(f), scene.mu_balls, slide)
         for ball, sign in ((m.one, 1.0), (m.two, -1.0)):
@@ -287,11 +287,11 @@ def _result(
         between,
         power,
         tuple(outs),
-        found.status,
-        found.residual,
-        found.steps,
+        solution.status,
+        solution.residual,
+        solution.steps,
         seconds,
-        found,
+        solution,
     )
 
 

@@ -17,7 +17,7 @@ from typing import Any, ParamSpec, TypeVar
 import numpy as np
 
 from rollbench.hifi.bodies.submodel import piece_compliance
-from rollbench.hifi.condensation.side_by_side import Part, make
+from rollbench.hifi.condensation.side_by_side import Job, make
 from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.rolling.answers import Frame, beside, free_answer, held_answer, tractions
 from rollbench.hifi.rolling.regular import Regular
@@ -63,8 +63,8 @@ def kept(make: Callable[P, T]) -> Callable[P, T]:
     return found
 
 
-def _key(part: partial[Any]) -> tuple[object, ...]:
-    return part.func.__name__, part.args, *part.keywords.items()
+def _key(call: partial[Any]) -> tuple[object, ...]:
+    return call.func.__name__, call.args, *call.keywords.items()
 
 
 def _keep(key: tuple[object, ...], value: Any) -> None:
@@ -111,8 +111,8 @@ def patch_kernels(
     for cut, sense in zip(cuts_of(curve, *radii, angle, zone, outer=outer), (1, -1), strict=True):
         body = ContactBody(cut.patch.mesh, cut.patch.contact, sense, cut.number)
         frame = Frame(cut.centre, cut.axes)
-        own = piece_compliance(cut.piece, cut.patch, tractions(body, zone, degree, bends, frame), young, poisson)
-        found.append(own - beside(body, zone, radii[0], young, poisson, degree, frame, cut.cells))
+        matrix = piece_compliance(cut.piece, cut.patch, tractions(body, zone, degree, bends, frame), young, poisson)
+        found.append(matrix - beside(body, zone, radii[0], young, poisson, degree, frame, cut.cells))
     return of_groove(found[0], zone, degree), Regular(found[1], zone.half, degree)
 
 
@@ -172,10 +172,10 @@ def _parts(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -
 
 @lru_cache(maxsize=8)
 def _kernel(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -> Regular:
-    made = [part() for part in _parts(at, load, young, poisson, sizes)]
-    one, two = made if len(made) == 2 else made[0]
+    kernels = [call() for call in _parts(at, load, young, poisson, sizes)]
+    one, two = kernels if len(kernels) == 2 else kernels[0]
     found: Regular = one + two
-    return found if len(made) == 1 else found.even
+    return found if len(kernels) == 1 else found.even
 
 
 def _shared(at: Place, load: float) -> tuple[Place, float]:
@@ -199,21 +199,21 @@ def make_kernels(
 
     By one process, or of one part, nothing is made before it is needed. Raises as `contact_kernel`.
     """
-    parts = [part for at, load in contacts for part in _parts(*_shared(at, load), young, poisson, sizes)]
-    missing = {key: part for part in parts if (key := _key(part)) not in _KEPT}
+    calls = [call for at, load in contacts for call in _parts(*_shared(at, load), young, poisson, sizes)]
+    missing = {key: call for call in calls if (key := _key(call)) not in _KEPT}
     if processes == 1 or len(missing) < 2:
         return 0.0
-    jobs = [Part("kernels", _anew, (part,), tuple) for part in missing.values()]
-    made = make(jobs, Cache(None), processes)
-    for key, one in zip(missing, made, strict=True):
-        _keep(key, one.value[0])
-    return float(sum(one.value[1] for one in made))
+    jobs = [Job("kernels", _anew, (call,), tuple) for call in missing.values()]
+    results = make(jobs, Cache(None), processes)
+    for key, result in zip(missing, results, strict=True):
+        _keep(key, result.value[0])
+    return float(sum(result.value[1] for result in results))
 
 
-def _anew(part: partial[Any]) -> tuple[Any, float]:
+def _anew(call: partial[Any]) -> tuple[Any, float]:
     """What is not to be kept by the process that makes it, and its processor time [s]."""
     begin = process_time()
-    return part.func.__wrapped__(*part.args, **part.keywords), process_time() - begin  # type: ignore[attr-defined]
+    return call.func.__wrapped__(*call.args, **call.keywords), process_time() - begin  # type: ignore[attr-defined]
 
 
 def forget_kernels() -> None:

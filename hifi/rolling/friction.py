@@ -192,7 +192,7 @@ def _descend(system: _System, q: list[Array], y: Array, eps: float, *, elastic: 
         lefts = [_residual(c, v, y, eps, elastic) for c, v in zip(system.contacts, q, strict=True)]
         return float(sum(v @ v for v in lefts) ** 0.5 + np.linalg.norm(system.unbalanced(q, y)))
 
-    now = size(q, y)
+    norm = size(q, y)
     for _ in range(STEPS):
         parts = [_smooth(c, v, y, eps, elastic) for c, v in zip(system.contacts, q, strict=True)]
         dq, dy = system.step(parts, q, y)
@@ -200,13 +200,13 @@ def _descend(system: _System, q: list[Array], y: Array, eps: float, *, elastic: 
         for _ in range(12):
             trial = [v + t * d for v, d in zip(q, dq, strict=True)], y + t * dy
             new = size(*trial)
-            if new <= (1.0 - 0.1 * t) * now:
+            if new <= (1.0 - 0.1 * t) * norm:
                 break
             t *= 0.5
-        if not new < now:
+        if not new < norm:
             break
-        (q, y), now = trial, new
-        if now <= 1e-6 * scale:
+        (q, y), norm = trial, new
+        if norm <= 1e-6 * scale:
             break
     return q, y
 
@@ -244,8 +244,8 @@ def _settle(system: _System, q: list[Array], y: Array) -> Friction:
 
 def _grip(c: Contact) -> Array:
     """r ``(n,)`` [N s/m]: a share of a cell's own stiffness."""
-    own = 0.5 * np.diag(c.elastic).reshape(2, -1).sum(axis=0)
-    return np.asarray(SOFT / own)
+    compliance = 0.5 * np.diag(c.elastic).reshape(2, -1).sum(axis=0)
+    return np.asarray(SOFT / compliance)
 
 
 def solve_rigid(
@@ -257,9 +257,9 @@ def solve_rigid(
     system = _System(contacts, balance)
     speed = max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
     forces, last = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts], y
-    for part in path:
+    for ratio in path:
         last = y
-        forces, y = _descend(system, forces, y, part * speed, elastic=False)
+        forces, y = _descend(system, forces, y, ratio * speed, elastic=False)
     left = float(np.abs(system.unbalanced(forces, y)).max()) / max(float(c.bound.sum()) for c in contacts)
     if not left <= RIGID:
         raise ValueError(f"rigid bodies are out of balance by {left:.1e} of a contact's friction")
@@ -290,16 +290,16 @@ def solve_friction(
     speed = max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
     start = y.copy()
     forces = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts]
-    for part in path:
-        forces, y = _descend(system, forces, y, part * speed, elastic=False)
+    for ratio in path:
+        forces, y = _descend(system, forces, y, ratio * speed, elastic=False)
     found = _settle(system, forces, y)
     if found.converged:
         return found
     y = start
     forces = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts]
-    for part in path:
-        forces, y = _descend(system, forces, y, part * speed, elastic=True)
-        if part > SHARPEST:
+    for ratio in path:
+        forces, y = _descend(system, forces, y, ratio * speed, elastic=True)
+        if ratio > SHARPEST:
             continue
         found = _settle(system, [v.copy() for v in forces], y)
         if found.converged:

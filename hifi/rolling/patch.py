@@ -106,8 +106,8 @@ def _table(patch: Patch, shift: float) -> Array:
 
 def _backward(values: list[Array], step: float) -> Array:
     """Difference of second order, per length, of values now and one and two steps [m] upstream."""
-    now, before, first = values
-    return np.asarray((3.0 * now - 4.0 * before + first) / (2.0 * step))
+    current, before, first = values
+    return np.asarray((3.0 * current - 4.0 * before + first) / (2.0 * step))
 
 
 def _matrix(cells: Index, table: Array) -> Array:
@@ -171,7 +171,7 @@ def hertz_patch(
     cells, at = grid(shape, size)
     solids = Solids.same(young, poisson)
     gap = 0.5 * (at[:, 0] ** 2 / radii[0] + at[:, 1] ** 2 / radii[1])
-    more = None if regular is None else regular.block(at, NORMAL, NORMAL)
-    forces, approach = press(cells, size, gap, load, solids, more)
+    extra = None if regular is None else regular.block(at, NORMAL, NORMAL)
+    forces, approach = press(cells, size, gap, load, solids, extra)
     inside = forces > 0.0
     return Patch(cells[inside], at[inside], size, forces[inside], solids, approach, regular)

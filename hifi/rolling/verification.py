@@ -109,10 +109,10 @@ def onset(patch: Patch, mu: float, share: float, steps: int) -> list[Onset]:
         return np.array([share * mu * patch.load]), np.zeros((1, 1))
 
     forces, y, out = np.zeros(2 * n), np.array([patch.approach]), []
-    now, before = patch.tangential(), patch.tangential(size)
+    response, upstream = patch.tangential(), patch.tangential(size)
     for step in range(steps + 1):
         seconds = 1.0 if step == 0 else size  # of a cell at 1 m/s
-        contact = Contact(bound, now / seconds, motion, np.array([0]), -before @ forces / seconds)
+        contact = Contact(bound, response / seconds, motion, np.array([0]), -upstream @ forces / seconds)
         found = solve_friction([contact], balance, y, [forces] if step else None)
         if not found.converged:
             raise ValueError(f"step {step}: {found.status}")
@@ -235,22 +235,22 @@ def mindlin(cells: int, share: float, balls: Sizes | None = None) -> tuple[Array
 def two_balls(radius: float, semi: float, young: float, poisson: float, sizes: Sizes) -> Regular:
     """What two like balls of ``radius`` [m] that touch over a circle of ``semi`` [m] add to half spaces."""
     zone = Zone((sizes.margin * semi,) * 2, sizes.cells, sizes.growth)
-    one = ball_kernel(radius, zone, (0.0, 0.0), young, poisson, sizes.degree)
-    return one + of_groove(one.M, zone, sizes.degree)
+    ball = ball_kernel(radius, zone, (0.0, 0.0), young, poisson, sizes.degree)
+    return ball + of_groove(ball.M, zone, sizes.degree)
 
 
 # --- balls that touch
 
 
 def rubbing(
-    scene: Rolling, found: RollingResult, meeting: int, points: int = 60, bodies: Sizes | None = None
+    scene: Rolling, result: RollingResult, meeting: int, points: int = 60, bodies: Sizes | None = None
 ) -> tuple[float, float]:
     """Friction between two balls over the circle in which they touch, as a share of that at a point: force and loss.
 
     Hertz's circle by a quadrature, or the patch of two finite balls (``bodies``) on a grid, both of ``points`` along each
     axis. All of the contact slides, so that tractions are mu p against the sliding there, whatever the elasticity.
     """
-    m, force = scene.meetings[meeting], float(found.force[meeting])
+    m, force = scene.meetings[meeting], float(result.force[meeting])
     touch = force, (0.5 * scene.radius,) * 2, scene.young, scene.poisson
     circle = hertz(force, *touch[1], *touch[2:])
     if bodies is None:
@@ -263,13 +263,13 @@ def rubbing(
         local, normal, sunk = patch.at, patch.normal, patch.sunk
     slide = np.zeros((len(local), 2))
     for ball, sign, half in ((m.one, 1.0, m.columns[:MOTIONS]), (m.two, -1.0, m.columns[MOTIONS:])):
-        own = m.axes @ scene.balls[ball].frame.T
-        at = sign * (scene.radius - sunk) * own[0] + local @ own[1:]
-        speeds = motion_rows(scene.track, scene.radius, at) @ found.friction.motions[half]
-        slide += sign * speeds @ own[1:].T
+        axes = m.axes @ scene.balls[ball].frame.T
+        at = sign * (scene.radius - sunk) * axes[0] + local @ axes[1:]
+        speeds = motion_rows(scene.track, scene.radius, at) @ result.friction.motions[half]
+        slide += sign * speeds @ axes[1:].T
     pull = full_slip(scene.mu_balls * normal, slide.T.ravel())
     whole = scene.mu_balls * force
-    point = whole * float(np.linalg.norm((m.rows @ found.friction.motions[m.columns])[1:]))
+    point = whole * float(np.linalg.norm((m.rows @ result.friction.motions[m.columns])[1:]))
     total = float(np.linalg.norm(pull.reshape(2, -1).sum(axis=1)))
     return total / whole, -float(pull @ slide.T.ravel()) / point
 
@@ -329,8 +329,8 @@ def linear_coefficients(ratio: float, poisson: float, shape: tuple[int, int]) ->
     near, far = patch.transport[np.ix_(rows, rows)], patch.transport[np.ix_(rows, np.concatenate([image, count + image]))]
     F = np.zeros((3, 3))
     for kind, sense in ((slice(0, 1), 1.0), (slice(1, 3), -1.0)):
-        own = units[rows, kind]
-        F[kind, kind] = 2.0 * own.T @ np.linalg.solve(near + far * np.repeat([sense, -sense], half.size), own)
+        slip = units[rows, kind]
+        F[kind, kind] = 2.0 * slip.T @ np.linalg.solve(near + far * np.repeat([sense, -sense], half.size), slip)
     return np.array([F[0, 0], F[1, 1], F[1, 2], F[2, 2]])
 
 

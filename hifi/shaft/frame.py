@@ -49,7 +49,7 @@ class Frame:
             for name, sign in ((joint.first, 1.0), (joint.second, -1.0)):
                 moving = self.number(name)
                 if moving is not None:
-                    own = slice(6 * moving, 6 * moving + 6)
-                    rows[:, own] = sign * transport(joint.at - self.housings[moving].at)
+                    columns = slice(6 * moving, 6 * moving + 6)
+                    rows[:, columns] = sign * transport(joint.at - self.housings[moving].at)
             found.append((rows, np.array(joint.stiffness)))
         return found

@@ -115,7 +115,7 @@ def _stored(basis: Basis, rg: float, n: int, material: Material, period: float, 
     K = sp.csr_matrix(((B.conj() @ stress(B)).ravel(), (lines, columns)), (size, size))
     F = np.zeros((size, len(means)), dtype=B.dtype)
     np.add.at(F, nodes, B.conj() @ stress(mean))
-    own = (mean @ stress(mean)).sum(axis=0)
+    prescribed = (mean @ stress(mean)).sum(axis=0)
     T = _periodic(basis, period)
     # the axis moves as a whole: n = 0 along and around, n = 1 across
     top = int(np.argmax(basis.doflocs[0]))
@@ -124,7 +124,7 @@ def _stored(basis: Basis, rg: float, n: int, material: Material, period: float, 
     free = np.setdiff1d(np.arange(T.shape[1]), held)
     T = T[:, free]
     answer = splu((T.T @ K @ T).tocsc(), permc_spec="MMD_AT_PLUS_A").solve(T.T @ F)
-    return np.asarray((own - np.conj(T.T @ F).T @ answer).real)
+    return np.asarray((prescribed - np.conj(T.T @ F).T @ answer).real)
 
 
 def _periodic(basis: Basis, period: float) -> sp.csr_matrix:

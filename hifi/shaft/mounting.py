@@ -123,9 +123,9 @@ def as_stiff_as(stretch: Stretch, rows: Array, stations: Array, section: ShaftSe
     first = stretch.modes + 6 * stretch.ports.index(high)
     end = np.s_[first : first + 6]
     B = stretch.B[end]
-    own = np.diag(stretch.F[end, end] - B @ at_low(cut, m, low) @ B.T - at_high(cut, m, high)) / (high - low)
-    bend = 0.5 * (own[3] + own[4])
-    change = np.array([1.0 / section.EA - own[2], 1.0 / section.EI - bend, 1.0 / section.GJ - own[5]])
+    per_length = np.diag(stretch.F[end, end] - B @ at_low(cut, m, low) @ B.T - at_high(cut, m, high)) / (high - low)
+    bend = 0.5 * (per_length[3] + per_length[4])
+    change = np.array([1.0 / section.EA - per_length[2], 1.0 / section.EI - bend, 1.0 / section.GJ - per_length[5]])
     turn, arms = _followed(rows, stations, stretch)
     F = stretch.F + turn @ _cantilevers(arms, *change) @ turn.T
     return replace(stretch, F=0.5 * (F + F.T))
@@ -304,7 +304,7 @@ def unheld(frame: Frame, origin: float) -> Array:
     for moved, stiffness in frame.springs():
         value, vector = np.linalg.eigh(np.linalg.inv(size) @ stiffness @ np.linalg.inv(size))
         stiff = vector[:, value > SLACK * value.max(initial=0.0)].T @ size @ moved
-        rows += [np.concatenate([np.zeros(6), one]) * scale for one in stiff]
+        rows += [np.concatenate([np.zeros(6), direction]) * scale for direction in stiff]
     if not rows:
         return np.diag(scale)
     _, s, vt = np.linalg.svd(np.array(rows))

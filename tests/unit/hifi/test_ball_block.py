@@ -33,7 +33,7 @@ def block():
 def dense(block):
     V = np.zeros((sum(SIZES), sum(MODES)))
     V[:5, :2], V[5:12, 2:5], V[12:, 5:] = block.modes
-    return block_diag(*block.own) + V @ block.coupling @ V.T
+    return block_diag(*block.local) + V @ block.coupling @ V.T
 
 
 def picks():
