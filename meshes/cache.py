@@ -40,9 +40,9 @@ class StageDone(str):
 
     def __new__(cls, stage: str, text: str, *, cached: bool = False) -> StageDone:
         """The text ``stage: text``."""
-        own = super().__new__(cls, f"{stage}: {text}")
-        own.stage, own.cached = stage, cached
-        return own
+        done = super().__new__(cls, f"{stage}: {text}")
+        done.stage, done.cached = stage, cached
+        return done
 
 
 T = TypeVar("T")
@@ -153,12 +153,12 @@ def _shrink(folder: Path, limit: int) -> None:
     for file in folder.glob("*.npz"):
         with suppress(FileNotFoundError):  # another process removed it
             kept.append((file.stat(), file))
-    total = sum(found.st_size for found, _ in kept)
-    for found, file in sorted(kept, key=lambda one: one[0].st_mtime):
+    total = sum(status.st_size for status, _ in kept)
+    for status, file in sorted(kept, key=lambda item: item[0].st_mtime):
         if total <= limit:
             return
         file.unlink(missing_ok=True)
-        total -= found.st_size
+        total -= status.st_size
 
 
 def _read(path: Path, type_: type[T]) -> tuple[T, float] | None:

@@ -59,14 +59,14 @@ def _profile(side: SideErrors, rng: np.random.Generator) -> list[float]:
     return [float(m + (rng.normal(0.0, s) if s > 0.0 else 0.0)) for m, s in terms]
 
 
-def draw_ball_radii(scene: Scene, rng: np.random.Generator, more: int | None = None) -> Array:
+def draw_ball_radii(scene: Scene, rng: np.random.Generator, others: int | None = None) -> Array:
     """Ball radii [m], shape ``(n,)``: nominal + oversize + listed errors + one random draw each.
 
-    more: radii of so many other balls, in the return of a screw, which no listed error can name.
+    others: radii of so many other balls, in the return of a screw, which no listed error can name.
     """
     errors = scene.errors.balls
-    radius = np.full(scene.ball_count if more is None else more, scene.balls.radius + errors.oversize)
-    for number, error in errors.listed if more is None else ():
+    radius = np.full(scene.ball_count if others is None else others, scene.balls.radius + errors.oversize)
+    for number, error in errors.listed if others is None else ():
         radius[number - 1] += error
     if errors.sigma > 0.0:
         if errors.distribution == "normal":

@@ -32,9 +32,9 @@ def for_group(path: Path) -> None:
 
 def folder_for_group(path: Path) -> None:
     """Make a folder and those above it that are missing; what is made lets the group read in it."""
-    made = [folder for folder in (path, *path.parents) if not folder.exists()]
+    missing = [folder for folder in (path, *path.parents) if not folder.exists()]
     path.mkdir(parents=True, exist_ok=True)
-    for folder in made:
+    for folder in missing:
         with suppress(OSError):  # as above
             folder.chmod(folder.stat().st_mode | 0o050)
 

@@ -37,8 +37,8 @@ def as_one_arc(scene: Scene) -> Scene:
         return scene
     groove = max(scene.screw.groove_radius, scene.nut.groove_radius)
     ridge = (groove - ball) * ball / (2.0 * groove) * angle**2
-    said = (
+    statement = (
         f"The grooves are one arc each: at a contact angle of {degrees(angle):.3g} deg the contacts of both flanks are one "
         f"(a ridge between two arcs would stand {1e6 * ridge:.2g} um away from the ball)."
     )
-    return replace(scene, track=replace(scene.track, contact_angle=LEAST), assumed=(*scene.assumed, said))
+    return replace(scene, track=replace(scene.track, contact_angle=LEAST), assumed=(*scene.assumed, statement))

@@ -55,8 +55,8 @@ def _described(value: Any, arrays: list[Any]) -> Any:
         arrays.append(value)
         return ["array" if isinstance(value, np.ndarray) else "scalar", len(arrays) - 1]
     if type(value).__module__.startswith("scipy.sparse"):
-        own: Any = value if value.format in ("csr", "csc") else value.tocsr()
-        return ["sparse", _name(type(own)), list(own.shape), *(_described(x, arrays) for x in _parts(own))]
+        matrix: Any = value if value.format in ("csr", "csc") else value.tocsr()
+        return ["sparse", _name(type(matrix)), list(matrix.shape), *(_described(x, arrays) for x in _parts(matrix))]
     if type(value) in (tuple, list):
         return [type(value).__name__, *(_described(x, arrays) for x in value)]
     if type(value) is dict:
@@ -104,8 +104,8 @@ def _class(name: str, packages: tuple[str, ...]) -> Any:
     if module.split(".")[0] not in packages:
         raise ValueError(f"{name}: of none of {', '.join(packages)}")
     found: Any = import_module(module)
-    for part in path.split("."):
-        found = getattr(found, part)
+    for attribute in path.split("."):
+        found = getattr(found, attribute)
     if not isinstance(found, type):
         raise ValueError(f"{name}: no class")
     return found

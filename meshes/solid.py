@@ -106,9 +106,9 @@ def dimensions(scene: Scene) -> Dimensions:
         if flange is None:
             raise UnfitKey("nut.held.at", 'nut.held.at of "flange face" needs a flange: give [nut.flange]')
         held_radii = flange.seat
-        where = f"in {flange.bolts} circles as wide as its annulus" if flange.bolts else "all over its annulus"
+        place = f"in {flange.bolts} circles as wide as its annulus" if flange.bolts else "all over its annulus"
         assumed.append(
-            f"The face of the nut's flange is bonded to a rigid housing {where}, {2e3 * flange.seat[0]:.4g} to "
+            f"The face of the nut's flange is bonded to a rigid housing {place}, {2e3 * flange.seat[0]:.4g} to "
             f"{2e3 * flange.seat[1]:.4g} mm in diameter, and does not gape"
             f"{'; low-order models hold the whole annulus' if flange.bolts else ''}."
         )
