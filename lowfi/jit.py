@@ -237,8 +237,8 @@ def _sources(package: str) -> Path:
         return folder
     copy = kept / "sources" / package
     if not copy.is_dir():
-        with suppress(OSError), tempfile.TemporaryDirectory(dir=kept) as made:
-            new = Path(made) / package
+        with suppress(OSError), tempfile.TemporaryDirectory(dir=kept) as temporary:
+            new = Path(temporary) / package
             new.mkdir()
             for name, content in _contents(folder).items():
                 (new / name).write_bytes(content)
@@ -301,8 +301,8 @@ def system_of(name: str) -> ModuleType:
 
     Raises ImportError for a driver that is imported by its own name.
     """
-    package, _, own = name.rpartition(".")
-    system = sys.modules.get(f"{package}.{own.partition('_of_')[2]}")
+    package, _, driver = name.rpartition(".")
+    system = sys.modules.get(f"{package}.{driver.partition('_of_')[2]}")
     if system is None:
         raise ImportError(f"{name} serves no system: see rollbench.lowfi.jit.driver_of")
     return system

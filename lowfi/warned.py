@@ -36,9 +36,9 @@ class Warned(str):
 
     def __new__(cls, kind: Kind, text: str, brief: str = "") -> Warned:
         """A sentence with its kind, and few words for the line above the answers where it belongs there."""
-        own = super().__new__(cls, text)
-        own.kind, own.brief = kind, brief
-        return own
+        warned = super().__new__(cls, text)
+        warned.kind, warned.brief = kind, brief
+        return warned
 
     def __getnewargs__(self) -> tuple[Kind, str, str]:  # type: ignore[override]
         """What a copy is made of, in another process too."""

@@ -69,13 +69,13 @@ def combined(bearing: TaperedBearing, axial: float, radial: float) -> CombinedSt
 
 def _damped(bearing: TaperedBearing, x: Array, step: Array, level: float, force: Array) -> float:
     """Largest halving of the step that does not raise the energy; round-off near the minimum counts as none."""
-    part = 1.0
-    while part > 1e-6:
-        trial = x + part * step
+    fraction = 1.0
+    while fraction > 1e-6:
+        trial = x + fraction * step
         if _energy(bearing, trial) - float(force @ trial) <= level + 1e-14 * abs(level):
-            return part
-        part *= 0.5
-    return part
+            return fraction
+        fraction *= 0.5
+    return fraction
 
 
 def _energy(bearing: TaperedBearing, x: Array) -> float:

@@ -111,8 +111,8 @@ def flank_normals(grid: Grid, line: int) -> Array:
     slope = quadratic(np.array([-1.0, 0.0, 1.0]))[1]
     along = np.zeros((r.size, 2))
     for a in range(0, r.size - 2, 2):
-        own = slope @ np.column_stack([r[a : a + 3], z[a : a + 3]])
-        along[a : a + 3] += own / np.linalg.norm(own, axis=1)[:, None]
+        tangent = slope @ np.column_stack([r[a : a + 3], z[a : a + 3]])
+        along[a : a + 3] += tangent / np.linalg.norm(tangent, axis=1)[:, None]
     along /= np.linalg.norm(along, axis=1)[:, None]
     return np.column_stack([-along[:, 1], along[:, 0]])
 
@@ -148,8 +148,8 @@ def own_waves(flank: Flank, grid: Grid, load: tuple[Array, Array], n: Array) -> 
         along = np.flatnonzero(free[-3 * columns :]) % 3 == 2
         S, g, work = on_last(kept[free.tobytes()], harmonic, forces[free], along.size)
         for case, moves in enumerate((~along, along)):  # equal loads leave the plane where it is along z, opposite across
-            own = g[moves, case]
-            values[k, case] = work[case, case] + own @ np.linalg.solve(S[np.ix_(moves, moves)], own)
+            pressed = g[moves, case]
+            values[k, case] = work[case, case] + pressed @ np.linalg.solve(S[np.ix_(moves, moves)], pressed)
     return np.asarray(values.mean(axis=1))
 
 

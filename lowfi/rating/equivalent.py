@@ -66,13 +66,13 @@ def equivalent_life(
     shares: of the revolutions; forces: of the screw on the nut in each case, ``(3,)`` [N]; preload: axial force [N] between
     two halves with a lead offset, 0 with play. Raises ValueError, in words, where the standard does not apply.
     """
-    used = [(one, n, np.asarray(F, dtype=float)) for one, n, F in zip(scenes, shares, forces, strict=True) if n > 0.0]
+    used = [(scene, n, np.asarray(F, dtype=float)) for scene, n, F in zip(scenes, shares, forces, strict=True) if n > 0.0]
     ring = scenes[0].track.lead == 0.0
     standard = "ISO 281" if ring else "ISO 3408-5"
-    for one, _, _ in used:
-        reason = _outside(one, ring=ring)
+    for scene, _, _ in used:
+        reason = _outside(scene, ring=ring)
         if reason:
-            raise ValueError(f"{standard} does not know {reason} (as in {one.name})")
+            raise ValueError(f"{standard} does not know {reason} (as in {scene.name})")
     n = np.array([share for _, share, _ in used])
     if ring:
         loads: tuple[float, ...] = (mean_force(n, np.array([_of_ring(scenes[0], F) for _, _, F in used])),)

@@ -83,8 +83,8 @@ def turns_of(scene: Scene) -> tuple[float, float]:
     """Balls per turn of one start, and turns of all starts that they fill at the spacing of the scene's azimuths."""
     azimuth = np.asarray(scene.balls.azimuths)
     n = azimuth.size
-    own = 1.0 if n == 1 else float(azimuth.max() - azimuth.min()) / (n - 1) * n / (2.0 * pi)
-    return n / own, own * scene.track.starts
+    turns = 1.0 if n == 1 else float(azimuth.max() - azimuth.min()) / (n - 1) * n / (2.0 * pi)
+    return n / turns, turns * scene.track.starts
 
 
 def _shape(scene: Scene) -> tuple[Array, float]:

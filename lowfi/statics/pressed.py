@@ -95,12 +95,12 @@ def soft_modes(reach: Array, stiffness: Array) -> Array:
     given stiffness (N, 4, 4) resist: subspace iteration from random forces, Nystrom's approximation."""
     count = len(stiffness)
     picks = (6 * np.arange(count)[:, None] + np.arange(4)).ravel()
-    own = reach[np.ix_(picks, picks)]
+    picked = reach[np.ix_(picks, picks)]
     forces = np.random.default_rng(0).standard_normal((4 * count, min(SOFT, 4 * count)))
     for _ in range(PASSES):
-        pressed_by = stiffness @ (own @ forces).reshape(count, 4, -1)
+        pressed_by = stiffness @ (picked @ forces).reshape(count, 4, -1)
         forces = np.linalg.qr(pressed_by.reshape(4 * count, -1))[0]
-    moved = own @ forces
+    moved = picked @ forces
     size, turned = np.linalg.eigh(forces.T @ moved)
     kept = size > 1e-12 * size[-1]
     soft = np.zeros((6 * count, int(kept.sum())))

@@ -150,14 +150,14 @@ NOTHING = Compliance(np.zeros((0, 0)), np.zeros((0, 2)))
 class Response:
     """How shaft and bodies answer, whatever the loads, the prescribed displacements and the radii of the balls.
 
-    shaft: under some loads; own: compliance [m/N] of screw and nut on their built sides, ball by ball; solved: of both
+    shaft: under some loads; bodies: compliance [m/N] of screw and nut on their built sides, ball by ball; solved: of both
     together for one pair, or of each on all its sides; R ``(N, 2, 2, k)``: motion of the screw's flanks by the free ones;
     squeeze: under those loads. Beside Hertz a contact of each side has e [m/N] at a force of 1 N, slope ``(4,)`` of it by
     the logarithm of the contact's size, and h ``(4,)`` [m/N^(4/3)] apart from what the slope makes; ball: at 1 N.
     """
 
     shaft: Shaft
-    own: tuple[Array, Array]
+    bodies: tuple[Array, Array]
     solved: tuple[Compliance, ...]
     R: Array
     squeeze: Squeeze | None
@@ -217,21 +217,21 @@ def _response(
         assumed += [x for x in body.assumed if x not in assumed]
         e[sides], slope[sides] = body.e + ball.e, body.slope + ball.slope
         order = by_ball(N, len(sides))
-        own = body.G[np.ix_(order, order)]
+        compliance = body.G[np.ix_(order, order)]
         if screw:
             beam, rigid = flank_response(shaft, sides)
             stretch = stretch_of(problem, scene, layout, backend, sides, slice(0, N))
             squeeze = squeezed(shaft, sides, [stretch] if stretch is not None else [])
             if squeeze is not None:
                 beam = beam + squeeze.added
-            own = own + beam[np.ix_(order, order)]
+            compliance = compliance + beam[np.ix_(order, order)]
             R[:, [s % 2 for s in sides]] = rigid[order].reshape(N, len(sides), 2, -1)
         if condensed is not None:
             for s in condensed.sides_of(sides):
                 (e[s], h[s]), slope[s] = condensed.bodies.own_law(s), 0.0
                 e[s] += of_file.e
-            own = condensed.correct(scene, layout, sides, own, backend)
-        G.append(own)
+            compliance = condensed.correct(scene, layout, sides, compliance, backend)
+        G.append(compliance)
     normals, pair = normals_of(problem.geometry), one_pair(problem)
     if pair is not None:
         solved = [Compliance(G[0] + G[1], normals[:, pair[0]])]

@@ -31,9 +31,9 @@ class Status(str):
 
     def __new__(cls, kind: Ended, reason: str = "", cause: Cause = "") -> Status:
         """The sentence, which is the kind alone where there is no reason to give."""
-        own = super().__new__(cls, f"{kind}: {reason}" if reason else kind)
-        own.kind, own.reason, own.cause = kind, reason, cause
-        return own
+        status = super().__new__(cls, f"{kind}: {reason}" if reason else kind)
+        status.kind, status.reason, status.cause = kind, reason, cause
+        return status
 
     def __getnewargs__(self) -> tuple[Ended, str, Cause]:  # type: ignore[override]
         """What a copy is made of, in another process too."""

@@ -89,8 +89,8 @@ def verdict(outcome: Outcome, bound: float, unheld: Callable[[], Status], far: b
         return Status("converged")
     if outcome.status == NOT_HELD:
         return unheld()
-    if far and (said := unheld()).kind == "not held":
-        return said
+    if far and (status := unheld()).kind == "not held":
+        return status
     if good:
         return Status("converged")
     if outcome.status == SINGULAR:
@@ -158,11 +158,11 @@ def follow_profile(
     for _ in range(ARM_RUNS):
         if lost(outcome):
             break
-        more = [centre_shift(s) for s in flanks()]
-        old = [np.zeros_like(x) for x in more] if before is None else before
-        change = max(float(np.abs(x - y).max()) for x, y in zip(more, old, strict=True))
-        before = more
-        outcome = after(outcome, rebuild(more))
+        arms = [centre_shift(s) for s in flanks()]
+        old = [np.zeros_like(x) for x in arms] if before is None else before
+        change = max(float(np.abs(x - y).max()) for x, y in zip(arms, old, strict=True))
+        before = arms
+        outcome = after(outcome, rebuild(arms))
         if change < SETTLED:
             break
     return outcome

@@ -69,8 +69,8 @@ def shape_polynomials(xi: Array, length: Array, section: BeamSection, order: int
     """
     phi = np.asarray(shear_ratio(length, section))
     k = 1.0 / (1.0 + phi)
-    one, zero = np.ones_like(xi), np.zeros_like(xi)
-    powers = {0: (one, xi, xi**2, xi**3), 1: (zero, one, 2.0 * xi, 3.0 * xi**2), 2: (zero, zero, 2.0 * one, 6.0 * xi)}[
+    ones, zero = np.ones_like(xi), np.zeros_like(xi)
+    powers = {0: (ones, xi, xi**2, xi**3), 1: (zero, ones, 2.0 * xi, 3.0 * xi**2), 2: (zero, zero, 2.0 * ones, 6.0 * xi)}[
         order
     ]
 

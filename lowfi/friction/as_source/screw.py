@@ -93,8 +93,8 @@ def coupled_block(cell: Cell, law: Law, start: SourceState, scale: float) -> Sou
     size, bound = float(np.max(g.constants.C)) * scale ** (2.0 / 3.0), g.mu * scale or 1.0
 
     def split(x: Array) -> tuple[Places, Array, Array]:
-        part = x[: 10 * n].reshape(n, 10)
-        return Places(part[:, :2] * size, part[:, 2:6], start.at.screw), part[:, 6:] / turn, x[10 * n :] * bound
+        by_ball = x[: 10 * n].reshape(n, 10)
+        return Places(by_ball[:, :2] * size, by_ball[:, 2:6], start.at.screw), by_ball[:, 6:] / turn, x[10 * n :] * bound
 
     def residual(x: Array) -> Array:
         if not np.all(np.isfinite(x)):
@@ -123,21 +123,21 @@ def coupled_roots(cell: Cell, law: Law, touching: Mask, start: SourceState, scal
     n = cell.angle.shape[0]
     ball, gamma, q = start.at.ball.copy(), start.at.gamma.copy(), start.q.copy()
     force, between, left, calls = np.zeros((n, 4)), np.zeros(n - 1), 0.0, 0
-    for part in blocks(touching):
-        inner = slice(part.start, part.stop - 1)
-        own = replace(
+    for group in blocks(touching):
+        inner = slice(group.start, group.stop - 1)
+        group_cell = replace(
             cell,
-            angle=cell.angle[part],
-            interference=cell.interference[part],
-            rows=cell.rows[part],
-            offset=cell.offset[part],
-            push=cell.push[part],
+            angle=cell.angle[group],
+            interference=cell.interference[group],
+            rows=cell.rows[group],
+            offset=cell.offset[group],
+            push=cell.push[group],
         )
-        at = Places(start.at.ball[part], start.at.gamma[part], start.at.screw)
-        one = SourceState(at, force[part], start.q[part], start.ball_force[inner], 0.0, 0)
-        found = coupled_block(own, law, one, scale)
-        ball[part], gamma[part], force[part] = found.at.ball, found.at.gamma, found.force
-        q[part], between[inner] = found.q, found.ball_force
+        at = Places(start.at.ball[group], start.at.gamma[group], start.at.screw)
+        begin = SourceState(at, force[group], start.q[group], start.ball_force[inner], 0.0, 0)
+        found = coupled_block(group_cell, law, begin, scale)
+        ball[group], gamma[group], force[group] = found.at.ball, found.at.gamma, found.force
+        q[group], between[inner] = found.q, found.ball_force
         left, calls = max(left, found.left), calls + found.calls
     return SourceState(Places(ball, gamma, start.at.screw), force, q, between, left, calls)
 

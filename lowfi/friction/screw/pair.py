@@ -93,8 +93,8 @@ class PairResult:
         return self.free.converged and self.touching.converged
 
 
-def _over(part: float, whole: float) -> float:
-    return part / whole if whole > 0.0 else float("nan")
+def _over(amount: float, whole: float) -> float:
+    return amount / whole if whole > 0.0 else float("nan")
 
 
 def solve_pair(pair: Pair, guess: Guess | None = None) -> PairResult:

@@ -268,11 +268,11 @@ class _Log:
 
 
 def simulate(
-    setting: Setting, span: float, steps: int, scheme: Scheme = "located", told: Callable[[float], object] = float
+    setting: Setting, span: float, steps: int, scheme: Scheme = "located", report: Callable[[float], object] = float
 ) -> History:
     """Run over ``span`` [s] in ``steps`` equal steps, these cut at events or not. Ends early where loads are not found.
 
-    told: is given the part of the run that is done. Gaps stay >= 0 and sum up to the free length of their ring.
+    report: is given the share of the run that is done. Gaps stay >= 0 and sum up to the free length of their ring.
     """
     if steps < 1 or not span > 0.0:
         raise ValueError("need steps >= 1 and a duration above zero")
@@ -319,33 +319,33 @@ def simulate(
                 converged=found.converged,
             )
             left -= piece
-        told((k + 1) / steps)
+        report((k + 1) / steps)
     return log.history(setting, span, steps, "converged")
 
 
-def nothing_told(what: str, part: float) -> None:
-    """Tell nobody."""
+def no_report(steps: str, share: float) -> None:
+    """Report nothing."""
 
 
 def resolved(
-    setting: Setting, span: float, steps: int | None, goal: float, told: Callable[[str, float], object] = nothing_told
+    setting: Setting, span: float, steps: int | None, goal: float, report: Callable[[str, float], object] = no_report
 ) -> tuple[History, StepError | None]:
     """The run over ``span`` [s] with the errors of its steps; steps that are not given are chosen so that no error is above
-    ``goal``, a part of the mean friction torque; told: is given the steps in words, and the part of them that is done."""
+    ``goal``, a share of the mean friction torque; report: gets the steps in words, and the share of them that is done."""
     pitches = abs(float(setting.begin().omega[0])) * span / setting.tracks[0].spacing
     first = int(np.clip(np.ceil(STEPS_PER_PITCH * pitches), *FIRST_STEPS))
 
     def run(count: int) -> History:
-        return simulate(setting, span, count, told=lambda part: told(f"{count} steps", part))
+        return simulate(setting, span, count, report=lambda share: report(f"{count} steps", share))
 
     return solve_steps(run, steps, first, goal)
 
 
-def _moved(setting: Setting, place: Place, found: Instant, piece: float) -> Place:
+def _moved(setting: Setting, place: Place, instant: Instant, piece: float) -> Place:
     """Where the balls are after a piece with the speeds found."""
     gap = np.empty_like(place.gap)
     for track in setting.tracks:
-        omega = found.omega[track.balls]
+        omega = instant.omega[track.balls]
         # never less than zero but for round-off
         gap[track.balls] = np.maximum(place.gap[track.balls] + piece * (np.roll(omega, -1) - omega), 0.0)
-    return Place(place.azimuth + piece * found.omega, gap, found.omega, found.memory)
+    return Place(place.azimuth + piece * instant.omega, gap, instant.omega, instant.memory)

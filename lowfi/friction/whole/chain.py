@@ -83,8 +83,8 @@ def chain_motion(
     slack (N,): as in ``AnyChain``; start: motions (N, 4) [rad/s] and forces (N,) [N] to begin from. The contact of two
     balls is that of nominal ones; their sizes count in the slack. Failure is data: see ``ChainMotion.converged``.
     """
-    part, top = shares(friction)
-    rubs = rubs_of(scene, at, part, drive)
+    share, top = shares(friction)
+    rubs = rubs_of(scene, at, share, drive)
     between = friction.between_balls
     chain = SceneChain(grooves, at.force, at.normals, slack, at, rubs, between)
     if start is not None and top > 0.0:

@@ -104,13 +104,13 @@ class ScrewTorque:
         return self.translating and self.backward <= 0.0
 
 
-def sum_up(scene: Scene, at: StaticContacts, found: BallFriction, drive: Drive, coupled: bool = False) -> ScrewTorque:
+def sum_up(scene: Scene, at: StaticContacts, by_ball: BallFriction, drive: Drive, coupled: bool = False) -> ScrewTorque:
     """Sums over all contacts of a scene whose screw or nut turns with ``drive``.
 
     coupled: whether contact forces and friction together carry the axial load, or the contact forces alone.
     """
     normals, frames = at.normals, at.frames
-    friction = found.wrench(normals)
+    friction = by_ball.wrench(normals)
     total = friction.copy()
     total[..., :3] -= at.force[..., None] * normals
     axial, moment = about_axis(at, total)
@@ -126,9 +126,9 @@ def sum_up(scene: Scene, at: StaticContacts, found: BallFriction, drive: Drive, 
         speed=speed,
         ratio=ratio,
         load=-at.axial_force - (float(pull) if coupled else 0.0),
-        power=found.power,
+        power=by_ball.power,
         pull=float(pull),
-        reverse_power=found.power,
+        reverse_power=by_ball.power,
         helical=(float(helical[:, ON_SCREW].sum()), float(helical[:, ~ON_SCREW].sum())),
         tilt=float(tilt.max(initial=0.0)),
         carried=float(at.force.sum()),

@@ -73,9 +73,9 @@ def words_for(system: System, free: Array) -> str:
     found = []
     for row in (0, *range(n, s.stations.size)):
         size = np.abs(free[row] * arms[:, None]).max(axis=1)
-        which = [name for name, x in zip(FREEDOMS, size, strict=True) if x > 1e-6 * np.abs(free).max()]
-        if which:
-            found.append(f"{'the shaft' if row == 0 else names[row]} in {', '.join(which)}")
+        freedoms = [name for name, x in zip(FREEDOMS, size, strict=True) if x > 1e-6 * np.abs(free).max()]
+        if freedoms:
+            found.append(f"{'the shaft' if row == 0 else names[row]} in {', '.join(freedoms)}")
     return "rigid motion of " + " and ".join(found)
 
 

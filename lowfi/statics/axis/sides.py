@@ -50,10 +50,10 @@ def axial_place(assembly: Assembly, sets: Sequence[tuple[RollingSet, Scene]]) ->
     return float(brentq(rest, offset.min() - reach, offset.max() + reach, xtol=1e-9))
 
 
-def _of_set(one: RollingSet, scene: Scene, shift: float, drawn: Specimen) -> Mask:
+def _of_set(rolling: RollingSet, scene: Scene, shift: float, drawn: Specimen) -> Mask:
     """A shaft that moves by ``shift`` > 0 along z in its nut closes SL-NR and opens SR-NL, by the contact angle's sine."""
-    use = USE[one.thrust]
-    if one.thrust != "both" or drawn.profile.shape[1]:
+    use = USE[rolling.thrust]
+    if rolling.thrust != "both" or drawn.profile.shape[1]:
         return use
     closed = distances(scene, drawn)[1] + shift * np.sin(scene.track.contact_angle) * np.array([1.0, -1.0])
     if closed[:, 0].max() > 0.0 >= closed[:, 1].max():

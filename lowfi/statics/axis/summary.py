@@ -197,11 +197,11 @@ def _housing(system: System, i: int, sets: tuple[SetResult, ...], q: Array, end:
     row = structure.nodes.size + i
     at = float(structure.at[i])
     springs = np.zeros(6)
-    for (one, two), reach, K in zip(structure.ends, structure.reach, structure.springs, strict=True):
-        ends = [(e, x) for e, x in enumerate((one, two)) if x >= 0]
+    for (first, second), reach, K in zip(structure.ends, structure.reach, structure.springs, strict=True):
+        ends = [(e, x) for e, x in enumerate((first, second)) if x >= 0]
         force = K @ sum((reach[e] @ q[x] for e, x in ends), start=np.zeros(6))
         springs -= sum((reach[e].T @ force for e, x in ends if x == row), start=np.zeros(6))
-    name = next(name for name, own in structure.row.items() if own == row)
+    name = next(name for name, k in structure.row.items() if k == row)
     carried = np.zeros(6)
     for s in sets:
         reach = rigid_transport(s.of.position - at).T
