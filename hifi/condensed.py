@@ -46,11 +46,11 @@ def patch_approaches(setup: Setup, side: int, loads: Array) -> Array:
 def spread(setup: Setup, side: int, load: float) -> Array:
     """Forces on a side's contact nodes ``(c,)`` like Hertz's pressure under ``load`` [N], of unit resultant."""
     m, material = setup.map, setup.scene.balls.material
-    found = hertz(load, *relative_radii(m, side), material.youngs_modulus, material.poissons_ratio)
+    ellipse = hertz(load, *relative_radii(m, side), material.youngs_modulus, material.poissons_ratio)
     normal, tangent, forward = contact_frame(m, side)
     groove = setup.patches[side].groove
     x = groove.points - np.array([m.R, 0.0, 0.0]) - m.ball * normal
-    force = found.pressure(x @ tangent, x @ forward) * groove.areas
+    force = ellipse.pressure(x @ tangent, x @ forward) * groove.areas
     return np.asarray(force / (force @ (mean_weights(groove.weights) @ (groove.normals @ normal))))
 
 

@@ -211,14 +211,14 @@ def ball_fields(setup: Setup, meshes: Meshes, ball: int, forces: dict[int, Array
     u = np.zeros(K.shape[0])
     u[free] = factor(condense(K, D=held, expand=False)).solve(load[free])
     u = u.reshape(-1, 3)
-    found: dict[int | None, SolidField] = {
+    by_side: dict[int | None, SolidField] = {
         None: SolidField(mesh.points, cells_of(body), kind, u, nodal_stress(body, u, material))
     }
     for s in forces:
         piece = ball_patch(setup, meshes, s)
         normals = -patch_normals(piece, np.zeros(3))
-        found[s] = _patch_field(piece, normals, material, forces[s][ball], u[mesh.socket_nodes[s]].ravel())
-    return found
+        by_side[s] = _patch_field(piece, normals, material, forces[s][ball], u[mesh.socket_nodes[s]].ravel())
+    return by_side
 
 
 @dataclass(frozen=True)

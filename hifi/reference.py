@@ -216,8 +216,8 @@ class Case:
         )
         forces = self.split(result.forces)
         each = zip(self.sets, forces, directions, self.zones, strict=True)
-        found = [_loads(p.setup, force[..., None] * normals, zones) for p, force, normals, zones in each]
-        load, angle = (np.concatenate(x) for x in zip(*found, strict=True))
+        resultants = [_loads(p.setup, force[..., None] * normals, zones) for p, force, normals, zones in each]
+        load, angle = (np.concatenate(x) for x in zip(*resultants, strict=True))
         return Round(result, state, directions, rigid_rows, moved, forces, load, angle)
 
     def _rigid_rows(self, p: PlacedSet, normals: Array, zones: Zones) -> Array:
@@ -231,14 +231,14 @@ class Case:
 
     def settled(self, last: Round, most: int, step: Callable[[int], None], *, moving: bool) -> tuple[Round, int, float]:
         """The round whose loads stand still, updates until then, ``most`` at most, and what more may change of a load."""
-        found = [last.load]
+        loads = [last.load]
         for done in range(most + 1):
-            left = left_over(found)
+            left = left_over(loads)
             if not last.result.converged or left <= SETTLED * _mean(last.load) or done == most:
                 break
             step(done + 2)
             last = self.after(last, moving=moving)
-            found = [*found[-2:], last.load]
+            loads = [*loads[-2:], last.load]
         return last, done, left
 
     def verdict(self, last: Round, updates: int, left: float) -> tuple[str, float]:

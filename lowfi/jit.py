@@ -151,10 +151,10 @@ def kernels(package: str, *, compiled: bool) -> ModuleType:
 def _numba_works() -> bool:
     from rollbench.meshes.libraries import ONLY_FOR, fault
 
-    found = fault("numba")
-    if found:
-        sys.stderr.write(f"rollbench: {found}: {ONLY_FOR['numba']}; pip install numba\n")
-    return not found
+    missing = fault("numba")
+    if missing:
+        sys.stderr.write(f"rollbench: {missing}: {ONLY_FOR['numba']}; pip install numba\n")
+    return not missing
 
 
 def loaded(package: str) -> bool:

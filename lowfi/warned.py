@@ -51,6 +51,6 @@ class Warned(str):
 
 def above(warnings: Iterable[Warned]) -> str:
     """The line above the answers, empty where none of the warnings belongs there."""
-    found = [w for w in warnings if w.brief]
-    outside = " outside what the models mean" * any(w.kind != "play" for w in found)
-    return f"WARNING{outside}: {'; '.join(w.brief for w in found)}" if found else ""
+    shown = [w for w in warnings if w.brief]
+    outside = " outside what the models mean" * any(w.kind != "play" for w in shown)
+    return f"WARNING{outside}: {'; '.join(w.brief for w in shown)}" if shown else ""

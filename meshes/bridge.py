@@ -136,8 +136,8 @@ def to_skfem(data: MeshData, *elements: str) -> Any:
     from rollbench.meshes.fem import mesh_of
 
     if len(elements) != 1 or set(data.cells) != set(elements):
-        found, wanted = ", ".join(data.cells), ", ".join(elements)
-        raise ValueError(f"the mesh has elements {found}; scikit-fem takes one kind, asked for {wanted}")
+        kinds, wanted = ", ".join(data.cells), ", ".join(elements)
+        raise ValueError(f"the mesh has elements {kinds}; scikit-fem takes one kind, asked for {wanted}")
     return mesh_of(data.points, data.cells[elements[0]], elements[0], data.boundaries, data.regions)[0]
 
 
@@ -412,23 +412,23 @@ def _elements_of(entities: list[int], dimension: int, subject: str) -> tuple[Ind
     """Element tags and, for faces, node tags (k, nodes) of the elements on the entities."""
     import gmsh
 
-    found: dict[int, list[Index]] = {}
+    by_kind: dict[int, list[Index]] = {}
     tags: list[Index] = []
     for entity in sorted(set(entities)):
         for kind, elements, nodes in zip(*gmsh.model.mesh.getElements(dimension, entity), strict=True):
-            found.setdefault(int(kind), []).append(np.asarray(nodes, dtype=np.int64))
+            by_kind.setdefault(int(kind), []).append(np.asarray(nodes, dtype=np.int64))
             tags.append(np.asarray(elements, dtype=np.int64))
     if not tags:
         raise ValueError(f"{subject} is empty: its entities carry no elements")
     if dimension == 3:
         return np.concatenate(tags), np.empty((0, 0), dtype=np.int64)
-    if len(found) > 1:
-        raise ValueError(f"{subject} mixes faces of gmsh's types {sorted(found)}")
-    kind = next(iter(found))
+    if len(by_kind) > 1:
+        raise ValueError(f"{subject} mixes faces of gmsh's types {sorted(by_kind)}")
+    kind = next(iter(by_kind))
     widths = {2: 3, 9: 6, 3: 4, 10: 9}
     if kind not in widths:
         raise ValueError(f"{subject} has faces of gmsh's type {kind}, expected one of {sorted(widths)}")
-    return np.concatenate(tags), np.concatenate(found[kind]).reshape(-1, widths[kind])
+    return np.concatenate(tags), np.concatenate(by_kind[kind]).reshape(-1, widths[kind])
 
 
 def _known(types: Iterable[int], subject: str) -> None:

@@ -97,11 +97,11 @@ class Cache:
         TypeError for a result that is no `type_`, and for arguments or functions that no key can be made of.
         """
         path = self._path(build, arguments, type_)
-        found = None if path is None else _read(path, type_)
-        if found is not None:
+        record = None if path is None else _read(path, type_)
+        if record is not None:
             self.hits += 1
-            self.cold_seconds += found[1]
-            return found[0]
+            self.cold_seconds += record[1]
+            return record[0]
         self.misses += 1
         start = time.perf_counter()
         value = build(*arguments)

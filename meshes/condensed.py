@@ -116,15 +116,15 @@ def load_condensed(path: Path) -> CondensedBodies:
     if path.exists() and not path.is_file():
         raise ValueError("no regular file")
     values = _members(path)
-    found = CondensedBodies(
+    bodies = CondensedBodies(
         str(values["geometry"]),
         int(values["level"]),
         np.asarray(values["sides"], dtype=float),
         float(values["base"]),
         *(np.asarray(values[name], dtype=float) for name in ("screw", "nut", "ball", "local", "force", "hertz")),
     )
-    _check(found)
-    return found
+    _check(bodies)
+    return bodies
 
 
 def _members(path: Path) -> dict[str, Array]:
@@ -153,11 +153,11 @@ def _unpacked(content: bytes) -> dict[str, bytes]:
     """Members of an archive by their names, whose sizes are looked at before any is read. Raises ValueError."""
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            every = archive.infolist()
-            declared = sum(info.file_size for info in every)
-            plain = all(x.compress_type in PACKED and not x.flag_bits & 1 for x in every)
+            entries = archive.infolist()
+            declared = sum(info.file_size for info in entries)
+            plain = all(x.compress_type in PACKED and not x.flag_bits & 1 for x in entries)
             read = plain and declared <= LARGEST_FILE
-            members = {info.filename.removesuffix(".npy"): archive.read(info) for info in every if read}
+            members = {info.filename.removesuffix(".npy"): archive.read(info) for info in entries if read}
     except DAMAGE as e:
         raise ValueError("no file of condensed bodies, or a damaged one") from e
     if not plain:

@@ -104,15 +104,15 @@ def with_faces(mesh: Mesh, faces: Mapping[str, Index]) -> Mesh:
     count = mesh.doflocs.shape[1]
     known = _keys(np.sort(mesh.facets.T), count)
     order = np.argsort(known)
-    found = {}
+    facets = {}
     for name, corners in faces.items():
         wanted = _keys(np.sort(corners), count)
         place = order[np.minimum(np.searchsorted(known, wanted, sorter=order), len(order) - 1)]
         lost = int(np.count_nonzero(known[place] != wanted))
         if lost:
             raise ValueError(f"boundary {name!r} lost: {lost} of {len(wanted)} faces belong to no cell")
-        found[name] = np.unique(place)
-    return named(mesh, found)
+        facets[name] = np.unique(place)
+    return named(mesh, facets)
 
 
 def named(mesh: Mesh, facets: Mapping[str, Index]) -> Mesh:
@@ -195,8 +195,8 @@ def freedoms_on(mesh: Mesh, *names: str) -> Index:
 
 
 def _on(dofs: Dofs, mesh: Mesh, names: tuple[str, ...]) -> Index:
-    found = [dofs.get_facet_dofs(mesh.boundaries[name]).flatten() for name in names]
-    return np.unique(np.concatenate(found)).astype(np.int64)
+    freedoms = [dofs.get_facet_dofs(mesh.boundaries[name]).flatten() for name in names]
+    return np.unique(np.concatenate(freedoms)).astype(np.int64)
 
 
 def tensor_grid(x: Array, y: Array, z: Array, kind: str, *, left_handed: bool = False) -> Mesh:

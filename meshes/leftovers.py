@@ -44,8 +44,8 @@ def clean(path: Path, ending: str = "tmp") -> None:
     name = re.compile(rf"\.{re.escape(path.name)}\.([0-9a-f]{{8}})-(\d+)-[0-9a-f]{{8}}\.{re.escape(ending)}")
     with suppress(OSError):  # no such folder, or one that may not be listed: nothing to tidy
         for other in path.parent.iterdir():
-            found = name.fullmatch(other.name)
-            if found is None or not _dead(other, found[1], int(found[2])):
+            match = name.fullmatch(other.name)
+            if match is None or not _dead(other, match[1], int(match[2])):
                 continue
             if other.is_dir() and not other.is_symlink():
                 shutil.rmtree(other, ignore_errors=True)

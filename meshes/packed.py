@@ -80,20 +80,20 @@ def _name(class_: type) -> str:
 def _unpacked(tree: Any, arrays: list[Any], packages: tuple[str, ...]) -> Any:
     if not isinstance(tree, list):
         return tree
-    sort, *rest = tree
+    sort, *content = tree
 
     def unpacked(x: Any) -> Any:
         return _unpacked(x, arrays, packages)
 
     makers: dict[str, Callable[[], Any]] = {
-        "array": lambda: arrays[rest[0]],
-        "scalar": lambda: arrays[rest[0]][()],
-        "tuple": lambda: tuple(map(unpacked, rest)),
-        "list": lambda: list(map(unpacked, rest)),
-        "dict": lambda: {unpacked(k): unpacked(x) for k, x in rest},
-        "sparse": lambda: _class(rest[0], ("scipy",))(tuple(map(unpacked, rest[2:])), shape=tuple(rest[1])),
-        "class": lambda: _class(rest[0], packages),
-        "record": lambda: _record(_class(rest[0], packages), {k: unpacked(x) for k, x in rest[1].items()}),
+        "array": lambda: arrays[content[0]],
+        "scalar": lambda: arrays[content[0]][()],
+        "tuple": lambda: tuple(map(unpacked, content)),
+        "list": lambda: list(map(unpacked, content)),
+        "dict": lambda: {unpacked(k): unpacked(x) for k, x in content},
+        "sparse": lambda: _class(content[0], ("scipy",))(tuple(map(unpacked, content[2:])), shape=tuple(content[1])),
+        "class": lambda: _class(content[0], packages),
+        "record": lambda: _record(_class(content[0], packages), {k: unpacked(x) for k, x in content[1].items()}),
     }
     return makers[sort]()
 

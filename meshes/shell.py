@@ -167,8 +167,8 @@ class Shell:
         plane = np.concatenate([x for _, x in rings])
 
         def lengths(at: Array) -> Array:
-            found = np.minimum(self.size(space(at[:, :2])), limit)
-            return found if stretch is None else found * stretch(at[:, :2])
+            size = np.minimum(self.size(space(at[:, :2])), limit)
+            return size if stretch is None else size * stretch(at[:, :2])
 
         sizes = callback(lengths, 0.3 * self.fine, FACE_BLOCK)
         tris, inner = triangulate(self.gmsh, [len(n) for n, _ in rings], plane, sizes, self.algorithm)
@@ -414,15 +414,15 @@ def best_of(name: str, attempt: Callable[[Any, int, int, float], tuple[Body, flo
     no attempt gives a mesh.
     """
     failures: list[str] = []
-    found: list[tuple[Body, float]] = []
+    attempts: list[tuple[Body, float]] = []
     for plane, volume, share in ATTEMPTS:
         with session(OPTIONS) as gmsh:
             try:
-                found.append(attempt(gmsh, plane, volume, share))
+                attempts.append(attempt(gmsh, plane, volume, share))
             except Exception as error:  # gmsh raises nothing more special
                 failures.append(str(error).strip())
-        if found and found[-1][1] == 0.0:
+        if attempts and attempts[-1][1] == 0.0:
             break
-    if not found:
+    if not attempts:
         raise ValueError(f"gmsh finds no good mesh of the {name}: " + "; ".join(dict.fromkeys(failures)))
-    return min(found, key=lambda x: x[1])[0]
+    return min(attempts, key=lambda x: x[1])[0]

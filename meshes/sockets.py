@@ -289,17 +289,17 @@ def turn_left(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]) -> float:
     if m.rg == 0.0:
         return np.inf
     pitch = 2.0 * np.pi * abs(m.rg) / m.starts
-    found = []
+    distances = []
     for side in sides:
         x = _hull(m, size, side)
         r, zeta = np.hypot(x[:, 0], x[:, 1]), x[:, 2] - m.rg * np.arctan2(x[:, 1], x[:, 0])
         other = side ^ 1
         x3, z3 = m.roll(r, zeta - m.signs[side, 1] * pitch)
         away = [m.polar(s, x3, z3)[1] - m.radius[s] for s in (side, other)]
-        found.append(float(np.max(away, axis=0).min()))
+        distances.append(float(np.max(away, axis=0).min()))
         if other in sides:
-            found.append(float((0.5 * pitch - np.abs(zeta)).min()))
-    return min(found)
+            distances.append(float((0.5 * pitch - np.abs(zeta)).min()))
+    return min(distances)
 
 
 def fitted_socket(
@@ -328,9 +328,9 @@ def fitted_socket(
     usual = SocketSize(GAMMA, DEPTH * m.ball, ALONG * m.ball / m.R)
     bodies = [tuple(s for s in sides if (s < 2) == screw) for screw in (True, False)]
     least = max((need[0] / float(m.radius[s]) for s in sides), default=0.0) / ZONE
-    whole = replace(usual, gamma=max(GAMMA, least * ZONE / FILLED), phi=max(usual.phi, need[1] / (FILLED * m.R)))
-    gamma, why_gamma = _narrowed(m, sides, land_screw, land_nut, whole.gamma, need[0])
-    size = replace(whole, gamma=gamma)
+    wide = replace(usual, gamma=max(GAMMA, least * ZONE / FILLED), phi=max(usual.phi, need[1] / (FILLED * m.R)))
+    gamma, why_gamma = _narrowed(m, sides, land_screw, land_nut, wide.gamma, need[0])
+    size = replace(wide, gamma=gamma)
     cause = {"gamma": why_gamma, "depth": "", "phi": ""}
 
     def mm(x: float) -> str:
@@ -340,10 +340,10 @@ def fitted_socket(
         behind, name = (bore_screw, "screw's bore") if side < 2 else (outer_nut, "nut's outside")
 
         def thick(share: float, side: int = side, behind: float = behind, size: SocketSize = size) -> bool:
-            depth = share * whole.depth
+            depth = share * wide.depth
             return wall_left(m, replace(size, depth=depth), side, behind) >= UNDER * depth
 
-        depth = whole.depth * _largest(thick)
+        depth = wide.depth * _largest(thick)
         if depth < size.depth:
             size = replace(size, depth=depth)
             wall = wall_left(m, replace(size, gamma=1e-3, depth=0.0), side, behind)
@@ -351,7 +351,7 @@ def fitted_socket(
 
     if layout.z.size > 1 or m.rg == 0.0:
         gaps, pairs = track_gaps(m, layout.azimuth, layout.z)
-        if gaps.size and gaps.min() < (2.0 + BETWEEN) * whole.phi:
+        if gaps.size and gaps.min() < (2.0 + BETWEEN) * wide.phi:
             size = replace(size, phi=float(gaps.min()) / (2.0 + BETWEEN))
             first, second = pairs[gaps.round(9).argmin()] + 1
             cause["phi"] = f"balls {first} and {second} are {mm(gaps.min() * m.R)} apart along the track; spread them"
@@ -391,9 +391,9 @@ def fitted_socket(
         ("phi", "short", max((LIP if lip else LEAST) * usual.phi, need[1] / (ZONE * m.R))),
     ):
         if getattr(size, name) < floor * (1.0 - 1e-9):
-            found, wanted = getattr(size, name) / getattr(usual, name), floor / getattr(usual, name)
+            left, wanted = getattr(size, name) / getattr(usual, name), floor / getattr(usual, name)
             raise ValueError(
-                f"no room for the sockets of the contact patches: only {100.0 * found:.0f} % of the usual one is left, "
+                f"no room for the sockets of the contact patches: only {100.0 * left:.0f} % of the usual one is left, "
                 f"less than {100.0 * wanted:.0f} % (too {word}), because {cause[name]}"
             )
     return size

@@ -56,16 +56,16 @@ def _check_lands(scene: Scene, land: float, reach: float) -> None:
     """
     pitch, outer = 2e3 * scene.track.pitch_radius, 1e3 * scene.screw.outer_diameter
     most = pitch + 2e3 * reach
-    found = 2e3 * land
-    if found >= 1e3 * scene.nut.outer_diameter and pitch < found < most:
-        wall = f"the nut's lands of {found:.4g} mm diameter leave no wall"
+    diameter = 2e3 * land
+    if diameter >= 1e3 * scene.nut.outer_diameter and pitch < diameter < most:
+        wall = f"the nut's lands of {diameter:.4g} mm diameter leave no wall"
         raise UnfitKey("nut.outer_diameter", f"nut.outer_diameter of {1e3 * scene.nut.outer_diameter:.4g} mm: {wall}")
-    if pitch < found < most:
+    if pitch < diameter < most:
         return
     if scene.solid.nut_inner_diameter is not None:
         between = f"it must lie between the pitch diameter {pitch:.4g} mm and {most:.4g} mm"
         raise UnfitKey(
-            "solid.nut_inner_diameter", f"solid.nut_inner_diameter of {found:.4g} mm leaves no groove: {between}"
+            "solid.nut_inner_diameter", f"solid.nut_inner_diameter of {diameter:.4g} mm leaves no groove: {between}"
         )
     raise UnfitKey(
         "screw.outer_diameter",

@@ -97,9 +97,9 @@ def whole_body(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> WholeBod
 
     Raises ValueError where the groove leaves no land or wall, or no attempt gives a good mesh.
     """
-    whole, groove = replace(spec, sockets=()), Groove.of(m, spec)
+    plain, groove = replace(spec, sockets=()), Groove.of(m, spec)
     name = "screw" if spec.outer else "nut"
-    return _meshed(name, lambda shell, share: Surface(shell, m, whole, share, groove), refinement)
+    return _meshed(name, lambda shell, share: Surface(shell, m, plain, share, groove), refinement)
 
 
 def whole_ball(m: GrooveMap, radius: float, refinement: Refinement) -> WholeBody:

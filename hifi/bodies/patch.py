@@ -319,13 +319,13 @@ class _Partition:
 def _partition(
     mesh: PatchMesh, normals: Array, young: float, poisson: float, carrier: PatchMesh | None = None
 ) -> _Partition:
-    whole = mesh if carrier is None else carrier
-    K = assemble(elasticity(young, poisson), whole.mesh)
+    base = mesh if carrier is None else carrier
+    K = assemble(elasticity(young, poisson), base.mesh)
     if np.isin(mesh.contact, mesh.interface).any():
         raise ValueError("the contact zone of a patch reaches its rim: make the zone smaller than the socket")
-    inner = np.setdiff1d(np.arange(K.shape[0]), freedoms_on(whole.mesh, "interface"))
-    outer = (3 * whole.interface[:, None] + np.arange(3)).ravel()
-    T = sp.kron(whole.tie, sp.identity(3), format="csc")
+    inner = np.setdiff1d(np.arange(K.shape[0]), freedoms_on(base.mesh, "interface"))
+    outer = (3 * base.interface[:, None] + np.arange(3)).ravel()
+    T = sp.kron(base.tie, sp.identity(3), format="csc")
     coupling = (K[inner][:, outer] @ T).tocsc()
     forces = hat_rows(mesh, normals, carrier)[:, inner].T.tocsc()
     return _Partition(condense(K, I=inner, expand=False), coupling, K[outer][:, outer], forces, T, inner)

@@ -69,8 +69,8 @@ def condense_side(
     mesh = patch_mesh(sockets, sockets.groove, groove_place, settings)
     ball_mesh = patch_mesh(sockets, sockets.ball, place, settings)
     normals = patch_normals(mesh, np.array([m.R, 0.0, 0.0]))
-    found = patch_normals(ball_mesh, np.zeros(3))
-    spread = float(np.abs(found - normals).max())
+    ball_normals = patch_normals(ball_mesh, np.zeros(3))
+    spread = float(np.abs(ball_normals - normals).max())
     if spread > 1e-9:
         raise ValueError(f"contact nodes of ball and groove do not match ({spread:.1e})")
     e, b = materials
@@ -95,7 +95,7 @@ def condense_side(
         body = build_ball(m, (ball_socket,), scale * sizes[0], scale * sizes[1], cuts)
         return Piece(body.mesh, body.socket_nodes[side], np.eye(3), ()), body.sockets[side]
 
-    local, whole = np.zeros_like(groove.A), np.zeros_like(groove.A)
+    local, total = np.zeros_like(groove.A), np.zeros_like(groove.A)
     for piece_of, points_at, condensed, along, material, modes in (
         (groove_piece, groove_place, groove, normals, e, settings.modes),
         (ball_piece, place, ball, -normals, b, settings.ball_modes),
@@ -108,8 +108,8 @@ def condense_side(
             return coarse_compliance(piece_of(scale, coarse=True)[0], condensed, rows, *_constants(material))
 
         local += own_compliance(C, V, response)
-        whole += C
-    return SidePatches(groove, ball, local, grid_wave(m, side, groove, whole, b))
+        total += C
+    return SidePatches(groove, ball, local, grid_wave(m, side, groove, total, b))
 
 
 def _constants(material: Material) -> tuple[float, float]:

@@ -113,8 +113,8 @@ def roots(matrix: Array, loads: Array, scale: Array) -> tuple[Array, Array]:
 
     By Cholesky's factor with pivots, up to what times ``scale`` ``(n,)``, from both sides, is less than ``FEEBLE``.
     """
-    found, order, rank, _ = dpstrf(matrix * np.outer(scale, scale), tol=FEEBLE, lower=1)
-    L, order = np.tril(found)[:, :rank], order - 1
+    packed, order, rank, _ = dpstrf(matrix * np.outer(scale, scale), tol=FEEBLE, lower=1)
+    L, order = np.tril(packed)[:, :rank], order - 1
     R = np.empty((len(matrix), rank))
     R[order] = L / scale[order, None]
     first = order[:rank]
@@ -210,8 +210,8 @@ class _System:
             inner = np.vstack([R.T @ answer[c] for c, R in traces])
             inner[np.diag_indices(len(inner))] += 1.0
             inner = factored(inner.T)
-            rest = dtrsm(1.0, inner, T, lower=1)
-            outer += rest.T @ rest - T.T @ T
+            solved = dtrsm(1.0, inner, T, lower=1)
+            outer += solved.T @ solved - T.T @ T
         return Factor(traces, starts, T, inner, lu_factor(outer, overwrite_a=True, check_finite=False))
 
 

@@ -259,19 +259,19 @@ def on_mesh(job: HertzJob, mesh: BlockMesh, b_over_h: float, seconds: float = 0.
     gap = x**2 / (2.0 * job.radius_x) + y**2 / (2.0 * job.radius_y)
     matrix = 2.0 * (surface.matrix if far_field else surface.held)  # two bodies
     closing = sp.csr_matrix(np.ones((len(gap), 1)))
-    found, _ = solve_balls(uncoupled(matrix), gap, closing, np.array([0.25 * job.load]))  # a quarter
-    if not found.converged:
-        raise ArithmeticError(f"job {job.name}, {mesh.element}, b/h = {b_over_h:g}: {found.status}")
-    semi, pole, fitted = read_pressure(surface, found)
+    result, _ = solve_balls(uncoupled(matrix), gap, closing, np.array([0.25 * job.load]))  # a quarter
+    if not result.converged:
+        raise ArithmeticError(f"job {job.name}, {mesh.element}, b/h = {b_over_h:g}: {result.status}")
+    semi, pole, fitted = read_pressure(surface, result)
     return HertzRun(
         job=job.name,
         element=mesh.element,
         b_over_h=b_over_h,
         unknowns=surface.unknowns,
         contact_nodes=len(gap),
-        iterations=found.iterations,
+        iterations=result.iterations,
         seconds={"mesh": seconds, **surface.seconds, "contact": perf_counter() - start},
-        approach=float(found.motions[0]),
+        approach=float(result.motions[0]),
         semi_x=semi[0],
         semi_y=semi[1],
         pole_pressure=pole,

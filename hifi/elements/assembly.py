@@ -176,10 +176,10 @@ def tensor(form: Any) -> Array:
     """c[i, k, j, l] of a form c_ikjl u_i,k v_j,l. Raises ValueError for one that depends on more than gradients."""
     unknown = np.full((3, 1, 1), np.nan)
     unit = [DiscreteField(value=unknown, grad=g.reshape(3, 3, 1, 1)) for g in np.eye(9)]
-    found = np.array([[np.ravel(form.form(u, v, None))[0] for v in unit] for u in unit]).reshape(3, 3, 3, 3)
-    if not np.isfinite(found).all():
+    values = np.array([[np.ravel(form.form(u, v, None))[0] for v in unit] for u in unit]).reshape(3, 3, 3, 3)
+    if not np.isfinite(values).all():
         raise ValueError("the form depends on displacements, not on their gradients alone: assemble it with scikit-fem")
-    return found
+    return values
 
 
 def assemble(form: Any, mesh: Mesh, mapping: Any = None) -> sp.csc_matrix:

@@ -29,8 +29,8 @@ class ElementHexHats(ElementHex2):  # type: ignore[misc]
         away = np.asarray(X) - self.doflocs[i].reshape((3,) + (1,) * (np.ndim(X) - 1))
         value = np.maximum(1.0 - 2.0 * np.abs(away), 0.0)
         slope = np.where(value > 0.0, -2.0 * np.sign(away), 0.0)
-        whole = [np.prod([slope[k] if k == axis else value[k] for k in range(3)], axis=0) for axis in range(3)]
-        return np.prod(value, axis=0), np.array(whole)
+        gradient = [np.prod([slope[k] if k == axis else value[k] for k in range(3)], axis=0) for axis in range(3)]
+        return np.prod(value, axis=0), np.array(gradient)
 
 
 def halves(refdom: Any, degree: int) -> tuple[Array, Array]:

@@ -145,8 +145,8 @@ def _first_columns(parent: Index) -> Index:
     sizes = np.array(size)
     sizes[n] = n + LEAF  # no subtree is as small
     small = sizes <= LEAF
-    whole = small[:n] & ~small[parent]  # roots of the largest small subtrees
-    inside = small[1:n] & small[: n - 1] & ~whole[:-1]
+    roots = small[:n] & ~small[parent]  # roots of the largest small subtrees
+    inside = small[1:n] & small[: n - 1] & ~roots[:-1]
     chained = ~small[1:n] & ~small[: n - 1] & (sizes[1:n] == sizes[: n - 1] + 1)
     return np.concatenate([[0], 1 + np.flatnonzero(~(inside | chained)), [n]])
 

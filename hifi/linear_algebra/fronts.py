@@ -50,11 +50,11 @@ def gram_by_fronts(K: sp.csc_matrix, B: sp.csr_matrix, nodes: Supernodes) -> Arr
 
     Raises ArithmeticError where K is not positive definite.
     """
-    found = np.zeros((B.shape[1], B.shape[1]))
+    total = np.zeros((B.shape[1], B.shape[1]))
     for front in _eliminated(K, B, nodes):
         if front.border.size:
-            found[np.ix_(front.border, front.border)] += front.share @ front.share.T
-    return found
+            total[np.ix_(front.border, front.border)] += front.share @ front.share.T
+    return total
 
 
 def factor_by_fronts(K: sp.csc_matrix, nodes: Supernodes) -> Callable[[Array], Array]:

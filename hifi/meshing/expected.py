@@ -157,25 +157,25 @@ def _expected(sets: tuple[_Set, ...], frame: Frame) -> tuple[ExpectedContacts, .
     gap = model.touch - np.linalg.norm(vectors, axis=2)
     gap[model.constant == 0.0] = np.inf
     signs, ends = np.array(SIDE_SIGNS), np.cumsum([s.scene.ball_count for s in sets])[:-1]
-    found = []
+    contacts = []
     for s, F, v, g in zip(sets, *(np.split(x, ends) for x in (load, vectors, gap)), strict=True):
         units, beta = hertz_units(s.scene), s.scene.track.contact_angle
         angle = np.where(F > 0.0, np.arctan2(v[..., 1] * signs[:, 1], v[..., 0] * signs[:, 0]), beta)
         across, along = (np.cbrt(F) * np.array([getattr(unit, name) for unit in units]) for name in ("semi_x", "semi_y"))
-        found.append(ExpectedContacts(F, angle, across, along, (angle - beta) * groove_radii(s.scene), g))
-    return tuple(found)
+        contacts.append(ExpectedContacts(F, angle, across, along, (angle - beta) * groove_radii(s.scene), g))
+    return tuple(contacts)
 
 
 def hertz_units(scene: Scene) -> tuple[HertzSolution, ...]:
     """Hertz's contact under 1 N of each side: x across the groove, y along it, with the normal curvatures of its helix."""
     track, r = scene.track, scene.balls.radius
     beta, alpha = track.contact_angle, lead_angle(track)
-    found = []
+    units = []
     for part, sign in ((scene.screw, -1.0), (scene.nut, 1.0)):
         hollow = sign * np.cos(beta) * np.cos(alpha) ** 2 / (track.pitch_radius + sign * r * np.cos(beta))
         radii = 1.0 / (1.0 / r - 1.0 / part.groove_radius), 1.0 / (1.0 / r - hollow)
-        found += [hertz(1.0, *radii, 2.0 * _modulus(scene.balls.material, part.material), 0.0)] * 2
-    return tuple(found)
+        units += [hertz(1.0, *radii, 2.0 * _modulus(scene.balls.material, part.material), 0.0)] * 2
+    return tuple(units)
 
 
 def _modulus(first: Material, second: Material) -> float:
@@ -252,9 +252,9 @@ def _model(sets: tuple[_Set, ...], frame: Frame) -> _Model:
     A = sp.hstack([sp.vstack(blocks), sp.kron(sp.identity(n), np.tile(np.eye(2), (4, 1)))]).tocsr()
     arm = np.concatenate([np.tile(size, len(nodes) + count), np.ones(2 * n)])
     soft = SOFT * stiffness * arm**2
-    whole = sp.block_diag([K.tocsr() + held, sp.csr_matrix((2 * n, 2 * n))]) + sp.diags(soft)
+    K_all = sp.block_diag([K.tocsr() + held, sp.csr_matrix((2 * n, 2 * n))]) + sp.diags(soft)
     P = np.append(P, np.zeros(2 * n))
-    return _Model(whole.tocsc(), P, A, np.concatenate(arms), np.concatenate(touch), constant, stiffness, soft, arm)
+    return _Model(K_all.tocsc(), P, A, np.concatenate(arms), np.concatenate(touch), constant, stiffness, soft, arm)
 
 
 def _contact(model: _Model, x: Array) -> tuple[float, Array, Array, Array, Array]:

@@ -74,8 +74,8 @@ def mesh_parts(
 ) -> Meshes:
     """Mesh screw, nut and one ball of a scene."""
     cache = cache or Cache(None)
-    recipes, whole = mesh_recipes(scene, m, layout, dims, sides, settings)
-    return whole(*(cache.get(*recipe) for recipe in recipes))
+    recipes, gather = mesh_recipes(scene, m, layout, dims, sides, settings)
+    return gather(*(cache.get(*recipe) for recipe in recipes))
 
 
 def mesh_recipes(

@@ -223,14 +223,14 @@ def start_of(scene: Rolling) -> Array:
     y = np.zeros(MOTIONS * len(scene.balls) + len(scene.meetings))
     for b, ball in enumerate(scene.balls):
         y[MOTIONS * b] = scene.orbit * scene.track.length
-        rows, given = [], []
+        rows, driven = [], []
         for t in ball.touches:
             if t.load > 0.0:
                 at = scene.radius * t.normal
                 turn = np.cross(np.eye(3), at).T / scene.radius
                 rows.append(turn * t.load)
-                given.append((t.ride - scene.orbit) * scene.track.field(at) * t.load)
-        y[MOTIONS * b + 1 : MOTIONS * (b + 1)] = np.linalg.lstsq(np.vstack(rows), np.concatenate(given), rcond=1e-10)[0]
+                driven.append((t.ride - scene.orbit) * scene.track.field(at) * t.load)
+        y[MOTIONS * b + 1 : MOTIONS * (b + 1)] = np.linalg.lstsq(np.vstack(rows), np.concatenate(driven), rcond=1e-10)[0]
     return y
 
 
@@ -246,8 +246,8 @@ def solve_rolling(
         contacts = contacts_of(scene, choices)
         balance = balance_of(scene, contacts)
         y = start_of(scene) if near is None else near.friction.motions
-        found = solve_friction(contacts, balance, y, None if near is None else near.friction.forces, path)
-    return _result(scene, choices, contacts, found, process_time() - begin)
+        solution = solve_friction(contacts, balance, y, None if near is None else near.friction.forces, path)
+    return _result(scene, choices, contacts, solution, process_time() - begin)
 
 
 def _result(
@@ -302,5 +302,5 @@ def without_meetings(scene: Rolling) -> Rolling:
 
 def hertz_size(scene: Rolling, touch: Touch) -> tuple[float, float]:
     """Semi-axes [m] along and across the groove."""
-    found = hertz(touch.load, *touch.radii, scene.young, scene.poisson)
-    return found.semi_x, found.semi_y
+    ellipse = hertz(touch.load, *touch.radii, scene.young, scene.poisson)
+    return ellipse.semi_x, ellipse.semi_y

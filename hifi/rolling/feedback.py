@@ -83,5 +83,5 @@ def _roll(
     """Rolling under the loads, from the last solution if the same contacts are loaded."""
     scene = scene_of(layout, material, loads.normal, loads.force)
     loaded = [(b, k) for b, k, _ in touching(scene)]
-    same = near is not None and [(c.ball, c.touch) for c in near.contacts] == loaded
-    return solve_rolling(scene if meet else without_meetings(scene), choices, near if same else None)
+    alike = near is not None and [(c.ball, c.touch) for c in near.contacts] == loaded
+    return solve_rolling(scene if meet else without_meetings(scene), choices, near if alike else None)

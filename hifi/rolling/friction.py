@@ -115,11 +115,11 @@ def _smooth(c: Contact, q: Array, y: Array, eps: float, elastic: bool) -> tuple[
         two = A.reshape(2, len(s), -1)
         return np.asarray(np.einsum("nij,jnk->ink", D, two).reshape(2 * len(s), -1))
 
-    rest = times(c.motion)
+    by_motion = times(c.motion)
     if not elastic:
-        return left, -left, -rest
-    found = np.linalg.solve(np.eye(q.size) + times(c.elastic), -np.column_stack([left, rest]))
-    return left, np.asarray(found[:, 0]), np.asarray(found[:, 1:])
+        return left, -left, -by_motion
+    solved = np.linalg.solve(np.eye(q.size) + times(c.elastic), -np.column_stack([left, by_motion]))
+    return left, np.asarray(solved[:, 0]), np.asarray(solved[:, 1:])
 
 
 def _sharp(c: Contact, q: Array, y: Array, grip: Array) -> tuple[Array, Array, Array]:
@@ -150,10 +150,10 @@ def _sharp(c: Contact, q: Array, y: Array, grip: Array) -> tuple[Array, Array, A
     right[:, 0] -= np.concatenate([np.sum(left[slip] * across, axis=1), s[held], s[n + held]])
     K *= weight[:, None]
     K[np.arange(slip.size), np.arange(slip.size)] += 1.0 - share
-    found = np.linalg.solve(K, right)
+    solved = np.linalg.solve(K, right)
     out = np.zeros((2, n, right.shape[1]))
-    out[:, slip] = across.T[:, :, None] * found[: slip.size]
-    out[0, held], out[1, held] = found[slip.size : slip.size + held.size], found[slip.size + held.size :]
+    out[:, slip] = across.T[:, :, None] * solved[: slip.size]
+    out[0, held], out[1, held] = solved[slip.size : slip.size + held.size], solved[slip.size + held.size :]
     flat = out.reshape(2 * n, -1)
     return _flat(left), flat[:, 0] + _flat(known), flat[:, 1:]
 
@@ -170,11 +170,11 @@ class _System:
         """Newton's dq of every contact and dy."""
         f, S = self.balance(y)
         f, S = f.copy(), S.copy()
-        for c, force, (_, first, rest) in zip(self.contacts, q, parts, strict=True):
+        for c, force, (_, first, by_y) in zip(self.contacts, q, parts, strict=True):
             f[c.columns] += c.motion.T @ (force + first)
-            S[np.ix_(c.columns, c.columns)] += c.motion.T @ rest
+            S[np.ix_(c.columns, c.columns)] += c.motion.T @ by_y
         dy: Array = np.asarray(-np.linalg.solve(S, f)) if y.size else y
-        return [first + rest @ dy[c.columns] for c, (_, first, rest) in zip(self.contacts, parts, strict=True)], dy
+        return [first + by_y @ dy[c.columns] for c, (_, first, by_y) in zip(self.contacts, parts, strict=True)], dy
 
     def unbalanced(self, q: list[Array], y: Array) -> Array:
         """Left side of (2)."""
@@ -284,24 +284,24 @@ def solve_friction(
     system = _System(contacts, balance)
     y = np.zeros(0) if y is None else np.asarray(y, dtype=float).copy()
     if q is not None:
-        found = _settle(system, [v.copy() for v in q], y)
-        if found.converged:
-            return found
+        solution = _settle(system, [v.copy() for v in q], y)
+        if solution.converged:
+            return solution
     speed = max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
     start = y.copy()
     forces = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts]
     for ratio in path:
         forces, y = _descend(system, forces, y, ratio * speed, elastic=False)
-    found = _settle(system, forces, y)
-    if found.converged:
-        return found
+    solution = _settle(system, forces, y)
+    if solution.converged:
+        return solution
     y = start
     forces = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts]
     for ratio in path:
         forces, y = _descend(system, forces, y, ratio * speed, elastic=True)
         if ratio > SHARPEST:
             continue
-        found = _settle(system, [v.copy() for v in forces], y)
-        if found.converged:
-            return found
-    return found
+        solution = _settle(system, [v.copy() for v in forces], y)
+        if solution.converged:
+            return solution
+    return solution

@@ -45,9 +45,9 @@ def _apart(K: sp.csc_matrix, alike: sp.csc_matrix, opposite: sp.csc_matrix) -> b
 def _on_one_side(K: sp.csc_matrix, T: sp.csc_matrix) -> sp.csc_matrix:
     """T^T K T of a symmetric K that is its own mirror image: the columns of one side say all."""
     rows, value = T.indices[T.indptr[:-1]], T.data[T.indptr[:-1]]
-    found = sp.csc_matrix(T.T.tocsc() @ K[:, rows])
-    found.data *= np.repeat(1.0 / value, np.diff(found.indptr))
-    return found
+    half = sp.csc_matrix(T.T.tocsc() @ K[:, rows])
+    half.data *= np.repeat(1.0 / value, np.diff(half.indptr))
+    return half
 
 
 def mirror_halves(points: Array, free: Index) -> list[sp.csc_matrix]:

@@ -34,9 +34,9 @@ def press(
         i = np.flatnonzero(active)
         K = np.ones((i.size + 1, i.size + 1))
         K[:-1, :-1], K[:-1, -1], K[-1, -1] = C[np.ix_(i, i)], -1.0, 0.0
-        found = np.linalg.solve(K, np.append(-gap[i], load))
-        forces, approach = np.zeros(gap.size), float(found[-1])
-        forces[i] = found[:-1]
+        solved = np.linalg.solve(K, np.append(-gap[i], load))
+        forces, approach = np.zeros(gap.size), float(solved[-1])
+        forces[i] = solved[:-1]
         overlap = approach - gap - C @ forces
         closed = np.where(active, forces > 0.0, overlap > 0.0)
         if np.array_equal(closed, active):

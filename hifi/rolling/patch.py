@@ -136,10 +136,10 @@ def seen_radii(
     that these add under Hertz's pressure. Those of the bodies themselves without a kernel."""
     if regular is None:
         return radii
-    found = hertz(load, *radii, young, poisson)
+    ellipse = hertz(load, *radii, young, poisson)
     unit = (np.arange(POINTS) + 0.5) / POINTS * 2.0 - 1.0
-    at = np.stack(np.meshgrid(unit * found.semi_x, unit * found.semi_y, indexing="ij"), axis=-1).reshape(-1, 2)
-    pressure = np.nan_to_num(found.pressure(at[:, 0], at[:, 1]))
+    at = np.stack(np.meshgrid(unit * ellipse.semi_x, unit * ellipse.semi_y, indexing="ij"), axis=-1).reshape(-1, 2)
+    pressure = np.nan_to_num(ellipse.pressure(at[:, 0], at[:, 1]))
     force = load * pressure / pressure.sum()
     added = regular.block(at, NORMAL, NORMAL) @ force
     weight = np.sqrt(force)
@@ -166,8 +166,8 @@ def hertz_patch(
     The pressure solves the contact on the grid: cells beyond its edge are dropped. Raises ValueError for what Hertz's
     formulas refuse, and where the active set does not settle.
     """
-    found = hertz(load, *seen_radii(load, radii, young, poisson, regular), young, poisson)
-    size = 2.0 * margin * np.array([found.semi_x, found.semi_y]) / np.array(shape)
+    ellipse = hertz(load, *seen_radii(load, radii, young, poisson, regular), young, poisson)
+    size = 2.0 * margin * np.array([ellipse.semi_x, ellipse.semi_y]) / np.array(shape)
     cells, at = grid(shape, size)
     solids = Solids.same(young, poisson)
     gap = 0.5 * (at[:, 0] ** 2 / radii[0] + at[:, 1] ** 2 / radii[1])

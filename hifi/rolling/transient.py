@@ -86,14 +86,14 @@ def _run(scene: Rolling, dt: float, steps: int, gap: float, choices: Choices) ->
         meetings = tuple(replace(m, apart=float(g) / dt) for m, g in zip(scene.meetings, gaps, strict=True))
         contacts = [c.at(q) for c, q in zip(carried, forces, strict=True)]
         balance = balance_of(replace(scene, meetings=meetings), contacts)
-        found = solve_friction(contacts, balance, y, forces)
-        if not found.converged:
-            status = f"step {step + 1}: {found.status}"
+        solution = solve_friction(contacts, balance, y, forces)
+        if not solution.converged:
+            status = f"step {step + 1}: {solution.status}"
             break
-        y, old, forces = found.motions, forces, found.forces
+        y, old, forces = solution.motions, forces, solution.forces
         closing = np.array([float(m.rows[0] @ y[m.columns]) for m in scene.meetings])
         gaps = np.maximum(gaps - dt * closing, 0.0)
-        out.append(_row(scene, carried, (old, forces), found.slips, y, gaps))
+        out.append(_row(scene, carried, (old, forces), solution.slips, y, gaps))
     speed, rotation, force, gap_left, loss, power, stored = (
         np.array([row[k] for row in out], dtype=float) for k in range(7)
     )

@@ -81,10 +81,10 @@ def steady_by_cells(patch: Patch, creep: Creep, mu: float) -> Answer:
 
 
 def _rolled(patch: Patch, transport: Array, slip: Array, mu: float) -> Answer:
-    contact, found = given_motion(patch, transport, slip, mu)
-    q = found.forces[0]
-    loss, upwind = -float(q @ found.slips[0]), float(q @ (contact.elastic @ q))
-    return Answer(*_resultant(patch.at, q), patch, found, loss, upwind)
+    contact, solution = given_motion(patch, transport, slip, mu)
+    q = solution.forces[0]
+    loss, upwind = -float(q @ solution.slips[0]), float(q @ (contact.elastic @ q))
+    return Answer(*_resultant(patch.at, q), patch, solution, loss, upwind)
 
 
 @dataclass(frozen=True)
@@ -113,12 +113,12 @@ def onset(patch: Patch, mu: float, share: float, steps: int) -> list[Onset]:
     for step in range(steps + 1):
         seconds = 1.0 if step == 0 else size  # of a cell at 1 m/s
         contact = Contact(bound, response / seconds, motion, np.array([0]), -upstream @ forces / seconds)
-        found = solve_friction([contact], balance, y, [forces] if step else None)
-        if not found.converged:
-            raise ValueError(f"step {step}: {found.status}")
-        forces, y = found.forces[0], found.motions
-        sticking = int(np.count_nonzero(found.stick[0]))
-        out.append(Onset(float(y[0]), sticking, -float(forces @ found.slips[0])))
+        solution = solve_friction([contact], balance, y, [forces] if step else None)
+        if not solution.converged:
+            raise ValueError(f"step {step}: {solution.status}")
+        forces, y = solution.forces[0], solution.motions
+        sticking = int(np.count_nonzero(solution.stick[0]))
+        out.append(Onset(float(y[0]), sticking, -float(forces @ solution.slips[0])))
     return out
 
 
@@ -196,9 +196,9 @@ def carter(cells: int, share: float) -> tuple[Array, Array]:
     inside = forces > 0.0
     patch = Patch(index[inside], at[inside], size, forces[inside], solids, approach)
     rest = float(np.sqrt(1.0 - share))
-    found = steady(patch, Creep(mu * half / radius * (1.0 - rest), 0.0, 0.0), mu)
-    stick = 2.0 * deviations(patch, mu * patch.normal, found.friction.forces[0])[0]
-    return np.array([-found.force[0] / (mu * load * long), stick / half]), np.array([share, rest])
+    answer = steady(patch, Creep(mu * half / radius * (1.0 - rest), 0.0, 0.0), mu)
+    stick = 2.0 * deviations(patch, mu * patch.normal, answer.friction.forces[0])[0]
+    return np.array([-answer.force[0] / (mu * load * long), stick / half]), np.array([share, rest])
 
 
 # --- Cattaneo and Mindlin
@@ -226,9 +226,9 @@ def mindlin(cells: int, share: float, balls: Sizes | None = None) -> tuple[Array
         along, spread = slice(0, 1), patch.normal / load
         shift += share * mu * load * float(spread @ kernel.block(patch.at, along, along) @ spread)
     slip = np.concatenate([np.full(len(patch.at), shift), np.zeros(len(patch.at))])
-    _, found = given_motion(patch, patch.tangential(), slip, mu)
-    stick = np.sqrt(2.5) * float(np.linalg.norm(deviations(patch, mu * patch.normal, found.forces[0])))
-    force = -found.forces[0][: len(patch.at)].sum() / (mu * load)
+    _, solution = given_motion(patch, patch.tangential(), slip, mu)
+    stick = np.sqrt(2.5) * float(np.linalg.norm(deviations(patch, mu * patch.normal, solution.forces[0])))
+    force = -solution.forces[0][: len(patch.at)].sum() / (mu * load)
     return np.array([force, stick / size]), np.array([share, rest ** (1.0 / 3.0)])
 
 
@@ -268,10 +268,10 @@ def rubbing(
         speeds = motion_rows(scene.track, scene.radius, at) @ result.friction.motions[half]
         slide += sign * speeds @ axes[1:].T
     pull = full_slip(scene.mu_balls * normal, slide.T.ravel())
-    whole = scene.mu_balls * force
-    point = whole * float(np.linalg.norm((m.rows @ result.friction.motions[m.columns])[1:]))
+    bound = scene.mu_balls * force
+    point = bound * float(np.linalg.norm((m.rows @ result.friction.motions[m.columns])[1:]))
     total = float(np.linalg.norm(pull.reshape(2, -1).sum(axis=1)))
-    return total / whole, -float(pull @ slide.T.ravel()) / point
+    return total / bound, -float(pull @ slide.T.ravel()) / point
 
 
 # --- finite elements of a half space
@@ -284,13 +284,13 @@ def uniform_on_half_space(zone: Zone, size: float, young: float, poisson: float)
     form.
     """
     block = half_space(size, zone)
-    found = half_space_answer(block, tractions(block, zone, 0, (0.0, 0.0)), young, poisson).diagonal()
-    whole = 2.0 * np.array(zone.half)
-    _, at = grid((MEANS, MEANS), whole / MEANS)
+    computed = half_space_answer(block, tractions(block, zone, 0, (0.0, 0.0)), young, poisson).diagonal()
+    sides = 2.0 * np.array(zone.half)
+    _, at = grid((MEANS, MEANS), sides / MEANS)
     shear = 0.5 * young / (1.0 + poisson)
     alone = Solids((shear, RIGID * shear), (poisson, poisson))
-    exact = influence(at[:, 0], at[:, 1], whole[0], whole[1], alone).mean(axis=0).diagonal() / whole.prod()
-    return found, exact
+    exact = influence(at[:, 0], at[:, 1], sides[0], sides[1], alone).mean(axis=0).diagonal() / sides.prod()
+    return computed, exact
 
 
 # --- Kalker's linear theory
@@ -341,10 +341,10 @@ def slip_everywhere(
     load: float, radii: tuple[float, float], young: float, poisson: float, creep: Creep, mu: float, points: int = 400
 ) -> tuple[Array, float]:
     """Force ``(2,)`` [N] and moment [N m] under Hertz's pressure if all of the contact slips as rigid bodies would."""
-    found = hertz(load, *radii, young, poisson)
+    ellipse = hertz(load, *radii, young, poisson)
     unit, weight = quadrature(points)
-    at = unit * np.array([found.semi_x, found.semi_y])
-    normal = found.pressure(at[:, 0], at[:, 1]) * weight * found.semi_x * found.semi_y
+    at = unit * np.array([ellipse.semi_x, ellipse.semi_y])
+    normal = ellipse.pressure(at[:, 0], at[:, 1]) * weight * ellipse.semi_x * ellipse.semi_y
     return _resultant(at, full_slip(mu * normal, creep.slip(at)))
 
 

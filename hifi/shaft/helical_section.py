@@ -100,13 +100,13 @@ def _stored(basis: Basis, rg: float, n: int, material: Material, period: float, 
 
     def by_cells(strains: list[list[Array]]) -> Array:
         """Strains as ``(cells, functions, points and components)``."""
-        found = np.array(strains).transpose(2, 0, 3, 1)
-        return np.ascontiguousarray(found).reshape(*found.shape[:2], -1)
+        values = np.array(strains).transpose(2, 0, 3, 1)
+        return np.ascontiguousarray(values).reshape(*values.shape[:2], -1)
 
     def stress(strains: Array) -> Array:
         """Times the share of every point in the integral, ``(cells, points and components, functions)``."""
-        found = (strains.reshape(-1, len(hooke)) @ hooke).reshape(strains.shape)
-        return np.asarray((found * weight[:, None]).swapaxes(1, 2))
+        values = (strains.reshape(-1, len(hooke)) @ hooke).reshape(strains.shape)
+        return np.asarray((values * weight[:, None]).swapaxes(1, 2))
 
     B = by_cells([_strain(f[0], f[0].grad, r, rg, n) for f in basis.basis])
     mean = by_cells([m(r) for m in means])

@@ -195,13 +195,13 @@ def mount_all(
     # U = T W, constraints R U = r: a basis of what is free, and one state that meets them
     rows = np.zeros((len(held) + len(pins), len(K)))
     rows[np.arange(len(rows)), held + pins] = 1.0
-    given = np.concatenate([values, np.zeros(len(pins))])
+    prescribed = np.concatenate([values, np.zeros(len(pins))])
     length = np.tile(np.r_[np.ones(3), np.full(3, 1.0 / frame.arm)], T.shape[1] // 6)
     R = rows @ T * length
     if len(rows):
         _, sizes, vt = np.linalg.svd(R)
         rank = int((sizes > 1e-10 * sizes[0]).sum())
-        start = length * (np.linalg.pinv(R, rcond=1e-10) @ given)
+        start = length * (np.linalg.pinv(R, rcond=1e-10) @ prescribed)
         free = length[:, None] * vt[rank:].T
     else:
         start, free = np.zeros(T.shape[1]), np.diag(length)
@@ -210,9 +210,9 @@ def mount_all(
     line, by_modes = at_start, np.zeros((len(K), len(G)))
     if free.shape[1]:
         scale = 1.0 / np.sqrt(np.diag(reduced))
-        found = cho_factor(reduced * np.outer(scale, scale), lower=True)
+        cholesky = cho_factor(reduced * np.outer(scale, scale), lower=True)
         Z = T @ free * scale
-        answer = cho_solve(found, Z.T)  # K_ff^-1 on the free motions
+        answer = cho_solve(cholesky, Z.T)  # K_ff^-1 on the free motions
         line = at_start + Z @ (answer @ (P - K @ at_start))
         G = G + (Y @ Z) @ (answer @ Y.T)
         by_modes = Z @ (answer @ Y.T)

@@ -57,13 +57,13 @@ def combined(bearing: TaperedBearing, axial: float, radial: float) -> CombinedSt
     force, x = np.array([axial, radial]), np.array([start.axial, start.radial])
     for _ in range(100):
         energy, inner, slope, loads = state_at(bearing, x)
-        rest = inner - force
-        if np.abs(rest).max() <= 1e-12 * axial:
+        off = inner - force
+        if np.abs(off).max() <= 1e-12 * axial:
             break
         # a loaded zone of one roller leaves one direction soft: a touch of the diagonal keeps the step finite
-        step = -np.linalg.solve(slope + 1e-9 * np.trace(slope) * np.eye(2), rest)
+        step = -np.linalg.solve(slope + 1e-9 * np.trace(slope) * np.eye(2), off)
         x = x + _damped(bearing, x, step, energy - float(force @ x), force) * step
-    residual = float(np.abs(rest).max() / axial)
+    residual = float(np.abs(off).max() / axial)
     return CombinedState(float(x[0]), float(x[1]), loads, slope, residual, residual < 1e-9)
 
 

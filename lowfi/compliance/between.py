@@ -101,9 +101,9 @@ def kernel_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend,
     x, axes = contact_frames(scene, layout, screw, flanks)
     if float(np.abs(x[:, 2] - scene.nut.position).max()) > 0.5 * scene.nut.length:
         raise ValueError("a contact lies beyond the nut's faces: lengthen the nut or reduce the turns")
-    found = smooth_compliance(geometry, screw, backend)
-    G = contact_compliance(found, points_of(x, axes))
-    tube = found.tube
+    smooth = smooth_compliance(geometry, screw, backend)
+    G = contact_compliance(smooth, points_of(x, axes))
+    tube = smooth.tube
     plain = tube.section
     x = on_line(tube, x)
     rows, stations = motion_rows(x, axes), np.repeat(x[:, 2], 2)

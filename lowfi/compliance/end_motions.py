@@ -25,9 +25,9 @@ from rollbench.meshes.parts import Scene
 def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[Array, Array, float]:
     """The fields of `lowfi.compliance.ends.EndResponse` of a screw that is held by its section."""
     geometry = geometry_only(scene)
-    found = smooth_compliance(geometry, True, backend)
+    compliance = smooth_compliance(geometry, True, backend)
     x, axes = contact_frames(scene, layout, True)
-    tube = found.tube
+    tube = compliance.tube
     (low, high), taken = tube.ends, on_line(tube, x)
     plain = tube.section
     rows = np.concatenate([motion_rows(taken, axes), np.eye(6)])
@@ -38,8 +38,8 @@ def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[
     by_springs = np.concatenate([motion_rows(taken, axes, low), end])
     beam = cantilever(rows, stations, low, plain, slice(-6, None))
     beam += (by_springs / np.array([shift, shift, axial, tilt, tilt, twist])) @ end.T
-    whole = np.concatenate([contacts_by_end(found, x, axes), end_by_end(found)]) - beam
-    return whole[:-6], 0.5 * (whole[-6:] + whole[-6:].T), high
+    motions = np.concatenate([contacts_by_end(compliance, x, axes), end_by_end(compliance)]) - beam
+    return motions[:-6], 0.5 * (motions[-6:] + motions[-6:].T), high
 
 
 def contacts_by_end(compliance: TubeCompliance, x: Array, axes: Array) -> Array:

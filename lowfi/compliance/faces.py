@@ -326,10 +326,10 @@ def cut_motions(
     beyond = body.rows()[:, :, 0, :, 0]
     patches, kinds = loads.shape[:2]
     watched = 2 * kinds
-    found = np.empty((n.size, 2, watched, patches * kinds, len(cuts)))
+    sampled = np.empty((n.size, 2, watched, patches * kinds, len(cuts)))
     distinct, of = distinct_loads(loads.reshape(-1, *loads.shape[2:]), cuts)
     kept: dict[bytes, Array] = {}
-    for values, harmonic in zip(found, n.tolist(), strict=True):
+    for values, harmonic in zip(sampled, n.tolist(), strict=True):
         free = ~held.ravel() & body.axis_free(harmonic)
         if free.tobytes() not in kept:
             kept[free.tobytes()] = body.bands(free)
@@ -350,10 +350,10 @@ def cut_motions(
             work = solution[:first, :watched].T @ solution[:first]
             for face, moves in enumerate((np.full(line.size, True), (r < held_radii[0]) | (r > held_radii[1]))):
                 values[face, ..., k] = work + g[moves, :watched].T @ np.linalg.solve(S[np.ix_(moves, moves)], g[moves])
-    whole = every_harmonic(n, found)
-    shares = patch_shares(np.arange(float(len(whole))), width, flank.contact()[0])
-    whole *= shares[:, None, None, None, None]
-    return np.moveaxis(whole, 1, 0).reshape(2, len(whole), 2, kinds, patches, kinds, len(cuts))
+    motions = every_harmonic(n, sampled)
+    shares = patch_shares(np.arange(float(len(motions))), width, flank.contact()[0])
+    motions *= shares[:, None, None, None, None]
+    return np.moveaxis(motions, 1, 0).reshape(2, len(motions), 2, kinds, patches, kinds, len(cuts))
 
 
 def distinct_loads(loads: Array, cuts: Sequence[int]) -> tuple[Array, list[list[int]]]:
@@ -362,7 +362,7 @@ def distinct_loads(loads: Array, cuts: Sequence[int]) -> tuple[Array, list[list[
     rows, of = [x.ravel() for x in loads[:, -1]], [[0] * len(loads) for _ in cuts]
     for k, cut in enumerate(cuts):
         for f, load in enumerate(loads):
-            same = np.abs(load[k, : cut + 1] - load[-1, : cut + 1]).max() < SAME * np.abs(load[-1]).max()
-            of[k][f] = f if same else len(rows)
-            rows += [] if same else [load[k].ravel()]
+            alike = np.abs(load[k, : cut + 1] - load[-1, : cut + 1]).max() < SAME * np.abs(load[-1]).max()
+            of[k][f] = f if alike else len(rows)
+            rows += [] if alike else [load[k].ravel()]
     return np.stack(rows), of

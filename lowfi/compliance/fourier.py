@@ -370,9 +370,9 @@ def joined(a: Stretch, b: Stretch, loads: Array) -> Stretch:
     return without_line(Stretch(K, forces, motion), slice(low, low + m))
 
 
-def without_line(whole: Stretch, line: slice) -> Stretch:
+def without_line(stretch: Stretch, line: slice) -> Stretch:
     """A stretch without the freedoms ``line`` of those that are left of it."""
-    K, forces, motion = whole.stiffness, whole.forces, whole.motion
+    K, forces, motion = stretch.stiffness, stretch.forces, stretch.motion
     left = np.delete(np.arange(K.shape[1]), line)
     reach = np.flatnonzero((np.abs(forces[:, line]) > NONE_LEFT).any(axis=(0, 1)))
     felt = slice(reach[0], reach[-1] + 1) if reach.size else slice(0, 0)

@@ -35,10 +35,10 @@ class Condensed:
     @staticmethod
     def read(path: Path, scene: Scene) -> Condensed:
         """Read a file for a scene. Raises ValueError for a damaged one or one of other parts, OSError."""
-        found = load_condensed(path)
-        if found.geometry != geometry_digest(scene):
+        bodies = load_condensed(path)
+        if bodies.geometry != geometry_digest(scene):
             raise ValueError("made for other parts (track, screw, nut, balls or [solid] differ)")
-        return Condensed(found)
+        return Condensed(bodies)
 
     @property
     def whole(self) -> bool:
@@ -67,16 +67,16 @@ class Condensed:
             section = grooved_section(geometry, True)
             held = held + clamped(motion_rows(x, axes), np.repeat(x[:, 2], 2), (self.bodies.base, 0.0), "low", section)
         known = [s for s in ((0, 1) if screw else (2, 3)) if s in self.bodies.sides]
-        found = self.bodies.screw if screw else self.bodies.nut
-        if found.shape != (N * len(known),) * 2:
+        file_G = self.bodies.screw if screw else self.bodies.nut
+        if file_G.shape != (N * len(known),) * 2:
             raise ValueError("the file of condensed bodies has another number of contacts")
         rows = normal_rows(scene, N, known)
-        change = found - rows @ held @ rows.T
-        both = [s for s in sides if s in known]
-        if not both:
+        change = file_G - rows @ held @ rows.T
+        common = [s for s in sides if s in known]
+        if not common:
             return total
-        pick = np.concatenate([np.arange(N)[:, None] * len(known) + known.index(s) for s in both], axis=1).ravel()
-        along, across = directions(scene, N, sides, both)
+        pick = np.concatenate([np.arange(N)[:, None] * len(known) + known.index(s) for s in common], axis=1).ravel()
+        along, across = directions(scene, N, sides, common)
         A, B = along @ total @ along.T, along @ total @ across.T
         follow = np.linalg.solve(A, B)
         spread = along + follow @ across

@@ -71,11 +71,11 @@ def _smallest(G: Array) -> tuple[Array, Array]:
     """Eigenvalues of G, of which those below zero are found, and vectors."""
     from scipy.linalg import cho_factor, cho_solve
 
-    each, count, shift = np.arange(len(G)), FEW, SHIFT * float(np.trace(G)) / len(G)
+    diagonal, count, shift = np.arange(len(G)), FEW, SHIFT * float(np.trace(G)) / len(G)
     with one_thread():  # scipy has a library of its own
         while True:
             shifted = G.copy()
-            shifted[each, each] += shift
+            shifted[diagonal, diagonal] += shift
             try:
                 factor = cho_factor(shifted, lower=True, overwrite_a=True)  # raises ValueError where G is not finite
                 break

@@ -188,11 +188,11 @@ def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
     body = tube.body(grid)
     held = held_nodes(tube, grid)
     springs = end_springs(tube) if tube.held == "section" else ()
-    found = line_compliance(body, range(tube.harmonics + 1), held, line, rows, springs)
+    by_harmonic = line_compliance(body, range(tube.harmonics + 1), held, line, rows, springs)
     size = 3 * (rows[1] - rows[0])
-    by_end = [S.whole()[size:] for S in found[:2]] if springs else []
+    by_end = [S.whole()[size:] for S in by_harmonic[:2]] if springs else []
     ends, corner = tuple(S[:, :size].reshape(2, -1, 3).swapaxes(1, 2) for S in by_end), tuple(S[:, size:] for S in by_end)
-    return TubeCompliance(tube, z[rows[0] : rows[1]], tuple(found), ends, corner)
+    return TubeCompliance(tube, z[rows[0] : rows[1]], tuple(by_harmonic), ends, corner)
 
 
 def end_springs(tube: Tube) -> tuple[float, float, float, float]:
@@ -245,18 +245,18 @@ def contact_compliance(compliance: TubeCompliance, points: Points, *, resultant:
             parts = np.stack([S[low:high, i, a:b, j] for i, j in PARTS], axis=1).reshape(-1, b - a)
             by_load = (parts @ weights[loads, a:b].T).reshape(high - low, -1)
             moved = (near[moves, low:high] @ by_load).reshape(-1, len(PARTS), loads.stop - loads.start)
-            here, there = share * np.stack([c[moves], s[moves]], axis=1), np.stack([c[loads], s[loads]])
+            moving, loading = share * np.stack([c[moves], s[moves]], axis=1), np.stack([c[loads], s[loads]])
             # cosine and sine of n times the angle between two contacts
-            moved[:, :EVEN] *= (here @ there)[:, None]
-            moved[:, EVEN:] *= (here[:, ::-1] * [1.0, -1.0] @ there)[:, None]
+            moved[:, :EVEN] *= (moving @ loading)[:, None]
+            moved[:, EVEN:] *= (moving[:, ::-1] * [1.0, -1.0] @ loading)[:, None]
             by_them[moves] += moved
     G, places = np.empty((count, 2, count, 2)), np.argsort(order)
     for moves, by_these in zip(chunks, total, strict=True):
-        whole = np.empty((moves.stop - moves.start, 3, 3, count))
+        block = np.empty((moves.stop - moves.start, 3, 3, count))
         of_these = np.concatenate([x[moves] for x in total], axis=2)
         for entry, (i, j) in enumerate(PARTS):
-            whole[:, i, j], whole[:, j, i] = of_these[:, entry], by_these[:, entry].T
-        one_side = points.axes[order[moves]] @ whole.reshape(-1, 3, 3 * count)
+            block[:, i, j], block[:, j, i] = of_these[:, entry], by_these[:, entry].T
+        one_side = points.axes[order[moves]] @ block.reshape(-1, 3, 3 * count)
         one_side = one_side.reshape(-1, 2, 3, count)[..., places].transpose(3, 0, 1, 2).reshape(count, -1, 3)
         G[order[moves]] = (one_side @ points.axes.swapaxes(1, 2)).reshape(count, -1, 2, 2).transpose(1, 2, 0, 3)
     square = G.reshape(2 * count, 2 * count)

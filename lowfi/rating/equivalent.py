@@ -105,12 +105,12 @@ def mean_force(shares: Array, force: Array) -> float:
 def _ratings(scene: Scene) -> tuple[float, float]:
     """Ratings [N] of a screw along +z and against it: of the nut with play, of its halves with a lead offset, of which the
     one that is shifted along +z carries the forces against it."""
-    whole = rating(scene)
+    capacity = rating(scene)
     offset = scene.errors.lead_offset
     if offset == 0.0:
-        return whole, whole
+        return capacity, capacity
     beyond = float(np.mean(beyond_step(scene, ball_layout(scene).z)))
-    before, after = whole * (1.0 - beyond) ** 0.86, whole * beyond**0.86
+    before, after = capacity * (1.0 - beyond) ** 0.86, capacity * beyond**0.86
     return (before, after) if offset > 0.0 else (after, before)
 
 

@@ -48,24 +48,24 @@ class ElasticMembers:
         self._states.clear()
         with one_thread():
             for k in range(count):
-                sizes = drawn.ball_radius[k], offset[k], closure[k], C[k]
-                use = choose_sides(self.scene, nominal, sizes[1:3])
-                found = self._member(first + k, use, sizes)
-                if found is None and not np.array_equal(use, all_sides(self.scene)):
-                    found = self._member(first + k, all_sides(self.scene), sizes)
-                if found is not None:
-                    loads[k], numbers[:, k] = found[0], found[1:]
+                dims = drawn.ball_radius[k], offset[k], closure[k], C[k]
+                use = choose_sides(self.scene, nominal, dims[1:3])
+                solved = self._member(first + k, use, dims)
+                if solved is None and not np.array_equal(use, all_sides(self.scene)):
+                    solved = self._member(first + k, all_sides(self.scene), dims)
+                if solved is not None:
+                    loads[k], numbers[:, k] = solved[0], solved[1:]
         return loads, *numbers
 
-    def _member(self, number: int, use: Mask, sizes: tuple[Array, ...]) -> tuple[Array, float, float] | None:
-        """One member with some sides, as `_System.solve` takes it (``sizes``) and gives it."""
+    def _member(self, number: int, use: Mask, dims: tuple[Array, Array, Array, Array]) -> tuple[Array, float, float] | None:
+        """One member with some sides, as `_System.solve` takes it (``dims``) and gives it."""
         system, key = self._system(use), (number, use.tobytes())
         if system is None:
             return None
-        found = system.solve(*sizes, start=None if self.like is None else self.like._states.get(key))
-        if found is not None:
+        solved = system.solve(*dims, start=None if self.like is None else self.like._states.get(key))
+        if solved is not None:
             self._states[key] = [array.copy() for array in system.elastic.state]
-        return found
+        return solved
 
     def _system(self, use: Mask) -> _System | None:
         """The system with some sides, or with all where they are touched, in the solution of member 0, whatever members are

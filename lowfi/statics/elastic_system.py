@@ -148,8 +148,8 @@ def pair_data(problem: Problem, pair: tuple[int, int], e: Array, h: Array) -> Ar
     geometry = problem.geometry
     D = geometry[:, b, :2] - geometry[:, a, :2]
     size = np.hypot(D[:, 0], D[:, 1])
-    both = geometry[:, a, 4] + geometry[:, b, 4]
-    return np.column_stack([D, size, problem.closure[:, a], both, e[:, a] + e[:, b], h[:, a] + h[:, b]])
+    constant = geometry[:, a, 4] + geometry[:, b, 4]
+    return np.column_stack([D, size, problem.closure[:, a], constant, e[:, a] + e[:, b], h[:, a] + h[:, b]])
 
 
 def ready(

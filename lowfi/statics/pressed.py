@@ -36,9 +36,9 @@ class Pressed:
         p, (k, n) = self.prepared, members.r_ball.shape
         lever = (centre - p.problem.drawn.centre)[:, :, :2] / p.options.arm + np.zeros((k, 1, 1, 1))
         status, residual = np.empty(k, dtype=np.int64), np.empty(k)
-        found = FlankStates(np.empty((k, n, 4)), status, residual, np.empty((k, len(self.seen))), np.empty((k, n, 2)))
-        p.engine.flank_members(self.common, FlankMembers(*members[1:], lever), p.options.tolerance, found)
-        return found
+        states = FlankStates(np.empty((k, n, 4)), status, residual, np.empty((k, len(self.seen))), np.empty((k, n, 2)))
+        p.engine.flank_members(self.common, FlankMembers(*members[1:], lever), p.options.tolerance, states)
+        return states
 
     def functions(self, pulls: Array) -> Array:
         """Those linear functions (m, j) in solutions of pulls (m, c)."""

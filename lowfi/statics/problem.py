@@ -125,9 +125,9 @@ def _unwritable(constants: HertzConstants) -> HertzConstants:
 def _curvatures_of(bare: Scene) -> Array:
     scene, layout = bare, ball_layout(bare)
     drawn = specimen(bare, layout)
-    found: Array = relative_curvatures(bare, drawn, np.full((layout.z.size, 4), scene.track.contact_angle))[0]
-    found.flags.writeable = False
-    return found
+    curvatures: Array = relative_curvatures(bare, drawn, np.full((layout.z.size, 4), scene.track.contact_angle))[0]
+    curvatures.flags.writeable = False
+    return curvatures
 
 
 def drawn_hertz(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> HertzConstants:

@@ -52,8 +52,8 @@ def positive(G: Array, normals: Array, tangent: float) -> tuple[Array, Array, fl
     Beside a held face a body adds less than nothing to a contact's motion. Where that is no more than `LENT` of the
     ``tangent`` compliance of a contact [m/N], its own law has it less what it lent, and nothing is lost.
     """
-    found, lent, cut = Compliance(G, normals).positive(tangent)
-    return found.G, lent, cut
+    mended, lent, cut = Compliance(G, normals).positive(tangent)
+    return mended.G, lent, cut
 
 
 class Compliance:
@@ -83,8 +83,8 @@ class Compliance:
     def lacks(self) -> Array:
         """What it lacks along the normals ``(n,)`` [m/N] by its negative eigenvalues."""
         negative = negative_part(self.G)[0].reshape(len(self.normals), 2, -1, 2)
-        each = np.einsum("ia,iajb,jb->ij", self.normals, negative, self.normals)
-        return np.asarray(np.abs(each).sum(axis=1))
+        missing = np.einsum("ia,iajb,jb->ij", self.normals, negative, self.normals)
+        return np.asarray(np.abs(missing).sum(axis=1))
 
     @cached_property
     def mended(self) -> tuple[Compliance, float]:
@@ -94,9 +94,9 @@ class Compliance:
     def lending(self, lent: Array) -> tuple[Compliance, float]:
         """Itself with what it is lent along the normals ``(n,)`` [m/N], and without what is negative for all that; the
         largest of this [m/N]."""
-        each, G = np.arange(lent.size), self.G.copy()
+        contact, G = np.arange(lent.size), self.G.copy()
         across = self.normals[:, :, None] * self.normals[:, None, :]
-        G.reshape(lent.size, 2, lent.size, 2)[each, :, each] += lent[:, None, None] * across
+        G.reshape(lent.size, 2, lent.size, 2)[contact, :, contact] += lent[:, None, None] * across
         if _is_positive(G):
             return Compliance(G, self.normals), 0.0
         cut, least = negative_part(G)
@@ -107,15 +107,15 @@ class Compliance:
         if self.is_positive:
             return self, np.zeros(len(self.normals)), 0.0
         lent = np.minimum(self.lacks, LENT * tangent)
-        found, cut = self.mended if np.array_equal(lent, self.lacks) else self.lending(lent)
-        return found, lent, cut
+        mended, cut = self.mended if np.array_equal(lent, self.lacks) else self.lending(lent)
+        return mended, lent, cut
 
 
 def _is_positive(G: Array) -> bool:
     if G.size == 0:
         return True
-    raised, each = G.copy(), np.arange(len(G))
-    raised[each, each] += max(1e-10 * float(np.trace(G)) / len(G), 1e-300)
+    raised, diagonal = G.copy(), np.arange(len(G))
+    raised[diagonal, diagonal] += max(1e-10 * float(np.trace(G)) / len(G), 1e-300)
     try:
         np.linalg.cholesky(raised)
     except np.linalg.LinAlgError:

@@ -197,5 +197,5 @@ def squeezed(shaft: Shaft, used: Sequence[int], stretches: Sequence[Stretch], st
     feel, by_forces = (D.T + A.T @ H) @ M, A - B @ D
     added = A.T @ D + feel @ by_forces
     bent, none = H @ M, np.zeros(0)
-    found = Squeeze(0.5 * (added + added.T), none, S, feel, X @ H @ M, D + bent @ by_forces, none, inside, bent)
-    return found.under(shaft, warm)
+    squeeze = Squeeze(0.5 * (added + added.T), none, S, feel, X @ H @ M, D + bent @ by_forces, none, inside, bent)
+    return squeeze.under(shaft, warm)

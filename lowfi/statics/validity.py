@@ -174,12 +174,12 @@ def bent_profile(solved: SolvedState, gamma: Array) -> tuple[int, int, float] | 
 
 def profile_warning(solved: SolvedState, gamma: Array) -> list[Warned]:
     """Whether an uneven profile lets a ball touch a flank in more places than one."""
-    found = bent_profile(solved, gamma)
-    if found is None or found[2] <= PROFILE_SHARE:
+    worst = bent_profile(solved, gamma)
+    if worst is None or worst[2] <= PROFILE_SHARE:
         return []
     text = (
-        f"the contact pattern is not unique: at ball {found[0] + 1} the groove's profile error shifts the flank's centre "
-        f"of curvature by {100.0 * found[2]:.3g} % of its distance from the ball's, so that it may touch that flank in "
+        f"the contact pattern is not unique: at ball {worst[0] + 1} the groove's profile error shifts the flank's centre "
+        f"of curvature by {100.0 * worst[2]:.3g} % of its distance from the ball's, so that it may touch that flank in "
         "more than one place; the model finds one of them"
     )
     return [Warned("profile", text)]

@@ -160,9 +160,9 @@ def root_of_block(balls: Balls, law: Law, q: Array, ball_force: Array) -> tuple[
 
     start = np.append((q * turn).ravel(), ball_force[: n - 1] / bound)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        found = root(residual, start, method="hybr", options=HYBRID)
-        worst = float(np.max(np.abs(found.fun)))
-    return *split(found.x), worst if np.isfinite(worst) else np.inf, int(found.nfev)
+        solution = root(residual, start, method="hybr", options=HYBRID)
+        worst = float(np.max(np.abs(solution.fun)))
+    return *split(solution.x), worst if np.isfinite(worst) else np.inf, int(solution.nfev)
 
 
 def roots(balls: Balls, law: Law, touching: Mask, start: tuple[Array, Array]) -> tuple[Array, Array, float, int]:
@@ -200,7 +200,7 @@ def solve_by_root(
     if left <= ACCEPTED and np.any(touch):
         q, force, left, further = roots(balls, law, touch, (free, none) if touching is None else touching)
         calls += further
-    there = balance(balls, law, q, force)
+    balanced = balance(balls, law, q, force)
     wrong = bool(np.any(force < -ACCEPTED * balls.bound) or np.any(reach & ~touch & closing_in(pair, q, ACCEPTED)))
     status: Status = "failed" if not left <= ACCEPTED else "overlapping" if wrong else "exact"
-    return SourceMotion(q, free, force, there.groove_loss, there.ball_loss, left, calls, status)
+    return SourceMotion(q, free, force, balanced.groove_loss, balanced.ball_loss, left, calls, status)

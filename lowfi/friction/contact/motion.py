@@ -127,8 +127,8 @@ def balance_by_root(problem: Problem, law: Law, start: Array, fast: bool = False
 
     from scipy.optimize import root
 
-    found = root(residual, np.asarray(start, dtype=float) * units, method="hybr", options=HYBRID)
-    q = np.asarray(found.x / units)
+    solution = root(residual, np.asarray(start, dtype=float) * units, method="hybr", options=HYBRID)
+    q = np.asarray(solution.x / units)
     motion = problem.motion_at(q)
     friction = law.friction(problem.at, motion, fast)
     left = problem.imbalance(friction)
@@ -141,7 +141,7 @@ def balance_by_root(problem: Problem, law: Law, start: Array, fast: bool = False
         imbalance=left,
         bounds=(loss, loss),
         status="exact" if left <= 1e-8 * scale else "failed",
-        steps=int(found.nfev),
+        steps=int(solution.nfev),
     )
 
 
@@ -156,14 +156,14 @@ def balance_by_sharpening(problem: Problem, law: Sigmoid, start: Array, fast: bo
     while True:
         last = share >= 1.0
         current = law if last else replace(law, sharpness=share * law.sharpness, map_spacing=None)
-        found = balance_by_root(problem, current, q, fast)
-        calls += found.steps
-        if found.status == "exact":
+        motion = balance_by_root(problem, current, q, fast)
+        calls += motion.steps
+        if motion.status == "exact":
             if last:
-                return replace(found, steps=calls)
-            q, factor = found.q, min(1.4, factor * factor)
+                return replace(motion, steps=calls)
+            q, factor = motion.q, min(1.4, factor * factor)
         else:
             share, factor = share / factor, float(np.sqrt(factor))
             if factor < 1.005:
-                return replace(found, steps=calls)
+                return replace(motion, steps=calls)
         share = min(1.0, share * factor)

@@ -258,13 +258,13 @@ class _Log:
 
     def history(self, setting: Setting, span: float, steps: int, status: str) -> History:
         """The arrays of all pieces."""
-        given = ("setting", "span", "steps", "status")
-        rows = {f.name: np.array(self.rows.get(f.name, [])) for f in fields(History) if f.name not in given}
-        found = History(setting, span, steps, status=status, **rows)
-        if status != "converged" or found.converged.all():
-            return found
-        first = np.degrees(found.turned[np.argmin(found.converged)])
-        return replace(found, status=f"no balance of friction found at {first:.6g} deg")
+        direct = ("setting", "span", "steps", "status")
+        rows = {f.name: np.array(self.rows.get(f.name, [])) for f in fields(History) if f.name not in direct}
+        run = History(setting, span, steps, status=status, **rows)
+        if status != "converged" or run.converged.all():
+            return run
+        first = np.degrees(run.turned[np.argmin(run.converged)])
+        return replace(run, status=f"no balance of friction found at {first:.6g} deg")
 
 
 def simulate(
@@ -294,29 +294,29 @@ def simulate(
             slack = place.gap / piece
             if located:
                 slack = np.where(slack > FASTEST * np.abs(place.omega).max(), np.inf, slack)
-            found = setting.instant(azimuth, time, slack, place.memory)
-            if isinstance(found, str):
-                return log.history(setting, span, steps, f"at {np.degrees(speed * time):.6g} deg: {found}")
-            place = _moved(setting, place, found, piece)
-            loss = sum(found.losses)
+            instant = setting.instant(azimuth, time, slack, place.memory)
+            if isinstance(instant, str):
+                return log.history(setting, span, steps, f"at {np.degrees(speed * time):.6g} deg: {instant}")
+            place = _moved(setting, place, instant, piece)
+            loss = sum(instant.losses)
             log.add(
                 time=time,
                 lasts=piece,
                 step=k,
                 azimuth=azimuth,
-                loaded=found.loaded,
+                loaded=instant.loaded,
                 gap=place.gap,
-                ball_force=found.ball_force,
-                omega=found.omega,
-                load=found.load,
-                groove_torque=found.losses[0] / speed,
-                ball_torque=found.losses[1] / speed,
-                closing_torque=found.losses[2] / speed,
-                axial=found.axial,
-                on_screw=found.on_screw,
-                imbalance=(found.input_power - loss) / loss if loss > 0.0 else found.input_power,
-                change=found.change,
-                converged=found.converged,
+                ball_force=instant.ball_force,
+                omega=instant.omega,
+                load=instant.load,
+                groove_torque=instant.losses[0] / speed,
+                ball_torque=instant.losses[1] / speed,
+                closing_torque=instant.losses[2] / speed,
+                axial=instant.axial,
+                on_screw=instant.on_screw,
+                imbalance=(instant.input_power - loss) / loss if loss > 0.0 else instant.input_power,
+                change=instant.change,
+                converged=instant.converged,
             )
             left -= piece
         report((k + 1) / steps)

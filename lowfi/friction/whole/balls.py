@@ -78,11 +78,11 @@ def balls_of(scene: Scene, friction: Friction, drive: Drive, drawn: Drawn, membe
     for members in bounds:
         spacing[members] = pair.spacing + (excess[members] + np.roll(excess[members], -1)) / pair.closing
     azimuth = np.concatenate([c.azimuth for c in built])
-    found = Balls(tracks, radius, number, azimuth, spacing, grooves)
-    gaps = found.gaps(azimuth)
+    balls = Balls(tracks, radius, number, azimuth, spacing, grooves)
+    gaps = balls.gaps(azimuth)
     if gaps.min() < -FULL:
         raise ValueError(f"balls overlap by {-1e6 * pair.closing * gaps.min():.3g} um where the run begins")
     for members in bounds:
         if members.stop - members.start > 1 and gaps[members].sum() < FULL:
             raise ValueError("a circuit without any clearance: forces between its balls are not determined")
-    return found
+    return balls

@@ -89,18 +89,18 @@ def chain_motion(
     chain = SceneChain(grooves, at.force, at.normals, slack, at, rubs, between)
     if start is not None and top > 0.0:
         start = start[0], start[1] / top
-    found = solve_chain(chain, start, fast, warm=True)
-    for rows in (found.seen, found.pull):
+    motion = solve_chain(chain, start, fast, warm=True)
+    for rows in (motion.seen, motion.pull):
         turn_back(at, rows)
     return replace(
-        found,
-        ball_force=top * found.ball_force,
-        wrench=top * found.wrench,
-        pull=top * found.pull,
-        ball_push=top * found.ball_push,
-        groove_loss=top * found.groove_loss,
-        ball_loss=top * found.ball_loss,
-        closing_loss=top * found.closing_loss,
-        input_power=top * found.input_power,
-        left=top * found.left,
+        motion,
+        ball_force=top * motion.ball_force,
+        wrench=top * motion.wrench,
+        pull=top * motion.pull,
+        ball_push=top * motion.ball_push,
+        groove_loss=top * motion.groove_loss,
+        ball_loss=top * motion.ball_loss,
+        closing_loss=top * motion.closing_loss,
+        input_power=top * motion.input_power,
+        left=top * motion.left,
     )

@@ -76,11 +76,11 @@ def seats_at(at: StaticContacts, drawn: Specimen, C: Array) -> Seats:
     return seats(at, C, reach, drawn.centre)
 
 
-def _left(force: Array, normal: Array, along: Array, given: Array) -> Array:
+def _left(force: Array, normal: Array, along: Array, applied: Array) -> Array:
     """Forces (N, 3) [N] by which contacts leave balls (x3, z3) and screw (z) out of balance with given ones."""
     push = force[..., None] * normal
     screw = -np.einsum("nsi,i->n", push[:, ON_SCREW], along)
-    return np.column_stack([push.sum(axis=1), screw]) - given
+    return np.column_stack([push.sum(axis=1), screw]) - applied
 
 
 @dataclass(frozen=True)

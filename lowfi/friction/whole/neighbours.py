@@ -75,5 +75,5 @@ def neighbours(
     loss = np.where(at.force[..., None] > 0.0, -pull * np.nan_to_num(motion), 0.0) + 0.0
     rest = np.zeros(at.force.shape, dtype=bool)
     scale = max(max(friction.screw, friction.nut) * float(at.force.sum(axis=1).max(initial=0.0)), 1e-30)
-    found = BallFriction(orbit, rotation, motion, pull[..., :2], pull[..., 2], loss, rest, tuple(status), left / scale)
-    return Neighbours(found, force, power, touching, least)
+    by_ball = BallFriction(orbit, rotation, motion, pull[..., :2], pull[..., 2], loss, rest, tuple(status), left / scale)
+    return Neighbours(by_ball, force, power, touching, least)

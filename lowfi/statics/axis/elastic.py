@@ -151,7 +151,7 @@ def own_bodies(
     axes, size = typical_axes(problem, force), float(np.cbrt(force))
     ball = ball_compliance(scene, axes, backend)
     oblique = oblique_term(nominal_hertz(scene), scene.balls.radius) if backend.ball == "sphere" else np.zeros(4)
-    e, h, found, assumed = np.zeros((N, 4)), np.zeros((N, 4)), [], []
+    e, h, blocks, assumed = np.zeros((N, 4)), np.zeros((N, 4)), [], []
     for screw in (True, False):
         sides = (0, 1) if screw else (2, 3)
         carried = screw and b.of.carrier is not None
@@ -160,8 +160,8 @@ def own_bodies(
         slope = body.slope + ball.slope
         e[:, sides], h[:, sides] = body.e + ball.e - slope, oblique[list(sides)] + slope / size
         order = by_ball(N, 2)
-        found.append(body.G[np.ix_(order, order)])
-    return (found[0], found[1]), e, h, ball.g * np.array([1.0, ball.sign, ball.sign, 1.0]), tuple(assumed)
+        blocks.append(body.G[np.ix_(order, order)])
+    return (blocks[0], blocks[1]), e, h, ball.g * np.array([1.0, ball.sign, ball.sign, 1.0]), tuple(assumed)
 
 
 def outer_rows(system: System, rollers: RollerElements) -> Array:

@@ -75,8 +75,8 @@ def _shifts(mounting: _Mounting) -> tuple[tuple[float, ...] | None, tuple[str, .
     goal = np.log([bare.sets[i].preload for i in numbers])
 
     def excess(shift: Array) -> Array:
-        found = solve(_shifted(bare, numbers, shift))
-        forces = np.array([abs(found.sets[i].force[2]) for i in numbers]) if found.converged else np.zeros(len(numbers))
+        result = solve(_shifted(bare, numbers, shift))
+        forces = np.array([abs(result.sets[i].force[2]) for i in numbers]) if result.converged else np.zeros(len(numbers))
         return np.asarray(np.log(np.where(forces > 0.0, forces, np.nan)) - goal)
 
     pushed, status = _pushed(bare, numbers, solve)
@@ -129,11 +129,11 @@ def _pushed(bare: Assembly, numbers: Sequence[int], solve: Callable[[Assembly], 
         bodies[seat] = Housing(seat, rolling.position, sliding, None, (0.0, 0.0, push))
         sets[i] = replace(rolling, housing=seat, preload=0.0)
         seats.append((seat, None if on is None else on.name, np.sign(push)))
-    found = solve(replace(bare, sets=tuple(sets), joints=tuple(joints), housings=tuple(bodies.values())))
-    if not found.converged:
-        return None, found.status
-    moved = {h.name: float(h.motion[2]) for h in found.housings}
-    return np.array([way * (moved[seat] - (moved[on] if on else 0.0)) for seat, on, way in seats]), found.status
+    result = solve(replace(bare, sets=tuple(sets), joints=tuple(joints), housings=tuple(bodies.values())))
+    if not result.converged:
+        return None, result.status
+    moved = {h.name: float(h.motion[2]) for h in result.housings}
+    return np.array([way * (moved[seat] - (moved[on] if on else 0.0)) for seat, on, way in seats]), result.status
 
 
 def closing(rolling: RollingSet) -> float:

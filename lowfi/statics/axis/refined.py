@@ -52,8 +52,8 @@ def solve_refined(
     for inner rings on housings that stand on springs, more than `LARGEST` balls and rollers, or bodies that cannot be.
     """
     if not assembly.ball_count:
-        found = solve_assembly(assembly, engine=engine, member=member)
-        return replace(found, model=name, left_out=(*found.left_out, *rigid_rings(assembly)))
+        result = solve_assembly(assembly, engine=engine, member=member)
+        return replace(result, model=name, left_out=(*result.left_out, *rigid_rings(assembly)))
     start = perf_counter()
     again = partial(solve_refined, engine=engine, member=member, backend=backend, name=name)
     mounted, notes, unmet = mount(assembly, again)
@@ -77,10 +77,10 @@ def solve_refined(
     report = report_of(outcome, kernels, (start, prepared_at), size, bound, notes)
     S = ball_roots(elastic)
     sets = [own_stiffness(elastic, i, b, S) for i, b in enumerate(system.balls)]
-    whole = elastic_stiffness(elastic, S)
+    total = elastic_stiffness(elastic, S)
     rigid = rigid_rings(assembly)
     words = *ASSUMPTIONS, *elastic.assumed
-    ending = Ending(status, report, loose.text, held, sets, whole, name, words, rigid, flank_shifts(elastic), outcome.scale)
+    ending = Ending(status, report, loose.text, held, sets, total, name, words, rigid, flank_shifts(elastic), outcome.scale)
     return assemble_axis(elastic.system, state, ending)
 
 
@@ -92,8 +92,8 @@ def settle(elastic: ElasticAxis, backend: Backend) -> tuple[ElasticAxis, Outcome
         if start:
             elastic.engine.start_forces(elastic.bodies, elastic.state, elastic.springs, elastic.options)
         history = np.zeros(elastic.options.most + 1)
-        found: Outcome = elastic.engine.solve_forces(*arrays, elastic.options, elastic.arms, history)
-        return found
+        outcome: Outcome = elastic.engine.solve_forces(*arrays, elastic.options, elastic.arms, history)
+        return outcome
 
     def contacts() -> list[Contacts]:
         return set_contacts(elastic.system, elastic.state.contact)

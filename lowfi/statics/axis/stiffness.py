@@ -66,11 +66,11 @@ def inverse(compliance: Array, free: NDArray[np.bool_], arm: float) -> Array | N
         if not (np.diag(scaled) > 0.0).all():
             return None
         try:
-            found = np.linalg.inv(scaled)
+            stiffness = np.linalg.inv(scaled)
         except np.linalg.LinAlgError:
             return None
-        found = found / size[:, None] / size[None, :]
-        out[np.ix_(rows, rows)] = 0.5 * (found + found.T)
+        stiffness = stiffness / size[:, None] / size[None, :]
+        out[np.ix_(rows, rows)] = 0.5 * (stiffness + stiffness.T)
     return out
 
 

@@ -117,16 +117,16 @@ def _springs(assembly: Assembly, moving: list[Housing], row: dict[str, int]) -> 
     """Springs to the frame and between housings."""
     at = {h.name: h.at for h in moving}
     unit, none = np.eye(6), np.zeros((6, 6))
-    found: list[tuple[int, int, Array, Array, Array]] = [
+    springs: list[tuple[int, int, Array, Array, Array]] = [
         (row[h.name], -1, unit, none, np.array(h.stiffness)) for h in moving if h.stiffness is not None
     ]
     for j in assembly.joints:
         names = j.first, j.second
         near = [rigid_transport(j.at - at[name]) if name in at else none for name in names]
-        found.append((row[names[0]], row[names[1]], near[0], -near[1], np.array(j.stiffness)))
-    ends = np.array([x[:2] for x in found], dtype=np.int64).reshape(-1, 2)
-    reach = np.array([x[2:4] for x in found]).reshape(-1, 2, 6, 6)
-    return ends, reach, np.array([x[4] for x in found]).reshape(-1, 6, 6)
+        springs.append((row[names[0]], row[names[1]], near[0], -near[1], np.array(j.stiffness)))
+    ends = np.array([x[:2] for x in springs], dtype=np.int64).reshape(-1, 2)
+    reach = np.array([x[2:4] for x in springs]).reshape(-1, 2, 6, 6)
+    return ends, reach, np.array([x[4] for x in springs]).reshape(-1, 6, 6)
 
 
 def rigid_motions(structure: Structure, arm: float) -> Array:
@@ -149,6 +149,6 @@ def held_rows(structure: Structure, motions: Array) -> Array:
         size = np.sqrt(np.where(np.diag(K) > 0.0, np.diag(K), 1.0))
         value, vector = np.linalg.eigh(K / size[:, None] / size[None, :])
         rows += [(v * size) @ moved for v, x in zip(vector.T, value, strict=True) if x > 1e-12 * value.max(initial=0.0)]
-    found = np.array(rows).reshape(-1, motions.shape[1])
-    norm = np.linalg.norm(found, axis=1, keepdims=True)
-    return np.asarray(found / np.where(norm > 0.0, norm, 1.0))
+    stacked = np.array(rows).reshape(-1, motions.shape[1])
+    norm = np.linalg.norm(stacked, axis=1, keepdims=True)
+    return np.asarray(stacked / np.where(norm > 0.0, norm, 1.0))
