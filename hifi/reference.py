@@ -101,7 +101,7 @@ def solve_reference(
     placed = PlacedSet(setup, scene, tuple(s for s in setup.sides if sides is None or s in sides))
     with threadpool_limits(1):  # many small factors: the threads of two BLAS libraries only wait for one another
         case = Case((placed,), Frame.of(scene), mounted_screw(setup, scene, leave_out), leave_out)
-        ended = end(case, updates or ROUNDS, telling(scene.name, begin, step), moving=moving, frozen=frozen)
+        ended = end(case, updates or ROUNDS, reporting(scene.name, begin, step), moving=moving, frozen=frozen)
         last = ended.last
         stations, line, _ = case.centreline(last)
         return ReferenceResult(
@@ -168,7 +168,7 @@ class Case:
         return self._round([np.zeros((1, 1, 3)) for _ in self.sets], none, none, None)
 
     def after(self, last: Round, *, moving: bool) -> Round:
-        """Contacts in the places that the last round says; moving: whether normals follow, or only the grid's wave."""
+        """Contacts in the places of the last round; moving: whether normals follow, or only the grid's wave."""
         shift, slid = [np.zeros((1, 1, 3)) for _ in self.sets], [np.zeros((1, 1)) for _ in self.sets]
         if moving:
             z = self.C.coupling @ self.C.amplitude(last.result.forces) + self.at_rest
@@ -242,7 +242,7 @@ class Case:
         return last, done, left
 
     def verdict(self, last: Round, updates: int, left: float) -> tuple[str, float]:
-        """Status, and what more updates may still change of any load [N] where it says that they did not settle."""
+        """Status, and the most that further updates may change a load [N] where the loads did not settle."""
         if not last.result.converged:
             return last.result.status, 0.0
         each = zip(self.sets, last.forces, self.zones, strict=True)
@@ -304,26 +304,26 @@ class Ended(NamedTuple):
     seconds: float
 
 
-def end(case: Case, most: int, tell: Callable[[int], None], *, moving: bool, frozen: bool) -> Ended:
+def end(case: Case, most: int, report: Callable[[int], None], *, moving: bool, frozen: bool) -> Ended:
     """Solve a case until its loads stand still, after ``most`` updates at most; frozen: its frozen loads too."""
     begin = perf_counter()
-    tell(1)
+    report(1)
     first = case.first()
-    last, done, left = case.settled(first, most, tell, moving=moving)
+    last, done, left = case.settled(first, most, report, moving=moving)
     seconds = perf_counter() - begin
-    still = case.settled(first, ROUNDS, tell, moving=False)[0] if frozen and moving else last
+    still = case.settled(first, ROUNDS, report, moving=False)[0] if frozen and moving else last
     status, may_move = case.verdict(last, done, left)
     return Ended(last, status, done, may_move, still.load if frozen else None, seconds)
 
 
-def telling(name: str, begin: float, step: Callable[[str], None]) -> Callable[[int], None]:
-    """What says the round that a slow solution begins."""
+def reporting(name: str, begin: float, step: Callable[[str], None]) -> Callable[[int], None]:
+    """Callback that reports each round of a solution that takes long."""
 
-    def tell(number: int) -> None:
+    def report(number: int) -> None:
         if perf_counter() - begin > SLOW:
             step(f"contacts of {name}: round {number}, {perf_counter() - begin:.0f} s")
 
-    return tell
+    return report
 
 
 def left_over(loads: Sequence[Array]) -> float:

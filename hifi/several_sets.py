@@ -18,7 +18,7 @@ from threadpoolctl import threadpool_limits
 from rollbench.hifi.coupling import PlacedSet
 from rollbench.hifi.linear_algebra.response import transport
 from rollbench.hifi.meshing.expected import closing
-from rollbench.hifi.reference import ROUNDS, Case, Ended, Round, end, telling
+from rollbench.hifi.reference import ROUNDS, Case, Ended, Round, end, reporting
 from rollbench.hifi.setup import Setup
 from rollbench.hifi.shaft.beam import ShaftSection, tube
 from rollbench.hifi.shaft.frame import Frame
@@ -150,11 +150,11 @@ def solve_sets(
     with threadpool_limits(1):
         begin = perf_counter()
         placed = _placed(assembly, setups, sides)
-        frame, tell = Frame.of(assembly), telling(assembly.name, begin, step)
+        frame, report = Frame.of(assembly), reporting(assembly.name, begin, step)
         mounted = _mounted(assembly, placed, frame)
         placed, unmet = _preloaded(assembly, placed, frame)
         case = Case(placed, frame, mounted)
-        ended = end(case, ROUNDS, tell, moving=True, frozen=frozen)
+        ended = end(case, ROUNDS, report, moving=True, frozen=frozen)
         return _result(case, ended, unmet, perf_counter() - begin)
 
 

@@ -271,7 +271,7 @@ def _load(package: str) -> ModuleType:
 
 
 def part_of(package: str, kernels: Mapping[str, Sequence[str]], name: str) -> Any:
-    """What ``name`` says in a package whose modules are imported when first asked for: one of its ``kernels``, by their
+    """The object ``name`` of a package whose modules are imported when first asked for: one of its ``kernels``, by their
     module, or a module. Raises AttributeError for another name."""
     module = next((module for module, names in kernels.items() if name in names), "")
     if not (module or importlib.util.find_spec(f"{package}.{name}")):

@@ -24,7 +24,7 @@ Kind = Literal[
 
 
 class Warned(str):
-    """A warning: its sentence is the text, ``kind`` says of what it is, and one with ``brief`` stands above the answers.
+    """A warning: the text is its sentence, ``kind`` its subject; one with ``brief`` is printed above the answers.
 
     >>> found = Warned("rotation", "a section turns by 60 mrad: ...", "rotations up to 60 mrad")
     >>> found.kind, found.of("nut 1"), found.of("nut 1").brief

@@ -33,7 +33,7 @@ from rollbench.meshes.private import private_folder
 
 
 class StageDone(str):
-    """What is said of a stage of a computation that is done: ``stage`` is its name, ``cached`` whether all was read."""
+    """Report of a finished stage of a computation: ``stage`` is its name, ``cached`` whether all of it was read."""
 
     stage: str
     cached: bool
@@ -77,7 +77,7 @@ class Cache:
 
     root: the folder, made when first used; None switches the cache off. limit: largest size of all files [bytes]. A folder
     that cannot be written to or that is not this user's alone, or a full disc, is reported once on standard error, and work
-    goes on without it. `fault`: what is to be reported, where ``quiet`` says that another process does.
+    goes on without it. `fault`: what there is to report; ``quiet``: another process reports it.
     """
 
     def __init__(self, root: Path | None, limit: int = LIMIT) -> None:

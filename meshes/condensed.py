@@ -168,7 +168,7 @@ def _unpacked(content: bytes) -> dict[str, bytes]:
 
 
 def _array(name: str, content: bytes) -> Array:
-    """Array of a member in numpy's format. Raises ValueError for another, or for one that is not as large as it says."""
+    """Array of a member in numpy's format. Raises ValueError for another format, or a size not as its header gives."""
     length = BEGINNING.get(content[:8])
     first = 8 + (struct.calcsize(length) if length else 0)
     if length is None or len(content) < first:

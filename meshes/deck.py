@@ -83,7 +83,7 @@ class Contact:
 
 @dataclass(frozen=True)
 class Deck:
-    """All that a deck says. stiffness: contact pressure per overclosure [Pa/m]; spring: of every weak spring [N/m];
+    """Contents of a deck. stiffness: contact pressure per overclosure [Pa/m]; spring: of every weak spring [N/m];
     fixed: sets of nodes held in all directions; mirrored: sets held across the plane y = 0; heading: lines of comment;
     nlgeom: large displacements."""
 

@@ -1,7 +1,7 @@
 """Halves of rings and balls that the plane through the axis and all balls' centres parts, for programs that hold the cut.
 
 A ring pair whose balls stand at 0 and 180 deg, moved within the plane y = 0, deforms as its mirror image does: the half at
-y >= 0 says it all, with as fine a mesh for half the nodes. Faces are as exact as those of ``meshes.grooved_body``.
+y >= 0 suffices, with as fine a mesh for half the nodes. Faces are as exact as those of ``meshes.grooved_body``.
 """
 
 from __future__ import annotations

@@ -30,7 +30,7 @@ def as_one_arc(scene: Scene) -> Scene:
     """The scene with grooves of one arc each, and a statement that says so, where `is_one_arc` holds; else as it is.
 
     The ball touches the arc where it touched the ridge between two, without play; what the ridge leaves out there,
-    (r_g - r_b) r_b beta^2 / (2 r_g) of the larger groove [m], is said.
+    (r_g - r_b) r_b beta^2 / (2 r_g) of the larger groove [m], is stated.
     """
     angle, ball = scene.track.contact_angle, scene.balls.radius
     if angle <= LEAST or not is_one_arc(scene):

@@ -299,7 +299,7 @@ class Filled:
     middles: Index
 
     def middle(self, pairs: Index) -> Index:
-        """Nodes in the middle of edges, by their corners ``(k, 2)``. Raises ValueError for one that is none."""
+        """Nodes in the middle of edges, by their corners ``(k, 2)``. Raises ValueError for a pair that is no edge."""
         keys = np.sort(pairs, axis=1) @ np.array([self.mesh.nvertices, 1])
         place = np.minimum(np.searchsorted(self.keys, keys), len(self.keys) - 1)
         if not np.array_equal(self.keys[place], keys):

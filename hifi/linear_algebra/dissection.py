@@ -166,7 +166,7 @@ def _rows(graph: sp.csr_matrix, first: Index) -> list[Index]:
 
 
 def _ranges(first: Index, count: Index) -> Index:
-    """Numbers from each of ``first`` on, so many as ``count`` says, one after another.
+    """Ranges of ``count`` numbers from each of ``first`` on, one after another.
 
     >>> _ranges(np.array([4, 1]), np.array([3, 2]))
     array([4, 5, 6, 1, 2])

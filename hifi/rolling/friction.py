@@ -276,10 +276,9 @@ def solve_friction(
 ) -> Friction:
     """Tangential forces, slips and motions of contacts by (1) and (2); y, q: a neighbouring solution.
 
-    Without a balance the motions ``y`` are given (none: all in ``Contact.given``). Where the sharp law does not
-    converge from the start, the smoothed one leads there with creeping speeds ``path`` over the largest
-    slip. A result that is none
-    says so.
+    Without a balance the motions ``y`` are given (none: all in ``Contact.given``). Where the sharp law does not converge
+    from the start, the smoothed one leads there with creeping speeds ``path`` over the largest slip. Failure is data: see
+    `Friction.status`.
     """
     system = _System(contacts, balance)
     y = np.zeros(0) if y is None else np.asarray(y, dtype=float).copy()

@@ -43,7 +43,7 @@ def _apart(K: sp.csc_matrix, alike: sp.csc_matrix, opposite: sp.csc_matrix) -> b
 
 
 def _on_one_side(K: sp.csc_matrix, T: sp.csc_matrix) -> sp.csc_matrix:
-    """T^T K T of a symmetric K that is its own mirror image: the columns of one side say all."""
+    """T^T K T of a symmetric K that is its own mirror image: the columns of one side suffice."""
     rows, value = T.indices[T.indptr[:-1]], T.data[T.indptr[:-1]]
     half = sp.csc_matrix(T.T.tocsc() @ K[:, rows])
     half.data *= np.repeat(1.0 / value, np.diff(half.indptr))

@@ -140,7 +140,7 @@ def _of_ring(scene: Scene, force: Array) -> float:
 
 
 def _outside(scene: Scene, *, ring: bool) -> str:
-    """What a case has that the standard does not know; empty where it knows all."""
+    """What of a case the standard does not cover; empty where it covers all."""
     moved = {name for s in scene.supports for name, value in s.fixed if value != 0.0}
     if any(x.moment[0] or x.moment[1] for x in scene.loads) or moved & {"rx", "ry"}:
         return "moments across the axis"

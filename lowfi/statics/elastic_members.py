@@ -69,7 +69,7 @@ class ElasticMembers:
 
     def _system(self, use: Mask) -> _System | None:
         """The system with some sides, or with all where they are touched, in the solution of member 0, whatever members are
-        asked for; None where it serves no other."""
+        asked for; None where it serves no other member."""
         key = use.tobytes()
         if key not in self._systems:
             self._systems[key] = None

@@ -163,7 +163,7 @@ def solve_mei(scene: Scene, *, member: int = 0, elastic_nut: bool = False) -> St
     """Contact loads of the axial-only model.
 
     elastic_nut: the nut as a bar clamped at its left face (Mei's own model) instead of rigid (as in ``lin``).
-    Lateral loads, moments and lateral supports are left out, and said; an axial load that nothing can carry is
+    Lateral loads, moments and lateral supports are left out and named; an axial load that nothing can carry is
     reported in ``status``.
     """
     start = perf_counter()

@@ -89,7 +89,7 @@ def opening(work: Array, approach: Any, held: Array) -> Array | None:
 
 def ran_away(motion: Callable[[], Array | None], body: str, opens: Callable[[Array], str]) -> Status:
     """Status sentence of a body that ran away: not held only where a linear program finds a ``motion`` that opens its
-    contacts; opens: says so, of that motion."""
+    contacts; opens: words for that motion."""
     try:
         opened = motion()
     except ArithmeticError as error:

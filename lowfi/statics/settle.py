@@ -82,8 +82,8 @@ def least_residual(motions: float, stiffness: float, scale: float, problems: Ite
 
 
 def verdict(outcome: Outcome, bound: float, unheld: Callable[[], Status], far: bool = False) -> Status:
-    """Status sentence of a solver outcome; bound: relative residual that double precision cannot get below; unheld: says by
-    a linear program whether what moves without limit is held; far: the state is so far away that it says so of it too."""
+    """Status sentence of a solver outcome; bound: relative residual that double precision cannot get below; unheld: status
+    by a linear program of a body that moves without limit; far: the state is so far away that ``unheld`` judges it too."""
     good = outcome.residual <= max(ACCEPTED, bound) and outcome.status in (CONVERGED, ITERATIONS)
     if good and not far:
         return Status("converged")

@@ -176,7 +176,7 @@ def round_off(lengths: Array, sections: Array, motion: Array) -> tuple[float, fl
 def judged(status: Status, balance: Equilibrium, frozen: bool, body: str = "the screw", ball: str = "") -> Status:
     """The status, or what is out of balance where the sums over the whole body and every ball contradict it; frozen:
     lever arms are those of the nominal contact points, so that moments about the true ones do not balance; ball: words for
-    the worst one, where its number says too little."""
+    the worst one, where its number is not enough."""
     if status != "converged" or (balance.ball_residual if frozen else balance.largest) <= BALANCE:
         return status
     if balance.ball_residual == balance.largest:

@@ -106,7 +106,7 @@ def least_dissipation(problem: Problem, start: Array | None = None, fast: bool =
 
 
 def without_friction(motion: Motion) -> Motion:
-    """The same motion with no forces: at given loads the limit for a coefficient that vanishes, as motion knows none."""
+    """The same motion without forces: the limit of a vanishing coefficient, which at given loads does not change motion."""
     none = Friction(*(np.zeros_like(v) for v in (motion.friction.force, motion.friction.moment, motion.friction.loss)))
     return replace(motion, friction=none, imbalance=0.0, bounds=(0.0, 0.0))
 

@@ -154,7 +154,7 @@ class Setting:
 def _on_screw(setting: Setting, at: StaticContacts, wrench: Array, axial: float) -> float:
     """Torque [N m] about +z that drives the screw under the external axial load [N].
 
-    Moments of contact forces and friction about the axis; an axial force of friction that the loads do not know of is
+    Moments of contact forces and friction about the axis; an axial force of friction that the loads leave out is
     carried down the helix.
     """
     wrenches = wrench.copy()

@@ -35,7 +35,7 @@ class ScrewTorque:
 
     speed: of the screw against the nut; ratio: advance per angle, lead / (2 pi), signed by the hand; load: external axial
     load on the screw that the contacts carry; power: lost in the contacts; pull: axial force of friction on the screw,
-    which the loads do not know of; helical: what the drive of the screw, of the nut puts in per angle of its helical
+    which the loads leave out; helical: what the drive of the screw, of the nut puts in per angle of its helical
     motion, [N m]: moments and forces of all contacts about the axis, normal forces included; tilt: largest friction in
     the plane of a ball's section over its largest contact force; carried: sum of all contact forces [N];
     reverse_power: lost by the reversed motion, another one where friction feeds back on the loads.

@@ -141,7 +141,7 @@ def rigid_motions(structure: Structure, arm: float) -> Array:
 
 
 def held_rows(structure: Structure, motions: Array) -> Array:
-    """What supports and springs say of rigid motions: rows that are zero for motions without resistance, each about one."""
+    """Rows of supports and springs against rigid motions: zero for motions without resistance, each of size about one."""
     arms = motions.reshape(-1, 6, motions.shape[1])
     rows = [arms[i, k] for i, k in np.argwhere(structure.fixed)]
     for (a, b), near, K in zip(structure.ends, structure.reach, structure.springs, strict=True):
