@@ -43,10 +43,10 @@ def neighbours(
     """
     track, drawn = scene.track, draw(scene, member)
     all_balls = balls_of(scene, friction, drive, drawn, member)
-    loaded = np.flatnonzero(all_balls.number >= 0)
-    order = all_balls.number[loaded]
+    on_arc = np.flatnonzero(all_balls.number >= 0)
+    order = all_balls.number[on_arc]
     layout = all_balls.layout(scene, all_balls.azimuth)
-    full = spread(at.subset(order), layout, loaded, all_balls.radius, track.contact_angle)
+    full = spread(at.subset(order), layout, on_arc, all_balls.radius, track.contact_angle)
     gap = all_balls.gaps(all_balls.azimuth) * all_balls.grooves.pair.closing
     slack = np.where(gap <= TOUCHING, 0.0, np.inf)
     least = np.inf
