@@ -44,9 +44,9 @@ def _source_folder(package: str) -> Path:
     return Path(str(resources.files("rollbench").joinpath("comparison" if first == "compare" else first, *rest)))
 
 
-def sources_hash(folders: Sequence[str] = PACKAGES, more: str = "") -> str:
+def sources_hash(folders: Sequence[str] = PACKAGES, text: str = "") -> str:
     """SHA-256 over names and contents of all Python sources of the packages, or of folders in them, and over a text."""
-    lines = [more] if more else []
+    lines = [text] if text else []
     for package in folders:
         root = _source_folder(package)
         files = sorted(p for p in root.rglob("*.py") if "__pycache__" not in p.parts)

@@ -50,18 +50,18 @@ def bar(label: str) -> Iterator[Callable[[str, float], None]]:
     that is done. Nothing elsewhere, and nothing in the first seconds."""
     begin, written = monotonic(), ""
 
-    def told(what: str, part: float) -> None:
+    def show(what: str, share: float) -> None:
         nonlocal written
         if monotonic() - begin < FIRST or not sys.stderr.isatty():
             return
-        full = round(BAR * part)
-        text = f"rollbench: {label}: {what} [{'#' * full}{'.' * (BAR - full)}] {100.0 * part:3.0f} %"
+        full = round(BAR * share)
+        text = f"rollbench: {label}: {what} [{'#' * full}{'.' * (BAR - full)}] {100.0 * share:3.0f} %"
         if text != written:
             _say("\r" + text.ljust(len(written)))
             written = text
 
     try:
-        yield told
+        yield show
     finally:
         if written:
             _say("\r" + " " * len(written) + "\r")

@@ -154,13 +154,12 @@ def _flat(value: Any, name: str, of_all: str = "") -> Iterator[tuple[str, Any, s
     and lists of records, left out."""
     if isinstance(value, Mapping):
         for key, inner in value.items():
-            words, own = split_unit(str(key))
-            unit = own or of_all
+            words, unit = split_unit(str(key))
             whole = f"{name}: {words}" if name else words
             if isinstance(inner, Mapping):
-                yield from _flat(inner, whole, unit)
+                yield from _flat(inner, whole, unit or of_all)
             elif inner is not None and not (isinstance(inner, list) and any(isinstance(x, (Mapping, list)) for x in inner)):
-                yield whole, inner, unit
+                yield whole, inner, unit or of_all
     elif isinstance(value, list):
         for number, inner in enumerate(value, start=1):
             yield from _flat(inner, f"{name} {number}".strip())

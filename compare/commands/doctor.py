@@ -49,8 +49,7 @@ class Check:
 
     def line(self) -> str:
         """The check as one line."""
-        parts = (f"{self.name}: {self.found}", self.cost, self.advice)
-        return f"{self.state:8}  " + "; ".join(part for part in parts if part)
+        return f"{self.state:8}  " + "; ".join(filter(None, (f"{self.name}: {self.found}", self.cost, self.advice)))
 
 
 def run_doctor(store: Path) -> Answer:
@@ -80,8 +79,8 @@ def requirements() -> dict[str, str]:
         lines = metadata.requires("rollbench") or []
     except metadata.PackageNotFoundError:
         return {}
-    own = (re.fullmatch(r"([\w.-]+)\s*>=\s*([\d.]+)", line.strip()) for line in lines if ";" not in line)
-    return {found[1]: found[2] for found in own if found}
+    lower_bounds = (re.fullmatch(r"([\w.-]+)\s*>=\s*([\d.]+)", line.strip()) for line in lines if ";" not in line)
+    return {bound[1]: bound[2] for bound in lower_bounds if bound}
 
 
 def _packages() -> Iterator[Check]:
@@ -121,7 +120,7 @@ def _numbers(version: str) -> tuple[int, ...]:
     >>> _numbers("4.15.2rc1") > _numbers("4.13")
     True
     """
-    return tuple(int(part) for part in re.findall(r"\d+", re.split(r"[^\d.]", version)[0]))
+    return tuple(int(number) for number in re.findall(r"\d+", re.split(r"[^\d.]", version)[0]))
 
 
 def _graphics() -> Iterator[Check]:
@@ -208,13 +207,13 @@ def _shipped() -> Iterator[Check]:
 
     names = catalogue.with_role("referenced")
     held = [kept for name in names if (kept := reference(catalogue.scene(name))) is not None]
-    made = ", ".join(
+    programs = ", ".join(
         f"{program} {' and '.join(sorted({run.versions[program] for kept in held for run in kept.runs}))}"
         for program in PROGRAMS
     )
     if len(held) == len(names):
-        yield Check("shipped references", "ok", f"of all {len(names)} scenes, made by {made}")
+        yield Check("shipped references", "ok", f"of all {len(names)} scenes, made by {programs}")
     else:
         cost = "the others are recomputed, in hours"
-        found = f"of {len(held)} of {len(names)} scenes, made by {made}"
-        yield Check("shipped references", "missing", found, cost, "reinstall rollbench")
+        stored = f"of {len(held)} of {len(names)} scenes, made by {programs}"
+        yield Check("shipped references", "missing", stored, cost, "reinstall rollbench")

@@ -35,8 +35,8 @@ def _wrapped(line: str, width: int) -> str:
     indent = len(label[0]) if label and len(label[0]) <= width // 2 else len(line) - len(line.lstrip()) + 2
     command = COMMAND.search(line)
     words = line if command is None else line[: command.start()]
-    own = {"subsequent_indent": " " * indent, "break_on_hyphens": False, "break_long_words": False}
-    parts = textwrap.wrap(words, width, **own)  # type: ignore[arg-type]
+    options = {"subsequent_indent": " " * indent, "break_on_hyphens": False, "break_long_words": False}
+    parts = textwrap.wrap(words, width, **options)  # type: ignore[arg-type]
     return "\n".join([*parts, *([] if command is None else [" " * indent + command[0]])])
 
 

@@ -101,14 +101,14 @@ def assembly_costs(share: float = 1.0, repeats: int = REPEATS) -> list[AssemblyC
     for name, mesh in meshes(share).items():
         ours = WAYS[OURS](mesh)
         spent: dict[str, list[float]] = {way: [] for way in WAYS}
-        made = {}
+        matrices = {}
         for _ in range(repeats):
             for way, work in WAYS.items():
                 fresh = moved(mesh, points_of(mesh))  # scikit-fem keeps a mesh's map
                 begin = process_time()
-                made[way] = work(fresh)
+                matrices[way] = work(fresh)
                 spent[way].append(process_time() - begin)
-        for way, found in made.items():
-            off = float(abs(found - ours).max() / abs(ours).max())
+        for way, matrix in matrices.items():
+            off = float(abs(matrix - ours).max() / abs(ours).max())
             out.append(AssemblyCost(name, mesh.nelements, way, median(spent[way]), off))
     return out

@@ -125,8 +125,8 @@ def measure_level(scene: str, level: int) -> ColdLevel:
 def _alone(child: str, ask: dict[str, Any], what: str, environment: dict[str, str]) -> tuple[float, dict[str, Any]]:
     """When a new process with empty caches began, and what it printed."""
     with tempfile.TemporaryDirectory() as folder:
-        own = {name: str(Path(folder) / name.lower()) for name in ("ROLLBENCH_CACHE", "NUMBA_CACHE_DIR")}
-        for place in own.values():
+        caches = {name: str(Path(folder) / name.lower()) for name in ("ROLLBENCH_CACHE", "NUMBA_CACHE_DIR")}
+        for place in caches.values():
             Path(place).mkdir()
         code = child.format(path=[p for p in sys.path if p], ask=json.dumps(ask))
         begin = time()
@@ -136,7 +136,7 @@ def _alone(child: str, ask: dict[str, Any], what: str, environment: dict[str, st
             text=True,
             check=False,
             timeout=PATIENCE,
-            env={**os.environ, **environment, **own},
+            env={**os.environ, **environment, **caches},
         )
     if done.returncode != 0:
         last = done.stderr.strip().splitlines()[-1:] or ["no message"]

@@ -48,11 +48,11 @@ def save(store: Path, kept: Kept) -> None:
     """Write times into a store. Raises InputError where it cannot be written."""
     times = [{"scene": scene, "model": model, **asdict(t)} for (scene, model), t in sorted(kept.times.items())]
     first = [{"model": model, **asdict(c)} for (model, _), c in sorted(kept.first.items())]
-    others = {name: [asdict(c) for c in own] for name, own in (("levels", kept.levels), ("assembly", kept.assembly))}
+    others = {name: [asdict(c) for c in costs] for name, costs in (("levels", kept.levels), ("assembly", kept.assembly))}
     lists = {"times": times, "first": first, **others}
-    rows = {name: ",\n ".join(json.dumps(row) for row in own) for name, own in lists.items()}
+    rows = {name: ",\n ".join(json.dumps(row) for row in listed) for name, listed in lists.items()}
     head = f'"machine": {json.dumps(kept.machine)}, "date": {json.dumps(kept.date)}'
-    body = ", ".join(f'"{name}": [\n {own}]' for name, own in rows.items())
+    body = ", ".join(f'"{name}": [\n {text}]' for name, text in rows.items())
     replace_file(store / FILE, f"{{{head}, {body}}}\n")
 
 

@@ -150,11 +150,11 @@ def counts(rows: Sequence[Audited]) -> list[dict[str, Any]]:
     identities), ``all``."""
     out = []
     for source in (*sources().values(), "all"):
-        own = Counter(row.verdict for row in rows if source in (row.source, "all"))
-        if own:
-            judged = sum(n for verdict, n in own.items() if verdict not in APART)
-            verdicts: dict[str, Any] = {str(v): own[v] for v in VERDICTS}
-            out.append({"source": source, **verdicts, "judged": judged, "all": own.total()})
+        by_verdict = Counter(row.verdict for row in rows if source in (row.source, "all"))
+        if by_verdict:
+            judged = sum(n for verdict, n in by_verdict.items() if verdict not in APART)
+            verdicts: dict[str, Any] = {str(v): by_verdict[v] for v in VERDICTS}
+            out.append({"source": source, **verdicts, "judged": judged, "all": by_verdict.total()})
     return out
 
 
@@ -199,12 +199,12 @@ def changes(rows: Sequence[Audited]) -> list[str]:
     out = []
     for row in rows:
         held = stored().get(row.name)
-        own = data_digest(row.found.printed), row.verdict
+        present = data_digest(row.found.printed), row.verdict
         if held is None:
             out.append(f"{row.name}: not in the stored list ({row.verdict})")
-        elif held[1] != own[1]:
-            why = "without its data changing" if held[0] == own[0] else "and so did its data"
-            out.append(f"{row.name}: {held[1]} became {own[1]}, {why}")
-        elif held[0] != own[0]:
-            out.append(f"{row.name}: its data changed, {own[1]} as before")
+        elif held[1] != present[1]:
+            why = "without its data changing" if held[0] == present[0] else "and so did its data"
+            out.append(f"{row.name}: {held[1]} became {present[1]}, {why}")
+        elif held[0] != present[0]:
+            out.append(f"{row.name}: its data changed, {present[1]} as before")
     return out

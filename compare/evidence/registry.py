@@ -107,14 +107,14 @@ class Trace:
 def traces(table: str = "") -> Iterator[Trace]:
     """Every printed entry of one shipped table, or of all, in order. Raises InputError for an unknown table."""
     for name in [table] if table else tables():
-        own = by_table().get(name)
+        evidence = by_table().get(name)
         rows = load_table(name)
         if name not in by_table() and name not in not_computed():
             continue  # its wing is absent
         for row in rows:
             printed = row.claim or f"{row.printed} {row.unit}".rstrip()
-            if own is None:
+            if evidence is None:
                 yield Trace(name, row.key, printed, row.cls, (), not_computed()[name], "none", "")
             else:
-                test = f"{own.test}::test_entry[{name}:{row.key}]"
-                yield Trace(name, row.key, printed, row.cls, *own.origin(row), own.function, test)
+                test = f"{evidence.test}::test_entry[{name}:{row.key}]"
+                yield Trace(name, row.key, printed, row.cls, *evidence.origin(row), evidence.function, test)

@@ -32,8 +32,8 @@ class Contacts(NamedTuple):
 
 def contacts_by(scene: Scene, answer: Loads, limits: Mapping[str, float]) -> Contacts:
     """What a model says of contacts, of the quantities that are given a limit."""
-    own = {name: q for name, q in OF_CONTACTS.items() if q.name in limits}
-    further = {name: np.radians(answer.angle) if q is ANGLE else hertz_of(scene, q, answer.load) for name, q in own.items()}
+    asked = {name: q for name, q in OF_CONTACTS.items() if q.name in limits}
+    further = {k: np.radians(answer.angle) if q is ANGLE else hertz_of(scene, q, answer.load) for k, q in asked.items()}
     return Contacts(answer.load, further)
 
 
@@ -90,7 +90,7 @@ def value_verdict(judged: str, given: GivenValue, scene: Scene, found: Reference
         return blank(found, judged, given.name, limit, f"no {q.name}: {whole.why_not(q, found)}")
     error = float(error_percent(given.value, reference))
     share = None if bar is None else float(error_percent(bar, 0.0, reference))
-    said = "; ".join(part for part in (whole.words(q), about(found)) if part)
+    said = "; ".join(filter(None, (whole.words(q), about(found))))
     pair = (q.key, q.factor * given.value, q.factor * reference)
     kind = word(error, share, limit)
     return Verdict(found.scene, judged, given.name, kind, error, share, limit, levels=found.levels, detail=said, pair=pair)

@@ -168,16 +168,16 @@ def reference_rows(study: Study, max_error: float) -> list[GateRow]:
         for p in over:
             text = f"reference's uncertainty {p.uncertainty_percent:.2f} %"
             label = f"{p.scene}: ball {p.ball} {p.side} against the 3D reference"
-            own = p.uncertainty_percent
-            rows.append(GateRow(label, "3D reference", None, None, p.error_percent, max_error, False, text, own))
+            share = p.uncertainty_percent
+            rows.append(GateRow(label, "3D reference", None, None, p.error_percent, max_error, False, text, share))
         if not over:
             top = max(points, key=lambda p: abs(p.error_percent))
             label = f"{name}: worst contact (ball {top.ball} {top.side}) against the 3D reference"
-            its = top.uncertainty_percent
-            rows.append(GateRow(label, "3D reference", None, None, top.error_percent, max_error, True, "", its))
+            share = top.uncertainty_percent
+            rows.append(GateRow(label, "3D reference", None, None, top.error_percent, max_error, True, "", share))
         e = load_error(load, found.load, found.contacts)
-        own, cause = WIDER.get(name, (TIGHT, ""))
-        tight = min(own, max_error)
+        limit, cause = WIDER.get(name, (TIGHT, ""))
+        tight = min(limit, max_error)
         rows.append(
             GateRow(
                 f"{name}: largest error of the mean load (ball {e.ball} {e.side})",

@@ -102,8 +102,8 @@ def hertz_of(scene: Scene, quantity: Quantity, load: Array) -> Array:
 def by_loads(of: Callable[[Array], Array | float | None], load: Array, bar: Array) -> Array | float | None:
     """What loads ``(n, 4)`` [N] leave uncertain by their own ``bar`` in a quantity that is monotone in each of them: the
     larger change where all are moved up or down together; None where the quantity has no value."""
-    own = np.where(load > 0.0, bar, 0.0)
-    value, *ends = (of(x) for x in (load, load + own, np.maximum(load - own, 0.0)))
+    bars = np.where(load > 0.0, bar, 0.0)
+    value, *ends = (of(x) for x in (load, load + bars, np.maximum(load - bars, 0.0)))
     if value is None or any(end is None for end in ends):
         return None
     return np.max([np.abs(end - value) for end in ends], axis=0)  # type: ignore[operator, no-any-return]
@@ -111,12 +111,12 @@ def by_loads(of: Callable[[Array], Array | float | None], load: Array, bar: Arra
 
 def of_contacts(scene: Scene, found: Reference, quantity: Quantity) -> tuple[Array, Array]:
     """A reference's values of every contact ``(n, 4)`` [SI], and their uncertainty, nan where it is not known."""
-    own = found.further.get(quantity.name)
+    given = found.further.get(quantity.name)
     if quantity is ANGLE:
         bars = np.zeros_like(found.load) if found.stated else uncertainties_of(found, lambda run: run.angle)
         return np.radians(found.best.angle), np.radians(bars)
     bar = by_loads(lambda load: hertz_of(scene, quantity, load), found.load, found.uncertainty)
-    return hertz_of(scene, quantity, found.load) if own is None else own, np.asarray(bar)
+    return hertz_of(scene, quantity, found.load) if given is None else given, np.asarray(bar)
 
 
 @dataclass(frozen=True)

@@ -153,7 +153,7 @@ def _verdicts(one: Referenced, files: Files, limits: Limits, what: Asked) -> lis
     if what.loads is None:
         return _named(_model(one, what.model, limits, what.stores), one)
     given, judged = files.loads[0 if one.of is None else one.of.number], what.loads.name
-    detail = "; ".join(part for part in _said(given, one.found, limits) if part)
+    detail = "; ".join(filter(None, _said(given, one.found, limits)))
     verdicts = judge(judged, given.load, one.found, limits, given.flanks, detail)
     further = Contacts(given.load, given.further, given.flanks)
     found = _beside(verdicts, given, one, limits, what) + contact_verdicts(judged, further, one.scene, one.found, limits)
@@ -320,8 +320,8 @@ def limits_of(scene: Solvable, max_error: float | None, others: Mapping[str, flo
     quantities."""
     if isinstance(scene, Assembly):
         return Limits(LIMIT if max_error is None else max_error, others=others)
-    own = LIMIT if scene.gate.max_error is None else scene.gate.max_error
-    return Limits(own if max_error is None else max_error, scene.gate.rms_error, others)
+    limit = LIMIT if scene.gate.max_error is None else scene.gate.max_error
+    return Limits(limit if max_error is None else max_error, scene.gate.rms_error, others)
 
 
 def _model(one: Referenced, name: str, limits: Limits, stores: Sequence[Path]) -> list[Verdict]:
@@ -339,24 +339,24 @@ def _model(one: Referenced, name: str, limits: Limits, stores: Sequence[Path]) -
     if result is None:
         detail = f"the model has no loads: {status}"
         return [Verdict(scene.name, name, LARGEST, "fail", None, None, limits.largest, levels=found.levels, detail=detail)]
-    told = from_result(result)
+    loads = from_result(result)
     verdicts = judge(name, result.load, found, limits) + contact_verdicts(
-        name, contacts_by(scene, told, limits.others), scene, found, limits
+        name, contacts_by(scene, loads, limits.others), scene, found, limits
     )
     if one.of is not None:
         return verdicts
-    return verdicts + [value_verdict(name, v, scene, found, limits) for v in values_by(scene, told, limits.others)]
+    return verdicts + [value_verdict(name, v, scene, found, limits) for v in values_by(scene, loads, limits.others)]
 
 
 def _computed(scenes: Sequence[Solvable], what: Asked, engine: Engine, step: Callable[[str], None]) -> dict[str, str]:
     """Compute what is missing; by scene, why it has no reference. A refusal leaves the other geometries alone."""
     why: dict[str, str] = {}
     for group in groups(scenes):
-        for levels, own in _missing(group, what).items():
+        for levels, lacking in _missing(group, what).items():
             try:
-                failed = ensure(plan(own, levels), what.stores[0], engine, step, what.stores[1:])
+                failed = ensure(plan(lacking, levels), what.stores[0], engine, step, what.stores[1:])
             except Refusal as error:
-                why |= {scene.name: str(error) for scene in own}
+                why |= {scene.name: str(error) for scene in lacking}
                 continue
             why |= {run.scene: f"level {run.level} of its 3D reference: {run.status}" for run in failed}
     return why

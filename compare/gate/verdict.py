@@ -174,8 +174,8 @@ def decisive(points: Sequence[At], limit: float) -> tuple[Word, At]:
     each = [word(p.error, p.bar, limit) for p in points]
     worst = worst_of(each)
     sign = -1.0 if worst == "fail" else 1.0
-    own = [p for p, found in zip(points, each, strict=True) if found == worst]
-    return worst, max(own, key=lambda p: abs(p.error) + sign * (p.bar or 0.0))
+    gravest = [p for p, found in zip(points, each, strict=True) if found == worst]
+    return worst, max(gravest, key=lambda p: abs(p.error) + sign * (p.bar or 0.0))
 
 
 def blank(found: Reference, judged: str, quantity: str, limit: float, why: str, unit: str = "%") -> Verdict:
@@ -201,10 +201,10 @@ def judge(
     if not points:
         return [blank(found, judged, LARGEST, limits.largest, f"the reference carries no load on {', '.join(flanks)}")]
     of_mean = load_error(np.where(chosen, load, 0.0), np.where(chosen, found.load, 0.0), found.contacts)
-    own, at = decisive(points, limits.largest)
-    said = "; ".join(part for part in (detail, about(found)) if part)
+    kind, at = decisive(points, limits.largest)
+    said = "; ".join(filter(None, (detail, about(found))))
     shared: dict[str, Any] = {"levels": found.levels, "contacts": len(points), "detail": said}
-    first = Verdict(found.scene, judged, LARGEST, own, at.error, at.bar, limits.largest, at.ball, at.side, **shared)
+    first = Verdict(found.scene, judged, LARGEST, kind, at.error, at.bar, limits.largest, at.ball, at.side, **shared)
     out = [replace(first, of_mean=of_mean, near=_near(load, found, at))]
     if limits.rms is not None:
         error, bar = of_mean.rms_percent, found.parts.bar
@@ -220,8 +220,8 @@ def _near(load: Array, found: Reference, at: At) -> tuple[tuple[int, float, floa
 
 def about(found: Reference) -> str:
     """What is said of a reference beside every verdict: whose it is, what did not settle, a single mesh level."""
-    one = ONE_LEVEL if found.parts.by_experience and not found.stated else ""
-    return "; ".join(part for part in (found.stated, found.unsettled, one) if part)
+    single = ONE_LEVEL if found.parts.by_experience and not found.stated else ""
+    return "; ".join(filter(None, (found.stated, found.unsettled, single)))
 
 
 def worst_of(words: Sequence[Word]) -> Word:

@@ -79,10 +79,10 @@ def tangent_of(scene: Scene, station: float, model: str, options: Options) -> Ta
         allowed = ", ".join((*LADDER, "condensed", *TANGENT_OF))
         raise InputError("command line", "--stiffness-at", f"with the model {model}", allowed, "choose another model")
     condensed = read_condensed(scene, options) if step == "condensed" else None
-    own = MODELS[model].scene(scene)
+    modelled = MODELS[model].scene(scene)
     try:
         return tangent_stiffness(
-            own, station, backend=LADDER.get(step, REFINED), condensed=condensed, member=options.member
+            modelled, station, backend=LADDER.get(step, REFINED), condensed=condensed, member=options.member
         )
     except ValueError as error:
         advice = "the loads are solved without it: leave the stiffness out"

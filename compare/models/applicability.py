@@ -148,15 +148,15 @@ def save_places(store: Path) -> None:
 def shipped_places(*, ring: bool) -> tuple[dict[str, float], ...]:
     """Those that come with the package; none where the file is absent or damaged."""
     try:
-        found = json.loads(data.text(f"references/{PLACES}"))["rings" if ring else "screws"].values()
-        return tuple({d.name: float(own[d.name]) for d in DESCRIPTORS} for own in found)
+        places = json.loads(data.text(f"references/{PLACES}"))["rings" if ring else "screws"].values()
+        return tuple({d.name: float(place[d.name]) for d in DESCRIPTORS} for place in places)
     except (OSError, ValueError, TypeError, KeyError, AttributeError):
         return ()
 
 
 def compared_values(descriptor: Descriptor, *, ring: bool) -> list[float]:
     """The values of a descriptor of every compared screw, shipped and drawn, or ring."""
-    return [own[descriptor.name] for own in (*shipped_places(ring=ring), *(() if ring else surveyed()))]
+    return [place[descriptor.name] for place in (*shipped_places(ring=ring), *(() if ring else surveyed()))]
 
 
 def places(scene: Scene, among: Sequence[Scene] | None = None) -> tuple[Place, ...]:

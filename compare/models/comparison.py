@@ -195,9 +195,9 @@ def _contact_rows(row: RowOf, answer: Loads, found: Reference) -> Iterator[Compa
         percent = float(error_percent(value, ref)) if ref > 0.0 else None
         yield row("load", "N", (value, ref), bar, percent, (i + 1, SIDES[s]))
         if value > 0.0 and ref > 0.0:
-            angle, own = float(answer.angle[i, s]), float(best.angle[i, s])
-            error, off = _bar(float(turns[i, s])), float(error_percent(angle, own))
-            yield row("contact angle", "deg", (angle, own), error, off, (i + 1, SIDES[s]))
+            angle, ref_angle = float(answer.angle[i, s]), float(best.angle[i, s])
+            error, off = _bar(float(turns[i, s])), float(error_percent(angle, ref_angle))
+            yield row("contact angle", "deg", (angle, ref_angle), error, off, (i + 1, SIDES[s]))
 
 
 def _line_rows(row: RowOf, answer: Loads, found: Reference) -> Iterator[ComparisonRow]:
@@ -229,10 +229,10 @@ def _summary_rows(row: RowOf, scene: Scene, answer: Loads, found: Reference) -> 
         ("RMS error, of the own load", e.own_rms_percent, own_bar, keys[1]),
     ):
         yield row(name, "%", (value, 0.0), its, value, printed=printed(key))
-    ratio, own = load_ratio(answer.load), load_ratio(found.load)
-    off = float(error_percent(ratio, own)) if np.isfinite([ratio, own]).all() else None
+    ratio, ref_ratio = load_ratio(answer.load), load_ratio(found.load)
+    off = float(error_percent(ratio, ref_ratio)) if np.isfinite([ratio, ref_ratio]).all() else None
     name = "largest over smallest load, SL"
-    yield row(name, "", (ratio, own), ratio_uncertainty(found), off, printed=printed(keys[2]))
+    yield row(name, "", (ratio, ref_ratio), ratio_uncertainty(found), off, printed=printed(keys[2]))
 
 
 def load_ratio(load: Array) -> float:
@@ -247,9 +247,9 @@ def ratio_uncertainty(found: Reference) -> float | None:
     ratio = load_ratio(found.load)
     if not np.isfinite(ratio):
         return None
-    own = found.load[:, 0]
-    ends = [int(own.argmax()), int(own.argmin())]
-    return ratio * float(sum(found.uncertainty[k, 0] / own[k] for k in ends))
+    loads = found.load[:, 0]
+    ends = [int(loads.argmax()), int(loads.argmin())]
+    return ratio * float(sum(found.uncertainty[k, 0] / loads[k] for k in ends))
 
 
 @dataclass(frozen=True)
@@ -285,9 +285,9 @@ def gate_points(name: str, found: Reference, max_error: float, load: Array) -> l
     mean = found.mean
     points = []
     for i, s in zip(*np.nonzero((found.load > 0.0) | (load > 0.0)), strict=True):
-        own = float(found.load[i, s])
-        scale = own if own >= SMALL * mean else mean
-        error = float(error_percent(load[i, s], own, scale))
+        ref = float(found.load[i, s])
+        scale = ref if ref >= SMALL * mean else mean
+        error = float(error_percent(load[i, s], ref, scale))
         bar = float(error_percent(found.uncertainty[i, s], 0.0, scale))
         points.append(GatePoint(name, int(i) + 1, SIDES[int(s)], error, bar, abs(error) - bar > max_error))
     return points

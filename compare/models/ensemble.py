@@ -138,9 +138,9 @@ class _Batch:
         self.solved = np.zeros(count, dtype=bool)
         self.setup = perf_counter() - begin
 
-    def _of(self, part: NDArray[np.int64]) -> Specimens:
-        own = self.drawn.centre[part] if len(self.drawn.centre) > 1 else self.drawn.centre
-        return Specimens(self.drawn.ball_radius[part], own, self.drawn.radius)
+    def _of(self, members: NDArray[np.int64]) -> Specimens:
+        centre = self.drawn.centre[members] if len(self.drawn.centre) > 1 else self.drawn.centre
+        return Specimens(self.drawn.ball_radius[members], centre, self.drawn.radius)
 
     def solve(self) -> EnsembleResult | None:
         """All members, or None for a scene that is not held."""
@@ -204,11 +204,11 @@ class _Batch:
         seen = [] if near is None else [near.rows]
         quick = pressed(prepared, np.concatenate([*seen, prepared.beam.load.reshape(1, -1)]))
 
-        def some(part: NDArray[np.int64]) -> None:
+        def some(chunk: NDArray[np.int64]) -> None:
             if quick is not None:
-                part = part[self._press(quick, near, part)]
-            if part.size:
-                self._follow(prepared, near, part)
+                chunk = chunk[self._press(quick, near, chunk)]
+            if chunk.size:
+                self._follow(prepared, near, chunk)
 
         trial, rest = members[:TRIAL], [members[k : k + CHUNK] for k in range(TRIAL, members.size, CHUNK)]
         some(trial)
@@ -224,20 +224,20 @@ class _Batch:
         self.loads[kept], self.residuals[kept], self.works[kept] = loads[good], residuals[good], works[good]
         self.solved[kept] = True
 
-    def _press(self, quick: Pressed, near: _Nearness | None, part: NDArray[np.int64]) -> NDArray[np.bool_]:
+    def _press(self, quick: Pressed, near: _Nearness | None, members: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Some members on the motions of their flanks alone; returns which were not solved so."""
-        arrays = self._arrays(quick.prepared.problem, part)
-        found = quick.solve(arrays, self._of(part).centre)
+        arrays = self._arrays(quick.prepared.problem, members)
+        found = quick.solve(arrays, self._of(members).centre)
         done = found.status == 0
         motions = quick.functions(found.pull)
         good = done if near is None else done & near.clear(motions[:, :-1], found.p, arrays.geometry, found.force)
-        self._keep(part, good, found.force, found.residual, motions[:, -1])
+        self._keep(members, good, found.force, found.residual, motions[:, -1])
         return np.asarray(~done)
 
-    def _follow(self, prepared: Prepared, near: _Nearness | None, part: NDArray[np.int64]) -> None:
+    def _follow(self, prepared: Prepared, near: _Nearness | None, members: NDArray[np.int64]) -> None:
         """Some members by the equations of the whole screw, through the compiled kernel."""
-        state, k = prepared.state, part.size
-        arrays = self._arrays(prepared.problem, part)
+        state, k = prepared.state, members.size
+        arrays = self._arrays(prepared.problem, members)
         forces, status, residual = np.empty(arrays.geometry.shape[:3]), np.empty(k, dtype=np.int64), np.empty(k)
         found = MemberStates(forces, status, residual, np.empty((k, *state.q.shape)), np.empty((k, *state.p.shape)))
         prepared.engine.ensemble(prepared.beam, prepared.contacts, state, prepared.options, arrays, found)
@@ -245,14 +245,14 @@ class _Batch:
         if near is not None:
             shift = found.q.reshape(k, -1) @ near.rows.T
             good &= near.clear(shift, found.p, arrays.geometry, found.force)
-        self._keep(part, good, found.force, found.residual, np.tensordot(found.q, prepared.beam.load, axes=2))
+        self._keep(members, good, found.force, found.residual, np.tensordot(found.q, prepared.beam.load, axes=2))
 
-    def _arrays(self, problem: Problem, part: NDArray[np.int64]) -> MemberArrays:
+    def _arrays(self, problem: Problem, members: NDArray[np.int64]) -> MemberArrays:
         """Some members as the kernels take them."""
-        drawn = self._of(part)
+        drawn = self._of(members)
         offset, closure = distances(self.scene, drawn)
-        geometry = np.empty((part.size, *problem.geometry.shape))
-        geometry[..., :4], geometry[..., 4], geometry[..., 5:] = offset, self.C[part], problem.geometry[..., 5:]
+        geometry = np.empty((members.size, *problem.geometry.shape))
+        geometry[..., :4], geometry[..., 4], geometry[..., 5:] = offset, self.C[members], problem.geometry[..., 5:]
         B = lever_arms(problem, drawn.centre) if len(drawn.centre) > 1 else problem.B[None]
         return MemberArrays(B, geometry, closure, drawn.ball_radius)
 

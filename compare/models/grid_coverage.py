@@ -69,8 +69,8 @@ def judges(store: Path) -> tuple[dict[str, dict[int, Array]], dict[str, Scene]]:
     """Loads ``(n, 4)`` [N] by level that a store keeps only to judge by, and the drawn scenes; empty without a record."""
     path = store / JUDGES
     data = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
-    drawn = {name: scene_file.loads(own.pop(SCENE), f"{name}.toml") for name, own in data.items() if SCENE in own}
-    return {name: {int(k): np.array(rows, float) for k, rows in own.items()} for name, own in data.items()}, drawn
+    drawn = {name: scene_file.loads(record.pop(SCENE), f"{name}.toml") for name, record in data.items() if SCENE in record}
+    return {name: {int(k): np.array(rows, float) for k, rows in by_level.items()} for name, by_level in data.items()}, drawn
 
 
 def levelled(study: Study) -> dict[str, dict[int, Array]]:
@@ -148,15 +148,15 @@ def _held(
 ) -> Held:
     name, level = scene.name, max(levels)
     family = SPOKEN_FOR.get(name, name)
-    others = {other: own for other, own in found.items() if SPOKEN_FOR.get(other, other) != family}
+    others = {other: levelled for other, levelled in found.items() if SPOKEN_FOR.get(other, other) != family}
     known = measured(others, sockets, beside)
     loads, judge = found[name], max(found[name])
     on, mean = moving(loads), mean_load(loads[judge])
     coarser = {k: loads[k] for k in levels}
-    told, off = parts(coarser, known), np.abs(error_percent(loads[level][on], loads[judge][on], mean))
-    beside_faces = left_out if told.by_experience else too_large
-    bars = told.bars(coarser) + error_percent(beside_faces(scene, loads[level], level), 0.0, mean)
-    return Held(name, level, judge, int(on.sum()), told.bar, int((off <= bars[on]).sum()), name not in SHIPPED)
+    grid, off = parts(coarser, known), np.abs(error_percent(loads[level][on], loads[judge][on], mean))
+    beside_faces = left_out if grid.by_experience else too_large
+    bars = grid.bars(coarser) + error_percent(beside_faces(scene, loads[level], level), 0.0, mean)
+    return Held(name, level, judge, int(on.sum()), grid.bar, int((off <= bars[on]).sum()), name not in SHIPPED)
 
 
 def share_of(rows: Sequence[Held]) -> float:

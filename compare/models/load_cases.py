@@ -67,10 +67,10 @@ class SolvedAxis:
             return {}
         on_housings = (Load(h.at, h.force, h.moment) for h in self.scene.housings)
         loads, out = (*self.scene.loads, *on_housings), {}
-        for s, own in zip(self.result.sets, self.answers.sets, strict=True):
-            if own is not None and s.balls is not None:
-                parts = replace(own.parts, name=self.scene.name, loads=loads, supports=self.scene.supports)
-                out[s.of.name] = OfSet(parts, s.balls.load, -s.force, own.loads)
+        for s, answers in zip(self.result.sets, self.answers.sets, strict=True):
+            if answers is not None and s.balls is not None:
+                parts = replace(answers.parts, name=self.scene.name, loads=loads, supports=self.scene.supports)
+                out[s.of.name] = OfSet(parts, s.balls.load, -s.force, answers.loads)
         return out
 
 

@@ -94,15 +94,15 @@ def closing(found: Reference) -> str:
 
     Per cents are rounded up.
     """
-    told, idle = list[tuple[str, float]](), list[int]()
+    steps, idle = list[tuple[str, float]](), list[int]()
     for row in level_rows(found):
-        good, time = row["enough_for_percent"], f"{row['seconds']:.0f} s"
-        if told and good > CLEARLY * told[-1][1]:
+        good, time = row["enough_for_percent"], f" ({row['seconds']:.0f} s)"
+        if steps and good > CLEARLY * steps[-1][1]:
             idle.append(row["level"])
             continue
-        own = f"level {row['level']}{' with those before it' if told else ''} for {_up(good)} %"
-        told.append((f"{own}{'' if told else ' of the mean contact load, by experience with other scenes'} ({time})", good))
-    (first, _), *others = told
+        text = f"level {row['level']}{' with those before it' if steps else ''} for {_up(good)} %"
+        steps.append((f"{text}{'' if steps else ' of the mean contact load, by experience with other scenes'}{time}", good))
+    (first, _), *others = steps
     rest = "".join(f", {text}" for text, _ in others)
     tail = f" Hardly better than the one before: level {', '.join(map(str, idle))}." if idle else ""
     return f"Enough: {first}{rest}.{tail}"
@@ -149,14 +149,14 @@ def quantity_table(found: Reference, base: Run | None, changed: Mapping[str, Run
         row |= {f"level {r.level}": v for r, v in zip(runs, values, strict=True)}
         if len(runs) >= 2:
             contact = _contact(take, runs[-1])
-            own = observe(values, found.sizes) if contact is None else None
-            bar = of_two.get(take, own.uncertainty) if own else float(found.uncertainty[contact])
+            observed = observe(values, found.sizes) if contact is None else None
+            bar = of_two.get(take, observed.uncertainty) if observed else float(found.uncertainty[contact])
             row |= {
-                "order": own and own.order,
-                "extrapolated": own and own.extrapolated,
+                "order": observed and observed.order,
+                "extrapolated": observed and observed.extrapolated,
                 "uncertainty": bar,
                 "uncertainty_percent": _percent(bar, values[-1]),
-                "kind": own.text if own else SCATTERS,
+                "kind": observed.text if observed else SCATTERS,
             }
         if base is not None and changed:
             moves = {v: abs(take(r) - take(base)) for v, r in changed.items()}

@@ -149,11 +149,11 @@ def total(scene: Scene, found: Reference, *, inputs: bool = True) -> Total:
 def beside_face(found: Reference) -> tuple[float, str]:
     """Largest part of a contact's uncertainty that is by a free face beside it [% of the mean load], and the contact; none
     where it is less than what discretisation leaves uncertain in all."""
-    own = np.zeros(1) if found.beside_face is None else error_percent(found.beside_face, 0.0, found.mean)
-    if own.max() <= found.parts.bar or not found.parts.bar:
+    share = np.zeros(1) if found.beside_face is None else error_percent(found.beside_face, 0.0, found.mean)
+    if share.max() <= found.parts.bar or not found.parts.bar:
         return 0.0, ""
-    ball, side = np.unravel_index(int(own.argmax()), own.shape)
-    return float(own.max()), f"ball {ball + 1} {SIDES[side]}"
+    ball, side = np.unravel_index(int(share.argmax()), share.shape)
+    return float(share.max()), f"ball {ball + 1} {SIDES[side]}"
 
 
 def second_order(scene: Scene, found: Reference) -> float:
@@ -183,8 +183,7 @@ def choices_of(found: Modelling) -> Choices:
 
 def spoken_for(name: str, known: Mapping[str, Choices]) -> Choices | None:
     """The choices that speak for a scene: of its own parts, or else the ones with the largest effect."""
-    own = known.get(SPOKEN_FOR.get(name, ""))
-    return own or max(known.values(), key=lambda c: c.percent, default=None)
+    return known.get(SPOKEN_FOR.get(name, "")) or max(known.values(), key=lambda c: c.percent, default=None)
 
 
 def save(store: Path, known: Mapping[str, Choices]) -> None:
@@ -195,4 +194,4 @@ def save(store: Path, known: Mapping[str, Choices]) -> None:
 @cache
 def read(store: Path) -> dict[str, Choices]:
     """The record of a store. Raises OSError, ValueError or TypeError without a whole one."""
-    return {name: Choices(**own) for name, own in json.loads((store / FILE).read_text(encoding="utf-8")).items()}
+    return {name: Choices(**fields) for name, fields in json.loads((store / FILE).read_text(encoding="utf-8")).items()}

@@ -136,8 +136,8 @@ def _change(loads: Levelled, level: int, other: int, finest: int) -> Array:
 def _sizes(level: int) -> Array:
     """Relative cells of the contact and of the bodies; of a level after the last by the ratios ``NEXT``."""
     last = max(LEVELS)
-    own = LEVELS[min(level, last)]
-    size = np.array([1.0 / own["b_over_h"], own["fine"] / LEVELS[PRODUCTION]["fine"]])
+    cells = LEVELS[min(level, last)]
+    size = np.array([1.0 / cells["b_over_h"], cells["fine"] / LEVELS[PRODUCTION]["fine"]])
     return np.asarray(size * np.power(NEXT, max(level - last, 0)))
 
 
@@ -181,7 +181,7 @@ def measured(found: Mapping[str, Levelled], sockets: float, known: Mapping[str, 
 
 def _holding(errors: Sequence[Array], least: float) -> float:
     """The bar that holds ``SHARE`` of all errors and ``least`` of those of every scene."""
-    return float(max(np.quantile(np.concatenate(errors), SHARE), *(np.quantile(own, least) for own in errors)))
+    return float(max(np.quantile(np.concatenate(errors), SHARE), *(np.quantile(of_scene, least) for of_scene in errors)))
 
 
 def save(store: Path, known: Experience) -> None:

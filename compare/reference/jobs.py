@@ -74,14 +74,13 @@ def plan(
     """Tasks of a study: the coarsest level of every geometry, which already says something, then the dearest of the rest;
     variants on their level, ablation on the coarsest."""
     tasks = []
-    for group in groups(scenes):
-        own = tuple(group)
-        tasks += [Task(own, level, ablate=ablate and level == min(LEVELS)) for level in levels]
+    for cases in map(tuple, groups(scenes)):
+        tasks += [Task(cases, level, ablate=ablate and level == min(LEVELS)) for level in levels]
         if source:
-            tasks.append(Task(own, SOURCE_LEVEL))
-        tasks += [Task(own[:1], VARIANTS[variant].level, variant) for variant in variants]
+            tasks.append(Task(cases, SOURCE_LEVEL))
+        tasks += [Task(cases[:1], VARIANTS[variant].level, variant) for variant in variants]
         if any(VARIANTS[variant].refined for variant in variants):
-            tasks.append(Task(own[:1], PRODUCTION, "base"))  # what choices refined alone are compared with
+            tasks.append(Task(cases[:1], PRODUCTION, "base"))  # what choices refined alone are compared with
     coarsest = min(levels, default=None)
     return sorted(tasks, key=lambda task: (task.level != coarsest or bool(task.variant), -expected(task).seconds))
 
@@ -158,14 +157,14 @@ def ensure(
     alone = here and (engine.workers or 1) == 1
     step(_announced(left, len(tasks) - len(left), store, engine.workers or 1, here=here))
     seconds = [expected(task).seconds for task in left]
-    told = [Progress(task, sum(seconds[k + 1 :])) for k, task in enumerate(left)]
-    jobs = [(perform, (task, store, step, own) if alone else (task, store)) for task, own in zip(left, told, strict=True)]
+    progress = [Progress(task, sum(seconds[k + 1 :])) for k, task in enumerate(left)]
+    jobs = [(perform, (task, store, step, p) if alone else (task, store)) for task, p in zip(left, progress, strict=True)]
     finished = 0
 
-    def reached(index: int, made: tuple[list[Run], CondensedBodies | None]) -> None:
+    def reached(index: int, outcome: tuple[list[Run], CondensedBodies | None]) -> None:
         nonlocal done, finished
         task = left[index]
-        runs, bodies = made
+        runs, bodies = outcome
         good = [(scene, run) for scene, run in zip(task.scenes, runs, strict=True) if run.answers]
         if not all(path_in(store, scene, run).exists() for scene, run in good):
             keep(store, task, runs, bodies)  # computed on a machine that does not share this folder
@@ -190,13 +189,13 @@ def ensure(
             if reader_gone():
                 interrupt_main()
                 return
-            stage = f"; {told[finished].under_way}" if alone and finished < len(left) else ""
+            stage = f"; {progress[finished].under_way}" if alone and finished < len(left) else ""
             step(f"... {perf_counter() - start:.0f} s, {finished} of {len(left)} done{stage}")
 
     threading.Thread(target=pulse, daemon=True).start()
     try:
-        for number, made in parallel.as_done(jobs, engine.backend, engine.scheduler, engine.workers):
-            reached(number, made)
+        for number, outcome in parallel.as_done(jobs, engine.backend, engine.scheduler, engine.workers):
+            reached(number, outcome)
     except KeyboardInterrupt:
         if reader_gone():
             raise BrokenPipeError from None

@@ -51,7 +51,7 @@ def _expected(assembly: Assembly, bodies: Sequence[Scene]) -> tuple[ExpectedCont
         found = expected_by_set(assembly)
         carried = np.concatenate([e.load[e.load > 0.0] for e in found])
         light = 0.1 * float(carried.mean()) if carried.size else 0.0
-        return tuple(e if e.load.any() else carrying(own, e, light) for own, e in zip(bodies, found, strict=True))
+        return tuple(e if e.load.any() else carrying(body, e, light) for body, e in zip(bodies, found, strict=True))
     except ValueError as error:
         raise refused(assembly, error) from error
 
@@ -68,17 +68,17 @@ def set_ups(assemblies: Sequence[Assembly], level: int) -> tuple[SetUp, ...]:
         raise refused(assemblies[0], error) from error
     found = [*zip(*(_expected(assembly, bodies) for assembly in assemblies), strict=True)]
     shared: dict[tuple[Scene, tuple[int, ...]], list[int]] = {}
-    for k, own in enumerate(bodies):
+    for k, body in enumerate(bodies):
         sides = tuple(sorted({side for e in found[k] for touching in e.sides() for side in (touching, 3 - touching)}))
-        shared.setdefault((own, sides), []).append(k)
+        shared.setdefault((body, sides), []).append(k)
     out = []
-    for (own, sides), sets in shared.items():
-        sizes = scaled(level, own.balls.radius, ())
+    for (body, sides), sets in shared.items():
+        sizes = scaled(level, body.balls.radius, ())
         semi, reach = ([rounded(getattr(e, name)()) for k in sets for e in found[k]] for name in ("semi", "reach"))
         sizes["semi"] = (min(a for a, _ in semi), min(b for _, b in semi))
         sizes["reach"] = (max(a for a, _ in reach), max(b for _, b in reach))
         sizes["element"] = "P1" if level == SOURCE_LEVEL else "Q2"
-        out.append(SetUp(own, sides, Settings(**sizes), tuple(sets)))
+        out.append(SetUp(body, sides, Settings(**sizes), tuple(sets)))
     return tuple(out)
 
 
@@ -101,7 +101,7 @@ def serves_sets(assembly: Assembly, level: int, settings: Mapping[str, Any]) -> 
     except Refusal:
         return False
     found = settings.get("sets", ())
-    return len(found) == len(wanted) and all(_serves(own, need) for own, need in zip(found, wanted, strict=True))
+    return len(found) == len(wanted) and all(_serves(kept, need) for kept, need in zip(found, wanted, strict=True))
 
 
 def _serves(found: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:

@@ -80,17 +80,17 @@ def serves(scene: Solvable, level: int, variant: str, settings: Mapping[str, Any
         return serves_sets(scene, level, settings)
     changed = VARIANTS[variant].change(scene) if variant else scene
     try:
-        own, needed = asdict(settings_of([changed], level, variant)), needed_sides(changed)
+        wanted, needed = asdict(settings_of([changed], level, variant)), needed_sides(changed)
     except InputError:
         return False
     found = plain(settings)
-    same = _but_sizes({k: v for k, v in found.items() if k in own}) == _but_sizes(own)
+    same = _but_sizes({k: v for k, v in found.items() if k in wanted}) == _but_sizes(wanted)
     fits = {"semi", "reach"} <= set(found) and set(needed) <= set(sides)
     return bool(
         same
         and fits
-        and all(x <= y for x, y in zip(found["semi"], own["semi"], strict=True))
-        and all(x >= y for x, y in zip(found["reach"], own["reach"], strict=True))
+        and all(x <= y for x, y in zip(found["semi"], wanted["semi"], strict=True))
+        and all(x >= y for x, y in zip(found["reach"], wanted["reach"], strict=True))
     )
 
 

@@ -43,7 +43,7 @@ def read_axis(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) ->
         return parts
     cycle = duty_cycle(parts, keys.cases)
     each = zip(cycle.cases, keys.cases, strict=True)
-    cycle = replace(cycle, cases=tuple(replace(case, scene=_on_housings(case.scene, own)) for case, own in each))
+    cycle = replace(cycle, cases=tuple(replace(case, scene=_on_housings(case.scene, given)) for case, given in each))
     refuse(origin, raw, [of_case(f, k) for k, case in enumerate(cycle.cases) for f in _case_faults(case.scene)])
     return cycle
 
@@ -137,8 +137,8 @@ def _choice_faults(keys: AxisKeys) -> Iterator[Fault]:
     names = [h.name for h in keys.housings]
     of_cases = [(f"cases[{k}].housings", [h.name for h in case.housings]) for k, case in enumerate(keys.cases)]
     for table, given in (("sets", [s.name for s in keys.sets]), ("housings", names), *of_cases):
-        for i, own in enumerate(given):
-            if own in given[:i]:
+        for i, label in enumerate(given):
+            if label in given[:i]:
                 yield Fault((f"{table}[{i}].name",), "a name of its own", "results are told apart by it: change one")
     known = ", ".join(names) or "none is described"
     asked: list[tuple[str, str | None]] = [(f"sets[{i}].housing", s.housing) for i, s in enumerate(keys.sets)]
@@ -225,21 +225,21 @@ def _stiffness(keys: StiffKeys) -> Stiffness | None:
 def _scene_keys(keys: AxisKeys, one: SetKeys) -> SceneKeys:
     """Keys of one set as a scene: the shaft with this set's inner groove."""
     shaft = keys.screw
-    own: dict[str, Any] = {n: getattr(shaft, n) for n in ScrewKeys.model_fields}
+    fields: dict[str, Any] = {n: getattr(shaft, n) for n in ScrewKeys.model_fields}
     if one.screw is not None:
-        own["material"] = one.screw.material or own["material"]
-        own["outer_diameter"] = one.screw.outer_diameter or own["outer_diameter"]
-        own |= {"groove_radius": one.screw.groove_radius, "conformity": one.screw.conformity}
+        fields["material"] = one.screw.material or fields["material"]
+        fields["outer_diameter"] = one.screw.outer_diameter or fields["outer_diameter"]
+        fields |= {"groove_radius": one.screw.groove_radius, "conformity": one.screw.conformity}
     nut = one.nut
     if one.pair_rigidity is not None and nut is not None:  # until it is known
-        own |= {"groove_radius": None, "conformity": USUAL}
+        fields |= {"groove_radius": None, "conformity": USUAL}
         nut = nut.model_copy(update={"conformity": USUAL})
     ingredients = IngredientKeys().model_copy(update=keys.ingredients.model_dump())
     return SceneKeys.model_construct(
         title=keys.title,
         material=keys.material,
         track=one.track,
-        screw=ScrewKeys.model_construct(**own),
+        screw=ScrewKeys.model_construct(**fields),
         nut=nut,
         balls=one.balls,
         errors=one.errors,
@@ -258,11 +258,11 @@ def _set(keys: AxisKeys, i: int, raw: Mapping[str, Any], origin: str) -> Rolling
         row = RollerRow(r.count, r.diameter, r.length, r.cup_angle, r.roller_angle, r.ring_depth, material)
         row = replace(row, slices=r.slices, crown=float("inf") if r.crown is None else r.crown)
         return RollingSet(*shared, row, one.position or 0.0, one.housing, one.offset, one.preload, thrust)  # type: ignore[arg-type]
-    own = _scene_keys(keys, one)
+    scene_keys = _scene_keys(keys, one)
     if "seed" not in one.errors.model_fields_set:  # sets without a seed of their own do not draw the same errors
-        own = own.model_copy(update={"errors": one.errors.model_copy(update={"seed": i})})
-    refuse(origin, raw, [_blamed(f, i, raw) for f in choice_faults(own)])
-    scene = with_conformity(scene_of(own, one.name), one, origin, f"sets[{i}]")
+        scene_keys = scene_keys.model_copy(update={"errors": one.errors.model_copy(update={"seed": i})})
+    refuse(origin, raw, [_blamed(f, i, raw) for f in choice_faults(scene_keys)])
+    scene = with_conformity(scene_of(scene_keys, one.name), one, origin, f"sets[{i}]")
     refuse(origin, raw, [_blamed(f, i, raw) for f in geometry_faults(scene)])
     if one.thrust is None and is_one_arc(scene):
         scene, thrust = as_one_arc(scene), "deep groove"
@@ -275,8 +275,8 @@ def _blamed(fault: Fault, i: int, raw: Mapping[str, Any]) -> Fault:
     inner = "screw" in raw["sets"][i]
     keys = []
     for k in fault.keys:
-        own = k.split(".")[0] in ("track", "nut", "balls", "errors") or (k.startswith("screw") and inner)
-        keys.append(f"sets[{i}].{k}" if own else k)
+        of_set = k.split(".")[0] in ("track", "nut", "balls", "errors") or (k.startswith("screw") and inner)
+        keys.append(f"sets[{i}].{k}" if of_set else k)
     return replace(fault, keys=tuple(keys))
 
 

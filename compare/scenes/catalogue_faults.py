@@ -51,10 +51,10 @@ def _circuits(keys: SceneKeys) -> Iterator[Fault]:
         advice = "makers rarely print it: measure from ball to ball on a drawing, 0.3 to 1 turns are usual"
         value = f"{circuits} without circuit_gap"
         yield Fault(("balls.circuits",), "circuit_gap with it, the turns without balls between circuits", advice, value)
-    own = 1 if keys.circulation is None else keys.circulation.circuits
-    if (keys.circulation is not None or keys.time is not None) and own != circuits:
+    stated = 1 if keys.circulation is None else keys.circulation.circuits
+    if (keys.circulation is not None or keys.time is not None) and stated != circuits:
         advice = f"[balls] has {circuits} circuits of each start: write circuits = {circuits} under [circulation]"
-        yield Fault(("circulation.circuits", "circulation", "time"), str(circuits), advice, str(own))
+        yield Fault(("circulation.circuits", "circulation", "time"), str(circuits), advice, str(stated))
 
 
 def _preload(keys: SceneKeys) -> Iterator[Fault]:

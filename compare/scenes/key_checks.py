@@ -96,9 +96,9 @@ def _holding_faults(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def _material_faults(keys: SceneKeys, part: str) -> Iterator[Fault]:
-    own = getattr(keys, part).material
+    material = getattr(keys, part).material
     for name, unit in (("youngs_modulus", '"210 GPa"'), ("poissons_ratio", "0.28")):
-        if getattr(own, name, None) is None and getattr(keys.material, name) is None:
+        if getattr(material, name, None) is None and getattr(keys.material, name) is None:
             where = f"{part}.material.{name}"
             advice = f"write {name} = {unit} under [material] for all parts, or in {part}.material"
             yield Fault((where,), "a value here or under [material]", advice, "nothing")

@@ -55,7 +55,7 @@ def _wrong(schema: dict[str, Any], fault: Any) -> Said:
     node = node_at(schema, where)
     allowed = str(context.get("allowed") or _allowed(node))
     advice = str(context.get("advice") or _advice(node, str(where[-1]) if where else "", kind, fault["input"]))
-    other = next((o for own, (o, *_) in ALIASES.items() if _path(where) == own and o.endswith("diameter")), "")
+    other = next((o for key, (o, *_) in ALIASES.items() if _path(where) == key and o.endswith("diameter")), "")
     if kind == "missing" and other:
         advice += f", or {other.split('.')[-1]}"
     return Said(_path(where), "nothing" if kind == "missing" else show(fault["input"]), allowed, advice)
@@ -64,16 +64,16 @@ def _wrong(schema: dict[str, Any], fault: Any) -> Said:
 def node_at(schema: dict[str, Any], where: Sequence[int | str]) -> dict[str, Any]:
     """The part of the JSON Schema that describes the key at ``where`` (empty if there is none)."""
     node: dict[str, Any] = schema
-    for part in (*where, None):
+    for key in (*where, None):
         if "$ref" in node:
             target = schema["$defs"][node["$ref"].rsplit("/", 1)[1]]
             node = target | {k: v for k, v in node.items() if k in ("description", "examples")}
-        if part is None:
+        if key is None:
             break
-        if isinstance(part, int):
+        if isinstance(key, int):
             node = node.get("items", {})
         else:
-            node = node.get("properties", {}).get(part) or node.get("additionalProperties") or {}
+            node = node.get("properties", {}).get(key) or node.get("additionalProperties") or {}
     return node
 
 

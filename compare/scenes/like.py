@@ -53,10 +53,10 @@ def double_nut_like(size: str) -> str:
     return _tidy("".join((head, *nuts)), values)
 
 
-def _text(name: str, values: Mapping[str, Any], **more: object) -> str:
+def _text(name: str, values: Mapping[str, Any], **words: object) -> str:
     """A text of the folder ``like_texts``, filled; ``{assumed}`` in it is what every size assumes."""
     text = data.text(f"scenes/like_texts/{name}.txt")
-    return text.replace("{assumed}", data.text("scenes/like_texts/assumed.txt")).format(**values, **more)
+    return text.replace("{assumed}", data.text("scenes/like_texts/assumed.txt")).format(**values, **words)
 
 
 def _tidy(text: str, values: dict[str, Any]) -> str:

@@ -40,18 +40,18 @@ def _scene(scene: Scene | Assembly, keys: CaseKeys) -> Scene | Assembly:
     motion = scene.motion
     if keys.speed is not None:
         motion = Motion(keys.speed) if motion is None else replace(motion, speed=keys.speed)
-    own = replace(
+    case = replace(
         scene,
         name=f"{scene.name}-{keys.name}",
         loads=scene.loads if keys.loads is None else tuple(map(load_of, keys.loads)),
         supports=tuple(_displaced(s, keys) for s in scene.supports),
         motion=motion,
     )
-    if isinstance(own, Scene):
-        return replace(own, errors=_errors(own, keys))
-    each = ((s, s.parts) for s in own.sets)
+    if isinstance(case, Scene):
+        return replace(case, errors=_errors(case, keys))
+    each = ((s, s.parts) for s in case.sets)
     sets = (replace(s, parts=replace(p, errors=_errors(p, keys))) if isinstance(p, Scene) else s for s, p in each)
-    return replace(own, sets=tuple(sets))
+    return replace(case, sets=tuple(sets))
 
 
 def _errors(scene: Scene, keys: CaseKeys) -> Errors:
@@ -133,6 +133,6 @@ def _support_faults(keys: SceneKeys | AxisKeys, case: CaseKeys, where: str) -> I
 
 def of_case(fault: Fault, k: int) -> Fault:
     """A fault of the scene of case number ``k``, blamed on the keys of the case where it has them."""
-    own = tuple(f"cases[{k}].{key}" for key in fault.keys if key.startswith(("loads", "supports")))
-    oversize = () if own else (f"cases[{k}].oversize",)
-    return replace(fault, keys=(*own, *oversize, *fault.keys))
+    blamed = tuple(f"cases[{k}].{key}" for key in fault.keys if key.startswith(("loads", "supports")))
+    oversize = () if blamed else (f"cases[{k}].oversize",)
+    return replace(fault, keys=(*blamed, *oversize, *fault.keys))

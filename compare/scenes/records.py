@@ -115,7 +115,7 @@ def _flange(nut: NutKeys) -> Flange | None:
 
 def friction_of(keys: FrictionKeys) -> Friction:
     """Coefficients of a scene."""
-    screw, nut = (keys.coefficient if own is None else own for own in (keys.screw, keys.nut))
+    screw, nut = (keys.coefficient if given is None else given for given in (keys.screw, keys.nut))
     if screw is None or nut is None:  # choice_faults has refused this
         raise AssertionError("a groove without a coefficient")
     assumed, feedback, neighbours = tuple(map(escaped, keys.assumed)), keys.feedback, keys.neighbours
@@ -128,11 +128,11 @@ def friction_of(keys: FrictionKeys) -> Friction:
     return Friction(screw, nut, assumed, feedback, keys.balls, neighbours)
 
 
-def material_of(own: MaterialKeys | None, default: MaterialKeys) -> Material:
+def material_of(keys: MaterialKeys | None, default: MaterialKeys) -> Material:
     """A part's material, what it does not say taken from the scene's."""
-    own = own or default
-    modulus = default.youngs_modulus if own.youngs_modulus is None else own.youngs_modulus
-    ratio = default.poissons_ratio if own.poissons_ratio is None else own.poissons_ratio
+    keys = keys or default
+    modulus = default.youngs_modulus if keys.youngs_modulus is None else keys.youngs_modulus
+    ratio = default.poissons_ratio if keys.poissons_ratio is None else keys.poissons_ratio
     if modulus is None or ratio is None:  # choice_faults has refused this
         raise AssertionError("material without a value")
     return Material(modulus, ratio)

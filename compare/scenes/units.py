@@ -204,8 +204,8 @@ def _ask_pint(unit: str) -> tuple[str, str]:
     registry = _registry()
     factor = 1.0
     powers: dict[str, float] = {}
-    for i, part in enumerate(re.split(r"\s*/\s*", unit)):
-        for name in part.split() or [""]:
+    for i, product in enumerate(re.split(r"\s*/\s*", unit)):
+        for name in product.split() or [""]:
             match = _FACTOR.fullmatch(name)
             if match is None:
                 return "", "1"

@@ -129,13 +129,13 @@ def compared(
     """
     answers, expected, starts = [], {}, {}
     for model in models:
-        own = answer_of(model, scene, found, stores) if of is None else answered(of, model.name)
-        if isinstance(own, str):
-            raise Refusal(found.scene, "model", f"{model.name}: {own}", "choose another one with --model")
-        answers.append(from_result(own.result, own.seconds))
-        starts[answers[-1].model] = unloaded_place(scene, own.bare)
-        if own.result.converged:
-            expected[model.name] = estimate(own.scene, own.result, others_than(scene))
+        solved = answer_of(model, scene, found, stores) if of is None else answered(of, model.name)
+        if isinstance(solved, str):
+            raise Refusal(found.scene, "model", f"{model.name}: {solved}", "choose another one with --model")
+        answers.append(from_result(solved.result, solved.seconds))
+        starts[answers[-1].model] = unloaded_place(scene, solved.bare)
+        if solved.result.converged:
+            expected[model.name] = estimate(solved.scene, solved.result, others_than(scene))
     others = reference_answers(found, None if of is not None else load(scene, SOURCE_LEVEL, stores=tuple(stores)))
     answers += [answer for answer in others if not is_itself(answer, found)]
     answers += [] if ours is None else [from_run(ours.best, OURS)]
@@ -187,10 +187,10 @@ def answers_json(whole: Comparison, found: Reference) -> dict[str, Any]:
 
 def answers_table(whole: Comparison) -> RenderableType:
     """Ten answers of the model that the verdict speaks of beside those of the reference."""
-    own, reference = answers_of(whole.spoken), answers_of(whole.itself)
+    spoken, reference = answers_of(whole.spoken), answers_of(whole.itself)
     rows = []
     for group, q in ANSWERS:
-        value, ref = (None if side[group] is None else side[group][q.key] for side in (own, reference))
+        value, ref = (None if side[group] is None else side[group][q.key] for side in (spoken, reference))
         off = None if value is None or not ref else float(error_percent(value, ref))
         unit = f"({q.unit})" if "/" in q.unit else q.unit
         cells = cell(value, q.format), cell(ref, q.format), cell(off, "+.2f")

@@ -28,20 +28,20 @@ def together_json(cycle: DutyCycle, each: Compared) -> list[dict[str, Any]]:
 
 
 def _of_set(cycle: DutyCycle, name: str, each: Compared) -> dict[str, Any]:
-    found = [(case, each[case.scene.name, name]) for case in cycle.cases]
-    errors = [(whole.spoken.error.max_percent, case.name) for case, whole in found if whole.spoken.error is not None]
+    by_case = [(case, each[case.scene.name, name]) for case in cycle.cases]
+    errors = [(whole.spoken.error.max_percent, case.name) for case, whole in by_case if whole.spoken.error is not None]
     error, worst = max(errors, default=(None, None))
     lives = {}
-    for label in ("3D reference", *(b.label for b in found[0][1].models)):
-        of_case = [{b.label: b for b in (whole.itself, *whole.models)}.get(label) for _, whole in found]
+    for label in ("3D reference", *(b.label for b in by_case[0][1].models)):
+        of_case = [{b.label: b for b in (whole.itself, *whole.models)}.get(label) for _, whole in by_case]
         rated, _ = cycle_life(cycle, name, [None if b is None else b.answer.load for b in of_case])
         lives[label] = None if rated is None else number(rated.revolutions)
-    own, reference = lives[found[0][1].spoken.label], lives["3D reference"]
-    off = None if own is None or reference is None else float(error_percent(own, reference))
+    predicted, reference = lives[by_case[0][1].spoken.label], lives["3D reference"]
+    off = None if predicted is None or reference is None else float(error_percent(predicted, reference))
     return {
         "scene": cycle.name,
         **({"set": name} if name else {}),
-        "model": found[0][1].spoken.label,
+        "model": by_case[0][1].spoken.label,
         "largest_error_percent": error,
         "largest_error_case": worst,
         "life_million_revolutions": lives,

@@ -116,10 +116,10 @@ def checked(report: Path, stores: Sequence[Path]) -> Iterator[Checked]:
         raise InputError(str(folder / FILE), "file", str(error), "a manifest", "write the report again") from None
     names = [name.removeprefix(SCENE) for name in manifest["inputs"] if name.startswith(SCENE)]
     texts = {name: catalogue.scene_text(name) for name in names if name in catalogue.scene_names()}
-    for stated, found in ((manifest["files"], hashes(folder)), (manifest["inputs"], inputs(stores, texts))):
+    for stated, computed in ((manifest["files"], hashes(folder)), (manifest["inputs"], inputs(stores, texts))):
         for name, value in stated.items():
-            now = found.get(name, "")
-            state = "missing" if not now else "ok" if now == value else "changed"
-            yield Checked(name, state, str(value), "" if state == "ok" else now)
+            present = computed.get(name, "")
+            state = "missing" if not present else "ok" if present == value else "changed"
+            yield Checked(name, state, str(value), "" if state == "ok" else present)
     for name in hashes(folder).keys() - manifest["files"].keys():
         yield Checked(name, "added", "", "")

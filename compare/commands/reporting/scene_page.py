@@ -71,16 +71,16 @@ def make_page(name: str, out: Path, store: Path, reference: Path | None = None) 
     return page
 
 
-def page_of(name: str, stores: Sequence[Path], own: Path | None = None) -> ScenePage:
+def page_of(name: str, stores: Sequence[Path], file: Path | None = None) -> ScenePage:
     """The page of a scene, or of its load cases; own: file of the user's own reference. Raises InputError and Refusal as
     `make_page`."""
     described = catalogue.any_scene(name)
     if not isinstance(described, DutyCycle):
-        return _page_of_scene(name, scene_file.whole(described, name), stores, own)
-    return _page_of_cases(name, described, stores, own)
+        return _page_of_scene(name, scene_file.whole(described, name), stores, file)
+    return _page_of_cases(name, described, stores, file)
 
 
-def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], own: Path | None) -> ScenePage:
+def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], file: Path | None) -> ScenePage:
     """The page of the most pressed load case, with what all cases say together above it."""
     scenes = {case.name: scene_file.whole(case.scene, name) for case in cycle.cases}
     solved = [solve_one(scene, DEFAULT, Options()) for scene in scenes.values()]
@@ -88,37 +88,37 @@ def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], own: Pat
     if whole.pressure is None:
         raise Refusal(name, "cases", "no case carries load, or converges", "see: rollbench solve")
     worst = whole.pressure.case
-    page = _page_of_scene(name, scenes[worst], stores, own, worst)
+    page = _page_of_scene(name, scenes[worst], stores, file, worst)
     data = cases_json(cycle, solved, whole)
     rows: list[Row] = [
         {Quantity(key, key, "", "s" if key == "case" else "g4"): value for key, value in row.items()}
         for row in case_rows(data["cases"])
     ]
-    told = [(label, text) for label, text in together_entries(whole)]
+    answers = together_entries(whole)
     table = Table.of("cases", "Load cases", rows, "Life of each case by itself; what follows is of the worst case.")
     lost = "".join(f" Case {one} has no loads: {status}." for one, status in whole.unsolved.items())
-    life_said = dict(told)["life"]
+    life_said = dict(answers)["life"]
     return replace(
         page,
         title=cycle.title,
         subtitle=f"{cycle.name}, {len(solved)} load cases: {page.subtitle.partition(': ')[2]}; below, case {worst}",
         verdict=f"Of {len(solved)} load cases {worst} is the worst. {page.verdict} Life: {life_said}.{lost}",
-        answers=[*told, *((f"{worst}: {label}", text) for label, text in page.answers)],
+        answers=[*answers, *((f"{worst}: {label}", text) for label, text in page.answers)],
         parts=(Section("cases", "Load cases", (table,)), *page.parts),
         results=data,
     )
 
 
 def _page_of_scene(
-    name: str, scene: Scene, stores: Sequence[Path], own: Path | None = None, case: str | None = None
+    name: str, scene: Scene, stores: Sequence[Path], file: Path | None = None, case: str | None = None
 ) -> ScenePage:
     """The page of one load case of the file or shipped scene of that name."""
     study, warnings = Study(stores, scenes={scene.name: scene}), list[str]()
-    given = None if own is None else judged_by(own, scene, warnings.append, case=case)[0].found
+    given = None if file is None else judged_by(file, scene, warnings.append, case=case)[0].found
     options = Options()
     one = solve_one(scene, DEFAULT, options)
-    result, found, worth = one.result, one.answers, one.expected
-    if found is None or worth is None:
+    result, answers, worth = one.result, one.answers, one.expected
+    if answers is None or worth is None:
         raise Refusal(name, "scene", result.status, "see: rollbench solve")
     tangent = tangent_of(scene, scene.nut.position, DEFAULT, options)
     stored = study.reference(scene.name)
@@ -128,7 +128,7 @@ def _page_of_scene(
     sections = (
         Section("scene", "The scene", (sketch_of(scene, "sketch", SKETCH),)),
         _loads(scene, result, [reference for reference in (given, stored) if reference is not None]),
-        _stiffness(found, tangent),
+        _stiffness(answers, tangent),
         *(part for make in offered("friction of a page") if (part := make(scene, result, options)) is not None),
         _error(scene, worth, judged, stored, None if given is None else against(given, result)),
         _notes(result, warnings),
@@ -136,11 +136,11 @@ def _page_of_scene(
     return ScenePage(
         scene.title,
         f"{scene.name}: contact loads, stiffness, pressure, friction and life by rollbench, model {DEFAULT}",
-        verdict(found, worth, judged, stored, None if given is None else against(given, result)),
-        entries(scene, result, found, worth, speed),
+        verdict(answers, worth, judged, stored, None if given is None else against(given, result)),
+        entries(scene, result, answers, worth, speed),
         _picture(scene, result),
         sections,
-        _provenance(name, scene, text, stored, own),
+        _provenance(name, scene, text, stored, file),
         text,
         case_json(one),
         _files(scene, stored, stores),
@@ -205,9 +205,9 @@ def _loads(scene: Scene, result: StaticResult, references: Sequence[Reference]) 
             continue
         series = [Series(DEFAULT, balls, result.load[:, s].tolist(), "line+markers", emphasis=True)]
         for reference in references:
-            own, bar = reference.load[:, s], reference.uncertainty[:, s]
-            ends = (own - bar).tolist(), (own + bar).tolist()
-            series.append(Series(reference.label, balls, own.tolist(), "markers", bars=ends))
+            load, bar = reference.load[:, s], reference.uncertainty[:, s]
+            ends = (load - bar).tolist(), (load + bar).tolist()
+            series.append(Series(reference.label, balls, load.tolist(), "markers", bars=ends))
         panels.append(Panel(f"screw's flank {side}", "ball", "contact load / N", tuple(series), zero=True, integer_x=True))
     rows: list[Row] = []
     for i, s in zip(*np.nonzero(result.load > 0.0), strict=True):
@@ -289,8 +289,8 @@ def _error(
         items.append(Table.of("measured", "Measured error and its uncertainty", rows, note))
     else:
         items.append(Text(("Not measured: no run of the 3D reference is stored for this scene (rollbench mesh-study).",)))
-    told = model_form_text(worth)
-    items.append(Text((told[:1].upper() + told[1:] + ".",)))
+    expected = model_form_text(worth)
+    items.append(Text((expected[:1].upper() + expected[1:] + ".",)))
     try:
         items += [range_table(scene), range_figure(scene)]
     except ValueError as error:
@@ -328,7 +328,7 @@ def _files(scene: Scene, reference: Reference | None, stores: Sequence[Path]) ->
     return out | {path.name: sha256(path.read_bytes()) for path in paths if path.exists()}
 
 
-def _provenance(name: str, scene: Scene, text: str, reference: Reference | None, own: Path | None = None) -> dict[str, str]:
+def _provenance(name: str, scene: Scene, text: str, reference: Reference | None, file: Path | None) -> dict[str, str]:
     out = {
         "scene": f"{Path(name).name}, SHA-256 {sha256(text)}",
         "rollbench": f"{__version__}, commit {commit()}",
@@ -342,8 +342,8 @@ def _provenance(name: str, scene: Scene, text: str, reference: Reference | None,
             f"level {r.level} of {r.date}, rollbench {r.versions.get('rollbench', '?')}" for r in reference.runs
         )
         out["3D reference"] = runs
-    if own is not None:
-        out["reference"] = f"{own.name}, SHA-256 {sha256(own.read_bytes())}"
+    if file is not None:
+        out["reference"] = f"{file.name}, SHA-256 {sha256(file.read_bytes())}"
     if scene.source:
         out["source"] = scene.source
     return out

@@ -40,19 +40,19 @@ def read(report: Path) -> tuple[str, dict[str, Any]]:
 def checked(html: str, blocks: dict[str, Any], stores: Sequence[Path]) -> Iterator[Checked]:
     """Every hash of a manifest beside the one computed now: of the page, what it carries, sources, stored files."""
     manifest = blocks["manifest"]
-    own = {
+    hashes = {
         "page": sha256(without_manifest(html)),
         "scene": sha256(blocks["scene"]),
         "results": results_hash(blocks["results"]),
     }
-    for name, found in own.items():
+    for name, computed in hashes.items():
         stated = str(manifest.get(name, ""))
-        yield Checked(name, "ok" if stated == found else "changed", stated, "" if stated == found else found)
+        yield Checked(name, "ok" if stated == computed else "changed", stated, "" if stated == computed else computed)
     for name, stated in dict(manifest.get("files", {})).items():
         paths = [p for store in stores if (p := store / Path(name).name).is_file()]
-        found = sources_hash() if name == SOURCES else sha256(paths[0].read_bytes()) if paths else ""
-        state = "missing" if not found else "ok" if found == stated else "changed"
-        yield Checked(name, state, str(stated), "" if state == "ok" else found)
+        computed = sources_hash() if name == SOURCES else sha256(paths[0].read_bytes()) if paths else ""
+        state = "missing" if not computed else "ok" if computed == stated else "changed"
+        yield Checked(name, state, str(stated), "" if state == "ok" else computed)
 
 
 def run_verify(report: Path, store: Path) -> Answer:

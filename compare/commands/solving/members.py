@@ -63,18 +63,18 @@ def _rows(path: Path | None, names: Sequence[str]) -> Iterator[Callable[[list[An
     if path is None:
         yield lambda *_: None
         return
-    part = path.with_name(f".{path.name}.part")
+    unfinished = path.with_name(f".{path.name}.part")
     try:
-        with part.open("w", encoding="utf-8", newline="") as file:
+        with unfinished.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file)
             writer.writerow(names)
             yield writer.writerow
-        os.replace(part, path)
+        os.replace(unfinished, path)
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(str(path), "--csv", reason, "a file that can be written", "check the path") from None
     finally:
-        part.unlink(missing_ok=True)
+        unfinished.unlink(missing_ok=True)
 
 
 def as_json(found: Members) -> dict[str, Any]:
@@ -87,20 +87,20 @@ def as_json(found: Members) -> dict[str, Any]:
     seed = _seeds(found.scene) if isinstance(found.scene, Assembly) else found.scene.errors.seed
     head = {"scene": found.scene.name, "model": found.model, "seed": seed}
     kept = {"statistics": {key: statistics(found.kept[:, k]) for k, key in enumerate(WHOLE if several else KEPT)}}
-    own = [x for one in rows for x in one]
+    balls = [x for one in rows for x in one]
     if isinstance(found.scene, Assembly):
         counts["sets"] = _sets(found, found.scene)
-        own = [
+        balls = [
             {"set": i + 1, **x}
             for i, place in enumerate(found.balls)
             if place is not None
             for one in rows[place]
             for x in one
         ]
-        for row in own:
+        for row in balls:
             place = found.balls[row["set"] - 1]
             row["index"] -= 0 if place is None else place.start
-    return {**head, **counts, **kept, "band_resolution_N": number(found.bands.width), "balls": own}
+    return {**head, **counts, **kept, "band_resolution_N": number(found.bands.width), "balls": balls}
 
 
 def _seeds(assembly: Assembly) -> list[int | None]:
@@ -109,10 +109,10 @@ def _seeds(assembly: Assembly) -> list[int | None]:
 
 def _sets(found: Members, assembly: Assembly) -> list[dict[str, Any]]:
     """Statistics of each set."""
-    parts = np.split(found.kept[:, len(WHOLE) :], len(assembly.sets), axis=1)
+    by_set = np.split(found.kept[:, len(WHOLE) :], len(assembly.sets), axis=1)
     return [
-        {"set": i + 1, "name": s.name, "statistics": {key: statistics(own[:, k]) for k, key in enumerate(OF_SET)}}
-        for i, (s, own) in enumerate(zip(assembly.sets, parts, strict=True))
+        {"set": i + 1, "name": s.name, "statistics": {key: statistics(kept[:, k]) for k, key in enumerate(OF_SET)}}
+        for i, (s, kept) in enumerate(zip(assembly.sets, by_set, strict=True))
     ]
 
 
@@ -141,12 +141,12 @@ def _balls(bands: Bands) -> list[list[dict[str, Any]]]:
 
 def _statistics(title: str, headings: Mapping[str, str], rows: Mapping[str, dict[str, Any] | None]) -> Any:
     table = []
-    for key, own in rows.items():
-        if own is None:
+    for key, stats in rows.items():
+        if stats is None:
             continue
-        q = {row["level"]: f"{row['value']:.4g} ({row['low']:.4g} to {row['high']:.4g})" for row in own["quantiles"]}
-        first = (f"{own[k]:.4g}" for k in ("mean", "standard_error", "standard_deviation", "smallest"))
-        table.append([headings[key], *first, q[0.05], q[0.5], q[0.95], q[0.99], f"{own['largest']:.4g}"])
+        q = {row["level"]: f"{row['value']:.4g} ({row['low']:.4g} to {row['high']:.4g})" for row in stats["quantiles"]}
+        first = (f"{stats[k]:.4g}" for k in ("mean", "standard_error", "standard_deviation", "smallest"))
+        table.append([headings[key], *first, q[0.05], q[0.5], q[0.95], q[0.99], f"{stats['largest']:.4g}"])
     heads = ("", "mean", "standard error", "deviation", "smallest", "5 %", "median", "95 %", "99 %", "largest")
     return ruled(title, heads, table, ("",))
 

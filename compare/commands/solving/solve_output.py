@@ -115,9 +115,9 @@ def model_form_words(m: ModelForm) -> str:
         "rigidity": m.rigidity_percent,
         "largest pressure": m.pressure_percent,
     }
-    more = "".join(f", {name} {value:.1f} %" for name, value in others.items() if value is not None)
+    further = "".join(f", {name} {value:.1f} %" for name, value in others.items() if value is not None)
     return (
-        f"to expect: {m.percent:.1f} % of the mean load on the worst contact, {m.rms_percent:.1f} % RMS{more} "
+        f"to expect: {m.percent:.1f} % of the mean load on the worst contact, {m.rms_percent:.1f} % RMS{further} "
         f"(nine of ten of {m.compared} {kind} were within, nearest {m.nearest}); " + "; ".join(m.words)
     )
 

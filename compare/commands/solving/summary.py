@@ -29,15 +29,15 @@ def loads_json(load: Array, contacts: int = 0) -> dict[str, Any] | None:
     held = load > 0.0
     if not held.any():
         return None
-    own = load[held]
+    carried = load[held]
     i, s = np.unravel_index(int(load.argmax()), load.shape)
     return {
         "worst_ball": int(i) + 1,
         "worst_side": SIDES[int(s)],
-        "max_N": number(own.max()),
+        "max_N": number(carried.max()),
         "mean_N": number(mean_load(load, contacts)),
-        "min_N": number(own.min()),
-        "loaded_contacts": int(own.size),
+        "min_N": number(carried.min()),
+        "loaded_contacts": int(carried.size),
         "contacts_in_mean": counted(load, contacts),
         "balls_without_load": int((~held.any(axis=1)).sum()),
     }
@@ -224,10 +224,10 @@ def _rigidities(three: dict[str, Any], tangent: float | None, moved: float | Non
         return ", ".join(f"{name} {shown(value, _share(value, off))}" for name, value in named if value is not None)
 
     secant = known(("secant", three["with_unequal_loads"]), off=moved)
-    own = ", ".join(filter(None, [secant, known(("tangent", tangent), off=stiff)]))
+    by_model = ", ".join(filter(None, [secant, known(("tangent", tangent), off=stiff)])) or "none"
     formulas = known(("contacts alone", three["contacts_alone"]), ("contacts and bodies", three["with_bodies"]))
     practice = known((", of which makers advise to take 80 %:", three["makers_practice"]))
-    return f"rigidity in N/um: {own or 'none'} by this model; {formulas} by formulas at the nominal contact angle{practice}"
+    return f"rigidity in N/um: {by_model} by this model; {formulas} by formulas at the nominal contact angle{practice}"
 
 
 def _contact(data: dict[str, Any]) -> str:
