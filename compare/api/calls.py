@@ -135,14 +135,14 @@ def compare(
     return Result({"scene": described.name, "sets": results}, "sets", lines)
 
 
-def _compared_json(each: Comparison, found: Reference) -> dict[str, Any]:
+def _compared_json(each: Comparison, reference: Reference) -> dict[str, Any]:
     """What `compare` tells of a scene, or of one of several sets on a shaft."""
     from rollbench.comparison.commands.comparing.compare_output import answers_of
 
     return {
-        "scene": found.scene,
-        "levels": list(found.levels),
-        "reference_status": found.unsettled or "converged",
+        "scene": reference.scene,
+        "levels": list(reference.levels),
+        "reference_status": reference.unsettled or "converged",
         "models": {
             b.label: {
                 "largest_error_percent": None if b.error is None else b.error.max_percent,
@@ -226,12 +226,12 @@ def mesh_study(
     target, stores = solvable(described, described.name), (Path(store), shipped_store())
     engine = Engine(cache=default_root())
     wanted = levels_of(levels)
-    found = compute_study([target], wanted, stores, engine, on_terminal, spread=spread)
+    references = compute_study([target], wanted, stores, engine, on_terminal, spread=spread)
     results = [
         {"scene": target.name, "levels": level_rows(x.found), "quantities": table_of(x, stores, wanted)} | named(x)
-        for x in found
+        for x in references
     ]
-    lines = tuple(closing(one.found) for one in found)
+    lines = tuple(closing(one.found) for one in references)
     if isinstance(target, Scene):
         return Result(results[0], "levels", lines)
     return Result({"scene": target.name, "sets": results}, "sets", lines)
@@ -252,8 +252,8 @@ def sweep(
     scene: name or file; vary: as ``--vary`` of the command, ``["errors.balls.oversize=0 um:7 um"]``; out: folder of the
     samples (samples.csv) and the summary: samples stored there are not solved again. Raises InputError.
     """
-    found = needed("sweep", "sweep", "vary", " ".join(vary))(str(scene), vary, samples, method, model, seed, Path(out))
-    return Result(found, "outputs", (f"{found['converged']} of {found['solved']} samples converged: {Path(out)}",))
+    data = needed("sweep", "sweep", "vary", " ".join(vary))(str(scene), vary, samples, method, model, seed, Path(out))
+    return Result(data, "outputs", (f"{data['converged']} of {data['solved']} samples converged: {Path(out)}",))
 
 
 def report(

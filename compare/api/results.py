@@ -58,8 +58,8 @@ class Result:
         """What the number at a path is, and what its error is; empty where nothing is said of it. Raises KeyError for a
         path that is not there."""
         self[path]
-        found = definition(path)
-        return "" if found is None else found.text + (f"; its error: {found.error}" if found.error else "")
+        meaning = definition(path)
+        return "" if meaning is None else meaning.text + (f"; its error: {meaning.error}" if meaning.error else "")
 
     def rows(self) -> list[tuple[str, str, str]]:
         """Name, value and unit of every single value that the table shows."""
@@ -106,10 +106,10 @@ class Solution(Result):
         lines = [f"{self.data['scene']}, {self.data['model']}: {self.data['status']}"]
         groups = (("loads", "max_N"), ("axial", "displacement_um"), ("worst_contact", "pressure_MPa"), ("life", ""))
         for group, key in groups:
-            found = (self.data.get("summary") or {}).get(group) or {}
-            key = key or next(iter(found), "")
+            group_values = (self.data.get("summary") or {}).get(group) or {}
+            key = key or next(iter(group_values), "")
             words, unit = split_unit(key)
-            value = found.get(key)
+            value = group_values.get(key)
             lines.append(
                 f"{group.replace('_', ' ')}: {words} {_text(value)} {unit}" if value is not None else f"{group}: none"
             )

@@ -64,12 +64,12 @@ def run_doctor(store: Path) -> Answer:
 
 
 def _python() -> Iterator[Check]:
-    found, least = platform.python_version(), ".".join(map(str, PYTHON))
+    present, least = platform.python_version(), ".".join(map(str, PYTHON))
     good = tuple(map(int, platform.python_version_tuple()[:2])) >= PYTHON
     yield (
-        Check("Python", "ok", f"{found}, at least {least}")
+        Check("Python", "ok", f"{present}, at least {least}")
         if good
-        else Check("Python", "missing", found, "not supported", f"take {least} or newer")
+        else Check("Python", "missing", present, "not supported", f"take {least} or newer")
     )
 
 
@@ -92,24 +92,24 @@ def _packages() -> Iterator[Check]:
     for name, least in needed.items():
         cost = ONLY_FOR.get(name, "rollbench does not run")
         advice = f"pip install '{name}>={least}'"
-        found = version(name)
-        if found is None:
+        present = version(name)
+        if present is None:
             yield Check(name, "missing", "not installed", cost, advice)
-        elif _numbers(found) < _numbers(least):
-            yield Check(name, "missing", f"{found}, older than {least}", cost, advice)
+        elif _numbers(present) < _numbers(least):
+            yield Check(name, "missing", f"{present}, older than {least}", cost, advice)
         elif name != "gmsh" and (broken := fault(name)):  # gmsh: see `_graphics`
-            yield Check(name, "missing", f"{found}, {broken}", cost, f"pip install --force-reinstall '{name}>={least}'")
+            yield Check(name, "missing", f"{present}, {broken}", cost, f"pip install --force-reinstall '{name}>={least}'")
         else:
             licence = f" ({STRICT[name]})" if name in STRICT else ""
-            yield Check(name, "ok", f"{found}, at least {least}{licence}")
+            yield Check(name, "ok", f"{present}, at least {least}{licence}")
 
 
 def _extras() -> Iterator[Check]:
     for name, (what, remedy) in EXTRAS.items():
-        found = version(name)
+        present = version(name)
         yield (
-            Check(name, "ok", found)
-            if found
+            Check(name, "ok", present)
+            if present
             else Check(name, "optional", "not installed", f"the report is without {what}", remedy)
         )
 
@@ -142,10 +142,10 @@ def _graphics() -> Iterator[Check]:
 
 def _programs() -> Iterator[Check]:
     for name, (commands, purpose, package) in PROGRAMS.items():
-        found = next(filter(None, map(shutil.which, commands)), None)
+        path = next(filter(None, map(shutil.which, commands)), None)
         yield (
-            Check(name, "ok", found)
-            if found
+            Check(name, "ok", path)
+            if path
             else Check(name, "optional", "not found", f"needed only so that {purpose}", f"apt-get install {package}")
         )
 

@@ -107,19 +107,19 @@ def measure(
         "repeats": repeats,
         "condensed": str(condensed.resolve()) if condensed else "",
     }
-    begin, found = _alone(CHILD, ask, f"{model} on {scene}", SINGLE_THREAD)
-    return Cold(found["done"] - begin, found["first"], found["warm"], found["memory"], engine, found["status"])
+    begin, printed = _alone(CHILD, ask, f"{model} on {scene}", SINGLE_THREAD)
+    return Cold(printed["done"] - begin, printed["first"], printed["warm"], printed["memory"], engine, printed["status"])
 
 
 def measure_level(scene: str, level: int) -> ColdLevel:
     """Times of a level of the 3D reference of a shipped scene in a new process with empty caches, on all cores. Raises
     RuntimeError where the process fails."""
     before = os.times()
-    begin, found = _alone(LEVEL_CHILD, {"scene": scene, "level": level}, f"level {level} of {scene}", {})
+    begin, printed = _alone(LEVEL_CHILD, {"scene": scene, "level": level}, f"level {level} of {scene}", {})
     after = os.times()
     cpu = sum(y - x for x, y in zip(before[2:4], after[2:4], strict=True))
-    known = {name: found[name] for name in ("contacts", "load_case", "stages")}
-    return ColdLevel(level, found["done"] - begin, cpu, found["memory"], found["status"], scene, **known)
+    known = {name: printed[name] for name in ("contacts", "load_case", "stages")}
+    return ColdLevel(level, printed["done"] - begin, cpu, printed["memory"], printed["status"], scene, **known)
 
 
 def _alone(child: str, ask: dict[str, Any], what: str, environment: dict[str, str]) -> tuple[float, dict[str, Any]]:

@@ -60,12 +60,12 @@ def load(stores: Sequence[Path]) -> Kept | None:
     """Times of the first store that has any; None where none has, or the file is no such one."""
     for store in stores:
         try:
-            found = json.loads((store / FILE).read_text(encoding="utf-8"))
-            times = {(r["scene"], r["model"]): RunTime(r["cold"], r["warm"], r["memory"]) for r in found["times"]}
-            first = {(r.pop("model"), r["engine"]): Cold(**r) for r in found["first"]}
-            levels = tuple(ColdLevel(**r) for r in found.get("levels", []))
-            assembly = tuple(AssemblyCost(**r) for r in found.get("assembly", []))
-            return Kept(str(found["machine"]), str(found["date"]), times, first, levels, assembly)
+            data = json.loads((store / FILE).read_text(encoding="utf-8"))
+            times = {(r["scene"], r["model"]): RunTime(r["cold"], r["warm"], r["memory"]) for r in data["times"]}
+            first = {(r.pop("model"), r["engine"]): Cold(**r) for r in data["first"]}
+            levels = tuple(ColdLevel(**r) for r in data.get("levels", []))
+            assembly = tuple(AssemblyCost(**r) for r in data.get("assembly", []))
+            return Kept(str(data["machine"]), str(data["date"]), times, first, levels, assembly)
         except (OSError, ValueError, KeyError, TypeError):
             continue
     return None

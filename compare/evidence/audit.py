@@ -85,21 +85,21 @@ class Audited:
 @cache
 def contradicted() -> dict[str, str]:
     """Patterns "table:key" of open entries that are contradicted, and by what."""
-    found: dict[str, str] = data.table("printed/audit/open.toml")["contradicted"]
-    return found
+    patterns: dict[str, str] = data.table("printed/audit/open.toml")["contradicted"]
+    return patterns
 
 
-def judge(found: Evidence) -> tuple[Verdict, str]:
+def judge(entry: Evidence) -> tuple[Verdict, str]:
     """Verdict of an entry and the reason."""
-    p = found.printed
-    words = sentences(p.remark, found.words)
+    p = entry.printed
+    words = sentences(p.remark, entry.words)
     if p.cls == "open":
-        return _judge_open(found, words)
+        return _judge_open(entry, words)
     if p.kind == "input":
-        return ("input" if found.agrees is not False else "contradicted"), words
-    if found.agrees is None:
+        return ("input" if entry.agrees is not False else "contradicted"), words
+    if entry.agrees is None:
         return "not identifiable", words
-    if not found.agrees:
+    if not entry.agrees:
         return "contradicted", words
     if p.kind in ("arithmetic", "zero"):
         return "identity", words
@@ -108,12 +108,12 @@ def judge(found: Evidence) -> tuple[Verdict, str]:
     return ("band" if p.cls == "band" else "reproduced"), words
 
 
-def _judge_open(found: Evidence, words: str) -> tuple[Verdict, str]:
-    name = f"{found.printed.table}:{found.printed.key}"
+def _judge_open(entry: Evidence, words: str) -> tuple[Verdict, str]:
+    name = f"{entry.printed.table}:{entry.printed.key}"
     for pattern, why in contradicted().items():
         if fnmatchcase(name, pattern):
             return "contradicted", sentences(why[:1].upper() + why[1:], words)
-    return ("inferred" if found.reading is not None and found.holds else "not identifiable"), words
+    return ("inferred" if entry.reading is not None and entry.holds else "not identifiable"), words
 
 
 def audit(study: Study, *names: str) -> list[Audited]:
@@ -123,8 +123,8 @@ def audit(study: Study, *names: str) -> list[Audited]:
     """
     out = []
     for name in names or [name for name in tables() if name in by_table() or name in not_computed()]:
-        found = [Evidence(row, words=not_computed()[name]) for row in load_table(name)] if name in not_computed() else None
-        for one in found if found is not None else evidence(study, name):
+        why = not_computed().get(name)
+        for one in evidence(study, name) if why is None else (Evidence(row, words=why) for row in load_table(name)):
             verdict, reason = judge(one)
             out.append(Audited(one, verdict, reason, reference_value(study, f"{name}:{one.printed.key}")))
     return out

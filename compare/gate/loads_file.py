@@ -231,10 +231,10 @@ class _Places:
         away = np.hypot(self._pitch * turn, self._z - z)
         ball = int(away.argmin())
         if away[ball] > self._near:
-            found = f"{np.degrees(azimuth):g} deg, {1e3 * z:g} mm"
+            place = f"{np.degrees(azimuth):g} deg, {1e3 * z:g} mm"
             allowed = f"the place of a ball; the nearest, {ball + 1}, is {1e3 * away[ball]:.3g} mm away"
             advice = "places are those of rollbench solve SCENE --loads-csv FILE; without the columns, numbers count"
-            raise row.fault("azimuth, z", found, allowed, advice)
+            raise row.fault("azimuth, z", place, allowed, advice)
         return ball
 
 

@@ -154,11 +154,11 @@ def picture(o: Outcome) -> Figure:
 
     balls, loads, reference, bars = (list(x) for x in zip(*o.near, strict=True))
     ends = [r - b for r, b in zip(reference, bars, strict=True)], [r + b for r, b in zip(reference, bars, strict=True)]
-    both = (
+    series = (
         Series("reference", balls, reference, "markers", emphasis=True, bars=ends),
         Series(o.judged, balls, loads, "line+markers"),
     )
-    panel = Panel(f"flank {o.flank}", "ball", "contact load / N", both, zero=True, integer_x=True)
+    panel = Panel(f"flank {o.flank}", "ball", "contact load / N", series, zero=True, integer_x=True)
     return Figure("worst-ball", _title(o), (panel,))
 
 

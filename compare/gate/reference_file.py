@@ -54,13 +54,13 @@ def read_reference(
     return Reference(scene.name, (run,), given.load, bars, parts, contacts, label, stated, further), given.unknown
 
 
-def exceeding(found: Reference, limit: float) -> str:
+def exceeding(ref: Reference, limit: float) -> str:
     """A warning where a reference is more uncertain than the limit [%] that it should judge; empty where it is not."""
-    worst = max(gate_points(found.scene, found, limit, found.load), key=lambda p: p.uncertainty_percent)
+    worst = max(gate_points(ref.scene, ref, limit, ref.load), key=lambda p: p.uncertainty_percent)
     if worst.uncertainty_percent <= limit:
         return ""
     return (
-        f"the uncertainty of {found.label}, {worst.uncertainty_percent:.3g} % at ball {worst.ball} {worst.side}, exceeds "
+        f"the uncertainty of {ref.label}, {worst.uncertainty_percent:.3g} % at ball {worst.ball} {worst.side}, exceeds "
         f"the limit of {limit:g} % that it should judge"
     )
 

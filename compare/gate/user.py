@@ -156,8 +156,8 @@ def _verdicts(one: Referenced, files: Files, limits: Limits, what: Asked) -> lis
     detail = "; ".join(filter(None, _said(given, one.found, limits)))
     verdicts = judge(judged, given.load, one.found, limits, given.flanks, detail)
     further = Contacts(given.load, given.further, given.flanks)
-    found = _beside(verdicts, given, one, limits, what) + contact_verdicts(judged, further, one.scene, one.found, limits)
-    return _named(found, one)
+    verdicts = _beside(verdicts, given, one, limits, what) + contact_verdicts(judged, further, one.scene, one.found, limits)
+    return _named(verdicts, one)
 
 
 def _named(verdicts: list[Verdict], one: Referenced) -> list[Verdict]:
@@ -259,19 +259,19 @@ def judged_by(
     out = []
     for k, (of, only) in enumerate(parts_of(scene, case)):
         one = None if isinstance(scene, Scene) else SetOf(scene, k)
-        found, unknown = read_reference(path, of, only, None if one is None else one.contacts)
-        found = found if one is None else replace(found, scene=f"{scene.name}, {one.name}")
+        reference, unknown = read_reference(path, of, only, None if one is None else one.contacts)
+        reference = reference if one is None else replace(reference, scene=f"{scene.name}, {one.name}")
         _unknown(path, unknown, warn, strict=strict)
-        if words := exceeding(found, limits_of(scene, limit).largest):
+        if words := exceeding(reference, limits_of(scene, limit).largest):
             warn(words)
-        out.append(Referenced(of, found, one))
+        out.append(Referenced(of, reference, one))
     return out
 
 
 def stored_beside(one: Referenced, stores: Sequence[Path]) -> Reference | None:
     """This project's stored reference of what a user has one of; None without."""
-    found = referenced(one.scene if one.of is None else one.of.assembly, stores)
-    return found[0 if one.of is None else one.of.number].found if found else None
+    references = referenced(one.scene if one.of is None else one.of.assembly, stores)
+    return references[0 if one.of is None else one.of.number].found if references else None
 
 
 def _check_sets(scene: Solvable, values: Sequence[GivenValue], path: Path) -> None:
@@ -306,13 +306,13 @@ def _unknown(path: Path, heads: Sequence[str], warn: Callable[[str], None], *, s
     warn(f"{path.name}: not judged, because the columns are not known: {', '.join(heads)}; known are {KNOWN}")
 
 
-def _said(given: GivenLoads, found: Reference, limits: Limits) -> Iterator[str]:
+def _said(given: GivenLoads, reference: Reference, limits: Limits) -> Iterator[str]:
     """What is said of loads of another program beside their errors."""
     left = [side for side in SIDES if side not in given.flanks]
     yield f"not judged, because not given: {', '.join(left)}" if left else ""
     if given.renumbered:
         yield f"{given.renumbered} balls are numbered otherwise in the file, and were matched by azimuth and z"
-    yield looks(given.load, found.load, given.flanks, limits.largest)
+    yield looks(given.load, reference.load, given.flanks, limits.largest)
 
 
 def limits_of(scene: Solvable, max_error: float | None, others: Mapping[str, float] = NO_OTHERS) -> Limits:
@@ -326,7 +326,7 @@ def limits_of(scene: Solvable, max_error: float | None, others: Mapping[str, flo
 
 def _model(one: Referenced, name: str, limits: Limits, stores: Sequence[Path]) -> list[Verdict]:
     """Verdicts on a model's own answers; a solver that did not converge has none, and fails."""
-    scene, found = one.scene, one.found
+    scene, ref = one.scene, one.found
     if one.of is not None:
         answer = answered(one.of, name)
         result, status = (None, answer) if isinstance(answer, str) else (answer.result, "converged")
@@ -334,18 +334,18 @@ def _model(one: Referenced, name: str, limits: Limits, stores: Sequence[Path]) -
         if not MODELS[name].suits(scene):
             advice = "rollbench list tells what each model describes"
             raise InputError("command line", "--model", f'"{name}"', f"a model that can describe {scene.name}", advice)
-        solved = run_model(scene, name, options_for(MODELS[name], scene, found, stores))
+        solved = run_model(scene, name, options_for(MODELS[name], scene, ref, stores))
         result, status = solved if solved.converged else None, solved.status
     if result is None:
         detail = f"the model has no loads: {status}"
-        return [Verdict(scene.name, name, LARGEST, "fail", None, None, limits.largest, levels=found.levels, detail=detail)]
+        return [Verdict(scene.name, name, LARGEST, "fail", None, None, limits.largest, levels=ref.levels, detail=detail)]
     loads = from_result(result)
-    verdicts = judge(name, result.load, found, limits) + contact_verdicts(
-        name, contacts_by(scene, loads, limits.others), scene, found, limits
+    verdicts = judge(name, result.load, ref, limits) + contact_verdicts(
+        name, contacts_by(scene, loads, limits.others), scene, ref, limits
     )
     if one.of is not None:
         return verdicts
-    return verdicts + [value_verdict(name, v, scene, found, limits) for v in values_by(scene, loads, limits.others)]
+    return verdicts + [value_verdict(name, v, scene, ref, limits) for v in values_by(scene, loads, limits.others)]
 
 
 def _computed(scenes: Sequence[Solvable], what: Asked, engine: Engine, step: Callable[[str], None]) -> dict[str, str]:

@@ -92,13 +92,13 @@ def run_ensemble(scene: Scene, members: int | None = None, first: int = 0, *, th
         if result is not None:
             return result
     begin = perf_counter()
-    found = [_one(scene, m) for m in range(first, first + count)]
+    solved = [_one(scene, m) for m in range(first, first + count)]
     return EnsembleResult(
         scene.name,
-        np.stack([f[0] for f in found]),
-        tuple(f[1] for f in found),
-        np.array([f[2] for f in found]),
-        np.array([f[3] for f in found]),
+        np.stack([f[0] for f in solved]),
+        tuple(f[1] for f in solved),
+        np.array([f[2] for f in solved]),
+        np.array([f[3] for f in solved]),
         (perf_counter() - begin) / count,
         0.0,
         GENERAL_PATH,
@@ -227,11 +227,11 @@ class _Batch:
     def _press(self, quick: Pressed, near: _Nearness | None, members: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Some members on the motions of their flanks alone; returns which were not solved so."""
         arrays = self._arrays(quick.prepared.problem, members)
-        found = quick.solve(arrays, self._of(members).centre)
-        done = found.status == 0
-        motions = quick.functions(found.pull)
-        good = done if near is None else done & near.clear(motions[:, :-1], found.p, arrays.geometry, found.force)
-        self._keep(members, good, found.force, found.residual, motions[:, -1])
+        states = quick.solve(arrays, self._of(members).centre)
+        done = states.status == 0
+        motions = quick.functions(states.pull)
+        good = done if near is None else done & near.clear(motions[:, :-1], states.p, arrays.geometry, states.force)
+        self._keep(members, good, states.force, states.residual, motions[:, -1])
         return np.asarray(~done)
 
     def _follow(self, prepared: Prepared, near: _Nearness | None, members: NDArray[np.int64]) -> None:
@@ -239,13 +239,13 @@ class _Batch:
         state, k = prepared.state, members.size
         arrays = self._arrays(prepared.problem, members)
         forces, status, residual = np.empty(arrays.geometry.shape[:3]), np.empty(k, dtype=np.int64), np.empty(k)
-        found = MemberStates(forces, status, residual, np.empty((k, *state.q.shape)), np.empty((k, *state.p.shape)))
-        prepared.engine.ensemble(prepared.beam, prepared.contacts, state, prepared.options, arrays, found)
-        good = (found.status <= 1) & (found.residual <= ACCEPTED)
+        states = MemberStates(forces, status, residual, np.empty((k, *state.q.shape)), np.empty((k, *state.p.shape)))
+        prepared.engine.ensemble(prepared.beam, prepared.contacts, state, prepared.options, arrays, states)
+        good = (states.status <= 1) & (states.residual <= ACCEPTED)
         if near is not None:
-            shift = found.q.reshape(k, -1) @ near.rows.T
-            good &= near.clear(shift, found.p, arrays.geometry, found.force)
-        self._keep(members, good, found.force, found.residual, np.tensordot(found.q, prepared.beam.load, axes=2))
+            shift = states.q.reshape(k, -1) @ near.rows.T
+            good &= near.clear(shift, states.p, arrays.geometry, states.force)
+        self._keep(members, good, states.force, states.residual, np.tensordot(states.q, prepared.beam.load, axes=2))
 
     def _arrays(self, problem: Problem, members: NDArray[np.int64]) -> MemberArrays:
         """Some members as the kernels take them."""

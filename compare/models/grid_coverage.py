@@ -97,8 +97,8 @@ def socket_scatter(study: Study) -> float | None:
 
 def experience(study: Study) -> Experience | None:
     """What all compared scenes of a store tell; None where it does not hold them."""
-    found, sockets = levelled(study), socket_scatter(study)
-    return None if sockets is None or len(found) < len(UNSEEN) else measured(found, sockets, study.once(_beside_faces))
+    loads, sockets = levelled(study), socket_scatter(study)
+    return None if sockets is None or len(loads) < len(UNSEEN) else measured(loads, sockets, study.once(_beside_faces))
 
 
 def _scene(study: Study, name: str) -> Scene:
@@ -132,25 +132,25 @@ def _coverage(study: Study) -> list[Held]:
 
 def _judged(study: Study, choose: Callable[[Levelled], list[tuple[int, ...]]]) -> list[Held]:
     """Bars of all scenes by the sets of levels that are chosen from those that each has."""
-    found, sockets = levelled(study), socket_scatter(study)
-    if sockets is None or len(found) < len(UNSEEN):
+    scenes, sockets = levelled(study), socket_scatter(study)
+    if sockets is None or len(scenes) < len(UNSEEN):
         return []
     beside = study.once(_beside_faces)
     return [
-        _held(_scene(study, name), levels, found, sockets, beside)
-        for name, loads in found.items()
+        _held(_scene(study, name), levels, scenes, sockets, beside)
+        for name, loads in scenes.items()
         for levels in choose(loads)
     ]
 
 
 def _held(
-    scene: Scene, levels: tuple[int, ...], found: Mapping[str, Levelled], sockets: float, beside: Mapping[str, Array]
+    scene: Scene, levels: tuple[int, ...], scenes: Mapping[str, Levelled], sockets: float, beside: Mapping[str, Array]
 ) -> Held:
     name, level = scene.name, max(levels)
     family = SPOKEN_FOR.get(name, name)
-    others = {other: levelled for other, levelled in found.items() if SPOKEN_FOR.get(other, other) != family}
+    others = {other: by_level for other, by_level in scenes.items() if SPOKEN_FOR.get(other, other) != family}
     known = measured(others, sockets, beside)
-    loads, judge = found[name], max(found[name])
+    loads, judge = scenes[name], max(scenes[name])
     on, mean = moving(loads), mean_load(loads[judge])
     coarser = {k: loads[k] for k in levels}
     grid, off = parts(coarser, known), np.abs(error_percent(loads[level][on], loads[judge][on], mean))

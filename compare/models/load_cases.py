@@ -91,7 +91,7 @@ def solve_one(scene: Scene, model: str, options: Options) -> Solved:
     result = run_model(scene, model, options)
     if not result.converged:
         return Solved(scene, result)
-    found = gather(scene, result, model, options)
-    warned = outside(scene, found.loads, axial_of(found.preload))
+    answers = gather(scene, result, model, options)
+    warned = outside(scene, answers.loads, axial_of(answers.preload))
     result = replace(result, warnings=(*result.warnings, *warned))
-    return Solved(scene, result, found, estimate(scene, result))
+    return Solved(scene, result, answers, estimate(scene, result))

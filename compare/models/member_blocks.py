@@ -92,13 +92,13 @@ def places(scene: Scene | Assembly) -> tuple[slice | None, ...]:
     """Place of each set's balls among those of all sets."""
     if isinstance(scene, Scene):
         return (slice(0, scene.ball_count),)
-    found: list[slice | None] = []
+    slices: list[slice | None] = []
     first = 0
     for s in scene.sets:
         count = s.parts.ball_count if isinstance(s.parts, Scene) else 0
-        found.append(slice(first, first + count) if count else None)
+        slices.append(slice(first, first + count) if count else None)
         first += count
-    return tuple(found)
+    return tuple(slices)
 
 
 def _with_parts(scene: Scene | Assembly, change: Callable[[Scene, int], Scene]) -> Scene | Assembly:

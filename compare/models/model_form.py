@@ -178,8 +178,8 @@ def surveyed_points() -> tuple[Point, ...]:
 
 def _points(rows: Callable[[], Iterable[dict[str, Any]]]) -> tuple[Point, ...]:
     try:
-        found = tuple(Point(**row) for row in rows())
-        return tuple(p for p in found if set(p.features) - {FLANGE} == set(SCALES))
+        points = tuple(Point(**row) for row in rows())
+        return tuple(p for p in points if set(p.features) - {FLANGE} == set(SCALES))
     except (OSError, ValueError, TypeError, KeyError):
         return ()
 

@@ -116,7 +116,7 @@ def combined(scene: Scene, effects: Sequence[Effect]) -> Modelling | None:
     )
 
 
-def modelling_percent(scene: str, found: Mapping[str, Modelling]) -> float | None:
+def modelling_percent(scene: str, by_scene: Mapping[str, Modelling]) -> float | None:
     """Largest modelling uncertainty [% of the mean load] that speaks for a scene; None where its parts were not varied."""
-    spoken = found.get(SPOKEN_FOR.get(scene, ""))
+    spoken = by_scene.get(SPOKEN_FOR.get(scene, ""))
     return None if spoken is None else spoken.largest

@@ -97,8 +97,8 @@ def referenced_by(described: Solvable, runs: tuple[Run, ...]) -> list[Referenced
     for k, rows in enumerate(balls_of(described)):
         of = SetOf(described, k)
         of_set = tuple(replace(r, load=r.load[rows], angle=r.angle[rows], frozen=r.frozen[rows]) for r in runs)
-        found = reference_of(f"{described.name}, {of.name}", of.scene, of_set, contacts=of.contacts)
-        out.append(Referenced(of.scene, found, of))
+        reference = reference_of(f"{described.name}, {of.name}", of.scene, of_set, contacts=of.contacts)
+        out.append(Referenced(of.scene, reference, of))
     return out
 
 

@@ -143,18 +143,18 @@ def percent(quantity: Quantity, value: Array, base: Array, mean: float) -> Array
     return np.asarray(error_percent(value, base, scale))
 
 
-def grid_uncertainty(scene: Scene, found: Reference, quantity: Quantity) -> Array:
+def grid_uncertainty(scene: Scene, reference: Reference, quantity: Quantity) -> Array:
     """Of the finest run, in per cent; nan with one level, but for loads, of which there is experience."""
-    base = quantity.take(scene, from_run(found.best, ""))
+    base = quantity.take(scene, from_run(reference.best, ""))
     if quantity.of_mean:
-        return percent(quantity, found.uncertainty, np.zeros_like(base), found.mean)
+        return percent(quantity, reference.uncertainty, np.zeros_like(base), reference.mean)
     if quantity.of_largest:
-        bar = found.uncertainty.ravel()[int(found.load.argmax())]
+        bar = reference.uncertainty.ravel()[int(reference.load.argmax())]
         return np.asarray(error_percent(np.full(base.shape, bar), np.zeros(base.shape), base))
-    if len(found.runs) < 2:
+    if len(reference.runs) < 2:
         return np.full(base.shape, np.nan)
-    values = [float(quantity.take(scene, from_run(run, ""))[0]) for run in found.runs]
-    bar = observe(values, found.sizes).uncertainty or 0.0
+    values = [float(quantity.take(scene, from_run(run, ""))[0]) for run in reference.runs]
+    bar = observe(values, reference.sizes).uncertainty or 0.0
     return np.asarray(error_percent(np.full(base.shape, bar), np.zeros(base.shape), base))
 
 
@@ -206,11 +206,11 @@ def input_uncertainty(study: Study, scene: Scene, quantity: Quantity) -> Array:
 
 def uncertainty(study: Study, name: str, quantity: Quantity) -> Uncertainty | None:
     """The parts of u_val of a scene's quantity; None without a stored reference."""
-    found = study.reference(name)
-    if found is None:
+    reference = study.reference(name)
+    if reference is None:
         return None
     scene = study.scene(name)
-    grid = grid_uncertainty(scene, found, quantity)
+    grid = grid_uncertainty(scene, reference, quantity)
     choices = study.once(choices_of, quantity)
     speaks = SPOKEN_FOR.get(name, "")
     if speaks in choices and choices[speaks].shape == grid.shape:
@@ -225,8 +225,8 @@ def uncertainty(study: Study, name: str, quantity: Quantity) -> Uncertainty | No
 
 def choices_of(study: Study, quantity: Quantity) -> dict[str, Array]:
     """`choice_uncertainty` of every varied scene that a store holds."""
-    found = {name: choice_uncertainty(study, name, quantity) for name in VARIED}
-    return {name: u for name, u in found.items() if u is not None}
+    changes = {name: choice_uncertainty(study, name, quantity) for name in VARIED}
+    return {name: u for name, u in changes.items() if u is not None}
 
 
 @dataclass(frozen=True)
@@ -251,14 +251,14 @@ class Validated:
 
 def validated(study: Study, name: str, model: str, quantity: Quantity, answer: Loads) -> Validated | None:
     """A model's answer on a quantity of a scene; None without a stored reference."""
-    found, parts = study.reference(name), study.once(uncertainty, name, quantity)
-    if found is None or parts is None:
+    ref, parts = study.reference(name), study.once(uncertainty, name, quantity)
+    if ref is None or parts is None:
         return None
     scene = study.scene(name)
-    reference = quantity.take(scene, from_run(found.best, ""))
+    reference = quantity.take(scene, from_run(ref.best, ""))
     value = quantity.take(scene, answer)
-    error = percent(quantity, value, reference, found.mean)
-    floor = 0.1 * found.mean if quantity.of_mean else 0.0
+    error = percent(quantity, value, reference, ref.mean)
+    floor = 0.1 * ref.mean if quantity.of_mean else 0.0
     # every loaded contact is judged; a value by itself is one
     judged = ((value > 0.0) | (reference > 0.0)) if quantity.of_mean else np.ones(value.shape, dtype=bool)
     big = judged & (reference > floor) & (value > 0.0) if quantity.of_mean else reference * value > 0.0

@@ -158,7 +158,7 @@ def _run_of_sets(
     )
 
 
-def enlarged(setup: Setup, found: Sequence[tuple[Array, Array]], left: int) -> tuple[Settings | None, str]:
+def enlarged(setup: Setup, contacts: Sequence[tuple[Array, Array]], left: int) -> tuple[Settings | None, str]:
     """Settings with patches for the loads and contact angles ``(n, 4)`` [N, rad] that were found, or None where that
     changes no patch; a text with both numbers.
 
@@ -180,8 +180,8 @@ def enlarged(setup: Setup, found: Sequence[tuple[Array, Array]], left: int) -> t
 
     m, needs, askew = setup.map, np.zeros(2), 0.0
     units = hertz_units(setup.scene)
-    for load, seen in found:
-        size, angle = np.cbrt(load), np.where(load > 0.0, seen, m.beta)
+    for load, touched in contacts:
+        size, angle = np.cbrt(load), np.where(load > 0.0, touched, m.beta)
         across, along = (size * np.array([getattr(unit, name) for unit in units]) for name in ("semi_x", "semi_y"))
         needs = np.maximum(needs, [float((across + np.abs(angle - m.beta) * m.radius).max()), float(along.max())])
         askew = max(askew, *(reach_along(m, s, angle[:, s], across[:, s], along[:, s]) for s in setup.sides))

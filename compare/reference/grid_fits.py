@@ -113,8 +113,8 @@ def _linear(y: Array, columns: Array, w: Array) -> tuple[Array, Array, Array]:
     """Constants ``(m,)``, coefficients ``(k, m)`` and residuals ``(levels, m)`` of weighted linear least squares."""
     root = np.sqrt(w)[:, None]
     basis = np.column_stack([np.ones(len(w)), columns])
-    found = np.linalg.lstsq(root * basis, root * y, rcond=None)[0]
-    return np.asarray(found[0]), np.asarray(found[1:]), np.asarray(y - basis @ found)
+    coefficients = np.linalg.lstsq(root * basis, root * y, rcond=None)[0]
+    return np.asarray(coefficients[0]), np.asarray(coefficients[1:]), np.asarray(y - basis @ coefficients)
 
 
 def _fit(

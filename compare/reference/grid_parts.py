@@ -150,14 +150,14 @@ def _variances(columns: Array, shown: Array, fixed: float) -> Array:
     """Variances by part, no less than zero, from those ``shown`` between levels beside a ``fixed`` one, by relative least
     squares; with two levels all is the bodies', which fall slower."""
     columns = columns * [0.0, 1.0] if len(shown) == 1 else columns
-    found, scale = np.zeros(2), np.maximum(shown + fixed, TINY)
+    variances, scale = np.zeros(2), np.maximum(shown + fixed, TINY)
     for _ in range(ROUNDS):
-        found = nnls(columns / scale[:, None], shown / scale)[0]
-        scale = np.maximum(columns @ found + fixed, TINY)
-    return np.asarray(found)
+        variances = nnls(columns / scale[:, None], shown / scale)[0]
+        scale = np.maximum(columns @ variances + fixed, TINY)
+    return np.asarray(variances)
 
 
-def measured(found: Mapping[str, Levelled], sockets: float, known: Mapping[str, Array] | None = None) -> Experience:
+def measured(scenes: Mapping[str, Levelled], sockets: float, known: Mapping[str, Array] | None = None) -> Experience:
     """Experience of scenes on several levels; sockets: standard deviation [% of the mean load], from a run of its own;
     known: by scene, what has a bar of its own on the coarsest level ``(n, 4)`` [% of the mean load]
     (`compare.reference.near_face`), so that a single level's bar need not hold it.
@@ -165,7 +165,7 @@ def measured(found: Mapping[str, Levelled], sockets: float, known: Mapping[str, 
     Raises ValueError without a scene of each kind.
     """
     shifts, errors = list[float](), (list[Array](), list[Array]())
-    for name, loads in found.items():
+    for name, loads in scenes.items():
         levels, finest = sorted(loads), max(loads)
         both = both_flanks(loads[finest])
         if both:
@@ -176,7 +176,7 @@ def measured(found: Mapping[str, Levelled], sockets: float, known: Mapping[str, 
     if not shifts or not all(errors):
         raise ValueError("no experience without scenes that load one flank of the screw, and both, on fine levels")
     common = float(np.sqrt(np.mean(np.square(shifts)) / 2.0))
-    return Experience(sockets, common, (_holding(errors[0], LEAST[0]), _holding(errors[1], LEAST[1])), tuple(found))
+    return Experience(sockets, common, (_holding(errors[0], LEAST[0]), _holding(errors[1], LEAST[1])), tuple(scenes))
 
 
 def _holding(errors: Sequence[Array], least: float) -> float:

@@ -53,14 +53,14 @@ def first_here(jobs: Sequence[parallel.Job], engine: Engine, what: str, step: St
     workers, here = engine.workers, 0
     if (workers or 1) > 1 and engine.backend == "joblib":
         start, here = perf_counter(), min(2, len(jobs))
-        for number, found in parallel.as_done(jobs[:here]):
+        for number, result in parallel.as_done(jobs[:here]):
             left, start = (perf_counter() - start) * (len(jobs) - here), perf_counter()
-            yield number, found
+            yield number, result
         if here and left < WORTH_WORKERS:
             step(f"no other processes: the {what} left take about {left:.1f} s here, to start others takes longer")
             workers = 1
-    for number, found in parallel.as_done(jobs[here:], engine.backend, engine.scheduler, workers):
-        yield here + number, found
+    for number, result in parallel.as_done(jobs[here:], engine.backend, engine.scheduler, workers):
+        yield here + number, result
 
 
 def plan(

@@ -199,13 +199,13 @@ def load(scene: Solvable, level: int, variant: str = "", stores: Sequence[Path] 
     """
     here = versions()
     for store in (shipped_store(),) if stores is None else stores:
-        found = []
+        runs = []
         for path in sorted(store.glob(f"{glob.escape(_stem(scene, level, variant))}*.json")):
             run = read(path, scene, level, variant)
             if run is not None and serves(scene, level, variant, run.settings, run.sides):
-                found.append(run)
-        if found:
-            return min(found, key=partial(_order, here))
+                runs.append(run)
+        if runs:
+            return min(runs, key=partial(_order, here))
     return None
 
 

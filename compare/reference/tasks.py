@@ -28,7 +28,7 @@ def needed_sides(scene: Scene) -> tuple[int, ...]:
     from rollbench.hifi.meshing.expected import expected_contacts
 
     try:
-        return tuple(sorted({side for found in expected_contacts(scene).sides() for side in (found, 3 - found)}))
+        return tuple(sorted({side for touching in expected_contacts(scene).sides() for side in (touching, 3 - touching)}))
     except ValueError as error:
         raise refused(scene, error) from error
 
@@ -45,10 +45,10 @@ def geometry_of(scene: Solvable) -> tuple[Any, ...]:
 
 def groups(scenes: Sequence[Solvable]) -> list[list[Solvable]]:
     """Scenes of one geometry together, in order."""
-    found: dict[object, list[Solvable]] = {}
+    alike: dict[object, list[Solvable]] = {}
     for scene in scenes:
-        found.setdefault(geometry_of(scene), []).append(scene)
-    return list(found.values())
+        alike.setdefault(geometry_of(scene), []).append(scene)
+    return list(alike.values())
 
 
 def settings_of(scenes: Sequence[Scene], level: int, variant: str = "") -> Settings:
@@ -83,14 +83,14 @@ def serves(scene: Solvable, level: int, variant: str, settings: Mapping[str, Any
         wanted, needed = asdict(settings_of([changed], level, variant)), needed_sides(changed)
     except InputError:
         return False
-    found = plain(settings)
-    same = _but_sizes({k: v for k, v in found.items() if k in wanted}) == _but_sizes(wanted)
-    fits = {"semi", "reach"} <= set(found) and set(needed) <= set(sides)
+    meshed = plain(settings)
+    same = _but_sizes({k: v for k, v in meshed.items() if k in wanted}) == _but_sizes(wanted)
+    fits = {"semi", "reach"} <= set(meshed) and set(needed) <= set(sides)
     return bool(
         same
         and fits
-        and all(x <= y for x, y in zip(found["semi"], wanted["semi"], strict=True))
-        and all(x >= y for x, y in zip(found["reach"], wanted["reach"], strict=True))
+        and all(x <= y for x, y in zip(meshed["semi"], wanted["semi"], strict=True))
+        and all(x >= y for x, y in zip(meshed["reach"], wanted["reach"], strict=True))
     )
 
 

@@ -85,7 +85,7 @@ def _parts(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> As
             material_of(shaft.material, keys.material),
             shaft.bore,
         ),
-        sets=tuple(row for one, found in zip(keys.sets, sets, strict=True) for row in bearings_of(found, one, len(sets))),
+        sets=tuple(row for one, whole in zip(keys.sets, sets, strict=True) for row in bearings_of(whole, one, len(sets))),
         segments=tuple(Segment(p.start, p.end, p.diameter, p.bore) for p in shaft.plain),
         housings=tuple(map(_housing, keys.housings)),
         joints=tuple(Joint(j.between[0], j.between[1], j.at, _stiffness(j) or NONE) for j in keys.joints),
@@ -103,11 +103,11 @@ def _parts(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> As
 
 def _rated(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[str]:
     """Sentences on conformities from rigidities, and on preloads that are given as a part of a rating."""
-    for one, found in zip(keys.sets, sets, strict=True):
-        if isinstance(found.parts, Scene):
-            yield from found.parts.assumed
+    for one, whole in zip(keys.sets, sets, strict=True):
+        if isinstance(whole.parts, Scene):
+            yield from whole.parts.assumed
             if isinstance(one.preload, ShareOfRating):
-                yield f"{found.name}: preload of {found.preload:g} N{force_of(found.parts, one.preload)[1]}"
+                yield f"{whole.name}: preload of {whole.preload:g} N{force_of(whole.parts, one.preload)[1]}"
 
 
 def _housing(h: HousingKeys) -> Housing:
@@ -182,8 +182,8 @@ def _set_faults(keys: AxisKeys, i: int, one: SetKeys) -> Iterator[Fault]:
         if one.rollers.roller_angle * 2.0 >= one.rollers.cup_angle:
             yield Fault((f"{at}.rollers.roller_angle",), "below half the cup's angle", "the cone's angle is what is left")
     else:
-        for name, found in balls.items():
-            if found is None:
+        for name, table in balls.items():
+            if table is None:
                 yield Fault((f"{at}.{name}",), "a table", f"add [sets.{name}], or [sets.rollers]", "nothing")
         if one.position is not None:
             yield Fault((f"{at}.position",), "nothing", "the position of a nut or ring is nut.position")

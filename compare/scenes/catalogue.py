@@ -68,12 +68,12 @@ def shipped(name: str) -> Described:
 
 def case(name: str, of: type[Of]) -> Of:
     """The shipped scene of that name, of the kind with the record ``of``. Raises InputError where it is another."""
-    found = shipped(name)
-    if not isinstance(found, of):
+    described = shipped(name)
+    if not isinstance(described, of):
         from rollbench.comparison.scenes import scene_file
 
-        raise InputError(name, "kind", f'"{scene_file.kind_of(found)}"', f'"{of.kind}"', "name a scene of that kind")
-    return found
+        raise InputError(name, "kind", f'"{scene_file.kind_of(described)}"', f'"{of.kind}"', "name a scene of that kind")
+    return described
 
 
 def any_scene(name_or_path: str) -> Described:

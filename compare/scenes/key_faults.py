@@ -94,9 +94,9 @@ def _allowed(node: Mapping[str, Any]) -> str:
     return f"a table of {', '.join(node.get('properties', {})) or 'numbered entries'}"
 
 
-def _advice(node: Mapping[str, Any], name: str, kind: str, found: object) -> str:
-    if "enum" in node and isinstance(found, str):
-        near = difflib.get_close_matches(found, node["enum"], n=1, cutoff=0.5)
+def _advice(node: Mapping[str, Any], name: str, kind: str, given: object) -> str:
+    if "enum" in node and isinstance(given, str):
+        near = difflib.get_close_matches(given, node["enum"], n=1, cutoff=0.5)
         if near:
             return f"did you mean {show(near[0])}?"
     table = "properties" in node

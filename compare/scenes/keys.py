@@ -155,8 +155,8 @@ def tidy_schema(keys: type[BaseModel]) -> dict[str, Any]:
 
     Kept: not to be written to.
     """
-    found: dict[str, Any] = without_null(keys.model_json_schema())
-    return found
+    schema: dict[str, Any] = without_null(keys.model_json_schema())
+    return schema
 
 
 def without_null(node: Any) -> Any:

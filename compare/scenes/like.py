@@ -113,10 +113,10 @@ def values_like(size: str) -> dict[str, Any]:
 def _size(size: str) -> tuple[float, float]:
     """Nominal diameter and lead [mm]."""
     allowed = f"DIAMETERxLEAD in mm, {DIAMETERS[0]:g} to {DIAMETERS[1]:g} x {LEADS[0]:g} to {LEADS[1]:g}, e.g. 40x10"
-    found = re.fullmatch(r"\s*([0-9]{1,3}(?:\.[0-9]+)?)\s*[xX×]\s*([0-9]{1,3}(?:\.[0-9]+)?)\s*", size)
-    if found is None:
+    match = re.fullmatch(r"\s*([0-9]{1,3}(?:\.[0-9]+)?)\s*[xX×]\s*([0-9]{1,3}(?:\.[0-9]+)?)\s*", size)
+    if match is None:
         raise InputError("command line", "--like", f'"{size}"', allowed, "write diameter and lead with an x between them")
-    outer, lead = float(found[1]), float(found[2])
+    outer, lead = float(match[1]), float(match[2])
     if not (DIAMETERS[0] <= outer <= DIAMETERS[1] and LEADS[0] <= lead <= min(LEADS[1], 2.0 * outer)):
         advice = "a lead is at most about twice the diameter; write another size by hand: rollbench new FILE"
         raise InputError("command line", "--like", f'"{size}"', allowed, advice)

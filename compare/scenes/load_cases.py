@@ -97,9 +97,9 @@ def case_faults(keys: SceneKeys | AxisKeys) -> Iterator[Fault]:
 def _share_faults(case: CaseKeys, where: str) -> Iterator[Fault]:
     """A case has a share, or time and speed."""
     if (case.share is None) == (case.time is None):
-        found = "neither" if case.share is None else "both"
+        given = "neither" if case.share is None else "both"
         advice = 'write share = 0.5, or time = "20 s" with speed = "200 rpm"'
-        yield Fault((f"{where}.share",), "either share or time", advice, found)
+        yield Fault((f"{where}.share",), "either share or time", advice, given)
     elif case.time is not None and case.speed is None:
         advice = 'the share of the revolutions follows from both: write e.g. speed = "200 rpm"'
         yield Fault((f"{where}.speed",), "a speed with a time", advice, "nothing")

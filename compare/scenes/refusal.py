@@ -46,8 +46,8 @@ def spoken(raw: Mapping[str, Any], faults: Sequence[Fault]) -> list[Said]:
     for fault in faults:
         names = [name for key in fault.keys for name in (key, *_aliases(key))]
         present = ((name, value) for name in names if (value := _find(raw, name)) is not None)
-        key, found = next(present, (fault.keys[-1], None))
-        value = fault.value or ("nothing" if found is None else show(found))
+        key, given = next(present, (fault.keys[-1], None))
+        value = fault.value or ("nothing" if given is None else show(given))
         half = key not in fault.keys and key.endswith("diameter")
         out.append(Said(key, value, fault.allowed, f"as a radius; {fault.advice}" if half else fault.advice))
     return out

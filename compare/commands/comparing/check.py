@@ -85,12 +85,12 @@ def judged_cases(
     `check_scenes`."""
     cases = cases_by_name(described)
     scenes = [scene for one, name in zip(described, names, strict=True) for scene in each_case(one, name)]
-    of_one = {scene: found.case.name for scene, found in cases.items()} if len(described) == 1 else {}
+    of_one = {scene: case.case.name for scene, case in cases.items()} if len(described) == 1 else {}
     out = []
     for v in check_scenes(scenes, what, engine, on_terminal, warn, of_one):
-        found = cases.get(v.scene)
+        case = cases.get(v.scene)
         lost: Word = "not converged" if v.word == "fail" and v.error is None else v.word
-        out.append(v if found is None else replace(v, scene=found.cycle.name, case=found.case.name, word=lost))
+        out.append(v if case is None else replace(v, scene=case.cycle.name, case=case.case.name, word=lost))
     return out
 
 
@@ -99,10 +99,10 @@ def verdicts_json(described: Sequence[Described], verdicts: Sequence[Verdict]) -
     gravest = worst_of([v.word for v in verdicts])
     data: dict[str, Any] = {"verdict": gravest, "passed": gravest == "pass", "verdicts": [v.as_json() for v in verdicts]}
     cases, graveness = [], []
-    for found in cases_by_name(described).values():
-        its = [v for v in verdicts if (v.scene, v.case) == (found.cycle.name, found.case.name)]
+    for case in cases_by_name(described).values():
+        its = [v for v in verdicts if (v.scene, v.case) == (case.cycle.name, case.case.name)]
         word, beyond = worst_of([v.word for v in its]), max((abs(v.error or 0.0) / v.limit for v in its), default=0.0)
-        cases.append(found.keys | {"verdict": word, "verdicts": [v.as_json() for v in its]})
+        cases.append(case.keys | {"verdict": word, "verdicts": [v.as_json() for v in its]})
         graveness.append(([*CODES].index(word), -beyond))
     if not cases:
         return data

@@ -14,7 +14,7 @@ from rollbench.comparison.scenes.duty_cycle import CaseOf, DutyCycle
 
 def cycles_of(cases: Mapping[str, CaseOf]) -> Iterable[DutyCycle]:
     """The cycles of some cases, each once."""
-    return {found.cycle.name: found.cycle for found in cases.values()}.values()
+    return {case.cycle.name: case.cycle for case in cases.values()}.values()
 
 
 #: What is compared of each case and set, by the names of their scene and set.

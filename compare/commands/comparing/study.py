@@ -118,18 +118,18 @@ def compute_study(
                 step(f"{one.found.scene}, by level {task.level} alone: {'; '.join(values)}")
 
     failed = ensure(tasks, stores[0], engine, step, stores[1:], fresh=fresh, stored=first)
-    found = []
+    references = []
     for scene in scenes:
         sets = referenced(scene, stores, tuple(levels), fitted=len(levels))
         if not sets:
             raise unconverged(scene.name, failed)
-        found += sets
-    return found
+        references += sets
+    return references
 
 
-def code_of(found: Iterable[Reference]) -> int:
+def code_of(references: Iterable[Reference]) -> int:
     """Exit code of a command that shows references: `NOT_SETTLED` where the loads of one did not settle, else 0."""
-    return NOT_SETTLED if any(reference.unsettled for reference in found) else 0
+    return NOT_SETTLED if any(reference.unsettled for reference in references) else 0
 
 
 def unconverged(name: str, failed: Sequence[Run]) -> Refusal:
@@ -186,7 +186,7 @@ def run_compare(
     cases = cases_by_name(described)
     stores = (store, shipped_store())
     warnings: list[str] = []
-    names_of = {name: found.case.name for name, found in cases.items()}
+    names_of = {name: case.case.name for name, case in cases.items()}
     given = None if reference is None else _given(scenes, reference, levels, warnings, names_of, fresh=fresh)
     without = [s for s in scenes if not referenced(s, stores)] if levels is None and not fresh else scenes
     without = [] if given is not None else without
@@ -275,10 +275,10 @@ def _given(
     if len(scenes) != 1 and len(cases) != len(scenes):
         advice = "compare the scenes one by one, each with its file"
         raise InputError("command line", "--reference", str(path), f"one scene, not {len(scenes)}", advice)
-    said: dict[str, None] = {}
-    found = [judged_by(path, scene, said.setdefault, case=cases.get(scene.name)) for scene in scenes]
-    warnings += said
-    return found
+    warned: dict[str, None] = {}
+    references = [judged_by(path, scene, warned.setdefault, case=cases.get(scene.name)) for scene in scenes]
+    warnings += warned
+    return references
 
 
 def named(one: Referenced) -> dict[str, str]:
@@ -286,6 +286,6 @@ def named(one: Referenced) -> dict[str, str]:
     return {} if one.of is None else {"scene": one.of.assembly.name, "set": one.of.name}
 
 
-def _contacts(scene: Scene, models: Sequence[Beside], found: Reference) -> Any:
-    rows = [{k.removesuffix("_N"): v for k, v in [*row.items()][1:]} for row in contact_rows(scene, models, found)]
+def _contacts(scene: Scene, models: Sequence[Beside], reference: Reference) -> Any:
+    rows = [{k.removesuffix("_N"): v for k, v in [*row.items()][1:]} for row in contact_rows(scene, models, reference)]
     return aligned(rows, ".2f", f"{scene.name}: contact loads / N")

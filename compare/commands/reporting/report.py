@@ -116,9 +116,9 @@ def keep_experience(stores: Sequence[Path]) -> None:
     known = experience(study)
     if known is not None:
         grid_parts.save(stores[0], known)
-    found = [combined(study.scene(name), varied(study.scene(name), stores)) for name in VARIED]
-    if all(found):
-        total_uncertainty.save(stores[0], {m.scene: total_uncertainty.choices_of(m) for m in found if m is not None})
+    modelling = [combined(study.scene(name), varied(study.scene(name), stores)) for name in VARIED]
+    if all(modelling):
+        total_uncertainty.save(stores[0], {m.scene: total_uncertainty.choices_of(m) for m in modelling if m is not None})
 
 
 def wanted_parts(only: Sequence[str], *, quick: bool = False) -> list[Part]:

@@ -129,7 +129,7 @@ def _page_of_scene(
         Section("scene", "The scene", (sketch_of(scene, "sketch", SKETCH),)),
         _loads(scene, result, [reference for reference in (given, stored) if reference is not None]),
         _stiffness(answers, tangent),
-        *(part for make in offered("friction of a page") if (part := make(scene, result, options)) is not None),
+        *(section for make in offered("friction of a page") if (section := make(scene, result, options)) is not None),
         _error(scene, worth, judged, stored, None if given is None else against(given, result)),
         _notes(result, warnings),
     )
@@ -171,10 +171,10 @@ def against(given: Reference, result: StaticResult) -> Against:
 
 
 def verdict(
-    found: Answers, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None, given: Against | None = None
+    answers: Answers, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None, given: Against | None
 ) -> str:
     """The answer in one sentence: worst pressure and safety, and how far they may be trusted."""
-    worst, safety = found.loads.worst, found.loads.safety
+    worst, safety = answers.loads.worst, answers.loads.safety
     if worst is None or safety is None:
         return "No contact carries load."
     text = (
@@ -227,9 +227,9 @@ def _loads(scene: Scene, result: StaticResult, references: Sequence[Reference]) 
     return Section("loads", "Loads and pressures", items)
 
 
-def _stiffness(found: Answers, tangent: Tangent) -> Section:
+def _stiffness(answers: Answers, tangent: Tangent) -> Section:
     """Rigidities by formulas and by the model, and the tangent stiffness at the nut."""
-    three = found.rigidities
+    three = answers.rigidities
     names = (
         "contacts alone (R_b/t), formula at the nominal contact angle",
         "contacts and bodies (R_nu), formula at the nominal contact angle",
@@ -242,7 +242,7 @@ def _stiffness(found: Answers, tangent: Tangent) -> Section:
             Quantity("name", "axial rigidity", "", "s"): name,
             Quantity("value", "", "N/um"): None if value is None else 1e-6 * value,
         }
-        for name, value in zip(names, (*values, found.tangent), strict=True)
+        for name, value in zip(names, (*values, answers.tangent), strict=True)
     ]
     first = Table.of("rigidity", "Axial rigidities: formulas of ISO 3408-4, and of this model", rows)
     if tangent.status != "converged":

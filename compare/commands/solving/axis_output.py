@@ -40,7 +40,7 @@ SETS = (
 )
 
 
-def _set(i: int, s: SetResult, found: SetAnswers | None) -> dict[str, Any]:
+def _set(i: int, s: SetResult, answers: SetAnswers | None) -> dict[str, Any]:
     loads = s.loads
     return {
         "set": i + 1,
@@ -55,7 +55,7 @@ def _set(i: int, s: SetResult, found: SetAnswers | None) -> dict[str, Any]:
         "loaded": int((loads > 0.0).sum()) if np.isfinite(loads).all() else None,
         "outer_motion": {name: number(f * x) for (name, f), x in zip(MOTION, s.outer, strict=True)},
         "stiffness": [[number(x) for x in row] for row in s.stiffness],
-        "summary": set_summary(s, found),
+        "summary": set_summary(s, answers),
     }
 
 

@@ -31,12 +31,12 @@ STARTING = (
 )
 
 
-def starting_torque(s: SetResult, found: SetAnswers) -> dict[str, Any] | None:
+def starting_torque(s: SetResult, answers: SetAnswers) -> dict[str, Any] | None:
     """Starting torque of a bearing that carries thrust one way, under its preload; None without one, and for nuts."""
-    ways = offered("starting torque")
-    if not ways or s.of.kind != "bearing" or s.of.thrust not in ("+z", "-z") or not (found.preload and found.preload.axial):
+    ways, preload = offered("starting torque"), answers.preload
+    if not ways or s.of.kind != "bearing" or s.of.thrust not in ("+z", "-z") or not (preload and preload.axial):
         return None
-    return record(STARTING, ways[0](found.parts, found.preload.axial))
+    return record(STARTING, ways[0](answers.parts, preload.axial))
 
 
 def set_summary(s: SetResult, answers: SetAnswers | None) -> dict[str, Any]:
@@ -74,9 +74,9 @@ def whole_summary(result: AxisResult, answers: AxisAnswers | None) -> dict[str, 
     return data
 
 
-def worst(found: AxisAnswers) -> int | None:
+def worst(answers: AxisAnswers) -> int | None:
     """Number (from 0) of the set of balls with the highest pressure."""
-    pressures = [-1.0 if s is None or s.loads.worst is None else s.loads.worst.pressure for s in found.sets]
+    pressures = [-1.0 if s is None or s.loads.worst is None else s.loads.worst.pressure for s in answers.sets]
     return int(np.argmax(pressures)) if max(pressures, default=-1.0) > 0.0 else None
 
 

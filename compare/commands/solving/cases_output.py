@@ -111,7 +111,7 @@ def case_rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
     for one in cases:
         row: dict[str, Any] = {"case": one["case"], "share": one["share"]}
         groups = ((heading, key, one["summary"].get(group)) for heading, group, key in COLUMNS)
-        row |= {heading: None if found is None else found[key] for heading, key, found in groups}
+        row |= {heading: None if group is None else group[key] for heading, key, group in groups}
         worth = one["model_form"]
         yield row | {"expected error %": None if worth is None else worth["largest_percent_of_mean"]}
 

@@ -93,10 +93,10 @@ def _model_form(m: ModelForm | None) -> dict[str, Any] | None:
 
 def expected_json(m: ModelForm | None, key: str) -> dict[str, float | None]:
     """Expected errors [%] beside those of loads, by ``key`` with the quantity's name; null where not covered."""
-    found = {
+    errors = {
         name: None if m is None else getattr(m, f"{name}_percent") for name in ("displacement", "rigidity", "pressure")
     }
-    return {key.format(name): None if value is None else number(value) for name, value in found.items()}
+    return {key.format(name): None if value is None else number(value) for name, value in errors.items()}
 
 
 def model_form_text(m: ModelForm) -> str:
