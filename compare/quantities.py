@@ -62,10 +62,10 @@ def quantity(key: str, get: str | Callable[[Any], Any] = "", heading: str = "", 
     """A quantity in the unit that its key ends with. get: the attribute of a record that holds it in SI units, or a
     function of the record; the key without its unit unless given."""
     name, unit = unit_of(key)
-    taken = get if callable(get) else attrgetter(get or name)
+    getter = get if callable(get) else attrgetter(get or name)
     factor = 1.0 if unit is None else unit.factor
     text = "" if unit is None else unit.text
-    return Quantity(key, heading or name.replace("_", " "), text, form, lambda holder: _ready(taken(holder), factor))
+    return Quantity(key, heading or name.replace("_", " "), text, form, lambda holder: _ready(getter(holder), factor))
 
 
 def record(quantities: Sequence[Quantity], holder: Any) -> dict[str, Any] | None:

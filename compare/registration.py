@@ -117,7 +117,7 @@ def registered() -> Mapping[str, Registration]:
 
 
 def load(function: str) -> Any:
-    """What ``module:name`` says, imported now."""
+    """The object that ``module:name`` names, imported now."""
     module, _, name = function.partition(":")
     return getattr(import_module(f"{__package__}.{module}"), name)
 

@@ -68,7 +68,7 @@ def cores() -> int:
 
 
 def out_of_memory(reason: object) -> InputError:
-    """For work that this machine could not finish."""
+    """The error of work that needs more memory than this machine has."""
     advice = "end other programs, take a coarser level or fewer workers, or a cluster (--backend dask)"
     return InputError("this machine", "memory", str(reason) or "used up", "enough for the run", advice)
 
@@ -76,11 +76,11 @@ def out_of_memory(reason: object) -> InputError:
 def available_GB(proc: Path = Path("/proc/meminfo"), group: Path = Path("/sys/fs/cgroup")) -> float | None:
     """Memory that a process can take without swapping [GB], at most what its control group leaves; None where the system
     does not say."""
-    found = []
+    limits = []
     with suppress(OSError, ValueError, StopIteration):
         lines = proc.read_text(encoding="ascii").splitlines()
-        found.append(1.024e-6 * float(next(line.split()[1] for line in lines if line.startswith("MemAvailable"))))
+        limits.append(1.024e-6 * float(next(line.split()[1] for line in lines if line.startswith("MemAvailable"))))
     with suppress(OSError, ValueError):  # "max": no limit
         limit, used = ((group / name).read_text(encoding="ascii") for name in ("memory.max", "memory.current"))
-        found.append(max(1e-9 * (float(limit) - float(used)), 0.0))
-    return min(found, default=None)
+        limits.append(max(1e-9 * (float(limit) - float(used)), 0.0))
+    return min(limits, default=None)

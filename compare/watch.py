@@ -46,8 +46,8 @@ def watched(label: str, limit: float | None = None) -> Iterator[None]:
 
 @contextmanager
 def bar(label: str) -> Iterator[Callable[[str, float], None]]:
-    """A bar on a terminal's standard error, of what is done of ``label``: to be told what is computed, and the part of it
-    that is done. Nothing elsewhere, and nothing in the first seconds."""
+    """A progress bar of ``label`` on a terminal's standard error, by a function of what is computed and of the share that
+    is done. Nothing elsewhere, and nothing in the first seconds."""
     begin, written = monotonic(), ""
 
     def show(what: str, share: float) -> None:

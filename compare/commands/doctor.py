@@ -38,8 +38,8 @@ PROGRAMS = {
 
 @dataclass(frozen=True)
 class Check:
-    """One thing that was looked at: whether it is there (optional: it is not, and need not be), what was found, what its
-    lack costs and what to do; empty where it is there."""
+    """One check of the machine: its state (optional: absent, and not needed), what was found, what its absence costs and
+    the remedy; these two are empty where it is present."""
 
     name: str
     state: State

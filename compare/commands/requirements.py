@@ -39,13 +39,13 @@ def closure(names: list[str]) -> dict[str, str]:
     while left:
         name, asked = left.pop()
         name = re.sub(r"[-_.]+", "-", name).lower()
-        here = version(name)
-        if here is None and asked:
+        installed = version(name)
+        if installed is None and asked:
             advice = "pip install 'rollbench[report]' installs all, or: pip install " + name
             raise InputError("doctor", "--requirements", f"{name} is not installed", "a package that is installed", advice)
-        if here is None or name in versions:
+        if installed is None or name in versions:
             continue
-        versions[name] = here
+        versions[name] = installed
         needs = [line for line in metadata.requires(name) or () if "extra ==" not in line.replace("extra==", "extra ==")]
         left += [(re.split(r"[^\w.-]", line, maxsplit=1)[0], False) for line in needs]
     return versions

@@ -19,7 +19,7 @@ COMMAND = re.compile(r"(?<= )(rollbench solve .*--condensed \S+|(apt-get|pip) in
 
 def wrapped(text: str, width: int) -> str:
     """A text whose lines are wrapped at words; what follows stands below the text behind a label, or is indented by two.
-    Paths, and a command at the end, stay whole for who copies them.
+    Paths, and a command at the end, stay whole, so that they can be copied.
 
     >>> print(wrapped("ok    a sentence that is too long for a terminal of forty", 40))
     ok    a sentence that is too long for a

@@ -123,14 +123,14 @@ def measure_level(scene: str, level: int) -> ColdLevel:
 
 
 def _alone(child: str, ask: dict[str, Any], what: str, environment: dict[str, str]) -> tuple[float, dict[str, Any]]:
-    """When a new process with empty caches began, and what it printed."""
+    """Run a new process with empty caches; when it began, and what it printed."""
     with tempfile.TemporaryDirectory() as folder:
         caches = {name: str(Path(folder) / name.lower()) for name in ("ROLLBENCH_CACHE", "NUMBA_CACHE_DIR")}
         for place in caches.values():
             Path(place).mkdir()
         code = child.format(path=[p for p in sys.path if p], ask=json.dumps(ask))
         begin = time()
-        done = subprocess.run(
+        process = subprocess.run(
             [sys.executable, "-I", "-c", code],
             capture_output=True,
             text=True,
@@ -138,7 +138,7 @@ def _alone(child: str, ask: dict[str, Any], what: str, environment: dict[str, st
             timeout=PATIENCE,
             env={**os.environ, **environment, **caches},
         )
-    if done.returncode != 0:
-        last = done.stderr.strip().splitlines()[-1:] or ["no message"]
+    if process.returncode != 0:
+        last = process.stderr.strip().splitlines()[-1:] or ["no message"]
         raise RuntimeError(f"{what}: the timing process failed: {last[0]}")
-    return begin, json.loads(done.stdout)
+    return begin, json.loads(process.stdout)

@@ -57,7 +57,7 @@ def save(store: Path, kept: Kept) -> None:
 
 
 def load(stores: Sequence[Path]) -> Kept | None:
-    """Times of the first store that has any; None where none has, or the file is no such one."""
+    """Times of the first store that has any; None without a valid file."""
     for store in stores:
         try:
             data = json.loads((store / FILE).read_text(encoding="utf-8"))

@@ -47,7 +47,7 @@ class Costs:
 
 
 def load(stores: Sequence[Path]) -> Costs | None:
-    """Costs of the first store that has any; None where none has, or the file is no such one."""
+    """Costs of the first store that has any; None without a valid file."""
     for store in stores:
         try:
             data = json.loads((store / FILE).read_text(encoding="utf-8"))

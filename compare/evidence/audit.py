@@ -198,13 +198,13 @@ def changes(rows: Sequence[Audited]) -> list[str]:
     """What differs from the stored list, in words: verdicts that changed, without their data or with them; new entries."""
     out = []
     for row in rows:
-        held = stored().get(row.name)
+        before = stored().get(row.name)
         present = data_digest(row.found.printed), row.verdict
-        if held is None:
+        if before is None:
             out.append(f"{row.name}: not in the stored list ({row.verdict})")
-        elif held[1] != present[1]:
-            why = "without its data changing" if held[0] == present[0] else "and so did its data"
-            out.append(f"{row.name}: {held[1]} became {present[1]}, {why}")
-        elif held[0] != present[0]:
+        elif before[1] != present[1]:
+            why = "without its data changing" if before[0] == present[0] else "and so did its data"
+            out.append(f"{row.name}: {before[1]} became {present[1]}, {why}")
+        elif before[0] != present[0]:
             out.append(f"{row.name}: its data changed, {present[1]} as before")
     return out

@@ -32,23 +32,23 @@ class Contacts(NamedTuple):
 
 def contacts_by(scene: Scene, answer: Loads, limits: Mapping[str, float]) -> Contacts:
     """What a model says of contacts, of the quantities that are given a limit."""
-    asked = {name: q for name, q in OF_CONTACTS.items() if q.name in limits}
-    further = {k: np.radians(answer.angle) if q is ANGLE else hertz_of(scene, q, answer.load) for k, q in asked.items()}
+    limited = {name: q for name, q in OF_CONTACTS.items() if q.name in limits}
+    further = {k: np.radians(answer.angle) if q is ANGLE else hertz_of(scene, q, answer.load) for k, q in limited.items()}
     return Contacts(answer.load, further)
 
 
 def values_by(scene: Scene, answer: Loads, limits: Mapping[str, float]) -> list[GivenValue]:
     """What a model says of the whole, of the quantities that are given a limit and that it has."""
-    whole, asked = Whole(scene), [q for q in QUANTITIES.values() if q.name in limits and q not in OF_CONTACTS.values()]
-    values = ((q, whole.of(q, answer)) for q in asked)
+    whole, limited = Whole(scene), [q for q in QUANTITIES.values() if q.name in limits and q not in OF_CONTACTS.values()]
+    values = ((q, whole.of(q, answer)) for q in limited)
     return [GivenValue(q, value) for q, value in values if value is not None]
 
 
 def contact_verdicts(judged: str, given: Contacts, scene: Scene, ref: Reference, limits: Limits) -> list[Verdict]:
     """A verdict on each quantity of contacts that is given and that the reference has, on the contact that decides."""
     without = {"angle"} if not np.isfinite(ref.best.angle).any() else set()
-    asked = [name for name in OF_CONTACTS if name in given.further.keys() - without]
-    return [_of_contacts(judged, given, name, scene, ref, limits) for name in asked]
+    names = [name for name in OF_CONTACTS if name in given.further.keys() - without]
+    return [_of_contacts(judged, given, name, scene, ref, limits) for name in names]
 
 
 def _of_contacts(judged: str, given: Contacts, name: str, scene: Scene, ref: Reference, limits: Limits) -> Verdict:
@@ -76,8 +76,8 @@ def _of_contacts(judged: str, given: Contacts, name: str, scene: Scene, ref: Ref
     kind, at = decisive(points, limit)
     k = at.ball - 1, SIDES.index(at.side)
     pair = (q.key, q.factor * float(value[k]), q.factor * float(reference[k]))
-    said = about(ref) if q is ANGLE or q.name in ref.further else "; ".join(filter(None, [BY_HERTZ, about(ref)]))
-    where = (at.ball, at.side, ref.levels, len(points), said)
+    detail = about(ref) if q is ANGLE or q.name in ref.further else "; ".join(filter(None, [BY_HERTZ, about(ref)]))
+    where = (at.ball, at.side, ref.levels, len(points), detail)
     return Verdict(ref.scene, judged, q.name, kind, at.error, at.bar, limit, *where, unit=unit, pair=pair)
 
 
@@ -90,10 +90,10 @@ def value_verdict(judged: str, given: GivenValue, scene: Scene, ref: Reference, 
         return blank(ref, judged, given.name, limit, f"no {q.name}: {whole.why_not(q, ref)}")
     error = float(error_percent(given.value, reference))
     share = None if bar is None else float(error_percent(bar, 0.0, reference))
-    said = "; ".join(filter(None, (whole.words(q), about(ref))))
+    detail = "; ".join(filter(None, (whole.words(q), about(ref))))
     pair = (q.key, q.factor * given.value, q.factor * reference)
     kind = word(error, share, limit)
-    return Verdict(ref.scene, judged, given.name, kind, error, share, limit, levels=ref.levels, detail=said, pair=pair)
+    return Verdict(ref.scene, judged, given.name, kind, error, share, limit, levels=ref.levels, detail=detail, pair=pair)
 
 
 def not_judged(verdicts: Sequence[Verdict]) -> list[str]:

@@ -168,7 +168,7 @@ class _Row:
         self._path, self._line, self._cells, self._comma = path, line, cells, decimal_comma
 
     def fault(self, name: str, value: str, allowed: str, advice: str) -> InputError:
-        """What is said of a cell."""
+        """The refusal of a cell."""
         return InputError(str(self._path), f"{self._line}: {name}", value or "nothing", allowed, advice)
 
     def word(self, name: str) -> str:
@@ -200,7 +200,7 @@ class _Row:
         return value * factor
 
     def amount(self, name: str) -> float:
-        """What is zero or more, in SI; nan where no load is the question and the cell is empty, or the file has no such
+        """A number of zero or more, in SI. Of any column but the load: nan where the cell is empty, or the file has no such
         column."""
         value, factor, text = self._number(name)
         if not text and name != "load":
@@ -247,7 +247,7 @@ def number_of(text: str, *, decimal_comma: bool) -> float:
 
 
 def read_table(path: Path) -> str:
-    """The text of a file. Raises InputError where it cannot be read, is none, or too large."""
+    """The text of a file. Raises InputError where it cannot be read, is no text, or is too large."""
     allowed, advice = "a readable CSV file", "check the path"
     try:
         if not path.is_file():

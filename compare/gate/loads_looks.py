@@ -1,4 +1,4 @@
-"""What loads of another program look like that disagree with the reference as a whole: another unit, other numbers."""
+"""Why loads of another program may disagree with the reference as a whole: another unit, other numbers of the balls."""
 
 from __future__ import annotations
 

@@ -127,9 +127,9 @@ def check_scenes(
     before; cases: which load case each scene is, by their names, where files hold the rows of all. Raises InputError for
     files that do not fit the scene, Refusal where the model cannot take it.
     """
-    said: dict[str, None] = {}
-    read = [_files(scene, what, said.setdefault, cases.get(scene.name)) for scene in _of_files(scenes, what, cases)]
-    for words in said:
+    warned: dict[str, None] = {}
+    read = [_files(scene, what, warned.setdefault, cases.get(scene.name)) for scene in _of_files(scenes, what, cases)]
+    for words in warned:
         warn(words)
     each_files = read or [Files()] * len(scenes)
     why = _computed([*scenes, *(s for f in read for s in f.at.values())], what, engine, step) if what.compute else {}
@@ -143,8 +143,8 @@ def check_scenes(
             judged = MODELS[what.model].name if what.loads is None else what.loads.name
             out += [] if each else [_not_covered(scene, judged, LARGEST, limits.largest, reason)]
         for value in files.values:
-            here = each if value.force is None else referenced(files.at[value.force], what.stores)
-            out.append(_value(value, [x for x in here if of_set(x, value.set)], scene, limits, what, reason))
+            beside = each if value.force is None else referenced(files.at[value.force], what.stores)
+            out.append(_value(value, [x for x in beside if of_set(x, value.set)], scene, limits, what, reason))
     return out
 
 
@@ -189,7 +189,7 @@ def _value(
 
 
 def of_set(one: Referenced, word: str) -> bool:
-    """Whether a word, a number from 1 or a name, is that of a set; the only one has any."""
+    """Whether a word (a number from 1, or a name) names a set; the only set goes by any."""
     return one.of is None or word in _words(one.of.assembly, one.of.number)
 
 
@@ -202,7 +202,7 @@ def _not_covered(scene: Solvable, judged: str, quantity: str, limit: float, why:
 
 
 def _of_files(scenes: Sequence[Solvable], what: Asked, cases: Mapping[str, str]) -> Sequence[Solvable]:
-    """The scenes that files are asked to say something of; none where no file is. Raises InputError for several that are
+    """The scenes that files are given for; none without files. Raises InputError for several that are
     not the load cases of one."""
     named = {"--loads": what.loads, "--values": what.values, "--reference": what.reference}
     for option, path in named.items():
@@ -213,7 +213,7 @@ def _of_files(scenes: Sequence[Solvable], what: Asked, cases: Mapping[str, str])
 
 
 def _files(scene: Solvable, what: Asked, warn: Callable[[str], None], case: str | None) -> Files:
-    """What the files say that are asked for, of a scene or its load case. Raises InputError for files that do not fit."""
+    """What the given files say of a scene or its load case. Raises InputError for files that do not fit."""
     reference: list[Referenced] = []
     loads, values = [], list[GivenValue]()
     at: dict[float, Scene] = {}
@@ -269,7 +269,7 @@ def judged_by(
 
 
 def stored_beside(one: Referenced, stores: Sequence[Path]) -> Reference | None:
-    """This project's stored reference of what a user has one of; None without."""
+    """This project's stored reference beside a user's own; None where none is stored."""
     references = referenced(one.scene if one.of is None else one.of.assembly, stores)
     return references[0 if one.of is None else one.of.number].found if references else None
 
@@ -366,9 +366,9 @@ def _missing(scenes: Sequence[Solvable], what: Asked) -> dict[tuple[int, ...], l
     """Scenes by the levels that they lack."""
     out: dict[tuple[int, ...], list[Solvable]] = {}
     for scene in scenes:
-        here = [k for k in LEVELS if load(scene, k, stores=what.stores) is not None]
-        least = what.levels or (ENOUGH if len(here) < ENOUGH else 0)
-        lacking = tuple(k for k in range(1, least + 1) if k not in here)
+        stored = [k for k in LEVELS if load(scene, k, stores=what.stores) is not None]
+        least = what.levels or (ENOUGH if len(stored) < ENOUGH else 0)
+        lacking = tuple(k for k in range(1, least + 1) if k not in stored)
         if lacking:
             out.setdefault(lacking, []).append(scene)
     return out

@@ -202,8 +202,8 @@ def judge(
         return [blank(reference, judged, LARGEST, limits.largest, f"the reference carries no load on {', '.join(flanks)}")]
     of_mean = load_error(np.where(chosen, load, 0.0), np.where(chosen, reference.load, 0.0), reference.contacts)
     kind, at = decisive(points, limits.largest)
-    said = "; ".join(filter(None, (detail, about(reference))))
-    shared: dict[str, Any] = {"levels": reference.levels, "contacts": len(points), "detail": said}
+    words = "; ".join(filter(None, (detail, about(reference))))
+    shared: dict[str, Any] = {"levels": reference.levels, "contacts": len(points), "detail": words}
     first = Verdict(reference.scene, judged, LARGEST, kind, at.error, at.bar, limits.largest, at.ball, at.side, **shared)
     out = [replace(first, of_mean=of_mean, near=_near(load, reference, at))]
     if limits.rms is not None:

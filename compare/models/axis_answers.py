@@ -60,7 +60,7 @@ def _of_set(s: SetResult, bare: SetResult | None) -> SetAnswers | None:
     answers = load_answers(s.of.parts, s.balls.load, s.balls.contact_angle)
     if bare is None or bare.balls is None:
         return SetAnswers(s.of.name, s.of.parts, answers, None)
-    held = bare.balls.load[bare.balls.load > 0.0]
-    mean = mean_load(held) if held.size else 0.0
-    preload = Preload(mean, float(held.max(initial=0.0)), int(held.size), float(bare.force[2]))
+    loads = bare.balls.load[bare.balls.load > 0.0]
+    mean = mean_load(loads) if loads.size else 0.0
+    preload = Preload(mean, float(loads.max(initial=0.0)), int(loads.size), float(bare.force[2]))
     return SetAnswers(s.of.name, s.of.parts, answers, preload)

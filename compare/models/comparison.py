@@ -166,7 +166,7 @@ def _row(
     at: tuple[int | None, str | None] = (None, None),
     printed: float | None = None,
 ) -> ComparisonRow:
-    """A row on a model's value and the reference's, with the error of that and what it is off by."""
+    """A row with a pair of values, the model's and the reference's, the latter's uncertainty and the error in per cent."""
     return ComparisonRow(scene.name, quantity, *at, unit, printed, answer.model, *pair, error, percent, answer.seconds)
 
 

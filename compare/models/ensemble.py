@@ -193,7 +193,7 @@ class _Batch:
         return prepared
 
     def _solve(self, problem: Problem | None, members: NDArray[np.int64]) -> None:
-        """Members with the sides of a problem; only those count as solved that no flank left out comes near.
+        """Solve members with the sides of a problem; one counts as solved where no flank left out comes near its ball.
 
         Gives up after ``TRIAL`` members if sides are left out and fewer than half of them pass.
         """
@@ -225,7 +225,7 @@ class _Batch:
         self.solved[kept] = True
 
     def _press(self, quick: Pressed, near: _Nearness | None, members: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Some members on the motions of their flanks alone; returns which were not solved so."""
+        """Solve members on the motions of their flanks alone; returns which of them remain unsolved."""
         arrays = self._arrays(quick.prepared.problem, members)
         states = quick.solve(arrays, self._of(members).centre)
         done = states.status == 0
@@ -235,7 +235,7 @@ class _Batch:
         return np.asarray(~done)
 
     def _follow(self, prepared: Prepared, near: _Nearness | None, members: NDArray[np.int64]) -> None:
-        """Some members by the equations of the whole screw, through the compiled kernel."""
+        """Solve members by the equations of the whole screw, in the compiled kernel."""
         state, k = prepared.state, members.size
         arrays = self._arrays(prepared.problem, members)
         forces, status, residual = np.empty(arrays.geometry.shape[:3]), np.empty(k, dtype=np.int64), np.empty(k)
@@ -248,7 +248,7 @@ class _Batch:
         self._keep(members, good, states.force, states.residual, np.tensordot(states.q, prepared.beam.load, axes=2))
 
     def _arrays(self, problem: Problem, members: NDArray[np.int64]) -> MemberArrays:
-        """Some members as the kernels take them."""
+        """Arrays of members for the kernels."""
         drawn = self._of(members)
         offset, closure = distances(self.scene, drawn)
         geometry = np.empty((members.size, *problem.geometry.shape))

@@ -94,11 +94,11 @@ def solve_scaled(scene: Scene, factor: float, model: str, options: Options) -> S
 
 def preload(scene: Scene, bare: StaticResult) -> Preload:
     """The preload that a result without loads shows."""
-    held = bare.load[bare.load > 0.0]
-    if not held.size:
+    loads = bare.load[bare.load > 0.0]
+    if not loads.size:
         return Preload(0.0, 0.0, 0, 0.0)
-    mean = mean_load(held, nominal_contacts(scaled(scene, 0.0)))
-    return Preload(mean, float(held.max()), int(held.size), axial_preload(scene, bare))
+    mean = mean_load(loads, nominal_contacts(scaled(scene, 0.0)))
+    return Preload(mean, float(loads.max()), int(loads.size), axial_preload(scene, bare))
 
 
 def axial_preload(scene: Scene, bare: StaticResult) -> float:

@@ -142,7 +142,7 @@ def _solved(
 
 @lru_cache(maxsize=4)
 def _system(scene: Scene, model: str, engine: str, factor: float) -> ElasticMembers:
-    """What solves all blocks of a scene in this process, under its loads times a factor."""
+    """The solver of all blocks of a scene in this process, under its loads times a factor."""
     like = None if factor == 1.0 else _system(scene, model, engine, 1.0)
     loaded = scene if like is None else scaled(scene, factor)
     return ElasticMembers(loaded, LADDER[model], kernels(STATICS, compiled=engine == "compiled"), like)

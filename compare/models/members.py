@@ -181,7 +181,7 @@ class _Sums:
             self.counts[place, bins.ravel()] += 1
 
     def bands(self) -> Bands:
-        """What the sums say."""
+        """The bands by the sums."""
         n = int(self.counts[0].sum())
         mean = self.first / max(n, 1)
         deviation = np.sqrt(np.maximum(self.second - n * mean**2, 0.0) / max(n - 1, 1))

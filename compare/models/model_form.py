@@ -112,7 +112,7 @@ class Point:
 def features(scene: Scene, load: Array) -> dict[str, float]:
     """Dimensionless features of a scene with loads ``(n, 4)`` [N] of any model. Raises ValueError as `dimensions`."""
     dims, R, layout = dimensions(scene), scene.track.pitch_radius, ball_layout(scene)
-    both = np.sort(np.array([load[:, [0, 3]].mean(), load[:, [1, 2]].mean()]))
+    flank_means = np.sort(np.array([load[:, [0, 3]].mean(), load[:, [1, 2]].mean()]))
     main = load[:, [0, 3]] if load[:, 0].sum() >= load[:, 1].sum() else load[:, [1, 2]]
     mean, total = float(main.mean()), max(float(load.sum()), 1e-300)
     touching = load > 0.0
@@ -128,7 +128,7 @@ def features(scene: Scene, load: Array) -> dict[str, float]:
         "lead": scene.track.lead / (2.0 * R),
         "ball": radius / R,
         "pressing": size / radius,
-        "preload": float(both[0] / both[1]) if both[1] > 0.0 else 0.0,
+        "preload": float(flank_means[0] / flank_means[1]) if flank_means[1] > 0.0 else 0.0,
         "spread": float(main.std() / mean) if mean > 0.0 else 0.0,
         "lost": float((load[touching] < 0.15 * mean).mean()) if touching.any() else 0.0,
         "one side": float(dims.nut_held in ("left face", "right face")),

@@ -34,7 +34,7 @@ class SetOf:
 
     @property
     def name(self) -> str:
-        """Of the set."""
+        """Name of the set."""
         return self.assembly.sets[self.number].name
 
     @property

@@ -351,7 +351,7 @@ def run_model(scene: Scene | Assembly, name: str = "", options: Options | None =
 
 
 def _runner(scene: Scene | Assembly, name: str) -> Callable[[Options], StaticResult | AxisResult]:
-    """What runs the model of a name on the scene. Raises InputError where there is none."""
+    """The runner of the named model on the scene. Raises InputError where there is none."""
     model = MODELS.get(name)
     if isinstance(scene, Scene):
         if model is None:

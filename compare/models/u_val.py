@@ -314,7 +314,7 @@ def bound_shares(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, int]
     for row in rows:
         if row["expected"] is None:
             continue
-        held, total = out.get(str(row["model"]), (0, 0))
+        within, total = out.get(str(row["model"]), (0, 0))
         good = float(row["measured"]) <= float(row["expected"])
-        out[str(row["model"])] = (held + good, total + 1)
+        out[str(row["model"])] = (within + good, total + 1)
     return out

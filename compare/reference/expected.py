@@ -46,7 +46,7 @@ class Expected:
 
 
 def expected(task: Task) -> Expected:
-    """What a task will take."""
+    """Seconds and memory that a task will take."""
     if not task.assemblies:
         by_bodies = [len({s for scene in task.single for s in needed_sides(scene)}) * task.scenes[0].ball_count]
     else:
@@ -81,7 +81,7 @@ def need_memory(tasks: Sequence[Task], workers: int) -> float:
 
 
 def duration(seconds: float) -> str:
-    """A duration in words of one number.
+    """A duration in words, with one number.
 
     >>> duration(42.0), duration(600.0), duration(9000.0)
     ('40 s', '10 min', '2.5 h')
@@ -112,7 +112,7 @@ class Progress:
         return f"{self.label}: {self.stages[0][0]}" if self.stages else self.label
 
     def line(self, text: str, spent: float) -> str:
-        """What is said when ``text``, a `StageDone` at the end of a stage, is heard after ``spent`` seconds.
+        """The line for ``text``, a `StageDone` at the end of a stage, ``spent`` seconds after the task began.
 
         Stages from the cache say nothing of the machine's pace.
         """

@@ -96,8 +96,8 @@ class GridParts:
             return np.where(on, self.bar, 0.0)
         stiffness = loads[max(loads)] ** STIFFNESS
         share = stiffness**2 / (stiffness[on] ** 2).mean()
-        displaced, rest = self.bodies**2 + self.sockets**2, self.contact**2 + self.common**2
-        return np.where(on, self.cover * np.sqrt(rest + displaced * share), 0.0)
+        displaced, shared = self.bodies**2 + self.sockets**2, self.contact**2 + self.common**2
+        return np.where(on, self.cover * np.sqrt(shared + displaced * share), 0.0)
 
 
 def both_flanks(load: Array) -> bool:

@@ -47,9 +47,9 @@ class Engine:
 
 
 def first_here(jobs: Sequence[parallel.Job], engine: Engine, what: str, step: Step) -> Iterator[tuple[int, Any]]:
-    """Numbers and results as of `parallel.as_done`. Where other processes of this machine are asked for, two jobs are done
-    here first, and by the time of the second, for which everything is loaded, all of them where starting others takes
-    longer; ``step`` is told so, ``what`` being many of what the jobs make."""
+    """Numbers and results as of `parallel.as_done`. Where other processes of this machine are asked for, two jobs run here
+    first; the rest follow here too where the second (everything is loaded by then) shows that starting processes takes
+    longer. ``step`` announces that; ``what``: plural name of what the jobs make."""
     workers, here = engine.workers, 0
     if (workers or 1) > 1 and engine.backend == "joblib":
         start, here = perf_counter(), min(2, len(jobs))
@@ -148,14 +148,14 @@ def ensure(
     where this machine has too little memory for it.
     """
     wanted = tasks if fresh else missing(tasks, (store, *stores))
-    here = engine.backend == "joblib"
+    local = engine.backend == "joblib"
     left = [replace(task, cache=engine.cache, processes=engine.processes) for task in wanted]
     failed: list[Run] = []
     if not left:
         return failed
     start, done = perf_counter(), 0.0
-    alone = here and (engine.workers or 1) == 1
-    step(_announced(left, len(tasks) - len(left), store, engine.workers or 1, here=here))
+    alone = local and (engine.workers or 1) == 1
+    step(_announced(left, len(tasks) - len(left), store, engine.workers or 1, here=local))
     seconds = [expected(task).seconds for task in left]
     progress = [Progress(task, sum(seconds[k + 1 :])) for k, task in enumerate(left)]
     jobs = [(perform, (task, store, step, p) if alone else (task, store)) for task, p in zip(left, progress, strict=True)]
@@ -208,9 +208,9 @@ def ensure(
 
 
 def _announced(left: Sequence[Task], stored: int, store: Path, workers: int, *, here: bool) -> str:
-    """What is said before set-ups are computed. Raises InputError where this machine has too little memory."""
-    there = f", {stored} are stored" if stored > 0 else ""
-    head = f"3D reference: {len(left)} set-ups to compute{there}"
+    """The announcement before set-ups are computed. Raises InputError where this machine has too little memory."""
+    kept = f", {stored} are stored" if stored > 0 else ""
+    head = f"3D reference: {len(left)} set-ups to compute{kept}"
     if not here:
         return f"{head}; stored in {store}"
     memory = need_memory(left, workers)

@@ -115,7 +115,7 @@ def _serves(meshed: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:
 
 
 def meant(assembly: Assembly, unsaid: Mapping[str, Any]) -> Assembly:
-    """The assembly without what says nothing about static loads."""
+    """The assembly without what has no effect on static loads."""
     bare = [
         replace(s, name="", parts=replace(s.parts, **unsaid)) if isinstance(s.parts, Scene) else s for s in assembly.sets
     ]

@@ -193,11 +193,11 @@ def shipped_store() -> Path:
 def load(scene: Solvable, level: int, variant: str = "", stores: Sequence[Path] | None = None) -> Run | None:
     """A stored run of a mesh that serves the scene, or None; a damaged file, or one of another key, counts as absent.
 
-    stores: the shipped one unless given, the first that has a run counts. Of several runs, made with other scenes, one of
-    the installed versions of gmsh and scikit-fem is taken if there is any, of these that on the finest cells (then that
-    with the largest patches).
+    stores: the shipped one unless given, the first that has a run counts. Of several runs, made with other scenes, those by
+    the installed versions of gmsh and scikit-fem come first, then those on the finest cells, then those with the largest
+    patches.
     """
-    here = versions()
+    installed = versions()
     for store in (shipped_store(),) if stores is None else stores:
         runs = []
         for path in sorted(store.glob(f"{glob.escape(_stem(scene, level, variant))}*.json")):
@@ -205,13 +205,13 @@ def load(scene: Solvable, level: int, variant: str = "", stores: Sequence[Path] 
             if run is not None and serves(scene, level, variant, run.settings, run.sides):
                 runs.append(run)
         if runs:
-            return min(runs, key=partial(_order, here))
+            return min(runs, key=partial(_order, installed))
     return None
 
 
-def _order(here: Mapping[str, str], run: Run) -> tuple[float, ...]:
-    """Runs that are taken first come first."""
-    other = any(run.versions.get(name) != version for name, version in here.items())
+def _order(installed: Mapping[str, str], run: Run) -> tuple[float, ...]:
+    """Sort key of runs, the preferred one first."""
+    other = any(run.versions.get(name) != version for name, version in installed.items())
     each = run.settings.get("sets", (run.settings,))
     return (other, *(x for mesh in each for x in mesh["semi"]), *(-x for mesh in each for x in mesh["reach"]))
 

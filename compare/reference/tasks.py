@@ -84,10 +84,10 @@ def serves(scene: Solvable, level: int, variant: str, settings: Mapping[str, Any
     except InputError:
         return False
     meshed = plain(settings)
-    same = _but_sizes({k: v for k, v in meshed.items() if k in wanted}) == _but_sizes(wanted)
+    alike = _but_sizes({k: v for k, v in meshed.items() if k in wanted}) == _but_sizes(wanted)
     fits = {"semi", "reach"} <= set(meshed) and set(needed) <= set(sides)
     return bool(
-        same
+        alike
         and fits
         and all(x <= y for x, y in zip(meshed["semi"], wanted["semi"], strict=True))
         and all(x >= y for x, y in zip(meshed["reach"], wanted["reach"], strict=True))

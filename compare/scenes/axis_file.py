@@ -141,12 +141,12 @@ def _choice_faults(keys: AxisKeys) -> Iterator[Fault]:
             if label in given[:i]:
                 yield Fault((f"{table}[{i}].name",), "a name of its own", "results are told apart by it: change one")
     known = ", ".join(names) or "none is described"
-    asked: list[tuple[str, str | None]] = [(f"sets[{i}].housing", s.housing) for i, s in enumerate(keys.sets)]
-    asked += [(f"sets[{i}].carrier", s.carrier) for i, s in enumerate(keys.sets)]
-    asked += [(f"joints[{i}].between", name) for i, j in enumerate(keys.joints) for name in j.between]
-    asked += [(f"{table}[{i}].name", name) for table, given in of_cases for i, name in enumerate(given)]
-    asked.append(("stiffness.housing", keys.stiffness.housing))
-    for where, name in asked:
+    named: list[tuple[str, str | None]] = [(f"sets[{i}].housing", s.housing) for i, s in enumerate(keys.sets)]
+    named += [(f"sets[{i}].carrier", s.carrier) for i, s in enumerate(keys.sets)]
+    named += [(f"joints[{i}].between", name) for i, j in enumerate(keys.joints) for name in j.between]
+    named += [(f"{table}[{i}].name", name) for table, given in of_cases for i, name in enumerate(given)]
+    named.append(("stiffness.housing", keys.stiffness.housing))
+    for where, name in named:
         if name is not None and name not in names:
             yield Fault((where,), f"a name under [[housings]]: {known}", "add the housing, or mend the name")
     if keys.stiffness.housing is not None and keys.stiffness.at is not None:

@@ -79,7 +79,7 @@ def case(name: str, of: type[Of]) -> Of:
 def any_scene(name_or_path: str) -> Described:
     """A shipped scene by name, or the scene of a file, of any kind.
 
-    What is no shipped name is a path if it ends in ``.toml``, holds a path separator, or names an existing
+    A name that is not shipped is a path if it ends in ``.toml``, holds a path separator, or names an existing
     file or folder. Raises InputError (SceneError for a faulty file).
     """
     if name_or_path in scene_names():

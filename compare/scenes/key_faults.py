@@ -18,15 +18,15 @@ def key_faults(keys: type[BaseModel], error: ValidationError) -> list[Said]:
     """Faults that pydantic found in ``keys``: unknown keys first, as they explain missing ones; a missing key that an
     unknown one stands for is told with that."""
     faults = sorted(error.errors(include_url=False), key=lambda f: f["type"] != "extra_forbidden")
-    schema, meant = tidy_schema(keys), set()
+    schema, named = tidy_schema(keys), set()
     out = []
     for fault in faults:
         where = fault["loc"]
         if fault["type"] == "extra_forbidden":
-            said, name = unknown(schema, fault)
-            meant.add((*where[:-1], name))
-            out.append(said)
-        elif not (fault["type"] == "missing" and where in meant):
+            words, name = unknown(schema, fault)
+            named.add((*where[:-1], name))
+            out.append(words)
+        elif not (fault["type"] == "missing" and where in named):
             out.append(_wrong(schema, fault))
     return out
 

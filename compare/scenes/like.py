@@ -60,7 +60,7 @@ def _text(name: str, values: Mapping[str, Any], **words: object) -> str:
 
 
 def _tidy(text: str, values: dict[str, Any]) -> str:
-    """Nothing about gaps where there is one circuit."""
+    """The text without gaps where there is one circuit."""
     if values["circuits"] > 1:
         return text
     return re.sub(r"(?m)^circuit_gap = .*\n", "", text).replace("1 circuits of", "1 circuit of")

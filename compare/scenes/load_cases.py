@@ -113,13 +113,13 @@ def _support_faults(keys: SceneKeys | AxisKeys, case: CaseKeys, where: str) -> I
     seen: set[tuple[int, str]] = set()
     for j, other in enumerate(case.supports):
         moved = other.displace.model_dump(exclude_none=True)
-        here = [(i, s) for i, s in enumerate(keys.supports) if abs(s.at - other.at) <= MERGE]
-        if not here:
+        supports = [(i, s) for i, s in enumerate(keys.supports) if abs(s.at - other.at) <= MERGE]
+        if not supports:
             places = ", ".join(mm(s.at) for s in keys.supports) or "none: the scene has no supports"
             advice = "a case displaces supports that the scene has: mend the station, or add the support to the scene"
             yield Fault((f"{where}.supports[{j}].at",), places, advice)
             continue
-        held = {name: i for i, s in here for name in (*s.fix, *s.displace.model_dump(exclude_none=True))}
+        held = {name: i for i, s in supports for name in (*s.fix, *s.displace.model_dump(exclude_none=True))}
         for name in moved:
             key = f"{where}.supports[{j}].displace.{name}"
             if name not in held:

@@ -129,7 +129,7 @@ def friction_of(keys: FrictionKeys) -> Friction:
 
 
 def material_of(keys: MaterialKeys | None, default: MaterialKeys) -> Material:
-    """A part's material, what it does not say taken from the scene's."""
+    """A part's material; values that it lacks are the scene's."""
     keys = keys or default
     modulus = default.youngs_modulus if keys.youngs_modulus is None else keys.youngs_modulus
     ratio = default.poissons_ratio if keys.poissons_ratio is None else keys.poissons_ratio
@@ -168,7 +168,7 @@ def _terms(terms: Sequence[TermKeys]) -> tuple[FourierTerm, ...]:
 
 
 def support_of(support: SupportKeys | HousingKeys) -> Support:
-    """What is held at a station, and where."""
+    """Support at a station: freedoms held and displacements."""
     held: dict[str, float] = dict.fromkeys(support.fix, 0.0)
     held |= support.displace.model_dump(exclude_none=True)
     return Support(support.at, tuple((name, held[name]) for name in FREEDOMS if name in held))

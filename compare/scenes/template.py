@@ -57,8 +57,8 @@ def template(kind: str = "ball screw") -> str:
         file = "template.toml" if name == "ball screw" else f"template-{name.replace(' ', '-')}.toml"
         return data.text(file)
     values = tomllib.loads(scene_text(EXAMPLES[name])) | {"title": f"My {name}", "kind": name}
-    for said in ("source", "assumed"):
-        values.pop(said, None)
+    for key in ("source", "assumed"):
+        values.pop(key, None)
     schema = _schema(name)
     lines = list(_table(schema, schema["$defs"], values, ""))
     return INTRODUCTION.format(kind=name, about=schema["description"]) + "\n" + "\n".join(lines).strip() + "\n"

@@ -40,7 +40,7 @@ class Files:
         return [] if self.baseline is None else changes(self.baseline, outcomes)
 
     def since(self, changed: Sequence[Change]) -> list[str]:
-        """That in words; nothing without a baseline."""
+        """The changes in words; none without a baseline."""
         if self.baseline is None:
             return []
         return [f"since {self.baseline.name}: {change.line()}" for change in changed] or [

@@ -255,13 +255,13 @@ def _expected(worth: ModelForm | None) -> str:
 
 
 def _cells(b: Beside) -> list[str]:
-    e, held = b.error, b.answer.load[b.answer.load > 0.0]
+    e, loads = b.error, b.answer.load[b.answer.load > 0.0]
     errors = ["", "", ""] if e is None else [f"{e.max_percent:.2f}", f"{e.ball} {e.side}".strip(), f"{e.rms_percent:.2f}"]
     return [
         b.label,
         *errors,
-        f"{held.max(initial=0.0):.1f}",
-        f"{mean_load(held, b.contacts):.1f}",
+        f"{loads.max(initial=0.0):.1f}",
+        f"{mean_load(loads, b.contacts):.1f}",
         f"{1e-6 * b.pressure:.0f}",
         f"{1e6 * b.displacement:.3f}" if np.isfinite(b.displacement) else "–",
         "" if not b.answer.seconds else f"{b.answer.seconds:.{0 if b.answer.seconds >= 10.0 else 2}f}",

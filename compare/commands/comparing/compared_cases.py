@@ -56,12 +56,12 @@ def together_lines(cycle: DutyCycle, each: Compared) -> list[str]:
 
 def _line(data: dict[str, Any]) -> str:
     lives, off = data["life_million_revolutions"], data["life_error_percent"]
-    said = "no life over the duty cycle"
+    life = "no life over the duty cycle"
     if off is not None:
-        said = (
+        life = (
             f"life over the duty cycle {lives[data['model']]:.4g} million revolutions, {lives['3D reference']:.4g} by the "
             f"reference's loads ({off:+.2f} %)"
         )
     error = data["largest_error_percent"]
     worst = "" if error is None else f"{data['model']} is off most in case {data['largest_error_case']}, {error:.2f} %; "
-    return f"{data['scene']}{', ' + data['set'] if 'set' in data else ''}: {worst}{said}"
+    return f"{data['scene']}{', ' + data['set'] if 'set' in data else ''}: {worst}{life}"

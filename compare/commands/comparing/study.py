@@ -133,7 +133,7 @@ def code_of(references: Iterable[Reference]) -> int:
 
 
 def unconverged(name: str, failed: Sequence[Run]) -> Refusal:
-    """What is said of a scene without a converged run: what became of its runs."""
+    """The refusal of a scene without a converged run, with the status of each of its runs."""
     why = [f"level {run.level}: {run.status}" for run in failed if run.scene == name]
     reason = f"no run of the 3D reference converged ({'; '.join(why)})" if why else "no converged run of the 3D reference"
     return Refusal(name, "3D reference", reason, "change what the status names, or solve it with a low-order model")
@@ -269,8 +269,8 @@ def _given(
 ) -> list[list[Referenced]]:
     """The one scene, or its load cases, beside the user's own reference, set by set; cases: which each scene is. Raises
     InputError for several, and for what it makes meaningless."""
-    for name, asked in (("--levels", levels is not None), ("--fresh", fresh)):
-        if asked:
+    for name, given in (("--levels", levels is not None), ("--fresh", fresh)):
+        if given:
             raise InputError("command line", name, "with --reference", "one of both", "the file is the reference")
     if len(scenes) != 1 and len(cases) != len(scenes):
         advice = "compare the scenes one by one, each with its file"

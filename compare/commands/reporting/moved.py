@@ -68,8 +68,8 @@ def _keyed(rows: Sequence[dict[str, str]]) -> dict[str, dict[str, str]]:
     for row in rows:
         texts = [cell for cell in row.values() if cell and _number(cell) is None]
         key = ", ".join(text if len(text) <= 40 else f"{text[:37]}..." for text in texts[:3]) or "row"
-        same = sum(known == key or known.startswith(f"{key} (") for known in by_text)
-        by_text[f"{key} ({same + 1})" if same else key] = row
+        count = sum(known == key or known.startswith(f"{key} (") for known in by_text)
+        by_text[f"{key} ({count + 1})" if count else key] = row
     return by_text
 
 

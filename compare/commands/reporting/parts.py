@@ -77,9 +77,9 @@ def pages(by_name: Mapping[str, Section]) -> list[Page]:
 def conclusion(sections: Sequence[Section]) -> str:
     """What a page opens with: the conclusion of its first section that has one, else how many of the printed entries in its
     tables have which verdict."""
-    said = next((section.conclusion for section in sections if section.conclusion), "")
-    if said:
-        return said
+    text = next((section.conclusion for section in sections if section.conclusion), "")
+    if text:
+        return text
     tables = [item for section in sections for item in section.items if isinstance(item, Table)]
     tally = Counter(str(row["verdict"]) for table in tables for row in table.rows if row.get("verdict"))
     judged = {verdict: count for verdict, count in tally.most_common() if verdict not in APART}

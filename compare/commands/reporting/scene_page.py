@@ -72,7 +72,7 @@ def make_page(name: str, out: Path, store: Path, reference: Path | None = None) 
 
 
 def page_of(name: str, stores: Sequence[Path], file: Path | None = None) -> ScenePage:
-    """The page of a scene, or of its load cases; own: file of the user's own reference. Raises InputError and Refusal as
+    """The page of a scene, or of its load cases; file: of the user's own reference. Raises InputError and Refusal as
     `make_page`."""
     described = catalogue.any_scene(name)
     if not isinstance(described, DutyCycle):
@@ -266,8 +266,8 @@ def _error(
 
     items: list[Text | Table | Figure] = []
     if given is not None:
-        said = f"{given.stated[:1].upper()}{given.stated[1:]}: {given.words}, uncertain by up to {given.uncertainty:.2f} %."
-        items.append(Text((said,)))
+        text = f"{given.stated[:1].upper()}{given.stated[1:]}: {given.words}, uncertain by up to {given.uncertainty:.2f} %."
+        items.append(Text((text,)))
     if judged and reference is not None:
         levels = ", ".join(str(run.level) for run in reference.runs)
         rows: list[Row] = [
@@ -309,8 +309,8 @@ def _notes(result: StaticResult, warnings: Sequence[str] = ()) -> Section:
 
 
 def _picture(scene: Scene, result: StaticResult) -> Any:
-    held = result.load > 0.0
-    arrows = result.contact_point[held], (result.force_direction * result.load[..., None])[held]
+    loaded = result.load > 0.0
+    arrows = result.contact_point[loaded], (result.force_direction * result.load[..., None])[loaded]
     caption = "Balls are coloured by their load; arrows are the contact forces on them."
     return loaded_screw(scene, ("picture", "The scene under load"), result.load, arrows, caption)
 

@@ -56,7 +56,7 @@ def checked(html: str, blocks: dict[str, Any], stores: Sequence[Path]) -> Iterat
 
 
 def run_verify(report: Path, store: Path) -> Answer:
-    """Every hash's state; exit code 1 where one does not hold. Raises InputError for a file that is no page with a
+    """Every hash's state; exit code 1 where one differs. Raises InputError for a file that is no page with a
     manifest."""
     stores = (store, shipped_store())
     whole = report_moved.is_whole(report)
@@ -84,13 +84,13 @@ def run_page(scene: str, out: Path, store: Path, against: Path | None, reference
 
 
 def _inputs(manifest: dict[str, Any]) -> dict[str, Any]:
-    """A manifest without what is another in every run: the date, and the hashes of what holds the solver's seconds."""
+    """A manifest without what differs in every run: the date, and the hashes of what holds the solver's seconds."""
     kept = {key: value for key, value in manifest.items() if key not in ("page", "results")}
     return kept | {"provenance": {k: v for k, v in manifest["provenance"].items() if k != "date"}}
 
 
 def _stable(results: dict[str, Any]) -> dict[str, Any]:
-    """Results without what is another in every run: the solver's seconds."""
+    """Results without what differs in every run: the solver's seconds."""
     kept = {key: value for key, value in results.items() if key != "solver"}
     return kept | ({"cases": [_stable(one) for one in results["cases"]]} if "cases" in results else {})
 

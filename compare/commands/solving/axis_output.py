@@ -93,7 +93,7 @@ def _housing(h: HousingResult) -> dict[str, Any]:
 
 def as_json(assembly: Assembly, result: AxisResult, answers: AxisAnswers | None = None, member: int = 0) -> dict[str, Any]:
     """The result as a JSON-ready object in the keys of a single set's; rows of balls and rollers begin with their set, sums
-    of a set are in ``sets``; found: what else stands in the summaries."""
+    of a set are in ``sets``; answers: what else stands in the summaries."""
     of_sets = (None,) * len(result.sets) if answers is None else answers.sets
     return {
         "scene": assembly.name,
@@ -128,8 +128,8 @@ def as_table(
         moved = ", ".join(
             f"{n.split('_')[0]} {f * x:.4g} {n.split('_')[1]}" for (n, f), x in zip(MOTION, h.motion, strict=True)
         )
-        held = ", ".join(f"{x:.5g}" for x in h.wrench[:3])
-        parts.append(f"{h.name}: {moved}; the frame holds it with ({held}) N; balance {h.residual:.1e}")
+        force = ", ".join(f"{x:.5g}" for x in h.wrench[:3])
+        parts.append(f"{h.name}: {moved}; the frame holds it with ({force}) N; balance {h.residual:.1e}")
     parts += _stiffness_lines(result)
     e = result.equilibrium
     behind = solver_lines(result.solver)

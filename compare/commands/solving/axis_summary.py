@@ -98,12 +98,12 @@ def block(assembly: Assembly, result: AxisResult, answers: AxisAnswers, width: i
         name = assembly.sets[data["worst_set"] - 1].name
         speed = None if assembly.motion is None else assembly.motion.speed
         lines += [(label, f"{name}: {text}") for label, text in contact_entries(data, speed)]
-    held = [
+    preloads = [
         f"{s.of.name} {of_set.preload.mean:.1f} N a contact, {of_set.preload.axial:.0f} N along the axis"
         for s, of_set in zip(result.sets, answers.sets, strict=True)
         if of_set is not None and of_set.preload is not None and of_set.preload.loaded
     ]
-    lines.append(("preload", "; ".join(held) or "no contact of balls carries load when the loads are away"))
+    lines.append(("preload", "; ".join(preloads) or "no contact of balls carries load when the loads are away"))
     torques = {
         s.of.name: found_torque["torque_Nmm"]
         for s, of_set in zip(result.sets, answers.sets, strict=True)

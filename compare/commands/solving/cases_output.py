@@ -98,10 +98,10 @@ def cases_table(
     parts: list[Any] = [f"{cycle.name}, model {data['model']}: {len(solved)} load cases, {data['status']}", ""]
     parts += [*(entry(label, text, text_width()) for label, text in together_entries(whole)), ""]
     parts += [aligned([*case_rows(data["cases"])], ".4g"), ""]
-    said: set[str] = set()
+    shown: set[str] = set()
     for case, one, tangent in zip(cycle.cases, solved, tangents or [None] * len(solved), strict=True):
-        lines = [x for x in case_table(one, balls=balls, details=details) if not (isinstance(x, str) and x in said)]
-        said |= {x for x in lines if isinstance(x, str) and x.startswith(("assumed: ", "left out: "))}
+        lines = [x for x in case_table(one, balls=balls, details=details) if not (isinstance(x, str) and x in shown)]
+        shown |= {x for x in lines if isinstance(x, str) and x.startswith(("assumed: ", "left out: "))}
         parts += [f"case {case.name}, share {case.share:.4g}", *lines, *(stiffness_lines(tangent) if tangent else []), ""]
     return parts
 

@@ -59,7 +59,7 @@ def _row(write: Callable[[list[Any]], None], head: Sequence[str], member: int, s
 
 @contextmanager
 def _rows(path: Path | None, names: Sequence[str]) -> Iterator[Callable[[list[Any]], None]]:
-    """What writes a row to the file, which takes its name only when it is whole."""
+    """A writer of rows to the file, which gets its name only when it is complete."""
     if path is None:
         yield lambda *_: None
         return
@@ -91,15 +91,12 @@ def as_json(members: Members) -> dict[str, Any]:
     if isinstance(members.scene, Assembly):
         counts["sets"] = _sets(members, members.scene)
         balls = [
-            {"set": i + 1, **x}
+            {"set": i + 1, **x, "index": x["index"] - place.start}
             for i, place in enumerate(members.balls)
             if place is not None
             for one in rows[place]
             for x in one
         ]
-        for row in balls:
-            place = members.balls[row["set"] - 1]
-            row["index"] -= 0 if place is None else place.start
     return {**head, **counts, **kept, "band_resolution_N": number(members.bands.width), "balls": balls}
 
 

@@ -115,7 +115,7 @@ def _check_parts(scene: Scene | Assembly, choices: Choices, station: float) -> N
 
 
 def code_of(solved: Sequence[Solved | SolvedAxis], choices: Choices) -> int:
-    """Exit code: 1 where one did not converge, or warns above its answers and that counts."""
+    """Exit code: 1 where one did not converge, or where a warning above the answers counts as a failure."""
     return int(any(one.answers is None or (choices.strict and above(one.result.warnings)) for one in solved))
 
 

@@ -240,11 +240,11 @@ def closing_lines(
 ) -> list[str]:
     """Warnings, then what lies behind the answers: lines on balance and solver, notes, assumptions, what was left out; or
     where to find it."""
-    said = [f"warning: {line}" for line in warnings]
+    warned = [f"warning: {line}" for line in warnings]
     if not details:
-        return [*said, f"{len(assumed)} assumptions, {len(left_out)} things left out, balance and solver: --assumptions"]
+        return [*warned, f"{len(assumed)} assumptions, {len(left_out)} things left out, balance and solver: --assumptions"]
     headed = ("assumed", assumed), ("left out", left_out)
-    return [*behind, *said, *notes, *(f"{heading}: {line}" for heading, lines in headed for line in lines)]
+    return [*behind, *warned, *notes, *(f"{heading}: {line}" for heading, lines in headed for line in lines)]
 
 
 def solver_lines(s: SolverReport, measured: str = "") -> list[str]:

@@ -26,10 +26,10 @@ LABEL = 10
 def loads_json(load: Array, contacts: int = 0) -> dict[str, Any] | None:
     """Worst ball, mean and extremes of the loaded contacts ``(n, 4)`` [N]; None without load. contacts: see
     `meshes.loads.mean_load`."""
-    held = load > 0.0
-    if not held.any():
+    loaded = load > 0.0
+    if not loaded.any():
         return None
-    carried = load[held]
+    carried = load[loaded]
     i, s = np.unravel_index(int(load.argmax()), load.shape)
     return {
         "worst_ball": int(i) + 1,
@@ -39,7 +39,7 @@ def loads_json(load: Array, contacts: int = 0) -> dict[str, Any] | None:
         "min_N": number(carried.min()),
         "loaded_contacts": int(carried.size),
         "contacts_in_mean": counted(load, contacts),
-        "balls_without_load": int((~held.any(axis=1)).sum()),
+        "balls_without_load": int((~loaded.any(axis=1)).sum()),
     }
 
 
