@@ -184,7 +184,7 @@ def check(
     from rollbench.meshes.cache import default_root
 
     described = _described(scene)
-    what = asked(
+    request = asked(
         model=model,
         loads=None if loads is None else Path(loads),
         values=None if values is None else Path(values),
@@ -197,7 +197,7 @@ def check(
         compute=compute,
     )
     warnings: list[str] = []
-    verdicts = judged_cases([described], [described.name], what, Engine(cache=default_root()), warnings.append)
+    verdicts = judged_cases([described], [described.name], request, Engine(cache=default_root()), warnings.append)
     lines = (*(f"WARNING: {warning}" for warning in warnings), *(v.line() for v in verdicts))
     return Judged(verdicts_json([described], verdicts) | {"warnings": warnings}, "verdicts", lines)
 

@@ -344,8 +344,8 @@ def run_model(scene: Scene | Assembly, name: str = "", options: Options | None =
         with np.errstate(all="ignore"):
             result = run(options)
     except ValueError as error:
-        one = isinstance(scene, Scene)
-        where, what = (blamed(error), "geometry and the ingredients") if one else ("scene", "geometry")
+        single = isinstance(scene, Scene)
+        where, what = (blamed(error), "geometry and the ingredients") if single else ("scene", "geometry")
         raise Refusal(scene.name, where, str(error), f"check the {what}") from error
     return replace(result.answers(), model=name, member=options.member)
 

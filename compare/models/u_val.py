@@ -191,11 +191,11 @@ def input_parts(study: Study, scene: Scene, quantity: Quantity) -> dict[str, Arr
     base = study.solve(scene, SENSITIVE)
     unchanged, out = quantity.take(scene, from_result(base)), {}
     mean = mean_load(base.load, nominal_contacts(scene))
-    for one in INPUTS:
-        changed = one.change(scene)
+    for tolerance in INPUTS:
+        changed = tolerance.change(scene)
         if changed is not None:
             value = quantity.take(changed, from_result(study.solve(changed, SENSITIVE)))
-            out[one.name] = percent(quantity, value, unchanged, mean)
+            out[tolerance.name] = percent(quantity, value, unchanged, mean)
     return out
 
 
