@@ -98,8 +98,8 @@ def test_scatter_of_the_mesh_is_what_is_measured():
 def test_drawn_errors_are_those_of_the_loads_without_scatter(study):
     best = meeting(study.once(combinations))[0]
     loads = low_loads(study, best.low), solid_loads(study, best.solid)
-    for own, definition in ((True, "own"), (False, "mean")):
-        still = scatter.drawn_errors(*loads, 0.0, own=own)
+    for of_load, definition in ((True, "own"), (False, "mean")):
+        still = scatter.drawn_errors(*loads, 0.0, of_load=of_load)
         assert np.ptp(still, axis=0) == pytest.approx(0.0, abs=1e-9)
         assert still[0] == pytest.approx(best.errors[definition], rel=2e-3)
     drawn = scatter.drawn_errors(*loads, 1.0)
