@@ -96,10 +96,10 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     known = load((*(study.stores or ()), shipped_store()))
     releases = [(one.version, one) for one in known]
     if any(name in points for name in REFERENCED):
-        this = measured(points, study.references(tuple(points)), commit())
-        releases.append((NOW, this))
+        present = measured(points, study.references(tuple(points)), commit())
+        releases.append((NOW, present))
         if study.keeps and study.stores and not study.quick:
-            save(study.stores[0], added(known, this))
+            save(study.stores[0], added(known, present))
     if not releases:
         return Section("history", title, (Text(("No release and no run of the 3D reference was found.",)),))
     return Section("history", title, (Text(ABOUT), history_table(releases), history_figure(releases)))

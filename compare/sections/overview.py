@@ -173,7 +173,7 @@ def _time_panel(
             )
         )
     series = [s for s in series if len(s.x)]
-    times = [p.cold for shown in points.values() for p in shown]
+    times = [p.cold for several in points.values() for p in several]
     series.append(Series(f"{LINE:g} %", [min(times), max(times)], [LINE, LINE], "line"))
     return Panel("", label, "largest error / % of the mean load", tuple(series), log="xy")
 

@@ -62,8 +62,8 @@ def ways(scene: Scene) -> dict[str, Scene]:
     seat = 0.5 * outer, 0.5 * RIM * outer
     flange = Flange(RIM * outer, thick, seat, centring=FIT * (scene.nut.length - thick))
 
-    def held(at: NutHeld, carried: Flange | None = None) -> Scene:
-        return replace(scene, nut=replace(scene.nut, flange=carried), solid=replace(scene.solid, nut_held=at))
+    def held(at: NutHeld, fitted: Flange | None = None) -> Scene:
+        return replace(scene, nut=replace(scene.nut, flange=fitted), solid=replace(scene.solid, nut_held=at))
 
     return {
         "left face": held("left face"),
@@ -85,8 +85,8 @@ def stored(store: Path) -> list[dict[str, Any]]:
 
 def loads_of(row: dict[str, Any]) -> Array:
     """Contact loads ``(n, 4)`` [N] of a stored way."""
-    sides = row["load"]
-    return np.stack([sides.get(side, np.zeros(len(next(iter(sides.values()))))) for side in SIDES], axis=1)
+    by_side = row["load"]
+    return np.stack([by_side.get(side, np.zeros(len(next(iter(by_side.values()))))) for side in SIDES], axis=1)
 
 
 class Solved(NamedTuple):
@@ -174,8 +174,8 @@ def bolted_words() -> str:
                 f"{scene} (level {max(levels)}): the largest load by {largest:+.2f} % of the mean load, any load by at "
                 f"most {off.max_percent:.2f} % of it ({off.rms_percent:.2f} % RMS), the rigidity by {stiff:+.2f} %"
             )
-    change = f"{BOLTS} bolts instead of the whole annulus (held: circles as wide as it) change in {THREE} "
-    return change + "; ".join(words) + "." if words else f"Single bolts were not solved in {THREE}."
+    head = f"{BOLTS} bolts instead of the whole annulus (held: circles as wide as it) change in {THREE} "
+    return head + "; ".join(words) + "." if words else f"Single bolts were not solved in {THREE}."
 
 
 def mesh_words(rows: list[dict[str, Cell]]) -> str:
@@ -193,12 +193,12 @@ def mesh_words(rows: list[dict[str, Cell]]) -> str:
             moved.setdefault("rigidity", []).append(
                 abs(float(error_percent(float(row["rigidity"] or 0.0), float(coarse["rigidity"] or 1.0))))
             )
-    bar = f"The meshes leave {min(bars):.2f} to {max(bars):.2f} % of the mean load uncertain (95 %)."
+    sentence = f"The meshes leave {min(bars):.2f} to {max(bars):.2f} % of the mean load uncertain (95 %)."
     if not moved:
-        return bar
+        return sentence
     most = {column: f"{max(values):.2f}" for column, values in moved.items()}
     return (
-        f"{bar} Where two levels were solved, the finer one moves the changes over the left face by at most "
+        f"{sentence} Where two levels were solved, the finer one moves the changes over the left face by at most "
         f"{most['load_change']} points (largest load), {most['life_change']} (life), {most['rigidity_change']} (rigidity), "
         f"the rigidity itself by {most['rigidity']} %."
     )

@@ -52,14 +52,14 @@ SOURCES = {
 
 def summary(found: Sequence[Evidence]) -> str:
     """How many entries come out, in one sentence."""
-    closed = [e for e in found if e.printed.cls != "open"]
-    good = sum(e.agrees is True for e in closed)
-    of = Counter(judge(e)[0] for e in closed)
+    judged = [e for e in found if e.printed.cls != "open"]
+    good = sum(e.agrees is True for e in judged)
+    of = Counter(judge(e)[0] for e in judged)
     return (
-        f"{good} of {len(closed)} published values and claims agree: {of['reproduced']} to the digits that the "
+        f"{good} of {len(judged)} published values and claims agree: {of['reproduced']} to the digits that the "
         f"same theory must give, {of['band']} within a band whose origin is stated, {of['identity']} by "
         f"arithmetic on printed numbers, {of['only as printed']} only if the catalogue's simplification is "
-        f"repeated. {len(found) - len(closed)} more are shown but left open, because their basis is not "
+        f"repeated. {len(found) - len(judged)} more are shown but left open, because their basis is not "
         "printed."
     )
 

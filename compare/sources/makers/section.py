@@ -20,9 +20,9 @@ TITLE = "Outside values: makers' tables, measurements, other programs"
 
 def _of(found: Sequence[Outside], quantity: str, law: str = "", maker: str = "") -> Standing:
     values = [x for x in found if x.quantity == quantity and x.law.startswith(law) and x.maker.startswith(maker)]
-    of_values = standing(values)
-    assert of_values is not None
-    return of_values
+    result = standing(values)
+    assert result is not None
+    return result
 
 
 def conclusion(found: Sequence[Outside]) -> str:

@@ -69,7 +69,7 @@ def cycle_outputs(
     torques = [(share, one["torque_Nmm"]) for share, one in zip(cycle.shares, each, strict=True) if share > 0.0]
     known = all(torque is not None for _, torque in torques)
     lives = [cycle_life(cycle, name, [loads_of(one)[name] for one in results])[0] for name in cycle.sets]
-    rated = [lived.revolutions for lived in lives if lived is not None]
+    rated = [x.revolutions for x in lives if x is not None]
     return worst | {
         "torque_Nmm": sum(share * torque for share, torque in torques) if known else None,
         "life_million_revolutions": min(rated) if len(rated) == len(lives) else None,

@@ -130,11 +130,11 @@ def _wheel(sheet: Sheet) -> None:
 @lru_cache(maxsize=4)
 def transient(case: str, steps: int) -> list[Onset]:
     """CONTACT's example of a ball that is pushed aside, and then rolls by so many cells under that force."""
-    example, (load, circle) = inputs()[case], _hertz(case)
+    numbers, (load, circle) = inputs()[case], _hertz(case)
     margin = 0.5 * given(case, "grid", "length") / (float(circle.C_a) * float(np.cbrt(load)))
-    patch = hertz_patch(*_example(case), (example["cells"], example["cells"]), margin=margin)
+    patch = hertz_patch(*_example(case), (numbers["cells"], numbers["cells"]), margin=margin)
     with threadpool_limits(1):  # as `rollbench.hifi.rolling.balls.solve_rolling`
-        return onset(patch, example["friction"], example["share"], steps)
+        return onset(patch, numbers["friction"], numbers["share"], steps)
 
 
 def _transients(sheet: Sheet) -> None:

@@ -49,10 +49,10 @@ class Dragging(Case):
         out = np.zeros_like(forces)
         for nodes in zones.parts:
             for k in np.flatnonzero(forces[:, nodes].any(axis=1)):
-                normal, n = forces[k, nodes], normals[k, nodes] @ section.T
-                x, z = normal @ n
+                load, n = forces[k, nodes], normals[k, nodes] @ section.T
+                x, z = load @ n
                 friction = self.mu * np.sign(x * z) * np.array([-z, x])
-                out[k, nodes] = normal * (n @ np.linalg.solve((normal * n.T) @ n, friction))
+                out[k, nodes] = load * (n @ np.linalg.solve((load * n.T) @ n, friction))
         return out
 
 

@@ -50,8 +50,8 @@ def lash_figure(scene: Scene) -> Figure:
         screw = tests.with_balls(scene, pattern)
         axial.append(Series(pattern, newtons, _micro(tests.axial_curve(screw, newtons)), "line"))
         conical.append(Series(pattern, newtons, _micro(tests.conical_curve(screw, newtons, 0.0, REACH)), "line"))
-        turned = [tests.conical(screw, float(np.radians(d)), REACH) for d in degrees]
-        peaks.append(Series(pattern, degrees, _micro(turned), "line"))
+        displaced = [tests.conical(screw, float(np.radians(d)), REACH) for d in degrees]
+        peaks.append(Series(pattern, degrees, _micro(displaced), "line"))
     spread = [tests.difference([s.y[k] for s in peaks]) for k in range(len(degrees))]
     flat = tests.difference([s.y[-1] - s.y[0] for s in axial])
     shown = (Series("conical", degrees, spread, "line"), Series("axial", degrees, [flat] * len(degrees), "line"))

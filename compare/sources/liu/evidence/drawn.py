@@ -152,11 +152,11 @@ def _claims(e: Entries) -> None:
     s = {load: spreads(load) for load in (100.0, 1100.0, 2100.0)}
     e.claim("largest_1100", *share((s[1100.0] > s[100.0]) & (s[1100.0] > s[2100.0])))
     percent = 100.0 * s[100.0] / (1e-8 * np.median(case.sample(2, "stiffness", 100.0)))
-    median, drawn = np.median(percent), 100.0 * e.printed("spread_100") / e.printed("K_a_100")
+    median, printed = np.median(percent), 100.0 * e.printed("spread_100") / e.printed("K_a_100")
     e.claim(
         "minimal",
         bool(median <= 4.31),
-        f"three draws differ by {median:.0f} % at 100 N in the median; its own by {drawn:.1f} %",
+        f"three draws differ by {median:.0f} % at 100 N in the median; its own by {printed:.1f} %",
     )
     rises = [np.diff(np.stack([case.sample(h, "stiffness", f) for f in case.LOADS[h]]), axis=0) > 0.0 for h in RANGES]
     e.claim(
