@@ -86,7 +86,7 @@ def _ended(program: str, number: int, code: int, stopped: bool) -> None:
         for pid in lasting:
             os.kill(pid, signal.SIGKILL)
         assert lasting == []
-        told = parent.communicate()[1].decode()
+        error = parent.communicate()[1].decode()
     assert parent.returncode == code
     if code > 0:
-        assert told == "rollbench: interrupted; nothing was left half-written\n"
+        assert error == "rollbench: interrupted; nothing was left half-written\n"
