@@ -134,7 +134,7 @@ def test_contact_loads_are_those_of_the_whole_mesh(small, meshes):
     U = np.zeros((2 * sum(n), len(beam)))
     for i, (V, c) in enumerate(zip(C.modes, C.columns, strict=True)):
         U[i * sum(n) : (i + 1) * sum(n), c] = V
-    exchanged = block_diag(*(small.patches[s].own - small.patches[s].groove.A - small.patches[s].ball.A for s in sides))
+    exchanged = block_diag(*(small.patches[s].local - small.patches[s].groove.A - small.patches[s].ball.A for s in sides))
     dense = U @ beam @ U.T + block_diag(*2 * [found["ball"] + exchanged])
     for name, hats in (("screw", slice(0, n[0])), ("nut", slice(n[0], sum(n)))):
         rows_of_body = np.concatenate([i * sum(n) + np.arange(sum(n))[hats] for i in range(2)])

@@ -35,7 +35,7 @@ SCENE = "lin-case1"
 def test_parts_combine_by_the_root_of_squares() -> None:
     parts = Uncertainty(np.array([1.0]), np.array([2.0]), np.array([2.0]), "")
     assert parts.combined == pytest.approx([3.0])
-    assert parts.own == pytest.approx([np.sqrt(5.0)])
+    assert parts.of_reference == pytest.approx([np.sqrt(5.0)])
 
 
 @pytest.mark.parametrize("quantity", QUANTITIES, ids=lambda q: q.name)
