@@ -23,12 +23,12 @@ TIDYING = 2.0
 
 
 def _drop_output() -> None:
-    """Send what is still buffered for standard output nowhere."""
+    """Discard what is still buffered for standard output."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 class Terminated(KeyboardInterrupt):
-    """The signal TERM came: what an interrupt ends and tidies up, it ends alike."""
+    """The signal TERM came: handled as an interrupt, with the same tidying up."""
 
 
 def _terminated(_number: int, _frame: FrameType | None) -> None:
@@ -49,15 +49,15 @@ def _terminable() -> Iterator[None]:
 
 
 def _say(lines: Iterable[str]) -> None:
-    """Lines on standard error, as far as anybody reads it: the exit code is what counts."""
+    """Lines on standard error; no failure where it is closed, because the exit code counts."""
     with suppress(OSError):
         sys.stderr.writelines(f"rollbench: {line}\n" for line in lines)
         sys.stderr.flush()
 
 
 def _let_threads_end() -> None:
-    """Wait for threads that tidy up after workers: one that this process ends with is cut off between the removal of a
-    semaphore and word of it to joblib's tracker, which then calls it leaked."""
+    """Wait for threads that tidy up after workers: cut off between the removal of a semaphore and its report to joblib's
+    tracker, they would make this warn of a leak."""
     until = time.monotonic() + TIDYING
     for thread in threading.enumerate():
         if thread is not threading.current_thread():

@@ -15,11 +15,11 @@ def place(path: str) -> Path:
 
 
 def text(path: str) -> str:
-    """What a shipped file says."""
+    """The text of a shipped file."""
     return place(path).read_text(encoding="utf-8")
 
 
 @cache
 def table(path: str) -> dict[str, Any]:
-    """A shipped TOML file, read once: not to be changed."""
+    """A shipped TOML file, read once and cached: do not change it."""
     return tomllib.loads(text(path))

@@ -34,4 +34,4 @@ def definition(path: str) -> Definition | None:
     'largest contact load'
     """
     path = re.sub(r"\[\d+\]", "[]", path)
-    return next((found for pattern, found in _known() if pattern.fullmatch(path)), None)
+    return next((known for pattern, known in _known() if pattern.fullmatch(path)), None)

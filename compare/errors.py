@@ -97,6 +97,6 @@ class SceneError(InputError):
     def lines(self) -> list[str]:
         """Every fault as a line of its own; how many more there are beyond the first 30."""
         each = [self, *self.others][:_MANY]
-        own = [InputError.__str__(InputError(e.file, e.key, e.value, e.allowed, e.advice)) for e in each]
-        left = len(self.others) + 1 - len(own)
-        return [*own, f"{one_line(self.file)}: and {left} more faults"] if left else own
+        lines = [InputError.__str__(InputError(e.file, e.key, e.value, e.allowed, e.advice)) for e in each]
+        left = len(self.others) + 1 - len(lines)
+        return [*lines, f"{one_line(self.file)}: and {left} more faults"] if left else lines

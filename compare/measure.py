@@ -50,13 +50,13 @@ def load_error(value: Array, reference: Array, contacts: int = 0) -> LoadError:
     if not either.any() or not loaded.any():
         return LoadError(0.0, 0.0, 0.0, 0.0, 0, "")
     of_mean = np.where(either, error_percent(value, reference, mean_load(reference, contacts)), 0.0)
-    own = error_percent(value[loaded], reference[loaded])
+    relative = error_percent(value[loaded], reference[loaded])
     ball, side = np.unravel_index(int(np.abs(of_mean).argmax()), of_mean.shape)
     return LoadError(
         max_percent=float(np.abs(of_mean).max()),
         rms_percent=float(np.sqrt((of_mean[either] ** 2).mean())),
-        own_max_percent=float(np.abs(own).max()),
-        own_rms_percent=float(np.sqrt((own**2).mean())),
+        own_max_percent=float(np.abs(relative).max()),
+        own_rms_percent=float(np.sqrt((relative**2).mean())),
         ball=int(ball) + 1,
         side=SIDES[int(side)],
     )

@@ -44,9 +44,9 @@ def _source_folder(package: str) -> Path:
     return Path(str(resources.files("rollbench").joinpath("comparison" if first == "compare" else first, *rest)))
 
 
-def sources_hash(folders: Sequence[str] = PACKAGES, more: str = "") -> str:
+def sources_hash(folders: Sequence[str] = PACKAGES, text: str = "") -> str:
     """SHA-256 over names and contents of all Python sources of the packages, or of folders in them, and over a text."""
-    lines = [more] if more else []
+    lines = [text] if text else []
     for package in folders:
         root = _source_folder(package)
         files = sorted(p for p in root.rglob("*.py") if "__pycache__" not in p.parts)
@@ -56,19 +56,19 @@ def sources_hash(folders: Sequence[str] = PACKAGES, more: str = "") -> str:
 
 def printed_files() -> dict[str, Path]:
     """Printed data by the name that manifests have: tables, misprints of a source, what the audit holds them against."""
-    found = {f"{name}.toml": path for name, path in data_files("printed").items()}
-    found |= {f"misprints/{path.parent.name}.toml": path for path in source_files("misprints.toml")}
-    return found | {f"audit/{path.name}": path for pattern in PRINTED for path in ROOT.glob(f"printed/audit/{pattern}")}
+    files = {f"{name}.toml": path for name, path in data_files("printed").items()}
+    files |= {f"misprints/{path.parent.name}.toml": path for path in source_files("misprints.toml")}
+    return files | {f"audit/{path.name}": path for pattern in PRINTED for path in ROOT.glob(f"printed/audit/{pattern}")}
 
 
 def inputs(stores: Sequence[Path], scenes: Mapping[str, str]) -> dict[str, str]:
     """SHA-256 of what a report rests on, by name: the sources, the texts of its scenes, printed data, and the files of its
     stores (of several of one name the first store's)."""
-    found = {SOURCES: sources_hash()}
-    found |= {f"{SCENE}{name}": sha256(text) for name, text in sorted(scenes.items())}
+    hashes = {SOURCES: sources_hash()}
+    hashes |= {f"{SCENE}{name}": sha256(text) for name, text in sorted(scenes.items())}
     for name, path in sorted(printed_files().items()):
-        found[f"{DATA}{name}"] = sha256(path.read_bytes())
+        hashes[f"{DATA}{name}"] = sha256(path.read_bytes())
     for store in reversed(stores):
         for path in sorted(p for pattern in STORED for p in store.glob(pattern)):
-            found[f"{RUN}{path.name}"] = sha256(path.read_bytes())
-    return found
+            hashes[f"{RUN}{path.name}"] = sha256(path.read_bytes())
+    return hashes

@@ -62,15 +62,15 @@ def quantity(key: str, get: str | Callable[[Any], Any] = "", heading: str = "", 
     """A quantity in the unit that its key ends with. get: the attribute of a record that holds it in SI units, or a
     function of the record; the key without its unit unless given."""
     name, unit = unit_of(key)
-    taken = get if callable(get) else attrgetter(get or name)
+    getter = get if callable(get) else attrgetter(get or name)
     factor = 1.0 if unit is None else unit.factor
     text = "" if unit is None else unit.text
-    return Quantity(key, heading or name.replace("_", " "), text, form, lambda found: _ready(taken(found), factor))
+    return Quantity(key, heading or name.replace("_", " "), text, form, lambda holder: _ready(getter(holder), factor))
 
 
-def record(quantities: Sequence[Quantity], found: Any) -> dict[str, Any] | None:
+def record(quantities: Sequence[Quantity], holder: Any) -> dict[str, Any] | None:
     """The quantities of a record by their keys, ready for JSON; None without a record."""
-    return None if found is None else {q.key: q.value(found) for q in quantities}
+    return None if holder is None else {q.key: q.value(holder) for q in quantities}
 
 
 def number(value: float) -> float | None:

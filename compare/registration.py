@@ -28,14 +28,14 @@ def data_files(folder: str) -> dict[str, Path]:
     """Shipped TOML files by name without ending, sorted: those of ``compare/FOLDER`` and of every source's folder of that
     name, with those in a folder in there that is named as a wing, where this is there."""
     places = (folder, f"sources/*/{folder}", *(f"sources/*/{folder}/{wing}" for wing in registered()))
-    found = (path for place in places for path in ROOT.glob(f"{place}/*.toml"))
-    return {path.stem: path for path in sorted(found, key=lambda path: path.stem)}
+    paths = (path for place in places for path in ROOT.glob(f"{place}/*.toml"))
+    return {path.stem: path for path in sorted(paths, key=lambda path: path.stem)}
 
 
 def source_files(name: str) -> list[Path]:
     """Files of that name, one a source, in the order of the sources."""
-    found = {path.parent.name: path for path in ROOT.glob(f"sources/*/{name}")}
-    return [found[name] for name in (*ORDER, *sorted(found.keys() - set(ORDER))) if name in found]
+    paths = {path.parent.name: path for path in ROOT.glob(f"sources/*/{name}")}
+    return [paths[name] for name in (*ORDER, *sorted(paths.keys() - set(ORDER))) if name in paths]
 
 
 @dataclass(frozen=True)
@@ -103,21 +103,21 @@ HOOKS = {
 def registered() -> Mapping[str, Registration]:
     """Registrations by name: those of wings, sorted, then of sources in their order; without what is absent, or needs what
     is."""
-    found: dict[str, Registration] = {}
+    present: dict[str, Registration] = {}
     for place in ("wings", "sources"):
         names = {path.parent.name for path in ROOT.glob(f"{place}/*/registration.py")}
         for name in (*(name for name in ORDER if name in names), *sorted(names - set(ORDER))):
             one = import_module(f"{__package__}.{place}.{name}.registration").REGISTRATION
             if all(ROOT.parent.joinpath(folder).is_dir() for folder in one.folders):
-                found[name] = one
-    while absent := [name for name, one in found.items() if not set(one.needs) <= found.keys()]:
+                present[name] = one
+    while absent := [name for name, one in present.items() if not set(one.needs) <= present.keys()]:
         for name in absent:
-            del found[name]
-    return found
+            del present[name]
+    return present
 
 
 def load(function: str) -> Any:
-    """What ``module:name`` says, imported now."""
+    """The object that ``module:name`` names, imported now."""
     module, _, name = function.partition(":")
     return getattr(import_module(f"{__package__}.{module}"), name)
 
@@ -130,10 +130,10 @@ def offered(hook: str) -> list[Any]:
 
 def needed(hook: str, origin: str, key: str, value: str) -> Any:
     """The one function of a name of `HOOKS`. Raises InputError, said of a key and its value, where its wing is absent."""
-    found = offered(hook)
-    if not found:
+    functions = offered(hook)
+    if not functions:
         raise InputError(origin, key, value, "with the wing that does it", f"install rollbench whole: {hook} is left out")
-    return found[0]
+    return functions[0]
 
 
 def parts(part_of_core: Sequence[Part]) -> list[Part]:

@@ -14,11 +14,11 @@ from rollbench.meshes.libraries import MESHING, REFERENCE, fault, install, missi
 
 def gmsh_fault() -> str:
     """Why gmsh cannot be loaded, with the shared libraries that are missing; empty where it can."""
-    found = fault("gmsh")
-    if not found or version("gmsh") is None:
-        return found
-    lacking = [name for name in missing(MESHING) if name not in found]
-    return found + (f"; also missing: {', '.join(lacking)}" if lacking else "")
+    reason = fault("gmsh")
+    if not reason or version("gmsh") is None:
+        return reason
+    lacking = [name for name in missing(MESHING) if name not in reason]
+    return reason + (f"; also missing: {', '.join(lacking)}" if lacking else "")
 
 
 def gmsh_remedy() -> str:
@@ -28,18 +28,18 @@ def gmsh_remedy() -> str:
 
 def need_gmsh() -> None:
     """Raise InputError where gmsh cannot be loaded."""
-    found = gmsh_fault()
-    if found:
+    reason = gmsh_fault()
+    if reason:
         advice = f"{gmsh_remedy()}, or leave the 3D reference out; see rollbench doctor"
-        raise InputError("this machine", "gmsh", found, "gmsh with its shared libraries", advice)
+        raise InputError("this machine", "gmsh", reason, "gmsh with its shared libraries", advice)
 
 
 def need_packages(*packages: str) -> None:
     """Raise InputError for the first of some Python packages that cannot be used."""
     for package in packages:
-        if found := fault(package):
+        if reason := fault(package):
             advice = f"pip install {package}; see rollbench doctor for what works without"
-            raise InputError("this machine", package, found, "a package that this command needs", advice)
+            raise InputError("this machine", package, reason, "a package that this command needs", advice)
 
 
 def need_reference() -> None:
@@ -68,7 +68,7 @@ def cores() -> int:
 
 
 def out_of_memory(reason: object) -> InputError:
-    """For work that this machine could not finish."""
+    """The error of work that needs more memory than this machine has."""
     advice = "end other programs, take a coarser level or fewer workers, or a cluster (--backend dask)"
     return InputError("this machine", "memory", str(reason) or "used up", "enough for the run", advice)
 
@@ -76,11 +76,11 @@ def out_of_memory(reason: object) -> InputError:
 def available_GB(proc: Path = Path("/proc/meminfo"), group: Path = Path("/sys/fs/cgroup")) -> float | None:
     """Memory that a process can take without swapping [GB], at most what its control group leaves; None where the system
     does not say."""
-    found = []
+    limits = []
     with suppress(OSError, ValueError, StopIteration):
         lines = proc.read_text(encoding="ascii").splitlines()
-        found.append(1.024e-6 * float(next(line.split()[1] for line in lines if line.startswith("MemAvailable"))))
+        limits.append(1.024e-6 * float(next(line.split()[1] for line in lines if line.startswith("MemAvailable"))))
     with suppress(OSError, ValueError):  # "max": no limit
         limit, used = ((group / name).read_text(encoding="ascii") for name in ("memory.max", "memory.current"))
-        found.append(max(1e-9 * (float(limit) - float(used)), 0.0))
-    return min(found, default=None)
+        limits.append(max(1e-9 * (float(limit) - float(used)), 0.0))
+    return min(limits, default=None)

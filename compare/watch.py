@@ -46,22 +46,22 @@ def watched(label: str, limit: float | None = None) -> Iterator[None]:
 
 @contextmanager
 def bar(label: str) -> Iterator[Callable[[str, float], None]]:
-    """A bar on a terminal's standard error, of what is done of ``label``: to be told what is computed, and the part of it
-    that is done. Nothing elsewhere, and nothing in the first seconds."""
+    """A progress bar of ``label`` on a terminal's standard error, by a function of what is computed and of the share that
+    is done. Nothing elsewhere, and nothing in the first seconds."""
     begin, written = monotonic(), ""
 
-    def told(what: str, part: float) -> None:
+    def show(what: str, share: float) -> None:
         nonlocal written
         if monotonic() - begin < FIRST or not sys.stderr.isatty():
             return
-        full = round(BAR * part)
-        text = f"rollbench: {label}: {what} [{'#' * full}{'.' * (BAR - full)}] {100.0 * part:3.0f} %"
+        full = round(BAR * share)
+        text = f"rollbench: {label}: {what} [{'#' * full}{'.' * (BAR - full)}] {100.0 * share:3.0f} %"
         if text != written:
             _say("\r" + text.ljust(len(written)))
             written = text
 
     try:
-        yield told
+        yield show
     finally:
         if written:
             _say("\r" + " " * len(written) + "\r")

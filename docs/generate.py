@@ -17,7 +17,7 @@ from rollbench.comparison.registration import source_files
 WORDS = {"COLUMNS": "96", "NO_COLOR": "1", "TERM": "dumb"}
 
 
-def said(*arguments: str) -> str:
+def output_of(*arguments: str) -> str:
     """What ``rollbench ARGUMENTS`` prints."""
     command = [sys.executable, "-m", "rollbench", *arguments]
     return subprocess.run(command, check=True, capture_output=True, text=True, env={**os.environ, **WORDS}).stdout
@@ -36,8 +36,8 @@ def pages(folder: Path) -> None:
 def commands() -> Iterator[str]:
     """Every command with its help, in the order of ``rollbench --help``."""
     yield "# Commands\n\nWhat `rollbench COMMAND --help` prints. [Exit codes](exit-codes.md) have a page of their own."
-    for name in re.findall(r"^│ ([a-z][a-z-]+)  ", said("--help"), re.MULTILINE):
-        yield f"\n## `rollbench {name}`\n\n```text\n{said(name, '--help').strip()}\n```"
+    for name in re.findall(r"^│ ([a-z][a-z-]+)  ", output_of("--help"), re.MULTILINE):
+        yield f"\n## `rollbench {name}`\n\n```text\n{output_of(name, '--help').strip()}\n```"
 
 
 #: Drawings of the lengths of a scene: name, what it shows, caption.
@@ -66,7 +66,7 @@ def _figure(name: str, alt: str, caption: str) -> str:
 
 def scene_file() -> Iterator[str]:
     """Every table and key of a scene file of a screw, bearing or axis, from the JSON Schema; friction's kinds by name."""
-    schema = json.loads(said("schema"))
+    schema = json.loads(output_of("schema"))
     records = schema["$defs"]
     yield (
         "# Scene file\n\nA scene is one TOML file. Lengths, forces and angles are texts with a unit:"
@@ -145,7 +145,7 @@ def quantities() -> Iterator[str]:
 
 def unit_of_path(path: str) -> str:
     """Unit of a quantity: the ending of the last part of its path that names one; a dash for counts, words and ratios."""
-    units = (unit_of(part.removesuffix("[]").removesuffix("_per_100N"))[1] for part in reversed(path.split(".")))
+    units = (unit_of(piece.removesuffix("[]").removesuffix("_per_100N"))[1] for piece in reversed(path.split(".")))
     return next((unit.text for unit in units if unit is not None), "–").replace("um", "µm")
 
 

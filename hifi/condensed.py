@@ -40,17 +40,17 @@ def _unit(setup: Setup, side: int) -> float:
 def patch_approaches(setup: Setup, side: int, loads: Array) -> Array:
     """Approach [m] of ball and groove by a contact's own compliance under ``loads`` [N], without the grid's wave."""
     pair = setup.patches[side]
-    return mean_approaches(setup.map, side, pair.groove, pair.own, loads)
+    return mean_approaches(setup.map, side, pair.groove, pair.local, loads)
 
 
 def spread(setup: Setup, side: int, load: float) -> Array:
     """Forces on a side's contact nodes ``(c,)`` like Hertz's pressure under ``load`` [N], of unit resultant."""
     m, material = setup.map, setup.scene.balls.material
-    found = hertz(load, *relative_radii(m, side), material.youngs_modulus, material.poissons_ratio)
+    ellipse = hertz(load, *relative_radii(m, side), material.youngs_modulus, material.poissons_ratio)
     normal, tangent, forward = contact_frame(m, side)
     groove = setup.patches[side].groove
     x = groove.points - np.array([m.R, 0.0, 0.0]) - m.ball * normal
-    force = found.pressure(x @ tangent, x @ forward) * groove.areas
+    force = ellipse.pressure(x @ tangent, x @ forward) * groove.areas
     return np.asarray(force / (force @ (mean_weights(groove.weights) @ (groove.normals @ normal))))
 
 
@@ -78,8 +78,8 @@ def rest_of(setup: Setup, spreads: dict[int, Array]) -> Array:
     opposite contact, the ball; what the two do to a ball is shared."""
     D = ball_matrix(setup, spreads)
     order = [setup.sides.index(3 - s) for s in setup.sides]
-    own = np.diag(D)
-    ball = 0.5 * (own + own[order]) + D[np.arange(len(own)), order]
+    diagonal = np.diag(D)
+    ball = 0.5 * (diagonal + diagonal[order]) + D[np.arange(len(diagonal)), order]
     return np.asarray(ball + [body_motion(setup, s, spreads[s]) for s in setup.sides])
 
 
@@ -95,23 +95,23 @@ def own_terms(setup: Setup, spreads: dict[int, Array]) -> tuple[Array, Array]:
     )
     fixed = rest_of(setup, spreads)
     for k in range(loads.shape[1]):
-        own = {s: spread(setup, s, float(f)) for s, f in zip(setup.sides, loads[:, k], strict=True)}
-        extra[:, k] += rest_of(setup, own) - fixed
+        at_load = {s: spread(setup, s, float(f)) for s, f in zip(setup.sides, loads[:, k], strict=True)}
+        extra[:, k] += rest_of(setup, at_load) - fixed
     return extra, loads
 
 
 def body_matrix(setup: Setup, G: Array, modes: dict[int, Array], spreads: dict[int, Array]) -> Array:
     """Compliance between the contacts of a body, ball after ball, from that of their modes."""
     sides = [s for s in setup.sides if s in modes]
-    own = {s: modes[s].T @ spreads[s] for s in sides}
-    per = sum(own[s].size for s in sides)
+    amplitudes = {s: modes[s].T @ spreads[s] for s in sides}
+    per = sum(amplitudes[s].size for s in sides)
     N = setup.layout.z.size
     rows = np.zeros((N * len(sides), N * per))
     for i in range(N):
         start = i * per
         for k, s in enumerate(sides):
-            rows[i * len(sides) + k, start : start + own[s].size] = own[s]
-            start += own[s].size
+            rows[i * len(sides) + k, start : start + amplitudes[s].size] = amplitudes[s]
+            start += amplitudes[s].size
     return np.asarray(rows @ G[: N * per, : N * per] @ rows.T)
 
 

@@ -20,21 +20,20 @@ from rollbench.meshes.surface import groove_profile
 def expected_touch(gap: Array, zones: Zones) -> Array:
     """Contact nodes ``(balls, n)`` expected to touch, by their gaps ``(balls, n)`` [m]: the nearest third of each side."""
     out = np.zeros(gap.shape, dtype=bool)
-    for part in zones.parts:
-        own = gap[:, part]
-        third = own.shape[1] // 3
-        out[:, part] = own < np.partition(own, third, axis=1)[:, third, None]
+    for nodes in zones.parts:
+        gaps = gap[:, nodes]
+        third = gaps.shape[1] // 3
+        out[:, nodes] = gaps < np.partition(gaps, third, axis=1)[:, third, None]
     return out
 
 
 def over_hats(setup: Setup, zones: Zones, values: Array) -> Array:
     """Means over the pressure hats of values ``(balls, n, ...)`` of the contact nodes."""
     out = np.empty_like(values)
-    for part, s in zip(zones.parts, zones.sides, strict=True):
-        own = values[:, part]
-        flat = np.moveaxis(own, 1, 0).reshape(own.shape[1], -1)
-        mean = (mean_weights(setup.patches[s].groove.weights) @ flat).reshape(own.shape[1], own.shape[0], *own.shape[2:])
-        out[:, part] = np.moveaxis(mean, 0, 1)
+    for nodes, s in zip(zones.parts, zones.sides, strict=True):
+        by_node = np.moveaxis(values[:, nodes], 1, 0)
+        mean = mean_weights(setup.patches[s].groove.weights) @ by_node.reshape(len(by_node), -1)
+        out[:, nodes] = np.moveaxis(mean.reshape(by_node.shape), 0, 1)
     return out
 
 
@@ -42,15 +41,15 @@ def wave_gaps(setup: Setup, zones: Zones, forces: Array, directions: Array) -> A
     """Corrections ``(balls, n)`` [m] of all gaps for the places of the contacts on their grids
     (`hifi.bodies.grid_wave`)."""
     out = np.zeros_like(forces)
-    for part, s in zip(zones.parts, zones.sides, strict=True):
+    for nodes, s in zip(zones.parts, zones.sides, strict=True):
         wave = setup.patches[s].wave
         if wave is None:
             continue
-        own = forces[:, part]
-        total = own.sum(axis=1)
-        centres = (own @ setup.patches[s].groove.points) / np.maximum(total, 1e-300)[:, None]
-        loads = np.linalg.norm(np.einsum("ic,icx->ix", own, directions[:, part]), axis=1)
-        out[:, part] = wave.at(loads, centres)[:, None]
+        pressed = forces[:, nodes]
+        total = pressed.sum(axis=1)
+        centres = (pressed @ setup.patches[s].groove.points) / np.maximum(total, 1e-300)[:, None]
+        loads = np.linalg.norm(np.einsum("ic,icx->ix", pressed, directions[:, nodes]), axis=1)
+        out[:, nodes] = wave.at(loads, centres)[:, None]
     return out
 
 
@@ -76,7 +75,7 @@ def groove_errors(setup: Setup, drawn: Specimen, sides: tuple[int, ...]) -> Arra
 def directions_matrix(directions: Sequence[Array], unheld: Array) -> sp.csr_matrix:
     """N: gap closed by unit motions of each ball (3), by the normals ``(balls, n, 3)`` of every set, and by the unheld
     rigid motions, which move the grooves' nodes along their normals by ``unheld`` ``(pairs, k)``."""
-    balls = sp.block_diag([one for of_set in directions for one in of_set])
+    balls = sp.block_diag([normals for of_set in directions for normals in of_set])
     return sp.hstack([balls, sp.csr_matrix(-unheld)]).tocsr()
 
 
@@ -85,16 +84,16 @@ def rigid_rows(setup: Setup, directions: Array, zones: Zones, origin: float, *, 
     ``origin`` [m] of the set-up, ``(c, n, 6)``."""
     count, n, _ = directions.shape
     out = np.zeros((count, n, 6))
-    for part, s in zip(zones.parts, zones.sides, strict=True):
+    for nodes, s in zip(zones.parts, zones.sides, strict=True):
         if (s < 2) != screw:
             continue
         local = setup.patches[s].groove.points
         for i in range(count):
             R = rotation(float(setup.layout.azimuth[i]))
             x = local @ R.T + np.array([0.0, 0.0, setup.layout.z[i] - origin])
-            d = directions[i, part] @ R.T
-            out[i, part, :3] = d
-            out[i, part, 3:] = np.cross(x, d)
+            d = directions[i, nodes] @ R.T
+            out[i, nodes, :3] = d
+            out[i, nodes, 3:] = np.cross(x, d)
     return out
 
 
@@ -112,13 +111,13 @@ def relative_motion(setup: Setup, balls: Array, along: Array, directions: Array,
     motion, but on the grid: under a light contact that closes few nodes it sticks to them, or jumps.
     """
     motion = np.zeros((len(balls), len(zones.parts), 3))
-    for k, part in enumerate(zones.parts):
+    for k, nodes in enumerate(zones.parts):
         for i in range(len(balls)):
-            motion[i, k] = balls[i] - np.linalg.lstsq(directions[i, part], along[i, part], rcond=1e-6)[0]
+            motion[i, k] = balls[i] - np.linalg.lstsq(directions[i, nodes], along[i, nodes], rcond=1e-6)[0]
     y3 = tangent(setup)
     slid = motion @ y3
     shift = motion - slid[..., None] * y3
-    sizes = [part.stop - part.start for part in zones.parts]
+    sizes = [nodes.stop - nodes.start for nodes in zones.parts]
     return np.repeat(shift, sizes, axis=1), np.repeat(slid - slid.mean(axis=1, keepdims=True), sizes, axis=1)
 
 

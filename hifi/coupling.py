@@ -69,12 +69,12 @@ def compliance_of(
         block = ball_block(setup, p.sides, rigid=bool(leave_out & {"finite ball", "patch coupling"}))
         for i in range(p.count):
             pieces = []
-            for part, s in zip(zones.parts, p.sides, strict=True):
+            for nodes, s in zip(zones.parts, p.sides, strict=True):
                 body = setup.screw if s < 2 else setup.nut
                 if body is None:
                     continue
                 V = np.zeros((zones.size, body.modes[s].shape[1]))
-                V[part] = body.modes[s]
+                V[nodes] = body.modes[s]
                 pieces.append(V)
                 rows.append((screw if s < 2 else nut) + _first(setup, s, i) + np.arange(V.shape[1]))
             blocks.append(block)
@@ -97,8 +97,8 @@ def _nut_coupling(setup: Setup, leave_out: frozenset[str]) -> Array:
 def _first(setup: Setup, side: int, ball: int) -> int:
     """First row of a contact's modes in the coupling of its body."""
     counts = _mode_counts(setup, side < 2)
-    own = [s for s in setup.sides if (s < 2) == (side < 2)]
-    return ball * sum(counts) + sum(counts[: own.index(side)])
+    body_sides = [s for s in setup.sides if (s < 2) == (side < 2)]
+    return ball * sum(counts) + sum(counts[: body_sides.index(side)])
 
 
 def _mode_counts(setup: Setup, screw: bool) -> list[int]:
@@ -109,13 +109,13 @@ def _mode_counts(setup: Setup, screw: bool) -> list[int]:
 
 def ball_block(setup: Setup, sides: tuple[int, ...], *, rigid: bool) -> BallBlock:
     """Compliance of a ball and its grooves' patches between pairs of ``sides``; rigid: ball rigid beyond its patches."""
-    own = tuple(setup.patches[s].own for s in sides)
+    local = tuple(setup.patches[s].local for s in sides)
     ball = setup.ball
     if rigid:
-        return BallBlock(own, tuple(np.zeros((len(a), 0)) for a in own), np.zeros((0, 0)))
+        return BallBlock(local, tuple(np.zeros((len(a), 0)) for a in local), np.zeros((0, 0)))
     ends = np.cumsum([0] + [ball.modes[s].shape[1] for s in setup.sides])
     pick = np.concatenate([np.arange(ends[k], ends[k + 1]) for k, s in enumerate(setup.sides) if s in sides])
-    return BallBlock(own, tuple(ball.modes[s] for s in sides), ball.G[np.ix_(pick, pick)])
+    return BallBlock(local, tuple(ball.modes[s] for s in sides), ball.G[np.ix_(pick, pick)])
 
 
 def local_only(G: Array, counts: Sequence[int]) -> Array:

@@ -88,12 +88,12 @@ def nodal_stress(mesh: Mesh, u: Array, material: Material, elements: Index | Non
     """
     nodes = mesh.elem.doflocs.T
     basis = assembly.cells(mesh, elements=elements, quadrature=(nodes, np.ones(nodes.shape[1])))
-    slope = np.stack([basis.interpolate(own).grad for own in u.T])  # du_i/dx_j
+    slope = np.stack([basis.interpolate(component).grad for component in u.T])  # du_i/dx_j
     stress = hooke(material.youngs_modulus, material.poissons_ratio)(0.5 * (slope + slope.swapaxes(0, 1)))
-    own = np.stack([stress[i, j].T for i, j in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))], axis=-1)
+    at_nodes = np.stack([stress[i, j].T for i, j in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))], axis=-1)
     cells = mesh.dofs.element_dofs if elements is None else mesh.dofs.element_dofs[:, elements]
     total, count = np.zeros((len(u), 6)), np.zeros(len(u))
-    np.add.at(total, cells, own)
+    np.add.at(total, cells, at_nodes)
     np.add.at(count, cells, 1.0)
     out = np.full((len(u), 6), np.nan)
     used = count > 0.0
@@ -138,13 +138,13 @@ def nut_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]) 
 def _answer(setup: Setup, mesh: GroovedBody, forces: dict[int, Array], T: sp.csc_matrix, *, screw: bool) -> Array:
     """K q = Q^T V^T f on what the transform T leaves free."""
     material = (setup.scene.screw if screw else setup.scene.nut).material
-    own = {s: p.groove for s, p in setup.patches.items() if (s < 2) == screw}
+    patches = {s: p.groove for s, p in setup.patches.items() if (s < 2) == screw}
     sockets = placed(mesh, sockets_of(setup.layout, setup.sides, screw))
-    K, Q, kept = with_modes(material, mesh.mesh, sockets, own, setup.settings.modes, setup.settings)
+    K, Q, kept = with_modes(material, mesh.mesh, sockets, patches, setup.settings.modes, setup.settings)
     amplitude = [
-        kept[s][0].T @ (forces[s][i] if s in forces else np.zeros(len(own[s].A)))
+        kept[s][0].T @ (forces[s][i] if s in forces else np.zeros(len(patches[s].A)))
         for i in range(setup.layout.z.size)
-        for s in own
+        for s in patches
     ]
     q = factor((T.T @ K @ T).tocsc()).solve(T.T @ (Q.T @ np.concatenate(amplitude)))
     return np.asarray(T @ q).reshape(-1, 3)
@@ -168,8 +168,8 @@ def groove_patch_field(
     """Field of one groove patch in the ball's frame: azimuth 0, origin on the axis; u: its coarse body's displacements."""
     mesh = groove_patch(setup, meshes, side)
     body, part = (meshes.screw, setup.scene.screw) if side < 2 else (meshes.nut, setup.scene.nut)
-    own = [s for s in setup.sides if (s < 2) == (side < 2)]
-    nodes = body.socket_nodes[ball * len(own) + own.index(side)]
+    body_sides = [s for s in setup.sides if (s < 2) == (side < 2)]
+    nodes = body.socket_nodes[ball * len(body_sides) + body_sides.index(side)]
     R = rotation(float(setup.layout.azimuth[ball]))
     normals = patch_normals(mesh, np.array([setup.map.R, 0.0, 0.0]))
     return _patch_field(mesh, normals, part.material, forces[side][ball], (u[nodes] @ R).ravel())
@@ -185,40 +185,40 @@ def coarse_field(setup: Setup, mesh: GroovedBody, u: Array, ball: int, material:
     R = rotation(float(setup.layout.azimuth[ball]))
     points = (mesh.points - np.array([0.0, 0.0, setup.layout.z[ball]])) @ R
     near = np.linalg.norm(points - np.array([setup.map.R, 0.0, 0.0]), axis=1) < reach
-    own = np.flatnonzero(near[mesh.cells].any(axis=1))
+    elements = np.flatnonzero(near[mesh.cells].any(axis=1))
     body = of_order(moved(mesh.mesh, points), kind := body_kind(setup.settings))
     if kind == "P1":  # eight of each, cell after cell
-        own = (8 * own[:, None] + np.arange(8)).ravel()
-    stress = nodal_stress(body, u @ R, material, own)
-    used, cells = np.unique(cells_of(body)[own], return_inverse=True)
-    return SolidField(points[used], cells.reshape(len(own), -1), kind, u[used] @ R, stress[used])
+        elements = (8 * elements[:, None] + np.arange(8)).ravel()
+    stress = nodal_stress(body, u @ R, material, elements)
+    used, cells = np.unique(cells_of(body)[elements], return_inverse=True)
+    return SolidField(points[used], cells.reshape(len(elements), -1), kind, u[used] @ R, stress[used])
 
 
 def ball_fields(setup: Setup, meshes: Meshes, ball: int, forces: dict[int, Array]) -> dict[int | None, SolidField]:
     """Fields of one ball about its centre, in its frame: the coarse ball (key None) and its patches by side."""
     material, mesh = setup.scene.balls.material, meshes.ball
     e, nu = material.youngs_modulus, material.poissons_ratio
-    own: dict[int, CondensedPatch] = {s: p.ball for s, p in setup.patches.items()}
-    sockets = [Socket(mesh.socket_nodes[s], np.eye(3), s) for s in own]
+    patches: dict[int, CondensedPatch] = {s: p.ball for s, p in setup.patches.items()}
+    sockets = [Socket(mesh.socket_nodes[s], np.eye(3), s) for s in patches]
     body = of_order(mesh.mesh, kind := body_kind(setup.settings))
-    K = assemble(body, sockets, own, e, nu)
+    K = assemble(body, sockets, patches, e, nu)
     held = isostatic(mesh.points, np.concatenate([s.nodes for s in sockets]))
     free = np.setdiff1d(np.arange(K.shape[0]), held)
     load = np.zeros(K.shape[0])
-    for s, patch in own.items():
+    for s, patch in patches.items():
         if s in forces:
             np.add.at(load, freedoms(mesh.socket_nodes[s]), patch.H.T @ forces[s][ball])
     u = np.zeros(K.shape[0])
     u[free] = factor(condense(K, D=held, expand=False)).solve(load[free])
     u = u.reshape(-1, 3)
-    found: dict[int | None, SolidField] = {
+    by_side: dict[int | None, SolidField] = {
         None: SolidField(mesh.points, cells_of(body), kind, u, nodal_stress(body, u, material))
     }
     for s in forces:
         piece = ball_patch(setup, meshes, s)
         normals = -patch_normals(piece, np.zeros(3))
-        found[s] = _patch_field(piece, normals, material, forces[s][ball], u[mesh.socket_nodes[s]].ravel())
-    return found
+        by_side[s] = _patch_field(piece, normals, material, forces[s][ball], u[mesh.socket_nodes[s]].ravel())
+    return by_side
 
 
 @dataclass(frozen=True)
@@ -284,13 +284,13 @@ def pressed_ball(scene: Scene, settings: Settings, ball: int, loads: Array, angl
     sides = tuple(s for s in range(4) if loads[s] > 0.0)
     if not sides:
         raise ValueError(f"ball {ball + 1} carries no load")
-    m, whole, dims = GrooveMap.of(scene), ball_layout(scene), dimensions(scene)
-    own = slice(ball, ball + 1)
-    layout = BallLayout(*(getattr(whole, x.name)[own] for x in fields(BallLayout)))
+    m, all_balls, dims = GrooveMap.of(scene), ball_layout(scene), dimensions(scene)
+    row = slice(ball, ball + 1)
+    layout = BallLayout(*(getattr(all_balls, x.name)[row] for x in fields(BallLayout)))
     meshes = mesh_parts(scene, m, layout, dims, sides, settings)
     patches = {s: condense_side(*side_of(scene, m, dims, meshes, s, settings)) for s in sides}
     whole_ball = ball_compliance(scene.balls.material, meshes.ball, patches, settings)
-    block = BallBlock(tuple(patches[s].own for s in sides), tuple(whole_ball.modes[s] for s in sides), whole_ball.G)
+    block = BallBlock(tuple(patches[s].local for s in sides), tuple(whole_ball.modes[s] for s in sides), whole_ball.G)
     x3, z3 = np.array([1.0, 0.0, 0.0]), np.array([0.0, -np.sin(m.alpha), np.cos(m.alpha)])
     gaps, N, f, start = [], np.zeros((len(block), 3 * len(sides))), np.zeros(3 * len(sides)), 0
     for k, s in enumerate(sides):
@@ -298,18 +298,18 @@ def pressed_ball(scene: Scene, settings: Settings, ball: int, loads: Array, angl
         mean = mean_weights(groove.weights)
         arms = groove.points - np.array([m.R, 0.0, 0.0])
         length = np.linalg.norm(arms, axis=1)
-        part, columns = slice(start, start + length.size), slice(3 * k, 3 * k + 3)
-        N[part, columns] = mean @ (arms / length[:, None])
+        pairs, columns = slice(start, start + length.size), slice(3 * k, 3 * k + 3)
+        N[pairs, columns] = mean @ (arms / length[:, None])
         sx, sz = m.signs[s]
         f[columns] = loads[s] * (sx * np.cos(angles[s]) * x3 + sz * np.sin(angles[s]) * z3)
         gaps.append(mean @ (length - m.ball))
-        start = part.stop
-    found, _ = solve_balls(uncoupled(block), np.concatenate(gaps), sp.csr_matrix(N), f)
-    if not found.converged:
-        raise ValueError(f"ball {ball + 1}: {found.status}")
+        start = pairs.stop
+    result, _ = solve_balls(uncoupled(block), np.concatenate(gaps), sp.csr_matrix(N), f)
+    if not result.converged:
+        raise ValueError(f"ball {ball + 1}: {result.status}")
     ends = np.cumsum([0] + [len(patches[s].groove.A) for s in sides])
     return {
-        s: contact_pressure(scene, m, s, patches[s].groove, found.forces[a:b])
+        s: contact_pressure(scene, m, s, patches[s].groove, result.forces[a:b])
         for s, (a, b) in zip(sides, pairwise(ends), strict=True)
     }
 

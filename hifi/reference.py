@@ -98,10 +98,10 @@ def solve_reference(
     if leave_out - set(INGREDIENTS):
         raise ValueError(f"unknown ingredients {sorted(leave_out - set(INGREDIENTS))}")
     begin, moving = perf_counter(), updates > 0 and "moving normals" not in leave_out
-    own = PlacedSet(setup, scene, tuple(s for s in setup.sides if sides is None or s in sides))
+    placed = PlacedSet(setup, scene, tuple(s for s in setup.sides if sides is None or s in sides))
     with threadpool_limits(1):  # many small factors: the threads of two BLAS libraries only wait for one another
-        case = Case((own,), Frame.of(scene), mounted_screw(setup, scene, leave_out), leave_out)
-        ended = end(case, updates or ROUNDS, telling(scene.name, begin, step), moving=moving, frozen=frozen)
+        case = Case((placed,), Frame.of(scene), mounted_screw(setup, scene, leave_out), leave_out)
+        ended = end(case, updates or ROUNDS, reporting(scene.name, begin, step), moving=moving, frozen=frozen)
         last = ended.last
         stations, line, _ = case.centreline(last)
         return ReferenceResult(
@@ -110,7 +110,7 @@ def solve_reference(
             last.angle,
             stations,
             line,
-            own.sides,
+            placed.sides,
             last.directions[0],
             last.result,
             *case.unbalanced(last),
@@ -152,8 +152,8 @@ class Case:
         self.at_rest = np.zeros(self.rows.size)
         self.at_rest[self.on_mounted] = mounted.loads[self.rows[self.on_mounted]]
         drawn = [specimen(p.scene, p.setup.layout) for p in sets]
-        self.radii = [one.ball_radius for one in drawn]
-        self.arms = [_nominal(p)[None] + groove_errors(p.setup, one, p.sides) for p, one in zip(sets, drawn, strict=True)]
+        self.radii = [d.ball_radius for d in drawn]
+        self.arms = [_nominal(p)[None] + groove_errors(p.setup, d, p.sides) for p, d in zip(sets, drawn, strict=True)]
         for p, arms, zones in zip(sets, self.arms, self.zones, strict=True):
             arms += _offsets(p, zones)
         self.along = [along_track(p.setup, p.sides) for p in sets]
@@ -168,7 +168,7 @@ class Case:
         return self._round([np.zeros((1, 1, 3)) for _ in self.sets], none, none, None)
 
     def after(self, last: Round, *, moving: bool) -> Round:
-        """Contacts in the places that the last round says; moving: whether normals follow, or only the grid's wave."""
+        """Contacts in the places of the last round; moving: whether normals follow, or only the grid's wave."""
         shift, slid = [np.zeros((1, 1, 3)) for _ in self.sets], [np.zeros((1, 1)) for _ in self.sets]
         if moving:
             z = self.C.coupling @ self.C.amplitude(last.result.forces) + self.at_rest
@@ -191,7 +191,7 @@ class Case:
 
     def split(self, pairs: Array) -> list[Array]:
         """Values ``(balls, n)`` of each set from those of all pairs."""
-        return [pairs[part].reshape(p.count, -1) for p, part in zip(self.sets, self.parts, strict=True)]
+        return [pairs[rows].reshape(p.count, -1) for p, rows in zip(self.sets, self.parts, strict=True)]
 
     def _round(self, shifts: Sequence[Array], slid: Sequence[Array], level: Sequence[Array], start: State | None) -> Round:
         """Contacts for motions of the balls from their grooves (`relative_motion`) and changes of the gaps [m]."""
@@ -216,8 +216,8 @@ class Case:
         )
         forces = self.split(result.forces)
         each = zip(self.sets, forces, directions, self.zones, strict=True)
-        found = [_loads(p.setup, own[..., None] * normals, zones) for p, own, normals, zones in each]
-        load, angle = (np.concatenate(x) for x in zip(*found, strict=True))
+        resultants = [_loads(p.setup, force[..., None] * normals, zones) for p, force, normals, zones in each]
+        load, angle = (np.concatenate(x) for x in zip(*resultants, strict=True))
         return Round(result, state, directions, rigid_rows, moved, forces, load, angle)
 
     def _rigid_rows(self, p: PlacedSet, normals: Array, zones: Zones) -> Array:
@@ -231,18 +231,18 @@ class Case:
 
     def settled(self, last: Round, most: int, step: Callable[[int], None], *, moving: bool) -> tuple[Round, int, float]:
         """The round whose loads stand still, updates until then, ``most`` at most, and what more may change of a load."""
-        found = [last.load]
+        loads = [last.load]
         for done in range(most + 1):
-            left = left_over(found)
+            left = left_over(loads)
             if not last.result.converged or left <= SETTLED * _mean(last.load) or done == most:
                 break
             step(done + 2)
             last = self.after(last, moving=moving)
-            found = [*found[-2:], last.load]
+            loads = [*loads[-2:], last.load]
         return last, done, left
 
     def verdict(self, last: Round, updates: int, left: float) -> tuple[str, float]:
-        """Status, and what more updates may still change of any load [N] where it says that they did not settle."""
+        """Status, and the most that further updates may change a load [N] where the loads did not settle."""
         if not last.result.converged:
             return last.result.status, 0.0
         each = zip(self.sets, last.forces, self.zones, strict=True)
@@ -286,9 +286,9 @@ def _offsets(p: PlacedSet, zones: Zones) -> Array:
     """Displacement ``(n, 3)`` [m] of the nodes by the nut's shift: along its own track a groove is the same everywhere."""
     alpha = p.setup.map.alpha
     out = np.zeros((zones.size, 3))
-    for part, s in zip(zones.parts, p.sides, strict=True):
+    for nodes, s in zip(zones.parts, p.sides, strict=True):
         if s >= 2:
-            out[part] = p.offset * np.cos(alpha) * np.array([0.0, -np.sin(alpha), np.cos(alpha)])
+            out[nodes] = p.offset * np.cos(alpha) * np.array([0.0, -np.sin(alpha), np.cos(alpha)])
     return out
 
 
@@ -304,26 +304,26 @@ class Ended(NamedTuple):
     seconds: float
 
 
-def end(case: Case, most: int, tell: Callable[[int], None], *, moving: bool, frozen: bool) -> Ended:
+def end(case: Case, most: int, report: Callable[[int], None], *, moving: bool, frozen: bool) -> Ended:
     """Solve a case until its loads stand still, after ``most`` updates at most; frozen: its frozen loads too."""
     begin = perf_counter()
-    tell(1)
+    report(1)
     first = case.first()
-    last, done, left = case.settled(first, most, tell, moving=moving)
+    last, done, left = case.settled(first, most, report, moving=moving)
     seconds = perf_counter() - begin
-    still = case.settled(first, ROUNDS, tell, moving=False)[0] if frozen and moving else last
+    still = case.settled(first, ROUNDS, report, moving=False)[0] if frozen and moving else last
     status, may_move = case.verdict(last, done, left)
     return Ended(last, status, done, may_move, still.load if frozen else None, seconds)
 
 
-def telling(name: str, begin: float, step: Callable[[str], None]) -> Callable[[int], None]:
-    """What says the round that a slow solution begins."""
+def reporting(name: str, begin: float, step: Callable[[str], None]) -> Callable[[int], None]:
+    """Callback that reports each round of a solution that takes long."""
 
-    def tell(number: int) -> None:
+    def report(number: int) -> None:
         if perf_counter() - begin > SLOW:
             step(f"contacts of {name}: round {number}, {perf_counter() - begin:.0f} s")
 
-    return tell
+    return report
 
 
 def left_over(loads: Sequence[Array]) -> float:
@@ -346,8 +346,8 @@ def _loads(setup: Setup, vectors: Array, zones: Zones) -> tuple[Array, Array]:
     m, count = setup.map, len(vectors)
     load, angle = np.zeros((count, 4)), np.full((count, 4), np.nan)
     z3 = np.array([0.0, -np.sin(m.alpha), np.cos(m.alpha)])
-    for part, s in zip(zones.parts, zones.sides, strict=True):
-        total = vectors[:, part].sum(axis=1)
+    for nodes, s in zip(zones.parts, zones.sides, strict=True):
+        total = vectors[:, nodes].sum(axis=1)
         load[:, s] = np.linalg.norm(total, axis=1)
         unit = total / np.maximum(load[:, s], 1e-300)[:, None]
         sx, sz = m.signs[s]

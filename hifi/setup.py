@@ -23,10 +23,10 @@ from rollbench.hifi.condensation.responses import (
     ball_compliance,
     nut_response,
     screw_response,
+    shaft_jobs,
     shaft_of,
-    shaft_parts,
 )
-from rollbench.hifi.condensation.side_by_side import Made, Part, make
+from rollbench.hifi.condensation.side_by_side import Job, Made, make
 from rollbench.hifi.condensation.sides import SidePatches, condense_side, congruent, side_of, turned
 from rollbench.hifi.meshing.part_meshes import Meshes, mesh_recipes
 from rollbench.hifi.meshing.settings import Settings
@@ -84,28 +84,28 @@ class _Stages:
         origin = "" if not any(cached) else ", from the cache" if all(cached) else ", partly from the cache"
         self.step(StageDone(stage, f"{spent:.1f} s{origin}", cached=bool(cached) and all(cached)))
 
-    def run_parts(self, parts: Sequence[Part], processes: int) -> list[Any]:
-        """Records of the parts. A stage is reported with the seconds of its parts when the last is made; kept is its
+    def run(self, jobs: Sequence[Job], processes: int) -> list[Any]:
+        """Records of the jobs. A stage is reported with the seconds of its jobs when the last is done; `seconds` keeps its
         share of the time that all took."""
         start = perf_counter()
-        by_stage: dict[str, list[Made[Any]]] = {part.stage: [] for part in parts}
-        wanted = Counter(part.stage for part in parts)
+        by_stage: dict[str, list[Made[Any]]] = {job.stage: [] for job in jobs}
+        wanted = Counter(job.stage for job in jobs)
 
-        def on_done(k: int, one: Made[Any]) -> None:
-            stage = parts[k].stage
-            own = by_stage[stage]
-            own.append(one)
-            if len(own) == wanted[stage]:
-                self.report_stage(stage, sum(x.seconds for x in own), [x.cached for x in own])
+        def on_done(k: int, record: Made[Any]) -> None:
+            stage = jobs[k].stage
+            records = by_stage[stage]
+            records.append(record)
+            if len(records) == wanted[stage]:
+                self.report_stage(stage, sum(x.seconds for x in records), [x.cached for x in records])
 
-        found = make(parts, self.cache, processes, on_done)
-        share = (perf_counter() - start) / max(sum(one.seconds for one in found), 1e-9)
-        for stage, own in by_stage.items():
-            self.seconds[stage] = sum((1.0 if one.cached else share) * one.cold_seconds for one in own)
-        for one in found:
-            if one.process != os.getpid() and one.peak_MB is not None:
-                self.others[one.process] = max(self.others.get(one.process, 0.0), one.peak_MB)
-        return [one.value for one in found]
+        done = make(jobs, self.cache, processes, on_done)
+        share = (perf_counter() - start) / max(sum(record.seconds for record in done), 1e-9)
+        for stage, records in by_stage.items():
+            self.seconds[stage] = sum((1.0 if record.cached else share) * record.cold_seconds for record in records)
+        for record in done:
+            if record.process != os.getpid() and record.peak_MB is not None:
+                self.others[record.process] = max(self.others.get(record.process, 0.0), record.peak_MB)
+        return [record.value for record in done]
 
 
 def prepare(
@@ -127,18 +127,18 @@ def prepare(
     """
     stages = _Stages(cache or Cache(None), step)
     m, layout, dims = GrooveMap.of(scene), ball_layout(scene), dimensions(scene)
-    stations = tuple(sorted({z for one in (scene, *scenes) for z in one.stations}))
-    recipes, whole = mesh_recipes(scene, m, layout, dims, sides, settings)
-    meshes = whole(*stages.run_parts([Part("meshes", *recipe) for recipe in recipes], processes))
-    parts = _patch_parts(scene, m, dims, meshes, sides, settings)
-    found = stages.run_parts([*parts.values(), *_shaft_parts(scene, m, dims, settings, stations)], processes)
-    condensed = dict(zip(parts, found, strict=False))
+    stations = tuple(sorted({z for case in (scene, *scenes) for z in case.stations}))
+    recipes, gather = mesh_recipes(scene, m, layout, dims, sides, settings)
+    meshes = gather(*stages.run([Job("meshes", *recipe) for recipe in recipes], processes))
+    jobs = _patch_jobs(scene, m, dims, meshes, sides, settings)
+    records = stages.run([*jobs.values(), *_shaft_jobs(scene, m, dims, settings, stations)], processes)
+    condensed = dict(zip(jobs, records, strict=False))
     patches = {s: condensed[s] if s in condensed else turned(condensed[s - 1]) for s in sides}
-    shaft = shaft_of(scene.screw.material, m, scene.screw.bore / 2.0, found[len(parts) :])
+    shaft = shaft_of(scene.screw.material, m, scene.screw.bore / 2.0, records[len(jobs) :])
 
-    bodies = _body_parts(scene, layout, dims, meshes, sides, settings, patches, stations)
+    bodies = _body_jobs(scene, layout, dims, meshes, sides, settings, patches, stations)
     together = processes if layout.z.size * len(sides) <= TOGETHER else 1
-    screw, *nuts, ball = stages.run_parts(bodies, together)
+    screw, *nuts, ball = stages.run(bodies, together)
     nut: NutResponse | None = nuts[0] if nuts else None
     screw = _as_the_section(screw, shaft, m, layout, sides, stations)
     unknowns = screw.unknowns + (nut.unknowns if nut else 0) + ball.unknowns * layout.z.size
@@ -163,30 +163,28 @@ def prepare(
     )
 
 
-def _patch_parts(
+def _patch_jobs(
     scene: Scene, m: GrooveMap, dims: Dimensions, meshes: Meshes, sides: tuple[int, ...], settings: Settings
-) -> dict[int, Part]:
-    """The patches of the sides, as parts to be made: none for a right flank whose patches are those of the left, turned."""
-    parts = {}
+) -> dict[int, Job]:
+    """The patches of the sides, as jobs; none for a right flank whose patches are those of the left, turned."""
+    jobs = {}
     for s in sides:
         alike = s - 1 in sides and settings.element == "Q2" and congruent(m, s) and _same_boxes(meshes, s)
         if not alike:
-            parts[s] = Part("patches", condense_side, side_of(scene, m, dims, meshes, s, settings), SidePatches)
-    return parts
+            jobs[s] = Job("patches", condense_side, side_of(scene, m, dims, meshes, s, settings), SidePatches)
+    return jobs
 
 
-def _shaft_parts(
-    scene: Scene, m: GrooveMap, dims: Dimensions, settings: Settings, stations: tuple[float, ...]
-) -> list[Part]:
-    """What the shaft beyond the 3D stretch follows from, as parts to be made; stations of supports and loads [m]."""
+def _shaft_jobs(scene: Scene, m: GrooveMap, dims: Dimensions, settings: Settings, stations: tuple[float, ...]) -> list[Job]:
+    """Jobs of the shaft beyond the 3D stretch; stations of supports and loads [m]."""
     screw, ends = scene.screw, dims.ends(scene)
     beyond = dims.screw_held != "bore" and not all(ends[0] <= z <= ends[1] for z in stations)
     size = settings.cell if beyond else None
     radii = (screw.outer_diameter / 2.0, screw.bore / 2.0, dims.shaft_radius, dims.hole)
-    return shaft_parts(screw.material, m, *radii, size)
+    return shaft_jobs(screw.material, m, *radii, size)
 
 
-def _body_parts(
+def _body_jobs(
     scene: Scene,
     layout: BallLayout,
     dims: Dimensions,
@@ -195,19 +193,19 @@ def _body_parts(
     settings: Settings,
     patches: dict[int, SidePatches],
     stations: tuple[float, ...],
-) -> list[Part]:
-    """Screw, nut (where it is elastic) and ball, as parts to be made; stations of supports and loads [m]."""
+) -> list[Job]:
+    """Screw, nut (where it is elastic) and ball, as jobs; stations of supports and loads [m]."""
     screw, nut, ball, ends = scene.screw, scene.nut, scene.balls.material, dims.ends(scene)
     inside = tuple(z for z in stations if ends[0] < z < ends[1])
-    own = {s: p.groove for s, p in patches.items() if s < 2}
-    facing = {s: p.groove for s, p in patches.items() if s >= 2}
-    of_screw = (screw.material, nut, ends, inside, meshes.screw, layout, sides, own, settings, dims)
-    of_nut = (nut.material, meshes.nut, layout, sides, facing, settings, dims)
-    nuts = [Part("nut", nut_response, of_nut, NutResponse)]
+    on_screw = {s: p.groove for s, p in patches.items() if s < 2}
+    on_nut = {s: p.groove for s, p in patches.items() if s >= 2}
+    of_screw = (screw.material, nut, ends, inside, meshes.screw, layout, sides, on_screw, settings, dims)
+    of_nut = (nut.material, meshes.nut, layout, sides, on_nut, settings, dims)
+    nuts = [Job("nut", nut_response, of_nut, NutResponse)]
     return [
-        Part("screw", screw_response, of_screw, ScrewResponse),
+        Job("screw", screw_response, of_screw, ScrewResponse),
         *(nuts if scene.solid.nut == "elastic" else []),
-        Part("ball", ball_compliance, (ball, meshes.ball, patches, settings), BallResponse),
+        Job("ball", ball_compliance, (ball, meshes.ball, patches, settings), BallResponse),
     ]
 
 

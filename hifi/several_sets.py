@@ -18,7 +18,7 @@ from threadpoolctl import threadpool_limits
 from rollbench.hifi.coupling import PlacedSet
 from rollbench.hifi.linear_algebra.response import transport
 from rollbench.hifi.meshing.expected import closing
-from rollbench.hifi.reference import ROUNDS, Case, Ended, Round, end, telling
+from rollbench.hifi.reference import ROUNDS, Case, Ended, Round, end, reporting
 from rollbench.hifi.setup import Setup
 from rollbench.hifi.shaft.beam import ShaftSection, tube
 from rollbench.hifi.shaft.frame import Frame
@@ -69,8 +69,8 @@ def bodies_of(assembly: Assembly) -> tuple[SetBodies, ...]:
         if gap < -NEAR:
             names = f"{sets[a][0].name} and {sets[b][0].name}"
             raise ValueError(f"{names} overlap by {-1e3 * gap:.4g} mm: a stretch of 3D shaft carries one set")
-        own = round(gap / 2.0, 10)  # equal nuts are equal in their last digit too
-        room[a], room[b] = min(room[a], own), min(room[b], own)
+        half = round(gap / 2.0, 10)  # equal nuts are equal in their last digit too
+        room[a], room[b] = min(room[a], half), min(room[b], half)
     stations = {*(x.at for x in assembly.supports), *(x.at for x in assembly.loads)}
     reach = min((*stations, *(x for face in faces for x in face))), max((*stations, *(x for face in faces for x in face)))
     return tuple(_bodies(parts, assembly, room[k], stations, reach) for k, (_, parts) in enumerate(sets))
@@ -85,7 +85,7 @@ def _bodies(parts: Scene, assembly: Assembly, room: float, stations: set[float],
     high = min(position + half, assembly.screw.length - shift)
     inner = [z - shift for z in stations if 0.0 <= z - shift <= high]
     beyond = [-half] * (reach[0] < shift) + [high + half] * (reach[1] > shift + high)
-    own = replace(
+    scene = replace(
         parts,
         name="",
         title="",
@@ -101,7 +101,7 @@ def _bodies(parts: Scene, assembly: Assembly, room: float, stations: set[float],
         circulation=None,
         time=None,
     )
-    return SetBodies(replace(own, errors=Errors()), own, shift)
+    return SetBodies(replace(scene, errors=Errors()), scene, shift)
 
 
 @dataclass(frozen=True)
@@ -150,19 +150,19 @@ def solve_sets(
     with threadpool_limits(1):
         begin = perf_counter()
         placed = _placed(assembly, setups, sides)
-        frame, tell = Frame.of(assembly), telling(assembly.name, begin, step)
+        frame, report = Frame.of(assembly), reporting(assembly.name, begin, step)
         mounted = _mounted(assembly, placed, frame)
         placed, unmet = _preloaded(assembly, placed, frame)
         case = Case(placed, frame, mounted)
-        ended = end(case, ROUNDS, tell, moving=True, frozen=frozen)
+        ended = end(case, ROUNDS, report, moving=True, frozen=frozen)
         return _result(case, ended, unmet, perf_counter() - begin)
 
 
 def _placed(assembly: Assembly, setups: Sequence[Setup], sides: Sequence[tuple[int, ...]]) -> tuple[PlacedSet, ...]:
     frame = Frame.of(assembly)
     return tuple(
-        PlacedSet(setup, b.parts, own, b.shift, frame.number(s.housing), s.offset)
-        for s, b, setup, own in zip(assembly.sets, bodies_of(assembly), setups, sides, strict=True)
+        PlacedSet(setup, b.parts, may_touch, b.shift, frame.number(s.housing), s.offset)
+        for s, b, setup, may_touch in zip(assembly.sets, bodies_of(assembly), setups, sides, strict=True)
     )
 
 
@@ -197,17 +197,17 @@ def _sections(assembly: Assembly, placed: Sequence[PlacedSet]) -> Callable[[floa
 def _preloaded(assembly: Assembly, placed: tuple[PlacedSet, ...], frame: Frame) -> tuple[tuple[PlacedSet, ...], str]:
     """The sets with their preloads by force as shifts of their nuts, found without loads, and words for a preload that is
     not met. Newton's method by secants on logarithms of force and shift: a law of a power is a line."""
-    which = [k for k, s in enumerate(assembly.sets) if s.preload > 0.0]
-    if not which:
+    preloaded = [k for k, s in enumerate(assembly.sets) if s.preload > 0.0]
+    if not preloaded:
         return placed, ""
     idle = tuple(replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in frame.housings)
     bare = replace(frame, loads=(), housings=idle)
     mounted = _mounted(replace(assembly, loads=()), placed, bare)
-    goal = np.log([assembly.sets[k].preload for k in which])
+    goal = np.log([assembly.sets[k].preload for k in preloaded])
 
     def shifted(depth: Array) -> tuple[PlacedSet, ...]:
         out = list(placed)
-        for k, x in zip(which, np.exp(depth), strict=True):
+        for k, x in zip(preloaded, np.exp(depth), strict=True):
             away = -1.0 if assembly.sets[k].thrust == "+z" else 1.0
             out[k] = replace(out[k], offset=out[k].offset + away * float(x))
         return tuple(out)
@@ -215,12 +215,12 @@ def _preloaded(assembly: Assembly, placed: tuple[PlacedSet, ...], frame: Frame) 
     def excess(depth: Array) -> Array:
         case = Case(shifted(depth), bare, mounted)
         last = end(case, ROUNDS, lambda _: None, moving=True, frozen=False).last
-        force = np.abs([wrench[2] for wrench in _on_shaft(case, last)])[which]
+        force = np.abs([wrench[2] for wrench in _on_shaft(case, last)])[preloaded]
         return np.asarray(np.log(np.maximum(force, 1e-300)) - goal)
 
-    depth = np.log([closing(placed[k].scene, assembly.sets[k].preload) for k in which])
+    depth = np.log([closing(placed[k].scene, assembly.sets[k].preload) for k in preloaded])
     value = excess(depth)
-    slope = np.column_stack([(excess(depth + DIFFERENCE * e) - value) / DIFFERENCE for e in np.eye(len(which))])
+    slope = np.column_stack([(excess(depth + DIFFERENCE * e) - value) / DIFFERENCE for e in np.eye(len(preloaded))])
     for _ in range(STEPS):
         if float(np.abs(value).max()) <= MET:
             break
@@ -249,7 +249,7 @@ def _result(case: Case, ended: Ended, unmet: str, seconds: float) -> AxisReferen
     each = zip(np.split(last.load, ends), np.split(last.angle, ends), frozen, _on_shaft(case, last), strict=True)
     return AxisReference(
         f"not converged: {unmet}" if unmet and ended.status == "converged" else ended.status,
-        tuple(SetLoads(*own) for own in each),
+        tuple(SetLoads(*loads) for loads in each),
         stations,
         line,
         housings,

@@ -151,10 +151,10 @@ def kernels(package: str, *, compiled: bool) -> ModuleType:
 def _numba_works() -> bool:
     from rollbench.meshes.libraries import ONLY_FOR, fault
 
-    found = fault("numba")
-    if found:
-        sys.stderr.write(f"rollbench: {found}: {ONLY_FOR['numba']}; pip install numba\n")
-    return not found
+    missing = fault("numba")
+    if missing:
+        sys.stderr.write(f"rollbench: {missing}: {ONLY_FOR['numba']}; pip install numba\n")
+    return not missing
 
 
 def loaded(package: str) -> bool:
@@ -237,8 +237,8 @@ def _sources(package: str) -> Path:
         return folder
     copy = kept / "sources" / package
     if not copy.is_dir():
-        with suppress(OSError), tempfile.TemporaryDirectory(dir=kept) as made:
-            new = Path(made) / package
+        with suppress(OSError), tempfile.TemporaryDirectory(dir=kept) as temporary:
+            new = Path(temporary) / package
             new.mkdir()
             for name, content in _contents(folder).items():
                 (new / name).write_bytes(content)
@@ -271,7 +271,7 @@ def _load(package: str) -> ModuleType:
 
 
 def part_of(package: str, kernels: Mapping[str, Sequence[str]], name: str) -> Any:
-    """What ``name`` says in a package whose modules are imported when first asked for: one of its ``kernels``, by their
+    """The object ``name`` of a package whose modules are imported when first asked for: one of its ``kernels``, by their
     module, or a module. Raises AttributeError for another name."""
     module = next((module for module, names in kernels.items() if name in names), "")
     if not (module or importlib.util.find_spec(f"{package}.{name}")):
@@ -301,8 +301,8 @@ def system_of(name: str) -> ModuleType:
 
     Raises ImportError for a driver that is imported by its own name.
     """
-    package, _, own = name.rpartition(".")
-    system = sys.modules.get(f"{package}.{own.partition('_of_')[2]}")
+    package, _, driver = name.rpartition(".")
+    system = sys.modules.get(f"{package}.{driver.partition('_of_')[2]}")
     if system is None:
         raise ImportError(f"{name} serves no system: see rollbench.lowfi.jit.driver_of")
     return system

@@ -24,7 +24,7 @@ Kind = Literal[
 
 
 class Warned(str):
-    """A warning: its sentence is the text, ``kind`` says of what it is, and one with ``brief`` stands above the answers.
+    """A warning: the text is its sentence, ``kind`` its subject; one with ``brief`` is printed above the answers.
 
     >>> found = Warned("rotation", "a section turns by 60 mrad: ...", "rotations up to 60 mrad")
     >>> found.kind, found.of("nut 1"), found.of("nut 1").brief
@@ -36,9 +36,9 @@ class Warned(str):
 
     def __new__(cls, kind: Kind, text: str, brief: str = "") -> Warned:
         """A sentence with its kind, and few words for the line above the answers where it belongs there."""
-        own = super().__new__(cls, text)
-        own.kind, own.brief = kind, brief
-        return own
+        warned = super().__new__(cls, text)
+        warned.kind, warned.brief = kind, brief
+        return warned
 
     def __getnewargs__(self) -> tuple[Kind, str, str]:  # type: ignore[override]
         """What a copy is made of, in another process too."""
@@ -51,6 +51,6 @@ class Warned(str):
 
 def above(warnings: Iterable[Warned]) -> str:
     """The line above the answers, empty where none of the warnings belongs there."""
-    found = [w for w in warnings if w.brief]
-    outside = " outside what the models mean" * any(w.kind != "play" for w in found)
-    return f"WARNING{outside}: {'; '.join(w.brief for w in found)}" if found else ""
+    shown = [w for w in warnings if w.brief]
+    outside = " outside what the models mean" * any(w.kind != "play" for w in shown)
+    return f"WARNING{outside}: {'; '.join(w.brief for w in shown)}" if shown else ""

@@ -111,16 +111,16 @@ def build_ball(
     """
 
     def places(side: int) -> Callable[[Array], Array]:
-        like = next(one for one in sockets if one.side // 2 == side // 2)
+        like = next(socket for socket in sockets if socket.side // 2 == side // 2)
         return partial(ball_points, m, replace(like, side=side))
 
     _refuse_overlap(m, sockets)
     try:
-        return _meshed(m, sockets, [side_socket(places, one.side, cuts) for one in sockets], fine, coarse)
+        return _meshed(m, sockets, [side_socket(places, socket.side, cuts) for socket in sockets], fine, coarse)
     except ValueError:
-        if not any(one.side % 2 for one in sockets):
+        if not any(socket.side % 2 for socket in sockets):
             raise
-    return _meshed(m, sockets, [socket_mesh(places(one.side), cuts) for one in sockets], fine, coarse)
+    return _meshed(m, sockets, [socket_mesh(places(socket.side), cuts) for socket in sockets], fine, coarse)
 
 
 def _meshed(
@@ -138,12 +138,12 @@ def _meshed(
             corners.append(shell.socket(f"socket {SIDES[socket.side]}", box, *places))
         sphere(m, shell, [c[rim(box)] for c, (box, _) in zip(corners, boxes, strict=True)], share)
         filled = fill(shell, volume)
-        own = [filled.box_nodes(c, box) for c, (box, _) in zip(corners, boxes, strict=True)]
+        box_nodes = [filled.box_nodes(c, box) for c, (box, _) in zip(corners, boxes, strict=True)]
         mesh = untangle(filled.named(shell), filled.on(shell.tris()))
-        mesh, moved = straighten(mesh, np.concatenate(own), STRAIGHTENED)
+        mesh, moved = straighten(mesh, np.concatenate(box_nodes), STRAIGHTENED)
         quality = measure(mesh)
         refuse_bad(quality, "ball")
-        nodes = {socket.side: n for socket, n in zip(sockets, own, strict=True)}
+        nodes = {socket.side: n for socket, n in zip(sockets, box_nodes, strict=True)}
         meshes = {socket.side: box for socket, (box, _) in zip(sockets, boxes, strict=True)}
         body = BallBody(mesh, nodes, meshes, quality)
         return body, moved + max(0.0, POOREST - quality.smallest)
@@ -190,18 +190,18 @@ def _refuse_overlap(m: GrooveMap, sockets: tuple[BallSocket, ...]) -> None:
     remedy = "make the sockets smaller (rollbench.meshes.sockets.fitted_socket finds a size that fits)"
     a, b = np.linspace(-1.0, 1.0, 41)[:-1], np.ones(40)
     around = np.concatenate([np.stack(x, 1) for x in ((a, 0 * a, -b), (b, 0 * a, a), (-a, 0 * a, b), (-b, 0 * a, -a))])
-    outlines = {one.side: ball_points(m, one, 1.02 * around) for one in sockets}
-    for one in sockets:
-        name = f"socket {SIDES[one.side]} of a ball of {1e3 * m.ball:.4g} mm radius"
-        if not 0.0 < one.depth < 0.8 * m.ball:
-            raise ValueError(f"the {name} is {1e3 * one.depth:.4g} mm deep: {remedy}")
-        points = ball_points(m, one, around)
-        if np.linalg.norm(rays(m, one, around), axis=1).max() * (m.ball - one.depth) >= m.ball:
-            raise ValueError(f"the {name} is wider than its depth of {1e3 * one.depth:.4g} mm allows: {remedy}")
+    outlines = {socket.side: ball_points(m, socket, 1.02 * around) for socket in sockets}
+    for socket in sockets:
+        name = f"socket {SIDES[socket.side]} of a ball of {1e3 * m.ball:.4g} mm radius"
+        if not 0.0 < socket.depth < 0.8 * m.ball:
+            raise ValueError(f"the {name} is {1e3 * socket.depth:.4g} mm deep: {remedy}")
+        points = ball_points(m, socket, around)
+        if np.linalg.norm(rays(m, socket, around), axis=1).max() * (m.ball - socket.depth) >= m.ball:
+            raise ValueError(f"the {name} is wider than its depth of {1e3 * socket.depth:.4g} mm allows: {remedy}")
         if np.ptp(np.sign(points @ parting(m))) > 0.0:
             raise ValueError(f"the {name} reaches over the ball's middle: {remedy}")
         for other in sockets:
-            if other is not one and _inside(outlines[other.side], points, directions(m, other.side)).any():
+            if other is not socket and _inside(outlines[other.side], points, directions(m, other.side)).any():
                 raise ValueError(f"the {name} and its socket {SIDES[other.side]} overlap: {remedy}")
 
 

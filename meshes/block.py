@@ -54,16 +54,16 @@ def graded(cell: float, core: float, size: float, growth: float) -> Array:
     if not (0.0 < cell <= size and core < size and growth > 1.0):
         raise ValueError(f"cells of {cell} m, core {core} m, block {size} m, growth {growth}: see the ranges allowed")
     equal = int(np.ceil(core / cell - 1e-9))
-    rest = size - equal * cell
+    room = size - equal * cell
     count = 1
-    while cell * growth * (growth**count - 1.0) / (growth - 1.0) < rest:
+    while cell * growth * (growth**count - 1.0) / (growth - 1.0) < room:
         count += 1
     steps = growth ** np.arange(1, count + 1)
     low, high = 0.0, growth
     for _ in range(80):  # the ratio at which the cells end at `size`
         ratio = 0.5 * (low + high)
         steps = cell * ratio ** np.arange(1, count + 1)
-        low, high = (ratio, high) if steps.sum() < rest else (low, ratio)
+        low, high = (ratio, high) if steps.sum() < room else (low, ratio)
     out = np.concatenate([cell * np.arange(equal + 1), equal * cell + np.cumsum(steps)])
     out[-1] = size
     return out

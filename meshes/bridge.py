@@ -100,10 +100,10 @@ def from_gmsh(regions: Iterable[str] = (), boundaries: Iterable[str] = ()) -> Me
     for name, entities in _groups(2).items():
         _, faces = _elements_of(entities, 2, f"boundary {name!r}")
         found_boundaries[name] = np.searchsorted(sorted_tags, faces)
-    for what, wanted_names, found in (("region", regions, found_regions), ("boundary", boundaries, found_boundaries)):
-        missing = sorted(set(wanted_names) - set(found))
+    for group, wanted_names, present in (("region", regions, found_regions), ("boundary", boundaries, found_boundaries)):
+        missing = sorted(set(wanted_names) - set(present))
         if missing:
-            raise ValueError(f"{what} {', '.join(missing)} lost: gmsh's model has {', '.join(sorted(found)) or 'none'}")
+            raise ValueError(f"{group} {', '.join(missing)} lost: gmsh's model has {', '.join(sorted(present)) or 'none'}")
     used = np.unique(np.concatenate([c.ravel() for c in cells.values()]))
     new = np.full(len(points), -1, dtype=np.int64)
     new[used] = np.arange(len(used))
@@ -136,8 +136,8 @@ def to_skfem(data: MeshData, *elements: str) -> Any:
     from rollbench.meshes.fem import mesh_of
 
     if len(elements) != 1 or set(data.cells) != set(elements):
-        found, wanted = ", ".join(data.cells), ", ".join(elements)
-        raise ValueError(f"the mesh has elements {found}; scikit-fem takes one kind, asked for {wanted}")
+        kinds, wanted = ", ".join(data.cells), ", ".join(elements)
+        raise ValueError(f"the mesh has elements {kinds}; scikit-fem takes one kind, asked for {wanted}")
     return mesh_of(data.points, data.cells[elements[0]], elements[0], data.boundaries, data.regions)[0]
 
 
@@ -145,7 +145,7 @@ def from_skfem(mesh: Any, *boundaries: str) -> MeshData:
     """A scikit-fem mesh of the parts in gmsh's node order, with its subdomains and the named ones of its boundaries."""
     from rollbench.meshes.fem import cells_of, faces_of, kind_of, points_of
 
-    regions = {name: np.asarray(own, dtype=np.int64) for name, own in (mesh.subdomains or {}).items()}
+    regions = {name: np.asarray(cells, dtype=np.int64) for name, cells in (mesh.subdomains or {}).items()}
     faces = {name: faces_of(mesh, name) for name in boundaries}
     return MeshData(points_of(mesh), {kind_of(mesh): cells_of(mesh)}, regions, faces)
 
@@ -217,8 +217,8 @@ def write_mesh(
         connected = [(k, n.reshape(c.shape)) for (k, c), n in zip(connected, np.split(numbers, ends), strict=True)]
         points = points[used]
         point_data = {name: values[used] for name, values in point_data.items()}
-        nodes = {name: np.flatnonzero(np.isin(used, own)) for name, own in nodes.items()}
-        corners = {name: np.searchsorted(used, own) for name, own in corners.items()}
+        nodes = {name: np.flatnonzero(np.isin(used, members)) for name, members in nodes.items()}
+        corners = {name: np.searchsorted(used, members) for name, members in corners.items()}
     if form in ("vtu", "msh"):
         cell_data.update(_skfem_fields(data))
     plain = _Plain(points, connected, point_data, cell_data, region, tuple(data.regions), nodes, corners)
@@ -229,8 +229,8 @@ def write_mesh(
         else:
             import meshio
 
-            made = _as_vtu(plain) if form == "vtu" else _as_med(plain) if form == "med" else _as_msh(plain, data.boundaries)
-            meshio.write(fresh, made, file_format=_MESHIO[form])
+            mesh = _as_vtu(plain) if form == "vtu" else _as_med(plain) if form == "med" else _as_msh(plain, data.boundaries)
+            meshio.write(fresh, mesh, file_format=_MESHIO[form])
         os.replace(fresh, path)
     finally:
         fresh.unlink(missing_ok=True)
@@ -266,10 +266,10 @@ def _skfem_fields(data: MeshData) -> dict[str, Index]:
     fields = {}
     mesh = to_skfem(data, *data.cells)
     bits = 1 << np.arange(len(mesh.t2f))
-    for name, own in (mesh.boundaries or {}).items():  # hexahedra are read the other way round: corner 7 - k, face 5 - k
-        fields[f"skfem:b:{name}"] = (bits[::-1] if len(bits) == 6 else bits) @ np.isin(mesh.t2f, own)
-    for name, own in data.regions.items():
-        fields[f"skfem:s:{name}"] = np.isin(np.arange(data.count), own).astype(np.int64)
+    for name, faces in (mesh.boundaries or {}).items():  # hexahedra are read the other way round: corner 7 - k, face 5 - k
+        fields[f"skfem:b:{name}"] = (bits[::-1] if len(bits) == 6 else bits) @ np.isin(mesh.t2f, faces)
+    for name, members in data.regions.items():
+        fields[f"skfem:s:{name}"] = np.isin(np.arange(data.count), members).astype(np.int64)
     return fields
 
 
@@ -277,8 +277,8 @@ def _as_vtu(plain: _Plain) -> Any:
     import meshio
 
     points = dict(plain.point_data)
-    for name, own in plain.nodes.items():
-        points[f"boundary {name}"] = np.isin(np.arange(len(plain.points)), own).astype(np.uint8)
+    for name, members in plain.nodes.items():
+        points[f"boundary {name}"] = np.isin(np.arange(len(plain.points)), members).astype(np.uint8)
     cells = dict(plain.cell_data)
     if plain.regions:
         cells.setdefault("region", plain.region)
@@ -302,23 +302,23 @@ def _as_msh(plain: _Plain, faces: Mapping[str, Index]) -> Any:
     region_of = np.where(plain.region < 0, len(plain.regions), plain.region)
     parted = [plain.split(values) for values in (region_of, *plain.cell_data.values())]
     for (kind, cells), region, *data in zip(plain.blocks, *parted, strict=True):
-        for one in np.unique(region):
-            own = region == one
-            blocks.append((kind, cells[own]))
-            groups.append(np.full(own.sum(), len(faces) + one + 1))
+        for index in np.unique(region):
+            inside = region == index
+            blocks.append((kind, cells[inside]))
+            groups.append(np.full(inside.sum(), len(faces) + index + 1))
             entities.append((3, len(blocks)))
-            for values, all_ in zip(fields.values(), data, strict=True):
-                values.append(np.asarray(all_[own], dtype=float))
-    for number, own in enumerate(faces.values(), start=1):
-        blocks.append((_FACES[own.shape[1]], own))
-        groups.append(np.full(len(own), number))
+            for values, of_block in zip(fields.values(), data, strict=True):
+                values.append(np.asarray(of_block[inside], dtype=float))
+    for number, corners in enumerate(faces.values(), start=1):
+        blocks.append((_FACES[corners.shape[1]], corners))
+        groups.append(np.full(len(corners), number))
         entities.append((2, number))
         for values in fields.values():
-            values.append(np.full((len(own), *values[0].shape[1:]), np.nan))
+            values.append(np.full((len(corners), *values[0].shape[1:]), np.nan))
     field_data = {name: np.array([k, 2]) for k, name in enumerate(faces, start=1)}
     field_data |= {name: np.array([k, 3]) for k, name in enumerate(regions, start=len(faces) + 1)}
-    tags = [np.full(len(own), tag) for own, (_, tag) in zip(groups, entities, strict=True)]
-    owners = _owners([own for _, own in blocks], len(plain.points))
+    tags = [np.full(len(group), tag) for group, (_, tag) in zip(groups, entities, strict=True)]
+    owners = _owners([nodes for _, nodes in blocks], len(plain.points))
     points = {**plain.point_data, "gmsh:dim_tags": np.array(entities)[owners]}
     return meshio.Mesh(
         plain.points, blocks, points, {**fields, "gmsh:physical": groups, "gmsh:geometrical": tags}, field_data
@@ -327,14 +327,14 @@ def _as_msh(plain: _Plain, faces: Mapping[str, Index]) -> Any:
 
 def _owners(cells: list[Index], count: int) -> Index:
     """One of the sets of ``cells`` for every node ``(count,)``, the smallest that has it, so that each set has a node."""
-    nodes = [np.unique(own) for own in cells]
+    nodes = [np.unique(members) for members in cells]
     owner = np.zeros(count, dtype=np.int64)
     for k in sorted(range(len(nodes)), key=lambda k: -nodes[k].size):
         owner[nodes[k]] = k
-    for k, own in enumerate(nodes):
+    for k, members in enumerate(nodes):
         shared = np.bincount(owner, minlength=len(nodes)) > 1
-        if not np.any(owner[own] == k):
-            owner[own[shared[owner[own]]][0]] = k
+        if not np.any(owner[members] == k):
+            owner[members[shared[owner[members]]][0]] = k
     return owner
 
 
@@ -350,10 +350,10 @@ def _as_med(plain: _Plain) -> Any:
     node_families: dict[int, list[str]] = {}
     if plain.nodes:
         names = np.array(list(plain.nodes))
-        belongs = np.stack([np.isin(np.arange(len(plain.points)), own) for own in plain.nodes.values()])
-        patterns, which = np.unique(belongs, axis=1, return_inverse=True)
+        belongs = np.stack([np.isin(np.arange(len(plain.points)), members) for members in plain.nodes.values()])
+        patterns, pattern_of = np.unique(belongs, axis=1, return_inverse=True)
         families = np.where(patterns.any(axis=0), 1 + np.arange(patterns.shape[1]), 0)  # 0: in no group
-        points["point_tags"] = families[which.ravel()]
+        points["point_tags"] = families[pattern_of.ravel()]
         node_families = {int(n): list(map(str, names[p])) for n, p in zip(families, patterns.T, strict=True) if n}
     if plain.regions:
         cells["cell_tags"] = plain.split(-1 - plain.region)
@@ -380,10 +380,10 @@ def _write_inp(path: Path, plain: _Plain) -> None:
             for row in (cells + 1).tolist():
                 number += 1
                 file.write(_lines([number, *row]))
-        sets = [("NSET", name, own) for name, own in plain.nodes.items()]
+        sets = [("NSET", name, members) for name, members in plain.nodes.items()]
         sets += [("ELSET", name, np.flatnonzero(plain.region == k)) for k, name in enumerate(plain.regions)]
-        for what, name, own in sets:
-            file.write(f"*{what}, {what}={name.replace(' ', '_')}\n{_lines((own + 1).tolist(), open_end=False)}")
+        for keyword, name, members in sets:
+            file.write(f"*{keyword}, {keyword}={name.replace(' ', '_')}\n{_lines((members + 1).tolist(), open_end=False)}")
         for name, corners in plain.corners.items():
             file.write(f"*SURFACE, NAME={name.replace(' ', '_')}, TYPE=ELEMENT\n")
             file.writelines(f"{cell + 1}, S{face}\n" for cell, face in element_faces(plain.blocks[0][1], corners).tolist())
@@ -408,31 +408,31 @@ def _groups(dimension: int) -> dict[str, list[int]]:
     return groups
 
 
-def _elements_of(entities: list[int], dimension: int, what: str) -> tuple[Index, Index]:
+def _elements_of(entities: list[int], dimension: int, subject: str) -> tuple[Index, Index]:
     """Element tags and, for faces, node tags (k, nodes) of the elements on the entities."""
     import gmsh
 
-    found: dict[int, list[Index]] = {}
+    by_kind: dict[int, list[Index]] = {}
     tags: list[Index] = []
     for entity in sorted(set(entities)):
         for kind, elements, nodes in zip(*gmsh.model.mesh.getElements(dimension, entity), strict=True):
-            found.setdefault(int(kind), []).append(np.asarray(nodes, dtype=np.int64))
+            by_kind.setdefault(int(kind), []).append(np.asarray(nodes, dtype=np.int64))
             tags.append(np.asarray(elements, dtype=np.int64))
     if not tags:
-        raise ValueError(f"{what} is empty: its entities carry no elements")
+        raise ValueError(f"{subject} is empty: its entities carry no elements")
     if dimension == 3:
         return np.concatenate(tags), np.empty((0, 0), dtype=np.int64)
-    if len(found) > 1:
-        raise ValueError(f"{what} mixes faces of gmsh's types {sorted(found)}")
-    kind = next(iter(found))
+    if len(by_kind) > 1:
+        raise ValueError(f"{subject} mixes faces of gmsh's types {sorted(by_kind)}")
+    kind = next(iter(by_kind))
     widths = {2: 3, 9: 6, 3: 4, 10: 9}
     if kind not in widths:
-        raise ValueError(f"{what} has faces of gmsh's type {kind}, expected one of {sorted(widths)}")
-    return np.concatenate(tags), np.concatenate(found[kind]).reshape(-1, widths[kind])
+        raise ValueError(f"{subject} has faces of gmsh's type {kind}, expected one of {sorted(widths)}")
+    return np.concatenate(tags), np.concatenate(by_kind[kind]).reshape(-1, widths[kind])
 
 
-def _known(types: Iterable[int], what: str) -> None:
+def _known(types: Iterable[int], subject: str) -> None:
     """Raise ValueError for volume elements of another type than the package makes."""
     strange = sorted({int(t) for t in types} - set(VOLUMES))
     if strange:
-        raise ValueError(f"{what} has volume cells of gmsh's types {strange}, expected only {sorted(VOLUMES)}")
+        raise ValueError(f"{subject} has volume cells of gmsh's types {strange}, expected only {sorted(VOLUMES)}")

@@ -33,16 +33,16 @@ from rollbench.meshes.private import private_folder
 
 
 class StageDone(str):
-    """What is said of a stage of a computation that is done: ``stage`` is its name, ``cached`` whether all was read."""
+    """Report of a finished stage of a computation: ``stage`` is its name, ``cached`` whether all of it was read."""
 
     stage: str
     cached: bool
 
     def __new__(cls, stage: str, text: str, *, cached: bool = False) -> StageDone:
         """The text ``stage: text``."""
-        own = super().__new__(cls, f"{stage}: {text}")
-        own.stage, own.cached = stage, cached
-        return own
+        done = super().__new__(cls, f"{stage}: {text}")
+        done.stage, done.cached = stage, cached
+        return done
 
 
 T = TypeVar("T")
@@ -77,7 +77,7 @@ class Cache:
 
     root: the folder, made when first used; None switches the cache off. limit: largest size of all files [bytes]. A folder
     that cannot be written to or that is not this user's alone, or a full disc, is reported once on standard error, and work
-    goes on without it. `fault`: what is to be reported, where ``quiet`` says that another process does.
+    goes on without it. `fault`: what there is to report; ``quiet``: another process reports it.
     """
 
     def __init__(self, root: Path | None, limit: int = LIMIT) -> None:
@@ -97,11 +97,11 @@ class Cache:
         TypeError for a result that is no `type_`, and for arguments or functions that no key can be made of.
         """
         path = self._path(build, arguments, type_)
-        found = None if path is None else _read(path, type_)
-        if found is not None:
+        record = None if path is None else _read(path, type_)
+        if record is not None:
             self.hits += 1
-            self.cold_seconds += found[1]
-            return found[0]
+            self.cold_seconds += record[1]
+            return record[0]
         self.misses += 1
         start = time.perf_counter()
         value = build(*arguments)
@@ -153,12 +153,12 @@ def _shrink(folder: Path, limit: int) -> None:
     for file in folder.glob("*.npz"):
         with suppress(FileNotFoundError):  # another process removed it
             kept.append((file.stat(), file))
-    total = sum(found.st_size for found, _ in kept)
-    for found, file in sorted(kept, key=lambda one: one[0].st_mtime):
+    total = sum(status.st_size for status, _ in kept)
+    for status, file in sorted(kept, key=lambda item: item[0].st_mtime):
         if total <= limit:
             return
         file.unlink(missing_ok=True)
-        total -= found.st_size
+        total -= status.st_size
 
 
 def _read(path: Path, type_: type[T]) -> tuple[T, float] | None:

@@ -65,8 +65,8 @@ def canonical(value: object) -> str:
 
 def _record(name: str, values: Mapping[str, object]) -> str:
     usual = FROZEN.get(name, {})
-    told = {field: canonical(value) for field, value in values.items()}
-    return f"{name}({', '.join(f'{field}={told[field]}' for field in sorted(told) if told[field] != usual.get(field))})"
+    texts = {field: canonical(value) for field, value in values.items()}
+    return f"{name}({', '.join(f'{field}={texts[field]}' for field in sorted(texts) if texts[field] != usual.get(field))})"
 
 
 def _float(value: float) -> str:

@@ -116,15 +116,15 @@ def load_condensed(path: Path) -> CondensedBodies:
     if path.exists() and not path.is_file():
         raise ValueError("no regular file")
     values = _members(path)
-    found = CondensedBodies(
+    bodies = CondensedBodies(
         str(values["geometry"]),
         int(values["level"]),
         np.asarray(values["sides"], dtype=float),
         float(values["base"]),
         *(np.asarray(values[name], dtype=float) for name in ("screw", "nut", "ball", "local", "force", "hertz")),
     )
-    _check(found)
-    return found
+    _check(bodies)
+    return bodies
 
 
 def _members(path: Path) -> dict[str, Array]:
@@ -153,11 +153,11 @@ def _unpacked(content: bytes) -> dict[str, bytes]:
     """Members of an archive by their names, whose sizes are looked at before any is read. Raises ValueError."""
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            every = archive.infolist()
-            declared = sum(info.file_size for info in every)
-            plain = all(x.compress_type in PACKED and not x.flag_bits & 1 for x in every)
+            entries = archive.infolist()
+            declared = sum(info.file_size for info in entries)
+            plain = all(x.compress_type in PACKED and not x.flag_bits & 1 for x in entries)
             read = plain and declared <= LARGEST_FILE
-            members = {info.filename.removesuffix(".npy"): archive.read(info) for info in every if read}
+            members = {info.filename.removesuffix(".npy"): archive.read(info) for info in entries if read}
     except DAMAGE as e:
         raise ValueError("no file of condensed bodies, or a damaged one") from e
     if not plain:
@@ -168,7 +168,7 @@ def _unpacked(content: bytes) -> dict[str, bytes]:
 
 
 def _array(name: str, content: bytes) -> Array:
-    """Array of a member in numpy's format. Raises ValueError for another, or for one that is not as large as it says."""
+    """Array of a member in numpy's format. Raises ValueError for another format, or a size not as its header gives."""
     length = BEGINNING.get(content[:8])
     first = 8 + (struct.calcsize(length) if length else 0)
     if length is None or len(content) < first:
@@ -192,33 +192,33 @@ def checksum(values: Mapping[str, Any]) -> str:
     return digest.hexdigest()
 
 
-def _check(found: CondensedBodies) -> None:
+def _check(bodies: CondensedBodies) -> None:
     """Raise ValueError for arrays that do not belong together, or that no elastic bodies have."""
-    k = found.sides.size
-    sides = found.sides.tolist()
-    if found.sides.ndim != 1 or not k or any(s not in (0.0, 1.0, 2.0, 3.0) for s in sides) or sides != sorted(set(sides)):
+    k = bodies.sides.size
+    sides = bodies.sides.tolist()
+    if bodies.sides.ndim != 1 or not k or any(s not in (0.0, 1.0, 2.0, 3.0) for s in sides) or sides != sorted(set(sides)):
         raise ValueError("sides: not some of 0 to 3 in order")
     if {3.0 - s for s in sides} != set(sides):
         raise ValueError("sides: a side without its opposite one")
-    square = all(x.ndim == 2 and x.shape[0] == x.shape[1] for x in (found.screw, found.nut, found.ball))
-    fits = found.ball.shape[0] == k == len(found.local) and found.hertz.shape == (k,) and found.local.ndim == 2
-    if not square or not fits or found.local.shape != found.force.shape:
+    square = all(x.ndim == 2 and x.shape[0] == x.shape[1] for x in (bodies.screw, bodies.nut, bodies.ball))
+    fits = bodies.ball.shape[0] == k == len(bodies.local) and bodies.hertz.shape == (k,) and bodies.local.ndim == 2
+    if not square or not fits or bodies.local.shape != bodies.force.shape:
         raise ValueError("arrays of the wrong shape")
     for name in ("base", "screw", "nut", "ball", "local", "force", "hertz"):
-        if not np.isfinite(getattr(found, name)).all():
+        if not np.isfinite(getattr(bodies, name)).all():
             raise ValueError(f"{name}: not all numbers are finite")
-    if not (found.hertz > 0.0).all() or not (found.force > 0.0).all():
+    if not (bodies.hertz > 0.0).all() or not (bodies.force > 0.0).all():
         raise ValueError("hertz, force: not all positive")
     for name, most in LARGEST.items():
-        if float(np.abs(getattr(found, name)).max(initial=0.0)) > most:
+        if float(np.abs(getattr(bodies, name)).max(initial=0.0)) > most:
             raise ValueError(f"{name}: more than {most:g}, which no steel part has")
-    order = np.argsort(found.force, axis=1)
-    force, local = (np.take_along_axis(x, order, axis=1) for x in (found.force, found.local))
-    approach = found.hertz[:, None] * np.cbrt(force) ** 2 + local * force
+    order = np.argsort(bodies.force, axis=1)
+    force, local = (np.take_along_axis(x, order, axis=1) for x in (bodies.force, bodies.local))
+    approach = bodies.hertz[:, None] * np.cbrt(force) ** 2 + local * force
     if not (np.diff(approach, axis=1, prepend=0.0) > 0.0).all():
         raise ValueError("local: an approach that does not grow with the force, so that a contact would do work")
     for name in ("screw", "nut", "ball"):
-        matrix = getattr(found, name)
+        matrix = getattr(bodies, name)
         size = float(np.abs(matrix).max(initial=0.0))
         if float(np.abs(matrix - matrix.T).max(initial=0.0)) > ASYMMETRY * size:
             raise ValueError(f"{name}: a compliance that is not symmetric")

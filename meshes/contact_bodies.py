@@ -80,10 +80,10 @@ def _body(
     if held:
         on = [np.all(np.abs(corners[..., k] - value) < 1e-12, axis=0) for k, value in held]
         names["held"] = outer[np.any(on, axis=0)]
-    own = np.flatnonzero(
+    nodes = np.flatnonzero(
         (np.abs(xi[:, 2]) < 1e-12) & np.all(np.abs(xi[:, :2]) <= np.array(zone.half) * (1.0 + 1e-9), axis=1)
     )
-    return ContactBody(named(mesh, names), own, sense, zone.number(xi[own, :2]))
+    return ContactBody(named(mesh, names), nodes, sense, zone.number(xi[nodes, :2]))
 
 
 def whole_ball(radius: float, zone: Zone) -> ContactBody:
@@ -167,14 +167,14 @@ def half_space(size: float, zone: Zone, near: tuple[Array, Array, Array] | None 
         x, y, z = zone.lines(0, -size, size), zone.lines(1, -size, size), zone.depths(size)
     else:
         x, y = (
-            np.concatenate([-_on(-own[::-1], size, zone.growth)[::-1], own, _on(own, size, zone.growth)])
-            for own in near[:2]
+            np.concatenate([-_on(-lines[::-1], size, zone.growth)[::-1], lines, _on(lines, size, zone.growth)])
+            for lines in near[:2]
         )
         z = np.concatenate([near[2], _on(near[2], size, zone.growth)])
     cut = [(0, -size), (0, size), (1, -size), (1, size), (2, size)]
     return _body(zone, x, y, z, points_of(tensor_grid(x, y, z, "Q2")), [(k, float(v)) for k, v in cut], 1)
 
 
-def _on(own: Array, size: float, growth: float) -> Array:
-    """Boundaries after the last of ``own`` to ``size`` [m]."""
-    return _beyond(float(own[-1]), size, float(own[-1] - own[-2]), growth)
+def _on(lines: Array, size: float, growth: float) -> Array:
+    """Boundaries after the last of ``lines`` to ``size`` [m]."""
+    return _beyond(float(lines[-1]), size, float(lines[-1] - lines[-2]), growth)

@@ -83,7 +83,7 @@ class Contact:
 
 @dataclass(frozen=True)
 class Deck:
-    """All that a deck says. stiffness: contact pressure per overclosure [Pa/m]; spring: of every weak spring [N/m];
+    """Contents of a deck. stiffness: contact pressure per overclosure [Pa/m]; spring: of every weak spring [N/m];
     fixed: sets of nodes held in all directions; mirrored: sets held across the plane y = 0; heading: lines of comment;
     nlgeom: large displacements."""
 
@@ -187,8 +187,8 @@ def _write(deck: Deck, units: Units) -> Iterator[str]:
         yield from _section(section, deck, starts, nodes, units)
         nodes += 2
     for body in deck.bodies:
-        for one, two, axis in (body.alike + [1, 1, 1] + np.array([1, 1, 0]) * starts[body.name][0]).tolist():
-            yield from ("*EQUATION", "2", f"{one}, {axis}, 1.0, {two}, {axis}, -1.0")
+        for first, second, axis in (body.alike + [1, 1, 1] + np.array([1, 1, 0]) * starts[body.name][0]).tolist():
+            yield from ("*EQUATION", "2", f"{first}, {axis}, 1.0, {second}, {axis}, -1.0")
     springs = [(starts[b.name][0] + int(n), axis) for b in deck.bodies for n in b.weak for axis in range(AXES)]
     springs += [(references[s.name], f) for s in deck.sections for f in s.weak]
     yield from _springs(springs, cells, deck.spring, units)
@@ -207,9 +207,9 @@ def _body(body: DeckBody, nodes: int, cells: int, units: Units) -> Iterator[str]
     yield f"*ELEMENT, TYPE=C3D10, ELSET={body.name}"
     for k, row in enumerate((body.cells[:, C3D10] + nodes + 1).tolist(), start=cells + 1):
         yield from lines([k, *row])
-    for name, own in body.nodes.items():
+    for name, members in body.nodes.items():
         yield f"*NSET, NSET={name}"
-        yield from rows((own + nodes + 1).tolist())
+        yield from rows((members + nodes + 1).tolist())
     for name, corners in body.faces.items():
         yield f"*SURFACE, NAME={name}, TYPE=ELEMENT"
         yield from (f"{cell + cells + 1}, S{face}" for cell, face in element_faces(body.cells, corners).tolist())
@@ -221,8 +221,8 @@ def _section(
     """Two nodes, whose displacements are the section's translation and rotation, and u = t + theta x r of all others."""
     body = next(b for b in deck.bodies if b.name == section.body)
     place = ", ".join(number(x) for x in (section.point / units.length).tolist())
-    for k, what in enumerate(("MOVE", "TURN"), start=1):
-        yield f"*NODE, NSET={section.name}_{what}"
+    for k, motion in enumerate(("MOVE", "TURN"), start=1):
+        yield f"*NODE, NSET={section.name}_{motion}"
         yield f"{reference + k}, {place}"
     first = starts[section.body][0]
     for node in body.nodes[section.nodes].tolist():
@@ -239,15 +239,15 @@ def _section(
 def _springs(springs: Sequence[tuple[int, int]], cells: int, stiffness: float, units: Units) -> Iterator[str]:
     """Weak springs at (node from 0, freedom): a section's rotations are the displacements of its second node."""
     for freedom in range(2 * AXES):
-        own = [node + freedom // AXES + 1 for node, k in springs if k == freedom]
-        if own:
+        nodes = [node + freedom // AXES + 1 for node, k in springs if k == freedom]
+        if nodes:
             axis, turn = freedom % AXES, freedom >= AXES
             name = f"WEAK_{'TURN_' if turn else ''}{'XYZ'[axis]}"
             value = stiffness * WEAK_ARM**2 / units.length if turn else stiffness * units.length
             yield f"*ELEMENT, TYPE=SPRING1, ELSET={name}"
-            yield from (f"{cells + k}, {node}" for k, node in enumerate(own, start=1))
+            yield from (f"{cells + k}, {node}" for k, node in enumerate(nodes, start=1))
             yield from (f"*SPRING, ELSET={name}", str(axis + 1), number(value))
-            cells += len(own)
+            cells += len(nodes)
 
 
 def _held(deck: Deck, references: dict[str, int], units: Units, *, moved: bool) -> Iterator[str]:
@@ -283,7 +283,7 @@ def _step(deck: Deck, references: dict[str, int], units: Units) -> Iterator[str]
     for contact in deck.contacts:
         yield from (f"*CONTACT PRINT, SLAVE={contact.slave}, MASTER={contact.master}", "CFN")
     for section in deck.sections:
-        yield from (f"*NODE PRINT, NSET={section.name}_{what}\nU" for what in ("MOVE", "TURN"))
+        yield from (f"*NODE PRINT, NSET={section.name}_{motion}\nU" for motion in ("MOVE", "TURN"))
     for body in deck.bodies:
         if len(body.weak):
             yield from (f"*NODE PRINT, NSET={body.name}_WEAK", "U")

@@ -59,14 +59,14 @@ def _profile(side: SideErrors, rng: np.random.Generator) -> list[float]:
     return [float(m + (rng.normal(0.0, s) if s > 0.0 else 0.0)) for m, s in terms]
 
 
-def draw_ball_radii(scene: Scene, rng: np.random.Generator, more: int | None = None) -> Array:
+def draw_ball_radii(scene: Scene, rng: np.random.Generator, others: int | None = None) -> Array:
     """Ball radii [m], shape ``(n,)``: nominal + oversize + listed errors + one random draw each.
 
-    more: radii of so many other balls, in the return of a screw, which no listed error can name.
+    others: radii of so many other balls, in the return of a screw, which no listed error can name.
     """
     errors = scene.errors.balls
-    radius = np.full(scene.ball_count if more is None else more, scene.balls.radius + errors.oversize)
-    for number, error in errors.listed if more is None else ():
+    radius = np.full(scene.ball_count if others is None else others, scene.balls.radius + errors.oversize)
+    for number, error in errors.listed if others is None else ():
         radius[number - 1] += error
     if errors.sigma > 0.0:
         if errors.distribution == "normal":
@@ -139,15 +139,15 @@ def draw(scene: Scene, member: int = 0) -> Drawn:
     rng = np.random.default_rng([scene.errors.seed, member]) if scene.errors.random else _UNUSED
     radii = draw_ball_radii(scene, rng)
     sides = [scene.errors.side(name) for name in SIDES]
-    found = [(_draw_terms(e.pitch, rng), _draw_terms(e.roundness, rng), _profile(e, rng)) for e in sides]
-    pitch, roundness, profile = zip(*found, strict=True)
+    terms = [(_draw_terms(e.pitch, rng), _draw_terms(e.roundness, rng), _profile(e, rng)) for e in sides]
+    pitch, roundness, profile = zip(*terms, strict=True)
     return Drawn(radii, pitch, roundness, profile)
 
 
 def specimen(scene: Scene, layout: BallLayout, member: int = 0) -> Specimen:
     """Specimen number ``member`` of a scene (see ``draw``) at the places of its balls."""
-    found = draw(scene, member)
-    return found.at(scene, layout.azimuth, layout.azimuth - scene.nut.azimuth, layout.z, found.ball_radius)
+    drawn = draw(scene, member)
+    return drawn.at(scene, layout.azimuth, layout.azimuth - scene.nut.azimuth, layout.z, drawn.ball_radius)
 
 
 @dataclass(frozen=True)
@@ -210,13 +210,13 @@ class _Term:
 
 def _terms(scene: Scene) -> list[_Term]:
     """All terms in the order in which ``draw`` takes them."""
-    found = []
+    terms = []
     for s, name in enumerate(SIDES):
         e = scene.errors.side(name)
         along = cos(lead_angle(scene.track)) if e.pitch_along == "axis" else 1.0
-        found += [_Term(s, 1, along, t.harmonic, t.sin, t.cos, t.sigma) for t in e.pitch]
-        found += [_Term(s, 0, 1.0, t.harmonic, t.sin, t.cos, t.sigma) for t in e.roundness]
-    return found
+        terms += [_Term(s, 1, along, t.harmonic, t.sin, t.cos, t.sigma) for t in e.pitch]
+        terms += [_Term(s, 0, 1.0, t.harmonic, t.sin, t.cos, t.sigma) for t in e.roundness]
+    return terms
 
 
 def without_draws(scene: Scene) -> Scene:

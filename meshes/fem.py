@@ -26,7 +26,7 @@ class _Numbered:
         """Corners of the edges or faces, and which of them each cell has."""
         if indices is None:
             return None, None
-        corners = np.hstack([t[own] for own in indices])
+        corners = np.hstack([t[local] for local in indices])
         low = np.sort(corners, axis=0)
         _, first, again = np.unique(_keys(low.T, int(t.max()) + 1), return_index=True, return_inverse=True)
         return np.ascontiguousarray((low if sort else corners)[:, first]), again.reshape(len(indices), -1)
@@ -86,13 +86,13 @@ def mesh_of(
     order = np.array(_SKFEM[kind])
     if cells.ndim != 2 or cells.shape[1] != len(order):
         raise ValueError(f"cells have shape {cells.shape}, element {kind} needs (m, {len(order)})")
-    own = cells[:, order]
-    mesh = MESHES[kind](np.ascontiguousarray(points.T), np.ascontiguousarray(own.T))
+    ordered = cells[:, order]
+    mesh = MESHES[kind](np.ascontiguousarray(points.T), np.ascontiguousarray(ordered.T))
     number = np.full(len(points), -1, dtype=np.int64)
-    number[own] = mesh.dofs.element_dofs.T
+    number[ordered] = mesh.dofs.element_dofs.T
     mesh = with_faces(mesh, {name: number[f[:, : len(mesh.facets)]] for name, f in (boundaries or {}).items()})
     if regions:
-        mesh = _changed(mesh, _subdomains={name: np.asarray(own, dtype=np.int32) for name, own in regions.items()})
+        mesh = _changed(mesh, _subdomains={name: np.asarray(numbers, dtype=np.int32) for name, numbers in regions.items()})
     return mesh, number
 
 
@@ -104,23 +104,23 @@ def with_faces(mesh: Mesh, faces: Mapping[str, Index]) -> Mesh:
     count = mesh.doflocs.shape[1]
     known = _keys(np.sort(mesh.facets.T), count)
     order = np.argsort(known)
-    found = {}
+    facets = {}
     for name, corners in faces.items():
         wanted = _keys(np.sort(corners), count)
         place = order[np.minimum(np.searchsorted(known, wanted, sorter=order), len(order) - 1)]
         lost = int(np.count_nonzero(known[place] != wanted))
         if lost:
             raise ValueError(f"boundary {name!r} lost: {lost} of {len(wanted)} faces belong to no cell")
-        found[name] = np.unique(place)
-    return named(mesh, found)
+        facets[name] = np.unique(place)
+    return named(mesh, facets)
 
 
 def named(mesh: Mesh, facets: Mapping[str, Index]) -> Mesh:
     """The mesh with further boundaries: numbers of its facets by name. Raises ValueError for an empty one."""
-    for name, own in facets.items():
-        if not len(own):
+    for name, numbers in facets.items():
+        if not len(numbers):
             raise ValueError(f"boundary {name!r} is empty")
-    added = {name: np.asarray(own, dtype=np.int32) for name, own in facets.items()}
+    added = {name: np.asarray(numbers, dtype=np.int32) for name, numbers in facets.items()}
     return _changed(mesh, _boundaries={**(mesh.boundaries or {}), **added})
 
 
@@ -135,7 +135,7 @@ def _keys(corners: Index, count: int) -> Index:
 
 def kind_of(mesh: Mesh) -> str:
     """P1, P2, Q1 or Q2."""
-    return next(kind for kind, made in MESHES.items() if mesh.elem is made.elem)
+    return next(kind for kind, mesh_class in MESHES.items() if mesh.elem is mesh_class.elem)
 
 
 def points_of(mesh: Mesh) -> Array:
@@ -167,15 +167,15 @@ class Meshed:
 def faces_of(mesh: Mesh, name: str) -> Index:
     """Nodes of a boundary's faces ``(k, nodes of a face)``: corners turning left seen from outside, then the middles of the
     edges from each to the next, then the face's own."""
-    own = mesh.boundaries[name]
-    corners = mesh.facets[:, own]
+    facets = mesh.boundaries[name]
+    corners = mesh.facets[:, facets]
     parts = [corners]
     if len(mesh.dofs.edge_dofs):
-        parts.append(mesh.dofs.edge_dofs[0, mesh.f2e[:, own]])
+        parts.append(mesh.dofs.edge_dofs[0, mesh.f2e[:, facets]])
     if len(mesh.dofs.facet_dofs):
-        parts.append(mesh.dofs.facet_dofs[:, own])
+        parts.append(mesh.dofs.facet_dofs[:, facets])
     faces = np.vstack(parts).T.astype(np.int64)
-    x, cell = mesh.doflocs[:, corners], mesh.doflocs[:, mesh.t[:, mesh.f2t[0, own]]].mean(axis=1)
+    x, cell = mesh.doflocs[:, corners], mesh.doflocs[:, mesh.t[:, mesh.f2t[0, facets]]].mean(axis=1)
     normal = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0], axis=0)
     inward = (normal * (x.mean(axis=1) - cell)).sum(axis=0) < 0.0
     n = len(corners)
@@ -195,22 +195,22 @@ def freedoms_on(mesh: Mesh, *names: str) -> Index:
 
 
 def _on(dofs: Dofs, mesh: Mesh, names: tuple[str, ...]) -> Index:
-    found = [dofs.get_facet_dofs(mesh.boundaries[name]).flatten() for name in names]
-    return np.unique(np.concatenate(found)).astype(np.int64)
+    freedoms = [dofs.get_facet_dofs(mesh.boundaries[name]).flatten() for name in names]
+    return np.unique(np.concatenate(freedoms)).astype(np.int64)
 
 
 def tensor_grid(x: Array, y: Array, z: Array, kind: str, *, left_handed: bool = False) -> Mesh:
     """Q1 or Q2 hexahedra between ascending coordinates x, y, z of their corners; left_handed: for maps that mirror them."""
-    made = Hex1.init_tensor(x, y, z)  # left-handed
-    grid = Hex1(made.doflocs, made.t if left_handed else made.t[[3, 5, 6, 0, 7, 1, 2, 4]])
+    mirrored = Hex1.init_tensor(x, y, z)  # left-handed
+    grid = Hex1(mirrored.doflocs, mirrored.t if left_handed else mirrored.t[[3, 5, 6, 0, 7, 1, 2, 4]])
     return grid if kind == "Q1" else second_order(grid)
 
 
 def second_order(mesh: Mesh) -> Mesh:
     """The mesh with straight cells of second order, whose edges and faces need not be numbered again."""
-    made = MESHES[{"P1": "P2", "Q1": "Q2"}[kind_of(mesh)]].from_mesh(mesh)
-    known = {name: own for name, own in vars(mesh).items() if name in ("_facets", "_t2f", "_f2t", "_edges", "_t2e")}
-    return _changed(made, **known)
+    quadratic = MESHES[{"P1": "P2", "Q1": "Q2"}[kind_of(mesh)]].from_mesh(mesh)
+    known = {name: value for name, value in vars(mesh).items() if name in ("_facets", "_t2f", "_f2t", "_edges", "_t2e")}
+    return _changed(quadratic, **known)
 
 
 def moved(mesh: Mesh, points: Array) -> Mesh:
@@ -220,8 +220,8 @@ def moved(mesh: Mesh, points: Array) -> Mesh:
 
 def _changed(mesh: Mesh, **fields: Any) -> Mesh:
     """The mesh with other fields and the same cells; its edges and faces need not be numbered again."""
-    made = copy(mesh)
+    changed = copy(mesh)
     for name in ("_cached_mapping", "_cached_tree"):
-        made.__dict__.pop(name, None)
-    made.__dict__.update(fields)
-    return made
+        changed.__dict__.pop(name, None)
+    changed.__dict__.update(fields)
+    return changed

@@ -22,8 +22,8 @@ def session(options: Mapping[str, float] = MappingProxyType({})) -> Iterator[Any
     gmsh, or a library of the system that it needs, is missing.
     """
     gmsh = _gmsh()
-    own = not gmsh.isInitialized()
-    if own:
+    started = not gmsh.isInitialized()
+    if started:
         numbers = [getattr(signal, name) for name in RESET if hasattr(signal, name)]
         before = {number: signal.getsignal(number) for number in numbers}
         gmsh.initialize(readConfigFiles=False, interruptible=False)
@@ -36,7 +36,7 @@ def session(options: Mapping[str, float] = MappingProxyType({})) -> Iterator[Any
             gmsh.option.setNumber(name, value)
         yield gmsh
     finally:
-        if own:
+        if started:
             gmsh.finalize()
 
 

@@ -41,9 +41,9 @@ class GrooveEnds:
         whole = np.full((len(lines), 2), np.nan)
         for k, line in enumerate(lines):
             places = [(phi, *whole_turns(m, phi, z, line)) for phi, z, _ in sockets]
-            own = [phi + 2.0 * np.pi * turns for phi, turns, off in places if off <= ON_GROOVE * m.ball]
-            if own:
-                whole[k] = min(own) - reach, max(own) + reach
+            on_line = [phi + 2.0 * np.pi * turns for phi, turns, off in places if off <= ON_GROOVE * m.ball]
+            if on_line:
+                whole[k] = min(on_line) - reach, max(on_line) + reach
         return cls(np.array(lines), whole, RUN_OUT * ball, m.rg)
 
     def depth(self, line: float, phi: Array) -> Array:
@@ -58,8 +58,8 @@ class GrooveEnds:
         phi = np.arctan2(points[:, 1], points[:, 0])
         off = points[:, 2] - self.rg * phi - self.lines[:, None]
         turns = np.round(off / (2.0 * np.pi * self.rg))
-        own = np.abs(off - 2.0 * np.pi * self.rg * turns).argmin(axis=0)
-        each = np.arange(len(points))
-        total = phi + 2.0 * np.pi * turns[own, each]
-        low, high = self.whole[own].T
+        nearest = np.abs(off - 2.0 * np.pi * self.rg * turns).argmin(axis=0)
+        number = np.arange(len(points))
+        total = phi + 2.0 * np.pi * turns[nearest, number]
+        low, high = self.whole[nearest].T
         return np.asarray((total >= low) & (total <= high))

@@ -113,9 +113,9 @@ class Surface:
         """Rims of the sockets on a flank of a groove line."""
         m, spec = self.m, self.spec
         holes = []
-        for corners, (phi, z, own) in zip(self.corners, spec.sockets, strict=True):
+        for corners, (phi, z, socket_side) in zip(self.corners, spec.sockets, strict=True):
             turns, off = whole_turns(m, phi, z, line)
-            if own != side or off > ON_GROOVE * m.ball:
+            if socket_side != side or off > ON_GROOVE * m.ball:
                 continue
             top = rim(self.boxes[side])
             top = np.append(top, top[0])
@@ -226,18 +226,18 @@ class Surface:
         threads = [Thread(self.shell, g, line, self.z, min(self.flank_limit, self.bend * g.land)) for line in lines]
         pitch = 2.0 * np.pi * abs(rg) / self.m.starts
         arcs = []
-        for k, own in enumerate(threads):
+        for k, thread in enumerate(threads):
             for place, side in enumerate(g.sides):
-                self._flank(side, own.line, own.flank(place))
+                self._flank(side, thread.line, thread.flank(place))
             following = threads[(k - 1 if rg > 0.0 else k + 1) % len(threads)]
-            near, far = rail(own.line, g.half, rg), rail(own.line, pitch - g.half, rg)
+            near, far = rail(thread.line, g.half, rg), rail(thread.line, pitch - g.half, rg)
             pair = []
             for end, z in zip((0, -1), self.z, strict=True):
                 begin, stop = (float(x(np.array([z]))[0, 0]) for x in (near, far))
-                ends = int(own.rails[2].nodes[end]), int(following.rails[0].nodes[end])
+                ends = int(thread.rails[2].nodes[end]), int(following.rails[0].nodes[end])
                 pair.append(self.shell.curve(circle(g.land, z), begin, stop, self.bend * g.land, ends))
             low, high = pair[0].on(level(self.z[0])), pair[1].back(level(self.z[1]))
-            boundary = [low, following.rails[0].on(far), high, own.rails[2].back(near)]
+            boundary = [low, following.rails[0].on(far), high, thread.rails[2].back(near)]
             self._cylinder("land", g.land, boundary, self.bend * g.land)
             arcs.append(pair)
         return [self._bound(threads, [pair[end] for pair in arcs], end) for end in (0, 1)]

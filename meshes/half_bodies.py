@@ -1,7 +1,7 @@
 """Halves of rings and balls that the plane through the axis and all balls' centres parts, for programs that hold the cut.
 
 A ring pair whose balls stand at 0 and 180 deg, moved within the plane y = 0, deforms as its mirror image does: the half at
-y >= 0 says it all, with as fine a mesh for half the nodes. Faces are as exact as those of ``meshes.grooved_body``.
+y >= 0 suffices, with as fine a mesh for half the nodes. Faces are as exact as those of ``meshes.grooved_body``.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class HalfRing:
             shell.curve(circle(*corners[k]), *CUT, limits[k], (int(nodes[0][k]), int(nodes[1][k]))) for k in range(7)
         ]
         self.corners, self.line = corners, line
-        self.cuts = [[self._edge(k, phi, own) for k in range(7)] for phi, own in zip(CUT, nodes, strict=True)]
+        self.cuts = [[self._edge(k, phi, ends) for k in range(7)] for phi, ends in zip(CUT, nodes, strict=True)]
         self._faces()
 
     def _edge(self, k: int, phi: float, nodes: NDArray[np.int64]) -> Curve:
@@ -110,7 +110,7 @@ class HalfRing:
             place = begin + (end - begin) * t if k not in (3, 4) else t
             return upright(phi)(place)
 
-        first, last = (own[k] for own in self.cuts)
+        first, last = (cut[k] for cut in self.cuts)
         return [
             self.arcs[k].on(level(begin)),
             last.on(lambda t: at(t, CUT[1])),
@@ -131,8 +131,8 @@ class HalfRing:
             self._swept(f"flank {SIDES[side]}", k, self._gamma(k), scale, self._flank_space(k, scale), self.flank_limit)
         for k, name in ((1, "high end"), (6, "low end")):
             self._end(name, k)
-        for phi, own in zip(CUT, self.cuts, strict=True):
-            loop = [own[k].on(partial(self._section, k)) for k in range(7)]
+        for phi, cut in zip(CUT, self.cuts, strict=True):
+            loop = [cut[k].on(partial(self._section, k)) for k in range(7)]
             self.shell.face("cut", [loop], _section_space(phi), np.inf)
 
     def _flank_space(self, k: int, scale: Array) -> Placing:
@@ -140,7 +140,7 @@ class HalfRing:
 
     def _end(self, name: str, k: int) -> None:
         """A flat end, which edge k sweeps."""
-        first, last = (own[k] for own in self.cuts)
+        first, last = (cut[k] for cut in self.cuts)
 
         def edge(sign: float) -> Placing:
             return lambda t: np.stack([sign * self._straight(k, t)[0], np.zeros(t.size)], axis=1)

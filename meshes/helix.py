@@ -46,9 +46,9 @@ def ball_layout(scene: Scene) -> BallLayout:
     """
     track = scene.track
     offsets = 2.0 * pi * np.arange(track.starts) / track.starts
-    own = np.asarray(scene.balls.azimuths, dtype=float)
-    azimuth = (own[None, :] + offsets[:, None]).ravel()
-    z = scene.nut.position + reduced_lead(track) * np.tile(own - track.phase, track.starts)
+    azimuths = np.asarray(scene.balls.azimuths, dtype=float)
+    azimuth = (azimuths[None, :] + offsets[:, None]).ravel()
+    z = scene.nut.position + reduced_lead(track) * np.tile(azimuths - track.phase, track.starts)
     return layout_at(track, azimuth, z)
 
 

@@ -51,11 +51,11 @@ def kept(type_: type[T]) -> Callable[[Callable[P, T]], Callable[P, T]]:
 
     def mark(build: Callable[P, T]) -> Callable[P, T]:
         @wraps(build)
-        def found(*args: P.args, **kwargs: P.kwargs) -> T:
+        def cached(*args: P.args, **kwargs: P.kwargs) -> T:
             if not _stores or kwargs:
                 return build(*args, **kwargs)
             return _stores[0].get(build, args, type_)
 
-        return found
+        return cached
 
     return mark

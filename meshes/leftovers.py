@@ -32,9 +32,9 @@ def for_group(path: Path) -> None:
 
 def folder_for_group(path: Path) -> None:
     """Make a folder and those above it that are missing; what is made lets the group read in it."""
-    made = [folder for folder in (path, *path.parents) if not folder.exists()]
+    missing = [folder for folder in (path, *path.parents) if not folder.exists()]
     path.mkdir(parents=True, exist_ok=True)
-    for folder in made:
+    for folder in missing:
         with suppress(OSError):  # as above
             folder.chmod(folder.stat().st_mode | 0o050)
 
@@ -44,8 +44,8 @@ def clean(path: Path, ending: str = "tmp") -> None:
     name = re.compile(rf"\.{re.escape(path.name)}\.([0-9a-f]{{8}})-(\d+)-[0-9a-f]{{8}}\.{re.escape(ending)}")
     with suppress(OSError):  # no such folder, or one that may not be listed: nothing to tidy
         for other in path.parent.iterdir():
-            found = name.fullmatch(other.name)
-            if found is None or not _dead(other, found[1], int(found[2])):
+            match = name.fullmatch(other.name)
+            if match is None or not _dead(other, match[1], int(match[2])):
                 continue
             if other.is_dir() and not other.is_symlink():
                 shutil.rmtree(other, ignore_errors=True)

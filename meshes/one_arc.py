@@ -30,15 +30,15 @@ def as_one_arc(scene: Scene) -> Scene:
     """The scene with grooves of one arc each, and a statement that says so, where `is_one_arc` holds; else as it is.
 
     The ball touches the arc where it touched the ridge between two, without play; what the ridge leaves out there,
-    (r_g - r_b) r_b beta^2 / (2 r_g) of the larger groove [m], is said.
+    (r_g - r_b) r_b beta^2 / (2 r_g) of the larger groove [m], is stated.
     """
     angle, ball = scene.track.contact_angle, scene.balls.radius
     if angle <= LEAST or not is_one_arc(scene):
         return scene
     groove = max(scene.screw.groove_radius, scene.nut.groove_radius)
     ridge = (groove - ball) * ball / (2.0 * groove) * angle**2
-    said = (
+    statement = (
         f"The grooves are one arc each: at a contact angle of {degrees(angle):.3g} deg the contacts of both flanks are one "
         f"(a ridge between two arcs would stand {1e6 * ridge:.2g} um away from the ball)."
     )
-    return replace(scene, track=replace(scene.track, contact_angle=LEAST), assumed=(*scene.assumed, said))
+    return replace(scene, track=replace(scene.track, contact_angle=LEAST), assumed=(*scene.assumed, statement))

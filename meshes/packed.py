@@ -55,8 +55,8 @@ def _described(value: Any, arrays: list[Any]) -> Any:
         arrays.append(value)
         return ["array" if isinstance(value, np.ndarray) else "scalar", len(arrays) - 1]
     if type(value).__module__.startswith("scipy.sparse"):
-        own: Any = value if value.format in ("csr", "csc") else value.tocsr()
-        return ["sparse", _name(type(own)), list(own.shape), *(_described(x, arrays) for x in _parts(own))]
+        matrix: Any = value if value.format in ("csr", "csc") else value.tocsr()
+        return ["sparse", _name(type(matrix)), list(matrix.shape), *(_described(x, arrays) for x in _parts(matrix))]
     if type(value) in (tuple, list):
         return [type(value).__name__, *(_described(x, arrays) for x in value)]
     if type(value) is dict:
@@ -80,20 +80,20 @@ def _name(class_: type) -> str:
 def _unpacked(tree: Any, arrays: list[Any], packages: tuple[str, ...]) -> Any:
     if not isinstance(tree, list):
         return tree
-    sort, *rest = tree
+    sort, *content = tree
 
     def unpacked(x: Any) -> Any:
         return _unpacked(x, arrays, packages)
 
     makers: dict[str, Callable[[], Any]] = {
-        "array": lambda: arrays[rest[0]],
-        "scalar": lambda: arrays[rest[0]][()],
-        "tuple": lambda: tuple(map(unpacked, rest)),
-        "list": lambda: list(map(unpacked, rest)),
-        "dict": lambda: {unpacked(k): unpacked(x) for k, x in rest},
-        "sparse": lambda: _class(rest[0], ("scipy",))(tuple(map(unpacked, rest[2:])), shape=tuple(rest[1])),
-        "class": lambda: _class(rest[0], packages),
-        "record": lambda: _record(_class(rest[0], packages), {k: unpacked(x) for k, x in rest[1].items()}),
+        "array": lambda: arrays[content[0]],
+        "scalar": lambda: arrays[content[0]][()],
+        "tuple": lambda: tuple(map(unpacked, content)),
+        "list": lambda: list(map(unpacked, content)),
+        "dict": lambda: {unpacked(k): unpacked(x) for k, x in content},
+        "sparse": lambda: _class(content[0], ("scipy",))(tuple(map(unpacked, content[2:])), shape=tuple(content[1])),
+        "class": lambda: _class(content[0], packages),
+        "record": lambda: _record(_class(content[0], packages), {k: unpacked(x) for k, x in content[1].items()}),
     }
     return makers[sort]()
 
@@ -104,8 +104,8 @@ def _class(name: str, packages: tuple[str, ...]) -> Any:
     if module.split(".")[0] not in packages:
         raise ValueError(f"{name}: of none of {', '.join(packages)}")
     found: Any = import_module(module)
-    for part in path.split("."):
-        found = getattr(found, part)
+    for attribute in path.split("."):
+        found = getattr(found, attribute)
     if not isinstance(found, type):
         raise ValueError(f"{name}: no class")
     return found

@@ -24,11 +24,11 @@ def private_folder(root: Path, *below: str) -> Path:
     return folder
 
 
-def _check(found: os.stat_result, folder: Path, *, shared: bool) -> None:
+def _check(status: os.stat_result, folder: Path, *, shared: bool) -> None:
     if not hasattr(os, "getuid"):
         return
     owners = {os.getuid(), 0} if shared else {os.getuid()}
-    if not stat.S_ISDIR(found.st_mode) or found.st_uid not in owners:
+    if not stat.S_ISDIR(status.st_mode) or status.st_uid not in owners:
         raise PermissionError(13, "it is not this user's alone", str(folder))
-    if found.st_mode & 0o022 and not (shared and found.st_mode & stat.S_ISVTX):
+    if status.st_mode & 0o022 and not (shared and status.st_mode & stat.S_ISVTX):
         raise PermissionError(13, "it is not this user's alone, others may write there (chmod go-w)", str(folder))

@@ -72,15 +72,15 @@ def _smallest(x: Array, table: Array) -> Array:
 
 def measure(mesh: Mesh) -> Quality:
     """Quality of a mesh."""
-    found = scaled_jacobians(mesh)
-    worst = int(found.argmin())
+    jacobians = scaled_jacobians(mesh)
+    worst = int(jacobians.argmin())
     x, y, z = mesh.doflocs[:, mesh.dofs.element_dofs[:, worst]].mean(axis=1)
     return Quality(
         mesh.nelements,
         mesh.doflocs.shape[1],
-        float(found[worst]),
-        float(np.median(found)),
-        float((found < POOR).mean()),
+        float(jacobians[worst]),
+        float(np.median(jacobians)),
+        float((jacobians < POOR).mean()),
         worst,
         (float(x), float(y), float(z)),
     )

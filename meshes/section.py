@@ -66,8 +66,8 @@ class BeamSection:
 def shear_coefficient(ratio: float, poisson: float) -> float:
     """Shear coefficient of a circular tube of inner over outer radius ``ratio`` (Cowper 1966; 0: solid, Lin C.3)."""
     m2 = ratio**2
-    whole = (7.0 + 6.0 * poisson) * (1.0 + m2) ** 2 + (20.0 + 12.0 * poisson) * m2
-    return 6.0 * (1.0 + poisson) * (1.0 + m2) ** 2 / whole
+    denominator = (7.0 + 6.0 * poisson) * (1.0 + m2) ** 2 + (20.0 + 12.0 * poisson) * m2
+    return 6.0 * (1.0 + poisson) * (1.0 + m2) ** 2 / denominator
 
 
 def tube_section(outer: float, bore: float, material: Material) -> BeamSection:

@@ -163,16 +163,16 @@ class Shell:
         limit: longest edge [m]; stretch: length in the plane over length in space, at plane coordinates (None: 1).
         """
         rings = [(np.concatenate([n[:-1] for n, _ in loop]), np.concatenate([x[:-1] for _, x in loop])) for loop in loops]
-        own = np.concatenate([n for n, _ in rings])
+        boundary = np.concatenate([n for n, _ in rings])
         plane = np.concatenate([x for _, x in rings])
 
         def lengths(at: Array) -> Array:
-            found = np.minimum(self.size(space(at[:, :2])), limit)
-            return found if stretch is None else found * stretch(at[:, :2])
+            size = np.minimum(self.size(space(at[:, :2])), limit)
+            return size if stretch is None else size * stretch(at[:, :2])
 
         sizes = callback(lengths, 0.3 * self.fine, FACE_BLOCK)
         tris, inner = triangulate(self.gmsh, [len(n) for n, _ in rings], plane, sizes, self.algorithm)
-        number = np.concatenate([own, self.nodes(space(inner))])
+        number = np.concatenate([boundary, self.nodes(space(inner))])
         plane = np.concatenate([plane, inner])
         self.faces.append(Face(name, number, plane, tris, space))
 
@@ -193,8 +193,8 @@ class Shell:
 
     def exact(self) -> tuple[Index, Array]:
         """Edges ``(k, 2)`` of the surface and their exact midpoints ``(k, 3)`` [m]; first those of the curves."""
-        own = [(f.number[f.pairs], f.space(f.plane[f.pairs].mean(axis=1))) for f in self.faces if f.space is not None]
-        edges, points = zip(*self.middles, *own, strict=True)
+        of_faces = [(f.number[f.pairs], f.space(f.plane[f.pairs].mean(axis=1))) for f in self.faces if f.space is not None]
+        edges, points = zip(*self.middles, *of_faces, strict=True)
         return np.concatenate(edges), np.concatenate(points)
 
 
@@ -208,10 +208,10 @@ def callback(lengths: Placing, grain: float, block: tuple[int, int, int]) -> Cal
     def answer(_dim: int, _tag: int, x: float, y: float, z: float, lc: float) -> float:
         i, j, k = round(x * inverse), round(y * inverse), round(z * inverse)
         key = (i // a, j // b, k // c)
-        own = known.get(key)
-        if own is None:
-            own = known[key] = (MM * lengths(grain * (np.multiply(key, block) + cubes))).tolist()
-        return min(own[((i % a) * b + j % b) * c + k % c], lc)
+        sizes = known.get(key)
+        if sizes is None:
+            sizes = known[key] = (MM * lengths(grain * (np.multiply(key, block) + cubes))).tolist()
+        return min(sizes[((i % a) * b + j % b) * c + k % c], lc)
 
     return answer
 
@@ -299,12 +299,12 @@ class Filled:
     middles: Index
 
     def middle(self, pairs: Index) -> Index:
-        """Nodes in the middle of edges, by their corners ``(k, 2)``. Raises ValueError for one that is none."""
+        """Nodes in the middle of edges, by their corners ``(k, 2)``. Raises ValueError for a pair that is no edge."""
         keys = np.sort(pairs, axis=1) @ np.array([self.mesh.nvertices, 1])
-        where = np.minimum(np.searchsorted(self.keys, keys), len(self.keys) - 1)
-        if not np.array_equal(self.keys[where], keys):
+        place = np.minimum(np.searchsorted(self.keys, keys), len(self.keys) - 1)
+        if not np.array_equal(self.keys[place], keys):
             raise ValueError("gmsh lost an edge of the surface")
-        return np.asarray(self.middles[where])
+        return np.asarray(self.middles[place])
 
     def box_nodes(self, corners: Index, box: SocketMesh) -> Index:
         """Nodes of a socket's faces in the order of ``box``, from those of its corners."""
@@ -341,18 +341,18 @@ def freed(shell: Shell, points: Array, cells: Index) -> Index:
         order = np.argsort(keys)
         sides = np.stack([np.sort(np.delete(cells, k, axis=1), axis=1) @ base for k in range(4)], axis=1)
         place = order[np.minimum(np.searchsorted(keys, sides, sorter=order), len(keys) - 1)]
-        own = np.where(keys[place] == sides, face[place], -1 - np.arange(4))  # the face opposite each corner
+        opposite = np.where(keys[place] == sides, face[place], -1 - np.arange(4))  # the face opposite each corner
         edges = set(np.concatenate([np.sort(f.number[f.pairs], axis=1) @ base[1:] for f in shell.faces]).tolist())
         pairs = [(i, j) for i in range(4) for j in range(i)]
-        alike = np.stack([(own[:, i] == own[:, j]) & (own[:, i] >= 0) for i, j in pairs], axis=1)
+        alike = np.stack([(opposite[:, i] == opposite[:, j]) & (opposite[:, i] >= 0) for i, j in pairs], axis=1)
         gone, changed = [], set[tuple[int, int]]()
         for number in np.flatnonzero(alike.any(axis=1)):
             ends = list(pairs[int(alike[number].argmax())])
-            which, rows = int(own[number, ends[0]]), [int(k) for k in row[place[number, ends]]]
-            both = {(which, k) for k in rows}
-            fresh = int(np.sort(cells[number, ends]) @ base[1:]) not in edges and not changed & both
-            if fresh and shell.faces[which].turn(rows[0], rows[1]):
-                changed |= both
+            face_index, rows = int(opposite[number, ends[0]]), [int(k) for k in row[place[number, ends]]]
+            turned = {(face_index, k) for k in rows}
+            fresh = int(np.sort(cells[number, ends]) @ base[1:]) not in edges and not changed & turned
+            if fresh and shell.faces[face_index].turn(rows[0], rows[1]):
+                changed |= turned
                 gone.append(number)
         if not gone:
             break
@@ -414,15 +414,15 @@ def best_of(name: str, attempt: Callable[[Any, int, int, float], tuple[Body, flo
     no attempt gives a mesh.
     """
     failures: list[str] = []
-    found: list[tuple[Body, float]] = []
+    attempts: list[tuple[Body, float]] = []
     for plane, volume, share in ATTEMPTS:
         with session(OPTIONS) as gmsh:
             try:
-                found.append(attempt(gmsh, plane, volume, share))
+                attempts.append(attempt(gmsh, plane, volume, share))
             except Exception as error:  # gmsh raises nothing more special
                 failures.append(str(error).strip())
-        if found and found[-1][1] == 0.0:
+        if attempts and attempts[-1][1] == 0.0:
             break
-    if not found:
+    if not attempts:
         raise ValueError(f"gmsh finds no good mesh of the {name}: " + "; ".join(dict.fromkeys(failures)))
-    return min(found, key=lambda x: x[1])[0]
+    return min(attempts, key=lambda x: x[1])[0]

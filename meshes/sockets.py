@@ -245,13 +245,13 @@ def track_gaps(m: GrooveMap, azimuth: Array, z: Array) -> tuple[Array, Index]:
     pairs: list[tuple[int, int]] = []
     keys = np.round((line - line[0]) / (0.01 * m.ball)).astype(int)
     for key in np.unique(keys):
-        own = np.flatnonzero(keys == key)
-        own = own[np.argsort(azimuth[own], kind="stable")]
-        where = azimuth[own]
+        balls = np.flatnonzero(keys == key)
+        balls = balls[np.argsort(azimuth[balls], kind="stable")]
+        along = azimuth[balls]
         if not pitch:
-            own, where = np.append(own, own[0]), np.append(where, where[0] + 2.0 * np.pi)
-        gaps += [float(g) for g in np.diff(where)]
-        pairs += [(int(a), int(b)) for a, b in pairwise(own)]
+            balls, along = np.append(balls, balls[0]), np.append(along, along[0] + 2.0 * np.pi)
+        gaps += [float(g) for g in np.diff(along)]
+        pairs += [(int(a), int(b)) for a, b in pairwise(balls)]
     return np.array(gaps), np.array(pairs, dtype=np.int64).reshape(-1, 2)
 
 
@@ -289,17 +289,17 @@ def turn_left(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]) -> float:
     if m.rg == 0.0:
         return np.inf
     pitch = 2.0 * np.pi * abs(m.rg) / m.starts
-    found = []
+    distances = []
     for side in sides:
         x = _hull(m, size, side)
         r, zeta = np.hypot(x[:, 0], x[:, 1]), x[:, 2] - m.rg * np.arctan2(x[:, 1], x[:, 0])
         other = side ^ 1
         x3, z3 = m.roll(r, zeta - m.signs[side, 1] * pitch)
         away = [m.polar(s, x3, z3)[1] - m.radius[s] for s in (side, other)]
-        found.append(float(np.max(away, axis=0).min()))
+        distances.append(float(np.max(away, axis=0).min()))
         if other in sides:
-            found.append(float((0.5 * pitch - np.abs(zeta)).min()))
-    return min(found)
+            distances.append(float((0.5 * pitch - np.abs(zeta)).min()))
+    return min(distances)
 
 
 def fitted_socket(
@@ -328,9 +328,9 @@ def fitted_socket(
     usual = SocketSize(GAMMA, DEPTH * m.ball, ALONG * m.ball / m.R)
     bodies = [tuple(s for s in sides if (s < 2) == screw) for screw in (True, False)]
     least = max((need[0] / float(m.radius[s]) for s in sides), default=0.0) / ZONE
-    whole = replace(usual, gamma=max(GAMMA, least * ZONE / FILLED), phi=max(usual.phi, need[1] / (FILLED * m.R)))
-    gamma, why_gamma = _narrowed(m, sides, land_screw, land_nut, whole.gamma, need[0])
-    size = replace(whole, gamma=gamma)
+    wide = replace(usual, gamma=max(GAMMA, least * ZONE / FILLED), phi=max(usual.phi, need[1] / (FILLED * m.R)))
+    gamma, why_gamma = _narrowed(m, sides, land_screw, land_nut, wide.gamma, need[0])
+    size = replace(wide, gamma=gamma)
     cause = {"gamma": why_gamma, "depth": "", "phi": ""}
 
     def mm(x: float) -> str:
@@ -340,10 +340,10 @@ def fitted_socket(
         behind, name = (bore_screw, "screw's bore") if side < 2 else (outer_nut, "nut's outside")
 
         def thick(share: float, side: int = side, behind: float = behind, size: SocketSize = size) -> bool:
-            depth = share * whole.depth
+            depth = share * wide.depth
             return wall_left(m, replace(size, depth=depth), side, behind) >= UNDER * depth
 
-        depth = whole.depth * _largest(thick)
+        depth = wide.depth * _largest(thick)
         if depth < size.depth:
             size = replace(size, depth=depth)
             wall = wall_left(m, replace(size, gamma=1e-3, depth=0.0), side, behind)
@@ -351,7 +351,7 @@ def fitted_socket(
 
     if layout.z.size > 1 or m.rg == 0.0:
         gaps, pairs = track_gaps(m, layout.azimuth, layout.z)
-        if gaps.size and gaps.min() < (2.0 + BETWEEN) * whole.phi:
+        if gaps.size and gaps.min() < (2.0 + BETWEEN) * wide.phi:
             size = replace(size, phi=float(gaps.min()) / (2.0 + BETWEEN))
             first, second = pairs[gaps.round(9).argmin()] + 1
             cause["phi"] = f"balls {first} and {second} are {mm(gaps.min() * m.R)} apart along the track; spread them"
@@ -371,7 +371,7 @@ def fitted_socket(
         return inside(share, THIN)
 
     def clear(share: float) -> bool:
-        return min(turn_left(m, scaled(share), own) for own in bodies if own) >= AWAY * m.ball
+        return min(turn_left(m, scaled(share), body_sides) for body_sides in bodies if body_sides) >= AWAY * m.ball
 
     lip = not inside(LEAST)
     for fits, why in (
@@ -391,9 +391,9 @@ def fitted_socket(
         ("phi", "short", max((LIP if lip else LEAST) * usual.phi, need[1] / (ZONE * m.R))),
     ):
         if getattr(size, name) < floor * (1.0 - 1e-9):
-            found, wanted = getattr(size, name) / getattr(usual, name), floor / getattr(usual, name)
+            left, wanted = getattr(size, name) / getattr(usual, name), floor / getattr(usual, name)
             raise ValueError(
-                f"no room for the sockets of the contact patches: only {100.0 * found:.0f} % of the usual one is left, "
+                f"no room for the sockets of the contact patches: only {100.0 * left:.0f} % of the usual one is left, "
                 f"less than {100.0 * wanted:.0f} % (too {word}), because {cause[name]}"
             )
     return size
@@ -416,19 +416,19 @@ def _narrowed(
             (m.beta - apex, "apex between the two arcs", "bring the groove radius closer to the ball's"),
             (edge - m.beta, f"edge of the groove, at the land radius of {1e3 * land:.4g} mm,", "deepen the groove"),
         ):
-            where = f"the {name} is {np.degrees(room):.3g} deg from the contact of side {SIDES[side]}"
+            reason = f"the {name} is {np.degrees(room):.3g} deg from the contact of side {SIDES[side]}"
             usable = ZONE * room / (1.0 + CLOSE)
             if need / radius > usable:
                 raise ValueError(
                     f"no room for the contact ellipse of side {SIDES[side]}: it reaches {1e3 * need:.3g} mm "
                     f"({np.degrees(need / radius):.3g} deg) from its nominal middle, and the mesh has room for "
-                    f"{1e3 * usable * radius:.3g} mm ({np.degrees(usable):.3g} deg), because {where}; {remedy}, lower the "
+                    f"{1e3 * usable * radius:.3g} mm ({np.degrees(usable):.3g} deg), because {reason}; {remedy}, lower the "
                     "load, or open the groove (a larger groove radius makes the ellipse shorter)"
                 )
             bare = need / (radius * ZONE)
-            own = max(room / (1.0 + BESIDE), min(SPARE * bare, 0.5 * (bare + room / (1.0 + CLOSE))))
-            if own < gamma:
-                gamma, why = own, f"{where}; {remedy}"
+            width = max(room / (1.0 + BESIDE), min(SPARE * bare, 0.5 * (bare + room / (1.0 + CLOSE))))
+            if width < gamma:
+                gamma, why = width, f"{reason}; {remedy}"
     return gamma, why
 
 
@@ -458,13 +458,13 @@ def refuse_misfit(
             )
         if wall_left(m, size, side, behind) <= 0.0:
             raise ValueError(f"a socket of side {SIDES[side]} reaches through the wall behind it: {remedy}")
-        own = np.array([(a, z) for a, z, s in sockets if s == side])
-        gaps, pairs = track_gaps(m, own[:, 0], own[:, 1])
+        places = np.array([(a, z) for a, z, s in sockets if s == side])
+        gaps, pairs = track_gaps(m, places[:, 0], places[:, 1])
         if gaps.size and gaps.min() <= 2.0 * size.phi:
             first, second = pairs[gaps.round(9).argmin()] + 1
             raise ValueError(f"the sockets of balls {first} and {second} overlap along the track: {remedy}")
         below, above = reach(m, size, (side,))
-        if own[:, 1].min() - below <= ends[0] or own[:, 1].max() + above >= ends[1]:
+        if places[:, 1].min() - below <= ends[0] or places[:, 1].max() + above >= ends[1]:
             raise ValueError(f"a socket of side {SIDES[side]} reaches a flat end of the body: {remedy}")
     if sides and turn_left(m, size, sides) <= 0.0:
         raise ValueError(f"a socket reaches the next turn of the groove: {remedy}")

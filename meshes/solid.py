@@ -56,16 +56,16 @@ def _check_lands(scene: Scene, land: float, reach: float) -> None:
     """
     pitch, outer = 2e3 * scene.track.pitch_radius, 1e3 * scene.screw.outer_diameter
     most = pitch + 2e3 * reach
-    found = 2e3 * land
-    if found >= 1e3 * scene.nut.outer_diameter and pitch < found < most:
-        wall = f"the nut's lands of {found:.4g} mm diameter leave no wall"
+    diameter = 2e3 * land
+    if diameter >= 1e3 * scene.nut.outer_diameter and pitch < diameter < most:
+        wall = f"the nut's lands of {diameter:.4g} mm diameter leave no wall"
         raise UnfitKey("nut.outer_diameter", f"nut.outer_diameter of {1e3 * scene.nut.outer_diameter:.4g} mm: {wall}")
-    if pitch < found < most:
+    if pitch < diameter < most:
         return
     if scene.solid.nut_inner_diameter is not None:
         between = f"it must lie between the pitch diameter {pitch:.4g} mm and {most:.4g} mm"
         raise UnfitKey(
-            "solid.nut_inner_diameter", f"solid.nut_inner_diameter of {found:.4g} mm leaves no groove: {between}"
+            "solid.nut_inner_diameter", f"solid.nut_inner_diameter of {diameter:.4g} mm leaves no groove: {between}"
         )
     raise UnfitKey(
         "screw.outer_diameter",
@@ -106,9 +106,9 @@ def dimensions(scene: Scene) -> Dimensions:
         if flange is None:
             raise UnfitKey("nut.held.at", 'nut.held.at of "flange face" needs a flange: give [nut.flange]')
         held_radii = flange.seat
-        where = f"in {flange.bolts} circles as wide as its annulus" if flange.bolts else "all over its annulus"
+        place = f"in {flange.bolts} circles as wide as its annulus" if flange.bolts else "all over its annulus"
         assumed.append(
-            f"The face of the nut's flange is bonded to a rigid housing {where}, {2e3 * flange.seat[0]:.4g} to "
+            f"The face of the nut's flange is bonded to a rigid housing {place}, {2e3 * flange.seat[0]:.4g} to "
             f"{2e3 * flange.seat[1]:.4g} mm in diameter, and does not gape"
             f"{'; low-order models hold the whole annulus' if flange.bolts else ''}."
         )

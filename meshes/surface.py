@@ -39,8 +39,8 @@ def surface_derivatives(scene: Scene, drawn: Specimen, side: int | slice, gamma:
     if isinstance(side, int):
         rho, rho1, rho2 = groove_profile(gamma, drawn.radius[side], drawn.profile[side])
     else:
-        each = zip(gamma.T, drawn.radius, drawn.profile, strict=True)
-        rho, rho1, rho2 = np.stack([groove_profile(*x) for x in each], axis=-1)
+        flanks = zip(gamma.T, drawn.radius, drawn.profile, strict=True)
+        rho, rho1, rho2 = np.stack([groove_profile(*x) for x in flanks], axis=-1)
     c, s = np.cos(gamma), np.sin(gamma)
     zero = np.zeros_like(c)
     a = np.stack([sx * rho * c, sz * rho * s], -1) + drawn.centre[:, side]

@@ -93,14 +93,14 @@ def _sizes(gmsh: Any, box: TetBox) -> None:
     away = "+".join(f"Max(0,Abs({x})-{half:.17g})^2" for x, half in (("x", across), ("y", depth), ("z", along)))
     edge = f"Min({MM * box.far:.17g},{MM * box.fine:.17g}+{box.growth:.17g}*Sqrt({away}))"
     field = gmsh.model.mesh.field
-    on_faces, within, inside, both = (field.add(name) for name in ("MathEval", "MathEval", "Restrict", "Min"))
+    on_faces, within, inside, finest = (field.add(name) for name in ("MathEval", "MathEval", "Restrict", "Min"))
     field.setString(on_faces, "F", edge)
     field.setString(within, "F", f"{edge}/{LARGER}")
     field.setNumber(inside, "InField", within)
     field.setNumbers(inside, "VolumesList", [tag for _, tag in gmsh.model.getEntities(3)])
     field.setNumber(inside, "IncludeBoundary", 0)
-    field.setNumbers(both, "FieldsList", [on_faces, inside])
-    field.setAsBackgroundMesh(both)
+    field.setNumbers(finest, "FieldsList", [on_faces, inside])
+    field.setAsBackgroundMesh(finest)
 
 
 def _faces(socket: SocketMesh | None) -> tuple[Array, list[list[int]]]:
@@ -171,8 +171,8 @@ def _collect(gmsh: Any, box: TetBox, inner: int, ring: int, begin: float) -> Loc
     xi = xyz.reshape(-1, 3) / (MM * np.array([box.width[0], box.depth, box.width[1]]))
 
     def cells(kind: int, dimension: int, entity: int = -1) -> Index:
-        found = gmsh.model.mesh.getElementsByType(kind, entity)[1]
-        return np.asarray(index[found.astype(np.int64)].reshape(-1, dimension + 1), dtype=np.int64)
+        nodes = gmsh.model.mesh.getElementsByType(kind, entity)[1]
+        return np.asarray(index[nodes.astype(np.int64)].reshape(-1, dimension + 1), dtype=np.int64)
 
     tets, zone = cells(4, 3), cells(2, 2, inner)
     contact = np.unique(zone)

@@ -53,7 +53,7 @@ class WholeBody(Meshed):
     @cached_property
     def named(self) -> dict[str, Index]:
         """Nodes of the named parts of the surface."""
-        return {part: nodes_on(self.mesh, part) for part in sorted(self.mesh.boundaries)}
+        return {name: nodes_on(self.mesh, name) for name in sorted(self.mesh.boundaries)}
 
 
 def grid(half: tuple[float, float], step: float) -> Array:
@@ -97,9 +97,9 @@ def whole_body(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> WholeBod
 
     Raises ValueError where the groove leaves no land or wall, or no attempt gives a good mesh.
     """
-    whole, groove = replace(spec, sockets=()), Groove.of(m, spec)
+    plain, groove = replace(spec, sockets=()), Groove.of(m, spec)
     name = "screw" if spec.outer else "nut"
-    return _meshed(name, lambda shell, share: Surface(shell, m, whole, share, groove), refinement)
+    return _meshed(name, lambda shell, share: Surface(shell, m, plain, share, groove), refinement)
 
 
 def whole_ball(m: GrooveMap, radius: float, refinement: Refinement) -> WholeBody:
@@ -107,8 +107,8 @@ def whole_ball(m: GrooveMap, radius: float, refinement: Refinement) -> WholeBody
 
     Raises ValueError where no attempt gives a good mesh.
     """
-    own = replace(m, ball=radius)
-    return _meshed("ball", lambda shell, share: sphere(own, shell, [], share), refinement)
+    ball_map = replace(m, ball=radius)
+    return _meshed("ball", lambda shell, share: sphere(ball_map, shell, [], share), refinement)
 
 
 def half_body(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> WholeBody:

@@ -165,8 +165,8 @@ def drawn_cells(part: MeshPart, cells: Index) -> tuple[Array, Index, Array | Non
     ten = np.vstack([corner, *[0.5 * (corner[i] + corner[j]) for i, j in _TET_EDGES]])
     small = []
     for sub in _TEN_SPLIT:
-        own = ten[list(sub)]
-        small.append(np.vstack([own, *[0.5 * (own[i] + own[j]) for i, j in _TET_EDGES]]))
+        nodes = ten[list(sub)]
+        small.append(np.vstack([nodes, *[0.5 * (nodes[i] + nodes[j]) for i, j in _TET_EDGES]]))
     shape = _shape(np.concatenate(small), _TET_EDGES)
     where = np.einsum("qm,cmx->cqx", shape, points[cells]).reshape(-1, 3)
     new = pieces(np.arange(len(where)).reshape(-1, 10), "P2")

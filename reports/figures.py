@@ -158,10 +158,10 @@ def draw_map(item: PressureMap) -> str:
             axes.set_xlabel(item.xlabel)
             axes.set_ylabel(item.ylabel)
         canvas.colorbar(filled, ax=canvas.axes, label=item.label, aspect=14 * rows, pad=0.02)
-        told = {
+        legend = {
             name: handle for axes in canvas.axes for handle, name in zip(*axes.get_legend_handles_labels(), strict=True)
         }
-        canvas.legend(list(told.values()), list(told), loc="outside lower center", ncols=len(told))
+        canvas.legend(list(legend.values()), list(legend), loc="outside lower center", ncols=len(legend))
         drawn = (_WIDTH[columns] - 1.1) / columns - 0.7
         canvas.set_size_inches(_WIDTH[columns], rows * (drawn * spans[1] / spans[0] + 1.0) + 0.3)
         stream = io.StringIO()
@@ -182,10 +182,10 @@ def _draw_contours(axes: Any, panel: PressurePanel, levels: Any, item: PressureM
     filled.set_rasterized(True)
     axes.plot(x, y, ".", markersize=1.6, color="#ffffff", alpha=0.7, rasterized=True)
     if panel.marked is not None:
-        own = np.asarray(panel.marked, bool)
-        axes.plot(x[own], y[own], "s", markersize=4.0, markerfacecolor="none", color="#ff9db4", label=item.marked_label)
+        at = np.asarray(panel.marked, bool)
+        axes.plot(x[at], y[at], "s", markersize=4.0, markerfacecolor="none", color="#ff9db4", label=item.marked_label)
     if panel.arrows is not None:
-        u, v = (np.asarray(part, float)[:: panel.skip] for part in panel.arrows)
+        u, v = (np.asarray(component, float)[:: panel.skip] for component in panel.arrows)
         axes.quiver(
             x[:: panel.skip], y[:: panel.skip], u, v, color="#ffffff", angles="xy", pivot="mid", scale=24.0, width=0.003
         )

@@ -86,9 +86,9 @@ def write_pages(report: Report, folder: Path, say: Progress) -> None:
     common = {"report": report, "pages": pages, "marker": Markup(MARKER)}
     turns = zip(pages, [None, *pages[:-1]], [*pages[1:], None], strict=True)
     for page, before, after in turns:
-        own = {"page": page, "current": page["name"], "before": before, "after": after}
+        of_page = {"page": page, "current": page["name"], "before": before, "after": after}
         heading = f"{page['title']} – {report.title}"
-        _write(folder / page["file"], environment.get_template("page.html.j2").render(**common, **own, heading=heading))
+        _write(folder / page["file"], environment.get_template("page.html.j2").render(**common, **of_page, heading=heading))
     summary = next((section.summary for section in report.sections if section.summary), None)
     first = None if summary is None else _summary(report, summary, writer)
     text = environment.get_template("index.html.j2").render(**common, summary=first, current="", heading=report.title)
@@ -252,12 +252,12 @@ def table_view(table: Table, whole: bool, folder: Path) -> dict[str, Any]:
     for row in cells:
         for cell, head in zip(row, heads, strict=True):
             cell["align"] += " aside" if head["align"].endswith(" aside") else ""
-    said = [f"No row has an entry under: {'; '.join(empty)}."] if empty else []
+    remarks = [f"No row has an entry under: {'; '.join(empty)}."] if empty else []
     if len(rows) < len(table.rows):
-        said.append(f"{len(rows)} of {len(table.rows)} rows; the CSV has all.")
+        remarks.append(f"{len(rows)} of {len(table.rows)} rows; the CSV has all.")
     if len(shown) < len(columns):
-        said.append(f"In the CSV alone: {', '.join(c.label for c in columns if c not in shown)}.")
-    note = "\n".join(filter(None, [table.note, *said]))
+        remarks.append(f"In the CSV alone: {', '.join(c.label for c in columns if c not in shown)}.")
+    note = "\n".join(filter(None, [table.note, *remarks]))
     return {"kind": "table", "table": table, "columns": heads, "rows": cells, "note": note, "whole": whole}
 
 

@@ -126,7 +126,7 @@ def _sheet(radius: Array, phi: Array, z: Array) -> Any:
     import pyvista
 
     points = (radius * np.cos(phi), radius * np.sin(phi), z)
-    sheet = pyvista.StructuredGrid(*(np.ascontiguousarray(part)[..., None] for part in points))
+    sheet = pyvista.StructuredGrid(*(np.ascontiguousarray(x)[..., None] for x in points))
     return sheet.extract_geometry().triangulate().clean(tolerance=1e-9, absolute=True)
 
 

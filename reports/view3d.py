@@ -110,7 +110,7 @@ def _scale(picture: LoadedScrew) -> str:
     from matplotlib.colors import to_hex
 
     low, high = scene3d.load_scale(picture)
-    stops = ", ".join(to_hex(colormaps["viridis"](part)) for part in np.linspace(0.0, 1.0, 9))
+    stops = ", ".join(to_hex(colormaps["viridis"](share)) for share in np.linspace(0.0, 1.0, 9))
     bar = f"height:180px;width:16px;background:linear-gradient(to top, {stops})"
     labels = "".join(f"<span>{value:.4g}</span>" for value in np.linspace(high, low, 5))
     column = "display:flex;flex-direction:column;justify-content:space-between;padding-left:6px"
@@ -148,8 +148,8 @@ def _finished(gltf: str) -> bytes:
     for material in scene["materials"]:
         surface = material["pbrMetallicRoughness"]
         colour = surface["baseColorFactor"][:3]
-        surface["baseColorFactor"] = [*(DIFFUSE * part for part in colour), 1.0]
-        material |= {"doubleSided": True, "emissiveFactor": [AMBIENT * part for part in colour]}
+        surface["baseColorFactor"] = [*(DIFFUSE * channel for channel in colour), 1.0]
+        material |= {"doubleSided": True, "emissiveFactor": [AMBIENT * channel for channel in colour]}
     return json.dumps(scene, separators=(",", ":")).encode("utf-8")
 
 

@@ -18,8 +18,8 @@ ROLLERS = RollerRow(12, 8e-3, 12e-3, np.radians(30.0), np.radians(4.0), 5e-3, ST
 
 def bare(scene, screw=SHAFT):
     """The parts of a scene, without what holds and loads them, on a shaft."""
-    own = replace(screw, groove_radius=scene.screw.groove_radius)
-    return replace(scene, screw=own, supports=(), loads=())
+    grooved = replace(screw, groove_radius=scene.screw.groove_radius)
+    return replace(scene, screw=grooved, supports=(), loads=())
 
 
 def one_set(scene):

@@ -84,10 +84,10 @@ def boundary(points):
 
 def boundary_faces(cells, kind):
     """Outward faces that belong to one cell only, shape (k, nodes of a face)."""
-    own = cells[:, face_nodes(kind)]
-    own = own.reshape(-1, own.shape[2])
-    _, first, count = np.unique(np.sort(own, axis=1), axis=0, return_index=True, return_counts=True)
-    return own[first[count == 1]]
+    faces = cells[:, face_nodes(kind)]
+    faces = faces.reshape(-1, faces.shape[2])
+    _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
+    return faces[first[count == 1]]
 
 
 def space(mesh, **options):
@@ -109,8 +109,8 @@ def renumbered(number, values):
 def stiffness(points, cells, kind, young, poisson):
     """Stiffness matrix (3n, 3n), numbered like the points, all of which must have a cell."""
     mesh, number = mesh_of(points, cells, kind)
-    own = freedoms(number)
-    return assembly.assemble(elasticity(young, poisson), mesh)[own][:, own].tocsc()
+    order = freedoms(number)
+    return assembly.assemble(elasticity(young, poisson), mesh)[order][:, order].tocsc()
 
 
 def strain_stress(points, cells, kind, u, young, poisson, at=None):
@@ -139,9 +139,9 @@ def volume(points, cells, kind):
     return float(nodal_volumes(points, cells, kind).sum())
 
 
-def nodal_areas(points, cells, kind, own):
+def nodal_areas(points, cells, kind, faces):
     """Consistent nodal areas (n,) of faces (k, corners or more)."""
-    mesh, number = mesh_of(points, cells, kind, {"own": own})
+    mesh, number = mesh_of(points, cells, kind, {"own": faces})
     return renumbered(number, assembly.nodal_areas(mesh, "own"))
 
 

@@ -39,7 +39,7 @@ def name_of(number: int) -> str:
 
 def write(path: Path, data: dict[str, object]) -> None:
     """Write the record, a line for every scene; loads to six digits."""
-    lines = (f" {json.dumps(name)}: {json.dumps(own, separators=(', ', ': '))}" for name, own in data.items())
+    lines = (f" {json.dumps(name)}: {json.dumps(loads, separators=(', ', ': '))}" for name, loads in data.items())
     path.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
 
 
@@ -49,12 +49,12 @@ def main() -> None:
     data = json.loads(path.read_text(encoding="utf-8"))
     for number in chosen():
         name, text = name_of(number), scene_text(SEED, number)
-        own = data.setdefault(name, {})
-        own["scene"] = text
+        loads = data.setdefault(name, {})
+        loads["scene"] = text
         for level in LEVELS:
-            if str(level) not in own:
+            if str(level) not in loads:
                 (run,) = compute(Task((scene_file.loads(text, f"{name}.toml"),), level))
-                own[str(level)] = [[float(f"{x:.6g}") for x in row] for row in run.load.tolist()]
+                loads[str(level)] = [[float(f"{x:.6g}") for x in row] for row in run.load.tolist()]
                 print(f"{name}, level {level}: {run.status}", flush=True)
                 write(path, data)
     write(path, data)

@@ -59,9 +59,9 @@ def built(record: type, **values: object) -> object:
     """A record of these values, the rest as usual, whether or not it would take them."""
     if not dataclasses.is_dataclass(record):
         return record(**values)
-    made = object.__new__(record)
-    vars(made).update({name: values[name] if name in values else default(record, name) for name in names(record)})
-    return made
+    instance = object.__new__(record)
+    vars(instance).update({name: values[name] if name in values else default(record, name) for name in names(record)})
+    return instance
 
 
 def changed(value: object, **values: object) -> object:

@@ -60,15 +60,15 @@ def lip(scene: Scene, distance: float, choices: Settings) -> float:
     away, step = (HALF - distance) * r / rg, float(np.diff(np.sort(scene.balls.azimuths)).min())
     behind = step * (1.0 if rg > 0.0 else -1.0)
     azimuths = (-step, 0.0, step, away - 2.0 * behind, away - behind, away)
-    own = replace(
+    near = replace(
         scene,
         balls=replace(scene.balls, azimuths=tuple(scene.track.phase + x for x in azimuths)),
         nut=replace(scene.nut, length=2.0 * HALF * r),
         solid=replace(scene.solid, nut_held="left face"),
     )
-    m, layout, dims, nut = GrooveMap.of(own), ball_layout(own), dimensions(own), own.nut
+    m, layout, dims, nut = GrooveMap.of(near), ball_layout(near), dimensions(near), near.nut
     sides = tuple(s for s in needed_sides(scene) if s >= 2)
-    size = socket_size(own, m, layout, (0, 1, 2, 3), dims, choices)
+    size = socket_size(near, m, layout, (0, 1, 2, 3), dims, choices)
     widths = (size.gamma * float(m.radius.mean()), size.phi * m.R)
     zone = patch_lines(choices, widths, size.depth)[1]
     ends = nut.position - HALF * r, nut.position + HALF * r
@@ -92,8 +92,8 @@ def lip(scene: Scene, distance: float, choices: Settings) -> float:
 
     def moved(ball: int) -> float:
         """Compliance [m/N] of a ball's contact."""
-        own = slice(ball * sum(counts) + start, ball * sum(counts) + start + v.size)
-        return float(v @ found.G[own, own] @ v)
+        rows = slice(ball * sum(counts) + start, ball * sum(counts) + start + v.size)
+        return float(v @ found.G[rows, rows] @ v)
 
     return moved(5) - moved(1)
 

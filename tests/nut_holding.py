@@ -53,11 +53,11 @@ def main() -> None:
     with TemporaryDirectory() as cache:
         for size, level, cells in CASES:
             shipped = catalogue.scene(scene_name(size))
-            own = ways(shipped)
+            scenes = ways(shipped)
             known = {row["held"] for row in rows if (row["scene"], row["level"]) == (shipped.name, level)}
-            for held in [x for x in own if x not in known]:
+            for held in [x for x in scenes if x not in known]:
                 print(shipped.name, held, flush=True)
-                found = solved(own[held], own["left face"], level, cells, Path(cache))
+                found = solved(scenes[held], scenes["left face"], level, cells, Path(cache))
                 rows.append({"scene": shipped.name, "held": held, **found})
                 text = ",\n ".join(json.dumps(row) for row in rows)
                 path.write_text(f"[\n {text}\n]\n", encoding="utf-8")

@@ -51,8 +51,8 @@ def holed_cube():
 
 def socket(*, turned=False):
     """Socket of the holed cube; turned: its mirror image, with the diagonals of two faces the other way."""
-    own = holed_cube()[2]
-    return replace(own, xi=own.xi * [-1.0, 1.0, 1.0]) if turned else own
+    mesh = holed_cube()[2]
+    return replace(mesh, xi=mesh.xi * [-1.0, 1.0, 1.0]) if turned else mesh
 
 
 def flat(xi):
@@ -67,8 +67,8 @@ def places(side):
 
 
 @cache
-def tets(fine, own="straight"):
-    return build_tets(source_box(WIDTH, SIZE.depth, ZONE, fine), None if own == "none" else socket(turned=own == "turned"))
+def tets(fine, way="straight"):
+    return build_tets(source_box(WIDTH, SIZE.depth, ZONE, fine), None if way == "none" else socket(turned=way == "turned"))
 
 
 def patch(kind, where="groove", side=0, fine=0.16e-3, linear=None):

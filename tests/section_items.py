@@ -10,14 +10,14 @@ from rollbench.reports.figures import draw
 from rollbench.reports.records import Figure, Section, Table
 
 
-def tables(made: Section) -> dict[str, Table]:
+def tables(section: Section) -> dict[str, Table]:
     """Tables of a section by name."""
-    return {item.name: item for item in made.items if isinstance(item, Table)}
+    return {item.name: item for item in section.items if isinstance(item, Table)}
 
 
-def figures(made: Section) -> list[Figure]:
+def figures(section: Section) -> list[Figure]:
     """Figures of a section."""
-    return [item for item in made.items if isinstance(item, Figure)]
+    return [item for item in section.items if isinstance(item, Figure)]
 
 
 def shows_entries(table: Table, name: str) -> None:

@@ -138,14 +138,14 @@ def ways_of(name: str) -> list[dict[str, Any]]:
         return {"scene": name, "way": way, "saved": round(saved, 2), "moved": round(100.0 * float(moved), 4)}
 
     def with_own(side: int, value: Array) -> setup.Setup:
-        patches = {**made.patches, side: replace(made.patches[side], own=value)}
+        patches = {**made.patches, side: replace(made.patches[side], local=value)}
         if len(wanted) == 4:
             patches[side + 1] = turned(patches[side])
         return replace(made, patches=patches)
 
     one, other = (s for s in wanted if len(wanted) == 2 or s % 2 == 0)
-    like = own[1] if one % 2 == other % 2 else turned(replace(made.patches[one], own=own[1])).own
-    out = [row("one ball's patch for screw and nut", with_own(other, made.patches[other].own - own[3] + like), spent[3])]
+    like = own[1] if one % 2 == other % 2 else turned(replace(made.patches[one], local=own[1])).local
+    out = [row("one ball's patch for screw and nut", with_own(other, made.patches[other].local - own[3] + like), spent[3])]
     between = np.mean([_own_of(scene, share, choices, wanted) for share in BETWEEN], axis=0)
     out.append(row("screw's patch from a library", with_own(one, between), spent[0] + spent[1]))
     return out + _shafts(scene, made, raw[0], choices, row)
@@ -159,7 +159,7 @@ def _own_of(scene: Scene, share: float, choices: Settings, wanted: tuple[int, ..
     near = replace(scene, track=track, screw=screw, nut=nut)
     m, layout, dims = GrooveMap.of(near), ball_layout(near), dimensions(near)
     meshes = mesh_parts(near, m, layout, dims, wanted, choices)
-    return condense_side(*side_of(near, m, dims, meshes, wanted[0], choices)).own
+    return condense_side(*side_of(near, m, dims, meshes, wanted[0], choices)).local
 
 
 def _shafts(scene: Scene, made: setup.Setup, raw: Any, choices: Settings, row: Callable[..., Any]) -> list[dict[str, Any]]:

@@ -101,22 +101,22 @@ def compare(
     from rollbench.meshes.cache import default_root
 
     described = _described(scene)
-    own, stores = each_case(described, described.name), (Path(store), shipped_store())
+    scenes, stores = each_case(described, described.name), (Path(store), shipped_store())
     chosen, cases = compared_models(tuple(models)), cases_by_name([described])
     warnings: list[str] = []
     if reference is not None and levels is not None:
         raise InputError("compare", "reference", str(reference), "without levels", "leave one out")
     given: dict[str, list[Referenced]] = {}
-    for x in own if reference is not None else ():
+    for x in scenes if reference is not None else ():
         case = cases[x.name].case.name if x.name in cases else None
         given[x.name] = judged_by(Path(str(reference)), x, warnings.append, case=case)
-    missing = [x for x in own if not given and (levels is not None or not referenced(x, stores))]
+    missing = [x for x in scenes if not given and (levels is not None or not referenced(x, stores))]
     failed = []
     if missing:
         wanted = range(1, (levels or len(LEVELS)) + 1)
         failed = ensure(plan(missing, wanted), stores[0], Engine(cache=default_root()), on_terminal, stores)
     pairs = []
-    for x in own:
+    for x in scenes:
         sets = given.get(x.name) or referenced(x, stores)
         if not sets:
             raise unconverged(x.name, failed)
@@ -124,25 +124,25 @@ def compare(
             beside = stored_beside(one, stores) if given else None
             pairs.append((one, compared(one.scene, chosen or suited(x), one.found, stores, one.of, beside)))
     lines = (*(f"WARNING: {words}" for words in warnings), *(verdict(each, one.found) for one, each in pairs))
-    told = [_compared_json(each, one.found) | named(one) for one, each in pairs]
+    results = [_compared_json(each, one.found) | named(one) for one, each in pairs]
     if isinstance(described, DutyCycle):
-        rows = [row | cases[one.described].keys for row, (one, _) in zip(told, pairs, strict=True)]
+        rows = [row | cases[one.described].keys for row, (one, _) in zip(results, pairs, strict=True)]
         whole = together_json(described, {(one.described, one.set): each for one, each in pairs})
         summary = whole[0] if len(whole) == 1 else {row["set"]: row for row in whole}
         return Result({"scene": described.name, "summary": summary, "cases": rows}, "summary", lines)
     if isinstance(described, Scene):
-        return Result(told[0], "models", lines)
-    return Result({"scene": described.name, "sets": told}, "sets", lines)
+        return Result(results[0], "models", lines)
+    return Result({"scene": described.name, "sets": results}, "sets", lines)
 
 
-def _compared_json(each: Comparison, found: Reference) -> dict[str, Any]:
+def _compared_json(each: Comparison, reference: Reference) -> dict[str, Any]:
     """What `compare` tells of a scene, or of one of several sets on a shaft."""
     from rollbench.comparison.commands.comparing.compare_output import answers_of
 
     return {
-        "scene": found.scene,
-        "levels": list(found.levels),
-        "reference_status": found.unsettled or "converged",
+        "scene": reference.scene,
+        "levels": list(reference.levels),
+        "reference_status": reference.unsettled or "converged",
         "models": {
             b.label: {
                 "largest_error_percent": None if b.error is None else b.error.max_percent,
@@ -184,7 +184,7 @@ def check(
     from rollbench.meshes.cache import default_root
 
     described = _described(scene)
-    what = asked(
+    request = asked(
         model=model,
         loads=None if loads is None else Path(loads),
         values=None if values is None else Path(values),
@@ -197,7 +197,7 @@ def check(
         compute=compute,
     )
     warnings: list[str] = []
-    verdicts = judged_cases([described], [described.name], what, Engine(cache=default_root()), warnings.append)
+    verdicts = judged_cases([described], [described.name], request, Engine(cache=default_root()), warnings.append)
     lines = (*(f"WARNING: {warning}" for warning in warnings), *(v.line() for v in verdicts))
     return Judged(verdicts_json([described], verdicts) | {"warnings": warnings}, "verdicts", lines)
 
@@ -223,18 +223,18 @@ def mesh_study(
     from rollbench.meshes.cache import default_root
 
     described = _described(scene)
-    own, stores = solvable(described, described.name), (Path(store), shipped_store())
+    target, stores = solvable(described, described.name), (Path(store), shipped_store())
     engine = Engine(cache=default_root())
     wanted = levels_of(levels)
-    found = compute_study([own], wanted, stores, engine, on_terminal, spread=spread)
-    told = [
-        {"scene": own.name, "levels": level_rows(x.found), "quantities": table_of(x, stores, wanted)} | named(x)
-        for x in found
+    references = compute_study([target], wanted, stores, engine, on_terminal, spread=spread)
+    results = [
+        {"scene": target.name, "levels": level_rows(x.found), "quantities": table_of(x, stores, wanted)} | named(x)
+        for x in references
     ]
-    lines = tuple(closing(one.found) for one in found)
-    if isinstance(own, Scene):
-        return Result(told[0], "levels", lines)
-    return Result({"scene": own.name, "sets": told}, "sets", lines)
+    lines = tuple(closing(one.found) for one in references)
+    if isinstance(target, Scene):
+        return Result(results[0], "levels", lines)
+    return Result({"scene": target.name, "sets": results}, "sets", lines)
 
 
 def sweep(
@@ -252,8 +252,8 @@ def sweep(
     scene: name or file; vary: as ``--vary`` of the command, ``["errors.balls.oversize=0 um:7 um"]``; out: folder of the
     samples (samples.csv) and the summary: samples stored there are not solved again. Raises InputError.
     """
-    found = needed("sweep", "sweep", "vary", " ".join(vary))(str(scene), vary, samples, method, model, seed, Path(out))
-    return Result(found, "outputs", (f"{found['converged']} of {found['solved']} samples converged: {Path(out)}",))
+    data = needed("sweep", "sweep", "vary", " ".join(vary))(str(scene), vary, samples, method, model, seed, Path(out))
+    return Result(data, "outputs", (f"{data['converged']} of {data['solved']} samples converged: {Path(out)}",))
 
 
 def report(
@@ -292,8 +292,8 @@ def report(
     from rollbench.comparison.commands.printing import print_answer
     from rollbench.comparison.commands.reporting.report import make_report
 
-    made = make_report(only, folder, store=Path(store), quick=quick, stored=stored, fresh=fresh, everything=everything)
-    data["passed"] = print_answer(made) == 0
+    answer = make_report(only, folder, store=Path(store), quick=quick, stored=stored, fresh=fresh, everything=everything)
+    data["passed"] = print_answer(answer) == 0
     return Result(data)
 
 

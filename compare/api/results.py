@@ -58,8 +58,8 @@ class Result:
         """What the number at a path is, and what its error is; empty where nothing is said of it. Raises KeyError for a
         path that is not there."""
         self[path]
-        found = definition(path)
-        return "" if found is None else found.text + (f"; its error: {found.error}" if found.error else "")
+        meaning = definition(path)
+        return "" if meaning is None else meaning.text + (f"; its error: {meaning.error}" if meaning.error else "")
 
     def rows(self) -> list[tuple[str, str, str]]:
         """Name, value and unit of every single value that the table shows."""
@@ -106,10 +106,10 @@ class Solution(Result):
         lines = [f"{self.data['scene']}, {self.data['model']}: {self.data['status']}"]
         groups = (("loads", "max_N"), ("axial", "displacement_um"), ("worst_contact", "pressure_MPa"), ("life", ""))
         for group, key in groups:
-            found = (self.data.get("summary") or {}).get(group) or {}
-            key = key or next(iter(found), "")
+            group_values = (self.data.get("summary") or {}).get(group) or {}
+            key = key or next(iter(group_values), "")
             words, unit = split_unit(key)
-            value = found.get(key)
+            value = group_values.get(key)
             lines.append(
                 f"{group.replace('_', ' ')}: {words} {_text(value)} {unit}" if value is not None else f"{group}: none"
             )
@@ -154,13 +154,12 @@ def _flat(value: Any, name: str, of_all: str = "") -> Iterator[tuple[str, Any, s
     and lists of records, left out."""
     if isinstance(value, Mapping):
         for key, inner in value.items():
-            words, own = split_unit(str(key))
-            unit = own or of_all
+            words, unit = split_unit(str(key))
             whole = f"{name}: {words}" if name else words
             if isinstance(inner, Mapping):
-                yield from _flat(inner, whole, unit)
+                yield from _flat(inner, whole, unit or of_all)
             elif inner is not None and not (isinstance(inner, list) and any(isinstance(x, (Mapping, list)) for x in inner)):
-                yield whole, inner, unit
+                yield whole, inner, unit or of_all
     elif isinstance(value, list):
         for number, inner in enumerate(value, start=1):
             yield from _flat(inner, f"{name} {number}".strip())

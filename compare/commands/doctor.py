@@ -38,8 +38,8 @@ PROGRAMS = {
 
 @dataclass(frozen=True)
 class Check:
-    """One thing that was looked at: whether it is there (optional: it is not, and need not be), what was found, what its
-    lack costs and what to do; empty where it is there."""
+    """One check of the machine: its state (optional: absent, and not needed), what was found, what its absence costs and
+    the remedy; these two are empty where it is present."""
 
     name: str
     state: State
@@ -49,8 +49,7 @@ class Check:
 
     def line(self) -> str:
         """The check as one line."""
-        parts = (f"{self.name}: {self.found}", self.cost, self.advice)
-        return f"{self.state:8}  " + "; ".join(part for part in parts if part)
+        return f"{self.state:8}  " + "; ".join(filter(None, (f"{self.name}: {self.found}", self.cost, self.advice)))
 
 
 def run_doctor(store: Path) -> Answer:
@@ -65,12 +64,12 @@ def run_doctor(store: Path) -> Answer:
 
 
 def _python() -> Iterator[Check]:
-    found, least = platform.python_version(), ".".join(map(str, PYTHON))
+    present, least = platform.python_version(), ".".join(map(str, PYTHON))
     good = tuple(map(int, platform.python_version_tuple()[:2])) >= PYTHON
     yield (
-        Check("Python", "ok", f"{found}, at least {least}")
+        Check("Python", "ok", f"{present}, at least {least}")
         if good
-        else Check("Python", "missing", found, "not supported", f"take {least} or newer")
+        else Check("Python", "missing", present, "not supported", f"take {least} or newer")
     )
 
 
@@ -80,8 +79,8 @@ def requirements() -> dict[str, str]:
         lines = metadata.requires("rollbench") or []
     except metadata.PackageNotFoundError:
         return {}
-    own = (re.fullmatch(r"([\w.-]+)\s*>=\s*([\d.]+)", line.strip()) for line in lines if ";" not in line)
-    return {found[1]: found[2] for found in own if found}
+    lower_bounds = (re.fullmatch(r"([\w.-]+)\s*>=\s*([\d.]+)", line.strip()) for line in lines if ";" not in line)
+    return {bound[1]: bound[2] for bound in lower_bounds if bound}
 
 
 def _packages() -> Iterator[Check]:
@@ -93,24 +92,24 @@ def _packages() -> Iterator[Check]:
     for name, least in needed.items():
         cost = ONLY_FOR.get(name, "rollbench does not run")
         advice = f"pip install '{name}>={least}'"
-        found = version(name)
-        if found is None:
+        present = version(name)
+        if present is None:
             yield Check(name, "missing", "not installed", cost, advice)
-        elif _numbers(found) < _numbers(least):
-            yield Check(name, "missing", f"{found}, older than {least}", cost, advice)
+        elif _numbers(present) < _numbers(least):
+            yield Check(name, "missing", f"{present}, older than {least}", cost, advice)
         elif name != "gmsh" and (broken := fault(name)):  # gmsh: see `_graphics`
-            yield Check(name, "missing", f"{found}, {broken}", cost, f"pip install --force-reinstall '{name}>={least}'")
+            yield Check(name, "missing", f"{present}, {broken}", cost, f"pip install --force-reinstall '{name}>={least}'")
         else:
             licence = f" ({STRICT[name]})" if name in STRICT else ""
-            yield Check(name, "ok", f"{found}, at least {least}{licence}")
+            yield Check(name, "ok", f"{present}, at least {least}{licence}")
 
 
 def _extras() -> Iterator[Check]:
     for name, (what, remedy) in EXTRAS.items():
-        found = version(name)
+        present = version(name)
         yield (
-            Check(name, "ok", found)
-            if found
+            Check(name, "ok", present)
+            if present
             else Check(name, "optional", "not installed", f"the report is without {what}", remedy)
         )
 
@@ -121,7 +120,7 @@ def _numbers(version: str) -> tuple[int, ...]:
     >>> _numbers("4.15.2rc1") > _numbers("4.13")
     True
     """
-    return tuple(int(part) for part in re.findall(r"\d+", re.split(r"[^\d.]", version)[0]))
+    return tuple(int(number) for number in re.findall(r"\d+", re.split(r"[^\d.]", version)[0]))
 
 
 def _graphics() -> Iterator[Check]:
@@ -143,10 +142,10 @@ def _graphics() -> Iterator[Check]:
 
 def _programs() -> Iterator[Check]:
     for name, (commands, purpose, package) in PROGRAMS.items():
-        found = next(filter(None, map(shutil.which, commands)), None)
+        path = next(filter(None, map(shutil.which, commands)), None)
         yield (
-            Check(name, "ok", found)
-            if found
+            Check(name, "ok", path)
+            if path
             else Check(name, "optional", "not found", f"needed only so that {purpose}", f"apt-get install {package}")
         )
 
@@ -208,13 +207,13 @@ def _shipped() -> Iterator[Check]:
 
     names = catalogue.with_role("referenced")
     held = [kept for name in names if (kept := reference(catalogue.scene(name))) is not None]
-    made = ", ".join(
+    programs = ", ".join(
         f"{program} {' and '.join(sorted({run.versions[program] for kept in held for run in kept.runs}))}"
         for program in PROGRAMS
     )
     if len(held) == len(names):
-        yield Check("shipped references", "ok", f"of all {len(names)} scenes, made by {made}")
+        yield Check("shipped references", "ok", f"of all {len(names)} scenes, made by {programs}")
     else:
         cost = "the others are recomputed, in hours"
-        found = f"of {len(held)} of {len(names)} scenes, made by {made}"
-        yield Check("shipped references", "missing", found, cost, "reinstall rollbench")
+        stored = f"of {len(held)} of {len(names)} scenes, made by {programs}"
+        yield Check("shipped references", "missing", stored, cost, "reinstall rollbench")

@@ -73,9 +73,9 @@ def run_export(
     if ball is not None and not (1 <= ball <= scene.ball_count and part != BLOCK and form != "inp"):
         allowed = f"1 to {scene.ball_count}, for parts of the scene, in vtu, msh or med"
         raise InputError("command line", "--ball", str(ball), allowed, "leave it out for the mesh only")
-    said = []
+    lines = []
     if ball is not None and part in BODIES:
-        said.append(f"fields are those of the {part} that is solved, with a socket at every contact: {part}{SOCKETS}")
+        lines.append(f"fields are those of the {part} that is solved, with a socket at every contact: {part}{SOCKETS}")
         part += SOCKETS
     fields: dict[str, Array] = {}
     try:
@@ -96,13 +96,13 @@ def run_export(
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(str(out), "file", reason, "a folder that can be written to", "check the path") from None
-    cells = ", ".join(f"{len(own)} {_LABELS[kind]}" for kind, own in data.cells.items())
-    said.append(
+    cells = ", ".join(f"{len(elements)} {_LABELS[kind]}" for kind, elements in data.cells.items())
+    lines.append(
         f"wrote {out}: {len(data.points)} nodes, {cells}; lengths in m; groups: {', '.join(data.boundaries) or 'none'}"
     )
     if reduced(data, form):
-        said.append(f".{form} holds no 27-node hexahedra: their face and centre nodes were left out (20 nodes remain)")
-    return Answer(parts=said)
+        lines.append(f".{form} holds no 27-node hexahedra: their face and centre nodes were left out (20 nodes remain)")
+    return Answer(parts=lines)
 
 
 _LABELS = {"P1": "4-node tetrahedra", "P2": "10-node tetrahedra", "Q1": "8-node hexahedra", "Q2": "27-node hexahedra"}
@@ -144,28 +144,28 @@ def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | 
     from rollbench.meshes.cache import Cache
 
     settings, sides, store = settings_of([scene], level), needed_sides(scene), Cache(cache)
-    made = prepare(scene, sides, settings, cache=store)
-    result = solve_reference(made, scene)
+    setup = prepare(scene, sides, settings, cache=store)
+    result = solve_reference(setup, scene)
     if result.status != "converged" and result.moving == 0.0:
         raise ValueError(result.status)
-    meshes = mesh_parts(scene, made.map, made.layout, made.dims, sides, settings, store)
-    forces, body_name = fields.contact_forces(made, result), part.removesuffix(SOCKETS)
+    meshes = mesh_parts(scene, setup.map, setup.layout, setup.dims, sides, settings, store)
+    forces, body_name = fields.contact_forces(setup, result), part.removesuffix(SOCKETS)
     if body_name in ("screw", "nut"):
         screw = body_name == "screw"
         body, material = (meshes.screw, scene.screw.material) if screw else (meshes.nut, scene.nut.material)
-        u = fields.screw_displacement(made, body, forces, scene) if screw else fields.nut_displacement(made, body, forces)
+        u = fields.screw_displacement(setup, body, forces, scene) if screw else fields.nut_displacement(setup, body, forces)
         stress = fields.nodal_stress(of_order(body.mesh, body_kind(settings)), u, material)
     else:
-        own, _, side = part.rpartition("-")
-        if own == "patch":
+        kind, _, side = part.rpartition("-")
+        if kind == "patch":
             if side.startswith("S"):
-                u = fields.screw_displacement(made, meshes.screw, forces, scene)
+                u = fields.screw_displacement(setup, meshes.screw, forces, scene)
             else:
-                u = fields.nut_displacement(made, meshes.nut, forces)
-            found = fields.groove_patch_field(made, meshes, u, ball, SIDES.index(side), forces)
+                u = fields.nut_displacement(setup, meshes.nut, forces)
+            field = fields.groove_patch_field(setup, meshes, u, ball, SIDES.index(side), forces)
         else:
-            found = fields.ball_fields(made, meshes, ball, forces)[SIDES.index(side) if own == "ball-patch" else None]
-        u, stress = found.displacement, found.stress
+            field = fields.ball_fields(setup, meshes, ball, forces)[SIDES.index(side) if kind == "ball-patch" else None]
+        u, stress = field.displacement, field.stress
     six = {f"stress_{name}": stress[:, k] for k, name in enumerate(("xx", "yy", "zz", "yz", "xz", "xy"))}
     return {"displacement": u, "von_mises": fields.von_mises(stress), **six}
 
@@ -185,7 +185,7 @@ def _whole(scene: Scene, part: str, level: int) -> MeshData:
     layout, dims, middle = ball_layout(scene), dimensions(scene), np.zeros((1, 2))
     if part == "ball":
         near = np.concatenate([sphere_points(m, side, m.ball, middle) for side in sides])
-        made = whole_ball(m, m.ball, Refinement(near, settings.ball_fine, AWAY, settings.ball_coarse))
+        body = whole_ball(m, m.ball, Refinement(near, settings.ball_fine, AWAY, settings.ball_coarse))
     else:
         screw, half = part == "screw", scene.nut.length / 2.0
         radii = (dims.hole, scene.screw.outer_diameter / 2.0) if screw else (dims.land, scene.nut.outer_diameter / 2.0)
@@ -195,8 +195,8 @@ def _whole(scene: Scene, part: str, level: int) -> MeshData:
         flange = None if screw else scene.nut.flange
         spec = BodySpec(*radii, *ends, screw, places, size, settings.fine, settings.coarse, filled, flange)
         near = np.concatenate([groove_points(m, place, middle) for place in places])
-        made = whole_body(m, spec, Refinement(near, settings.fine, AWAY, settings.coarse))
-    mesh = of_order(made.mesh, body_kind(settings))
+        body = whole_body(m, spec, Refinement(near, settings.fine, AWAY, settings.coarse))
+    mesh = of_order(body.mesh, body_kind(settings))
     return from_skfem(mesh, *sorted(mesh.boundaries))
 
 

@@ -52,8 +52,8 @@ def traced(table: str = "") -> Answer:
     (``module:function``), test. Raises InputError for an unknown table."""
     from rollbench.comparison.evidence.registry import traces
 
-    found = list(traces(table))
-    return Answer([asdict(trace) for trace in found], _trace_tables(found))
+    entries = list(traces(table))
+    return Answer([asdict(trace) for trace in entries], _trace_tables(entries))
 
 
 def _trace_tables(traces: Sequence[Trace]) -> Iterator[Table]:

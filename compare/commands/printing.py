@@ -42,7 +42,7 @@ class OutputLost(Exception):
 
 @contextmanager
 def writing() -> Iterator[None]:
-    """Writing to standard output: what fails there, but for a pipe without reader, is an OutputLost."""
+    """Writing to standard output: any failure but a pipe without reader raises OutputLost."""
     try:
         yield
     except BrokenPipeError:

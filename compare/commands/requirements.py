@@ -21,7 +21,7 @@ def run_requirements(command: str) -> Answer:
         raise InputError("doctor", "--requirements", command, "an installed rollbench", advice)
     apart = {*ONLY_FOR, *PAGES}
     named = [*direct, *EXTRAS] if command in ("report", "all") else [*(set(direct) - apart), *NEEDED_BY[command]]
-    lines = sorted(f"{name}=={found}" for name, found in closure(named).items())
+    lines = sorted(f"{name}=={pinned}" for name, pinned in closure(named).items())
     without = [name for name in ONLY_FOR if name not in named]
     heads = [
         f"# what {command} needs of packages, as installed here by rollbench {__version__}; then:",
@@ -34,18 +34,18 @@ def run_requirements(command: str) -> Answer:
 def closure(names: list[str]) -> dict[str, str]:
     """Versions of installed packages and of all that they need, by normalised name; what an extra of theirs asks for, and
     what is not installed because it is for other machines, is left out. Raises InputError where one of ``names`` lacks."""
-    found: dict[str, str] = {}
+    versions: dict[str, str] = {}
     left = [(name, True) for name in names]
     while left:
         name, asked = left.pop()
         name = re.sub(r"[-_.]+", "-", name).lower()
-        here = version(name)
-        if here is None and asked:
+        installed = version(name)
+        if installed is None and asked:
             advice = "pip install 'rollbench[report]' installs all, or: pip install " + name
             raise InputError("doctor", "--requirements", f"{name} is not installed", "a package that is installed", advice)
-        if here is None or name in found:
+        if installed is None or name in versions:
             continue
-        found[name] = here
+        versions[name] = installed
         needs = [line for line in metadata.requires(name) or () if "extra ==" not in line.replace("extra==", "extra ==")]
         left += [(re.split(r"[^\w.-]", line, maxsplit=1)[0], False) for line in needs]
-    return found
+    return versions

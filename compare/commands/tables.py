@@ -51,7 +51,7 @@ def listed(title: str, columns: Sequence[Column], rows: Iterable[Mapping[str, An
     return ruled(title, [heading for _, heading, _ in columns], texts)
 
 
-def of_quantities(title: str, quantities: Sequence[Quantity], found: Iterable[Any]) -> Table:
+def of_quantities(title: str, quantities: Sequence[Quantity], records: Iterable[Any]) -> Table:
     """Quantities of records as a table with a title and rules, their sets numbered from 1."""
-    rows = ([str(i), *(cell(q.value(one), q.format) for q in quantities)] for i, one in enumerate(found, 1))
+    rows = ([str(i), *(cell(q.value(one), q.format) for q in quantities)] for i, one in enumerate(records, 1))
     return ruled(title, ["set", *(f"{q.label} {q.unit}".strip() for q in quantities)], rows)

@@ -19,7 +19,7 @@ COMMAND = re.compile(r"(?<= )(rollbench solve .*--condensed \S+|(apt-get|pip) in
 
 def wrapped(text: str, width: int) -> str:
     """A text whose lines are wrapped at words; what follows stands below the text behind a label, or is indented by two.
-    Paths, and a command at the end, stay whole for who copies them.
+    Paths, and a command at the end, stay whole, so that they can be copied.
 
     >>> print(wrapped("ok    a sentence that is too long for a terminal of forty", 40))
     ok    a sentence that is too long for a
@@ -35,8 +35,8 @@ def _wrapped(line: str, width: int) -> str:
     indent = len(label[0]) if label and len(label[0]) <= width // 2 else len(line) - len(line.lstrip()) + 2
     command = COMMAND.search(line)
     words = line if command is None else line[: command.start()]
-    own = {"subsequent_indent": " " * indent, "break_on_hyphens": False, "break_long_words": False}
-    parts = textwrap.wrap(words, width, **own)  # type: ignore[arg-type]
+    options = {"subsequent_indent": " " * indent, "break_on_hyphens": False, "break_long_words": False}
+    parts = textwrap.wrap(words, width, **options)  # type: ignore[arg-type]
     return "\n".join([*parts, *([] if command is None else [" " * indent + command[0]])])
 
 

@@ -63,13 +63,13 @@ def meshes(share: float = 1.0) -> dict[str, Mesh]:
 
 def six_forms(mesh: Mesh) -> sp.csc_matrix:
     """int N_a,i N_b,j by a scalar form for each i <= j, the others by transposition; Hooke's law makes the blocks."""
-    V, found = cells(mesh, mapping=mesh.mapping()), {}
+    V, forms = cells(mesh, mapping=mesh.mapping()), {}
     for i, j in combinations_with_replacement(range(3), 2):
         form = BilinearForm(lambda u, v, _, i=i, j=j: u.grad[j] * v.grad[i])
-        found[i, j] = form.assemble(V).tocsr()
-        found[j, i] = found[i, j].T.tocsr()  # of the same pattern
-    pattern = found[0, 0]
-    G = np.stack([found[i, j].data for i in range(3) for j in range(3)], axis=1).reshape(-1, 3, 3)
+        forms[i, j] = form.assemble(V).tocsr()
+        forms[j, i] = forms[i, j].T.tocsr()  # of the same pattern
+    pattern = forms[0, 0]
+    G = np.stack([forms[i, j].data for i in range(3) for j in range(3)], axis=1).reshape(-1, 3, 3)
     shear = YOUNG / (2.0 * (1.0 + POISSON))
     lame = YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON))
     blocks = lame * G + shear * G.swapaxes(1, 2) + shear * np.trace(G, axis1=1, axis2=2)[:, None, None] * np.eye(3)
@@ -101,14 +101,14 @@ def assembly_costs(share: float = 1.0, repeats: int = REPEATS) -> list[AssemblyC
     for name, mesh in meshes(share).items():
         ours = WAYS[OURS](mesh)
         spent: dict[str, list[float]] = {way: [] for way in WAYS}
-        made = {}
+        matrices = {}
         for _ in range(repeats):
             for way, work in WAYS.items():
                 fresh = moved(mesh, points_of(mesh))  # scikit-fem keeps a mesh's map
                 begin = process_time()
-                made[way] = work(fresh)
+                matrices[way] = work(fresh)
                 spent[way].append(process_time() - begin)
-        for way, found in made.items():
-            off = float(abs(found - ours).max() / abs(ours).max())
+        for way, matrix in matrices.items():
+            off = float(abs(matrix - ours).max() / abs(ours).max())
             out.append(AssemblyCost(name, mesh.nelements, way, median(spent[way]), off))
     return out

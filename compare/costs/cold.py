@@ -107,38 +107,38 @@ def measure(
         "repeats": repeats,
         "condensed": str(condensed.resolve()) if condensed else "",
     }
-    begin, found = _alone(CHILD, ask, f"{model} on {scene}", SINGLE_THREAD)
-    return Cold(found["done"] - begin, found["first"], found["warm"], found["memory"], engine, found["status"])
+    begin, printed = _alone(CHILD, ask, f"{model} on {scene}", SINGLE_THREAD)
+    return Cold(printed["done"] - begin, printed["first"], printed["warm"], printed["memory"], engine, printed["status"])
 
 
 def measure_level(scene: str, level: int) -> ColdLevel:
     """Times of a level of the 3D reference of a shipped scene in a new process with empty caches, on all cores. Raises
     RuntimeError where the process fails."""
     before = os.times()
-    begin, found = _alone(LEVEL_CHILD, {"scene": scene, "level": level}, f"level {level} of {scene}", {})
+    begin, printed = _alone(LEVEL_CHILD, {"scene": scene, "level": level}, f"level {level} of {scene}", {})
     after = os.times()
     cpu = sum(y - x for x, y in zip(before[2:4], after[2:4], strict=True))
-    known = {name: found[name] for name in ("contacts", "load_case", "stages")}
-    return ColdLevel(level, found["done"] - begin, cpu, found["memory"], found["status"], scene, **known)
+    known = {name: printed[name] for name in ("contacts", "load_case", "stages")}
+    return ColdLevel(level, printed["done"] - begin, cpu, printed["memory"], printed["status"], scene, **known)
 
 
 def _alone(child: str, ask: dict[str, Any], what: str, environment: dict[str, str]) -> tuple[float, dict[str, Any]]:
-    """When a new process with empty caches began, and what it printed."""
+    """Run a new process with empty caches; when it began, and what it printed."""
     with tempfile.TemporaryDirectory() as folder:
-        own = {name: str(Path(folder) / name.lower()) for name in ("ROLLBENCH_CACHE", "NUMBA_CACHE_DIR")}
-        for place in own.values():
+        caches = {name: str(Path(folder) / name.lower()) for name in ("ROLLBENCH_CACHE", "NUMBA_CACHE_DIR")}
+        for place in caches.values():
             Path(place).mkdir()
         code = child.format(path=[p for p in sys.path if p], ask=json.dumps(ask))
         begin = time()
-        done = subprocess.run(
+        process = subprocess.run(
             [sys.executable, "-I", "-c", code],
             capture_output=True,
             text=True,
             check=False,
             timeout=PATIENCE,
-            env={**os.environ, **environment, **own},
+            env={**os.environ, **environment, **caches},
         )
-    if done.returncode != 0:
-        last = done.stderr.strip().splitlines()[-1:] or ["no message"]
+    if process.returncode != 0:
+        last = process.stderr.strip().splitlines()[-1:] or ["no message"]
         raise RuntimeError(f"{what}: the timing process failed: {last[0]}")
-    return begin, json.loads(done.stdout)
+    return begin, json.loads(process.stdout)

@@ -41,7 +41,7 @@ class Release:
 
 
 def load(stores: Sequence[Path]) -> tuple[Release, ...]:
-    """Releases of the first store that has any, oldest first; none where no store has, or the file is no such one."""
+    """Releases of the first store that has any, oldest first; none without a valid file."""
     for store in stores:
         try:
             rows = json.loads((store / FILE).read_text(encoding="utf-8"))

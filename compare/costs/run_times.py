@@ -48,24 +48,24 @@ def save(store: Path, kept: Kept) -> None:
     """Write times into a store. Raises InputError where it cannot be written."""
     times = [{"scene": scene, "model": model, **asdict(t)} for (scene, model), t in sorted(kept.times.items())]
     first = [{"model": model, **asdict(c)} for (model, _), c in sorted(kept.first.items())]
-    others = {name: [asdict(c) for c in own] for name, own in (("levels", kept.levels), ("assembly", kept.assembly))}
+    others = {name: [asdict(c) for c in costs] for name, costs in (("levels", kept.levels), ("assembly", kept.assembly))}
     lists = {"times": times, "first": first, **others}
-    rows = {name: ",\n ".join(json.dumps(row) for row in own) for name, own in lists.items()}
+    rows = {name: ",\n ".join(json.dumps(row) for row in listed) for name, listed in lists.items()}
     head = f'"machine": {json.dumps(kept.machine)}, "date": {json.dumps(kept.date)}'
-    body = ", ".join(f'"{name}": [\n {own}]' for name, own in rows.items())
+    body = ", ".join(f'"{name}": [\n {text}]' for name, text in rows.items())
     replace_file(store / FILE, f"{{{head}, {body}}}\n")
 
 
 def load(stores: Sequence[Path]) -> Kept | None:
-    """Times of the first store that has any; None where none has, or the file is no such one."""
+    """Times of the first store that has any; None without a valid file."""
     for store in stores:
         try:
-            found = json.loads((store / FILE).read_text(encoding="utf-8"))
-            times = {(r["scene"], r["model"]): RunTime(r["cold"], r["warm"], r["memory"]) for r in found["times"]}
-            first = {(r.pop("model"), r["engine"]): Cold(**r) for r in found["first"]}
-            levels = tuple(ColdLevel(**r) for r in found.get("levels", []))
-            assembly = tuple(AssemblyCost(**r) for r in found.get("assembly", []))
-            return Kept(str(found["machine"]), str(found["date"]), times, first, levels, assembly)
+            data = json.loads((store / FILE).read_text(encoding="utf-8"))
+            times = {(r["scene"], r["model"]): RunTime(r["cold"], r["warm"], r["memory"]) for r in data["times"]}
+            first = {(r.pop("model"), r["engine"]): Cold(**r) for r in data["first"]}
+            levels = tuple(ColdLevel(**r) for r in data.get("levels", []))
+            assembly = tuple(AssemblyCost(**r) for r in data.get("assembly", []))
+            return Kept(str(data["machine"]), str(data["date"]), times, first, levels, assembly)
         except (OSError, ValueError, KeyError, TypeError):
             continue
     return None

@@ -47,12 +47,12 @@ class Costs:
 
 
 def load(stores: Sequence[Path]) -> Costs | None:
-    """Costs of the first store that has any; None where none has, or the file is no such one."""
+    """Costs of the first store that has any; None without a valid file."""
     for store in stores:
         try:
-            found = json.loads((store / FILE).read_text(encoding="utf-8"))
-            jobs, ways = [Job(**row) for row in found["jobs"]], [Way(**row) for row in found["ways"]]
-            return Costs(str(found["machine"]), str(found["date"]), jobs, ways)
+            data = json.loads((store / FILE).read_text(encoding="utf-8"))
+            jobs, ways = [Job(**row) for row in data["jobs"]], [Way(**row) for row in data["ways"]]
+            return Costs(str(data["machine"]), str(data["date"]), jobs, ways)
         except (OSError, ValueError, KeyError, TypeError):
             continue
     return None

@@ -69,7 +69,7 @@ def launch(
     """Wall clock of a Python process [s], which imports nothing from the working folder, and what it left; limit [s]."""
     environment = single_threaded(extra)
     begin = perf_counter()
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-P", *arguments], capture_output=True, text=True, env=environment, check=False, timeout=limit
     )
-    return perf_counter() - begin, done
+    return perf_counter() - begin, process

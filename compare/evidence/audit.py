@@ -85,21 +85,21 @@ class Audited:
 @cache
 def contradicted() -> dict[str, str]:
     """Patterns "table:key" of open entries that are contradicted, and by what."""
-    found: dict[str, str] = data.table("printed/audit/open.toml")["contradicted"]
-    return found
+    patterns: dict[str, str] = data.table("printed/audit/open.toml")["contradicted"]
+    return patterns
 
 
-def judge(found: Evidence) -> tuple[Verdict, str]:
+def judge(entry: Evidence) -> tuple[Verdict, str]:
     """Verdict of an entry and the reason."""
-    p = found.printed
-    words = sentences(p.remark, found.words)
+    p = entry.printed
+    words = sentences(p.remark, entry.words)
     if p.cls == "open":
-        return _judge_open(found, words)
+        return _judge_open(entry, words)
     if p.kind == "input":
-        return ("input" if found.agrees is not False else "contradicted"), words
-    if found.agrees is None:
+        return ("input" if entry.agrees is not False else "contradicted"), words
+    if entry.agrees is None:
         return "not identifiable", words
-    if not found.agrees:
+    if not entry.agrees:
         return "contradicted", words
     if p.kind in ("arithmetic", "zero"):
         return "identity", words
@@ -108,12 +108,12 @@ def judge(found: Evidence) -> tuple[Verdict, str]:
     return ("band" if p.cls == "band" else "reproduced"), words
 
 
-def _judge_open(found: Evidence, words: str) -> tuple[Verdict, str]:
-    name = f"{found.printed.table}:{found.printed.key}"
+def _judge_open(entry: Evidence, words: str) -> tuple[Verdict, str]:
+    name = f"{entry.printed.table}:{entry.printed.key}"
     for pattern, why in contradicted().items():
         if fnmatchcase(name, pattern):
             return "contradicted", sentences(why[:1].upper() + why[1:], words)
-    return ("inferred" if found.reading is not None and found.holds else "not identifiable"), words
+    return ("inferred" if entry.reading is not None and entry.holds else "not identifiable"), words
 
 
 def audit(study: Study, *names: str) -> list[Audited]:
@@ -123,8 +123,8 @@ def audit(study: Study, *names: str) -> list[Audited]:
     """
     out = []
     for name in names or [name for name in tables() if name in by_table() or name in not_computed()]:
-        found = [Evidence(row, words=not_computed()[name]) for row in load_table(name)] if name in not_computed() else None
-        for one in found if found is not None else evidence(study, name):
+        why = not_computed().get(name)
+        for one in evidence(study, name) if why is None else (Evidence(row, words=why) for row in load_table(name)):
             verdict, reason = judge(one)
             out.append(Audited(one, verdict, reason, reference_value(study, f"{name}:{one.printed.key}")))
     return out
@@ -150,11 +150,11 @@ def counts(rows: Sequence[Audited]) -> list[dict[str, Any]]:
     identities), ``all``."""
     out = []
     for source in (*sources().values(), "all"):
-        own = Counter(row.verdict for row in rows if source in (row.source, "all"))
-        if own:
-            judged = sum(n for verdict, n in own.items() if verdict not in APART)
-            verdicts: dict[str, Any] = {str(v): own[v] for v in VERDICTS}
-            out.append({"source": source, **verdicts, "judged": judged, "all": own.total()})
+        by_verdict = Counter(row.verdict for row in rows if source in (row.source, "all"))
+        if by_verdict:
+            judged = sum(n for verdict, n in by_verdict.items() if verdict not in APART)
+            verdicts: dict[str, Any] = {str(v): by_verdict[v] for v in VERDICTS}
+            out.append({"source": source, **verdicts, "judged": judged, "all": by_verdict.total()})
     return out
 
 
@@ -198,13 +198,13 @@ def changes(rows: Sequence[Audited]) -> list[str]:
     """What differs from the stored list, in words: verdicts that changed, without their data or with them; new entries."""
     out = []
     for row in rows:
-        held = stored().get(row.name)
-        own = data_digest(row.found.printed), row.verdict
-        if held is None:
+        before = stored().get(row.name)
+        present = data_digest(row.found.printed), row.verdict
+        if before is None:
             out.append(f"{row.name}: not in the stored list ({row.verdict})")
-        elif held[1] != own[1]:
-            why = "without its data changing" if held[0] == own[0] else "and so did its data"
-            out.append(f"{row.name}: {held[1]} became {own[1]}, {why}")
-        elif held[0] != own[0]:
-            out.append(f"{row.name}: its data changed, {own[1]} as before")
+        elif before[1] != present[1]:
+            why = "without its data changing" if before[0] == present[0] else "and so did its data"
+            out.append(f"{row.name}: {before[1]} became {present[1]}, {why}")
+        elif before[0] != present[0]:
+            out.append(f"{row.name}: its data changed, {present[1]} as before")
     return out

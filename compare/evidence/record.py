@@ -75,10 +75,10 @@ class Sheet:
         self._entries = {row.key: Evidence(row) for row in load_table(table)}
         self.table = table
 
-    def _file(self, key: str, **found: float | bool | str | None) -> None:
+    def _file(self, key: str, **fields: float | bool | str | None) -> None:
         if key not in self._entries:
             raise KeyError(f"{self.table}: no printed entry {key!r}")
-        self._entries[key] = replace(self._entries[key], **found)  # type: ignore[arg-type]
+        self._entries[key] = replace(self._entries[key], **fields)  # type: ignore[arg-type]
 
     def number(
         self,

@@ -33,8 +33,8 @@ class Computation:
     @property
     def compute(self) -> Callable[[Study], tuple[Evidence, ...]]:
         """The function, imported now."""
-        found: Callable[[Study], tuple[Evidence, ...]] = load(self.computed_by)
-        return found
+        function: Callable[[Study], tuple[Evidence, ...]] = load(self.computed_by)
+        return function
 
     @property
     def function(self) -> str:
@@ -48,10 +48,10 @@ class Computation:
 
     def origin(self, row: Printed) -> tuple[tuple[str, ...], str]:
         """Scenes behind an entry, and where there are none, why."""
-        found = next((behind for pattern, behind in self.behind if fnmatchcase(row.key, pattern)), "")
-        if not isinstance(found, str) and found:
-            return found, ""
-        return (), KINDS[row.kind] if row.kind in ("input", "arithmetic") else str(found or "")
+        origin = next((behind for pattern, behind in self.behind if fnmatchcase(row.key, pattern)), "")
+        if not isinstance(origin, str) and origin:
+            return origin, ""
+        return (), KINDS[row.kind] if row.kind in ("input", "arithmetic") else str(origin or "")
 
 
 @cache
@@ -107,14 +107,14 @@ class Trace:
 def traces(table: str = "") -> Iterator[Trace]:
     """Every printed entry of one shipped table, or of all, in order. Raises InputError for an unknown table."""
     for name in [table] if table else tables():
-        own = by_table().get(name)
+        computation = by_table().get(name)
         rows = load_table(name)
         if name not in by_table() and name not in not_computed():
             continue  # its wing is absent
         for row in rows:
             printed = row.claim or f"{row.printed} {row.unit}".rstrip()
-            if own is None:
+            if computation is None:
                 yield Trace(name, row.key, printed, row.cls, (), not_computed()[name], "none", "")
             else:
-                test = f"{own.test}::test_entry[{name}:{row.key}]"
-                yield Trace(name, row.key, printed, row.cls, *own.origin(row), own.function, test)
+                test = f"{computation.test}::test_entry[{name}:{row.key}]"
+                yield Trace(name, row.key, printed, row.cls, *computation.origin(row), computation.function, test)

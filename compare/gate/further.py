@@ -32,43 +32,43 @@ class Contacts(NamedTuple):
 
 def contacts_by(scene: Scene, answer: Loads, limits: Mapping[str, float]) -> Contacts:
     """What a model says of contacts, of the quantities that are given a limit."""
-    own = {name: q for name, q in OF_CONTACTS.items() if q.name in limits}
-    further = {name: np.radians(answer.angle) if q is ANGLE else hertz_of(scene, q, answer.load) for name, q in own.items()}
+    limited = {name: q for name, q in OF_CONTACTS.items() if q.name in limits}
+    further = {k: np.radians(answer.angle) if q is ANGLE else hertz_of(scene, q, answer.load) for k, q in limited.items()}
     return Contacts(answer.load, further)
 
 
 def values_by(scene: Scene, answer: Loads, limits: Mapping[str, float]) -> list[GivenValue]:
     """What a model says of the whole, of the quantities that are given a limit and that it has."""
-    whole, asked = Whole(scene), [q for q in QUANTITIES.values() if q.name in limits and q not in OF_CONTACTS.values()]
-    found = ((q, whole.of(q, answer)) for q in asked)
-    return [GivenValue(q, value) for q, value in found if value is not None]
+    whole, limited = Whole(scene), [q for q in QUANTITIES.values() if q.name in limits and q not in OF_CONTACTS.values()]
+    values = ((q, whole.of(q, answer)) for q in limited)
+    return [GivenValue(q, value) for q, value in values if value is not None]
 
 
-def contact_verdicts(judged: str, given: Contacts, scene: Scene, found: Reference, limits: Limits) -> list[Verdict]:
+def contact_verdicts(judged: str, given: Contacts, scene: Scene, ref: Reference, limits: Limits) -> list[Verdict]:
     """A verdict on each quantity of contacts that is given and that the reference has, on the contact that decides."""
-    without = {"angle"} if not np.isfinite(found.best.angle).any() else set()
-    asked = [name for name in OF_CONTACTS if name in given.further.keys() - without]
-    return [_of_contacts(judged, given, name, scene, found, limits) for name in asked]
+    without = {"angle"} if not np.isfinite(ref.best.angle).any() else set()
+    names = [name for name in OF_CONTACTS if name in given.further.keys() - without]
+    return [_of_contacts(judged, given, name, scene, ref, limits) for name in names]
 
 
-def _of_contacts(judged: str, given: Contacts, name: str, scene: Scene, found: Reference, limits: Limits) -> Verdict:
+def _of_contacts(judged: str, given: Contacts, name: str, scene: Scene, ref: Reference, limits: Limits) -> Verdict:
     """In per cent of a contact's own value, of that at the mean load for contacts below a tenth of it; of angles in
     degrees, of contacts that bear load in both."""
     q, value = OF_CONTACTS[name], given.further[name]
     limit, unit = limit_of(q, limits.others, limits.largest), "deg" if q is ANGLE else "%"
-    reference, bars = of_contacts(scene, found, q)
+    reference, bars = of_contacts(scene, ref, q)
     chosen = np.array([side in given.flanks for side in SIDES])
     if q is ANGLE:
-        judge = bearing(found.load) & bearing(given.load) & chosen & np.isfinite(reference)
+        judge = bearing(ref.load) & bearing(given.load) & chosen & np.isfinite(reference)
         errors, shares = np.degrees(value - reference), np.degrees(bars)
     else:
-        judge = ((found.load > 0.0) | (value > 0.0)) & chosen
+        judge = ((ref.load > 0.0) | (value > 0.0)) & chosen
         value = np.where(np.isnan(value) & (given.load == 0.0), 0.0, value)  # of a contact that is lost
-        mean = hertz_of(scene, q, np.full(value.shape, found.mean))
-        scale = np.where(found.load >= SMALL * found.mean, reference, mean)
+        mean = hertz_of(scene, q, np.full(value.shape, ref.mean))
+        scale = np.where(ref.load >= SMALL * ref.mean, reference, mean)
         errors, shares = error_percent(value, reference, scale), error_percent(bars, 0.0, scale)
     if not judge.any():
-        return blank(found, judged, q.name, limit, f"no contact of the flanks {', '.join(given.flanks)} is loaded", unit)
+        return blank(ref, judged, q.name, limit, f"no contact of the flanks {', '.join(given.flanks)} is loaded", unit)
     points = [
         At(float(errors[k]), float(shares[k]) if np.isfinite(shares[k]) else None, int(k[0]) + 1, SIDES[k[1]])
         for k in zip(*np.nonzero(judge), strict=True)
@@ -76,24 +76,24 @@ def _of_contacts(judged: str, given: Contacts, name: str, scene: Scene, found: R
     kind, at = decisive(points, limit)
     k = at.ball - 1, SIDES.index(at.side)
     pair = (q.key, q.factor * float(value[k]), q.factor * float(reference[k]))
-    said = about(found) if q is ANGLE or q.name in found.further else "; ".join(filter(None, [BY_HERTZ, about(found)]))
-    where = (at.ball, at.side, found.levels, len(points), said)
-    return Verdict(found.scene, judged, q.name, kind, at.error, at.bar, limit, *where, unit=unit, pair=pair)
+    detail = about(ref) if q is ANGLE or q.name in ref.further else "; ".join(filter(None, [BY_HERTZ, about(ref)]))
+    where = (at.ball, at.side, ref.levels, len(points), detail)
+    return Verdict(ref.scene, judged, q.name, kind, at.error, at.bar, limit, *where, unit=unit, pair=pair)
 
 
-def value_verdict(judged: str, given: GivenValue, scene: Scene, found: Reference, limits: Limits) -> Verdict:
+def value_verdict(judged: str, given: GivenValue, scene: Scene, ref: Reference, limits: Limits) -> Verdict:
     """The verdict on a value of the whole, in per cent of the reference's."""
     whole, q = Whole(scene), given.quantity
     limit = limit_of(q, limits.others, limits.largest)
-    reference, bar = whole.reference(q, found, given.station)
+    reference, bar = whole.reference(q, ref, given.station)
     if not reference:
-        return blank(found, judged, given.name, limit, f"no {q.name}: {whole.why_not(q, found)}")
+        return blank(ref, judged, given.name, limit, f"no {q.name}: {whole.why_not(q, ref)}")
     error = float(error_percent(given.value, reference))
     share = None if bar is None else float(error_percent(bar, 0.0, reference))
-    said = "; ".join(part for part in (whole.words(q), about(found)) if part)
+    detail = "; ".join(filter(None, (whole.words(q), about(ref))))
     pair = (q.key, q.factor * given.value, q.factor * reference)
     kind = word(error, share, limit)
-    return Verdict(found.scene, judged, given.name, kind, error, share, limit, levels=found.levels, detail=said, pair=pair)
+    return Verdict(ref.scene, judged, given.name, kind, error, share, limit, levels=ref.levels, detail=detail, pair=pair)
 
 
 def not_judged(verdicts: Sequence[Verdict]) -> list[str]:

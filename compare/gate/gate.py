@@ -67,21 +67,21 @@ def number_row(name: str, kind: str, value: float, reference: float, limit: floa
     return GateRow(name, kind, value, reference, error, limit, abs(error) <= limit)
 
 
-def evidence_row(found: Evidence, max_error: float) -> GateRow:
+def evidence_row(entry: Evidence, max_error: float) -> GateRow:
     """Row of a printed entry: its own printed digits are the limit, and ``max_error`` on top."""
-    p = found.printed
+    p = entry.printed
     if p.value is None:
         return GateRow(
-            f"{p.place}: {p.claim}", f"claim, {p.cls}", None, None, None, None, found.agrees is not False, found.words
+            f"{p.place}: {p.claim}", f"claim, {p.cls}", None, None, None, None, entry.agrees is not False, entry.words
         )
     label = f"{p.place}: {p.label}"
     kind = f"printed, {p.cls}" if p.cls != "input" else "input, held by its scene"
     if p.value == 0.0:  # no per cent of it: within its own tolerance or not
-        return GateRow(label, kind, found.compared, 0.0, None, None, found.agrees is True)
-    error = found.error_percent
+        return GateRow(label, kind, entry.compared, 0.0, None, None, entry.agrees is True)
+    error = entry.error_percent
     limit = min(max_error, abs(float(error_percent(p.value + p.tolerance, p.value))))
-    passed = bool(found.agrees) and error is not None and abs(error) <= max_error
-    return GateRow(label, kind, found.compared, p.value, error, limit, passed)
+    passed = bool(entry.agrees) and error is not None and abs(error) <= max_error
+    return GateRow(label, kind, entry.compared, p.value, error, limit, passed)
 
 
 def printed_rows(study: Study, max_error: float) -> list[GateRow]:
@@ -156,28 +156,28 @@ def reference_rows(study: Study, max_error: float) -> list[GateRow]:
     """
     rows: list[GateRow] = []
     for name in (*REFERENCED, *UNSEEN):
-        found = study.reference(name)
-        if found is None:
+        reference = study.reference(name)
+        if reference is None:
             text = "no stored run of the 3D reference: run rollbench mesh-study"
             rows.append(GateRow(f"{name}: 3D reference", "3D reference", None, None, None, max_error, False, text))
             continue
         load = study.solve(name, DEFAULT).load
-        bar = uncertainty_percent(found)
-        points = gate_points(name, found, max_error, load)
+        bar = uncertainty_percent(reference)
+        points = gate_points(name, reference, max_error, load)
         over = [p for p in points if p.exceeds]
         for p in over:
             text = f"reference's uncertainty {p.uncertainty_percent:.2f} %"
             label = f"{p.scene}: ball {p.ball} {p.side} against the 3D reference"
-            own = p.uncertainty_percent
-            rows.append(GateRow(label, "3D reference", None, None, p.error_percent, max_error, False, text, own))
+            share = p.uncertainty_percent
+            rows.append(GateRow(label, "3D reference", None, None, p.error_percent, max_error, False, text, share))
         if not over:
             top = max(points, key=lambda p: abs(p.error_percent))
             label = f"{name}: worst contact (ball {top.ball} {top.side}) against the 3D reference"
-            its = top.uncertainty_percent
-            rows.append(GateRow(label, "3D reference", None, None, top.error_percent, max_error, True, "", its))
-        e = load_error(load, found.load, found.contacts)
-        own, cause = WIDER.get(name, (TIGHT, ""))
-        tight = min(own, max_error)
+            share = top.uncertainty_percent
+            rows.append(GateRow(label, "3D reference", None, None, top.error_percent, max_error, True, "", share))
+        e = load_error(load, reference.load, reference.contacts)
+        limit, cause = WIDER.get(name, (TIGHT, ""))
+        tight = min(limit, max_error)
         rows.append(
             GateRow(
                 f"{name}: largest error of the mean load (ball {e.ball} {e.side})",
@@ -202,10 +202,10 @@ def source_rows(study: Study, max_error: float) -> list[GateRow]:
     rows: list[GateRow] = []
     known = {(x.scene, x.ball, x.side) for x in known_exceedances()}
     for name in REFERENCED:
-        found = study.reference(name)
-        if found is None:
+        reference = study.reference(name)
+        if reference is None:
             continue
-        points = gate_points(name, found, max_error, study.solve(name, "lin").load)
+        points = gate_points(name, reference, max_error, study.solve(name, "lin").load)
         over = {(p.scene, p.ball, p.side) for p in points if p.exceeds}
         top = max(points, key=lambda p: abs(p.error_percent))
         named = {k for k in known if k[0] == name}

@@ -102,21 +102,21 @@ def hertz_of(scene: Scene, quantity: Quantity, load: Array) -> Array:
 def by_loads(of: Callable[[Array], Array | float | None], load: Array, bar: Array) -> Array | float | None:
     """What loads ``(n, 4)`` [N] leave uncertain by their own ``bar`` in a quantity that is monotone in each of them: the
     larger change where all are moved up or down together; None where the quantity has no value."""
-    own = np.where(load > 0.0, bar, 0.0)
-    value, *ends = (of(x) for x in (load, load + own, np.maximum(load - own, 0.0)))
+    bars = np.where(load > 0.0, bar, 0.0)
+    value, *ends = (of(x) for x in (load, load + bars, np.maximum(load - bars, 0.0)))
     if value is None or any(end is None for end in ends):
         return None
     return np.max([np.abs(end - value) for end in ends], axis=0)  # type: ignore[operator, no-any-return]
 
 
-def of_contacts(scene: Scene, found: Reference, quantity: Quantity) -> tuple[Array, Array]:
+def of_contacts(scene: Scene, reference: Reference, quantity: Quantity) -> tuple[Array, Array]:
     """A reference's values of every contact ``(n, 4)`` [SI], and their uncertainty, nan where it is not known."""
-    own = found.further.get(quantity.name)
+    given = reference.further.get(quantity.name)
     if quantity is ANGLE:
-        bars = np.zeros_like(found.load) if found.stated else uncertainties_of(found, lambda run: run.angle)
-        return np.radians(found.best.angle), np.radians(bars)
-    bar = by_loads(lambda load: hertz_of(scene, quantity, load), found.load, found.uncertainty)
-    return hertz_of(scene, quantity, found.load) if own is None else own, np.asarray(bar)
+        bars = np.zeros_like(reference.load) if reference.stated else uncertainties_of(reference, lambda run: run.angle)
+        return np.radians(reference.best.angle), np.radians(bars)
+    bar = by_loads(lambda load: hertz_of(scene, quantity, load), reference.load, reference.uncertainty)
+    return hertz_of(scene, quantity, reference.load) if given is None else given, np.asarray(bar)
 
 
 @dataclass(frozen=True)
@@ -135,8 +135,8 @@ class Whole:
         given."""
         angle = np.radians(answer.angle)
         if quantity is LIFE:
-            found = load_answers(self.scene, answer.load, angle).life
-            return None if found is None else found.revolutions
+            life = load_answers(self.scene, answer.load, angle).life
+            return None if life is None else life.revolutions
         if quantity is TORQUE:
             return self._torque(answer.load, angle)
         at = self.scene.nut.position if station is None else station
@@ -149,26 +149,26 @@ class Whole:
         return force / moved if moved * force > 0.0 else None
 
     def reference(
-        self, quantity: Quantity, found: Reference, station: float | None = None
+        self, quantity: Quantity, ref: Reference, station: float | None = None
     ) -> tuple[float | None, float | None]:
         """A reference's value [SI] and its uncertainty, None where either is not known."""
-        answers = [from_run(run, "") for run in found.runs]
+        answers = [from_run(run, "") for run in ref.runs]
         if quantity in (TORQUE, LIFE):
             best = answers[-1]
-            bar = by_loads(lambda load: self.of(quantity, replace(best, load=load)), found.load, found.uncertainty)
+            bar = by_loads(lambda load: self.of(quantity, replace(best, load=load)), ref.load, ref.uncertainty)
             return self.of(quantity, best), None if bar is None else float(bar)
         values = [value for answer in answers if (value := self.of(quantity, answer, station)) is not None]
         if len(values) < len(answers):
             return None, None
-        return values[-1], observe(values, found.sizes).uncertainty
+        return values[-1], observe(values, ref.sizes).uncertainty
 
-    def why_not(self, quantity: Quantity, found: Reference) -> str:
+    def why_not(self, quantity: Quantity, ref: Reference) -> str:
         """Why a reference has no value of a quantity."""
         if quantity is TORQUE:
             return "the scene has no [friction]" if self.scene.friction is None else "friction finds none"
         if quantity is LIFE:
-            return load_answers(self.scene, found.load, np.radians(found.best.angle)).words or "no contact carries load"
-        return f"{found.label} holds none" if found.stated else "the screw does not move with its load"
+            return load_answers(self.scene, ref.load, np.radians(ref.best.angle)).words or "no contact carries load"
+        return f"{ref.label} holds none" if ref.stated else "the screw does not move with its load"
 
     def words(self, quantity: Quantity) -> str:
         """What is said beside a quantity."""
@@ -183,8 +183,8 @@ class Whole:
             return None
         result = replace(lent, load=load, contact_angle=np.where(np.isfinite(angle), angle, lent.contact_angle))
         for torque in offered("torque"):
-            found = torque([(self.scene, result)], self.scene.friction, self.scene.motion, INTERPRETED)
-            return None if found is None else 1e-3 * float(found)
+            value = torque([(self.scene, result)], self.scene.friction, self.scene.motion, INTERPRETED)
+            return None if value is None else 1e-3 * float(value)
         return None
 
     @cached_property

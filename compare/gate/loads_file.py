@@ -108,12 +108,12 @@ def read_loads(path: Path, balls: int, scene: Scene | None = None, only: Only = 
     nothing: a row that was lost is not taken for a contact without load. Raises InputError.
     """
     table = Rows.read(path, COLUMNS[:2], EXAMPLE)
-    own = _columns(path, table)
-    find = None if scene is None or not PLACE.issubset(c.name for c in own.values()) else _Places(scene)
+    columns = _columns(path, table)
+    find = None if scene is None or not PLACE.issubset(c.name for c in columns.values()) else _Places(scene)
     values = {name: np.full((balls, len(SIDES)), np.nan) for name in ("load", *FURTHER)}
     cases, renumbered = set(), set()
     for number, row in table.rows:
-        named = {c.name: (head, c.factor, row.get(head.lower(), "")) for head, c in own.items()}
+        named = {c.name: (head, c.factor, row.get(head.lower(), "")) for head, c in columns.items()}
         cells = _Row(path, f"line {number}", named, decimal_comma=table.decimal_comma)
         if any(cells.word(name) not in words for name, words in only.items()):
             continue
@@ -132,15 +132,15 @@ def read_loads(path: Path, balls: int, scene: Scene | None = None, only: Only = 
         which, value = " and ".join(only), " of ".join(f"{name} {words[0]}" for name, words in reversed([*only.items()]))
         advice = f"rollbench solve SCENE --loads-csv FILE writes all, told apart by the column {which}"
         raise InputError(str(path), which, f"no rows of {value}", f"rows of every {which} of the scene", advice)
-    unknown = tuple(f'"{head}"' for head, c in own.items() if not c.name)
-    further = {name: of for name, of in values.items() if name != "load" and name in {c.name for c in own.values()}}
-    found = _whole(path, values["load"])
+    unknown = tuple(f'"{head}"' for head, c in columns.items() if not c.name)
+    further = {name: of for name, of in values.items() if name != "load" and name in {c.name for c in columns.values()}}
+    loads = _whole(path, values["load"])
     for name in further.keys() - {"uncertainty", "uncertain share"}:
-        gaps = np.argwhere(np.isnan(further[name]) & (found.load > 0.0))
+        gaps = np.argwhere(np.isnan(further[name]) & (loads.load > 0.0))
         if gaps.size:
             value = f"no {name} of ball {gaps[0][0] + 1} {SIDES[gaps[0][1]]}"
             raise InputError(str(path), "rows", value, "one of every contact that carries load", "or leave the column out")
-    return replace(found, renumbered=len(renumbered), further=further, unknown=unknown, notes=table.notes)
+    return replace(loads, renumbered=len(renumbered), further=further, unknown=unknown, notes=table.notes)
 
 
 def _note(line: str) -> tuple[str, str]:
@@ -151,14 +151,14 @@ def _note(line: str) -> tuple[str, str]:
 
 def _columns(path: Path, table: Rows) -> dict[str, Column]:
     """What the headings name. Raises InputError where one is missing, or two name the same."""
-    own = {head: column(head) for head in table.titles}
+    columns = {head: column(head) for head in table.titles}
     where, names = f"line {table.line}", [column(head).name for head in table.titles]
     if "load" not in names:
         raise InputError(str(path), where, ", ".join(table.titles), f"a column {COLUMNS[2]}", EXAMPLE)
     twice = next((head for k, head in enumerate(table.titles) if names[k] and names[k] in names[:k]), None)
     if twice is not None:
         raise InputError(str(path), where, twice, "each quantity once", "delete one of the columns")
-    return own
+    return columns
 
 
 class _Row:
@@ -168,7 +168,7 @@ class _Row:
         self._path, self._line, self._cells, self._comma = path, line, cells, decimal_comma
 
     def fault(self, name: str, value: str, allowed: str, advice: str) -> InputError:
-        """What is said of a cell."""
+        """The refusal of a cell."""
         return InputError(str(self._path), f"{self._line}: {name}", value or "nothing", allowed, advice)
 
     def word(self, name: str) -> str:
@@ -200,7 +200,7 @@ class _Row:
         return value * factor
 
     def amount(self, name: str) -> float:
-        """What is zero or more, in SI; nan where no load is the question and the cell is empty, or the file has no such
+        """A number of zero or more, in SI. Of any column but the load: nan where the cell is empty, or the file has no such
         column."""
         value, factor, text = self._number(name)
         if not text and name != "load":
@@ -231,10 +231,10 @@ class _Places:
         away = np.hypot(self._pitch * turn, self._z - z)
         ball = int(away.argmin())
         if away[ball] > self._near:
-            found = f"{np.degrees(azimuth):g} deg, {1e3 * z:g} mm"
+            place = f"{np.degrees(azimuth):g} deg, {1e3 * z:g} mm"
             allowed = f"the place of a ball; the nearest, {ball + 1}, is {1e3 * away[ball]:.3g} mm away"
             advice = "places are those of rollbench solve SCENE --loads-csv FILE; without the columns, numbers count"
-            raise row.fault("azimuth, z", found, allowed, advice)
+            raise row.fault("azimuth, z", place, allowed, advice)
         return ball
 
 
@@ -247,7 +247,7 @@ def number_of(text: str, *, decimal_comma: bool) -> float:
 
 
 def read_table(path: Path) -> str:
-    """The text of a file. Raises InputError where it cannot be read, is none, or too large."""
+    """The text of a file. Raises InputError where it cannot be read, is no text, or is too large."""
     allowed, advice = "a readable CSV file", "check the path"
     try:
         if not path.is_file():

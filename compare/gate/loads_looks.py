@@ -1,4 +1,4 @@
-"""What loads of another program look like that disagree with the reference as a whole: another unit, other numbers."""
+"""Why loads of another program may disagree with the reference as a whole: another unit, other numbers of the balls."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ NEAR = 0.2
 def looks(load: Array, reference: Array, flanks: Sequence[str], limit: float) -> str:
     """Words on loads ``(n, 4)`` [N] beyond the limit [%] that would be within it in another unit or on other balls; empty
     where there is no such reason. flanks: those that are judged."""
-    own = [SIDES.index(side) for side in flanks]
-    given, right = load[:, own], reference[:, own]
+    sides = [SIDES.index(side) for side in flanks]
+    given, right = load[:, sides], reference[:, sides]
     mean = mean_load(right)
     if mean == 0.0 or not given.any() or _largest(given, right, mean) <= limit:
         return ""

@@ -67,7 +67,7 @@ def amount(value: float | None, unit: str) -> str:
 
 def of_verdict(v: Verdict) -> Outcome:
     """The row of a verdict on a user's scene."""
-    note = "; ".join(part for part in (v.pair_text.strip(", "), v.detail) if part)
+    note = "; ".join(filter(None, (v.pair_text.strip(", "), v.detail)))
     numbers = v.error, v.uncertainty, v.limit, v.unit
     return Outcome(v.word == "pass", v.word, v.of, v.judged, v.quantity, *numbers, v.ball, v.flank or "", note, v.near)
 
@@ -154,11 +154,11 @@ def picture(o: Outcome) -> Figure:
 
     balls, loads, reference, bars = (list(x) for x in zip(*o.near, strict=True))
     ends = [r - b for r, b in zip(reference, bars, strict=True)], [r + b for r, b in zip(reference, bars, strict=True)]
-    both = (
+    series = (
         Series("reference", balls, reference, "markers", emphasis=True, bars=ends),
         Series(o.judged, balls, loads, "line+markers"),
     )
-    panel = Panel(f"flank {o.flank}", "ball", "contact load / N", both, zero=True, integer_x=True)
+    panel = Panel(f"flank {o.flank}", "ball", "contact load / N", series, zero=True, integer_x=True)
     return Figure("worst-ball", _title(o), (panel,))
 
 
@@ -198,9 +198,9 @@ def publish(
     named = os.environ if environment is None else environment
     written = []
     texts = ((junit_file, junit), (markdown_file, markdown), (csv_file, lambda rows, _: table(rows)))
-    for file, made in texts:
+    for file, text_of in texts:
         if file is not None:
-            replace_file(file, made(outcomes, notes))
+            replace_file(file, text_of(outcomes, notes))
             written.append(file)
     shown = worst(outcomes)
     if markdown_file is not None and shown is not None and not no_figure():

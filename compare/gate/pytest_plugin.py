@@ -47,7 +47,7 @@ class Rollbench:
         from rollbench.meshes.cache import default_root
 
         try:
-            what = asked(
+            request = asked(
                 model=model,
                 loads=None if loads is None else self.root / loads,
                 values=None if values is None else self.root / values,
@@ -62,7 +62,7 @@ class Rollbench:
             )
             name = str(scene)
             path = name if name in catalogue.scene_names() else str(self.root / scene)
-            verdicts = check_scenes([catalogue.scene(path)], what, Engine(cache=default_root()), lambda _: None)
+            verdicts = check_scenes([catalogue.scene(path)], request, Engine(cache=default_root()), lambda _: None)
         except InputError as error:
             pytest.fail(str(error), pytrace=False)
         bad = [v.line() for v in verdicts if v.word != "pass"]

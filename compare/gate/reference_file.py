@@ -54,13 +54,13 @@ def read_reference(
     return Reference(scene.name, (run,), given.load, bars, parts, contacts, label, stated, further), given.unknown
 
 
-def exceeding(found: Reference, limit: float) -> str:
+def exceeding(ref: Reference, limit: float) -> str:
     """A warning where a reference is more uncertain than the limit [%] that it should judge; empty where it is not."""
-    worst = max(gate_points(found.scene, found, limit, found.load), key=lambda p: p.uncertainty_percent)
+    worst = max(gate_points(ref.scene, ref, limit, ref.load), key=lambda p: p.uncertainty_percent)
     if worst.uncertainty_percent <= limit:
         return ""
     return (
-        f"the uncertainty of {found.label}, {worst.uncertainty_percent:.3g} % at ball {worst.ball} {worst.side}, exceeds "
+        f"the uncertainty of {ref.label}, {worst.uncertainty_percent:.3g} % at ball {worst.ball} {worst.side}, exceeds "
         f"the limit of {limit:g} % that it should judge"
     )
 
@@ -68,13 +68,13 @@ def exceeding(found: Reference, limit: float) -> str:
 def _uncertainty(path: Path, given: GivenLoads, mean: float) -> tuple[Array, str]:
     """Uncertainty of every contact [N], and what is said of it."""
     on = given.load > 0.0
-    told = [name for name in ("uncertainty", "uncertain share") if name in given.further]
+    stated = [name for name in ("uncertainty", "uncertain share") if name in given.further]
     note = given.notes.get(UNCERTAINTY)
-    if len(told) + (note is not None) > 1:
+    if len(stated) + (note is not None) > 1:
         allowed = "one column or one note"
         raise InputError(str(path), "uncertainty", "several", allowed, "leave the others out")
-    if told:
-        values = given.further[told[0]] * (given.load if told[0] == "uncertain share" else 1.0)
+    if stated:
+        values = given.further[stated[0]] * (given.load if stated[0] == "uncertain share" else 1.0)
         gaps = np.argwhere(np.isnan(values) & on)
         if gaps.size:
             value = f"none of ball {gaps[0][0] + 1} {SIDES[gaps[0][1]]}"

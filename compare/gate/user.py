@@ -114,7 +114,7 @@ class Files:
 
 def check_scenes(
     scenes: Sequence[Solvable],
-    what: Asked,
+    request: Asked,
     engine: Engine,
     step: Callable[[str], None],
     warn: Callable[[str], None] = lambda _: None,
@@ -127,37 +127,36 @@ def check_scenes(
     before; cases: which load case each scene is, by their names, where files hold the rows of all. Raises InputError for
     files that do not fit the scene, Refusal where the model cannot take it.
     """
-    said: dict[str, None] = {}
-    read = [_files(scene, what, said.setdefault, cases.get(scene.name)) for scene in _of_files(scenes, what, cases)]
-    for words in said:
+    warned: dict[str, None] = {}
+    read = [_files(scene, request, warned.setdefault, cases.get(scene.name)) for scene in _of_files(scenes, request, cases)]
+    for words in warned:
         warn(words)
     each_files = read or [Files()] * len(scenes)
-    why = _computed([*scenes, *(s for f in read for s in f.at.values())], what, engine, step) if what.compute else {}
+    why = _computed([*scenes, *(s for f in read for s in f.at.values())], request, engine, step) if request.compute else {}
     out: list[Verdict] = []
     for scene, files in zip(scenes, each_files, strict=True):
-        limits = limits_of(scene, what.max_error, what.limits)
-        each: Sequence[Referenced] = files.reference or referenced(scene, what.stores)
+        limits = limits_of(scene, request.max_error, request.limits)
+        each: Sequence[Referenced] = files.reference or referenced(scene, request.stores)
         reason = why.get(scene.name, NONE_STORED)
-        if what.values is None or what.loads is not None:
-            out += [v for one in each for v in _verdicts(one, files, limits, what)]
-            judged = MODELS[what.model].name if what.loads is None else what.loads.name
+        if request.values is None or request.loads is not None:
+            out += [v for one in each for v in _verdicts(one, files, limits, request)]
+            judged = MODELS[request.model].name if request.loads is None else request.loads.name
             out += [] if each else [_not_covered(scene, judged, LARGEST, limits.largest, reason)]
         for value in files.values:
-            here = each if value.force is None else referenced(files.at[value.force], what.stores)
-            out.append(_value(value, [x for x in here if of_set(x, value.set)], scene, limits, what, reason))
+            beside = each if value.force is None else referenced(files.at[value.force], request.stores)
+            out.append(_value(value, [x for x in beside if of_set(x, value.set)], scene, limits, request, reason))
     return out
 
 
-def _verdicts(one: Referenced, files: Files, limits: Limits, what: Asked) -> list[Verdict]:
+def _verdicts(one: Referenced, files: Files, limits: Limits, request: Asked) -> list[Verdict]:
     """Verdicts on what a file or a model says of the contacts of a scene, or of a set."""
-    if what.loads is None:
-        return _named(_model(one, what.model, limits, what.stores), one)
-    given, judged = files.loads[0 if one.of is None else one.of.number], what.loads.name
-    detail = "; ".join(part for part in _said(given, one.found, limits) if part)
+    if request.loads is None:
+        return _named(_model(one, request.model, limits, request.stores), one)
+    given, judged = files.loads[0 if one.of is None else one.of.number], request.loads.name
+    detail = "; ".join(filter(None, _said(given, one.found, limits)))
     verdicts = judge(judged, given.load, one.found, limits, given.flanks, detail)
-    further = Contacts(given.load, given.further, given.flanks)
-    found = _beside(verdicts, given, one, limits, what) + contact_verdicts(judged, further, one.scene, one.found, limits)
-    return _named(found, one)
+    further = contact_verdicts(judged, Contacts(given.load, given.further, given.flanks), one.scene, one.found, limits)
+    return _named(_beside(verdicts, given, one, limits, request) + further, one)
 
 
 def _named(verdicts: list[Verdict], one: Referenced) -> list[Verdict]:
@@ -165,9 +164,9 @@ def _named(verdicts: list[Verdict], one: Referenced) -> list[Verdict]:
     return verdicts if one.of is None else [replace(v, scene=one.of.assembly.name, set=one.of.name) for v in verdicts]
 
 
-def _beside(verdicts: list[Verdict], given: GivenLoads, one: Referenced, limits: Limits, what: Asked) -> list[Verdict]:
+def _beside(verdicts: list[Verdict], given: GivenLoads, one: Referenced, limits: Limits, request: Asked) -> list[Verdict]:
     """Verdicts by a user's own reference, with what ours says beside the first, where it is stored."""
-    ours = stored_beside(one, what.stores) if one.found.stated else None
+    ours = stored_beside(one, request.stores) if one.found.stated else None
     if ours is None:
         return verdicts
     other = judge("", given.load, ours, limits, given.flanks)[0]
@@ -176,20 +175,20 @@ def _beside(verdicts: list[Verdict], given: GivenLoads, one: Referenced, limits:
 
 
 def _value(
-    value: GivenValue, each: Sequence[Referenced], scene: Solvable, limits: Limits, what: Asked, reason: str
+    value: GivenValue, each: Sequence[Referenced], scene: Solvable, limits: Limits, request: Asked, reason: str
 ) -> Verdict:
     """The verdict on a value of the whole, of several sets on one shaft on the life of one."""
-    assert what.values is not None
+    assert request.values is not None
     one = next(iter(each), None)
     if one is None or (one.of is not None and value.quantity is not LIFE):
         limit = limit_of(value.quantity, limits.others, limits.largest)
         reason = reason if one is None else "of several sets on one shaft only the life of each is judged"
-        return _not_covered(scene, what.values.name, value.name, limit, reason)
-    return _named([value_verdict(what.values.name, value, one.scene, one.found, limits)], one)[0]
+        return _not_covered(scene, request.values.name, value.name, limit, reason)
+    return _named([value_verdict(request.values.name, value, one.scene, one.found, limits)], one)[0]
 
 
 def of_set(one: Referenced, word: str) -> bool:
-    """Whether a word, a number from 1 or a name, is that of a set; the only one has any."""
+    """Whether a word (a number from 1, or a name) names a set; the only set goes by any."""
     return one.of is None or word in _words(one.of.assembly, one.of.number)
 
 
@@ -201,10 +200,10 @@ def _not_covered(scene: Solvable, judged: str, quantity: str, limit: float, why:
     return Verdict(scene.name, judged, quantity, "not covered", None, None, limit, detail=why)
 
 
-def _of_files(scenes: Sequence[Solvable], what: Asked, cases: Mapping[str, str]) -> Sequence[Solvable]:
-    """The scenes that files are asked to say something of; none where no file is. Raises InputError for several that are
+def _of_files(scenes: Sequence[Solvable], request: Asked, cases: Mapping[str, str]) -> Sequence[Solvable]:
+    """The scenes that files are given for; none without files. Raises InputError for several that are
     not the load cases of one."""
-    named = {"--loads": what.loads, "--values": what.values, "--reference": what.reference}
+    named = {"--loads": request.loads, "--values": request.values, "--reference": request.reference}
     for option, path in named.items():
         if path is not None and len(scenes) != 1 and len(cases) != len(scenes):
             advice = "check the scenes one by one, each with its file"
@@ -212,23 +211,23 @@ def _of_files(scenes: Sequence[Solvable], what: Asked, cases: Mapping[str, str])
     return scenes if any(named.values()) else ()
 
 
-def _files(scene: Solvable, what: Asked, warn: Callable[[str], None], case: str | None) -> Files:
-    """What the files say that are asked for, of a scene or its load case. Raises InputError for files that do not fit."""
+def _files(scene: Solvable, request: Asked, warn: Callable[[str], None], case: str | None) -> Files:
+    """What the given files say of a scene or its load case. Raises InputError for files that do not fit."""
     reference: list[Referenced] = []
     loads, values = [], list[GivenValue]()
     at: dict[float, Scene] = {}
-    if what.reference is not None:
-        limit = limits_of(scene, what.max_error).largest
-        reference = judged_by(what.reference, scene, warn, limit, strict=what.strict, case=case)
-    if what.loads is not None:
+    if request.reference is not None:
+        limit = limits_of(scene, request.max_error).largest
+        reference = judged_by(request.reference, scene, warn, limit, strict=request.strict, case=case)
+    if request.loads is not None:
         for of, only in parts_of(scene, case):
-            loads.append(read_loads(what.loads, of.ball_count, of, only))
-            _unknown(what.loads, loads[-1].unknown, warn, strict=what.strict)
-    if what.values is not None:
-        values, unknown = read_values(what.values, case)
-        _unknown(what.values, unknown, warn, strict=what.strict)
-        _check_sets(scene, values, what.values)
-        at = {value.force: _loaded(scene, value, what.values) for value in values if value.force is not None}
+            loads.append(read_loads(request.loads, of.ball_count, of, only))
+            _unknown(request.loads, loads[-1].unknown, warn, strict=request.strict)
+    if request.values is not None:
+        values, unknown = read_values(request.values, case)
+        _unknown(request.values, unknown, warn, strict=request.strict)
+        _check_sets(scene, values, request.values)
+        at = {value.force: _loaded(scene, value, request.values) for value in values if value.force is not None}
     return Files(tuple(loads), tuple(values), at, tuple(reference))
 
 
@@ -257,21 +256,21 @@ def judged_by(
     """A scene beside the user's own reference, set by set; limit [%]: that it is to judge, the scene's own unless given;
     case: whose rows are read. Raises InputError."""
     out = []
-    for k, (of, only) in enumerate(parts_of(scene, case)):
-        one = None if isinstance(scene, Scene) else SetOf(scene, k)
-        found, unknown = read_reference(path, of, only, None if one is None else one.contacts)
-        found = found if one is None else replace(found, scene=f"{scene.name}, {one.name}")
+    for k, (parts, only) in enumerate(parts_of(scene, case)):
+        of = None if isinstance(scene, Scene) else SetOf(scene, k)
+        reference, unknown = read_reference(path, parts, only, None if of is None else of.contacts)
+        reference = reference if of is None else replace(reference, scene=f"{scene.name}, {of.name}")
         _unknown(path, unknown, warn, strict=strict)
-        if words := exceeding(found, limits_of(scene, limit).largest):
+        if words := exceeding(reference, limits_of(scene, limit).largest):
             warn(words)
-        out.append(Referenced(of, found, one))
+        out.append(Referenced(parts, reference, of))
     return out
 
 
 def stored_beside(one: Referenced, stores: Sequence[Path]) -> Reference | None:
-    """This project's stored reference of what a user has one of; None without."""
-    found = referenced(one.scene if one.of is None else one.of.assembly, stores)
-    return found[0 if one.of is None else one.of.number].found if found else None
+    """This project's stored reference beside a user's own; None where none is stored."""
+    references = referenced(one.scene if one.of is None else one.of.assembly, stores)
+    return references[0 if one.of is None else one.of.number].found if references else None
 
 
 def _check_sets(scene: Solvable, values: Sequence[GivenValue], path: Path) -> None:
@@ -306,13 +305,13 @@ def _unknown(path: Path, heads: Sequence[str], warn: Callable[[str], None], *, s
     warn(f"{path.name}: not judged, because the columns are not known: {', '.join(heads)}; known are {KNOWN}")
 
 
-def _said(given: GivenLoads, found: Reference, limits: Limits) -> Iterator[str]:
+def _said(given: GivenLoads, reference: Reference, limits: Limits) -> Iterator[str]:
     """What is said of loads of another program beside their errors."""
     left = [side for side in SIDES if side not in given.flanks]
     yield f"not judged, because not given: {', '.join(left)}" if left else ""
     if given.renumbered:
         yield f"{given.renumbered} balls are numbered otherwise in the file, and were matched by azimuth and z"
-    yield looks(given.load, found.load, given.flanks, limits.largest)
+    yield looks(given.load, reference.load, given.flanks, limits.largest)
 
 
 def limits_of(scene: Solvable, max_error: float | None, others: Mapping[str, float] = NO_OTHERS) -> Limits:
@@ -320,13 +319,13 @@ def limits_of(scene: Solvable, max_error: float | None, others: Mapping[str, flo
     quantities."""
     if isinstance(scene, Assembly):
         return Limits(LIMIT if max_error is None else max_error, others=others)
-    own = LIMIT if scene.gate.max_error is None else scene.gate.max_error
-    return Limits(own if max_error is None else max_error, scene.gate.rms_error, others)
+    limit = LIMIT if scene.gate.max_error is None else scene.gate.max_error
+    return Limits(limit if max_error is None else max_error, scene.gate.rms_error, others)
 
 
 def _model(one: Referenced, name: str, limits: Limits, stores: Sequence[Path]) -> list[Verdict]:
     """Verdicts on a model's own answers; a solver that did not converge has none, and fails."""
-    scene, found = one.scene, one.found
+    scene, ref = one.scene, one.found
     if one.of is not None:
         answer = answered(one.of, name)
         result, status = (None, answer) if isinstance(answer, str) else (answer.result, "converged")
@@ -334,41 +333,41 @@ def _model(one: Referenced, name: str, limits: Limits, stores: Sequence[Path]) -
         if not MODELS[name].suits(scene):
             advice = "rollbench list tells what each model describes"
             raise InputError("command line", "--model", f'"{name}"', f"a model that can describe {scene.name}", advice)
-        solved = run_model(scene, name, options_for(MODELS[name], scene, found, stores))
+        solved = run_model(scene, name, options_for(MODELS[name], scene, ref, stores))
         result, status = solved if solved.converged else None, solved.status
     if result is None:
         detail = f"the model has no loads: {status}"
-        return [Verdict(scene.name, name, LARGEST, "fail", None, None, limits.largest, levels=found.levels, detail=detail)]
-    told = from_result(result)
-    verdicts = judge(name, result.load, found, limits) + contact_verdicts(
-        name, contacts_by(scene, told, limits.others), scene, found, limits
+        return [Verdict(scene.name, name, LARGEST, "fail", None, None, limits.largest, levels=ref.levels, detail=detail)]
+    loads = from_result(result)
+    verdicts = judge(name, result.load, ref, limits) + contact_verdicts(
+        name, contacts_by(scene, loads, limits.others), scene, ref, limits
     )
     if one.of is not None:
         return verdicts
-    return verdicts + [value_verdict(name, v, scene, found, limits) for v in values_by(scene, told, limits.others)]
+    return verdicts + [value_verdict(name, v, scene, ref, limits) for v in values_by(scene, loads, limits.others)]
 
 
-def _computed(scenes: Sequence[Solvable], what: Asked, engine: Engine, step: Callable[[str], None]) -> dict[str, str]:
+def _computed(scenes: Sequence[Solvable], request: Asked, engine: Engine, step: Callable[[str], None]) -> dict[str, str]:
     """Compute what is missing; by scene, why it has no reference. A refusal leaves the other geometries alone."""
     why: dict[str, str] = {}
     for group in groups(scenes):
-        for levels, own in _missing(group, what).items():
+        for levels, lacking in _missing(group, request).items():
             try:
-                failed = ensure(plan(own, levels), what.stores[0], engine, step, what.stores[1:])
+                failed = ensure(plan(lacking, levels), request.stores[0], engine, step, request.stores[1:])
             except Refusal as error:
-                why |= {scene.name: str(error) for scene in own}
+                why |= {scene.name: str(error) for scene in lacking}
                 continue
             why |= {run.scene: f"level {run.level} of its 3D reference: {run.status}" for run in failed}
     return why
 
 
-def _missing(scenes: Sequence[Solvable], what: Asked) -> dict[tuple[int, ...], list[Solvable]]:
+def _missing(scenes: Sequence[Solvable], request: Asked) -> dict[tuple[int, ...], list[Solvable]]:
     """Scenes by the levels that they lack."""
     out: dict[tuple[int, ...], list[Solvable]] = {}
     for scene in scenes:
-        here = [k for k in LEVELS if load(scene, k, stores=what.stores) is not None]
-        least = what.levels or (ENOUGH if len(here) < ENOUGH else 0)
-        lacking = tuple(k for k in range(1, least + 1) if k not in here)
+        stored = [k for k in LEVELS if load(scene, k, stores=request.stores) is not None]
+        least = request.levels or (ENOUGH if len(stored) < ENOUGH else 0)
+        lacking = tuple(k for k in range(1, least + 1) if k not in stored)
         if lacking:
             out.setdefault(lacking, []).append(scene)
     return out

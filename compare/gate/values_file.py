@@ -44,11 +44,11 @@ def read_values(path: Path, case: str | None = None) -> tuple[list[GivenValue], 
     for number, cells in table.rows:
         if case is not None and cells.get("case") != case:
             continue
-        found = _value(path, f"line {number}", cells, decimal_comma=table.decimal_comma)
-        key = (found.name, found.set)
+        given = _value(path, f"line {number}", cells, decimal_comma=table.decimal_comma)
+        key = (given.name, given.set)
         if key in out:
-            raise InputError(str(path), f"line {number}", f"{found.name} again", "each once", "keep one of the rows")
-        out[key] = found
+            raise InputError(str(path), f"line {number}", f"{given.name} again", "each once", "keep one of the rows")
+        out[key] = given
     if not out and case is None:
         raise InputError(str(path), "file", "no values", "a row for every value", EXAMPLE)
     known = (*COLUMNS, WHERE, "set", *(("case",) if case else ()))
@@ -89,7 +89,7 @@ def _life(number: str, unit: str) -> float:
 def _size(where: str, dimension: str) -> float | None:
     """A size of a dimension; None for anything else."""
     try:
-        found = parse(where, dimension)
+        value = parse(where, dimension)
     except UnitError:
         return None
-    return found if found > 0.0 or dimension == "length" else None
+    return value if value > 0.0 or dimension == "length" else None

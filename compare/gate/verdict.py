@@ -109,8 +109,8 @@ class Verdict:
                 del data[key]
         del data["unit"], data["near"]
         pair, e = data.pop("pair"), data.pop("of_mean")
-        both = ("max_percent", "rms_percent")
-        data |= {f"{key}_of_mean": None if e is None else e[key] for key in both}
+        keys = ("max_percent", "rms_percent")
+        data |= {f"{key}_of_mean": None if e is None else e[key] for key in keys}
         return data if pair is None else data | dict(zip(("key", "value", "reference"), pair, strict=True))
 
     def line(self) -> str:
@@ -174,19 +174,19 @@ def decisive(points: Sequence[At], limit: float) -> tuple[Word, At]:
     each = [word(p.error, p.bar, limit) for p in points]
     worst = worst_of(each)
     sign = -1.0 if worst == "fail" else 1.0
-    own = [p for p, found in zip(points, each, strict=True) if found == worst]
-    return worst, max(own, key=lambda p: abs(p.error) + sign * (p.bar or 0.0))
+    gravest = [p for p, kind in zip(points, each, strict=True) if kind == worst]
+    return worst, max(gravest, key=lambda p: abs(p.error) + sign * (p.bar or 0.0))
 
 
-def blank(found: Reference, judged: str, quantity: str, limit: float, why: str, unit: str = "%") -> Verdict:
+def blank(reference: Reference, judged: str, quantity: str, limit: float, why: str, unit: str = "%") -> Verdict:
     """The verdict on what the reference does not cover."""
     return Verdict(
-        found.scene, judged, quantity, "not covered", None, None, limit, levels=found.levels, detail=why, unit=unit
+        reference.scene, judged, quantity, "not covered", None, None, limit, levels=reference.levels, detail=why, unit=unit
     )
 
 
 def judge(
-    judged: str, load: Array, found: Reference, limits: Limits, flanks: Sequence[str] = SIDES, detail: str = ""
+    judged: str, load: Array, reference: Reference, limits: Limits, flanks: Sequence[str] = SIDES, detail: str = ""
 ) -> list[Verdict]:
     """Verdicts on loads ``(n, 4)`` [N] against a reference: on the largest error, and on the RMS error if it has a limit.
 
@@ -195,33 +195,33 @@ def judge(
     chosen = np.array([side in flanks for side in SIDES])
     points = [
         At(p.error_percent, abs(p.uncertainty_percent) if np.isfinite(p.uncertainty_percent) else None, p.ball, p.side)
-        for p in gate_points(found.scene, found, limits.largest, load)
+        for p in gate_points(reference.scene, reference, limits.largest, load)
         if p.side in flanks
     ]
     if not points:
-        return [blank(found, judged, LARGEST, limits.largest, f"the reference carries no load on {', '.join(flanks)}")]
-    of_mean = load_error(np.where(chosen, load, 0.0), np.where(chosen, found.load, 0.0), found.contacts)
-    own, at = decisive(points, limits.largest)
-    said = "; ".join(part for part in (detail, about(found)) if part)
-    shared: dict[str, Any] = {"levels": found.levels, "contacts": len(points), "detail": said}
-    first = Verdict(found.scene, judged, LARGEST, own, at.error, at.bar, limits.largest, at.ball, at.side, **shared)
-    out = [replace(first, of_mean=of_mean, near=_near(load, found, at))]
+        return [blank(reference, judged, LARGEST, limits.largest, f"the reference carries no load on {', '.join(flanks)}")]
+    of_mean = load_error(np.where(chosen, load, 0.0), np.where(chosen, reference.load, 0.0), reference.contacts)
+    kind, at = decisive(points, limits.largest)
+    words = "; ".join(filter(None, (detail, about(reference))))
+    shared: dict[str, Any] = {"levels": reference.levels, "contacts": len(points), "detail": words}
+    first = Verdict(reference.scene, judged, LARGEST, kind, at.error, at.bar, limits.largest, at.ball, at.side, **shared)
+    out = [replace(first, of_mean=of_mean, near=_near(load, reference, at))]
     if limits.rms is not None:
-        error, bar = of_mean.rms_percent, found.parts.bar
-        out.append(Verdict(found.scene, judged, RMS, word(error, bar, limits.rms), error, bar, limits.rms, **shared))
+        error, bar = of_mean.rms_percent, reference.parts.bar
+        out.append(Verdict(reference.scene, judged, RMS, word(error, bar, limits.rms), error, bar, limits.rms, **shared))
     return out
 
 
-def _near(load: Array, found: Reference, at: At) -> tuple[tuple[int, float, float, float], ...]:
+def _near(load: Array, reference: Reference, at: At) -> tuple[tuple[int, float, float, float], ...]:
     """`Verdict.near` of a contact."""
     s, balls = SIDES.index(at.side), range(max(at.ball - 1 - NEAR, 0), min(at.ball + NEAR, len(load)))
-    return tuple((k + 1, float(load[k, s]), float(found.load[k, s]), float(found.uncertainty[k, s])) for k in balls)
+    return tuple((k + 1, float(load[k, s]), float(reference.load[k, s]), float(reference.uncertainty[k, s])) for k in balls)
 
 
-def about(found: Reference) -> str:
+def about(reference: Reference) -> str:
     """What is said of a reference beside every verdict: whose it is, what did not settle, a single mesh level."""
-    one = ONE_LEVEL if found.parts.by_experience and not found.stated else ""
-    return "; ".join(part for part in (found.stated, found.unsettled, one) if part)
+    single = ONE_LEVEL if reference.parts.by_experience and not reference.stated else ""
+    return "; ".join(filter(None, (reference.stated, reference.unsettled, single)))
 
 
 def worst_of(words: Sequence[Word]) -> Word:

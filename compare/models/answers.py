@@ -58,17 +58,17 @@ class Answers:
 def load_answers(scene: Scene, load: Array, angle: Array) -> LoadAnswers:
     """Answers of contact loads ``(n, 4)`` [N] at contact angles ``(n, 4)`` [rad]."""
     words = ""
-    found: Life | None = None
+    rated_life: Life | None = None
     reach: Truncation | None = None
     rated: Ratings | None = None
     try:
         reach = truncation(scene, load, angle)
         rated = ratings(scene)
-        found = life(scene, load)
+        rated_life = life(scene, load)
     except ValueError as error:
         words = str(error)
     worst = worst_contact(scene, load, angle)
-    return LoadAnswers(worst, None if worst is None else static_safety(scene, worst), reach, found, rated, words)
+    return LoadAnswers(worst, None if worst is None else static_safety(scene, worst), reach, rated_life, rated, words)
 
 
 def tangent_of(scene: Scene, station: float, model: str, options: Options) -> Tangent:
@@ -79,10 +79,10 @@ def tangent_of(scene: Scene, station: float, model: str, options: Options) -> Ta
         allowed = ", ".join((*LADDER, "condensed", *TANGENT_OF))
         raise InputError("command line", "--stiffness-at", f"with the model {model}", allowed, "choose another model")
     condensed = read_condensed(scene, options) if step == "condensed" else None
-    own = MODELS[model].scene(scene)
+    modelled = MODELS[model].scene(scene)
     try:
         return tangent_stiffness(
-            own, station, backend=LADDER.get(step, REFINED), condensed=condensed, member=options.member
+            modelled, station, backend=LADDER.get(step, REFINED), condensed=condensed, member=options.member
         )
     except ValueError as error:
         advice = "the loads are solved without it: leave the stiffness out"
@@ -95,10 +95,10 @@ def axial_tangent(scene: Scene, model: str, options: Options) -> tuple[float | N
     if TANGENT_OF.get(model, model) not in (*LADDER, "condensed"):
         return None, ""
     try:
-        found = tangent_of(scene, scene.nut.position, model, options)
+        tangent = tangent_of(scene, scene.nut.position, model, options)
     except Refusal as refused:
         return None, refused.value.partition(";")[0]  # what to do instead is of other answers
-    return (found.rigidity("uz"), "") if found.status == "converged" else (None, found.status)
+    return (tangent.rigidity("uz"), "") if tangent.status == "converged" else (None, tangent.status)
 
 
 def unloaded_place(scene: Scene, bare: StaticResult) -> float:
@@ -131,6 +131,6 @@ def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tupl
     if scene.friction is None:
         return None, "no coefficient in the scene; for one of 0.1: rollbench friction SCENE --mu 0.1"
     for friction in offered("friction"):
-        found: tuple[dict[str, Any] | None, str] = friction(scene, result, options)
-        return found
+        sums: tuple[dict[str, Any] | None, str] = friction(scene, result, options)
+        return sums
     return None, "friction is left out of this installation"

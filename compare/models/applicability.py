@@ -137,26 +137,26 @@ def save_places(store: Path) -> None:
     """Write the descriptors of `compared` rings and screws."""
     from rollbench.comparison.writing import replace_file
 
-    found = {
+    by_kind = {
         kind: {s.name: {d.name: d.of(s) for d in DESCRIPTORS} for s in compared(ring=kind == "rings")}
         for kind in ("rings", "screws")
     }
-    replace_file(store / PLACES, json.dumps(found, indent=1) + "\n")
+    replace_file(store / PLACES, json.dumps(by_kind, indent=1) + "\n")
 
 
 @cache
 def shipped_places(*, ring: bool) -> tuple[dict[str, float], ...]:
     """Those that come with the package; none where the file is absent or damaged."""
     try:
-        found = json.loads(data.text(f"references/{PLACES}"))["rings" if ring else "screws"].values()
-        return tuple({d.name: float(own[d.name]) for d in DESCRIPTORS} for own in found)
+        rows = json.loads(data.text(f"references/{PLACES}"))["rings" if ring else "screws"].values()
+        return tuple({d.name: float(place[d.name]) for d in DESCRIPTORS} for place in rows)
     except (OSError, ValueError, TypeError, KeyError, AttributeError):
         return ()
 
 
 def compared_values(descriptor: Descriptor, *, ring: bool) -> list[float]:
     """The values of a descriptor of every compared screw, shipped and drawn, or ring."""
-    return [own[descriptor.name] for own in (*shipped_places(ring=ring), *(() if ring else surveyed()))]
+    return [place[descriptor.name] for place in (*shipped_places(ring=ring), *(() if ring else surveyed()))]
 
 
 def places(scene: Scene, among: Sequence[Scene] | None = None) -> tuple[Place, ...]:

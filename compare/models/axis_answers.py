@@ -48,19 +48,19 @@ def solve_sets(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisRes
     result = run_model(assembly, model, Options(member=member))
     if not result.converged:
         return result, None
-    found = gather(assembly, result)
-    sets = (x for x in found.sets if x is not None)
+    answers = gather(assembly, result)
+    sets = (x for x in answers.sets if x is not None)
     warned = (w.of(x.name) for x in sets for w in outside(x.parts, x.loads, axial_of(x.preload)))
-    return replace(result, warnings=(*result.warnings, *warned)), found
+    return replace(result, warnings=(*result.warnings, *warned)), answers
 
 
 def _of_set(s: SetResult, bare: SetResult | None) -> SetAnswers | None:
     if s.balls is None or not isinstance(s.of.parts, Scene):
         return None
-    found = load_answers(s.of.parts, s.balls.load, s.balls.contact_angle)
+    answers = load_answers(s.of.parts, s.balls.load, s.balls.contact_angle)
     if bare is None or bare.balls is None:
-        return SetAnswers(s.of.name, s.of.parts, found, None)
-    held = bare.balls.load[bare.balls.load > 0.0]
-    mean = mean_load(held) if held.size else 0.0
-    preload = Preload(mean, float(held.max(initial=0.0)), int(held.size), float(bare.force[2]))
-    return SetAnswers(s.of.name, s.of.parts, found, preload)
+        return SetAnswers(s.of.name, s.of.parts, answers, None)
+    loads = bare.balls.load[bare.balls.load > 0.0]
+    mean = mean_load(loads) if loads.size else 0.0
+    preload = Preload(mean, float(loads.max(initial=0.0)), int(loads.size), float(bare.force[2]))
+    return SetAnswers(s.of.name, s.of.parts, answers, preload)

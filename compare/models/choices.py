@@ -45,12 +45,12 @@ class Changed:
 
 def choices_of(study: Study, name: str) -> Iterator[Changed]:
     """The refined model as it is and with every choice varied; nothing for a scene without a stored reference."""
-    scene, found = study.scene(name), study.reference(name)
-    if found is None:
+    scene, reference = study.scene(name), study.reference(name)
+    if reference is None:
         return
     base = solve_elastic(scene, engine="interpreted").load
-    mean = mean_load(base, found.contacts)
+    mean = mean_load(base, reference.contacts)
     for label, backend in {"as it is": REFINED, **CHOICES}.items():
         load = solve_elastic(scene, backend=backend, engine="interpreted").load
         change = float(np.abs(np.asarray(error_percent(load, base, mean))).max())
-        yield Changed(name, label, change, load_error(load, found.load, found.contacts))
+        yield Changed(name, label, change, load_error(load, reference.load, reference.contacts))

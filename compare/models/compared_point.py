@@ -68,13 +68,13 @@ def _at(scene: Scene, stations: Array, along: Array) -> float:
 def point(name: str, scene: Scene, result: StaticResult, run: Run, raised: Raised | None = None) -> Point:
     """Errors of a model's result on a scene by ``name``; raised: scene, result and run with more load, for the rigidity."""
     error = load_error(result.load, run.load, nominal_contacts(scene))
-    own, reference = SectionAnswer.of_result(scene, result), SectionAnswer.of_run(scene, run)
+    answer, reference = SectionAnswer.of_result(scene, result), SectionAnswer.of_run(scene, run)
     stiff: tuple[float | None, float | None] = (None, None)
     if raised is not None:
-        more, model, found = raised
+        heavier, modelled, computed = raised
         stiff = (
-            rigidity((own, SectionAnswer.of_result(more, model))),
-            rigidity((reference, SectionAnswer.of_run(more, found))),
+            rigidity((answer, SectionAnswer.of_result(heavier, modelled))),
+            rigidity((reference, SectionAnswer.of_run(heavier, computed))),
         )
     heaviest = run.load.max()
     return Point(
@@ -83,7 +83,7 @@ def point(name: str, scene: Scene, result: StaticResult, run: Run, raised: Raise
         round(error.max_percent, 4),
         round(error.rms_percent, 4),
         {name: round(value, 4) for name, value in features(scene, result.load).items()},
-        off(own.moved, reference.moved),
+        off(answer.moved, reference.moved),
         off(*stiff),
         off(np.cbrt(result.load.max() / heaviest), 1.0) if heaviest > 0.0 else None,  # Hertz
     )

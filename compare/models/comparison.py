@@ -53,27 +53,27 @@ def compared_models(names: tuple[str, ...]) -> list[Model]:
     return [MODELS[name] for name in names]
 
 
-def finest_bodies(scene: Scene, found: Reference, stores: Sequence[Path] | None) -> Path | None:
+def finest_bodies(scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> Path | None:
     """File of the condensed bodies on the reference's finest level, where a store has it."""
-    if found.stated:
+    if reference.stated:
         return None
     for store in (shipped_store(),) if stores is None else stores:
-        path = bodies_path(store, scene, found.best)
+        path = bodies_path(store, scene, reference.best)
         if path.exists():
             return path
     return None
 
 
 def options_for(
-    model: Model, scene: Scene, found: Reference, stores: Sequence[Path] | None, engine: str = "auto"
+    model: Model, scene: Scene, reference: Reference, stores: Sequence[Path] | None, engine: str = "auto"
 ) -> Options:
     """How a model is run beside a reference: the model "condensed" by the bodies of its finest level. Raises InputError
     where no store has them."""
     if model.name != "condensed":
         return Options(discretisation=False, engine=engine)
-    path = finest_bodies(scene, found, stores)
+    path = finest_bodies(scene, reference, stores)
     if path is None:
-        allowed = f"a store with the condensed bodies of its 3D reference, level {found.best.level}"
+        allowed = f"a store with the condensed bodies of its 3D reference, level {reference.best.level}"
         advice = "rollbench mesh-study with --fresh computes and keeps them"
         raise InputError(scene.name, "model", '"condensed"', allowed, advice)
     return Options(discretisation=False, engine=engine, condensed=path)
@@ -124,10 +124,10 @@ def from_result(result: StaticResult, seconds: float | None = None) -> Loads:
     return Loads(result.model, result.load, np.degrees(result.contact_angle), result.centreline_z, line, seconds)
 
 
-def solved(model: Model, scene: Scene, found: Reference, stores: Sequence[Path] | None) -> tuple[StaticResult, float]:
+def solved(model: Model, scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> tuple[StaticResult, float]:
     """A low-order model's result and the seconds of the call, interpreted; bodies of a geometry solved before are known
     then. Raises InputError as `options_for`."""
-    options = options_for(model, scene, found, stores, "interpreted")
+    options = options_for(model, scene, reference, stores, "interpreted")
     start = perf_counter()
     result = run_model(scene, model.name, options)
     return result, perf_counter() - start
@@ -139,20 +139,20 @@ def from_run(run: Run, name: str) -> Loads:
     return Loads(name, run.load, run.angle, line[:, 0], line[:, 1:], run.setup_seconds + run.solve_seconds)
 
 
-def reference_answers(found: Reference, source: Run | None) -> list[Loads]:
+def reference_answers(reference: Reference, source: Run | None) -> list[Loads]:
     """The reference on its levels and on the source's mesh; none of a user's own."""
-    if found.stated:
+    if reference.stated:
         return []
-    out = [from_run(run, f"3D level {run.level}") for run in found.runs]
+    out = [from_run(run, f"3D level {run.level}") for run in reference.runs]
     if source is not None:
         out.insert(0, from_run(source, "3D source mesh"))
     return out
 
 
-def rows(scene: Scene, answer: Loads, found: Reference) -> list[ComparisonRow]:
+def rows(scene: Scene, answer: Loads, ref: Reference) -> list[ComparisonRow]:
     """Loads and angles of every contact, the centreline, the load ratio, and the largest and RMS errors."""
     row = partial(_row, scene, answer)
-    return [*_contact_rows(row, answer, found), *_line_rows(row, answer, found), *_summary_rows(row, scene, answer, found)]
+    return [*_contact_rows(row, answer, ref), *_line_rows(row, answer, ref), *_summary_rows(row, scene, answer, ref)]
 
 
 def _row(
@@ -166,18 +166,18 @@ def _row(
     at: tuple[int | None, str | None] = (None, None),
     printed: float | None = None,
 ) -> ComparisonRow:
-    """A row on a model's value and the reference's, with the error of that and what it is off by."""
+    """A row with a pair of values, the model's and the reference's, the latter's uncertainty and the error in per cent."""
     return ComparisonRow(scene.name, quantity, *at, unit, printed, answer.model, *pair, error, percent, answer.seconds)
 
 
-def uncertainties_of(found: Reference, take: Callable[[Run], Array]) -> Array:
+def uncertainties_of(reference: Reference, take: Callable[[Run], Array]) -> Array:
     """Grid uncertainties of like quantities (any shape) with one order for all; nan with one level, or where one is
     missing on a level."""
-    values = np.stack([take(run) for run in found.runs])
+    values = np.stack([take(run) for run in reference.runs])
     bars = np.full(values.shape[1:], np.nan)
     known = np.isfinite(values).all(axis=0)
     if known.any():
-        bars[known] = pool(values[:, known], found.sizes)
+        bars[known] = pool(values[:, known], reference.sizes)
     return bars
 
 
@@ -185,54 +185,54 @@ def _bar(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def _contact_rows(row: RowOf, answer: Loads, found: Reference) -> Iterator[ComparisonRow]:
-    best, turns = found.best, uncertainties_of(found, lambda run: run.angle)
+def _contact_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[ComparisonRow]:
+    best, turns = reference.best, uncertainties_of(reference, lambda run: run.angle)
     for i, s in np.ndindex(answer.load.shape):
-        value, ref = float(answer.load[i, s]), float(found.load[i, s])
+        value, ref = float(answer.load[i, s]), float(reference.load[i, s])
         if value == 0.0 and ref == 0.0:
             continue
-        bar = float(found.uncertainty[i, s])
+        bar = float(reference.uncertainty[i, s])
         percent = float(error_percent(value, ref)) if ref > 0.0 else None
         yield row("load", "N", (value, ref), bar, percent, (i + 1, SIDES[s]))
         if value > 0.0 and ref > 0.0:
-            angle, own = float(answer.angle[i, s]), float(best.angle[i, s])
-            error, off = _bar(float(turns[i, s])), float(error_percent(angle, own))
-            yield row("contact angle", "deg", (angle, own), error, off, (i + 1, SIDES[s]))
+            angle, ref_angle = float(answer.angle[i, s]), float(best.angle[i, s])
+            error, off = _bar(float(turns[i, s])), float(error_percent(angle, ref_angle))
+            yield row("contact angle", "deg", (angle, ref_angle), error, off, (i + 1, SIDES[s]))
 
 
-def _line_rows(row: RowOf, answer: Loads, found: Reference) -> Iterator[ComparisonRow]:
+def _line_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[ComparisonRow]:
     """Centreline at the reference's stations, in per cent of its largest displacement along that axis."""
-    line = found.best.centreline
+    line = reference.best.centreline
     for k, axis in enumerate("xyz"):
         largest = float(np.abs(line[:, 1 + k]).max(initial=0.0))
         values = np.interp(line[:, 0], answer.stations, answer.line[:, k])
-        bars = uncertainties_of(found, lambda run, k=k: 1e6 * run.centreline[:, 1 + k])  # type: ignore[misc]
+        bars = uncertainties_of(reference, lambda run, k=k: 1e6 * run.centreline[:, 1 + k])  # type: ignore[misc]
         for z, value, ref, bar in zip(line[:, 0], values, line[:, 1 + k], bars, strict=True):
             name, off = f"centreline u{axis} at {1e3 * z:.4g} mm", float(error_percent(value, ref, largest))
             yield row(name, "um", (1e6 * float(value), 1e6 * float(ref)), _bar(bar), off)
 
 
-def _summary_rows(row: RowOf, scene: Scene, answer: Loads, found: Reference) -> Iterator[ComparisonRow]:
-    e = load_error(answer.load, found.load, found.contacts)
+def _summary_rows(row: RowOf, scene: Scene, answer: Loads, reference: Reference) -> Iterator[ComparisonRow]:
+    e = load_error(answer.load, reference.load, reference.contacts)
     keys = PRINTED.get(scene.name, ("", "", ""))
 
     def printed(key: str) -> float | None:
         return entry("lin-2.4.1", key).value if key and answer.model.startswith("lin") else None
 
-    loaded = found.load > 0.0
-    bar = uncertainty_percent(found)
-    own_bar = float(error_percent(found.uncertainty[loaded], 0.0, found.load[loaded]).max())
-    for name, value, its, key in (
+    loaded = reference.load > 0.0
+    bar = uncertainty_percent(reference)
+    own_bar = float(error_percent(reference.uncertainty[loaded], 0.0, reference.load[loaded]).max())
+    for name, value, uncertain, key in (
         (f"largest error, of the mean load (ball {e.ball} {e.side})", e.max_percent, bar, ""),
         ("RMS error, of the mean load", e.rms_percent, bar, ""),
         ("largest error, of the own load", e.own_max_percent, own_bar, keys[0]),
         ("RMS error, of the own load", e.own_rms_percent, own_bar, keys[1]),
     ):
-        yield row(name, "%", (value, 0.0), its, value, printed=printed(key))
-    ratio, own = load_ratio(answer.load), load_ratio(found.load)
-    off = float(error_percent(ratio, own)) if np.isfinite([ratio, own]).all() else None
+        yield row(name, "%", (value, 0.0), uncertain, value, printed=printed(key))
+    ratio, ref_ratio = load_ratio(answer.load), load_ratio(reference.load)
+    off = float(error_percent(ratio, ref_ratio)) if np.isfinite([ratio, ref_ratio]).all() else None
     name = "largest over smallest load, SL"
-    yield row(name, "", (ratio, own), ratio_uncertainty(found), off, printed=printed(keys[2]))
+    yield row(name, "", (ratio, ref_ratio), ratio_uncertainty(reference), off, printed=printed(keys[2]))
 
 
 def load_ratio(load: Array) -> float:
@@ -241,15 +241,15 @@ def load_ratio(load: Array) -> float:
     return float(load[:, 0].max()) / smallest if smallest > 0.0 else float("inf")
 
 
-def ratio_uncertainty(found: Reference) -> float | None:
+def ratio_uncertainty(reference: Reference) -> float | None:
     """Grid uncertainty of `load_ratio`: the relative ones of its two contacts, which may err in opposite senses; None
     without a finite ratio."""
-    ratio = load_ratio(found.load)
+    ratio = load_ratio(reference.load)
     if not np.isfinite(ratio):
         return None
-    own = found.load[:, 0]
-    ends = [int(own.argmax()), int(own.argmin())]
-    return ratio * float(sum(found.uncertainty[k, 0] / own[k] for k in ends))
+    loads = reference.load[:, 0]
+    ends = [int(loads.argmax()), int(loads.argmin())]
+    return ratio * float(sum(reference.uncertainty[k, 0] / loads[k] for k in ends))
 
 
 @dataclass(frozen=True)
@@ -280,14 +280,14 @@ class GatePoint:
     exceeds: bool
 
 
-def gate_points(name: str, found: Reference, max_error: float, load: Array) -> list[GatePoint]:
+def gate_points(name: str, reference: Reference, max_error: float, load: Array) -> list[GatePoint]:
     """Every contact of a scene loaded in the reference or in ``load`` (n, 4) [N], with the gate's verdict."""
-    mean = found.mean
+    mean = reference.mean
     points = []
-    for i, s in zip(*np.nonzero((found.load > 0.0) | (load > 0.0)), strict=True):
-        own = float(found.load[i, s])
-        scale = own if own >= SMALL * mean else mean
-        error = float(error_percent(load[i, s], own, scale))
-        bar = float(error_percent(found.uncertainty[i, s], 0.0, scale))
+    for i, s in zip(*np.nonzero((reference.load > 0.0) | (load > 0.0)), strict=True):
+        ref = float(reference.load[i, s])
+        scale = ref if ref >= SMALL * mean else mean
+        error = float(error_percent(load[i, s], ref, scale))
+        bar = float(error_percent(reference.uncertainty[i, s], 0.0, scale))
         points.append(GatePoint(name, int(i) + 1, SIDES[int(s)], error, bar, abs(error) - bar > max_error))
     return points

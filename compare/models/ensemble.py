@@ -92,13 +92,13 @@ def run_ensemble(scene: Scene, members: int | None = None, first: int = 0, *, th
         if result is not None:
             return result
     begin = perf_counter()
-    found = [_one(scene, m) for m in range(first, first + count)]
+    solved = [_one(scene, m) for m in range(first, first + count)]
     return EnsembleResult(
         scene.name,
-        np.stack([f[0] for f in found]),
-        tuple(f[1] for f in found),
-        np.array([f[2] for f in found]),
-        np.array([f[3] for f in found]),
+        np.stack([f[0] for f in solved]),
+        tuple(f[1] for f in solved),
+        np.array([f[2] for f in solved]),
+        np.array([f[3] for f in solved]),
         (perf_counter() - begin) / count,
         0.0,
         GENERAL_PATH,
@@ -138,9 +138,9 @@ class _Batch:
         self.solved = np.zeros(count, dtype=bool)
         self.setup = perf_counter() - begin
 
-    def _of(self, part: NDArray[np.int64]) -> Specimens:
-        own = self.drawn.centre[part] if len(self.drawn.centre) > 1 else self.drawn.centre
-        return Specimens(self.drawn.ball_radius[part], own, self.drawn.radius)
+    def _of(self, members: NDArray[np.int64]) -> Specimens:
+        centre = self.drawn.centre[members] if len(self.drawn.centre) > 1 else self.drawn.centre
+        return Specimens(self.drawn.ball_radius[members], centre, self.drawn.radius)
 
     def solve(self) -> EnsembleResult | None:
         """All members, or None for a scene that is not held."""
@@ -193,7 +193,7 @@ class _Batch:
         return prepared
 
     def _solve(self, problem: Problem | None, members: NDArray[np.int64]) -> None:
-        """Members with the sides of a problem; only those count as solved that no flank left out comes near.
+        """Solve members with the sides of a problem; one counts as solved where no flank left out comes near its ball.
 
         Gives up after ``TRIAL`` members if sides are left out and fewer than half of them pass.
         """
@@ -204,11 +204,11 @@ class _Batch:
         seen = [] if near is None else [near.rows]
         quick = pressed(prepared, np.concatenate([*seen, prepared.beam.load.reshape(1, -1)]))
 
-        def some(part: NDArray[np.int64]) -> None:
+        def some(chunk: NDArray[np.int64]) -> None:
             if quick is not None:
-                part = part[self._press(quick, near, part)]
-            if part.size:
-                self._follow(prepared, near, part)
+                chunk = chunk[self._press(quick, near, chunk)]
+            if chunk.size:
+                self._follow(prepared, near, chunk)
 
         trial, rest = members[:TRIAL], [members[k : k + CHUNK] for k in range(TRIAL, members.size, CHUNK)]
         some(trial)
@@ -224,35 +224,35 @@ class _Batch:
         self.loads[kept], self.residuals[kept], self.works[kept] = loads[good], residuals[good], works[good]
         self.solved[kept] = True
 
-    def _press(self, quick: Pressed, near: _Nearness | None, part: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Some members on the motions of their flanks alone; returns which were not solved so."""
-        arrays = self._arrays(quick.prepared.problem, part)
-        found = quick.solve(arrays, self._of(part).centre)
-        done = found.status == 0
-        motions = quick.functions(found.pull)
-        good = done if near is None else done & near.clear(motions[:, :-1], found.p, arrays.geometry, found.force)
-        self._keep(part, good, found.force, found.residual, motions[:, -1])
+    def _press(self, quick: Pressed, near: _Nearness | None, members: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Solve members on the motions of their flanks alone; returns which of them remain unsolved."""
+        arrays = self._arrays(quick.prepared.problem, members)
+        states = quick.solve(arrays, self._of(members).centre)
+        done = states.status == 0
+        motions = quick.functions(states.pull)
+        good = done if near is None else done & near.clear(motions[:, :-1], states.p, arrays.geometry, states.force)
+        self._keep(members, good, states.force, states.residual, motions[:, -1])
         return np.asarray(~done)
 
-    def _follow(self, prepared: Prepared, near: _Nearness | None, part: NDArray[np.int64]) -> None:
-        """Some members by the equations of the whole screw, through the compiled kernel."""
-        state, k = prepared.state, part.size
-        arrays = self._arrays(prepared.problem, part)
+    def _follow(self, prepared: Prepared, near: _Nearness | None, members: NDArray[np.int64]) -> None:
+        """Solve members by the equations of the whole screw, in the compiled kernel."""
+        state, k = prepared.state, members.size
+        arrays = self._arrays(prepared.problem, members)
         forces, status, residual = np.empty(arrays.geometry.shape[:3]), np.empty(k, dtype=np.int64), np.empty(k)
-        found = MemberStates(forces, status, residual, np.empty((k, *state.q.shape)), np.empty((k, *state.p.shape)))
-        prepared.engine.ensemble(prepared.beam, prepared.contacts, state, prepared.options, arrays, found)
-        good = (found.status <= 1) & (found.residual <= ACCEPTED)
+        states = MemberStates(forces, status, residual, np.empty((k, *state.q.shape)), np.empty((k, *state.p.shape)))
+        prepared.engine.ensemble(prepared.beam, prepared.contacts, state, prepared.options, arrays, states)
+        good = (states.status <= 1) & (states.residual <= ACCEPTED)
         if near is not None:
-            shift = found.q.reshape(k, -1) @ near.rows.T
-            good &= near.clear(shift, found.p, arrays.geometry, found.force)
-        self._keep(part, good, found.force, found.residual, np.tensordot(found.q, prepared.beam.load, axes=2))
+            shift = states.q.reshape(k, -1) @ near.rows.T
+            good &= near.clear(shift, states.p, arrays.geometry, states.force)
+        self._keep(members, good, states.force, states.residual, np.tensordot(states.q, prepared.beam.load, axes=2))
 
-    def _arrays(self, problem: Problem, part: NDArray[np.int64]) -> MemberArrays:
-        """Some members as the kernels take them."""
-        drawn = self._of(part)
+    def _arrays(self, problem: Problem, members: NDArray[np.int64]) -> MemberArrays:
+        """Arrays of members for the kernels."""
+        drawn = self._of(members)
         offset, closure = distances(self.scene, drawn)
-        geometry = np.empty((part.size, *problem.geometry.shape))
-        geometry[..., :4], geometry[..., 4], geometry[..., 5:] = offset, self.C[part], problem.geometry[..., 5:]
+        geometry = np.empty((members.size, *problem.geometry.shape))
+        geometry[..., :4], geometry[..., 4], geometry[..., 5:] = offset, self.C[members], problem.geometry[..., 5:]
         B = lever_arms(problem, drawn.centre) if len(drawn.centre) > 1 else problem.B[None]
         return MemberArrays(B, geometry, closure, drawn.ball_radius)
 

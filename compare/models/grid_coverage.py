@@ -69,8 +69,8 @@ def judges(store: Path) -> tuple[dict[str, dict[int, Array]], dict[str, Scene]]:
     """Loads ``(n, 4)`` [N] by level that a store keeps only to judge by, and the drawn scenes; empty without a record."""
     path = store / JUDGES
     data = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
-    drawn = {name: scene_file.loads(own.pop(SCENE), f"{name}.toml") for name, own in data.items() if SCENE in own}
-    return {name: {int(k): np.array(rows, float) for k, rows in own.items()} for name, own in data.items()}, drawn
+    drawn = {name: scene_file.loads(record.pop(SCENE), f"{name}.toml") for name, record in data.items() if SCENE in record}
+    return {name: {int(k): np.array(rows, float) for k, rows in by_level.items()} for name, by_level in data.items()}, drawn
 
 
 def levelled(study: Study) -> dict[str, dict[int, Array]]:
@@ -97,8 +97,8 @@ def socket_scatter(study: Study) -> float | None:
 
 def experience(study: Study) -> Experience | None:
     """What all compared scenes of a store tell; None where it does not hold them."""
-    found, sockets = levelled(study), socket_scatter(study)
-    return None if sockets is None or len(found) < len(UNSEEN) else measured(found, sockets, study.once(_beside_faces))
+    loads, sockets = levelled(study), socket_scatter(study)
+    return None if sockets is None or len(loads) < len(UNSEEN) else measured(loads, sockets, study.once(_beside_faces))
 
 
 def _scene(study: Study, name: str) -> Scene:
@@ -132,31 +132,31 @@ def _coverage(study: Study) -> list[Held]:
 
 def _judged(study: Study, choose: Callable[[Levelled], list[tuple[int, ...]]]) -> list[Held]:
     """Bars of all scenes by the sets of levels that are chosen from those that each has."""
-    found, sockets = levelled(study), socket_scatter(study)
-    if sockets is None or len(found) < len(UNSEEN):
+    scenes, sockets = levelled(study), socket_scatter(study)
+    if sockets is None or len(scenes) < len(UNSEEN):
         return []
     beside = study.once(_beside_faces)
     return [
-        _held(_scene(study, name), levels, found, sockets, beside)
-        for name, loads in found.items()
+        _held(_scene(study, name), levels, scenes, sockets, beside)
+        for name, loads in scenes.items()
         for levels in choose(loads)
     ]
 
 
 def _held(
-    scene: Scene, levels: tuple[int, ...], found: Mapping[str, Levelled], sockets: float, beside: Mapping[str, Array]
+    scene: Scene, levels: tuple[int, ...], scenes: Mapping[str, Levelled], sockets: float, beside: Mapping[str, Array]
 ) -> Held:
     name, level = scene.name, max(levels)
     family = SPOKEN_FOR.get(name, name)
-    others = {other: own for other, own in found.items() if SPOKEN_FOR.get(other, other) != family}
+    others = {other: by_level for other, by_level in scenes.items() if SPOKEN_FOR.get(other, other) != family}
     known = measured(others, sockets, beside)
-    loads, judge = found[name], max(found[name])
+    loads, judge = scenes[name], max(scenes[name])
     on, mean = moving(loads), mean_load(loads[judge])
     coarser = {k: loads[k] for k in levels}
-    told, off = parts(coarser, known), np.abs(error_percent(loads[level][on], loads[judge][on], mean))
-    beside_faces = left_out if told.by_experience else too_large
-    bars = told.bars(coarser) + error_percent(beside_faces(scene, loads[level], level), 0.0, mean)
-    return Held(name, level, judge, int(on.sum()), told.bar, int((off <= bars[on]).sum()), name not in SHIPPED)
+    grid, off = parts(coarser, known), np.abs(error_percent(loads[level][on], loads[judge][on], mean))
+    beside_faces = left_out if grid.by_experience else too_large
+    bars = grid.bars(coarser) + error_percent(beside_faces(scene, loads[level], level), 0.0, mean)
+    return Held(name, level, judge, int(on.sum()), grid.bar, int((off <= bars[on]).sum()), name not in SHIPPED)
 
 
 def share_of(rows: Sequence[Held]) -> float:

@@ -46,13 +46,13 @@ class Rung:
     seconds: float
 
 
-def climb(scene: Scene, found: Reference, stores: Sequence[Path] | None) -> list[Rung]:
+def climb(scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> list[Rung]:
     """Every rung that a scene's stored data allow."""
     rungs = []
     for model in RUNGS:
         options = Options(discretisation=False, engine="interpreted")
         if model.name == "condensed":
-            path = finest_bodies(scene, found, stores)
+            path = finest_bodies(scene, reference, stores)
             if path is None:
                 continue
             options = replace(options, condensed=path)
@@ -60,14 +60,14 @@ def climb(scene: Scene, found: Reference, stores: Sequence[Path] | None) -> list
         start = perf_counter()
         result = run_model(scene, model.name, options)
         seconds = perf_counter() - start
-        bias = float(error_percent(result.load.sum(), found.load.sum()))
+        bias = float(error_percent(result.load.sum(), reference.load.sum()))
         rungs.append(
             Rung(
                 scene.name,
                 model.name,
                 result,
-                load_error(result.load, found.load, found.contacts),
-                uncertainty_percent(found),
+                load_error(result.load, reference.load, reference.contacts),
+                uncertainty_percent(reference),
                 bias,
                 seconds,
             )
@@ -88,9 +88,9 @@ class Share:
 def shares(study: Study) -> list[Share]:
     """Which body's idealisation the refined model's error is, on every scene whose condensed bodies are stored."""
     out = []
-    for name, found in study.references((*REFERENCED, *UNSEEN)).items():
+    for name, reference in study.references((*REFERENCED, *UNSEEN)).items():
         scene = study.scene(name)
-        path = finest_bodies(scene, found, study.stores)
+        path = finest_bodies(scene, reference, study.stores)
         if path is None:
             continue
         whole = Condensed.read(path, scene)
@@ -99,16 +99,16 @@ def shares(study: Study) -> list[Share]:
         every: tuple[tuple[str, ...], ...] = ((), ("screw",), ("nut",), PARTS)
         for parts in every:
             result = solve_elastic(scene, condensed=replace(whole, parts=parts) if parts else None)
-            errors[parts] = load_error(result.load, found.load, found.contacts)
-            bias[parts] = float(error_percent(result.load.sum(), found.load.sum()))
+            errors[parts] = load_error(result.load, reference.load, reference.contacts)
+            bias[parts] = float(error_percent(result.load.sum(), reference.load.sum()))
         out.append(Share(name, errors, bias))
     return out
 
 
 def ladder(study: Study) -> list[Rung]:
     """Every rung of every scene that has a stored reference; the study keeps the results."""
-    found = study.references((*REFERENCED, *UNSEEN))
-    rungs = [rung for name, ref in found.items() for rung in climb(study.scene(name), ref, study.stores)]
+    references = study.references((*REFERENCED, *UNSEEN))
+    rungs = [rung for name, ref in references.items() for rung in climb(study.scene(name), ref, study.stores)]
     for rung in rungs:
         if rung.model != "condensed":  # that one depends on a file too
             study.results[study.scene(rung.scene), rung.model, 0] = rung.result
@@ -117,8 +117,8 @@ def ladder(study: Study) -> list[Rung]:
 
 def points(study: Study, rungs: Sequence[Rung]) -> list[Point]:
     """What the model-form estimate rests on."""
-    found = study.references((*REFERENCED, *UNSEEN))
-    return [point(r.scene, study.scene(r.scene), r.result, found[r.scene].best) for r in rungs]
+    references = study.references((*REFERENCED, *UNSEEN))
+    return [point(r.scene, study.scene(r.scene), r.result, references[r.scene].best) for r in rungs]
 
 
 def left_out_one(study: Study, rungs: Sequence[Rung]) -> list[dict[str, Any]]:

@@ -67,10 +67,10 @@ class SolvedAxis:
             return {}
         on_housings = (Load(h.at, h.force, h.moment) for h in self.scene.housings)
         loads, out = (*self.scene.loads, *on_housings), {}
-        for s, own in zip(self.result.sets, self.answers.sets, strict=True):
-            if own is not None and s.balls is not None:
-                parts = replace(own.parts, name=self.scene.name, loads=loads, supports=self.scene.supports)
-                out[s.of.name] = OfSet(parts, s.balls.load, -s.force, own.loads)
+        for s, answers in zip(self.result.sets, self.answers.sets, strict=True):
+            if answers is not None and s.balls is not None:
+                parts = replace(answers.parts, name=self.scene.name, loads=loads, supports=self.scene.supports)
+                out[s.of.name] = OfSet(parts, s.balls.load, -s.force, answers.loads)
         return out
 
 
@@ -91,7 +91,7 @@ def solve_one(scene: Scene, model: str, options: Options) -> Solved:
     result = run_model(scene, model, options)
     if not result.converged:
         return Solved(scene, result)
-    found = gather(scene, result, model, options)
-    warned = outside(scene, found.loads, axial_of(found.preload))
+    answers = gather(scene, result, model, options)
+    warned = outside(scene, answers.loads, axial_of(answers.preload))
     result = replace(result, warnings=(*result.warnings, *warned))
-    return Solved(scene, result, found, estimate(scene, result))
+    return Solved(scene, result, answers, estimate(scene, result))

@@ -94,11 +94,11 @@ def solve_scaled(scene: Scene, factor: float, model: str, options: Options) -> S
 
 def preload(scene: Scene, bare: StaticResult) -> Preload:
     """The preload that a result without loads shows."""
-    held = bare.load[bare.load > 0.0]
-    if not held.size:
+    loads = bare.load[bare.load > 0.0]
+    if not loads.size:
         return Preload(0.0, 0.0, 0, 0.0)
-    mean = mean_load(held, nominal_contacts(scaled(scene, 0.0)))
-    return Preload(mean, float(held.max()), int(held.size), axial_preload(scene, bare))
+    mean = mean_load(loads, nominal_contacts(scaled(scene, 0.0)))
+    return Preload(mean, float(loads.max()), int(loads.size), axial_preload(scene, bare))
 
 
 def axial_preload(scene: Scene, bare: StaticResult) -> float:
@@ -121,18 +121,18 @@ def lift_off(scene: Scene, result: StaticResult, bare: StaticResult, model: str,
         return None
     unit = axial_force(result)
 
-    def least(found: StaticResult) -> tuple[float, int]:
-        values = np.where(tracked, found.load, np.inf)
+    def least(solution: StaticResult) -> tuple[float, int]:
+        values = np.where(tracked, solution.load, np.inf)
         k = int(values.argmin())
         return float(values.flat[k]) ** (2.0 / 3.0), k
 
-    (now, there), (first, where) = least(result), least(bare)
+    (approach, nearest), (first, contact) = least(result), least(bare)
     known, high = [(0.0, first)], np.inf
-    if now > 0.0:
-        known.append((1.0, now))
-        where = there
+    if approach > 0.0:
+        known.append((1.0, approach))
+        contact = nearest
     else:
-        high, where = 1.0, there
+        high, contact = 1.0, nearest
     before = np.nan
     for solves in range(MOST):
         root = _root(known)
@@ -140,20 +140,20 @@ def lift_off(scene: Scene, result: StaticResult, bare: StaticResult, model: str,
             return LiftOff(None, solves=solves, words=f"none up to {FURTHEST:g} times the loads")
         low = known[-1][0]
         if root < high and abs(root - before) <= TOLERANCE * root:
-            return LiftOff(root, where // 4 + 1, SIDES[where % 4], root * unit, solves)
+            return LiftOff(root, contact // 4 + 1, SIDES[contact % 4], root * unit, solves)
         if np.isfinite(high) and high - low <= TOLERANCE * high:
-            return LiftOff(high, where // 4 + 1, SIDES[where % 4], high * unit, solves)
+            return LiftOff(high, contact // 4 + 1, SIDES[contact % 4], high * unit, solves)
         before = root
         factor = low + NEAR * (root - low) if root < high else 0.5 * (low + high)
-        found = solve_scaled(scene, factor, model, options)
-        if not found.converged:
-            return LiftOff(None, solves=solves + 1, words=f"not found: at {factor:.3g} times the loads {found.status}")
-        value, there = least(found)
+        trial = solve_scaled(scene, factor, model, options)
+        if not trial.converged:
+            return LiftOff(None, solves=solves + 1, words=f"not found: at {factor:.3g} times the loads {trial.status}")
+        value, nearest = least(trial)
         if value > 0.0:
             known.append((factor, value))
-            where = there
+            contact = nearest
         else:
-            high, where = factor, there
+            high, contact = factor, nearest
     return LiftOff(None, solves=MOST, words=f"not found in {MOST} solutions")
 
 
@@ -186,15 +186,15 @@ def curve(scene: Scene | Assembly, factors: Sequence[float], model: str, options
     points: list[CurvePoint] = []
     start = 0.0
     for factor in factors:
-        own = scaled(scene, factor)
-        result = run_model(own, model, replace(options, discretisation=False))
+        loaded = scaled(scene, factor)
+        result = run_model(loaded, model, replace(options, discretisation=False))
         if not result.converged:
             continue
-        if isinstance(own, Scene) and isinstance(result, StaticResult):
-            force, u, first = axial_force(result), axial_displacement(own, result), factor == 0.0
+        if isinstance(loaded, Scene) and isinstance(result, StaticResult):
+            force, u, first = axial_force(result), axial_displacement(loaded, result), factor == 0.0
             largest = float(result.load.max())
-        elif isinstance(own, Assembly) and isinstance(result, AxisResult):
-            force, u, first = axial_load(own), along_axis(own, result), not points
+        elif isinstance(loaded, Assembly) and isinstance(result, AxisResult):
+            force, u, first = axial_load(loaded), along_axis(loaded, result), not points
             largest = max((float(s.loads.max(initial=0.0)) for s in result.sets), default=0.0)
         start = u if first else start
         points.append(CurvePoint(factor, force, u - start, largest, result))

@@ -92,13 +92,13 @@ def places(scene: Scene | Assembly) -> tuple[slice | None, ...]:
     """Place of each set's balls among those of all sets."""
     if isinstance(scene, Scene):
         return (slice(0, scene.ball_count),)
-    found: list[slice | None] = []
+    slices: list[slice | None] = []
     first = 0
     for s in scene.sets:
         count = s.parts.ball_count if isinstance(s.parts, Scene) else 0
-        found.append(slice(first, first + count) if count else None)
+        slices.append(slice(first, first + count) if count else None)
         first += count
-    return tuple(found)
+    return tuple(slices)
 
 
 def _with_parts(scene: Scene | Assembly, change: Callable[[Scene, int], Scene]) -> Scene | Assembly:
@@ -142,7 +142,7 @@ def _solved(
 
 @lru_cache(maxsize=4)
 def _system(scene: Scene, model: str, engine: str, factor: float) -> ElasticMembers:
-    """What solves all blocks of a scene in this process, under its loads times a factor."""
+    """The solver of all blocks of a scene in this process, under its loads times a factor."""
     like = None if factor == 1.0 else _system(scene, model, engine, 1.0)
     loaded = scene if like is None else scaled(scene, factor)
     return ElasticMembers(loaded, LADDER[model], kernels(STATICS, compiled=engine == "compiled"), like)
@@ -155,9 +155,9 @@ def _of_one(scene: Scene, model: str, engine: str, nominal: Array, first: int, c
         force = float(sum(np.dot(x.force, x.force) for x in scene.loads))
         stiffness = np.full(count, np.nan)
         if force > 0.0:
-            more = _solved(scene, model, engine, first, count, 1.0 + STEP)[3] / (1.0 + STEP)
+            heavier = _solved(scene, model, engine, first, count, 1.0 + STEP)[3] / (1.0 + STEP)
             with np.errstate(divide="ignore", invalid="ignore"):
-                stiffness = 1e-6 * force * STEP / (more - works)
+                stiffness = 1e-6 * force * STEP / (heavier - works)
     good = np.array([s == "converged" for s in statuses])
     loads[~good] = np.nan
     loaded = loads > 0.0
@@ -200,15 +200,15 @@ def numbers(result: AxisResult, nominal: Array, where: Sequence[slice | None]) -
     lost = (loads == 0.0) & (nominal > 0.0)
     largest = max(float(s.loads.max(initial=0.0)) for s in result.sets)
     stiffness = np.nan if result.stiffness is None else 1e-6 * float(result.stiffness[2, 2])
-    found = [largest, stiffness, float(lost.sum()), result.solver.residual]
+    kept = [largest, stiffness, float(lost.sum()), result.solver.residual]
     for s, place in zip(result.sets, where, strict=True):
-        own = s.loads
-        mean = mean_load(own)
-        found += [float(own.max(initial=0.0)), mean, float(s.force[2])]
+        of_set = s.loads
+        mean = mean_load(of_set)
+        kept += [float(of_set.max(initial=0.0)), mean, float(s.force[2])]
         if place is None:
-            found += [np.nan, np.nan]
+            kept += [np.nan, np.nan]
             continue
         with np.errstate(divide="ignore", invalid="ignore"):
             life = (life_sum(loads[place]) / life_sum(nominal[place])) ** (-1.0 / SYSTEM)
-        found += [float(lost[place].sum()), float(life)]
-    return np.array(found)
+        kept += [float(lost[place].sum()), float(life)]
+    return np.array(kept)

@@ -130,14 +130,14 @@ def gathered(
 
 
 def _check(scene: Scene | Assembly, model: str, count: int) -> None:
-    one = isinstance(scene, Scene)
-    if one and (model not in MODELS or model == "condensed"):
+    single = isinstance(scene, Scene)
+    if single and (model not in MODELS or model == "condensed"):
         allowed = ", ".join(name for name in MODELS if name != "condensed")
         raise InputError("command line", "--model", model, allowed, "see: rollbench list")
     if not 2 <= count <= MOST:
         raise InputError("command line", "--members", str(count), f"2 to {MOST}", "a thousand give a band of some per cent")
     if not random_errors(scene):
-        where, advice = ("errors", "") if one else ("sets[].errors", " of a set")
+        where, advice = ("errors", "") if single else ("sets[].errors", " of a set")
         advice = f"give a sigma to balls, pitch, roundness or profile{advice}"
         raise InputError(scene.name, where, "nothing random", "at least one sigma above zero", advice)
 
@@ -181,7 +181,7 @@ class _Sums:
             self.counts[place, bins.ravel()] += 1
 
     def bands(self) -> Bands:
-        """What the sums say."""
+        """The bands by the sums."""
         n = int(self.counts[0].sum())
         mean = self.first / max(n, 1)
         deviation = np.sqrt(np.maximum(self.second - n * mean**2, 0.0) / max(n - 1, 1))

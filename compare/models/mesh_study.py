@@ -65,44 +65,44 @@ def studied(scene: Scene, stores: Sequence[Path] | None, levels: Sequence[int] =
     return reference_of(scene.name, scene, runs, contacts=nominal_contacts(scene)) if runs else None
 
 
-def level_rows(found: Reference) -> list[dict[str, Any]]:
+def level_rows(reference: Reference) -> list[dict[str, Any]]:
     """Per level, coarsest first: cell size over the finest's, unknowns of the equivalent monolithic mesh, own seconds
     without anything known before, largest difference of a contact load from the finest and `enough`, in per cent of the
     mean load."""
     return [
         {
             "level": run.level,
-            "cell_size": size / found.sizes[-1],
+            "cell_size": size / reference.sizes[-1],
             "unknowns": run.unknowns,
             "seconds": run.setup_seconds + run.solve_seconds,
-            "difference_percent": load_error(run.load, found.load, found.contacts).max_percent,
-            "enough_for_percent": enough(found, k),
+            "difference_percent": load_error(run.load, reference.load, reference.contacts).max_percent,
+            "enough_for_percent": enough(reference, k),
         }
-        for k, (run, size) in enumerate(zip(found.runs, found.sizes, strict=True))
+        for k, (run, size) in enumerate(zip(reference.runs, reference.sizes, strict=True))
     ]
 
 
-def enough(found: Reference, k: int) -> float:
+def enough(reference: Reference, k: int) -> float:
     """What the contact loads of run ``k`` are good for [% of the mean load] with those before it: their uncertainty by
     discretisation, RMS over the contacts; of the first alone from experience with other scenes."""
-    loads = {run.level: run.load for run in found.runs[max(0, k + 1 - FITTED) : k + 1]}
+    loads = {run.level: run.load for run in reference.runs[max(0, k + 1 - FITTED) : k + 1]}
     return parts(loads, read(shipped_store())).bar
 
 
-def closing(found: Reference) -> str:
+def closing(reference: Reference) -> str:
     """Which level is enough for what, in one sentence, and which are not worth their time.
 
     Per cents are rounded up.
     """
-    told, idle = list[tuple[str, float]](), list[int]()
-    for row in level_rows(found):
-        good, time = row["enough_for_percent"], f"{row['seconds']:.0f} s"
-        if told and good > CLEARLY * told[-1][1]:
+    steps, idle = list[tuple[str, float]](), list[int]()
+    for row in level_rows(reference):
+        good, time = row["enough_for_percent"], f" ({row['seconds']:.0f} s)"
+        if steps and good > CLEARLY * steps[-1][1]:
             idle.append(row["level"])
             continue
-        own = f"level {row['level']}{' with those before it' if told else ''} for {_up(good)} %"
-        told.append((f"{own}{'' if told else ' of the mean contact load, by experience with other scenes'} ({time})", good))
-    (first, _), *others = told
+        text = f"level {row['level']}{' with those before it' if steps else ''} for {_up(good)} %"
+        steps.append((f"{text}{'' if steps else ' of the mean contact load, by experience with other scenes'}{time}", good))
+    (first, _), *others = steps
     rest = "".join(f", {text}" for text, _ in others)
     tail = f" Hardly better than the one before: level {', '.join(map(str, idle))}." if idle else ""
     return f"Enough: {first}{rest}.{tail}"
@@ -126,37 +126,37 @@ def study_table(scene: Scene, stores: Sequence[Path] | None, levels: Sequence[in
     Loads, extremes among them, have the uncertainty of their contact on the finest level, and no order; displacements that
     of their own order, or with two levels that of all displacements together.
     """
-    found = studied(scene, stores, levels)
-    if found is None:
+    reference = studied(scene, stores, levels)
+    if reference is None:
         return []
     coarsest = min(LEVELS)
     base = base_run(scene, coarsest, stores)
     others = [v for v, variant in VARIANTS.items() if v != "base" and not variant.refined]
-    return quantity_table(found, base, {v: r for v in others if (r := load(scene, coarsest, v, stores)) is not None})
+    return quantity_table(reference, base, {v: r for v in others if (r := load(scene, coarsest, v, stores)) is not None})
 
 
-def quantity_table(found: Reference, base: Run | None, changed: Mapping[str, Run]) -> list[dict[str, Any]]:
+def quantity_table(reference: Reference, base: Run | None, changed: Mapping[str, Run]) -> list[dict[str, Any]]:
     """The table of `study_table` of a reference; base, changed: the runs that modelling choices are told by, by variant."""
-    runs, table = found.runs, []
+    runs, table = reference.runs, []
     shown = [(name, unit, take) for name, unit, take in quantities(runs[-1]) if any(take(r) for r in runs)]
     lines = [take for _, _, take in shown if take.func is _line]
     of_two: dict[Take, float] = {}
     if len(runs) == 2 and lines:  # each alone may agree by chance
-        of_two = dict(zip(lines, pool([[take(r) for take in lines] for r in runs], found.sizes).tolist(), strict=True))
+        of_two = dict(zip(lines, pool([[take(r) for take in lines] for r in runs], reference.sizes).tolist(), strict=True))
     for name, unit, take in shown:
         values = [take(r) for r in runs]
         row: dict[str, Any] = {"quantity": name, "unit": unit}
         row |= {f"level {r.level}": v for r, v in zip(runs, values, strict=True)}
         if len(runs) >= 2:
             contact = _contact(take, runs[-1])
-            own = observe(values, found.sizes) if contact is None else None
-            bar = of_two.get(take, own.uncertainty) if own else float(found.uncertainty[contact])
+            observed = observe(values, reference.sizes) if contact is None else None
+            bar = of_two.get(take, observed.uncertainty) if observed else float(reference.uncertainty[contact])
             row |= {
-                "order": own and own.order,
-                "extrapolated": own and own.extrapolated,
+                "order": observed and observed.order,
+                "extrapolated": observed and observed.extrapolated,
                 "uncertainty": bar,
                 "uncertainty_percent": _percent(bar, values[-1]),
-                "kind": own.text if own else SCATTERS,
+                "kind": observed.text if observed else SCATTERS,
             }
         if base is not None and changed:
             moves = {v: abs(take(r) - take(base)) for v, r in changed.items()}

@@ -112,7 +112,7 @@ class Point:
 def features(scene: Scene, load: Array) -> dict[str, float]:
     """Dimensionless features of a scene with loads ``(n, 4)`` [N] of any model. Raises ValueError as `dimensions`."""
     dims, R, layout = dimensions(scene), scene.track.pitch_radius, ball_layout(scene)
-    both = np.sort(np.array([load[:, [0, 3]].mean(), load[:, [1, 2]].mean()]))
+    flank_means = np.sort(np.array([load[:, [0, 3]].mean(), load[:, [1, 2]].mean()]))
     main = load[:, [0, 3]] if load[:, 0].sum() >= load[:, 1].sum() else load[:, [1, 2]]
     mean, total = float(main.mean()), max(float(load.sum()), 1e-300)
     touching = load > 0.0
@@ -128,7 +128,7 @@ def features(scene: Scene, load: Array) -> dict[str, float]:
         "lead": scene.track.lead / (2.0 * R),
         "ball": radius / R,
         "pressing": size / radius,
-        "preload": float(both[0] / both[1]) if both[1] > 0.0 else 0.0,
+        "preload": float(flank_means[0] / flank_means[1]) if flank_means[1] > 0.0 else 0.0,
         "spread": float(main.std() / mean) if mean > 0.0 else 0.0,
         "lost": float((load[touching] < 0.15 * mean).mean()) if touching.any() else 0.0,
         "one side": float(dims.nut_held in ("left face", "right face")),
@@ -178,8 +178,8 @@ def surveyed_points() -> tuple[Point, ...]:
 
 def _points(rows: Callable[[], Iterable[dict[str, Any]]]) -> tuple[Point, ...]:
     try:
-        found = tuple(Point(**row) for row in rows())
-        return tuple(p for p in found if set(p.features) - {FLANGE} == set(SCALES))
+        points = tuple(Point(**row) for row in rows())
+        return tuple(p for p in points if set(p.features) - {FLANGE} == set(SCALES))
     except (OSError, ValueError, TypeError, KeyError):
         return ()
 
@@ -220,20 +220,20 @@ def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None 
     """
     model = MODELS[result.model]
     ring = scene.track.lead == 0.0
-    own = [p for p in (shipped_points() if points is None else points) if p.model == (model.errors_of or model.name)]
+    compared = [p for p in (shipped_points() if points is None else points) if p.model == (model.errors_of or model.name)]
     flanged = held_by_flange(scene)
     scales = WITH_FLANGE if flanged else SCALES
-    like = [p for p in own if (p.features["lead"] == 0.0) == ring and (flanged or FLANGE not in p.features)]
+    like = [p for p in compared if (p.features["lead"] == 0.0) == ring and (flanged or FLANGE not in p.features)]
     words: tuple[str, ...] = (model.words,)
 
     def uncovered(why: str, away: float = float("inf"), nearest: str = "") -> ModelForm:
         return ModelForm(None, None, away, nearest, len(like), (*words, why))
 
     try:
-        here = _scaled(features(scene, result.load), scales)
+        place = _scaled(features(scene, result.load), scales)
     except ValueError as error:
         return uncovered(f"not comparable: {error}")
-    if not own:
+    if not compared:
         return uncovered("no scene was compared with the 3D reference")
     other = unlike_kind(scene)
     if not other and sum(not flanged or FLANGE in p.features for p in like) < FEWEST:
@@ -242,13 +242,13 @@ def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None 
     if other:
         return uncovered(other)
     known = np.array([_scaled(p.features, scales) for p in like])
-    away = np.linalg.norm(known - here, axis=1)
+    away = np.linalg.norm(known - place, axis=1)
     nearest = like[int(away.argmin())].scene
-    unlike = [*outside(scene), *_beyond(known, here)]
+    unlike = [*outside(scene), *_beyond(known, place)]
     if unlike:
         return uncovered(f"beyond what was compared: {'; '.join(unlike)}", float(away.min()), nearest)
     return ModelForm(
-        distance=float(away.min()), nearest=nearest, compared=len(like), words=words, **_expected(like, known, here)
+        distance=float(away.min()), nearest=nearest, compared=len(like), words=words, **_expected(like, known, place)
     )
 
 
@@ -263,9 +263,9 @@ def _expected(like: Sequence[Point], known: Array, here: Array) -> dict[str, flo
     out: dict[str, float | None] = {}
     for quantity in QUANTITIES:
         errors = np.array([np.nan if (e := getattr(p, quantity)) is None else e for p in like], dtype=float)
-        told = np.isfinite(errors)
-        enough = told.sum() >= FEWEST
-        out[quantity] = bound(known[told], errors[told], here, LEAST[quantity]) if enough else None
+        finite = np.isfinite(errors)
+        enough = finite.sum() >= FEWEST
+        out[quantity] = bound(known[finite], errors[finite], here, LEAST[quantity]) if enough else None
     return out
 
 
@@ -280,11 +280,11 @@ class LeftOut:
 def left_out(points: Sequence[Point], model: str) -> list[LeftOut]:
     """Every compared screw of a model, judged by all others; one without a flange by those without."""
     out = []
-    for flanged, scales in ((False, SCALES), (True, WITH_FLANGE)):
-        own = [p for p in points if p.model == model and p.features["lead"] > 0.0 and (flanged or FLANGE not in p.features)]
-        known = np.array([_scaled(p.features, scales) for p in own])
-        for k, point in enumerate(own):
-            if (FLANGE in point.features) == flanged:
-                others, rest = [p for p in own if p is not point], np.delete(known, k, axis=0)
+    for flange, scales in ((False, SCALES), (True, WITH_FLANGE)):
+        like = [p for p in points if p.model == model and p.features["lead"] > 0.0 and (flange or FLANGE not in p.features)]
+        known = np.array([_scaled(p.features, scales) for p in like])
+        for k, point in enumerate(like):
+            if (FLANGE in point.features) == flange:
+                others, rest = [p for p in like if p is not point], np.delete(known, k, axis=0)
                 out.append(LeftOut(point, None if _beyond(rest, known[k]) else _expected(others, rest, known[k])))
     return out

@@ -95,11 +95,11 @@ def effect(scene: str, variant: str, label: str, choice: str, kind: Kind, change
 
 def combined(scene: Scene, effects: Sequence[Effect]) -> Modelling | None:
     """Root of squares over the choices of a scene's effects; None where nothing was varied in 3D."""
-    own = [e for e in effects if e.kind == "modelling" and e.scene == scene.name]
-    if all(e.variant == "coupling" for e in own):
+    of_scene = [e for e in effects if e.kind == "modelling" and e.scene == scene.name]
+    if all(e.variant == "coupling" for e in of_scene):
         return None
     by_choice: dict[str, list[Effect]] = {}
-    for e in own:
+    for e in of_scene:
         by_choice.setdefault(e.choice, []).append(e)
     worst = {choice: np.abs([e.change for e in group]).max(axis=0) for choice, group in by_choice.items()}
     ratios = {choice: float(np.nanmax(np.abs([e.ratio for e in group]))) for choice, group in by_choice.items()}
@@ -116,7 +116,7 @@ def combined(scene: Scene, effects: Sequence[Effect]) -> Modelling | None:
     )
 
 
-def modelling_percent(scene: str, found: Mapping[str, Modelling]) -> float | None:
+def modelling_percent(scene: str, by_scene: Mapping[str, Modelling]) -> float | None:
     """Largest modelling uncertainty [% of the mean load] that speaks for a scene; None where its parts were not varied."""
-    own = found.get(SPOKEN_FOR.get(scene, ""))
-    return None if own is None else own.largest
+    spoken = by_scene.get(SPOKEN_FOR.get(scene, ""))
+    return None if spoken is None else spoken.largest

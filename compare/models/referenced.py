@@ -34,7 +34,7 @@ class SetOf:
 
     @property
     def name(self) -> str:
-        """Of the set."""
+        """Name of the set."""
         return self.assembly.sets[self.number].name
 
     @property
@@ -94,11 +94,11 @@ def referenced_by(described: Solvable, runs: tuple[Run, ...]) -> list[Referenced
     if isinstance(described, Scene):
         return [Referenced(described, reference_of(described.name, described, runs, contacts=nominal_contacts(described)))]
     out = []
-    for k, own in enumerate(balls_of(described)):
-        one = SetOf(described, k)
-        of_set = tuple(replace(r, load=r.load[own], angle=r.angle[own], frozen=r.frozen[own]) for r in runs)
-        found = reference_of(f"{described.name}, {one.name}", one.scene, of_set, contacts=one.contacts)
-        out.append(Referenced(one.scene, found, one))
+    for k, rows in enumerate(balls_of(described)):
+        of = SetOf(described, k)
+        of_set = tuple(replace(r, load=r.load[rows], angle=r.angle[rows], frozen=r.frozen[rows]) for r in runs)
+        reference = reference_of(f"{described.name}, {of.name}", of.scene, of_set, contacts=of.contacts)
+        out.append(Referenced(of.scene, reference, of))
     return out
 
 
@@ -130,10 +130,10 @@ def answered(of: SetOf, model: str) -> Answered | str:
     result, bare, seconds = _solved(of.assembly, model)
     if not result.converged:
         return result.status
-    one, idle = result.sets[of.number], bare.sets[of.number] if bare.converged else None
-    assert one.balls is not None
-    assert isinstance(one.of.parts, Scene)
-    own = replace(one.balls, model=model)
-    carried = Load(one.of.position, tuple(-x for x in one.force), tuple(-x for x in one.moment))
-    without = own.without_answers() if idle is None or idle.balls is None else idle.balls
-    return Answered(own, replace(without, model=model), seconds, replace(one.of.parts, loads=(carried,)))
+    loaded, idle = result.sets[of.number], bare.sets[of.number] if bare.converged else None
+    assert loaded.balls is not None
+    assert isinstance(loaded.of.parts, Scene)
+    balls = replace(loaded.balls, model=model)
+    carried = Load(loaded.of.position, tuple(-x for x in loaded.force), tuple(-x for x in loaded.moment))
+    without = balls.without_answers() if idle is None or idle.balls is None else idle.balls
+    return Answered(balls, replace(without, model=model), seconds, replace(loaded.of.parts, loads=(carried,)))

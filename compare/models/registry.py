@@ -344,14 +344,14 @@ def run_model(scene: Scene | Assembly, name: str = "", options: Options | None =
         with np.errstate(all="ignore"):
             result = run(options)
     except ValueError as error:
-        one = isinstance(scene, Scene)
-        where, what = (blamed(error), "geometry and the ingredients") if one else ("scene", "geometry")
+        single = isinstance(scene, Scene)
+        where, what = (blamed(error), "geometry and the ingredients") if single else ("scene", "geometry")
         raise Refusal(scene.name, where, str(error), f"check the {what}") from error
     return replace(result.answers(), model=name, member=options.member)
 
 
 def _runner(scene: Scene | Assembly, name: str) -> Callable[[Options], StaticResult | AxisResult]:
-    """What runs the model of a name on the scene. Raises InputError where there is none."""
+    """The runner of the named model on the scene. Raises InputError where there is none."""
     model = MODELS.get(name)
     if isinstance(scene, Scene):
         if model is None:

@@ -52,17 +52,17 @@ class Study:
     def uses(self, names: Sequence[str]) -> None:
         """Note that results rest on these shipped scenes, of whatever kind."""
         for name in names:
-            found = catalogue.shipped(name)
-            if isinstance(found, Scene):
-                self.scenes.setdefault(name, found)
+            scene = catalogue.shipped(name)
+            if isinstance(scene, Scene):
+                self.scenes.setdefault(name, scene)
             else:
-                self.others.setdefault(name, found)
+                self.others.setdefault(name, scene)
 
     @property
     def used(self) -> dict[str, Described]:
         """All scenes used so far, by name, sorted."""
-        found: dict[str, Described] = {**self.scenes, **self.others}
-        return dict(sorted(found.items()))
+        scenes: dict[str, Described] = {**self.scenes, **self.others}
+        return dict(sorted(scenes.items()))
 
     def changed(self, name: str, **ingredients: Any) -> Scene:
         """Shipped scene with other ingredients (see ``meshes.parts.Ingredients``)."""
@@ -97,8 +97,8 @@ class Study:
 
     def references(self, names: Sequence[str]) -> dict[str, Reference]:
         """Stored 3D references of those of the scenes that have one."""
-        found = {name: self.reference(name) for name in names}
-        return {name: ref for name, ref in found.items() if ref is not None}
+        references = {name: self.reference(name) for name in names}
+        return {name: ref for name, ref in references.items() if ref is not None}
 
 
 def _ensemble(study: Study, name: str) -> EnsembleResult:

@@ -67,17 +67,17 @@ class Together:
     def least(self) -> Lives:
         """Of the set that lives shortest; the first of which nothing is known, where there is one."""
         none = Lives(None, NO_BALLS, None, NO_BALLS)
-        return min(self.lives, key=lambda own: 0.0 if own.life is None else own.life.revolutions, default=none)
+        return min(self.lives, key=lambda lives: 0.0 if lives.life is None else lives.life.revolutions, default=none)
 
 
 def together(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis]) -> Together:
     """Extremes and lives of the solved cases of a cycle, in its order."""
     pairs = list(zip(cycle.cases, solved, strict=True))
-    found = [(case, s.answers) for case, one in pairs for s in one.sets.values()]
+    answers = [(case, s.answers) for case, one in pairs for s in one.sets.values()]
     errors = [(case, None if one.expected is None else one.expected.percent) for case, one in pairs if one.answers]
     return Together(
-        _extreme(max, ((case, a.worst.pressure) for case, a in found if a.worst)),
-        _extreme(min, ((case, a.safety.factor) for case, a in found if a.safety)),
+        _extreme(max, ((case, a.worst.pressure) for case, a in answers if a.worst)),
+        _extreme(min, ((case, a.safety.factor) for case, a in answers if a.safety)),
         _extreme(max, errors),
         tuple(case.name for case, percent in errors if percent is None),
         {case.name: one.result.status for case, one in pairs if one.answers is None},
@@ -109,16 +109,16 @@ def loads_of(result: StaticResult | AxisResult) -> dict[str, Array]:
 
 def _lives(cycle: DutyCycle, name: str, each: Sequence[OfSet | None]) -> Lives:
     """Lives of a set; each: in every case, None where it has no loads."""
-    rated, words = cycle_life(cycle, name, [None if own is None else own.load for own in each])
+    rated, words = cycle_life(cycle, name, [None if s is None else s.load for s in each])
     if rated is None:
         return Lives(rated, words, None, words, name)
-    used = [(own, case.share) for own, case in zip(each, cycle.cases, strict=True) if own is not None and case.share > 0.0]
-    parts, shares, forces = [own.parts for own, _ in used], [share for _, share in used], [own.force for own, _ in used]
+    used = [(s, case.share) for s, case in zip(each, cycle.cases, strict=True) if s is not None and case.share > 0.0]
+    parts, shares, forces = [s.parts for s, _ in used], [share for _, share in used], [s.force for s, _ in used]
     try:
-        found = equivalent_life(parts, shares, forces, max(own.preload for own, _ in used))
+        standard = equivalent_life(parts, shares, forces, max(s.preload for s, _ in used))
     except ValueError as error:
         return Lives(rated, words, None, str(error), name)
-    return Lives(rated, words, found, "" if found is not None else "no load", name)
+    return Lives(rated, words, standard, "" if standard is not None else "no load", name)
 
 
 def _extreme(pick: Callable[..., tuple[float, str]], values: Iterable[tuple[LoadCase, float | None]]) -> Extreme | None:

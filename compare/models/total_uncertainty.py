@@ -127,42 +127,42 @@ class Total:
         }
 
 
-def total(scene: Scene, found: Reference, *, inputs: bool = True) -> Total:
+def total(scene: Scene, reference: Reference, *, inputs: bool = True) -> Total:
     """The uncertainty of a scene's reference; inputs: whether that by the tolerances of the inputs is looked for."""
-    if found.stated:
-        return Total(uncertainty_percent(found), False, None, None, "", 0.0, False, found.stated)
+    if reference.stated:
+        return Total(uncertainty_percent(reference), False, None, None, "", 0.0, False, reference.stated)
     share, name = _inputs(scene) if inputs else (None, "")
-    lip, at = beside_face(found)
+    lip, at = beside_face(reference)
     return Total(
-        uncertainty_percent(found),
-        found.parts.by_experience,
+        uncertainty_percent(reference),
+        reference.parts.by_experience,
         spoken_for(scene.name, read(shipped_store())),
         share,
         name,
-        second_order(scene, found),
-        both_flanks(found.load),
+        second_order(scene, reference),
+        both_flanks(reference.load),
         beside_face=lip,
         at_face=at,
     )
 
 
-def beside_face(found: Reference) -> tuple[float, str]:
+def beside_face(reference: Reference) -> tuple[float, str]:
     """Largest part of a contact's uncertainty that is by a free face beside it [% of the mean load], and the contact; none
     where it is less than what discretisation leaves uncertain in all."""
-    own = np.zeros(1) if found.beside_face is None else error_percent(found.beside_face, 0.0, found.mean)
-    if own.max() <= found.parts.bar or not found.parts.bar:
+    share = np.zeros(1) if reference.beside_face is None else error_percent(reference.beside_face, 0.0, reference.mean)
+    if share.max() <= reference.parts.bar or not reference.parts.bar:
         return 0.0, ""
-    ball, side = np.unravel_index(int(own.argmax()), own.shape)
-    return float(own.max()), f"ball {ball + 1} {SIDES[side]}"
+    ball, side = np.unravel_index(int(share.argmax()), share.shape)
+    return float(share.max()), f"ball {ball + 1} {SIDES[side]}"
 
 
-def second_order(scene: Scene, found: Reference) -> float:
+def second_order(scene: Scene, reference: Reference) -> float:
     """What large displacements take from the most loaded contact [% of the mean load]."""
-    worst = load_answers(scene, found.load, np.radians(found.best.angle)).worst
+    worst = load_answers(scene, reference.load, np.radians(reference.best.angle)).worst
     if worst is None:
         return 0.0
     lost = SECOND_ORDER * worst.a / scene.balls.radius * worst.force
-    return float(error_percent(lost, 0.0, mean_load(found.load)))
+    return float(error_percent(lost, 0.0, mean_load(reference.load)))
 
 
 def _inputs(scene: Scene) -> tuple[float | None, str]:
@@ -175,16 +175,15 @@ def _inputs(scene: Scene) -> tuple[float | None, str]:
     return largest, max(parts, key=lambda name: float(np.abs(parts[name]).max()))
 
 
-def choices_of(found: Modelling) -> Choices:
+def choices_of(varied: Modelling) -> Choices:
     """The record of choices that were varied on a scene."""
-    first = max(found.choices, key=lambda name: found.choices[name])
-    return Choices(found.scene, found.largest, first, found.choices[first])
+    first = max(varied.choices, key=lambda name: varied.choices[name])
+    return Choices(varied.scene, varied.largest, first, varied.choices[first])
 
 
 def spoken_for(name: str, known: Mapping[str, Choices]) -> Choices | None:
     """The choices that speak for a scene: of its own parts, or else the ones with the largest effect."""
-    own = known.get(SPOKEN_FOR.get(name, ""))
-    return own or max(known.values(), key=lambda c: c.percent, default=None)
+    return known.get(SPOKEN_FOR.get(name, "")) or max(known.values(), key=lambda c: c.percent, default=None)
 
 
 def save(store: Path, known: Mapping[str, Choices]) -> None:
@@ -195,4 +194,4 @@ def save(store: Path, known: Mapping[str, Choices]) -> None:
 @cache
 def read(store: Path) -> dict[str, Choices]:
     """The record of a store. Raises OSError, ValueError or TypeError without a whole one."""
-    return {name: Choices(**own) for name, own in json.loads((store / FILE).read_text(encoding="utf-8")).items()}
+    return {name: Choices(**fields) for name, fields in json.loads((store / FILE).read_text(encoding="utf-8")).items()}

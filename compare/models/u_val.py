@@ -101,10 +101,10 @@ def _stiffer(scene: Scene) -> Scene:
 
 
 def _larger(scene: Scene) -> Scene | None:
-    own = scene.errors.balls
-    if own.oversize == 0.0:
+    balls = scene.errors.balls
+    if balls.oversize == 0.0:
         return None
-    return replace(scene, errors=replace(scene.errors, balls=replace(own, oversize=own.oversize + 0.25e-6)))
+    return replace(scene, errors=replace(scene.errors, balls=replace(balls, oversize=balls.oversize + 0.25e-6)))
 
 
 #: Assumed tolerances: what makers state of such parts or do not print at all; no source of a scene gives them.
@@ -127,7 +127,7 @@ class Uncertainty:
     varied: str
 
     @property
-    def own(self) -> Array:
+    def of_reference(self) -> Array:
         """The reference's own: grid and choices."""
         return np.asarray(np.hypot(self.grid, self.model))
 
@@ -143,19 +143,19 @@ def percent(quantity: Quantity, value: Array, base: Array, mean: float) -> Array
     return np.asarray(error_percent(value, base, scale))
 
 
-def grid_uncertainty(scene: Scene, found: Reference, quantity: Quantity) -> Array:
+def grid_uncertainty(scene: Scene, reference: Reference, quantity: Quantity) -> Array:
     """Of the finest run, in per cent; nan with one level, but for loads, of which there is experience."""
-    base = quantity.take(scene, from_run(found.best, ""))
+    base = quantity.take(scene, from_run(reference.best, ""))
     if quantity.of_mean:
-        return percent(quantity, found.uncertainty, np.zeros_like(base), found.mean)
+        return percent(quantity, reference.uncertainty, np.zeros_like(base), reference.mean)
     if quantity.of_largest:
-        own = found.uncertainty.ravel()[int(found.load.argmax())]
-        return np.asarray(error_percent(np.full(base.shape, own), np.zeros(base.shape), base))
-    if len(found.runs) < 2:
+        bar = reference.uncertainty.ravel()[int(reference.load.argmax())]
+        return np.asarray(error_percent(np.full(base.shape, bar), np.zeros(base.shape), base))
+    if len(reference.runs) < 2:
         return np.full(base.shape, np.nan)
-    values = [float(quantity.take(scene, from_run(run, ""))[0]) for run in found.runs]
-    own = observe(values, found.sizes).uncertainty or 0.0
-    return np.asarray(error_percent(np.full(base.shape, own), np.zeros(base.shape), base))
+    values = [float(quantity.take(scene, from_run(run, ""))[0]) for run in reference.runs]
+    bar = observe(values, reference.sizes).uncertainty or 0.0
+    return np.asarray(error_percent(np.full(base.shape, bar), np.zeros(base.shape), base))
 
 
 def variants_of(study: Study, name: str) -> tuple[tuple[str, Loads, Loads], ...]:
@@ -180,8 +180,8 @@ def choice_uncertainty(study: Study, name: str, quantity: Quantity) -> Array | N
     scene, worst = study.scene(name), dict[str, Array]()
     contacts = nominal_contacts(scene)
     for choice, changed, base in study.once(variants_of, name):
-        own = [quantity.take(scene, answer) for answer in (changed, base)]
-        change = np.abs(percent(quantity, own[0], own[1], mean_load(base.load, contacts)))
+        value, unchanged = (quantity.take(scene, answer) for answer in (changed, base))
+        change = np.abs(percent(quantity, value, unchanged, mean_load(base.load, contacts)))
         worst[choice] = np.maximum(worst.get(choice, np.zeros_like(change)), change)
     return np.asarray(np.sqrt(sum(x**2 for x in worst.values()))) if worst else None
 
@@ -189,13 +189,13 @@ def choice_uncertainty(study: Study, name: str, quantity: Quantity) -> Array | N
 def input_parts(study: Study, scene: Scene, quantity: Quantity) -> dict[str, Array]:
     """Change in per cent by every tolerance of the inputs that a scene has, by the sensitivities of a cheap model."""
     base = study.solve(scene, SENSITIVE)
-    own, out = quantity.take(scene, from_result(base)), {}
+    unchanged, out = quantity.take(scene, from_result(base)), {}
     mean = mean_load(base.load, nominal_contacts(scene))
-    for one in INPUTS:
-        changed = one.change(scene)
+    for tolerance in INPUTS:
+        changed = tolerance.change(scene)
         if changed is not None:
             value = quantity.take(changed, from_result(study.solve(changed, SENSITIVE)))
-            out[one.name] = percent(quantity, value, own, mean)
+            out[tolerance.name] = percent(quantity, value, unchanged, mean)
     return out
 
 
@@ -206,18 +206,18 @@ def input_uncertainty(study: Study, scene: Scene, quantity: Quantity) -> Array:
 
 def uncertainty(study: Study, name: str, quantity: Quantity) -> Uncertainty | None:
     """The parts of u_val of a scene's quantity; None without a stored reference."""
-    found = study.reference(name)
-    if found is None:
+    reference = study.reference(name)
+    if reference is None:
         return None
     scene = study.scene(name)
-    grid = grid_uncertainty(scene, found, quantity)
-    own = study.once(choices_of, quantity)
+    grid = grid_uncertainty(scene, reference, quantity)
+    choices = study.once(choices_of, quantity)
     speaks = SPOKEN_FOR.get(name, "")
-    if speaks in own and own[speaks].shape == grid.shape:
-        model, varied = own[speaks], speaks
-    elif own:
-        varied = max(own, key=lambda k: float(own[k].max()))
-        model = np.full(grid.shape, float(own[varied].max()))
+    if speaks in choices and choices[speaks].shape == grid.shape:
+        model, varied = choices[speaks], speaks
+    elif choices:
+        varied = max(choices, key=lambda k: float(choices[k].max()))
+        model = np.full(grid.shape, float(choices[varied].max()))
     else:
         varied, model = "", np.full(grid.shape, np.nan)
     return Uncertainty(grid, model, input_uncertainty(study, scene, quantity), varied)
@@ -225,8 +225,8 @@ def uncertainty(study: Study, name: str, quantity: Quantity) -> Uncertainty | No
 
 def choices_of(study: Study, quantity: Quantity) -> dict[str, Array]:
     """`choice_uncertainty` of every varied scene that a store holds."""
-    found = {name: choice_uncertainty(study, name, quantity) for name in VARIED}
-    return {name: own for name, own in found.items() if own is not None}
+    changes = {name: choice_uncertainty(study, name, quantity) for name in VARIED}
+    return {name: u for name, u in changes.items() if u is not None}
 
 
 @dataclass(frozen=True)
@@ -251,24 +251,24 @@ class Validated:
 
 def validated(study: Study, name: str, model: str, quantity: Quantity, answer: Loads) -> Validated | None:
     """A model's answer on a quantity of a scene; None without a stored reference."""
-    found, own = study.reference(name), study.once(uncertainty, name, quantity)
-    if found is None or own is None:
+    ref, parts = study.reference(name), study.once(uncertainty, name, quantity)
+    if ref is None or parts is None:
         return None
     scene = study.scene(name)
-    reference = quantity.take(scene, from_run(found.best, ""))
+    reference = quantity.take(scene, from_run(ref.best, ""))
     value = quantity.take(scene, answer)
-    error = percent(quantity, value, reference, found.mean)
-    floor = 0.1 * found.mean if quantity.of_mean else 0.0
+    error = percent(quantity, value, reference, ref.mean)
+    floor = 0.1 * ref.mean if quantity.of_mean else 0.0
     # every loaded contact is judged; a value by itself is one
     judged = ((value > 0.0) | (reference > 0.0)) if quantity.of_mean else np.ones(value.shape, dtype=bool)
     big = judged & (reference > floor) & (value > 0.0) if quantity.of_mean else reference * value > 0.0
     worst = int(np.argmax(np.where(judged, np.abs(error), -1.0)))
     off, grid, choices, inputs, whole = (
-        float(x.ravel()[worst]) for x in (error, own.grid, own.model, own.inputs, own.combined)
+        float(x.ravel()[worst]) for x in (error, parts.grid, parts.model, parts.inputs, parts.combined)
     )
-    within, within_own = (float((np.abs(error) <= u)[judged].mean()) for u in (own.combined, own.own))
+    within, within_own = (float((np.abs(error) <= u)[judged].mean()) for u in (parts.combined, parts.of_reference))
     ratio = tuple(float(x) for x in (value[big] / reference[big]).ravel())
-    return Validated(name, model, quantity.name, off, grid, choices, inputs, whole, within, within_own, ratio, own.varied)
+    return Validated(name, model, quantity.name, off, grid, choices, inputs, whole, within, within_own, ratio, parts.varied)
 
 
 @dataclass(frozen=True)
@@ -296,15 +296,15 @@ def scatter(rows: Sequence[Validated]) -> list[Scatter]:
     """
     out = []
     for model, quantity in dict.fromkeys((r.model, r.quantity) for r in rows):
-        own = [r for r in rows if (r.model, r.quantity) == (model, quantity)]
-        logs = np.log(np.concatenate([r.ratio for r in own]))
-        known = [r.grid for r in own if np.isfinite(r.grid)]
+        group = [r for r in rows if (r.model, r.quantity) == (model, quantity)]
+        logs = np.log(np.concatenate([r.ratio for r in group]))
+        known = [r.grid for r in group if np.isfinite(r.grid)]
         spread = float(np.sqrt(np.mean(np.square(known)))) / 200.0 if known else 0.0
         variance = float(logs.var(ddof=1)) if logs.size > 1 else 0.0
         bias = float(error_percent(np.exp(logs.mean()), 1.0))
         left = float(error_percent(np.sqrt(max(variance - spread**2, 0.0)), 0.0, 1.0))
-        shares = [float(np.mean(x)) for x in ([r.within for r in own], [r.within_own for r in own])]
-        out.append(Scatter(model, quantity, len(own), logs.size, bias, left, *shares))
+        shares = [float(np.mean(x)) for x in ([r.within for r in group], [r.within_own for r in group])]
+        out.append(Scatter(model, quantity, len(group), logs.size, bias, left, *shares))
     return out
 
 
@@ -314,7 +314,7 @@ def bound_shares(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, int]
     for row in rows:
         if row["expected"] is None:
             continue
-        held, total = out.get(str(row["model"]), (0, 0))
+        within, total = out.get(str(row["model"]), (0, 0))
         good = float(row["measured"]) <= float(row["expected"])
-        out[str(row["model"])] = (held + good, total + 1)
+        out[str(row["model"])] = (within + good, total + 1)
     return out

@@ -108,8 +108,8 @@ def last_digit(printed: str) -> float:
 
 def _row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], index: int) -> Printed:
     def refuse(key: str, allowed: str, advice: str) -> InputError:
-        found = f'"{raw[key]}"' if key in raw else "nothing"
-        return InputError(f"{table}.toml", f"row[{index}].{key}", found, allowed, advice)
+        value = f'"{raw[key]}"' if key in raw else "nothing"
+        return InputError(f"{table}.toml", f"row[{index}].{key}", value, allowed, advice)
 
     _check_kinds(raw, refuse)
     cls, claim, printed = raw.get("class"), raw.get("claim", ""), raw.get("printed", "")

@@ -103,53 +103,53 @@ def _compute_sets(task: Task, assemblies: Sequence[Assembly], step: Step) -> lis
                 by_set |= dict.fromkeys(up.sets, setup)
             setups = [by_set[k] for k in range(len(names))]
             sides = [s.sides for s in setups]
-            found = [solve_sets(assembly, setups, sides, frozen=True, step=step) for assembly in assemblies]
+            results = [solve_sets(assembly, setups, sides, frozen=True, step=step) for assembly in assemblies]
         except MemoryError as error:
             raise out_of_memory(error) from error
         except ValueError as error:
             raise refused(assemblies[0], error) from error
-        full = [one for one in found if one.status == AT_RIM]
+        full = [result for result in results if result.status == AT_RIM]
         if not full or attempt == ENLARGE:
             break
         larger = []
         for up in ups:
-            loads = [one.sets[k] for one in full for k in up.sets]
+            loads = [result.sets[k] for result in full for k in up.sets]
             settings, why = enlarged(by_set[up.sets[0]], [(s.load, s.angle) for s in loads], max(0, ENLARGE - 1 - attempt))
             larger.append(up if settings is None else replace(up, settings=settings))
         if tuple(larger) == ups:
-            found = [replace(one, status=f"{AT_RIM}: {why}") if one.status == AT_RIM else one for one in found]
+            results = [replace(r, status=f"{AT_RIM}: {why}") if r.status == AT_RIM else r for r in results]
             break
         ups = tuple(larger)
         step("a contact reaches the rim of its patch, larger patches")
-    return [_run_of_sets(task, *own, setups, ups, step) for own in zip(assemblies, found, strict=True)]
+    return [_run_of_sets(task, *pair, setups, ups, step) for pair in zip(assemblies, results, strict=True)]
 
 
 def _run_of_sets(
-    task: Task, assembly: Assembly, found: AxisReference, setups: Sequence[Setup], ups: Sequence[SetUp], step: Step
+    task: Task, assembly: Assembly, result: AxisReference, setups: Sequence[Setup], ups: Sequence[SetUp], step: Step
 ) -> Run:
     """The run of one load case of several sets."""
-    step(StageDone("contact loads", f"{found.seconds:.1f} s, {assembly.name} {found.status}"))
+    step(StageDone("contact loads", f"{result.seconds:.1f} s, {assembly.name} {result.status}"))
     shared = list({id(s): s for s in setups}.values())
     return Run(
         scene=assembly.name,
         level=task.level,
         variant=task.variant,
-        status=found.status,
-        moving=found.moving,
-        load=np.concatenate([s.load for s in found.sets]),
-        angle=np.degrees(np.concatenate([s.angle for s in found.sets])),
-        frozen=np.concatenate([s.load if s.frozen is None else s.frozen for s in found.sets]),
-        centreline=np.column_stack([found.stations, found.centreline[:, :3]]),
+        status=result.status,
+        moving=result.moving,
+        load=np.concatenate([s.load for s in result.sets]),
+        angle=np.degrees(np.concatenate([s.angle for s in result.sets])),
+        frozen=np.concatenate([s.load if s.frozen is None else s.frozen for s in result.sets]),
+        centreline=np.column_stack([result.stations, result.centreline[:, :3]]),
         without={},
         without_seconds={},
         sides=tuple(sorted({side for s in setups for side in s.sides})),
         unknowns=sum(s.unknowns for s in setups),
         stages={name: sum(s.seconds.get(name, 0.0) for s in shared) for name in shared[0].seconds},
-        solve_seconds=found.seconds,
-        peak_MB=None if (own := peak_MB()) is None else own + max(s.others_MB for s in shared),
-        balance=found.balance,
-        along_groove=found.along_groove,
-        screw_balance=found.shaft_balance,
+        solve_seconds=result.seconds,
+        peak_MB=None if (peak := peak_MB()) is None else peak + max(s.others_MB for s in shared),
+        balance=result.balance,
+        along_groove=result.along_groove,
+        screw_balance=result.shaft_balance,
         quality=shared[0].quality | {name: min(s.quality[name] for s in shared) for name in ("screw", "nut", "ball")},
         settings=recorded(ups),
         assumed=tuple(dict.fromkeys(line for s in shared for line in s.dims.assumed)),
@@ -158,7 +158,7 @@ def _run_of_sets(
     )
 
 
-def enlarged(setup: Setup, found: Sequence[tuple[Array, Array]], left: int) -> tuple[Settings | None, str]:
+def enlarged(setup: Setup, contacts: Sequence[tuple[Array, Array]], left: int) -> tuple[Settings | None, str]:
     """Settings with patches for the loads and contact angles ``(n, 4)`` [N, rad] that were found, or None where that
     changes no patch; a text with both numbers.
 
@@ -180,8 +180,8 @@ def enlarged(setup: Setup, found: Sequence[tuple[Array, Array]], left: int) -> t
 
     m, needs, askew = setup.map, np.zeros(2), 0.0
     units = hertz_units(setup.scene)
-    for load, seen in found:
-        size, angle = np.cbrt(load), np.where(load > 0.0, seen, m.beta)
+    for load, touched in contacts:
+        size, angle = np.cbrt(load), np.where(load > 0.0, touched, m.beta)
         across, along = (size * np.array([getattr(unit, name) for unit in units]) for name in ("semi_x", "semi_y"))
         needs = np.maximum(needs, [float((across + np.abs(angle - m.beta) * m.radius).max()), float(along.max())])
         askew = max(askew, *(reach_along(m, s, angle[:, s], across[:, s], along[:, s]) for s in setup.sides))
@@ -223,8 +223,8 @@ def _one(task: Task, number: int, scene: Scene, setup: Setup, sides: tuple[int, 
     without, seconds = {}, {}
     if task.ablate:
         for name in INGREDIENTS:
-            found = solve_reference(setup, scene, sides=sides, leave_out=frozenset([name]))
-            without[name], seconds[name] = found.load, found.seconds["contact"]
+            ablated = solve_reference(setup, scene, sides=sides, leave_out=frozenset([name]))
+            without[name], seconds[name] = ablated.load, ablated.seconds["contact"]
     step(StageDone("contact loads", f"{result.seconds['contact']:.1f} s, {scene.name} {result.status}"))
     return Run(
         scene=task.scenes[number].name,
@@ -242,7 +242,7 @@ def _one(task: Task, number: int, scene: Scene, setup: Setup, sides: tuple[int, 
         unknowns=result.unknowns,
         stages=setup.seconds,
         solve_seconds=result.seconds["contact"],
-        peak_MB=None if (own := peak_MB()) is None else own + setup.others_MB,
+        peak_MB=None if (peak := peak_MB()) is None else peak + setup.others_MB,
         balance=result.balance,
         along_groove=result.along_groove,
         screw_balance=result.screw_balance,

@@ -80,8 +80,8 @@ def reference(scene: Scene, stores: Sequence[Path] | None = None) -> Reference |
 def reference_of(name: str, scene: Scene, runs: tuple[Run, ...], contacts: int = 0) -> Reference:
     """Reference of a scene (of one set of several: its parts) by runs, coarse to fine; contacts: see `Reference`."""
     loads = {run.level: run.load for run in runs}
-    found, best = parts(loads, grid_parts.read(shipped_store())), runs[-1]
-    bars = 0.01 * mean_load(best.load) * found.bars(loads) if found.bar else np.zeros_like(best.load)
+    grid, best = parts(loads, grid_parts.read(shipped_store())), runs[-1]
+    bars = 0.01 * mean_load(best.load) * grid.bars(loads) if grid.bar else np.zeros_like(best.load)
     lips = too_large(scene, best.load, best.level)
-    beside = left_out(scene, best.load, best.level) if found.by_experience else lips
-    return Reference(name, runs, best.load, bars + beside + best.moving, found, contacts, beside_face=lips)
+    beside = left_out(scene, best.load, best.level) if grid.by_experience else lips
+    return Reference(name, runs, best.load, bars + beside + best.moving, grid, contacts, beside_face=lips)

@@ -46,15 +46,15 @@ class Expected:
 
 
 def expected(task: Task) -> Expected:
-    """What a task will take."""
+    """Seconds and memory that a task will take."""
     if not task.assemblies:
-        made = [len({s for scene in task.single for s in needed_sides(scene)}) * task.scenes[0].ball_count]
+        by_bodies = [len({s for scene in task.single for s in needed_sides(scene)}) * task.scenes[0].ball_count]
     else:
-        made = [len(up.sides) * up.bodies.ball_count for up in set_ups(task.assemblies, task.level)]
-    contacts = sum(made)
+        by_bodies = [len(up.sides) * up.bodies.ball_count for up in set_ups(task.assemblies, task.level)]
+    contacts = sum(by_bodies)
     times = len(task.scenes) * (6 if task.ablate else 1)
     stages = {name: GROWTH[task.level] * A_CONTACT.get(name, 0.0) * contacts for name in STAGES}
-    stages |= {"patches": len(made) * PATCHES[task.level], "ball": float(len(made))}
+    stages |= {"patches": len(by_bodies) * PATCHES[task.level], "ball": float(len(by_bodies))}
     stages["contact loads"] *= times
     memory = BASE_GB[task.level] + CONTACT_GB * contacts
     if task.processes > 1:
@@ -81,7 +81,7 @@ def need_memory(tasks: Sequence[Task], workers: int) -> float:
 
 
 def duration(seconds: float) -> str:
-    """A duration in words of one number.
+    """A duration in words, with one number.
 
     >>> duration(42.0), duration(600.0), duration(9000.0)
     ('40 s', '10 min', '2.5 h')
@@ -112,16 +112,16 @@ class Progress:
         return f"{self.label}: {self.stages[0][0]}" if self.stages else self.label
 
     def line(self, text: str, spent: float) -> str:
-        """What is said when ``text``, a `StageDone` at the end of a stage, is heard after ``spent`` seconds.
+        """The line for ``text``, a `StageDone` at the end of a stage, ``spent`` seconds after the task began.
 
         Stages from the cache say nothing of the machine's pace.
         """
-        own = next((s for s in self.stages if isinstance(text, StageDone) and s[0] == text.stage), None)
-        if own is None or not isinstance(text, StageDone):
+        stage = next((s for s in self.stages if isinstance(text, StageDone) and s[0] == text.stage), None)
+        if stage is None or not isinstance(text, StageDone):
             return f"{self.label}: {text}"
-        self.stages.remove(own)
-        self.done += own[1]
-        self.computed += 0.0 if text.cached else own[1]
+        self.stages.remove(stage)
+        self.done += stage[1]
+        self.computed += 0.0 if text.cached else stage[1]
         left = sum(seconds for _, seconds in self.stages)
         pace = min(max(spent / self.computed, 0.1), 10.0) if self.computed else 1.0
         total = f"about {duration(pace * (left + self.after))} left"

@@ -113,17 +113,17 @@ def _linear(y: Array, columns: Array, w: Array) -> tuple[Array, Array, Array]:
     """Constants ``(m,)``, coefficients ``(k, m)`` and residuals ``(levels, m)`` of weighted linear least squares."""
     root = np.sqrt(w)[:, None]
     basis = np.column_stack([np.ones(len(w)), columns])
-    found = np.linalg.lstsq(root * basis, root * y, rcond=None)[0]
-    return np.asarray(found[0]), np.asarray(found[1:]), np.asarray(y - basis @ found)
+    coefficients = np.linalg.lstsq(root * basis, root * y, rcond=None)[0]
+    return np.asarray(coefficients[0]), np.asarray(coefficients[1:]), np.asarray(y - basis @ coefficients)
 
 
 def _fit(
-    form: str, order: float | None, weighted: bool, h: Array, limit: Array, residual: Array, own: int, shared: int
+    form: str, order: float | None, weighted: bool, h: Array, limit: Array, residual: Array, of_each: int, of_all: int
 ) -> Fit:
-    """The record of a fit with ``own`` parameters of each quantity and ``shared`` ones of all."""
+    """The record of a fit with ``of_each`` parameters of each quantity and ``of_all`` of all of them."""
     n, m = residual.shape
     squares = n * (weights(h, weighted) @ (residual * residual))
-    freedom = (n - own) * m - shared
+    freedom = (n - of_each) * m - of_all
     deviation = float(np.sqrt(squares.sum() / freedom)) if freedom > 0 else 0.0
-    single = np.sqrt(squares / (n - own)) if n > own else np.zeros(m)
+    single = np.sqrt(squares / (n - of_each)) if n > of_each else np.zeros(m)
     return Fit(form, order, weighted, limit, residual, deviation, np.asarray(single))

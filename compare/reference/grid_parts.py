@@ -96,8 +96,8 @@ class GridParts:
             return np.where(on, self.bar, 0.0)
         stiffness = loads[max(loads)] ** STIFFNESS
         share = stiffness**2 / (stiffness[on] ** 2).mean()
-        displaced, rest = self.bodies**2 + self.sockets**2, self.contact**2 + self.common**2
-        return np.where(on, self.cover * np.sqrt(rest + displaced * share), 0.0)
+        displaced, shared = self.bodies**2 + self.sockets**2, self.contact**2 + self.common**2
+        return np.where(on, self.cover * np.sqrt(shared + displaced * share), 0.0)
 
 
 def both_flanks(load: Array) -> bool:
@@ -136,8 +136,8 @@ def _change(loads: Levelled, level: int, other: int, finest: int) -> Array:
 def _sizes(level: int) -> Array:
     """Relative cells of the contact and of the bodies; of a level after the last by the ratios ``NEXT``."""
     last = max(LEVELS)
-    own = LEVELS[min(level, last)]
-    size = np.array([1.0 / own["b_over_h"], own["fine"] / LEVELS[PRODUCTION]["fine"]])
+    cells = LEVELS[min(level, last)]
+    size = np.array([1.0 / cells["b_over_h"], cells["fine"] / LEVELS[PRODUCTION]["fine"]])
     return np.asarray(size * np.power(NEXT, max(level - last, 0)))
 
 
@@ -150,14 +150,14 @@ def _variances(columns: Array, shown: Array, fixed: float) -> Array:
     """Variances by part, no less than zero, from those ``shown`` between levels beside a ``fixed`` one, by relative least
     squares; with two levels all is the bodies', which fall slower."""
     columns = columns * [0.0, 1.0] if len(shown) == 1 else columns
-    found, scale = np.zeros(2), np.maximum(shown + fixed, TINY)
+    variances, scale = np.zeros(2), np.maximum(shown + fixed, TINY)
     for _ in range(ROUNDS):
-        found = nnls(columns / scale[:, None], shown / scale)[0]
-        scale = np.maximum(columns @ found + fixed, TINY)
-    return np.asarray(found)
+        variances = nnls(columns / scale[:, None], shown / scale)[0]
+        scale = np.maximum(columns @ variances + fixed, TINY)
+    return np.asarray(variances)
 
 
-def measured(found: Mapping[str, Levelled], sockets: float, known: Mapping[str, Array] | None = None) -> Experience:
+def measured(scenes: Mapping[str, Levelled], sockets: float, known: Mapping[str, Array] | None = None) -> Experience:
     """Experience of scenes on several levels; sockets: standard deviation [% of the mean load], from a run of its own;
     known: by scene, what has a bar of its own on the coarsest level ``(n, 4)`` [% of the mean load]
     (`compare.reference.near_face`), so that a single level's bar need not hold it.
@@ -165,7 +165,7 @@ def measured(found: Mapping[str, Levelled], sockets: float, known: Mapping[str, 
     Raises ValueError without a scene of each kind.
     """
     shifts, errors = list[float](), (list[Array](), list[Array]())
-    for name, loads in found.items():
+    for name, loads in scenes.items():
         levels, finest = sorted(loads), max(loads)
         both = both_flanks(loads[finest])
         if both:
@@ -176,12 +176,12 @@ def measured(found: Mapping[str, Levelled], sockets: float, known: Mapping[str, 
     if not shifts or not all(errors):
         raise ValueError("no experience without scenes that load one flank of the screw, and both, on fine levels")
     common = float(np.sqrt(np.mean(np.square(shifts)) / 2.0))
-    return Experience(sockets, common, (_holding(errors[0], LEAST[0]), _holding(errors[1], LEAST[1])), tuple(found))
+    return Experience(sockets, common, (_holding(errors[0], LEAST[0]), _holding(errors[1], LEAST[1])), tuple(scenes))
 
 
 def _holding(errors: Sequence[Array], least: float) -> float:
     """The bar that holds ``SHARE`` of all errors and ``least`` of those of every scene."""
-    return float(max(np.quantile(np.concatenate(errors), SHARE), *(np.quantile(own, least) for own in errors)))
+    return float(max(np.quantile(np.concatenate(errors), SHARE), *(np.quantile(of_scene, least) for of_scene in errors)))
 
 
 def save(store: Path, known: Experience) -> None:

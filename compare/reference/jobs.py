@@ -47,20 +47,20 @@ class Engine:
 
 
 def first_here(jobs: Sequence[parallel.Job], engine: Engine, what: str, step: Step) -> Iterator[tuple[int, Any]]:
-    """Numbers and results as of `parallel.as_done`. Where other processes of this machine are asked for, two jobs are done
-    here first, and by the time of the second, for which everything is loaded, all of them where starting others takes
-    longer; ``step`` is told so, ``what`` being many of what the jobs make."""
+    """Numbers and results as of `parallel.as_done`. Where other processes of this machine are asked for, two jobs run here
+    first; the rest follow here too where the second (everything is loaded by then) shows that starting processes takes
+    longer. ``step`` announces that; ``what``: plural name of what the jobs make."""
     workers, here = engine.workers, 0
     if (workers or 1) > 1 and engine.backend == "joblib":
         start, here = perf_counter(), min(2, len(jobs))
-        for number, found in parallel.as_done(jobs[:here]):
+        for number, result in parallel.as_done(jobs[:here]):
             left, start = (perf_counter() - start) * (len(jobs) - here), perf_counter()
-            yield number, found
+            yield number, result
         if here and left < WORTH_WORKERS:
             step(f"no other processes: the {what} left take about {left:.1f} s here, to start others takes longer")
             workers = 1
-    for number, found in parallel.as_done(jobs[here:], engine.backend, engine.scheduler, workers):
-        yield here + number, found
+    for number, result in parallel.as_done(jobs[here:], engine.backend, engine.scheduler, workers):
+        yield here + number, result
 
 
 def plan(
@@ -74,14 +74,13 @@ def plan(
     """Tasks of a study: the coarsest level of every geometry, which already says something, then the dearest of the rest;
     variants on their level, ablation on the coarsest."""
     tasks = []
-    for group in groups(scenes):
-        own = tuple(group)
-        tasks += [Task(own, level, ablate=ablate and level == min(LEVELS)) for level in levels]
+    for cases in map(tuple, groups(scenes)):
+        tasks += [Task(cases, level, ablate=ablate and level == min(LEVELS)) for level in levels]
         if source:
-            tasks.append(Task(own, SOURCE_LEVEL))
-        tasks += [Task(own[:1], VARIANTS[variant].level, variant) for variant in variants]
+            tasks.append(Task(cases, SOURCE_LEVEL))
+        tasks += [Task(cases[:1], VARIANTS[variant].level, variant) for variant in variants]
         if any(VARIANTS[variant].refined for variant in variants):
-            tasks.append(Task(own[:1], PRODUCTION, "base"))  # what choices refined alone are compared with
+            tasks.append(Task(cases[:1], PRODUCTION, "base"))  # what choices refined alone are compared with
     coarsest = min(levels, default=None)
     return sorted(tasks, key=lambda task: (task.level != coarsest or bool(task.variant), -expected(task).seconds))
 
@@ -149,23 +148,23 @@ def ensure(
     where this machine has too little memory for it.
     """
     wanted = tasks if fresh else missing(tasks, (store, *stores))
-    here = engine.backend == "joblib"
+    local = engine.backend == "joblib"
     left = [replace(task, cache=engine.cache, processes=engine.processes) for task in wanted]
     failed: list[Run] = []
     if not left:
         return failed
     start, done = perf_counter(), 0.0
-    alone = here and (engine.workers or 1) == 1
-    step(_announced(left, len(tasks) - len(left), store, engine.workers or 1, here=here))
+    alone = local and (engine.workers or 1) == 1
+    step(_announced(left, len(tasks) - len(left), store, engine.workers or 1, here=local))
     seconds = [expected(task).seconds for task in left]
-    told = [Progress(task, sum(seconds[k + 1 :])) for k, task in enumerate(left)]
-    jobs = [(perform, (task, store, step, own) if alone else (task, store)) for task, own in zip(left, told, strict=True)]
+    progress = [Progress(task, sum(seconds[k + 1 :])) for k, task in enumerate(left)]
+    jobs = [(perform, (task, store, step, p) if alone else (task, store)) for task, p in zip(left, progress, strict=True)]
     finished = 0
 
-    def reached(index: int, made: tuple[list[Run], CondensedBodies | None]) -> None:
+    def reached(index: int, outcome: tuple[list[Run], CondensedBodies | None]) -> None:
         nonlocal done, finished
         task = left[index]
-        runs, bodies = made
+        runs, bodies = outcome
         good = [(scene, run) for scene, run in zip(task.scenes, runs, strict=True) if run.answers]
         if not all(path_in(store, scene, run).exists() for scene, run in good):
             keep(store, task, runs, bodies)  # computed on a machine that does not share this folder
@@ -190,13 +189,13 @@ def ensure(
             if reader_gone():
                 interrupt_main()
                 return
-            stage = f"; {told[finished].under_way}" if alone and finished < len(left) else ""
+            stage = f"; {progress[finished].under_way}" if alone and finished < len(left) else ""
             step(f"... {perf_counter() - start:.0f} s, {finished} of {len(left)} done{stage}")
 
     threading.Thread(target=pulse, daemon=True).start()
     try:
-        for number, made in parallel.as_done(jobs, engine.backend, engine.scheduler, engine.workers):
-            reached(number, made)
+        for number, outcome in parallel.as_done(jobs, engine.backend, engine.scheduler, engine.workers):
+            reached(number, outcome)
     except KeyboardInterrupt:
         if reader_gone():
             raise BrokenPipeError from None
@@ -209,9 +208,9 @@ def ensure(
 
 
 def _announced(left: Sequence[Task], stored: int, store: Path, workers: int, *, here: bool) -> str:
-    """What is said before set-ups are computed. Raises InputError where this machine has too little memory."""
-    there = f", {stored} are stored" if stored > 0 else ""
-    head = f"3D reference: {len(left)} set-ups to compute{there}"
+    """The announcement before set-ups are computed. Raises InputError where this machine has too little memory."""
+    kept = f", {stored} are stored" if stored > 0 else ""
+    head = f"3D reference: {len(left)} set-ups to compute{kept}"
     if not here:
         return f"{head}; stored in {store}"
     memory = need_memory(left, workers)

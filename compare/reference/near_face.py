@@ -75,7 +75,7 @@ def read(store: Path) -> Lip:
     missing = {int(k): [row["missing"][k] for row in first] for k in first[0]["missing"]}
     spread = max(row["missing"]["1"] / np.interp(row["radii"], radii, missing[1]) for row in rows)
     places = np.array([radii[0] - CLOSER, *radii, AWAY])
-    return Lip(places, ended([row["lip"] for row in first]), {k: spread * ended(own) for k, own in missing.items()})
+    return Lip(places, ended([row["lip"] for row in first]), {k: spread * ended(values) for k, values in missing.items()})
 
 
 def too_large(scene: Scene, load: Array, level: int) -> Array:
@@ -93,19 +93,19 @@ def too_large(scene: Scene, load: Array, level: int) -> Array:
         if held in (face, "both faces"):
             continue
         lip, missing = (unit * x for x in known.at(away / r, level))
-        for own in (side, 3 - side):
-            force = load[:, own]
+        for flank in (side, 3 - side):
+            force = load[:, flank]
             springs = (soft[side] + soft[3 - side]) * np.cbrt(force) ** 2  # force times their tangent
             added = force**2 * missing / np.maximum(springs + lip * force, TINY)
-            out[:, own] = np.maximum(out[:, own], added)
+            out[:, flank] = np.maximum(out[:, flank], added)
     return out
 
 
 def left_out(scene: Scene, load: Array, level: int) -> Array:
     """What contact loads ``(n, 4)`` [N] of a level are wrong by at most, because contacts beside free faces have too much:
     these, and where equilibrium holds the sum of loads the others of their side ``(n, 4)`` [N]."""
-    more = too_large(scene, load, level)
-    if both_flanks(load) or not more.any():
-        return more
+    excess = too_large(scene, load, level)
+    if both_flanks(load) or not excess.any():
+        return excess
     stiffness = load**STIFFNESS
-    return np.asarray(more + more.sum(axis=0) * stiffness / np.maximum(stiffness.sum(axis=0), TINY))
+    return np.asarray(excess + excess.sum(axis=0) * stiffness / np.maximum(stiffness.sum(axis=0), TINY))

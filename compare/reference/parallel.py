@@ -218,15 +218,15 @@ def _cluster(scheduler: str | None, workers: int) -> Iterator[tuple[Any, int]]:
         except Exception as error:
             raise refuse(f"workers without rollbench ({error})", "install it where the workers run") from error
         if versions != {__version__}:
-            found = ", ".join(sorted(versions))
-            raise _other_version(f"{place}: workers of rollbench {found}", __version__)
+            others = ", ".join(sorted(versions))
+            raise _other_version(f"{place}: workers of rollbench {others}", __version__)
         count = len(client.nthreads())
         yield client, min(workers or count, count)
 
 
-def _other_version(found: str, version: str) -> InputError:
+def _other_version(value: str, version: str) -> InputError:
     advice = f"install version {version} where the workers run"
-    return InputError("command line", "--scheduler", found, f"workers of rollbench {version}", advice)
+    return InputError("command line", "--scheduler", value, f"workers of rollbench {version}", advice)
 
 
 def _alive(scheduler: str) -> bool:
@@ -276,8 +276,8 @@ def _dask_backend(client: Any, place: str) -> Any:
             alone = silent = 0.0
             while self._continue:
                 try:
-                    found = await asyncio.wait_for(self.client.scheduler.identity(), PATIENCE)
-                    workers, silent = len(found["workers"]), 0.0
+                    identity = await asyncio.wait_for(self.client.scheduler.identity(), PATIENCE)
+                    workers, silent = len(identity["workers"]), 0.0
                 except TimeoutError:  # busy, it may be
                     silent += PATIENCE
                     if silent > SILENCE:

@@ -48,10 +48,10 @@ def _expected(assembly: Assembly, bodies: Sequence[Scene]) -> tuple[ExpectedCont
     from rollbench.hifi.meshing.expected import carrying, expected_by_set
 
     try:
-        found = expected_by_set(assembly)
-        carried = np.concatenate([e.load[e.load > 0.0] for e in found])
+        expected = expected_by_set(assembly)
+        carried = np.concatenate([e.load[e.load > 0.0] for e in expected])
         light = 0.1 * float(carried.mean()) if carried.size else 0.0
-        return tuple(e if e.load.any() else carrying(own, e, light) for own, e in zip(bodies, found, strict=True))
+        return tuple(e if e.load.any() else carrying(body, e, light) for body, e in zip(bodies, expected, strict=True))
     except ValueError as error:
         raise refused(assembly, error) from error
 
@@ -66,19 +66,19 @@ def set_ups(assemblies: Sequence[Assembly], level: int) -> tuple[SetUp, ...]:
         bodies = [b.bodies for b in bodies_of(assemblies[0])]
     except ValueError as error:
         raise refused(assemblies[0], error) from error
-    found = [*zip(*(_expected(assembly, bodies) for assembly in assemblies), strict=True)]
+    expected = [*zip(*(_expected(assembly, bodies) for assembly in assemblies), strict=True)]
     shared: dict[tuple[Scene, tuple[int, ...]], list[int]] = {}
-    for k, own in enumerate(bodies):
-        sides = tuple(sorted({side for e in found[k] for touching in e.sides() for side in (touching, 3 - touching)}))
-        shared.setdefault((own, sides), []).append(k)
+    for k, body in enumerate(bodies):
+        sides = tuple(sorted({side for e in expected[k] for touching in e.sides() for side in (touching, 3 - touching)}))
+        shared.setdefault((body, sides), []).append(k)
     out = []
-    for (own, sides), sets in shared.items():
-        sizes = scaled(level, own.balls.radius, ())
-        semi, reach = ([rounded(getattr(e, name)()) for k in sets for e in found[k]] for name in ("semi", "reach"))
+    for (body, sides), sets in shared.items():
+        sizes = scaled(level, body.balls.radius, ())
+        semi, reach = ([rounded(getattr(e, name)()) for k in sets for e in expected[k]] for name in ("semi", "reach"))
         sizes["semi"] = (min(a for a, _ in semi), min(b for _, b in semi))
         sizes["reach"] = (max(a for a, _ in reach), max(b for _, b in reach))
         sizes["element"] = "P1" if level == SOURCE_LEVEL else "Q2"
-        out.append(SetUp(own, sides, Settings(**sizes), tuple(sets)))
+        out.append(SetUp(body, sides, Settings(**sizes), tuple(sets)))
     return tuple(out)
 
 
@@ -100,22 +100,22 @@ def serves_sets(assembly: Assembly, level: int, settings: Mapping[str, Any]) -> 
         wanted = recorded(set_ups([assembly], level))["sets"]
     except Refusal:
         return False
-    found = settings.get("sets", ())
-    return len(found) == len(wanted) and all(_serves(own, need) for own, need in zip(found, wanted, strict=True))
+    meshed = settings.get("sets", ())
+    return len(meshed) == len(wanted) and all(_serves(kept, need) for kept, need in zip(meshed, wanted, strict=True))
 
 
-def _serves(found: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:
+def _serves(meshed: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:
     sized = ("semi", "reach", "sides")
     return (
-        all(found.get(k) == v for k, v in wanted.items() if k not in sized)
-        and all(x <= y for x, y in zip(found["semi"], wanted["semi"], strict=True))
-        and all(x >= y for x, y in zip(found["reach"], wanted["reach"], strict=True))
-        and set(wanted["sides"]) <= set(found["sides"])
+        all(meshed.get(k) == v for k, v in wanted.items() if k not in sized)
+        and all(x <= y for x, y in zip(meshed["semi"], wanted["semi"], strict=True))
+        and all(x >= y for x, y in zip(meshed["reach"], wanted["reach"], strict=True))
+        and set(wanted["sides"]) <= set(meshed["sides"])
     )
 
 
 def meant(assembly: Assembly, unsaid: Mapping[str, Any]) -> Assembly:
-    """The assembly without what says nothing about static loads."""
+    """The assembly without what has no effect on static loads."""
     bare = [
         replace(s, name="", parts=replace(s.parts, **unsaid)) if isinstance(s.parts, Scene) else s for s in assembly.sets
     ]

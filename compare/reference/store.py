@@ -124,7 +124,7 @@ def key_of(
     """
     if isinstance(scene, Assembly):
         each = zip(scene.sets, settings["sets"], strict=True)
-        meshed = [_meshed(s.parts, own, own["sides"], programs) for s, own in each if isinstance(s.parts, Scene)]
+        meshed = [_meshed(s.parts, mesh, mesh["sides"], programs) for s, mesh in each if isinstance(s.parts, Scene)]
         return digest(SCHEMA, SETS, SECTIONS, meant(scene, UNSAID), variant, *meshed)[:16]
     return digest(SCHEMA, replace(scene, **UNSAID), variant, *_meshed(scene, settings, sides, programs))[:16]
 
@@ -193,27 +193,27 @@ def shipped_store() -> Path:
 def load(scene: Solvable, level: int, variant: str = "", stores: Sequence[Path] | None = None) -> Run | None:
     """A stored run of a mesh that serves the scene, or None; a damaged file, or one of another key, counts as absent.
 
-    stores: the shipped one unless given, the first that has a run counts. Of several runs, made with other scenes, one of
-    the installed versions of gmsh and scikit-fem is taken if there is any, of these that on the finest cells (then that
-    with the largest patches).
+    stores: the shipped one unless given, the first that has a run counts. Of several runs, made with other scenes, those by
+    the installed versions of gmsh and scikit-fem come first, then those on the finest cells, then those with the largest
+    patches.
     """
-    here = versions()
+    installed = versions()
     for store in (shipped_store(),) if stores is None else stores:
-        found = []
+        runs = []
         for path in sorted(store.glob(f"{glob.escape(_stem(scene, level, variant))}*.json")):
             run = read(path, scene, level, variant)
             if run is not None and serves(scene, level, variant, run.settings, run.sides):
-                found.append(run)
-        if found:
-            return min(found, key=partial(_order, here))
+                runs.append(run)
+        if runs:
+            return min(runs, key=partial(_order, installed))
     return None
 
 
-def _order(here: Mapping[str, str], run: Run) -> tuple[float, ...]:
-    """Runs that are taken first come first."""
-    other = any(run.versions.get(name) != version for name, version in here.items())
+def _order(installed: Mapping[str, str], run: Run) -> tuple[float, ...]:
+    """Sort key of runs, the preferred one first."""
+    other = any(run.versions.get(name) != version for name, version in installed.items())
     each = run.settings.get("sets", (run.settings,))
-    return (other, *(x for own in each for x in own["semi"]), *(-x for own in each for x in own["reach"]))
+    return (other, *(x for mesh in each for x in mesh["semi"]), *(-x for mesh in each for x in mesh["reach"]))
 
 
 def read(path: Path, scene: Solvable, level: int, variant: str) -> Run | None:
@@ -225,8 +225,8 @@ def read(path: Path, scene: Solvable, level: int, variant: str) -> Run | None:
         data |= {"sides": tuple(data["sides"]), "assumed": tuple(data["assumed"]), "settings": plain(data["settings"])}
         run = Run(**data, **arrays, without=without)
         whole = run.load.shape == (scene.ball_count, 4) == run.angle.shape == run.frozen.shape
-        own = (run.level, run.variant) == (level, variant) and path.name == path_in(path.parent, scene, run).name
-        return run if whole and own and run.answers else None
+        as_named = (run.level, run.variant) == (level, variant) and path.name == path_in(path.parent, scene, run).name
+        return run if whole and as_named and run.answers else None
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None
 

@@ -28,7 +28,7 @@ def needed_sides(scene: Scene) -> tuple[int, ...]:
     from rollbench.hifi.meshing.expected import expected_contacts
 
     try:
-        return tuple(sorted({side for found in expected_contacts(scene).sides() for side in (found, 3 - found)}))
+        return tuple(sorted({side for touching in expected_contacts(scene).sides() for side in (touching, 3 - touching)}))
     except ValueError as error:
         raise refused(scene, error) from error
 
@@ -45,10 +45,10 @@ def geometry_of(scene: Solvable) -> tuple[Any, ...]:
 
 def groups(scenes: Sequence[Solvable]) -> list[list[Solvable]]:
     """Scenes of one geometry together, in order."""
-    found: dict[object, list[Solvable]] = {}
+    alike: dict[object, list[Solvable]] = {}
     for scene in scenes:
-        found.setdefault(geometry_of(scene), []).append(scene)
-    return list(found.values())
+        alike.setdefault(geometry_of(scene), []).append(scene)
+    return list(alike.values())
 
 
 def settings_of(scenes: Sequence[Scene], level: int, variant: str = "") -> Settings:
@@ -80,17 +80,17 @@ def serves(scene: Solvable, level: int, variant: str, settings: Mapping[str, Any
         return serves_sets(scene, level, settings)
     changed = VARIANTS[variant].change(scene) if variant else scene
     try:
-        own, needed = asdict(settings_of([changed], level, variant)), needed_sides(changed)
+        wanted, needed = asdict(settings_of([changed], level, variant)), needed_sides(changed)
     except InputError:
         return False
-    found = plain(settings)
-    same = _but_sizes({k: v for k, v in found.items() if k in own}) == _but_sizes(own)
-    fits = {"semi", "reach"} <= set(found) and set(needed) <= set(sides)
+    meshed = plain(settings)
+    alike = _but_sizes({k: v for k, v in meshed.items() if k in wanted}) == _but_sizes(wanted)
+    fits = {"semi", "reach"} <= set(meshed) and set(needed) <= set(sides)
     return bool(
-        same
+        alike
         and fits
-        and all(x <= y for x, y in zip(found["semi"], own["semi"], strict=True))
-        and all(x >= y for x, y in zip(found["reach"], own["reach"], strict=True))
+        and all(x <= y for x, y in zip(meshed["semi"], wanted["semi"], strict=True))
+        and all(x >= y for x, y in zip(meshed["reach"], wanted["reach"], strict=True))
     )
 
 

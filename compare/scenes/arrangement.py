@@ -33,8 +33,8 @@ def arrangement_faults(at: str, one: SetKeys) -> Iterator[Fault]:
         return
     if one.rollers is not None or (one.track is not None and one.track.lead != 0.0):
         yield Fault((f"{at}.arrangement",), "a ball bearing", "rollers and nuts are written row by row: leave it out")
-    for key, found in (("thrust", one.thrust is not None), ("offset", one.offset != 0.0)):
-        if found:
+    for key, written in (("thrust", one.thrust is not None), ("offset", one.offset != 0.0)):
+        if written:
             yield Fault(
                 (f"{at}.{key}",), "nothing with an arrangement", "the arrangement says it of every row: leave it out"
             )
@@ -54,20 +54,20 @@ def preload_of_set(name: str, pair: float) -> float:
     return float(pair * (2.0 / shared) ** 1.5)
 
 
-def bearings_of(found: RollingSet, one: SetKeys, seeds: int) -> Iterator[RollingSet]:
+def bearings_of(whole: RollingSet, one: SetKeys, seeds: int) -> Iterator[RollingSet]:
     """The rows of a set in its arrangement, side by side about its position, each as wide as its ring; the set itself where
     it has none. seeds: step between the seeds of their errors."""
-    if one.arrangement is None or not isinstance(found.parts, Scene):
-        yield found
+    if one.arrangement is None or not isinstance(whole.parts, Scene):
+        yield whole
         return
-    ways, parts = ARRANGEMENTS[one.arrangement], found.parts
-    total = preload_of_set(one.arrangement, one.pair_preload) if one.pair_preload else found.preload
+    ways, parts = ARRANGEMENTS[one.arrangement], whole.parts
+    total = preload_of_set(one.arrangement, one.pair_preload) if one.pair_preload else whole.preload
     for k, way in enumerate(ways):
-        name, at = f"{found.name} {k + 1}", found.position + (k - 0.5 * (len(ways) - 1)) * parts.nut.length
+        name, at = f"{whole.name} {k + 1}", whole.position + (k - 0.5 * (len(ways) - 1)) * parts.nut.length
         errors = replace(parts.errors, seed=parts.errors.seed + seeds * k)
         row = replace(parts, name=name, nut=replace(parts.nut, position=at), errors=errors)
         share = total / ways.count(way) if len(set(ways)) == 2 else 0.0
-        yield replace(found, name=name, parts=row, position=at, thrust=way, preload=share)
+        yield replace(whole, name=name, parts=row, position=at, thrust=way, preload=share)
 
 
 def with_conformity(parts: Scene, one: SetKeys, origin: str, at: str) -> Scene:
@@ -78,11 +78,11 @@ def with_conformity(parts: Scene, one: SetKeys, origin: str, at: str) -> Scene:
     given = f"{1e-6 * one.pair_rigidity:g} N/um at {one.pair_preload:g} N"
     conformity = needed("conformity", origin, f"{at}.pair_rigidity", given)
     try:
-        found = conformity(parts, one.pair_preload, one.pair_rigidity)
+        implied = conformity(parts, one.pair_preload, one.pair_rigidity)
     except ValueError as error:
         raise InputError(origin, f"{at}.pair_rigidity", given, str(error), "mend balls, preload or rigidity") from None
-    groove = 2.0 * found * parts.balls.radius
-    text = f"{parts.name}: conformity {found:.4f} of both grooves, from the rigidity of a pair, {given}."
+    groove = 2.0 * implied * parts.balls.radius
+    text = f"{parts.name}: conformity {implied:.4f} of both grooves, from the rigidity of a pair, {given}."
     return replace(
         parts,
         screw=replace(parts.screw, groove_radius=groove),

@@ -43,7 +43,7 @@ def read_axis(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) ->
         return parts
     cycle = duty_cycle(parts, keys.cases)
     each = zip(cycle.cases, keys.cases, strict=True)
-    cycle = replace(cycle, cases=tuple(replace(case, scene=_on_housings(case.scene, own)) for case, own in each))
+    cycle = replace(cycle, cases=tuple(replace(case, scene=_on_housings(case.scene, given)) for case, given in each))
     refuse(origin, raw, [of_case(f, k) for k, case in enumerate(cycle.cases) for f in _case_faults(case.scene)])
     return cycle
 
@@ -85,7 +85,7 @@ def _parts(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> As
             material_of(shaft.material, keys.material),
             shaft.bore,
         ),
-        sets=tuple(row for one, found in zip(keys.sets, sets, strict=True) for row in bearings_of(found, one, len(sets))),
+        sets=tuple(row for one, whole in zip(keys.sets, sets, strict=True) for row in bearings_of(whole, one, len(sets))),
         segments=tuple(Segment(p.start, p.end, p.diameter, p.bore) for p in shaft.plain),
         housings=tuple(map(_housing, keys.housings)),
         joints=tuple(Joint(j.between[0], j.between[1], j.at, _stiffness(j) or NONE) for j in keys.joints),
@@ -103,11 +103,11 @@ def _parts(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> As
 
 def _rated(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[str]:
     """Sentences on conformities from rigidities, and on preloads that are given as a part of a rating."""
-    for one, found in zip(keys.sets, sets, strict=True):
-        if isinstance(found.parts, Scene):
-            yield from found.parts.assumed
+    for one, whole in zip(keys.sets, sets, strict=True):
+        if isinstance(whole.parts, Scene):
+            yield from whole.parts.assumed
             if isinstance(one.preload, ShareOfRating):
-                yield f"{found.name}: preload of {found.preload:g} N{force_of(found.parts, one.preload)[1]}"
+                yield f"{whole.name}: preload of {whole.preload:g} N{force_of(whole.parts, one.preload)[1]}"
 
 
 def _housing(h: HousingKeys) -> Housing:
@@ -137,16 +137,16 @@ def _choice_faults(keys: AxisKeys) -> Iterator[Fault]:
     names = [h.name for h in keys.housings]
     of_cases = [(f"cases[{k}].housings", [h.name for h in case.housings]) for k, case in enumerate(keys.cases)]
     for table, given in (("sets", [s.name for s in keys.sets]), ("housings", names), *of_cases):
-        for i, own in enumerate(given):
-            if own in given[:i]:
+        for i, label in enumerate(given):
+            if label in given[:i]:
                 yield Fault((f"{table}[{i}].name",), "a name of its own", "results are told apart by it: change one")
     known = ", ".join(names) or "none is described"
-    asked: list[tuple[str, str | None]] = [(f"sets[{i}].housing", s.housing) for i, s in enumerate(keys.sets)]
-    asked += [(f"sets[{i}].carrier", s.carrier) for i, s in enumerate(keys.sets)]
-    asked += [(f"joints[{i}].between", name) for i, j in enumerate(keys.joints) for name in j.between]
-    asked += [(f"{table}[{i}].name", name) for table, given in of_cases for i, name in enumerate(given)]
-    asked.append(("stiffness.housing", keys.stiffness.housing))
-    for where, name in asked:
+    named: list[tuple[str, str | None]] = [(f"sets[{i}].housing", s.housing) for i, s in enumerate(keys.sets)]
+    named += [(f"sets[{i}].carrier", s.carrier) for i, s in enumerate(keys.sets)]
+    named += [(f"joints[{i}].between", name) for i, j in enumerate(keys.joints) for name in j.between]
+    named += [(f"{table}[{i}].name", name) for table, given in of_cases for i, name in enumerate(given)]
+    named.append(("stiffness.housing", keys.stiffness.housing))
+    for where, name in named:
         if name is not None and name not in names:
             yield Fault((where,), f"a name under [[housings]]: {known}", "add the housing, or mend the name")
     if keys.stiffness.housing is not None and keys.stiffness.at is not None:
@@ -182,8 +182,8 @@ def _set_faults(keys: AxisKeys, i: int, one: SetKeys) -> Iterator[Fault]:
         if one.rollers.roller_angle * 2.0 >= one.rollers.cup_angle:
             yield Fault((f"{at}.rollers.roller_angle",), "below half the cup's angle", "the cone's angle is what is left")
     else:
-        for name, found in balls.items():
-            if found is None:
+        for name, table in balls.items():
+            if table is None:
                 yield Fault((f"{at}.{name}",), "a table", f"add [sets.{name}], or [sets.rollers]", "nothing")
         if one.position is not None:
             yield Fault((f"{at}.position",), "nothing", "the position of a nut or ring is nut.position")
@@ -225,21 +225,21 @@ def _stiffness(keys: StiffKeys) -> Stiffness | None:
 def _scene_keys(keys: AxisKeys, one: SetKeys) -> SceneKeys:
     """Keys of one set as a scene: the shaft with this set's inner groove."""
     shaft = keys.screw
-    own: dict[str, Any] = {n: getattr(shaft, n) for n in ScrewKeys.model_fields}
+    fields: dict[str, Any] = {n: getattr(shaft, n) for n in ScrewKeys.model_fields}
     if one.screw is not None:
-        own["material"] = one.screw.material or own["material"]
-        own["outer_diameter"] = one.screw.outer_diameter or own["outer_diameter"]
-        own |= {"groove_radius": one.screw.groove_radius, "conformity": one.screw.conformity}
+        fields["material"] = one.screw.material or fields["material"]
+        fields["outer_diameter"] = one.screw.outer_diameter or fields["outer_diameter"]
+        fields |= {"groove_radius": one.screw.groove_radius, "conformity": one.screw.conformity}
     nut = one.nut
     if one.pair_rigidity is not None and nut is not None:  # until it is known
-        own |= {"groove_radius": None, "conformity": USUAL}
+        fields |= {"groove_radius": None, "conformity": USUAL}
         nut = nut.model_copy(update={"conformity": USUAL})
     ingredients = IngredientKeys().model_copy(update=keys.ingredients.model_dump())
     return SceneKeys.model_construct(
         title=keys.title,
         material=keys.material,
         track=one.track,
-        screw=ScrewKeys.model_construct(**own),
+        screw=ScrewKeys.model_construct(**fields),
         nut=nut,
         balls=one.balls,
         errors=one.errors,
@@ -258,11 +258,11 @@ def _set(keys: AxisKeys, i: int, raw: Mapping[str, Any], origin: str) -> Rolling
         row = RollerRow(r.count, r.diameter, r.length, r.cup_angle, r.roller_angle, r.ring_depth, material)
         row = replace(row, slices=r.slices, crown=float("inf") if r.crown is None else r.crown)
         return RollingSet(*shared, row, one.position or 0.0, one.housing, one.offset, one.preload, thrust)  # type: ignore[arg-type]
-    own = _scene_keys(keys, one)
+    scene_keys = _scene_keys(keys, one)
     if "seed" not in one.errors.model_fields_set:  # sets without a seed of their own do not draw the same errors
-        own = own.model_copy(update={"errors": one.errors.model_copy(update={"seed": i})})
-    refuse(origin, raw, [_blamed(f, i, raw) for f in choice_faults(own)])
-    scene = with_conformity(scene_of(own, one.name), one, origin, f"sets[{i}]")
+        scene_keys = scene_keys.model_copy(update={"errors": one.errors.model_copy(update={"seed": i})})
+    refuse(origin, raw, [_blamed(f, i, raw) for f in choice_faults(scene_keys)])
+    scene = with_conformity(scene_of(scene_keys, one.name), one, origin, f"sets[{i}]")
     refuse(origin, raw, [_blamed(f, i, raw) for f in geometry_faults(scene)])
     if one.thrust is None and is_one_arc(scene):
         scene, thrust = as_one_arc(scene), "deep groove"
@@ -275,8 +275,8 @@ def _blamed(fault: Fault, i: int, raw: Mapping[str, Any]) -> Fault:
     inner = "screw" in raw["sets"][i]
     keys = []
     for k in fault.keys:
-        own = k.split(".")[0] in ("track", "nut", "balls", "errors") or (k.startswith("screw") and inner)
-        keys.append(f"sets[{i}].{k}" if own else k)
+        of_set = k.split(".")[0] in ("track", "nut", "balls", "errors") or (k.startswith("screw") and inner)
+        keys.append(f"sets[{i}].{k}" if of_set else k)
     return replace(fault, keys=tuple(keys))
 
 

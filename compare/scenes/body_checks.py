@@ -1,4 +1,4 @@
-"""Bodies that a scene file describes and nobody can build, and contacts that cannot be solved."""
+"""Bodies of a scene file that cannot be built, and contacts that cannot be solved."""
 
 from __future__ import annotations
 

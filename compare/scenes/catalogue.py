@@ -68,18 +68,18 @@ def shipped(name: str) -> Described:
 
 def case(name: str, of: type[Of]) -> Of:
     """The shipped scene of that name, of the kind with the record ``of``. Raises InputError where it is another."""
-    found = shipped(name)
-    if not isinstance(found, of):
+    described = shipped(name)
+    if not isinstance(described, of):
         from rollbench.comparison.scenes import scene_file
 
-        raise InputError(name, "kind", f'"{scene_file.kind_of(found)}"', f'"{of.kind}"', "name a scene of that kind")
-    return found
+        raise InputError(name, "kind", f'"{scene_file.kind_of(described)}"', f'"{of.kind}"', "name a scene of that kind")
+    return described
 
 
 def any_scene(name_or_path: str) -> Described:
     """A shipped scene by name, or the scene of a file, of any kind.
 
-    What is no shipped name is a path if it ends in ``.toml``, holds a path separator, or names an existing
+    A name that is not shipped is a path if it ends in ``.toml``, holds a path separator, or names an existing
     file or folder. Raises InputError (SceneError for a faulty file).
     """
     if name_or_path in scene_names():

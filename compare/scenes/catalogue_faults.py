@@ -34,39 +34,39 @@ def _twice(keys: SceneKeys) -> Iterator[Fault]:
 def _circuits(keys: SceneKeys) -> Iterator[Fault]:
     balls, circuits = keys.balls, keys.balls.circuits
     listed = next((name for name in ("azimuths", "arcs") if getattr(balls, name) is not None), "")
-    said = f"the {listed} say where the balls are: leave it out"
+    remedy = f"the {listed} say where the balls are: leave it out"
     for name in ("filling", "circuit_gap") if listed else ():
         if getattr(balls, name) is not None:
-            advice = "write count instead" if (name, listed) == ("filling", "arcs") else said
+            advice = "write count instead" if (name, listed) == ("filling", "arcs") else remedy
             yield Fault((f"balls.{name}",), f"nothing together with {listed}", advice)
     if circuits == 1:
         if balls.circuit_gap is not None and not listed:
             yield Fault(("balls.circuits",), "2 or more with circuit_gap", "give circuits, or leave circuit_gap out", "one")
         return
     if listed:
-        yield Fault(("balls.circuits",), f"1 together with {listed}", said)
+        yield Fault(("balls.circuits",), f"1 together with {listed}", remedy)
     elif keys.track.lead == 0.0:
         yield Fault(("balls.circuits",), "1 for zero lead", "a bearing has one row")
     elif balls.circuit_gap is None:
         advice = "makers rarely print it: measure from ball to ball on a drawing, 0.3 to 1 turns are usual"
         value = f"{circuits} without circuit_gap"
         yield Fault(("balls.circuits",), "circuit_gap with it, the turns without balls between circuits", advice, value)
-    own = 1 if keys.circulation is None else keys.circulation.circuits
-    if (keys.circulation is not None or keys.time is not None) and own != circuits:
+    stated = 1 if keys.circulation is None else keys.circulation.circuits
+    if (keys.circulation is not None or keys.time is not None) and stated != circuits:
         advice = f"[balls] has {circuits} circuits of each start: write circuits = {circuits} under [circulation]"
-        yield Fault(("circulation.circuits", "circulation", "time"), str(circuits), advice, str(own))
+        yield Fault(("circulation.circuits", "circulation", "time"), str(circuits), advice, str(stated))
 
 
 def _preload(keys: SceneKeys) -> Iterator[Fault]:
-    found = keys.preload
-    if found is None:
+    preload = keys.preload
+    if preload is None:
         return
-    given = [name for name in ("force", "oversize", "lead_offset") if getattr(found, name) is not None]
+    given = [name for name in ("force", "oversize", "lead_offset") if getattr(preload, name) is not None]
     if len(given) != 1:
         where = (f"preload.{given[0] if given else 'force'}", "preload")
         yield Fault(where, "one of force, oversize and lead_offset", "leave the others out", " and ".join(given) or "none")
-    if found.lead_offset is not None and keys.track.lead == 0.0:
+    if preload.lead_offset is not None and keys.track.lead == 0.0:
         yield Fault(("preload.lead_offset",), "a lead above zero", "rows of a bearing are [[sets]] with an offset")
-    if found.lead_offset is None and keys.errors.balls.oversize != 0.0:
+    if preload.lead_offset is None and keys.errors.balls.oversize != 0.0:
         advice = "[preload] sets it: leave one of the two out"
         yield Fault(("errors.balls.oversize",), "0 um together with [preload]", advice)

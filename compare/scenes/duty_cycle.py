@@ -38,17 +38,17 @@ class DutyCycle:
 
     @property
     def name(self) -> str:
-        """Of the scene."""
+        """Name of the scene."""
         return self.parts.name
 
     @property
     def title(self) -> str:
-        """Of the scene."""
+        """Title of the scene."""
         return self.parts.title
 
     @property
     def assumed(self) -> tuple[str, ...]:
-        """Of the scene."""
+        """Assumptions of the scene."""
         return self.parts.assumed
 
     @property
@@ -60,7 +60,7 @@ class DutyCycle:
 
     @property
     def shares(self) -> tuple[float, ...]:
-        """Of the revolutions, in order; their sum is 1."""
+        """Shares of the revolutions, in order; their sum is 1."""
         return tuple(case.share for case in self.cases)
 
 

@@ -32,12 +32,12 @@ def choice_faults(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def _circuit_choice_faults(keys: SceneKeys) -> Iterator[Fault]:
-    found, time = keys.circulation, keys.time
-    if found is not None:
+    circulation, time = keys.circulation, keys.time
+    if circulation is not None:
         if keys.track.lead == 0.0:
             advice = "the balls of a bearing go round its one turn: leave the table out"
             yield Fault(("circulation",), "a lead above 0 mm", advice, "a bearing with [circulation]")
-        if found.gap is not None and found.filling is not None:
+        if circulation.gap is not None and circulation.filling is not None:
             allowed, advice = "either gap or filling", "they say the same: leave one out"
             yield Fault(("circulation.gap",), allowed, advice, "both")
     if time is not None:
@@ -63,18 +63,18 @@ def friction_choice_faults(friction: FrictionKeys | None) -> Iterator[Fault]:
 
 
 def _kind_faults(keys: SceneKeys) -> Iterator[Fault]:
-    found = "bearing" if keys.track.lead == 0.0 else "ball screw"
-    if keys.kind not in (None, found):
-        advice = f"a lead {'of zero' if keys.track.lead == 0.0 else 'above zero'} is a {found}: mend kind or track.lead"
-        yield Fault(("kind",), f'"{found}" with this lead', advice)
+    kind = "bearing" if keys.track.lead == 0.0 else "ball screw"
+    if keys.kind not in (None, kind):
+        advice = f"a lead {'of zero' if keys.track.lead == 0.0 else 'above zero'} is a {kind}: mend kind or track.lead"
+        yield Fault(("kind",), f'"{kind}" with this lead', advice)
 
 
 def groove_choice_faults(groove: GrooveKeys, table: str) -> Iterator[Fault]:
     """A groove must be given in one of two ways; ``table`` is where it stands in the file."""
     if (groove.groove_radius is None) == (groove.conformity is None):
-        found = "neither" if groove.conformity is None else "both"
+        given = "neither" if groove.conformity is None else "both"
         advice = "groove radius = conformity x ball diameter: give one and leave out the other"
-        yield Fault((f"{table}.groove_radius",), "one of groove_radius and conformity", advice, found)
+        yield Fault((f"{table}.groove_radius",), "one of groove_radius and conformity", advice, given)
 
 
 def _holding_faults(keys: SceneKeys) -> Iterator[Fault]:
@@ -96,9 +96,9 @@ def _holding_faults(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def _material_faults(keys: SceneKeys, part: str) -> Iterator[Fault]:
-    own = getattr(keys, part).material
+    material = getattr(keys, part).material
     for name, unit in (("youngs_modulus", '"210 GPa"'), ("poissons_ratio", "0.28")):
-        if getattr(own, name, None) is None and getattr(keys.material, name) is None:
+        if getattr(material, name, None) is None and getattr(keys.material, name) is None:
             where = f"{part}.material.{name}"
             advice = f"write {name} = {unit} under [material] for all parts, or in {part}.material"
             yield Fault((where,), "a value here or under [material]", advice, "nothing")

@@ -18,15 +18,15 @@ def key_faults(keys: type[BaseModel], error: ValidationError) -> list[Said]:
     """Faults that pydantic found in ``keys``: unknown keys first, as they explain missing ones; a missing key that an
     unknown one stands for is told with that."""
     faults = sorted(error.errors(include_url=False), key=lambda f: f["type"] != "extra_forbidden")
-    schema, meant = tidy_schema(keys), set()
+    schema, named = tidy_schema(keys), set()
     out = []
     for fault in faults:
         where = fault["loc"]
         if fault["type"] == "extra_forbidden":
-            said, name = unknown(schema, fault)
-            meant.add((*where[:-1], name))
-            out.append(said)
-        elif not (fault["type"] == "missing" and where in meant):
+            words, name = unknown(schema, fault)
+            named.add((*where[:-1], name))
+            out.append(words)
+        elif not (fault["type"] == "missing" and where in named):
             out.append(_wrong(schema, fault))
     return out
 
@@ -55,7 +55,7 @@ def _wrong(schema: dict[str, Any], fault: Any) -> Said:
     node = node_at(schema, where)
     allowed = str(context.get("allowed") or _allowed(node))
     advice = str(context.get("advice") or _advice(node, str(where[-1]) if where else "", kind, fault["input"]))
-    other = next((o for own, (o, *_) in ALIASES.items() if _path(where) == own and o.endswith("diameter")), "")
+    other = next((o for key, (o, *_) in ALIASES.items() if _path(where) == key and o.endswith("diameter")), "")
     if kind == "missing" and other:
         advice += f", or {other.split('.')[-1]}"
     return Said(_path(where), "nothing" if kind == "missing" else show(fault["input"]), allowed, advice)
@@ -64,16 +64,16 @@ def _wrong(schema: dict[str, Any], fault: Any) -> Said:
 def node_at(schema: dict[str, Any], where: Sequence[int | str]) -> dict[str, Any]:
     """The part of the JSON Schema that describes the key at ``where`` (empty if there is none)."""
     node: dict[str, Any] = schema
-    for part in (*where, None):
+    for key in (*where, None):
         if "$ref" in node:
             target = schema["$defs"][node["$ref"].rsplit("/", 1)[1]]
             node = target | {k: v for k, v in node.items() if k in ("description", "examples")}
-        if part is None:
+        if key is None:
             break
-        if isinstance(part, int):
+        if isinstance(key, int):
             node = node.get("items", {})
         else:
-            node = node.get("properties", {}).get(part) or node.get("additionalProperties") or {}
+            node = node.get("properties", {}).get(key) or node.get("additionalProperties") or {}
     return node
 
 
@@ -94,9 +94,9 @@ def _allowed(node: Mapping[str, Any]) -> str:
     return f"a table of {', '.join(node.get('properties', {})) or 'numbered entries'}"
 
 
-def _advice(node: Mapping[str, Any], name: str, kind: str, found: object) -> str:
-    if "enum" in node and isinstance(found, str):
-        near = difflib.get_close_matches(found, node["enum"], n=1, cutoff=0.5)
+def _advice(node: Mapping[str, Any], name: str, kind: str, given: object) -> str:
+    if "enum" in node and isinstance(given, str):
+        near = difflib.get_close_matches(given, node["enum"], n=1, cutoff=0.5)
         if near:
             return f"did you mean {show(near[0])}?"
     table = "properties" in node

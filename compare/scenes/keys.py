@@ -153,10 +153,10 @@ class MotionKeys(SpeedKeys):
 def tidy_schema(keys: type[BaseModel]) -> dict[str, Any]:
     """JSON Schema (draft 2020-12) of one kind of scene, with description, unit, range and example of every key.
 
-    Kept: not to be written to.
+    Cached: do not change it.
     """
-    found: dict[str, Any] = without_null(keys.model_json_schema())
-    return found
+    schema: dict[str, Any] = without_null(keys.model_json_schema())
+    return schema
 
 
 def without_null(node: Any) -> Any:

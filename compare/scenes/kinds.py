@@ -55,21 +55,21 @@ class Kind:
 
 def kind_named(name: str) -> Kind:
     """The kind of that name, one of `registration.kinds`."""
-    found: Kind = load(kinds()[name])[name]
-    return found
+    kind: Kind = load(kinds()[name])[name]
+    return kind
 
 
 def _tag(value: Any) -> str:
-    found = value.get("kind") if isinstance(value, dict) else getattr(value, "kind", None)
-    if found == AXIS or (isinstance(value, dict) and "sets" in value):
+    kind = value.get("kind") if isinstance(value, dict) else getattr(value, "kind", None)
+    if kind == AXIS or (isinstance(value, dict) and "sets" in value):
         return AXIS
-    return str(found) if found in kinds() else "whole"
+    return str(kind) if kind in kinds() else "whole"
 
 
 def json_schema() -> dict[str, Any]:
     """JSON Schema (draft 2020-12) of a scene file of any kind, with description, unit, range and example of every key."""
     tables = {"whole": SceneKeys} | {name: kind_named(name).keys for name in kinds()} | {AXIS: AxisKeys}
     every: Any = Annotated[Union[tuple(Annotated[of, Tag(name)] for name, of in tables.items())], Discriminator(_tag)]  # noqa: UP007
-    found: dict[str, Any] = without_null(TypeAdapter[Any](every).json_schema())
+    schema: dict[str, Any] = without_null(TypeAdapter[Any](every).json_schema())
     draft = "https://json-schema.org/draft/2020-12/schema"
-    return {"$schema": draft, "$id": "urn:rollbench:scene", "title": "rollbench scene"} | found
+    return {"$schema": draft, "$id": "urn:rollbench:scene", "title": "rollbench scene"} | schema

@@ -53,14 +53,14 @@ def double_nut_like(size: str) -> str:
     return _tidy("".join((head, *nuts)), values)
 
 
-def _text(name: str, values: Mapping[str, Any], **more: object) -> str:
+def _text(name: str, values: Mapping[str, Any], **words: object) -> str:
     """A text of the folder ``like_texts``, filled; ``{assumed}`` in it is what every size assumes."""
     text = data.text(f"scenes/like_texts/{name}.txt")
-    return text.replace("{assumed}", data.text("scenes/like_texts/assumed.txt")).format(**values, **more)
+    return text.replace("{assumed}", data.text("scenes/like_texts/assumed.txt")).format(**values, **words)
 
 
 def _tidy(text: str, values: dict[str, Any]) -> str:
-    """Nothing about gaps where there is one circuit."""
+    """The text without gaps where there is one circuit."""
     if values["circuits"] > 1:
         return text
     return re.sub(r"(?m)^circuit_gap = .*\n", "", text).replace("1 circuits of", "1 circuit of")
@@ -113,10 +113,10 @@ def values_like(size: str) -> dict[str, Any]:
 def _size(size: str) -> tuple[float, float]:
     """Nominal diameter and lead [mm]."""
     allowed = f"DIAMETERxLEAD in mm, {DIAMETERS[0]:g} to {DIAMETERS[1]:g} x {LEADS[0]:g} to {LEADS[1]:g}, e.g. 40x10"
-    found = re.fullmatch(r"\s*([0-9]{1,3}(?:\.[0-9]+)?)\s*[xX×]\s*([0-9]{1,3}(?:\.[0-9]+)?)\s*", size)
-    if found is None:
+    match = re.fullmatch(r"\s*([0-9]{1,3}(?:\.[0-9]+)?)\s*[xX×]\s*([0-9]{1,3}(?:\.[0-9]+)?)\s*", size)
+    if match is None:
         raise InputError("command line", "--like", f'"{size}"', allowed, "write diameter and lead with an x between them")
-    outer, lead = float(found[1]), float(found[2])
+    outer, lead = float(match[1]), float(match[2])
     if not (DIAMETERS[0] <= outer <= DIAMETERS[1] and LEADS[0] <= lead <= min(LEADS[1], 2.0 * outer)):
         advice = "a lead is at most about twice the diameter; write another size by hand: rollbench new FILE"
         raise InputError("command line", "--like", f'"{size}"', allowed, advice)

@@ -40,18 +40,18 @@ def _scene(scene: Scene | Assembly, keys: CaseKeys) -> Scene | Assembly:
     motion = scene.motion
     if keys.speed is not None:
         motion = Motion(keys.speed) if motion is None else replace(motion, speed=keys.speed)
-    own = replace(
+    case = replace(
         scene,
         name=f"{scene.name}-{keys.name}",
         loads=scene.loads if keys.loads is None else tuple(map(load_of, keys.loads)),
         supports=tuple(_displaced(s, keys) for s in scene.supports),
         motion=motion,
     )
-    if isinstance(own, Scene):
-        return replace(own, errors=_errors(own, keys))
-    each = ((s, s.parts) for s in own.sets)
+    if isinstance(case, Scene):
+        return replace(case, errors=_errors(case, keys))
+    each = ((s, s.parts) for s in case.sets)
     sets = (replace(s, parts=replace(p, errors=_errors(p, keys))) if isinstance(p, Scene) else s for s, p in each)
-    return replace(own, sets=tuple(sets))
+    return replace(case, sets=tuple(sets))
 
 
 def _errors(scene: Scene, keys: CaseKeys) -> Errors:
@@ -97,9 +97,9 @@ def case_faults(keys: SceneKeys | AxisKeys) -> Iterator[Fault]:
 def _share_faults(case: CaseKeys, where: str) -> Iterator[Fault]:
     """A case has a share, or time and speed."""
     if (case.share is None) == (case.time is None):
-        found = "neither" if case.share is None else "both"
+        given = "neither" if case.share is None else "both"
         advice = 'write share = 0.5, or time = "20 s" with speed = "200 rpm"'
-        yield Fault((f"{where}.share",), "either share or time", advice, found)
+        yield Fault((f"{where}.share",), "either share or time", advice, given)
     elif case.time is not None and case.speed is None:
         advice = 'the share of the revolutions follows from both: write e.g. speed = "200 rpm"'
         yield Fault((f"{where}.speed",), "a speed with a time", advice, "nothing")
@@ -113,13 +113,13 @@ def _support_faults(keys: SceneKeys | AxisKeys, case: CaseKeys, where: str) -> I
     seen: set[tuple[int, str]] = set()
     for j, other in enumerate(case.supports):
         moved = other.displace.model_dump(exclude_none=True)
-        here = [(i, s) for i, s in enumerate(keys.supports) if abs(s.at - other.at) <= MERGE]
-        if not here:
+        supports = [(i, s) for i, s in enumerate(keys.supports) if abs(s.at - other.at) <= MERGE]
+        if not supports:
             places = ", ".join(mm(s.at) for s in keys.supports) or "none: the scene has no supports"
             advice = "a case displaces supports that the scene has: mend the station, or add the support to the scene"
             yield Fault((f"{where}.supports[{j}].at",), places, advice)
             continue
-        held = {name: i for i, s in here for name in (*s.fix, *s.displace.model_dump(exclude_none=True))}
+        held = {name: i for i, s in supports for name in (*s.fix, *s.displace.model_dump(exclude_none=True))}
         for name in moved:
             key = f"{where}.supports[{j}].displace.{name}"
             if name not in held:
@@ -133,6 +133,6 @@ def _support_faults(keys: SceneKeys | AxisKeys, case: CaseKeys, where: str) -> I
 
 def of_case(fault: Fault, k: int) -> Fault:
     """A fault of the scene of case number ``k``, blamed on the keys of the case where it has them."""
-    own = tuple(f"cases[{k}].{key}" for key in fault.keys if key.startswith(("loads", "supports")))
-    oversize = () if own else (f"cases[{k}].oversize",)
-    return replace(fault, keys=(*own, *oversize, *fault.keys))
+    blamed = tuple(f"cases[{k}].{key}" for key in fault.keys if key.startswith(("loads", "supports")))
+    oversize = () if blamed else (f"cases[{k}].oversize",)
+    return replace(fault, keys=(*blamed, *oversize, *fault.keys))

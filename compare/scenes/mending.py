@@ -61,7 +61,7 @@ def validated(raw: Mapping[str, Any], keys: type[Keys]) -> tuple[Keys | None, Br
     for fault in faults:
         where = fault["loc"]
         whole = len(where) == 1 and fault["type"] == "extra_forbidden"  # what it stands for is missing, if anything
-        names |= {unknown(schema, fault)[1]} - {""} if whole else {str(part) for part in where[:1]}
+        names |= {unknown(schema, fault)[1]} - {""} if whole else {str(key) for key in where[:1]}
         if not where or not _mend(rest, where, fault["type"], node_at(schema, where)):
             return None, Broken(said, frozenset(names))
     try:
@@ -72,11 +72,11 @@ def validated(raw: Mapping[str, Any], keys: type[Keys]) -> tuple[Keys | None, Br
 
 def _mend(raw: Any, where: Sequence[int | str], kind: str, node: Mapping[str, Any]) -> bool:
     """Replace or leave out one value in place; whether that could be done."""
-    for part in where[:-1]:
-        known = isinstance(raw, list) if isinstance(part, int) else isinstance(raw, dict) and part in raw
+    for key in where[:-1]:
+        known = isinstance(raw, list) if isinstance(key, int) else isinstance(raw, dict) and key in raw
         if not known:
             return False
-        raw = raw[part]
+        raw = raw[key]
     last: Any = where[-1]
     examples = node.get("examples", [])
     if kind != "extra_forbidden" and examples and "properties" not in node and isinstance(raw, list | dict):

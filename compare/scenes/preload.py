@@ -30,28 +30,28 @@ def oversize_for(scene: Scene, force: float) -> float:
     return float(0.5 * pair * each ** (2.0 / 3.0))
 
 
-def force_of(scene: Scene, asked: float | ShareOfRating) -> tuple[float, str]:
+def force_of(scene: Scene, given: float | ShareOfRating) -> tuple[float, str]:
     """Preload force [N], and in words where it comes from."""
-    if not isinstance(asked, ShareOfRating):
-        return asked, ""
+    if not isinstance(given, ShareOfRating):
+        return given, ""
     from rollbench.lowfi.rating.life import rating
 
     C = rating(scene)
-    percent = float(error_percent(asked.share * C, 0.0, C))
-    return asked.share * C, f" ({percent:.3g} % of the dynamic load rating as computed, {C:.4g} N)"
+    percent = float(error_percent(given.share * C, 0.0, C))
+    return given.share * C, f" ({percent:.3g} % of the dynamic load rating as computed, {C:.4g} N)"
 
 
 def preloaded(scene: Scene, keys: PreloadKeys | None) -> Scene:
     """The scene with its preload as an oversize, and what is idealised by it among the assumptions."""
     if keys is None or keys.lead_offset is not None:
         return scene
-    size, said = keys.oversize or 0.0, scene.assumed
+    size, assumed = keys.oversize or 0.0, scene.assumed
     if keys.force is not None:
         force, of = force_of(scene, keys.force)
         size = oversize_for(scene, force)
-        said += (
+        assumed += (
             f"The preload of {force:g} N{of} was turned into an oversize of {1e6 * size:.3g} um in ball radius, by Hertz "
             "contacts between a rigid screw and a rigid nut; elastic ones give way, so that less than it is left.",
         )
     balls = replace(scene.errors.balls, oversize=size)
-    return replace(scene, errors=replace(scene.errors, balls=balls), assumed=said)
+    return replace(scene, errors=replace(scene.errors, balls=balls), assumed=assumed)

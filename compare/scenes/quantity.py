@@ -120,20 +120,20 @@ class Rate(Quantity):
 
     def _number(self, value: object) -> float:
         rates = RATES[self.dimension]
-        found = units.number_and_unit(value) if isinstance(value, str) else None
-        unit = units.tidy(found[1]) if found else ""
-        if found is None or unit not in rates:
+        parts = units.number_and_unit(value) if isinstance(value, str) else None
+        unit = units.tidy(parts[1]) if parts else ""
+        if parts is None or unit not in rates:
             advice = f"write a number and one of {', '.join(rates)}, e.g. {units.show(self.example)}"
             article = "an" if self.dimension[0] == "a" else "a"
             raise self._refused(f"{article} {self.dimension}, {self.allowed}", advice)
-        return float(found[0]) * rates[unit]
+        return float(parts[0]) * rates[unit]
 
     def __get_pydantic_json_schema__(self, _schema: Any, _handler: GetJsonSchemaHandler) -> dict[str, Any]:
         """Text with a unit."""
-        found: dict[str, Any] = {"type": "string", "examples": [self.example]}
+        schema: dict[str, Any] = {"type": "string", "examples": [self.example]}
         unit = next(iter(RATES[self.dimension]))
-        found |= {"x-dimension": self.dimension, "x-allowed": self.allowed, "x-unit": unit}
-        return found | {"pattern": r"^\s*[+-]?[0-9.].*\S$"}
+        schema |= {"x-dimension": self.dimension, "x-allowed": self.allowed, "x-unit": unit}
+        return schema | {"pattern": r"^\s*[+-]?[0-9.].*\S$"}
 
 
 def key(description: str, default: Any = ..., example: Any = None) -> Any:

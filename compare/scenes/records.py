@@ -115,7 +115,7 @@ def _flange(nut: NutKeys) -> Flange | None:
 
 def friction_of(keys: FrictionKeys) -> Friction:
     """Coefficients of a scene."""
-    screw, nut = (keys.coefficient if own is None else own for own in (keys.screw, keys.nut))
+    screw, nut = (keys.coefficient if given is None else given for given in (keys.screw, keys.nut))
     if screw is None or nut is None:  # choice_faults has refused this
         raise AssertionError("a groove without a coefficient")
     assumed, feedback, neighbours = tuple(map(escaped, keys.assumed)), keys.feedback, keys.neighbours
@@ -128,11 +128,11 @@ def friction_of(keys: FrictionKeys) -> Friction:
     return Friction(screw, nut, assumed, feedback, keys.balls, neighbours)
 
 
-def material_of(own: MaterialKeys | None, default: MaterialKeys) -> Material:
-    """A part's material, what it does not say taken from the scene's."""
-    own = own or default
-    modulus = default.youngs_modulus if own.youngs_modulus is None else own.youngs_modulus
-    ratio = default.poissons_ratio if own.poissons_ratio is None else own.poissons_ratio
+def material_of(keys: MaterialKeys | None, default: MaterialKeys) -> Material:
+    """A part's material; values that it lacks are the scene's."""
+    keys = keys or default
+    modulus = default.youngs_modulus if keys.youngs_modulus is None else keys.youngs_modulus
+    ratio = default.poissons_ratio if keys.poissons_ratio is None else keys.poissons_ratio
     if modulus is None or ratio is None:  # choice_faults has refused this
         raise AssertionError("material without a value")
     return Material(modulus, ratio)
@@ -168,7 +168,7 @@ def _terms(terms: Sequence[TermKeys]) -> tuple[FourierTerm, ...]:
 
 
 def support_of(support: SupportKeys | HousingKeys) -> Support:
-    """What is held at a station, and where."""
+    """Support at a station: freedoms held and displacements."""
     held: dict[str, float] = dict.fromkeys(support.fix, 0.0)
     held |= support.displace.model_dump(exclude_none=True)
     return Support(support.at, tuple((name, held[name]) for name in FREEDOMS if name in held))

@@ -46,8 +46,8 @@ def spoken(raw: Mapping[str, Any], faults: Sequence[Fault]) -> list[Said]:
     for fault in faults:
         names = [name for key in fault.keys for name in (key, *_aliases(key))]
         present = ((name, value) for name in names if (value := _find(raw, name)) is not None)
-        key, found = next(present, (fault.keys[-1], None))
-        value = fault.value or ("nothing" if found is None else show(found))
+        key, given = next(present, (fault.keys[-1], None))
+        value = fault.value or ("nothing" if given is None else show(given))
         half = key not in fault.keys and key.endswith("diameter")
         out.append(Said(key, value, fault.allowed, f"as a radius; {fault.advice}" if half else fault.advice))
     return out
@@ -55,17 +55,17 @@ def spoken(raw: Mapping[str, Any], faults: Sequence[Fault]) -> list[Said]:
 
 def _aliases(key: str) -> Iterator[str]:
     """Keys that a file may have in place of a key."""
-    for own, others in ALIASES.items():
-        if key.endswith(own):
-            yield from (key.removesuffix(own) + other for other in others)
+    for suffix, others in ALIASES.items():
+        if key.endswith(suffix):
+            yield from (key.removesuffix(suffix) + other for other in others)
 
 
 def _find(raw: Any, path: str) -> Any:
-    for part in re.findall(r"[^.\[\]]+", path):
+    for key in re.findall(r"[^.\[\]]+", path):
         if isinstance(raw, list):
-            raw = raw[int(part)] if int(part) < len(raw) else None
+            raw = raw[int(key)] if int(key) < len(raw) else None
         elif isinstance(raw, dict):
-            raw = raw.get(part)
+            raw = raw.get(key)
         else:
             return None
     return raw

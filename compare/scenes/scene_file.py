@@ -48,8 +48,8 @@ def each_case(scene: Described, origin: str) -> list[Scene] | list[Assembly]:
     `whole`."""
     if isinstance(scene, DutyCycle):
         return [case.scene for case in scene.cases]  # type: ignore[return-value]
-    found = solvable(scene, origin)
-    return [found]  # type: ignore[return-value]
+    single = solvable(scene, origin)
+    return [single]  # type: ignore[return-value]
 
 
 def whole(scene: Described, origin: str) -> Scene:
@@ -146,7 +146,7 @@ def read_toml(text: str, origin: str) -> dict[str, Any]:
         match = re.search(r"\s*\(at (.*)\)$", str(error))
         place = match[1] if match else "file"
         reason = str(error)[: match.start()] if match else str(error)
-    found = re.match(r"line (\d+)", place)
-    line = text.splitlines()[int(found[1]) - 1].strip() if found else "text that is not TOML"
+    numbered = re.match(r"line (\d+)", place)
+    line = text.splitlines()[int(numbered[1]) - 1].strip() if numbered else "text that is not TOML"
     advice = f'{reason[:1].lower()}{reason[1:]}; texts need double quotes, e.g. length = "800 mm"'
     raise SceneError(origin, place, line or "an empty line", "TOML: [table] and key = value lines", advice)

@@ -57,8 +57,8 @@ def template(kind: str = "ball screw") -> str:
         file = "template.toml" if name == "ball screw" else f"template-{name.replace(' ', '-')}.toml"
         return data.text(file)
     values = tomllib.loads(scene_text(EXAMPLES[name])) | {"title": f"My {name}", "kind": name}
-    for said in ("source", "assumed"):
-        values.pop(said, None)
+    for key in ("source", "assumed"):
+        values.pop(key, None)
     schema = _schema(name)
     lines = list(_table(schema, schema["$defs"], values, ""))
     return INTRODUCTION.format(kind=name, about=schema["description"]) + "\n" + "\n".join(lines).strip() + "\n"
@@ -79,35 +79,35 @@ def _table(node: Node, defs: Node, values: Node, path: str) -> Iterator[str]:
     """Keys of a table, those with a plain value first; then the tables in it."""
     inner = {}
     for name, entry in node["properties"].items():
-        found = values.get(name)
-        if isinstance(found, dict) or (isinstance(found, list) and found and isinstance(found[0], dict)):
+        content = values.get(name)
+        if isinstance(content, dict) or (isinstance(content, list) and content and isinstance(content[0], dict)):
             inner[name] = entry
         else:
-            yield from _line(name, entry, found)
+            yield from _line(name, entry, content)
     for name, entry in inner.items():
         yield ""
         yield f"# {_sentence(entry)}"
         where = f"{path}{name}"
-        found = values[name]
-        if isinstance(found, dict):
+        content = values[name]
+        if isinstance(content, dict):
             yield f"[{where}]"
-            yield from _table(_resolve(entry, defs), defs, found, f"{where}.")
+            yield from _table(_resolve(entry, defs), defs, content, f"{where}.")
         else:
             yield f"[[{where}]]"
-            yield from _table(_resolve(entry["items"], defs), defs, found[0], f"{where}.")
-        for row in () if isinstance(found, dict) else found[1:]:
+            yield from _table(_resolve(entry["items"], defs), defs, content[0], f"{where}.")
+        for row in () if isinstance(content, dict) else content[1:]:
             yield from ("", f"[[{where}]]", *(f"{key} = {show(value)}" for key, value in row.items()))
 
 
-def _line(name: str, entry: Node, found: Any) -> Iterator[str]:
+def _line(name: str, entry: Node, value: Any) -> Iterator[str]:
     """A key with its value, or as a comment with its default or an example."""
     text = _sentence(entry)
     if "x-allowed" in entry:
         text += f" ({entry['x-allowed']})"
     elif "enum" in entry:
         text += f" ({', '.join(map(show, entry['enum']))})"
-    if found is not None:
-        yield f"{name} = {show(found)}  # {text}"
+    if value is not None:
+        yield f"{name} = {show(value)}  # {text}"
         return
     shown = entry["examples"][0] if entry.get("examples") else entry.get("default")
     yield f"# {name} = {show(entry['default'] if entry.get('default') not in (None, [], '') else shown)}  # {text}"
@@ -119,5 +119,5 @@ def _sentence(entry: Node) -> str:
 
 def _resolve(entry: Node, defs: Node) -> Node:
     """The table that an entry of the schema refers to."""
-    found: Node = defs[entry["$ref"].rsplit("/", 1)[1]]
-    return found
+    table: Node = defs[entry["$ref"].rsplit("/", 1)[1]]
+    return table

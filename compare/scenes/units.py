@@ -134,12 +134,12 @@ def _of_text(value: str, dimension: str) -> float:
     if not unit:
         raise UnitError(value, dimension, "has no unit")
     if unit in COMMON:
-        found, factor = COMMON[unit]
+        kind, factor = COMMON[unit]
     else:
-        found, factor = _ask_pint(unit)
-    if found != dimension:
-        if found:
-            raise UnitError(value, dimension, f"is {expected(found).split(',')[0]}")
+        kind, factor = _ask_pint(unit)
+    if kind != dimension:
+        if kind:
+            raise UnitError(value, dimension, f"is {expected(kind).split(',')[0]}")
         raise UnitError(value, dimension, "has no such unit", _nearest(unit, dimension))
     result = math.radians(float(number)) if factor == "deg" else _scaled(number, factor)
     if not math.isfinite(result):
@@ -174,13 +174,13 @@ def number_and_unit(text: str) -> tuple[str, str] | None:
 
 def _split(value: str, dimension: str) -> tuple[Decimal, str]:
     """Number and tidied unit; raises UnitError if the text does not begin with a plain finite number."""
-    found = number_and_unit(value)
-    if found is None:
+    parts = number_and_unit(value)
+    if parts is None:
         if re.match(r"[+-]?(nan|inf)", value.strip(), re.IGNORECASE):
             advice = f"write a finite number, e.g. {example(dimension)}"
             raise UnitError(value, dimension, "is not finite", advice)
         raise UnitError(value, dimension, "does not begin with a plain number")
-    return Decimal(found[0]), tidy(found[1])
+    return Decimal(parts[0]), tidy(parts[1])
 
 
 def tidy(unit: str) -> str:
@@ -204,8 +204,8 @@ def _ask_pint(unit: str) -> tuple[str, str]:
     registry = _registry()
     factor = 1.0
     powers: dict[str, float] = {}
-    for i, part in enumerate(re.split(r"\s*/\s*", unit)):
-        for name in part.split() or [""]:
+    for i, product in enumerate(re.split(r"\s*/\s*", unit)):
+        for name in product.split() or [""]:
             match = _FACTOR.fullmatch(name)
             if match is None:
                 return "", "1"

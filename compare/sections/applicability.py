@@ -11,7 +11,7 @@ from rollbench.reports.records import Figure, Panel, Quantity, Row, Series, Tabl
 def range_table(scene: Scene | None = None) -> Table:
     """Compared ranges, and the place of a scene where one is given."""
     rows: list[Row] = []
-    own = {} if scene is None else {p.descriptor.name: p for p in places(scene)}
+    placed = {} if scene is None else {p.descriptor.name: p for p in places(scene)}
     ring = scene is not None and scene.track.lead == 0.0
     for d in DESCRIPTORS:
         values = compared_values(d, ring=ring)
@@ -21,8 +21,8 @@ def range_table(scene: Scene | None = None) -> Table:
             Quantity("low", "compared from", "", "g4"): min(values),
             Quantity("high", "to", "", "g4"): max(values),
         }
-        if scene is not None and d.name in own:
-            place = own[d.name]
+        if scene is not None and d.name in placed:
+            place = placed[d.name]
             inside = place.low <= place.value <= place.high
             where = "inside" if inside else "OUTSIDE" if place.outside else "at the edge"
             row |= {Quantity("own", scene.name): place.value, Quantity("where", "where it lies", "", "s"): where}

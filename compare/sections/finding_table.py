@@ -37,7 +37,7 @@ def printed_table(
     notes = [note, FAULTS if "as_printed" in keys else ""]
     notes += [f"Inputs, {given} of them, stand in table printed."] if given else []
     notes += [f"Remark {i}: {text}" for i, text in enumerate(common, 1)]
-    return Table(name, title, columns, rows, " ".join(part for part in notes if part))
+    return Table(name, title, columns, rows, " ".join(sentence for sentence in notes if sentence))
 
 
 def _columns(found: Sequence[Evidence], digits: int, place: bool) -> tuple[Quantity, ...]:

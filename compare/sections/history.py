@@ -33,14 +33,14 @@ ABOUT = (
 
 def measured(points: Mapping[str, Sequence[TimePoint]], found: Mapping[str, Reference], commit: str) -> Release:
     """Numbers of this report as a release of the present version."""
-    own = {name: points[name] for name in REFERENCED if name in points}
+    by_scene = {name: points[name] for name in REFERENCED if name in points}
     labels = {name: MODELS[name].label for name in NAMES if name in MODELS}
     taken: dict[str, list[TimePoint]] = {
-        name: [p for several in own.values() for p in several if p.label == label and p.status == "converged"]
+        name: [p for several in by_scene.values() for p in several if p.label == label and p.status == "converged"]
         for name, label in labels.items()
     }
-    taken[NAMES[-1]] = [[p for p in several if p.kind == "level"][-1] for several in own.values()]
-    bars = [uncertainty_percent(found[name]) for name in own]
+    taken[NAMES[-1]] = [[p for p in several if p.kind == "level"][-1] for several in by_scene.values()]
+    bars = [uncertainty_percent(found[name]) for name in by_scene]
     errors: dict[str, float | None] = {name: max((p.error for p in taken[name]), default=None) for name in labels}
     memory = {name: [p.memory for p in some if p.memory is not None] for name, some in taken.items()}
     return Release(
@@ -96,10 +96,10 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     known = load((*(study.stores or ()), shipped_store()))
     releases = [(one.version, one) for one in known]
     if any(name in points for name in REFERENCED):
-        now = measured(points, study.references(tuple(points)), commit())
-        releases.append((NOW, now))
+        present = measured(points, study.references(tuple(points)), commit())
+        releases.append((NOW, present))
         if study.keeps and study.stores and not study.quick:
-            save(study.stores[0], added(known, now))
+            save(study.stores[0], added(known, present))
     if not releases:
         return Section("history", title, (Text(("No release and no run of the 3D reference was found.",)),))
     return Section("history", title, (Text(ABOUT), history_table(releases), history_figure(releases)))

@@ -55,13 +55,13 @@ def worked(study: Study) -> str:
     e = load_error(result.load, found.load, found.contacts)
     i, s = e.ball - 1, SIDES.index(e.side)
     value, truth, mean = float(result.load[i, s]), float(found.load[i, s]), found.mean
-    own = float(error_percent(value, truth))
+    error = float(error_percent(value, truth))
     bar = float(error_percent(found.uncertainty[i, s], 0.0, truth))
-    verdict = "fails" if abs(own) - bar > LIMIT else "passes" if abs(own) + bar <= LIMIT else "is undecided"
+    verdict = "fails" if abs(error) - bar > LIMIT else "passes" if abs(error) + bar <= LIMIT else "is undecided"
     return (
         f"An example row: on ball {e.ball} {e.side} of {SCENE}, {MODELS[MODEL].label} gives {value:.1f} N "
         f"and the 3D reference {truth:.1f} N. The error is {float(error_percent(value, truth, mean)):+.2f} % "
-        f"of the mean load of {mean:.1f} N, or {own:+.2f} % of the contact's own load. The reference is "
+        f"of the mean load of {mean:.1f} N, or {error:+.2f} % of the contact's own load. The reference is "
         f"known to {bar:.2f} % there, so a limit of {LIMIT:g} % {verdict}."
     )
 

@@ -118,25 +118,25 @@ def estimate_items(study: Study, rungs: Sequence[Rung]) -> list[Table | Figure]:
     lines: list[Row] = []
     panels = []
     for model in dict.fromkeys(row["model"] for row in rows):
-        own = [row for row in rows if row["model"] == model]
-        told = [row for row in own if row["expected"] is not None]
-        if not told:
+        of_model = [row for row in rows if row["model"] == model]
+        covered = [row for row in of_model if row["expected"] is not None]
+        if not covered:
             continue
-        measured, expected = (np.array([row[key] for row in told], float) for key in ("measured", "expected"))
-        held = f"{int((measured <= expected).sum())} of {len(told)}"
+        measured, expected = (np.array([row[key] for row in covered], float) for key in ("measured", "expected"))
+        held = f"{int((measured <= expected).sum())} of {len(covered)}"
         ratio = expected / np.maximum(measured, 1e-9)
         lines.append(
             {
                 "model": model,
-                "scenes": str(len(own)),
-                Quantity("covered", "covered by the others", "", "s"): str(len(told)),
+                "scenes": str(len(of_model)),
+                Quantity("covered", "covered by the others", "", "s"): str(len(covered)),
                 Quantity("held", "within what was expected", "", "s"): held,
                 Quantity("ratio", "expected over measured, median", "", ".2f"): float(np.median(ratio)),
                 Quantity("expected", "expected, median", "% of mean", ".2f"): float(np.median(expected)),
                 Quantity("largest", "expected, largest", "% of mean", ".2f"): float(expected.max()),
             }
         )
-        if len(told) >= MANY:
+        if len(covered) >= MANY:
             ends = [float(min(measured.min(), expected.min())), float(max(measured.max(), expected.max()))]
             series = (
                 Series("scenes", measured.tolist(), expected.tolist(), "markers", emphasis=True),
@@ -162,12 +162,12 @@ def headline(rungs: Sequence[Rung]) -> str:
     words = []
     for label, names in (("case studies", REFERENCED), ("unseen screws", UNSEEN)):
         for model in ("lin", "refined", "condensed"):
-            own = [r for r in rungs if r.model == model and r.scene in names]
-            if own:
-                worst = max(own, key=lambda r: r.error.max_percent)
+            of_label = [r for r in rungs if r.model == model and r.scene in names]
+            if of_label:
+                worst = max(of_label, key=lambda r: r.error.max_percent)
                 words.append(
                     f"{label}, {model}: largest {worst.error.max_percent:.2f} % ({worst.scene}), RMS up to "
-                    f"{max(r.error.rms_percent for r in own):.2f} %"
+                    f"{max(r.error.rms_percent for r in of_label):.2f} %"
                 )
     return "In per cent of the mean load against the 3D reference: " + "; ".join(words) + "."
 

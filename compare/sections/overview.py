@@ -80,32 +80,32 @@ def off(point: TimePoint) -> float:
 def standings(points: Mapping[str, Sequence[TimePoint]]) -> list[Standing]:
     """Every model and mesh over its scenes, from the largest median error to the smallest."""
     found: dict[str, list[tuple[str, TimePoint]]] = {}
-    for scene, own in points.items():
-        for point in own:
+    for scene, several in points.items():
+        for point in several:
             if point.status == "converged" and off(point) > 0.0:
                 found.setdefault(point.label, []).append((scene, point))
-    return sorted((_standing(label, own) for label, own in found.items()), key=lambda s: -s.median)
+    return sorted((_standing(label, group) for label, group in found.items()), key=lambda s: -s.median)
 
 
-def _standing(label: str, own: Sequence[tuple[str, TimePoint]]) -> Standing:
-    first = own[0][1]
-    errors = [off(p) for _, p in own]
+def _standing(label: str, group: Sequence[tuple[str, TimePoint]]) -> Standing:
+    first = group[0][1]
+    errors = [off(p) for _, p in group]
     k = int(np.argmax(errors))
-    ends = [(p.low, p.high) for _, p in own if p.low is not None and p.high is not None]
-    low, high = np.median(np.array(ends), axis=0).tolist() if len(ends) == len(own) else (None, None)
+    ends = [(p.low, p.high) for _, p in group if p.low is not None and p.high is not None]
+    low, high = np.median(np.array(ends), axis=0).tolist() if len(ends) == len(group) else (None, None)
     return Standing(
         name=first.name,
         label=label,
         family=family_of(first),
-        scenes=len(own),
+        scenes=len(group),
         worst=errors[k],
-        worst_scene=own[k][0],
+        worst_scene=group[k][0],
         median=float(np.median(errors)),
         low=low,
         high=high,
-        rms=float(np.median([p.rms for _, p in own])),
-        worst_rms=max(p.rms for _, p in own),
-        cold=float(np.median([p.cold for _, p in own])),
+        rms=float(np.median([p.rms for _, p in group])),
+        worst_rms=max(p.rms for _, p in group),
+        cold=float(np.median([p.cold for _, p in group])),
         within=sum(error <= LINE for error in errors),
     )
 
@@ -125,7 +125,7 @@ def time_figure(
     """All scenes as light points, the median of each model and mesh with its error bar and name, the Pareto front; a
     narrow figure names the levels, one model of each family and those of the front alone."""
     cold = _time_panel(points, standings(points), "run time of a cold start / s", all_names=all_names)
-    warm = {name: [replace(p, cold=p.warm) for p in own if p.warm is not None] for name, own in points.items()}
+    warm = {name: [replace(p, cold=p.warm) for p in several if p.warm is not None] for name, several in points.items()}
     solve = _time_panel(warm, standings(warm), "time of a further solve / s", all_names=all_names)
     caption = (
         f"Light points: {len(points)} scenes. Markers: medians; bars: the range left by the reference's grid "
@@ -142,15 +142,15 @@ def _time_panel(
     families = [family for family, _ in FAMILIES] + [SOLID]
     series = []
     for family in families:
-        own = [(scene, p) for scene, several in points.items() for p in several if _shown(p, family)]
+        shown = [(scene, p) for scene, several in points.items() for p in several if _shown(p, family)]
         series.append(
             Series(
                 family,
-                [p.cold for _, p in own],
-                [max(off(p), FLOOR) for _, p in own],
+                [p.cold for _, p in shown],
+                [max(off(p), FLOOR) for _, p in shown],
                 "markers",
                 light=True,
-                names=[f"{p.name}, {scene}" for scene, p in own],
+                names=[f"{p.name}, {scene}" for scene, p in shown],
             )
         )
     edge = front(found)
@@ -173,7 +173,7 @@ def _time_panel(
             )
         )
     series = [s for s in series if len(s.x)]
-    times = [p.cold for own in points.values() for p in own]
+    times = [p.cold for several in points.values() for p in several]
     series.append(Series(f"{LINE:g} %", [min(times), max(times)], [LINE, LINE], "line"))
     return Panel("", label, "largest error / % of the mean load", tuple(series), log="xy")
 
@@ -284,12 +284,12 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     wide = time_figure(points, "error-time", (11.0, 4.1))
     narrow = time_figure(points, "error-time-narrow", (3.75, 6.6), all_names=False)
     covered = coverage({name: study.scene(name) for name in points}, found)
-    said, limits = answer(points, bars, largest_total(study, found)), (*LIMITS, study.once(when_measured, step))
+    sentence, limits = answer(points, bars, largest_total(study, found)), (*LIMITS, study.once(when_measured, step))
     table = standing_table(standings(points))
     step("every model on every quantity")
     items = (quantity_table(study), contact_figure(study, found))
-    summary = Summary(QUESTION, said, wide, narrow, covered, limits, table, items)
-    return Section("overview", title, (table,), conclusion=said, summary=summary)
+    summary = Summary(QUESTION, sentence, wide, narrow, covered, limits, table, items)
+    return Section("overview", title, (table,), conclusion=sentence, summary=summary)
 
 
 def largest_total(study: Study, found: Mapping[str, Reference]) -> float | None:

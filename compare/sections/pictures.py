@@ -91,16 +91,16 @@ def stresses(solved: Solved, step: Step) -> Stresses:
     setup, meshes, ball, forces = solved.setup, solved.meshes, solved.ball, solved.forces
     scene, reach = solved.scene, 3.2 * setup.map.ball
     u = screw_displacement(setup, meshes.screw, forces), nut_displacement(setup, meshes.nut, forces)
-    own = ball_fields(setup, meshes, ball, forces)
+    of_ball = ball_fields(setup, meshes, ball, forces)
     centre = np.array([setup.map.R, 0.0, 0.0])
     return Stresses(
         (
             coarse_field(setup, meshes.screw, u[0], ball, scene.screw.material, reach),
             coarse_field(setup, meshes.nut, u[1], ball, scene.nut.material, reach),
         ),
-        replace(own[None], points=own[None].points + centre),
+        replace(of_ball[None], points=of_ball[None].points + centre),
         {s: groove_patch_field(setup, meshes, u[s >= 2], ball, s, forces) for s in setup.sides},
-        {s: replace(own[s], points=own[s].points + centre) for s in setup.sides},
+        {s: replace(of_ball[s], points=of_ball[s].points + centre) for s in setup.sides},
     )
 
 
@@ -297,8 +297,8 @@ def pressed(study: Study, name: str) -> tuple[int, dict[str, ContactPressure]]:
         low = study.solve(name, DEFAULT)
         load, angle = low.load, low.contact_angle
     ball = int(load[:, (load > 0.0).any(axis=0)].min(axis=1).argmax())
-    made = pressed_ball(scene, settings_of([scene], FINE_LEVEL), ball, load[ball], angle[ball])
-    return ball, {f"ball {ball + 1}, {SIDES[s]}": x for s, x in made.items()}
+    pressures = pressed_ball(scene, settings_of([scene], FINE_LEVEL), ball, load[ball], angle[ball])
+    return ball, {f"ball {ball + 1}, {SIDES[s]}": x for s, x in pressures.items()}
 
 
 def loaded(solved: Solved) -> LoadedScrew:
@@ -333,13 +333,13 @@ def stress_caption(solved: Solved, found: Stresses, pressure: ContactPressure) -
     depth = np.linspace(0.2, 1.6, 141) * short
     closed = hertz_von_mises(h, depth, solved.scene.balls.material.poissons_ratio)
     top, at = float(closed.max()), float(depth[closed.argmax()])
-    own = float(found.grooves[0].von_mises.max()), float(found.patches[0].von_mises.max())
+    most = float(found.grooves[0].von_mises.max()), float(found.patches[0].von_mises.max())
     words = (
-        f"Largest nodal values {MPA * own[0]:.0f} MPa in the groove and {MPA * own[1]:.0f} MPa in the ball; Hertz's "
+        f"Largest nodal values {MPA * most[0]:.0f} MPa in the groove and {MPA * most[1]:.0f} MPa in the ball; Hertz's "
         f"half space {MPA * top:.0f} MPa ({top / h.pole_pressure:.3f} of the pole pressure), {1e6 * at:.0f} µm below "
         "the surface."
     )
-    return words, (own[0] / top, own[1] / top)
+    return words, (most[0] / top, most[1] / top)
 
 
 def section(study: Study, step: Step) -> Section:

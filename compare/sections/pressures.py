@@ -35,11 +35,11 @@ def profiles(found: dict[str, ContactPressure]) -> Figure:
         assert one.shape is not None
         grid = np.arange(one.pressure.size).reshape(one.shape)
         i, k = np.unravel_index(int(one.pressure.argmax()), one.shape)
-        for title, line, own, axis in (
+        for title, line, distance, axis in (
             ("across the groove", grid[:, k], one.across, 0),
             ("along the groove", grid[i], one.along, 1),
         ):
-            at = np.linspace(own[line].min(), own[line].max(), 161)
+            at = np.linspace(distance[line].min(), distance[line].max(), 161)
             other = (one.along if axis == 0 else one.across)[line].mean() - one.centre[1 - axis]
             across, along = (at - one.centre[0], other + 0.0 * at) if axis == 0 else (other + 0.0 * at, at - one.centre[1])
             panels.append(
@@ -48,7 +48,7 @@ def profiles(found: dict[str, ContactPressure]) -> Figure:
                     "distance from the nominal contact / mm",
                     "pressure / MPa",
                     (
-                        Series("3D reference, nodes", list(MM * own[line]), list(MPA * one.pressure[line]), "markers"),
+                        Series("3D reference, nodes", list(MM * distance[line]), list(MPA * one.pressure[line]), "markers"),
                         Series("Hertz", list(MM * at), list(MPA * one.hertz.pressure(across, along)), "line"),
                     ),
                     zero=True,

@@ -71,10 +71,10 @@ def error_table(study: Study, found: References) -> Table:
             printed = " / ".join(entry("lin-2.4.1", k).printed for k in shown) or "–"
             rows.append(_error_row((name, model.label), e, load_ratio(result.load), printed, bars))
         source = load(scene, SOURCE_LEVEL, stores=study.stores)
-        for own in reference_answers(ref, source):
-            if own.model != f"3D level {ref.best.level}":
-                e = load_error(own.load, ref.load, ref.contacts)
-                rows.append(_error_row((name, LABELS[own.model]), e, load_ratio(own.load), "–", bars))
+        for coarser in reference_answers(ref, source):
+            if coarser.model != f"3D level {ref.best.level}":
+                e = load_error(coarser.load, ref.load, ref.contacts)
+                rows.append(_error_row((name, LABELS[coarser.model]), e, load_ratio(coarser.load), "–", bars))
         rows.append(_error_row((name, LABELS[f"3D level {ref.best.level}"]), None, load_ratio(ref.load), None, bars))
     note = (
         "Errors against the finest level of the 3D reference. Printed: the source's low-order model against "
@@ -127,9 +127,9 @@ def load_tables(study: Study, found: References) -> list[Table]:
         for i, s in np.ndindex(ref.load.shape):
             if not any(a.load[i, s] > 0.0 for a in answers):
                 continue
-            own, low = float(ref.load[i, s]), answers[0]
+            truth, low = float(ref.load[i, s]), answers[0]
             bar = None if ref.uncertainty is None else float(ref.uncertainty[i, s])
-            error = float(error_percent(low.load[i, s], own)) if own > 0.0 else None
+            error = float(error_percent(low.load[i, s], truth)) if truth > 0.0 else None
             rows.append(
                 {
                     "ball": i + 1,
@@ -230,9 +230,9 @@ def rigid_nut_error(study: Study, name: str, ball: int, side: str) -> float | No
     run = load(study.scene(name), min(LEVELS), stores=study.stores)
     if run is None or "elastic nut" not in run.without:
         return None
-    own = float(run.without["elastic nut"][ball - 1, SIDES.index(side)])
+    truth = float(run.without["elastic nut"][ball - 1, SIDES.index(side)])
     low = float(study.solve(name, "lin").load[ball - 1, SIDES.index(side)])
-    return float(error_percent(low, own)) if own > 0.0 else None
+    return float(error_percent(low, truth)) if truth > 0.0 else None
 
 
 def exceedance_table(found: References, study: Study) -> Table:

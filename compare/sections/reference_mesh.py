@@ -113,7 +113,7 @@ def coverage_table(study: Study) -> Table | None:
         return None
     levels = sorted({h.level for h in found})
     groups = {name: [h for h in found if h.scene == name] for name in dict.fromkeys(h.scene for h in found)}
-    own = [h for h in found if h.level > min(LEVELS)]
+    several = [h for h in found if h.level > min(LEVELS)]
     rows: list[dict[str, Cell]] = [_coverage_row(name, group) for name, group in groups.items()]
     rows.append(_coverage_row("all shipped scenes", [h for h in found if not h.drawn]))
     if any(h.drawn for h in found):
@@ -125,9 +125,9 @@ def coverage_table(study: Study) -> Table | None:
         words = f"level {k} alone (experience)" if k == min(LEVELS) else f"levels up to {k}"
         columns.append(Quantity(f"bar {k}", f"{words}: bar", "% of mean", ".3f"))
         columns.append(Quantity(f"held {k}", f"held by level {k}'s bar", "%", ".1f"))
-    worst = min((h for h in own if h.contacts >= MANY), key=lambda h: h.share)
+    worst = min((h for h in several if h.contacts >= MANY), key=lambda h: h.share)
     note = (
-        f"{100.0 * share_of(own):.1f} % of {sum(h.contacts for h in own)} loads with bars from two levels "
+        f"{100.0 * share_of(several):.1f} % of {sum(h.contacts for h in several)} loads with bars from two levels "
         f"or more lie within them; in the worst scene with {MANY} contacts or more, "
         f"{100.0 * worst.share:.1f} % ({worst.scene}, levels up to {worst.level}). Bars are meant to cover "
         "95 %. The finest level, which judges a bar, is not used to make it, nor is experience from scenes "
@@ -142,8 +142,8 @@ def _coverage_row(name: str, group: Sequence[Held]) -> dict[str, Cell]:
     row: dict[str, Cell] = {"scene": name, "contacts": sum(h.contacts for h in group if h.level == min(LEVELS))}
     row["judge"] = ", ".join(map(str, sorted({h.judge for h in group})))
     for k in sorted({h.level for h in group}):
-        own = [h for h in group if h.level == k]
-        row |= {f"bar {k}": float(np.median([h.bar for h in own])), f"held {k}": 100.0 * share_of(own)}
+        of_level = [h for h in group if h.level == k]
+        row |= {f"bar {k}": float(np.median([h.bar for h in of_level])), f"held {k}": 100.0 * share_of(of_level)}
     return row
 
 

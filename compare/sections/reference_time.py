@@ -180,8 +180,8 @@ def time_table(points: Mapping[str, Sequence[TimePoint]], measured: str = "") ->
             Quantity("memory", "peak memory", "MB", ".0f"): p.memory if p.memory is not None else "not measured",
             Quantity("status", "unless converged", "", "s"): "" if p.status == "converged" else p.status,
         }
-        for scene, own in points.items()
-        for p in own
+        for scene, several in points.items()
+        for p in several
     ]
     note = (
         "Errors of all models and meshes are against the finest level of the reference, whose own difference is zero by "
@@ -351,9 +351,9 @@ def assembly_table(costs: Sequence[AssemblyCost]) -> Table:
 def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
     """Speed ratio of the finest level to the source's low-order model, scene by scene."""
     rows: list[Row] = []
-    for scene, own in points.items():
-        low = next(p for p in own if p.name == "lin")
-        best = [p for p in own if p.kind == "level"][-1]
+    for scene, several in points.items():
+        low = next(p for p in several if p.name == "lin")
+        best = [p for p in several if p.kind == "level"][-1]
         if low.warm and best.warm:
             rows.append(
                 {
@@ -372,7 +372,7 @@ def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
     return Table.of("reference-speed", title, rows)
 
 
-def time_panel(scene: str, own: Sequence[TimePoint]) -> Panel:
+def time_panel(scene: str, of_scene: Sequence[TimePoint]) -> Panel:
     """Error over cold run time of one scene, each point with its error bar; the levels cost more from one to the next."""
 
     def series(label: str, points: Sequence[TimePoint], style: str, *, emphasis: bool = False) -> Series:
@@ -382,7 +382,7 @@ def time_panel(scene: str, own: Sequence[TimePoint]) -> Panel:
         errors = [max(p.error, FLOOR) for p in points]
         return Series(label, [p.cold for p in points], errors, style, emphasis=emphasis, bars=bars)
 
-    good = [p for p in own if p.status == "converged"]
+    good = [p for p in of_scene if p.status == "converged"]
     drawn = [series(p.label, [p], "markers") for p in good if p.kind == "model"]
     drawn += [series(p.label, [p], "markers") for p in good if p.kind == "source mesh"]
     levels = [p for p in good if p.kind == "level"]
@@ -436,8 +436,8 @@ def kept_now(
     """The times of these points, first processes, levels and ways to assemble, to be kept for reports to come."""
     times = {
         (scene, p.name): RunTime(p.cold, p.warm, p.memory)
-        for scene, own in points.items()
-        for p in own
+        for scene, several in points.items()
+        for p in several
         if p.kind == "model" and p.warm is not None
     }
     return Kept(machine(), today(), times, first, levels, assembly)

@@ -61,15 +61,15 @@ def conclusion(judged: Mapping[str, Judged]) -> str:
     )
     words = []
     for kind, names in kinds:
-        own = {name: judged[name] for name in names if name in judged}
-        if own:
-            worst = [_largest(own, model) for model in MODELS]
-            words.append(f"{' and '.join(worst)} on the {len(own)} {kind}")
+        of_kind = {name: judged[name] for name in names if name in judged}
+        if of_kind:
+            worst = [_largest(of_kind, model) for model in MODELS]
+            words.append(f"{' and '.join(worst)} on the {len(of_kind)} {kind}")
     return f"The worst contact load is off by {'; by '.join(words)}, in per cent of the mean load."
 
 
 def _largest(judged: Mapping[str, Judged], model: str) -> str:
-    errors = {name: abs(own[model, CONTACTS].error) for name, own in judged.items()}
+    errors = {name: abs(v[model, CONTACTS].error) for name, v in judged.items()}
     name = max(errors, key=errors.__getitem__)
     return f"{errors[name]:.1f} % in {model} ({name})"
 
@@ -87,23 +87,23 @@ def sheet(study: Study, name: str, reference: Reference, judged: Judged) -> Sequ
 
 def verdict(study: Study, name: str, reference: Reference, judged: Judged) -> str:
     """Which contact of each model is off most, and whether that is within the limit."""
-    said = []
+    sentences = []
     for model in MODELS:
         error = judged[model, CONTACTS].error
         load = study.solve(name, model).load
         ball, side = np.unravel_index(int(np.abs(load - reference.load).argmax()), load.shape)
         fit = "fit" if abs(error) <= LIMIT else "not fit"
         off = f"{error:+.2f}".replace("-", "−")
-        said.append(f"{model} is {fit} for {LIMIT:g} %: {off} % of the mean load on ball {ball + 1} {SIDES[side]}")
-    return f"Verdict: {'; '.join(said)}."
+        sentences.append(f"{model} is {fit} for {LIMIT:g} %: {off} % of the mean load on ball {ball + 1} {SIDES[side]}")
+    return f"Verdict: {'; '.join(sentences)}."
 
 
-def trust(reference: Reference, own: Validated) -> str:
+def trust(reference: Reference, bounds: Validated) -> str:
     """What the errors of a sheet are known to."""
     levels = ", ".join(str(run.level) for run in reference.runs)
-    parts = [("mesh", own.grid), ("modelling choices", own.choices), ("input tolerances", own.inputs)]
+    parts = [("mesh", bounds.grid), ("modelling choices", bounds.choices), ("input tolerances", bounds.inputs)]
     known = ", ".join(f"{name} {value:.2f}" for name, value in parts if np.isfinite(value))
-    whole = f"u_val {own.combined:.2f} %" if np.isfinite(own.combined) else "u_val unknown, of one mesh level"
+    whole = f"u_val {bounds.combined:.2f} %" if np.isfinite(bounds.combined) else "u_val unknown, of one mesh level"
     also = f" {reference.unsettled[:1].upper()}{reference.unsettled[1:]}." if reference.unsettled else ""
     return f"How far to trust it: mesh levels {levels} of the 3D reference; {whole} there, of which {known}.{also}"
 
@@ -115,16 +115,16 @@ def results(study: Study, scene: Scene, reference: Reference, judged: Judged) ->
     answers |= {model: from_result(study.solve(scene.name, model)) for model in MODELS}
     rows: list[Row] = []
     for quantity in QUANTITIES:
-        own = [judged[model, quantity.name] for model in MODELS]
+        first, *_ = of_models = [judged[model, quantity.name] for model in MODELS]
         single = quantity.name != CONTACTS
         values = {key: float(quantity.take(scene, answer)[0]) if single else None for key, answer in answers.items()}
         rows.append(
             {
                 "quantity": f"{quantity.name} [{quantity.unit}]" if single else f"{quantity.name}, the worst",
                 **{Quantity(key, key): value for key, value in values.items()},
-                **{Quantity(f"error-{v.model}", f"error of {v.model}", "%", "+.2f"): v.error for v in own},
-                Quantity("u_val", "u_val", "%", ".2f"): own[0].combined if np.isfinite(own[0].combined) else None,
-                "verdict": f"{'within' if abs(own[0].error) <= LIMIT else 'not within'} {LIMIT:g} %",
+                **{Quantity(f"error-{v.model}", f"error of {v.model}", "%", "+.2f"): v.error for v in of_models},
+                Quantity("u_val", "u_val", "%", ".2f"): first.combined if np.isfinite(first.combined) else None,
+                "verdict": f"{'within' if abs(first.error) <= LIMIT else 'not within'} {LIMIT:g} %",
             }
         )
     return Table.of(f"sheet-{scene.name}", f"{scene.name}, results", rows)

@@ -47,24 +47,24 @@ def sketch_of(scene: Scene, name: str, title: str) -> Sketch:
 
 def inputs(scene: Scene) -> str:
     """The inputs that the drawing does not show, in words."""
-    track, balls, own = scene.track, scene.balls, scene.errors.balls
+    track, balls, errors = scene.track, scene.balls, scene.errors.balls
     lead = f"lead {1e3 * track.lead:.4g} mm" + (f", {track.starts} starts" if track.starts > 1 else "")
-    said = [
+    words = [
         f"{scene.ball_count} balls of {2e3 * balls.radius:.5g} mm",
         lead if track.lead else "ball bearing",
         f"pitch diameter {2e3 * track.pitch_radius:.5g} mm",
         f"contact angle {degrees(track.contact_angle):.4g} deg",
         f"conformity {_conformity(scene)}",
     ]
-    if own.oversize:
-        said.append(f"ball radii {own.oversize / MICRO:+.3g} um")
+    if errors.oversize:
+        words.append(f"ball radii {errors.oversize / MICRO:+.3g} um")
     if scene.errors.lead_offset:
-        said.append(f"lead offset {scene.errors.lead_offset / MICRO:.3g} um")
-    return f"{', '.join(said)}."
+        words.append(f"lead offset {scene.errors.lead_offset / MICRO:.3g} um")
+    return f"{', '.join(words)}."
 
 
 def _conformity(scene: Scene) -> str:
-    found = [f"{part.groove_radius / (2.0 * scene.balls.radius):.3g}" for part in (scene.screw, scene.nut)]
+    found = [f"{body.groove_radius / (2.0 * scene.balls.radius):.3g}" for body in (scene.screw, scene.nut)]
     return " and ".join(dict.fromkeys(found))
 
 

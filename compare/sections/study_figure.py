@@ -23,14 +23,14 @@ def study_figure(name: str, table: Sequence[Mapping[str, Any]], found: Reference
     sizes = [size / found.sizes[-1] for size in found.sizes]
     keys = [f"level {run.level}" for run in found.runs]
     panels = []
-    for title, own in (
+    for title, rows in (
         ("contact loads", [row for row in table if "est load" in row["quantity"]]),
         ("centreline", [row for row in table if row["quantity"].startswith("centreline")]),
     ):
-        scale = max((abs(row[keys[-1]]) for row in own), default=0.0)
-        series = [s for row in own[:MOST] for s in _curves(row, keys, sizes, scale)]
+        scale = max((abs(row[keys[-1]]) for row in rows), default=0.0)
+        series = [s for row in rows[:MOST] for s in _curves(row, keys, sizes, scale)]
         if series:
-            label = f"difference from the finest / % of {scale:.3g} {own[0]['unit']}"
+            label = f"difference from the finest / % of {scale:.3g} {rows[0]['unit']}"
             panels.append(Panel(title, "cell size over the finest's", label, tuple(series)))
     if not panels:
         return None

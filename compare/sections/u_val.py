@@ -94,11 +94,11 @@ def scatter_figure(found: Sequence[Scatter]) -> Figure:
     panels = []
     order = [m.name for m in RUNGS]
     for quantity in dict.fromkeys(s.quantity for s in found):
-        own = [s for s in found if s.quantity == quantity]
-        x = [float(order.index(s.model) + 1) for s in own]
-        ends = ([s.bias - 2.0 * s.scatter for s in own], [s.bias + 2.0 * s.scatter for s in own])
+        of_quantity = [s for s in found if s.quantity == quantity]
+        x = [float(order.index(s.model) + 1) for s in of_quantity]
+        ends = ([s.bias - 2.0 * s.scatter for s in of_quantity], [s.bias + 2.0 * s.scatter for s in of_quantity])
         series = (
-            Series("bias and two scatters", x, [s.bias for s in own], "markers", emphasis=True, bars=ends),
+            Series("bias and two scatters", x, [s.bias for s in of_quantity], "markers", emphasis=True, bars=ends),
             Series("none", [min(x), max(x)], [0.0, 0.0], "line"),
         )
         panels.append(Panel(quantity, "", "relative deviation from the reference / %", series, names=order))
@@ -112,12 +112,12 @@ def bounds_table(study: Study, rungs: Sequence[Rung]) -> Table:
         (f"largest error to expect, model {name}, scene left out", held, total)
         for name, (held, total) in bound_shares(rows).items()
     ]
-    own = [h for h in coverage(study) if h.level > min(LEVELS)]
-    if own:
+    bars = [h for h in coverage(study) if h.level > min(LEVELS)]
+    if bars:
         words = (
-            f"discretisation of coarser levels, against the finest, contact loads of {len({h.scene for h in own})} scenes"
+            f"discretisation of coarser levels, against the finest, contact loads of {len({h.scene for h in bars})} scenes"
         )
-        counts.append((words, sum(h.held for h in own), sum(h.contacts for h in own)))
+        counts.append((words, sum(h.held for h in bars), sum(h.contacts for h in bars)))
     cells: list[Row] = [
         {
             Quantity("bound", "stated bound", "", "s"): words,
@@ -140,11 +140,11 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     step("grid, choices and input tolerances of every scene")
     rows = rows_of(study, rungs)
     found = scatter(rows)
-    own = {s.model: s for s in found if s.quantity == CONTACTS}
+    of_loads = {s.model: s for s in found if s.quantity == CONTACTS}
     words = [
         f"{name}: contact loads {s.bias:+.2f} % on average, scatter {s.scatter:.2f} %, {100.0 * s.within:.0f} % of them "
         f"within u_val and {100.0 * s.within_own:.0f} % within the reference's own part of it"
-        for name, s in own.items()
+        for name, s in of_loads.items()
         if name in (*SHOWN, "condensed")
     ]
     text = (

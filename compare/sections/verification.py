@@ -201,7 +201,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
 
 def drawn(found: Sequence[Level]) -> Section:
     """Section of the runs ``found``."""
-    job, made = JOBS["A"], f"{NAMES[PRODUCTION[0]]}, b/h = {PRODUCTION[1]:g}"
+    job, mesh = JOBS["A"], f"{NAMES[PRODUCTION[0]]}, b/h = {PRODUCTION[1]:g}"
     return Section(
         "verification",
         "The 3D reference against Hertz",
@@ -228,7 +228,7 @@ def drawn(found: Sequence[Level]) -> Section:
                 )
             ),
             Text(verdict(found), bullets=True),
-            Table.of("verification-targets", f"Production mesh ({made}) against the closed form", value_rows(found)),
+            Table.of("verification-targets", f"Production mesh ({mesh}) against the closed form", value_rows(found)),
             Table.of("verification-errors", "Errors, unknowns and seconds of all meshes", map(error_row, found)),
             *(figure(found, job) for job in JOBS),
             times_table(found),

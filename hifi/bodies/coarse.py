@@ -63,13 +63,13 @@ def patch_modes(patch: CondensedPatch, count: int) -> tuple[Array, Array]:
     pressures = contact_pressures(patch)
     mean = patch.H.T @ pressures - rigid @ ((patch.H @ rigid - moved).T @ pressures)
     mean = mean @ np.linalg.pinv(resultants.T @ pressures)
-    rest = patch.H - resultants @ mean.T
-    traces = rest.T @ np.hstack([pressures, REST * np.eye(len(rest))])
+    remainder = patch.H - resultants @ mean.T
+    traces = remainder.T @ np.hstack([pressures, REST * np.eye(len(remainder))])
     wrong = rigid.T @ traces
     least = ROUND_OFF * float(np.linalg.norm(patch.H.T @ pressures))
     U = np.hstack([_strongest(traces - rigid @ wrong, least), rigid @ _strongest(wrong, least)])
     U = U[:, : max(count - mean.shape[1], 0)]
-    V, T = np.linalg.qr(np.hstack([resultants, rest @ U]))
+    V, T = np.linalg.qr(np.hstack([resultants, remainder @ U]))
     return V, T @ np.vstack([mean.T, U.T])
 
 

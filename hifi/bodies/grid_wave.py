@@ -44,8 +44,8 @@ FILLED, COARSEST, LEAST = 0.85, 1.0, 0.6
 
 def relative_radii(m: GrooveMap, side: int) -> tuple[float, float]:
     """Relative radii [m] of ball and groove across and along it, by the normal curvatures of the helical groove."""
-    part = m.signs[side, 0] * np.cos(m.beta)
-    along = part * np.cos(m.alpha) ** 2 / (m.R + part * m.ball)
+    outward = m.signs[side, 0] * np.cos(m.beta)
+    along = outward * np.cos(m.alpha) ** 2 / (m.R + outward * m.ball)
     return 1.0 / (1.0 / m.ball - 1.0 / float(m.radius[side])), 1.0 / (1.0 / m.ball - along)
 
 
@@ -90,7 +90,7 @@ def approaches_at(
     m: GrooveMap,
     side: int,
     patch: CondensedPatch,
-    own: Array,
+    compliance: Array,
     loads: Array,
     place: tuple[float, float],
     start: Flags | None = None,
@@ -113,8 +113,8 @@ def approaches_at(
     nearest = -0.5 * float((t**2 / m.ball * (1.0 / scale - 1.0)).sum())
     along = normal + (beside[0] * tangent + beside[1] * forward) / m.ball
     close = W @ (patch.normals @ (along / np.linalg.norm(along)))
-    found, closed = approaches(own, W @ gap, close, loads, start)
-    return found - nearest, closed
+    approach, closed = approaches(compliance, W @ gap, close, loads, start)
+    return approach - nearest, closed
 
 
 def approaches(C: Array, gap: Array, close: Array, loads: Array, start: Flags | None = None) -> tuple[Array, Flags]:
@@ -125,15 +125,15 @@ def approaches(C: Array, gap: Array, close: Array, loads: Array, start: Flags | 
     settle.
     """
     active = gap / close <= np.quantile(gap / close, 0.3)
-    both = np.column_stack([close, gap])
+    columns = np.column_stack([close, gap])
     out, closed = np.empty(loads.size), np.empty((loads.size, gap.size), dtype=bool)
     for k, load in enumerate(loads):
         active = active if start is None else start[k]
         for _ in range(200):
             i = np.flatnonzero(active)
-            unit, rest = dpotrs(picked_factor(C, i), both[i], lower=1)[0].T
-            out[k] = (load + close[i] @ rest) / (close[i] @ unit)
-            pressure = out[k] * unit - rest
+            unit, by_gap = dpotrs(picked_factor(C, i), columns[i], lower=1)[0].T
+            out[k] = (load + close[i] @ by_gap) / (close[i] @ unit)
+            pressure = out[k] * unit - by_gap
             after = pressure @ C[i] + gap - close * out[k] < 0.0
             after[i] = pressure > 0.0
             if (after == active).all():
@@ -190,16 +190,16 @@ class PeriodicApproach:
             near = first
             for k, y in enumerate(np.arange(along) / along - 0.5):
                 place = float(x), float(y)
-                given = self.m, self.side, self.patch, self.C, self.loads, place, near, self.means
-                found, near = approaches_at(*given)
-                out[i, k] = found - np.array([x, y]) @ self.trend
+                arguments = self.m, self.side, self.patch, self.C, self.loads, place, near, self.means
+                approach, near = approaches_at(*arguments)
+                out[i, k] = approach - np.array([x, y]) @ self.trend
                 first = near if k == 0 else first
         return np.asarray(np.fft.ifftshift(out, axes=(0, 1)))
 
 
-def mean_approaches(m: GrooveMap, side: int, patch: CondensedPatch, own: Array, loads: Array) -> Array:
+def mean_approaches(m: GrooveMap, side: int, patch: CondensedPatch, compliance: Array, loads: Array) -> Array:
     """Approaches ``(f,)`` [m] of a contact in the middle of its zone without the grid's wave: mean over a cell."""
-    return np.asarray(PeriodicApproach.of(m, side, patch, own, loads).table(*MEAN).mean(axis=(0, 1)))
+    return np.asarray(PeriodicApproach.of(m, side, patch, compliance, loads).table(*MEAN).mean(axis=(0, 1)))
 
 
 @dataclass(frozen=True)
@@ -221,10 +221,10 @@ class GridWave:
         """
         place = (centres - self.middle) @ self.directions.T / self.cell
         force = np.clip(loads, self.loads[0], self.loads[-1])
-        found = CubicSpline(np.log(self.loads), self.table, axis=2)(np.log(force))  # (p, q, n)
-        for own in place.T:
-            found = _periodic(found, own)
-        return np.where(loads > 0.0, found * np.cbrt(np.maximum(loads, 0.0) / force) ** 2, 0.0)
+        correction = CubicSpline(np.log(self.loads), self.table, axis=2)(np.log(force))  # (p, q, n)
+        for coordinate in place.T:
+            correction = _periodic(correction, coordinate)
+        return np.where(loads > 0.0, correction * np.cbrt(np.maximum(loads, 0.0) / force) ** 2, 0.0)
 
 
 def _periodic(values: Array, place: Array) -> Array:

@@ -191,8 +191,8 @@ def _patch(
     zone = np.zeros(len(top), dtype=bool)
     zone[contact] = True
     tied = np.any([np.all(np.abs(xi[corners, axis] - value) < 1e-9, axis=0) for axis, value in PLANES], axis=0)
-    where = {"surface": top[corners].all(axis=0), "contact": zone[corners].all(axis=0), "interface": tied}
-    mesh = named(mesh, {name: outer[own] for name, own in where.items()})
+    boundaries = {"surface": top[corners].all(axis=0), "contact": zone[corners].all(axis=0), "interface": tied}
+    mesh = named(mesh, {name: outer[on] for name, on in boundaries.items()})
     return PatchMesh(mesh, xi, contact, shape, rim, interface, tie, contact_weights(mesh, contact), socket)
 
 
@@ -260,21 +260,21 @@ def tie_matrix(xi: Array, socket: SocketMesh, *, linear: bool = False) -> sp.csr
     done = np.zeros(len(xi), dtype=bool)
     for axis, value in PLANES:
         flat = [k for k in range(3) if k != axis]
-        own = np.flatnonzero(~done & (np.abs(xi[:, axis] - value) < 1e-9))
+        points = np.flatnonzero(~done & (np.abs(xi[:, axis] - value) < 1e-9))
         on_plane = np.all(np.abs(socket.xi[socket.triangles[:, :3], axis] - value) < 1e-6, axis=1)
         tri = socket.triangles[on_plane]
         corner = socket.xi[tri[:, :3]][..., flat]
-        edges, arms = ((x - corner[:, :1]).swapaxes(1, 2) for x in (corner[:, 1:], xi[own][:, flat]))
+        edges, arms = ((x - corner[:, :1]).swapaxes(1, 2) for x in (corner[:, 1:], xi[points][:, flat]))
         t = np.linalg.solve(edges, arms)
         bary = np.stack([1.0 - t.sum(axis=1), *t.swapaxes(0, 1)], axis=2)
         inside = np.all(bary > -1e-7, axis=2)
         found = np.flatnonzero(inside.any(axis=0))
         first = inside[:, found].argmax(axis=0)
         w = bary[first, found]
-        rows.append(np.repeat(own[found], 6))
+        rows.append(np.repeat(points[found], 6))
         columns.append(tri[first].ravel())
         values.append((_linear_shape(w) if linear else _quadratic_shape(w)).ravel())
-        done[own[found]] = True
+        done[points[found]] = True
     if not done.all():
         raise ValueError("a patch node lies on no triangle of its socket")
     matrix = sp.coo_matrix(
@@ -319,13 +319,13 @@ class _Partition:
 def _partition(
     mesh: PatchMesh, normals: Array, young: float, poisson: float, carrier: PatchMesh | None = None
 ) -> _Partition:
-    whole = mesh if carrier is None else carrier
-    K = assemble(elasticity(young, poisson), whole.mesh)
+    base = mesh if carrier is None else carrier
+    K = assemble(elasticity(young, poisson), base.mesh)
     if np.isin(mesh.contact, mesh.interface).any():
         raise ValueError("the contact zone of a patch reaches its rim: make the zone smaller than the socket")
-    inner = np.setdiff1d(np.arange(K.shape[0]), freedoms_on(whole.mesh, "interface"))
-    outer = (3 * whole.interface[:, None] + np.arange(3)).ravel()
-    T = sp.kron(whole.tie, sp.identity(3), format="csc")
+    inner = np.setdiff1d(np.arange(K.shape[0]), freedoms_on(base.mesh, "interface"))
+    outer = (3 * base.interface[:, None] + np.arange(3)).ravel()
+    T = sp.kron(base.tie, sp.identity(3), format="csc")
     coupling = (K[inner][:, outer] @ T).tocsc()
     forces = hat_rows(mesh, normals, carrier)[:, inner].T.tocsc()
     return _Partition(condense(K, I=inner, expand=False), coupling, K[outer][:, outer], forces, T, inner)
@@ -339,10 +339,10 @@ def condense_patch(
     Exact, or with the coarser patch ``carrier`` of the same socket in its stead: H and S, smooth as they are, hardly
     change, A does. Raises ValueError where the contact zone reaches the patch's rim.
     """
-    part = _partition(mesh, normals, young, poisson, carrier)
-    boundary = (part.tie.T @ (part.outer_stiffness @ part.tie)).toarray()
-    c = part.forces.shape[1]
-    F = compliance(part.inner_stiffness, sp.hstack([part.forces, part.coupling]).T)
+    blocks = _partition(mesh, normals, young, poisson, carrier)
+    boundary = (blocks.tie.T @ (blocks.outer_stiffness @ blocks.tie)).toarray()
+    c = blocks.forces.shape[1]
+    F = compliance(blocks.inner_stiffness, sp.hstack([blocks.forces, blocks.coupling]).T)
     A, H, S = F[:c, :c], -F[:c, c:], boundary - F[c:, c:]
     return CondensedPatch(
         A=0.5 * (A + A.T),
@@ -365,8 +365,8 @@ def field(mesh: PatchMesh, normals: Array, young: float, poisson: float, forces:
     normals: as for `condense_patch`; forces ``(c,)`` [N] of the hats; trace: displacements of the socket's nodes ``(3 k,)``
     [m] in the patch's frame. In the mean over the hats, along the normals, A f + H q.
     """
-    part = _partition(mesh, normals, young, poisson)
+    blocks = _partition(mesh, normals, young, poisson)
     u = np.empty(mesh.mesh.doflocs.size)
-    u[part.inner] = factor(part.inner_stiffness).solve(part.forces @ forces - part.coupling @ trace)
-    u[(3 * mesh.interface[:, None] + np.arange(3)).ravel()] = part.tie @ trace
+    u[blocks.inner] = factor(blocks.inner_stiffness).solve(blocks.forces @ forces - blocks.coupling @ trace)
+    u[(3 * mesh.interface[:, None] + np.arange(3)).ravel()] = blocks.tie @ trace
     return u.reshape(-1, 3)

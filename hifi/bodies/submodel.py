@@ -114,8 +114,8 @@ def _supports(piece: Piece) -> tuple[Index, sp.csr_matrix]:
 
 def _turned_rigid(patch: PatchMesh, piece: Piece) -> Array:
     """Rigid motions of the body's frame at the patch's freedoms, in the patch's frame, ``(3 n, 6)``."""
-    whole = rigid_modes(points_of(patch.mesh) @ piece.rotation.T).reshape(-1, 3, 6)
-    return np.asarray(np.einsum("ba,nbk->nak", piece.rotation, whole).reshape(-1, 6))
+    rigid = rigid_modes(points_of(patch.mesh) @ piece.rotation.T).reshape(-1, 3, 6)
+    return np.asarray(np.einsum("ba,nbk->nak", piece.rotation, rigid).reshape(-1, 6))
 
 
 def _relieved(F: Array, count: int, rigid: Array, loads: sp.csr_matrix, piece: Piece) -> Array:

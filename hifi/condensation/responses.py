@@ -25,7 +25,7 @@ from rollbench.hifi.bodies.coarse import (
     patch_modes,
 )
 from rollbench.hifi.bodies.patch import CondensedPatch
-from rollbench.hifi.condensation.side_by_side import Part
+from rollbench.hifi.condensation.side_by_side import Job
 from rollbench.hifi.condensation.sides import SidePatches
 from rollbench.hifi.elements.assembly import cells
 from rollbench.hifi.elements.rigid import rigid_modes
@@ -103,13 +103,13 @@ def with_modes(
     material: Material,
     mesh: Mesh,
     sockets: Sequence[Socket],
-    own: dict[int, CondensedPatch],
+    patches: dict[int, CondensedPatch],
     count: int,
     settings: Settings,
 ) -> tuple[sp.csc_matrix, sp.csr_matrix, dict[int, tuple[Array, Array]]]:
     """Stiffness of a body with its patches, rows of the ``count`` modes of every socket; modes V and their rows by side."""
-    K = assemble(of_order(mesh, body_kind(settings)), sockets, own, material.youngs_modulus, material.poissons_ratio)
-    kept = {s: patch_modes(p, count) for s, p in own.items()}
+    K = assemble(of_order(mesh, body_kind(settings)), sockets, patches, material.youngs_modulus, material.poissons_ratio)
+    kept = {s: patch_modes(p, count) for s, p in patches.items()}
     return K, mode_rows(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0]), kept
 
 
@@ -117,42 +117,42 @@ def ball_compliance(
     material: Material, mesh: BallBody, patches: dict[int, SidePatches], settings: Settings
 ) -> BallResponse:
     """How one ball couples the contacts of all its sides, rigid motions held isostatically (its loads balance)."""
-    own = {s: p.ball for s, p in patches.items()}
-    sockets = [Socket(mesh.socket_nodes[s], np.eye(3), s) for s in own]
-    K, rows, kept = with_modes(material, mesh.mesh, sockets, own, settings.ball_modes, settings)
+    ball_patches = {s: p.ball for s, p in patches.items()}
+    sockets = [Socket(mesh.socket_nodes[s], np.eye(3), s) for s in ball_patches]
+    K, rows, kept = with_modes(material, mesh.mesh, sockets, ball_patches, settings.ball_modes, settings)
     held = isostatic(mesh.points, np.concatenate([s.nodes for s in sockets]))
     free = np.setdiff1d(np.arange(K.shape[0]), held)
     G = compliance(condense(K, D=held, expand=False), rows[:, free])
     return BallResponse(G, {s: k[0] for s, k in kept.items()}, int(free.size))
 
 
-def shaft_parts(
+def shaft_jobs(
     e: Material, m: GrooveMap, outer: float, bore: float, radius: float | None, hole: float, size: float | None
-) -> list[Part]:
-    """Parts that `shaft_of` makes the shaft beyond the 3D stretch of: its section, or stiffnesses of the helical section
-    and meshed shafts, by what they depend on alone, so that other nuts and loads find them in the cache.
+) -> list[Job]:
+    """Jobs whose records `shaft_of` takes for the shaft beyond the 3D stretch: its section, or stiffnesses of the helical
+    section and meshed shafts, by what they depend on alone, so that other nuts and loads find them in the cache.
 
     outer, bore: radii of the shaft's lands and bore [m]; radius: of a plain shaft in its place [m], if the scene has one;
     hole: radius of the bore of 3D meshes [m]; size: of their elements [m], or None where no station of supports or loads
     lies beyond the stretch, so that any section will do.
     """
-    part = partial(Part, "shaft section")
+    section_job = partial(Job, "shaft section")
     plain = outer if size is None else radius
     if plain is not None:
-        return [part(round_section, (plain, e.youngs_modulus, e.poissons_ratio), ShaftSection)]
+        return [section_job(round_section, (plain, e.youngs_modulus, e.poissons_ratio), ShaftSection)]
     if m.rg == 0.0:
-        return [part(tube, (outer, bore, e), ShaftSection)]
-    meshed = [part(meshed_shaft, (m, outer, hole, e, size, length), tuple) for length in lengths(m)]
-    return [part(helical_stiffness, (m, outer, bore, e), tuple), *meshed]
+        return [section_job(tube, (outer, bore, e), ShaftSection)]
+    meshed = [section_job(meshed_shaft, (m, outer, hole, e, size, length), tuple) for length in lengths(m)]
+    return [section_job(helical_stiffness, (m, outer, bore, e), tuple), *meshed]
 
 
-def shaft_of(e: Material, m: GrooveMap, bore: float, made: Sequence[Any]) -> Shaft:
-    """Shaft beyond the 3D stretch from the records of its `shaft_parts`; bore: its radius [m]."""
-    section, *meshed = made
+def shaft_of(e: Material, m: GrooveMap, bore: float, records: Sequence[Any]) -> Shaft:
+    """Shaft beyond the 3D stretch from the records of its `shaft_jobs`; bore: its radius [m]."""
+    section, *meshed = records
     if not meshed:
         return Shaft(section, None)
-    found = homogenise(m, bore, e, section, meshed)
-    return Shaft(found.section, found)
+    homogenised = homogenise(m, bore, e, section, meshed)
+    return Shaft(homogenised.section, homogenised)
 
 
 def screw_response(
@@ -163,14 +163,14 @@ def screw_response(
     mesh: GroovedBody,
     layout: BallLayout,
     sides: tuple[int, ...],
-    own: dict[int, CondensedPatch],
+    patches: dict[int, CondensedPatch],
     settings: Settings,
     dims: Dimensions,
 ) -> ScrewResponse:
     """The 3D stretch of the screw between its ``ends``, held at its base; ``inside``: stations of supports and loads
     within it."""
     places = sockets_of(layout, sides, True)
-    K, modes, kept = with_modes(material, mesh.mesh, placed(mesh, places), own, settings.modes, settings)
+    K, modes, kept = with_modes(material, mesh.mesh, placed(mesh, places), patches, settings.modes, settings)
     low, high = ends
     bore = dims.screw_held == "bore"
     T = screw_transform(mesh, dims, high)
@@ -207,11 +207,11 @@ def section_motion(mesh: Mesh, z: float) -> sp.csr_matrix:
     away = np.abs(corners.mean(axis=0) - z)
     reach = max(SLICE * radius, float(np.partition(away, LEAST)[LEAST]))
     volume = mass.assemble(cells(mesh, elements=np.flatnonzero(away <= reach)))
-    own = np.flatnonzero(volume.diagonal())
-    rigid = rigid_modes(points[own], np.array([0.0, 0.0, z]))
-    carried = (volume[own][:, own] @ rigid.reshape(own.size, 18)).reshape(-1, 6)
+    nodes = np.flatnonzero(volume.diagonal())
+    rigid = rigid_modes(points[nodes], np.array([0.0, 0.0, z]))
+    carried = (volume[nodes][:, nodes] @ rigid.reshape(nodes.size, 18)).reshape(-1, 6)
     motion = np.linalg.solve(rigid.T @ carried, carried.T)
-    place = (np.repeat(np.arange(6), 3 * own.size), np.tile(freedoms(own), 6))
+    place = (np.repeat(np.arange(6), 3 * nodes.size), np.tile(freedoms(nodes), 6))
     return sp.csr_matrix((motion.ravel(), place), (6, 3 * len(points)))
 
 
@@ -229,15 +229,15 @@ def on_bolts(x: Array, y: Array, seat: tuple[float, float], count: int) -> Array
 
 def nut_transform(mesh: GroovedBody, dims: Dimensions) -> sp.csc_matrix:
     """C of the nut, held where ``dims`` says."""
-    where, _, bolts = dims.nut_held.partition(", ")
-    fit = where.endswith(FIT) or (where == "outer surface" and "centring" in (mesh.mesh.boundaries or {}))
-    found = nodes_on(mesh.mesh, *NUT_HELD[where.removesuffix(FIT)])
+    surface, _, bolts = dims.nut_held.partition(", ")
+    fit = surface.endswith(FIT) or (surface == "outer surface" and "centring" in (mesh.mesh.boundaries or {}))
+    nodes = nodes_on(mesh.mesh, *NUT_HELD[surface.removesuffix(FIT)])
     low, high = dims.held_radii
-    x, y = mesh.points[found, 0], mesh.points[found, 1]
+    x, y = mesh.points[nodes, 0], mesh.points[nodes, 1]
     on = (np.hypot(x, y) >= low - 1e-7) & (np.hypot(x, y) <= high + 1e-7)
     if bolts:
         on &= on_bolts(x, y, (low, high), int(bolts.split()[0]))
-    held = freedoms(np.union1d(found[on], nodes_on(mesh.mesh, "centring")) if fit else found[on])
+    held = freedoms(np.union1d(nodes[on], nodes_on(mesh.mesh, "centring")) if fit else nodes[on])
     size = mesh.mesh.doflocs.size
     return sp.identity(size, format="csc")[:, np.setdiff1d(np.arange(size), held)]
 
@@ -247,13 +247,13 @@ def nut_response(
     mesh: GroovedBody,
     layout: BallLayout,
     sides: tuple[int, ...],
-    own: dict[int, CondensedPatch],
+    patches: dict[int, CondensedPatch],
     settings: Settings,
     dims: Dimensions,
 ) -> NutResponse:
     """Response of the nut held where ``dims`` says."""
     sockets = placed(mesh, sockets_of(layout, sides, False))
-    K, rows, kept = with_modes(material, mesh.mesh, sockets, own, settings.modes, settings)
+    K, rows, kept = with_modes(material, mesh.mesh, sockets, patches, settings.modes, settings)
     T = nut_transform(mesh, dims)
     K = (T.T @ K @ T).tocsc()
     rigid = np.asarray(rows @ rigid_modes(mesh.points, np.zeros(3)))

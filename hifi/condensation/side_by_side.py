@@ -20,7 +20,7 @@ from rollbench.meshes.workers import end_with_parent
 T = TypeVar("T")
 
 
-class Part(NamedTuple):
+class Job(NamedTuple):
     """A record to be made, or read from the cache: name of its stage; function, arguments and class as for `Cache.get`, all
     picklable."""
 
@@ -45,71 +45,71 @@ class Made(Generic[T]):
 
 
 def make(
-    parts: Sequence[Part], cache: Cache, processes: int, told: Callable[[int, Made[Any]], None] = lambda *_: None
+    jobs: Sequence[Job], cache: Cache, processes: int, report: Callable[[int, Made[Any]], None] = lambda *_: None
 ) -> list[Made[Any]]:
-    """Records of independent parts, in their order, by so many processes at once, this one among them, one thread each (a
-    second thread mostly waits where fronts are small); by this one alone for one. told: hears of each when it is made, one
-    at a time. Raises what a part raises, and MemoryError where a process was ended from outside."""
-    if processes == 1 or len(parts) < 2:
+    """Records of independent jobs, in their order, by so many processes at once, this one among them, one thread each (a
+    second thread mostly waits where fronts are small); for one process, by this one alone. report: hears of each record
+    when it is made, one at a time. Raises what a job raises, and MemoryError where a process was ended from outside."""
+    if processes == 1 or len(jobs) < 2:
         alone = []
         with threadpool_limits(1):
-            for k, part in enumerate(parts):
-                alone.append(_make(part, cache))
-                told(k, alone[-1])
+            for k, job in enumerate(jobs):
+                alone.append(_make(job, cache))
+                report(k, alone[-1])
         return alone
     from joblib.executor import get_memmapping_executor  # the workers of joblib.Parallel, not others beside them
     from joblib.externals.loky.process_executor import BrokenProcessPool
 
-    helpers = min(processes, len(parts)) - 1
+    helpers = min(processes, len(jobs)) - 1
     others = get_memmapping_executor(helpers, initializer=end_with_parent, initargs=(os.getpid(),), max_nbytes=None)
-    left, made, one_at_a_time = deque(enumerate(parts)), dict[int, Made[Any]](), Lock()
+    left, done, one_at_a_time = deque(enumerate(jobs)), dict[int, Made[Any]](), Lock()
 
-    def take(maker: Callable[[Part], Made[Any]]) -> None:
-        """Make parts until none is left."""
+    def take(maker: Callable[[Job], Made[Any]]) -> None:
+        """Do jobs until none is left."""
         while left:
             try:
-                k, part = left.popleft()
-            except IndexError:  # another one was faster
+                k, job = left.popleft()
+            except IndexError:  # another thread was faster
                 return
-            made[k] = maker(part)
+            done[k] = maker(job)
             with one_at_a_time:
-                told(k, made[k])
+                report(k, done[k])
 
-    def helped(part: Part) -> Made[Any]:
-        found: Made[Any] = others.submit(_elsewhere, part, cache).result()
+    def helped(job: Job) -> Made[Any]:
+        found: Made[Any] = others.submit(_elsewhere, job, cache).result()
         return found
 
     with ThreadPoolExecutor(helpers) as threads, threadpool_limits(1):
         helping = [threads.submit(take, helped) for _ in range(helpers)]
         try:
-            take(lambda part: _make(part, cache))
-            for one in helping:
-                one.result()
+            take(lambda job: _make(job, cache))
+            for future in helping:
+                future.result()
         except BrokenProcessPool as error:
             raise MemoryError("a process of the set-up was ended from outside: is there memory for it?") from error
-        except KeyboardInterrupt:  # a part may take minutes: nobody waits for it
+        except KeyboardInterrupt:  # a job may take minutes: nobody waits for it
             others.terminate(kill_workers=True)
             raise
         finally:
             left.clear()
-    away = [one.cached for one in made.values() if one.process != os.getpid()]
+    away = [record.cached for record in done.values() if record.process != os.getpid()]
     cache.hits += sum(away)
     cache.misses += len(away) - sum(away)
-    for record in made.values():
+    for record in done.values():
         cache.report(record.cache_fault)
-    return [made[k] for k in range(len(parts))]
+    return [done[k] for k in range(len(jobs))]
 
 
-def _elsewhere(part: Part, cache: Cache) -> Made[Any]:
+def _elsewhere(job: Job, cache: Cache) -> Made[Any]:
     """In another process, whose record of memory starts anew."""
     reset_peak()
     cache.quiet = True
     with threadpool_limits(1):
-        return _make(part, cache)
+        return _make(job, cache)
 
 
-def _make(part: Part, cache: Cache) -> Made[Any]:
+def _make(job: Job, cache: Cache) -> Made[Any]:
     start, hits, cold = perf_counter(), cache.hits, cache.cold_seconds
-    value = cache.get(part.build, part.arguments, part.type_)
+    value = cache.get(job.build, job.arguments, job.type_)
     spent, known = perf_counter() - start, cache.cold_seconds - cold
     return Made(value, spent, cache.hits > hits, known, os.getpid(), peak_MB(), cache.fault)

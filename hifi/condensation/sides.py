@@ -33,13 +33,13 @@ SideArguments = tuple[GrooveMap, int, tuple[float, float], tuple[Material, Mater
 
 @dataclass(frozen=True)
 class SidePatches:
-    """Patches of one side: of the groove and of the ball, on the same contact nodes; own ``(c, c)`` [m/N]: what a contact
+    """Patches of one side: of the groove and of the ball, on the same contact nodes; local ``(c, c)`` [m/N]: what a contact
     of both answers by itself, beyond what the modes kept of the coarse bodies say (`hifi.bodies.submodel`); wave: what its
     place on the grid does to its approach (None: not taken out)."""
 
     groove: CondensedPatch
     ball: CondensedPatch
-    own: Array
+    local: Array
     wave: GridWave | None
 
 
@@ -69,8 +69,8 @@ def condense_side(
     mesh = patch_mesh(sockets, sockets.groove, groove_place, settings)
     ball_mesh = patch_mesh(sockets, sockets.ball, place, settings)
     normals = patch_normals(mesh, np.array([m.R, 0.0, 0.0]))
-    found = patch_normals(ball_mesh, np.zeros(3))
-    spread = float(np.abs(found - normals).max())
+    ball_normals = patch_normals(ball_mesh, np.zeros(3))
+    spread = float(np.abs(ball_normals - normals).max())
     if spread > 1e-9:
         raise ValueError(f"contact nodes of ball and groove do not match ({spread:.1e})")
     e, b = materials
@@ -86,30 +86,30 @@ def condense_side(
         spec = BodySpec(
             *radii, m.z0 - half, m.z0 + half, side < 2, ((m.phase, m.z0, side),), size, scale * sizes[0], scale * sizes[1]
         )
-        made: GroovedBody = build_body(m, spec)
-        return Piece(made.mesh, made.socket_nodes[0], rotation(m.phase), ("low end", "high end")), made.sockets[side]
+        body: GroovedBody = build_body(m, spec)
+        return Piece(body.mesh, body.socket_nodes[0], rotation(m.phase), ("low end", "high end")), body.sockets[side]
 
     def ball_piece(scale: float, *, coarse: bool) -> tuple[Piece, SocketMesh]:
-        own = (settings.ball_fine, settings.ball_coarse) if coarse else settings.own_ball_sizes
+        sizes = (settings.ball_fine, settings.ball_coarse) if coarse else settings.own_ball_sizes
         cuts = sockets.size.cuts if coarse else settings.own_cuts
-        made = build_ball(m, (ball_socket,), scale * own[0], scale * own[1], cuts)
-        return Piece(made.mesh, made.socket_nodes[side], np.eye(3), ()), made.sockets[side]
+        body = build_ball(m, (ball_socket,), scale * sizes[0], scale * sizes[1], cuts)
+        return Piece(body.mesh, body.socket_nodes[side], np.eye(3), ()), body.sockets[side]
 
-    own, whole = np.zeros_like(groove.A), np.zeros_like(groove.A)
-    for piece_of, where, condensed, along, material, modes in (
+    local, total = np.zeros_like(groove.A), np.zeros_like(groove.A)
+    for piece_of, points_at, condensed, along, material, modes in (
         (groove_piece, groove_place, groove, normals, e, settings.modes),
         (ball_piece, place, ball, -normals, b, settings.ball_modes),
     ):
         piece, socket = piece_of(1.0, coarse=False)
-        C = fine_compliance(piece, patch_mesh(sockets, socket, where, settings), along, *_constants(material))
+        C = fine_compliance(piece, patch_mesh(sockets, socket, points_at, settings), along, *_constants(material))
         V, rows = patch_modes(condensed, modes)
 
         def response(scale: float, piece_of=piece_of, condensed=condensed, rows=rows, material=material) -> Array:  # type: ignore[no-untyped-def]
             return coarse_compliance(piece_of(scale, coarse=True)[0], condensed, rows, *_constants(material))
 
-        own += own_compliance(C, V, response)
-        whole += C
-    return SidePatches(groove, ball, own, grid_wave(m, side, groove, whole, b))
+        local += own_compliance(C, V, response)
+        total += C
+    return SidePatches(groove, ball, local, grid_wave(m, side, groove, total, b))
 
 
 def _constants(material: Material) -> tuple[float, float]:
@@ -127,7 +127,7 @@ def turned(patches: SidePatches) -> SidePatches:
     assert shape is not None  # a grid
     order = np.arange(shape[0] * shape[1]).reshape(shape)[:, ::-1].ravel()
 
-    def one(patch: CondensedPatch) -> CondensedPatch:
+    def turn(patch: CondensedPatch) -> CondensedPatch:
         signs = np.tile(TURN, patch.H.shape[1] // 3)
         return replace(
             patch,
@@ -145,4 +145,4 @@ def turned(patches: SidePatches) -> SidePatches:
     wave = patches.wave
     if wave is not None:
         wave = replace(wave, middle=wave.middle * TURN, directions=wave.directions * TURN)
-    return SidePatches(one(patches.groove), one(patches.ball), patches.own[np.ix_(order, order)], wave)
+    return SidePatches(turn(patches.groove), turn(patches.ball), patches.local[np.ix_(order, order)], wave)

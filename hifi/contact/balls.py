@@ -113,8 +113,8 @@ def roots(matrix: Array, loads: Array, scale: Array) -> tuple[Array, Array]:
 
     By Cholesky's factor with pivots, up to what times ``scale`` ``(n,)``, from both sides, is less than ``FEEBLE``.
     """
-    found, order, rank, _ = dpstrf(matrix * np.outer(scale, scale), tol=FEEBLE, lower=1)
-    L, order = np.tril(found)[:, :rank], order - 1
+    packed, order, rank, _ = dpstrf(matrix * np.outer(scale, scale), tol=FEEBLE, lower=1)
+    L, order = np.tril(packed)[:, :rank], order - 1
     R = np.empty((len(matrix), rank))
     R[order] = L / scale[order, None]
     first = order[:rank]
@@ -194,11 +194,11 @@ class _System:
                 continue
             d, n = self.rows[i]
             U, c = self.C.modes[i], self.C.columns[i]
-            both = np.hstack([U, n])
-            M = both.T @ ball.factor.solve(both)  # zero on the open pairs
-            R, own = roots(M[: c.size, : c.size], M[: c.size, c.size :], size[c])
-            T = np.zeros((len(own), self.f.size))
-            T[:, d] = own
+            columns = np.hstack([U, n])
+            M = columns.T @ ball.factor.solve(columns)  # zero on the open pairs
+            R, T_ball = roots(M[: c.size, : c.size], M[: c.size, c.size :], size[c])
+            T = np.zeros((len(T_ball), self.f.size))
+            T[:, d] = T_ball
             outer[np.ix_(d, d)] += M[c.size :, c.size :]
             traces.append((c, R))
             answers.append(G[c].T @ R)
@@ -210,8 +210,8 @@ class _System:
             inner = np.vstack([R.T @ answer[c] for c, R in traces])
             inner[np.diag_indices(len(inner))] += 1.0
             inner = factored(inner.T)
-            rest = dtrsm(1.0, inner, T, lower=1)
-            outer += rest.T @ rest - T.T @ T
+            solved = dtrsm(1.0, inner, T, lower=1)
+            outer += solved.T @ solved - T.T @ T
         return Factor(traces, starts, T, inner, lu_factor(outer, overwrite_a=True, check_finite=False))
 
 
@@ -235,8 +235,8 @@ def solve_balls(
     system = _System(C, gap, N, f, begin.balls)
     w, y = system.in_touch(touching) if touching and start is None else (begin.w.copy(), begin.y.copy())
     phi, back, balance = system.evaluate(w, y)
-    status, it, residual, factor, before = "", 0, np.inf, begin.factor, np.inf
-    for it in range(1, MOST + 1):  # noqa: B007
+    status, iteration, residual, factor, before = "", 0, np.inf, begin.factor, np.inf
+    for iteration in range(1, MOST + 1):  # noqa: B007
         heaviest = max(float(b.forces.sum()) for b in system.balls)
         scale = max(heaviest, float(np.abs(f).max(initial=0.0)) / len(system.balls))
         residual = float(np.abs(balance).max(initial=0.0)) / scale
@@ -279,5 +279,5 @@ def solve_balls(
             for i, g in enumerate(system.gaps)
         ]
     )
-    result = ContactResult(forces, slack, y, it, status, residual)
+    result = ContactResult(forces, slack, y, iteration, status, residual)
     return result, State(w, y, system.balls, factor)

@@ -118,9 +118,9 @@ def surface_compliance(mesh: BlockMesh, reach: tuple[float, float], young: float
     rows = matrix[cut][:, free]
     held, reactions = np.empty((len(nodes), len(nodes))), np.empty((len(cut), len(nodes)))
     for first in range(0, len(nodes), CHUNK):
-        part = slice(first, first + CHUNK)
-        answer = solver.solve(unit[:, part].toarray())
-        held[:, part], reactions[:, part] = unit.T @ answer, rows @ answer
+        chunk = slice(first, first + CHUNK)
+        answer = solver.solve(unit[:, chunk].toarray())
+        held[:, chunk], reactions[:, chunk] = unit.T @ answer, rows @ answer
     full = held - reactions.T @ _far_field(mesh, mesh.points[nodes, :2], young, poisson)
     seconds = {"assembly": assembled - start, "factor": factored - assembled, "solve": perf_counter() - factored}
     return SurfaceCompliance(
@@ -259,19 +259,19 @@ def on_mesh(job: HertzJob, mesh: BlockMesh, b_over_h: float, seconds: float = 0.
     gap = x**2 / (2.0 * job.radius_x) + y**2 / (2.0 * job.radius_y)
     matrix = 2.0 * (surface.matrix if far_field else surface.held)  # two bodies
     closing = sp.csr_matrix(np.ones((len(gap), 1)))
-    found, _ = solve_balls(uncoupled(matrix), gap, closing, np.array([0.25 * job.load]))  # a quarter
-    if not found.converged:
-        raise ArithmeticError(f"job {job.name}, {mesh.element}, b/h = {b_over_h:g}: {found.status}")
-    semi, pole, fitted = read_pressure(surface, found)
+    result, _ = solve_balls(uncoupled(matrix), gap, closing, np.array([0.25 * job.load]))  # a quarter
+    if not result.converged:
+        raise ArithmeticError(f"job {job.name}, {mesh.element}, b/h = {b_over_h:g}: {result.status}")
+    semi, pole, fitted = read_pressure(surface, result)
     return HertzRun(
         job=job.name,
         element=mesh.element,
         b_over_h=b_over_h,
         unknowns=surface.unknowns,
         contact_nodes=len(gap),
-        iterations=found.iterations,
+        iterations=result.iterations,
         seconds={"mesh": seconds, **surface.seconds, "contact": perf_counter() - start},
-        approach=float(found.motions[0]),
+        approach=float(result.motions[0]),
         semi_x=semi[0],
         semi_y=semi[1],
         pole_pressure=pole,
@@ -280,9 +280,9 @@ def on_mesh(job: HertzJob, mesh: BlockMesh, b_over_h: float, seconds: float = 0.
     )
 
 
-def read_pressure(surface: SurfaceCompliance, found: ContactResult) -> tuple[tuple[float, float], float, float]:
+def read_pressure(surface: SurfaceCompliance, result: ContactResult) -> tuple[tuple[float, float], float, float]:
     """Semi-axes [m], pressure at the pole and fitted pole pressure [Pa], as `HertzRun` defines them."""
-    return read_ellipse(surface.places, surface.areas, found.forces)
+    return read_ellipse(surface.places, surface.areas, result.forces)
 
 
 def read_ellipse(places: Array, areas: Array, forces: Array) -> tuple[tuple[float, float], float, float]:

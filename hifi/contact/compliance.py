@@ -23,19 +23,19 @@ Flags = NDArray[np.bool_]
 class BallBlock:
     """Compliance D = blkdiag(A_s) + V G V^T [m/N] between the contact pairs of one ball, side after side.
 
-    own: A_s (n_s, n_s), symmetric positive definite; modes: V_s (n_s, k_s), smooth patterns by which a side feels the
+    local: A_s (n_s, n_s), symmetric positive definite; modes: V_s (n_s, k_s), smooth patterns by which a side feels the
     ball's other sides; coupling: G (k, k), k = sum k_s, symmetric positive semidefinite. A factor costs sum n_s^3 and not
     (sum n_s)^3.
     """
 
-    own: tuple[Array, ...]
+    local: tuple[Array, ...]
     modes: tuple[Array, ...]
     coupling: Array
 
     @cached_property
     def starts(self) -> Indices:
         """First pair of each side, and the number of all at the end: (sides + 1,)."""
-        return np.concatenate([[0], np.cumsum([len(a) for a in self.own], dtype=np.int64)])
+        return np.concatenate([[0], np.cumsum([len(a) for a in self.local], dtype=np.int64)])
 
     @cached_property
     def _sides(self) -> tuple[tuple[int, int], ...]:
@@ -53,12 +53,12 @@ class BallBlock:
 
     def apply(self, forces: Array) -> Array:
         """D f (n,) [m] of forces f (n,) [N]."""
-        alone = np.concatenate([a @ forces[i:j] for a, (i, j) in zip(self.own, self._sides, strict=True)])
+        alone = np.concatenate([a @ forces[i:j] for a, (i, j) in zip(self.local, self._sides, strict=True)])
         return np.asarray(alone + self._all_modes @ (self.coupling @ (forces @ self._all_modes)))
 
     def dense(self) -> Array:
         """D (n, n) [m/N]; for few pairs, tests and the rare problem on which the active set cycles."""
-        return np.asarray(block_diag(*self.own) + self._all_modes @ self.coupling @ self._all_modes.T)
+        return np.asarray(block_diag(*self.local) + self._all_modes @ self.coupling @ self._all_modes.T)
 
     def factor(self, active: Flags, known: BlockFactor | None = None) -> BlockFactor:
         """Factor of the rows and columns of the ``active`` (n,) pairs; sides that are as in ``known`` are taken over."""
@@ -68,10 +68,10 @@ class BallBlock:
             if known is not None and np.array_equal(pick, known.active[i:j]):
                 sides.append(known.sides[s])
                 continue
-            own, V = np.flatnonzero(pick), self.modes[s][pick]
-            found = picked_factor(self.own[s], own) if own.size else None
-            solved = V if found is None else dpotrs(found, V, lower=1)[0]
-            sides.append(SideFactor(i + own, found, solved, V.T @ solved))
+            closed, V = np.flatnonzero(pick), self.modes[s][pick]
+            cholesky = picked_factor(self.local[s], closed) if closed.size else None
+            solved = V if cholesky is None else dpotrs(cholesky, V, lower=1)[0]
+            sides.append(SideFactor(i + closed, cholesky, solved, V.T @ solved))
         k, answer = len(self.coupling), self.coupling
         if k:
             answer = np.linalg.solve(np.eye(k) + self.coupling @ block_diag(*(side.middle for side in sides)), answer)
@@ -217,17 +217,17 @@ def coupled(
             raise ValueError(f"the modes have {ends[-1]} columns, the coupling {len(coupling)} rows")
     if not len(blocks) == len(modes) == len(columns):
         raise ValueError(f"{len(blocks)} blocks, {len(modes)} modes and {len(columns)} columns; one each is needed")
-    made: dict[int, BallBlock] = {}  # congruent balls share one block
+    checked: dict[int, BallBlock] = {}  # congruent balls share one block
     for p, (block, mode, column) in enumerate(zip(blocks, modes, columns, strict=True)):
-        if id(block) not in made:
-            made[id(block)] = _checked(f"block {p}", block)
+        if id(block) not in checked:
+            checked[id(block)] = _checked(f"block {p}", block)
         if mode.shape != (len(block), len(column)):
             raise ValueError(f"modes of block {p} have shape {mode.shape}; it must be {(len(block), len(column))}")
         if len(np.unique(column)) != len(column) or np.any((column < 0) | (column >= len(coupling))):
             raise ValueError(f"columns of block {p} must be different numbers from 0 to {len(coupling) - 1}")
     _check_symmetric("the coupling", coupling)
     return Compliance(
-        tuple(made[id(block)] for block in blocks),
+        tuple(checked[id(block)] for block in blocks),
         tuple(np.asarray(mode, float) for mode in modes),
         tuple(np.asarray(column, np.int64) for column in columns),
         _symmetric(coupling),
@@ -239,15 +239,15 @@ def _checked(name: str, block: Array | BallBlock) -> BallBlock:
     if not isinstance(block, BallBlock):
         _check_symmetric(name, block)
         return plain(_symmetric(block))
-    for part in (*block.own, block.coupling):
-        _check_symmetric(name, part)
-    if [len(v) for v in block.modes] != [len(a) for a in block.own]:
-        sizes = [len(a) for a in block.own]
+    for matrix in (*block.local, block.coupling):
+        _check_symmetric(name, matrix)
+    if [len(v) for v in block.modes] != [len(a) for a in block.local]:
+        sizes = [len(a) for a in block.local]
         raise ValueError(f"{name}: modes of {[len(v) for v in block.modes]} pairs on sides of {sizes}")
     columns = sum(v.shape[1] for v in block.modes)
     if columns != len(block.coupling):
         raise ValueError(f"{name}: the modes have {columns} columns, the coupling {len(block.coupling)} rows")
-    return BallBlock(tuple(map(_symmetric, block.own)), block.modes, _symmetric(block.coupling))
+    return BallBlock(tuple(map(_symmetric, block.local)), block.modes, _symmetric(block.coupling))
 
 
 def _check_symmetric(name: str, matrix: Array) -> None:

@@ -43,21 +43,21 @@ class CurvedMap(MappingIsoparametric):  # type: ignore[misc]
         super().__init__(mesh, mesh.elem(), mesh.bndelem)
         self._kept: dict[str, tuple[Any, Any, Any]] = {}
 
-    def _once(self, name: str, X: Any, where: Any, made: Callable[[], Any]) -> Any:
-        """What ``made`` makes, or made for the same points X in the same cells or faces ``where`` before."""
+    def _once(self, name: str, X: Any, entities: Any, compute: Callable[[], Any]) -> Any:
+        """What ``compute`` gives, or gave for the same points X in the same cells or faces ``entities`` before."""
         known = self._kept.get(name)
-        if known is None or known[0] is not X or not (known[1] is where or np.array_equal(known[1], where)):
-            known = self._kept[name] = (X, where, made())
+        if known is None or known[0] is not X or not (known[1] is entities or np.array_equal(known[1], entities)):
+            known = self._kept[name] = (X, entities, compute())
         return known[2]
 
     def _shapes(self, X: Array) -> tuple[Array, Array]:
         """Shape functions ``(n, ...)`` and reference gradients ``(n, 3, ...)`` at X."""
 
-        def made() -> tuple[Array, Array]:
-            own = [self.elem.lbasis(X, k) for k in range(len(self.elem.doflocs))]
-            return np.array([value for value, _ in own]), np.array([slope for _, slope in own])
+        def compute() -> tuple[Array, Array]:
+            functions = [self.elem.lbasis(X, k) for k in range(len(self.elem.doflocs))]
+            return np.array([value for value, _ in functions]), np.array([slope for _, slope in functions])
 
-        found: tuple[Array, Array] = self._once("shapes", X, None, made)
+        found: tuple[Array, Array] = self._once("shapes", X, None, compute)
         return found
 
     def _sum(self, i: int, table: Array, tind: Any) -> Array:
@@ -73,11 +73,11 @@ class CurvedMap(MappingIsoparametric):  # type: ignore[misc]
     def J(self, i: int, j: int, X: Array, tind: Any = None) -> Array:
         """Entry (i, j) of the Jacobian at X."""
 
-        def made() -> list[list[Array]]:
+        def compute() -> list[list[Array]]:
             slopes = self._shapes(X)[1]
             return [[self._sum(row, slopes[:, column], tind) for column in range(3)] for row in range(3)]
 
-        return np.asarray(self._once("J", X, tind, made)[i][j])
+        return np.asarray(self._once("J", X, tind, compute)[i][j])
 
     def detDF(self, X: Array, tind: Any = None, J: Any = None) -> Array:
         """Determinants of the Jacobians at X in the cells tind."""
@@ -91,20 +91,20 @@ class CurvedMap(MappingIsoparametric):  # type: ignore[misc]
         """Corners of the reference cell that are those of the faces find ``(3, k, f)``, or ``(3, k, 1)`` where all lie
         alike in their first cells."""
         faces_, cells_ = self.mesh.facets[:, find], self.mesh.t[:, self.mesh.f2t[0, find]]
-        own = (cells_ == faces_[:, None]).argmax(axis=1)
-        return np.asarray(self.mesh.refdom.p[:, own[:, :1] if (own == own[:, :1]).all() else own])
+        corner = (cells_ == faces_[:, None]).argmax(axis=1)
+        return np.asarray(self.mesh.refdom.p[:, corner[:, :1] if (corner == corner[:, :1]).all() else corner])
 
     def _places(self, X: Array, find: Any) -> Array:
         """Places ``(3, f, q)``, or ``(3, q)`` where all lie alike, in their cells of points X of the faces find."""
 
-        def made() -> Array:
+        def compute() -> Array:
             corners = self._corners(find)
             flat = ElementTriP1() if corners.shape[1] == 3 else ElementQuad1()
             shapes = np.array([flat.lbasis(X, k)[0] for k in range(corners.shape[1])])
-            found = np.einsum("kq,dkf->dfq", shapes, corners)
-            return np.asarray(found[:, 0] if corners.shape[2] == 1 else found)
+            places = np.einsum("kq,dkf->dfq", shapes, corners)
+            return np.asarray(places[:, 0] if corners.shape[2] == 1 else places)
 
-        return np.asarray(self._once("places", X, find, made))
+        return np.asarray(self._once("places", X, find, compute))
 
     def G(self, X: Array, find: Any = None) -> Array:
         """Points of the faces find at X."""
@@ -143,16 +143,16 @@ def rule(mesh: Mesh) -> tuple[Array, Array]:
 
 def cells(mesh: Mesh, **options: Any) -> Basis:
     """Scalar space on the mesh's own element, at the points of `rule`. options: of `skfem.Basis`."""
-    own = {"quadrature": rule(mesh), "mapping": CurvedMap(mesh), "dofs": mesh.dofs, "disable_doflocs": True}
-    return Basis(mesh, mesh.elem(), **{**own, **options})
+    defaults = {"quadrature": rule(mesh), "mapping": CurvedMap(mesh), "dofs": mesh.dofs, "disable_doflocs": True}
+    return Basis(mesh, mesh.elem(), **{**defaults, **options})
 
 
 def faces(mesh: Mesh, name: str, *, element: Any = None, **options: Any) -> FacetBasis:
     """A space (scalar on the mesh's own element unless given) on a named boundary. options: of `skfem.FacetBasis`."""
-    own = {"quadrature": get_quadrature(mesh.brefdom, _FACE_DEGREE[len(mesh.facets)]), "disable_doflocs": True}
-    own |= {"mapping": CurvedMap(mesh)} if "mapping" not in options else {}
-    own |= {"dofs": mesh.dofs} if element is None else {}
-    return FacetBasis(mesh, mesh.elem() if element is None else element, facets=name, **{**own, **options})
+    defaults = {"quadrature": get_quadrature(mesh.brefdom, _FACE_DEGREE[len(mesh.facets)]), "disable_doflocs": True}
+    defaults |= {"mapping": CurvedMap(mesh)} if "mapping" not in options else {}
+    defaults |= {"dofs": mesh.dofs} if element is None else {}
+    return FacetBasis(mesh, mesh.elem() if element is None else element, facets=name, **{**defaults, **options})
 
 
 def products(u: FacetBasis, v: FacetBasis) -> sp.csr_matrix:
@@ -176,10 +176,10 @@ def tensor(form: Any) -> Array:
     """c[i, k, j, l] of a form c_ikjl u_i,k v_j,l. Raises ValueError for one that depends on more than gradients."""
     unknown = np.full((3, 1, 1), np.nan)
     unit = [DiscreteField(value=unknown, grad=g.reshape(3, 3, 1, 1)) for g in np.eye(9)]
-    found = np.array([[np.ravel(form.form(u, v, None))[0] for v in unit] for u in unit]).reshape(3, 3, 3, 3)
-    if not np.isfinite(found).all():
+    values = np.array([[np.ravel(form.form(u, v, None))[0] for v in unit] for u in unit]).reshape(3, 3, 3, 3)
+    if not np.isfinite(values).all():
         raise ValueError("the form depends on displacements, not on their gradients alone: assemble it with scikit-fem")
-    return found
+    return values
 
 
 def assemble(form: Any, mesh: Mesh, mapping: Any = None) -> sp.csc_matrix:
@@ -196,16 +196,16 @@ def assemble(form: Any, mesh: Mesh, mapping: Any = None) -> sp.csc_matrix:
     points, mapping = rule(mesh), mapping or CurvedMap(mesh)
     step = max(1, int(CHUNK_BYTES / (8 * max(9 * n * n, 6 * n * len(points[1])))))
     for first in range(0, len(nodes), step):
-        some = np.arange(first, min(first + step, len(nodes)))
-        part = cells(mesh, quadrature=points, elements=some, mapping=mapping)
-        volume = part.mapping.detDF(part.X, part.tind)
+        chunk = np.arange(first, min(first + step, len(nodes)))
+        basis = cells(mesh, quadrature=points, elements=chunk, mapping=mapping)
+        volume = basis.mapping.detDF(basis.X, basis.tind)
         if not np.all(volume > 0.0):
             bad = first + int(volume.min(axis=1).argmin())
             raise ValueError(f"cell {bad} of {len(nodes)} is turned inside out (det J {volume.min():.3g} m3)")
-        slopes = np.stack([phi[0].grad for phi in part.basis], axis=2) * np.sqrt(part.dx)[:, None]  # (k, cell, a, q)
+        slopes = np.stack([phi[0].grad for phi in basis.basis], axis=2) * np.sqrt(basis.dx)[:, None]  # (k, cell, a, q)
         product = slopes[:, None] @ slopes.swapaxes(2, 3)  # int N_a,k N_b,l
-        own = nodes[some]
-        at = np.asarray(graph[np.repeat(own, n, axis=1).ravel(), np.tile(own, n).ravel()]).ravel()
+        cell_nodes = nodes[chunk]
+        at = np.asarray(graph[np.repeat(cell_nodes, n, axis=1).ravel(), np.tile(cell_nodes, n).ravel()]).ravel()
         for block, added in zip(blocks, c @ product.reshape(9, -1), strict=True):
             np.add.at(block, at, added)
     blocks = blocks.T.reshape(-1, 3, 3)

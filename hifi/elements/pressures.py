@@ -29,15 +29,15 @@ class ElementHexHats(ElementHex2):  # type: ignore[misc]
         away = np.asarray(X) - self.doflocs[i].reshape((3,) + (1,) * (np.ndim(X) - 1))
         value = np.maximum(1.0 - 2.0 * np.abs(away), 0.0)
         slope = np.where(value > 0.0, -2.0 * np.sign(away), 0.0)
-        whole = [np.prod([slope[k] if k == axis else value[k] for k in range(3)], axis=0) for axis in range(3)]
-        return np.prod(value, axis=0), np.array(whole)
+        gradient = [np.prod([slope[k] if k == axis else value[k] for k in range(3)], axis=0) for axis in range(3)]
+        return np.prod(value, axis=0), np.array(gradient)
 
 
 def halves(refdom: Any, degree: int) -> tuple[Array, Array]:
     """Gauss's rule of that degree on each of the four quarters of the unit square."""
-    points, own = get_quadrature(refdom, degree)
+    points, weights = get_quadrature(refdom, degree)
     shifts = [(i, j) for i in (0.0, 0.5) for j in (0.0, 0.5)]
-    return np.hstack([0.5 * points + np.array(s)[:, None] for s in shifts]), np.tile(0.25 * own, 4)
+    return np.hstack([0.5 * points + np.array(s)[:, None] for s in shifts]), np.tile(0.25 * weights, 4)
 
 
 def contact_weights(mesh: Mesh, contact: Index) -> sp.csr_matrix:

@@ -52,7 +52,7 @@ def supernodes(K: sp.csc_matrix) -> Supernodes:
     return Supernodes(
         freedoms[_ranges(begin[order], weights[order])],
         place[first],
-        starts[np.concatenate([[0], np.cumsum([own.size for own in rows])])],
+        starts[np.concatenate([[0], np.cumsum([row.size for row in rows])])],
         _ranges(place[at], weights[order[at]]),
     )
 
@@ -66,10 +66,10 @@ def vertices(K: sp.csc_matrix) -> tuple[sp.csr_matrix, Index]:
     weights = np.random.default_rng(0).random(size)
     signature = np.empty(size)  # equal columns, equal sums
     for low in range(0, size, CHUNK):
-        part = slice(low, min(low + CHUNK, size))
-        begin, end = pointers[part.start], pointers[part.stop]
-        own = (np.ones(end - begin), K.indices[begin:end], pointers[part.start : part.stop + 1] - begin)
-        signature[part] = sp.csr_matrix(own, shape=(part.stop - low, size)) @ weights
+        chunk = slice(low, min(low + CHUNK, size))
+        begin, end = pointers[chunk.start], pointers[chunk.stop]
+        columns = (np.ones(end - begin), K.indices[begin:end], pointers[chunk.start : chunk.stop + 1] - begin)
+        signature[chunk] = sp.csr_matrix(columns, shape=(chunk.stop - low, size)) @ weights
     _, first, group = np.unique(signature, return_index=True, return_inverse=True)
     count = len(first)
     pattern = sp.csr_matrix((np.ones(K.nnz, dtype=np.int8), K.indices, pointers), shape=K.shape)
@@ -145,8 +145,8 @@ def _first_columns(parent: Index) -> Index:
     sizes = np.array(size)
     sizes[n] = n + LEAF  # no subtree is as small
     small = sizes <= LEAF
-    whole = small[:n] & ~small[parent]  # roots of the largest small subtrees
-    inside = small[1:n] & small[: n - 1] & ~whole[:-1]
+    roots = small[:n] & ~small[parent]  # roots of the largest small subtrees
+    inside = small[1:n] & small[: n - 1] & ~roots[:-1]
     chained = ~small[1:n] & ~small[: n - 1] & (sizes[1:n] == sizes[: n - 1] + 1)
     return np.concatenate([[0], 1 + np.flatnonzero(~(inside | chained)), [n]])
 
@@ -166,7 +166,7 @@ def _rows(graph: sp.csr_matrix, first: Index) -> list[Index]:
 
 
 def _ranges(first: Index, count: Index) -> Index:
-    """Numbers from each of ``first`` on, so many as ``count`` says, one after another.
+    """Ranges of ``count`` numbers from each of ``first`` on, one after another.
 
     >>> _ranges(np.array([4, 1]), np.array([3, 2]))
     array([4, 5, 6, 1, 2])

@@ -50,11 +50,11 @@ def gram_by_fronts(K: sp.csc_matrix, B: sp.csr_matrix, nodes: Supernodes) -> Arr
 
     Raises ArithmeticError where K is not positive definite.
     """
-    found = np.zeros((B.shape[1], B.shape[1]))
+    total = np.zeros((B.shape[1], B.shape[1]))
     for front in _eliminated(K, B, nodes):
         if front.border.size:
-            found[np.ix_(front.border, front.border)] += front.share @ front.share.T
-    return found
+            total[np.ix_(front.border, front.border)] += front.share @ front.share.T
+    return total
 
 
 def factor_by_fronts(K: sp.csc_matrix, nodes: Supernodes) -> Callable[[Array], Array]:
@@ -68,12 +68,12 @@ def factor_by_fronts(K: sp.csc_matrix, nodes: Supernodes) -> Callable[[Array], A
     def solve(rhs: Array) -> Array:
         x = rhs[nodes.order]
         for rows, _, L, below, _ in fronts:
-            own, other = slice(rows[0], rows[0] + len(L)), rows[len(L) :]
-            x[own] = dtrsm(1.0, L, x[own], lower=1)
-            x[other] -= below @ x[own]
+            pivots, later = slice(rows[0], rows[0] + len(L)), rows[len(L) :]
+            x[pivots] = dtrsm(1.0, L, x[pivots], lower=1)
+            x[later] -= below @ x[pivots]
         for rows, _, L, below, _ in reversed(fronts):
-            own, other = slice(rows[0], rows[0] + len(L)), rows[len(L) :]
-            x[own] = dtrsm(1.0, L, x[own] - below.T @ x[other], lower=1, trans_a=1)
+            pivots, later = slice(rows[0], rows[0] + len(L)), rows[len(L) :]
+            x[pivots] = dtrsm(1.0, L, x[pivots] - below.T @ x[later], lower=1, trans_a=1)
         out = np.empty_like(x)
         out[nodes.order] = x
         return out
@@ -89,17 +89,17 @@ def _eliminated(K: sp.csc_matrix, B: sp.csr_matrix, nodes: Supernodes) -> Iterat
     waiting: dict[int, list[Update]] = {}
     for k in range(nodes.first.size - 1):
         low, high = int(nodes.first[k]), int(nodes.first[k + 1])
-        count, own = high - low, nodes.order[low:high]
+        count, freedoms = high - low, nodes.order[low:high]
         rows = nodes.rows[nodes.start[k] : nodes.start[k + 1]]
         local[rows] = np.arange(rows.size)
         children = waiting.pop(k, [])
-        loaded, load_of, loads = _entries(B, own)
+        loaded, load_of, loads = _entries(B, freedoms)
         border = np.unique(np.concatenate([loaded, *(child.border for child in children)]))
         left = rows.size - count
         panel, block, bordering = (
             np.zeros(shape, order="F") for shape in ((rows.size, count), (left, left), (border.size, rows.size))
         )
-        coupled, column, stiffness = _entries(K, own)
+        coupled, column, stiffness = _entries(K, freedoms)
         at = place[coupled]
         kept = at >= low
         panel[local[at[kept]], column[kept]] = stiffness[kept]
@@ -118,11 +118,11 @@ def _eliminated(K: sp.csc_matrix, B: sp.csr_matrix, nodes: Supernodes) -> Iterat
         yield done
 
 
-def _entries(A: sp.csc_matrix | sp.csr_matrix, own: Index) -> tuple[Index, Index, Array]:
-    """Entries of the columns ``own`` of a csc matrix, or rows of a csr one: row or column, place in ``own``, value."""
-    begin = A.indptr[own]
-    count = A.indptr[own + 1] - begin
-    of = np.repeat(np.arange(own.size), count)
+def _entries(A: sp.csc_matrix | sp.csr_matrix, lines: Index) -> tuple[Index, Index, Array]:
+    """Entries of columns ``lines`` of a csc matrix, or of rows of a csr one: row or column, place in ``lines``, value."""
+    begin = A.indptr[lines]
+    count = A.indptr[lines + 1] - begin
+    of = np.repeat(np.arange(lines.size), count)
     at = np.arange(of.size) + np.repeat(begin - np.cumsum(count) + count, count)
     return A.indices[at].astype(np.int64), of, A.data[at]
 
@@ -132,8 +132,8 @@ def _add_lower(target: Array, places: Index, block: Array) -> None:
     order and as many columns of these places, ``WIDTH`` at once."""
     flat, start = target.ravel(order="K"), places * target.shape[0]
     for k in range(0, block.shape[1], WIDTH):
-        part = block[k:, k : k + WIDTH]
-        np.add.at(flat, (start[k : k + part.shape[1], None] + places[k:]).ravel(), part.ravel(order="F"))
+        strip = block[k:, k : k + WIDTH]
+        np.add.at(flat, (start[k : k + strip.shape[1], None] + places[k:]).ravel(), strip.ravel(order="F"))
 
 
 def _eliminate(panel: Array, block: Array, bordering: Array, rows: Index, border: Index) -> tuple[Eliminated, Update]:

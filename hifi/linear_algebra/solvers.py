@@ -87,14 +87,14 @@ def gram(K: sp.spmatrix, B: sp.spmatrix) -> Array:
     if inner.shape[0] > SMALL or B.shape[0] * B.shape[1] > FEW:
         known = np.random.default_rng(2).standard_normal(inner.shape[0]) / np.sqrt(diagonal)
         loads = sp.hstack([columns, sp.csc_matrix((inner @ known)[:, None])]).tocsr()
-        found = _positive(lambda: gram_by_fronts(inner, loads, supernodes(inner)))
+        solved = _positive(lambda: gram_by_fronts(inner, loads, supernodes(inner)))
         answer = columns.T @ known
-        off = np.linalg.norm(found[:-1, -1] - answer)
+        off = np.linalg.norm(solved[:-1, -1] - answer)
         if off <= CHECKED * np.linalg.norm(answer):
-            return np.asarray(found[:-1, :-1])
+            return np.asarray(solved[:-1, :-1])
         missed = f"a known answer is missed by {off / np.linalg.norm(answer):.1g} front by front"
-        told = f"{missed}; the factor is held whole, in several times the memory and time"
-        warnings.warn(told, RuntimeWarning, stacklevel=3)
+        message = f"{missed}; the factor is held whole, in several times the memory and time"
+        warnings.warn(message, RuntimeWarning, stacklevel=3)
     solver = factor(inner)
     return np.asarray(columns.T @ solver.solve(columns.toarray()))
 

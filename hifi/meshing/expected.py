@@ -68,8 +68,8 @@ class ExpectedContacts:
 
     def reach(self, sides: tuple[int, ...] = (0, 1, 2, 3)) -> tuple[float, float]:
         """How far contacts reach from their nominal middle across and along the groove [m], the farthest of all."""
-        own = list(sides)
-        return float((self.across + np.abs(self.shift))[:, own].max()), float(self.along[:, own].max())
+        columns = list(sides)
+        return float((self.across + np.abs(self.shift))[:, columns].max()), float(self.along[:, columns].max())
 
     def sides(self) -> tuple[int, ...]:
         """Sides (0 to 3) that touch, or nearly: with a gap of less than a fifth of the largest approach."""
@@ -156,26 +156,26 @@ def _expected(sets: tuple[_Set, ...], frame: Frame) -> tuple[ExpectedContacts, .
     load, vectors = _equilibrium(model)
     gap = model.touch - np.linalg.norm(vectors, axis=2)
     gap[model.constant == 0.0] = np.inf
-    signs, ends = np.array(SIDE_SIGNS), np.cumsum([one.scene.ball_count for one in sets])[:-1]
-    found = []
-    for one, F, v, g in zip(sets, *(np.split(x, ends) for x in (load, vectors, gap)), strict=True):
-        units, beta = hertz_units(one.scene), one.scene.track.contact_angle
+    signs, ends = np.array(SIDE_SIGNS), np.cumsum([s.scene.ball_count for s in sets])[:-1]
+    contacts = []
+    for s, F, v, g in zip(sets, *(np.split(x, ends) for x in (load, vectors, gap)), strict=True):
+        units, beta = hertz_units(s.scene), s.scene.track.contact_angle
         angle = np.where(F > 0.0, np.arctan2(v[..., 1] * signs[:, 1], v[..., 0] * signs[:, 0]), beta)
         across, along = (np.cbrt(F) * np.array([getattr(unit, name) for unit in units]) for name in ("semi_x", "semi_y"))
-        found.append(ExpectedContacts(F, angle, across, along, (angle - beta) * groove_radii(one.scene), g))
-    return tuple(found)
+        contacts.append(ExpectedContacts(F, angle, across, along, (angle - beta) * groove_radii(s.scene), g))
+    return tuple(contacts)
 
 
 def hertz_units(scene: Scene) -> tuple[HertzSolution, ...]:
     """Hertz's contact under 1 N of each side: x across the groove, y along it, with the normal curvatures of its helix."""
     track, r = scene.track, scene.balls.radius
     beta, alpha = track.contact_angle, lead_angle(track)
-    found = []
+    units = []
     for part, sign in ((scene.screw, -1.0), (scene.nut, 1.0)):
         hollow = sign * np.cos(beta) * np.cos(alpha) ** 2 / (track.pitch_radius + sign * r * np.cos(beta))
         radii = 1.0 / (1.0 / r - 1.0 / part.groove_radius), 1.0 / (1.0 / r - hollow)
-        found += [hertz(1.0, *radii, 2.0 * _modulus(scene.balls.material, part.material), 0.0)] * 2
-    return tuple(found)
+        units += [hertz(1.0, *radii, 2.0 * _modulus(scene.balls.material, part.material), 0.0)] * 2
+    return tuple(units)
 
 
 def _modulus(first: Material, second: Material) -> float:
@@ -184,12 +184,12 @@ def _modulus(first: Material, second: Material) -> float:
 
 
 def _model(sets: tuple[_Set, ...], frame: Frame) -> _Model:
-    layouts, count = [ball_layout(one.scene) for one in sets], len(frame.housings)
+    layouts, count = [ball_layout(s.scene) for s in sets], len(frame.housings)
     first, n = sets[0].scene, sum(x.z.size for x in layouts)
-    rigid = any(one.scene.ingredients.screw == "rigid" or dimensions(one.scene).screw_held == "bore" for one in sets)
+    rigid = any(s.scene.ingredients.screw == "rigid" or dimensions(s.scene).screw_held == "bore" for s in sets)
     acted = {x.at for x in frame.supports} | {x.at for x in frame.loads}
     nodes = [first.nut.position] if rigid else sorted({round(z, 9) for x in layouts for z in acted | set(x.z.tolist())})
-    thread, e = next((one.scene for one in sets if one.scene.track.lead > 0.0), first), first.screw.material
+    thread, e = next((s.scene for s in sets if s.scene.track.lead > 0.0), first), first.screw.material
     mean = 0.5 * (thread.screw.outer_diameter / 2.0 + thread.track.pitch_radius - thread.balls.radius)  # of land and groove
     section = round_section(mean, e.youngs_modulus, e.poissons_ratio)
     shaft = 6 * len(nodes)
@@ -214,10 +214,10 @@ def _model(sets: tuple[_Set, ...], frame: Frame) -> _Model:
 
     share = sum(float(np.linalg.norm(x.force)) + float(np.linalg.norm(x.moment)) / frame.arm for x in frame.loads)
     share += sum(float(np.linalg.norm(h.force)) + float(np.linalg.norm(h.moment)) / frame.arm for h in frame.housings)
-    hertz_constants = [np.array([unit.approach for unit in hertz_units(one.scene)]) ** -1.5 for one in sets]
-    for one, own in zip(sets, hertz_constants, strict=True):
-        own[~np.array(one.sides)] = 0.0
-    constant = np.concatenate([np.tile(own, (x.z.size, 1)) for own, x in zip(hertz_constants, layouts, strict=True)])
+    hertz_constants = [np.array([unit.approach for unit in hertz_units(s.scene)]) ** -1.5 for s in sets]
+    for s, constants in zip(sets, hertz_constants, strict=True):
+        constants[~np.array(s.sides)] = 0.0
+    constant = np.concatenate([np.tile(k, (x.z.size, 1)) for k, x in zip(hertz_constants, layouts, strict=True)])
     stiffness = 1.5 * float(constant.max()) ** (2.0 / 3.0) * max(share / n, 1.0) ** (1.0 / 3.0)
     P, held = np.zeros(K.shape[0]), sp.csr_matrix(K.shape)
     for load in frame.loads:
@@ -234,27 +234,27 @@ def _model(sets: tuple[_Set, ...], frame: Frame) -> _Model:
             held = held + spring * (row.T @ row)
             P += spring * value * row.toarray()[0]
     blocks, arms, touch = [], [], []
-    for one, layout in zip(sets, layouts, strict=True):
-        drawn, track = specimen(one.scene, layout), one.scene.track
+    for s, layout in zip(sets, layouts, strict=True):
+        drawn, track = specimen(s.scene, layout), s.scene.track
         for i, z in enumerate(layout.z.tolist()):
             section_frame = np.stack([layout.radial[i], layout.binormal[i]])
             arm = layout.centre[i] - np.array([0.0, 0.0, z])
             turn = np.array([[0.0, arm[2], -arm[1]], [-arm[2], 0.0, arm[0]], [arm[1], -arm[0], 0.0]])
             rows = -sp.csr_matrix(np.hstack([section_frame, section_frame @ turn]))
             screw, nut = rows @ motion(z), sp.csr_matrix((4, K.shape[0]))
-            if one.housing is not None:
-                nut = sp.vstack([rows @ carried(one.housing, z)] * 2)
+            if s.housing is not None:
+                nut = sp.vstack([rows @ carried(s.housing, z)] * 2)
             blocks.append(sp.vstack([screw, screw, nut]))
         inward = [np.polynomial.Polynomial(p if p.size else [0.0])(track.contact_angle) for p in drawn.profile]
         arms.append(-drawn.centre)
-        arms[-1][:, 2:, 1] -= one.offset * np.cos(lead_angle(track))
+        arms[-1][:, 2:, 1] -= s.offset * np.cos(lead_angle(track))
         touch.append((drawn.radius - np.array(inward))[None, :] - drawn.ball_radius[:, None])
     A = sp.hstack([sp.vstack(blocks), sp.kron(sp.identity(n), np.tile(np.eye(2), (4, 1)))]).tocsr()
     arm = np.concatenate([np.tile(size, len(nodes) + count), np.ones(2 * n)])
     soft = SOFT * stiffness * arm**2
-    whole = sp.block_diag([K.tocsr() + held, sp.csr_matrix((2 * n, 2 * n))]) + sp.diags(soft)
+    K_all = sp.block_diag([K.tocsr() + held, sp.csr_matrix((2 * n, 2 * n))]) + sp.diags(soft)
     P = np.append(P, np.zeros(2 * n))
-    return _Model(whole.tocsc(), P, A, np.concatenate(arms), np.concatenate(touch), constant, stiffness, soft, arm)
+    return _Model(K_all.tocsc(), P, A, np.concatenate(arms), np.concatenate(touch), constant, stiffness, soft, arm)
 
 
 def _contact(model: _Model, x: Array) -> tuple[float, Array, Array, Array, Array]:
@@ -279,19 +279,19 @@ def _equilibrium(model: _Model) -> tuple[Array, Array]:
                 break
             return load, vectors
         # a stiffness of open contacts that dies out keeps the first steps short
-        own = np.maximum(slope, model.stiffness * 10.0 ** (-step / 4.0))
+        normal = np.maximum(slope, model.stiffness * 10.0 ** (-step / 4.0))
         turned = (load / length)[..., None, None] * np.eye(2)
-        blocks = turned + (own - load / length)[..., None, None] * unit[..., :, None] * unit[..., None, :]
+        blocks = turned + (normal - load / length)[..., None, None] * unit[..., :, None] * unit[..., None, :]
         H = model.K + model.A.T @ sp.block_diag(list(blocks.reshape(-1, 2, 2)), format="csr") @ model.A
         move = spsolve(H.tocsc(), wrong)
         descent, size = float(wrong @ move), 1.0
         while size > 1e-9:
-            found = _contact(model, x + size * move)
-            if found[0] <= energy - 1e-4 * size * descent or abs(size * descent) < 1e-12 * abs(energy):
+            trial = _contact(model, x + size * move)
+            if trial[0] <= energy - 1e-4 * size * descent or abs(size * descent) < 1e-12 * abs(energy):
                 break
             size *= 0.5
         x = x + size * move
-        energy, load, slope, vectors, length = found
+        energy, load, slope, vectors, length = trial
     raise ValueError(
         "no equilibrium of the contacts is found with a rigid nut and Hertz springs, which size the patches: support the "
         "screw against the motion that its loads drive"

@@ -74,8 +74,8 @@ def mesh_parts(
 ) -> Meshes:
     """Mesh screw, nut and one ball of a scene."""
     cache = cache or Cache(None)
-    recipes, whole = mesh_recipes(scene, m, layout, dims, sides, settings)
-    return whole(*(cache.get(*recipe) for recipe in recipes))
+    recipes, gather = mesh_recipes(scene, m, layout, dims, sides, settings)
+    return gather(*(cache.get(*recipe) for recipe in recipes))
 
 
 def mesh_recipes(
@@ -119,8 +119,8 @@ def mesh_recipes(
 
 def sockets_of(layout: BallLayout, sides: tuple[int, ...], screw: bool) -> tuple[Place, ...]:
     """Contacts of all balls on the screw's sides, or on the nut's."""
-    own = [s for s in sides if (s < 2) == screw]
-    return tuple((float(a), float(z), s) for a, z in zip(layout.azimuth, layout.z, strict=True) for s in own)
+    body_sides = [s for s in sides if (s < 2) == screw]
+    return tuple((float(a), float(z), s) for a, z in zip(layout.azimuth, layout.z, strict=True) for s in body_sides)
 
 
 def rotation(phi: float) -> Array:

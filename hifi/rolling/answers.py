@@ -90,8 +90,8 @@ def free_answer(body: ContactBody, rows: sp.csr_matrix, young: float, poisson: f
     beside = np.flatnonzero(np.abs(points[:, 0]) > 1e-9 * np.abs(points).max())  # not in the plane of symmetry
     free = np.setdiff1d(np.arange(K.shape[0]), isostatic(points, np.union1d(body.contact, beside)))
     relief, rigid = rigid_loads(body.mesh), rigid_modes(points)
-    every = sp.vstack([rows, sp.csr_matrix(relief)]).tocsr()[:, free]
-    F = compliance_by_halves(K[free][:, free], every, points, free)
+    all_rows = sp.vstack([rows, sp.csr_matrix(relief)]).tocsr()[:, free]
+    F = compliance_by_halves(K[free][:, free], all_rows, points, free)
     S = np.hstack([np.eye(rows.shape[0]), -np.linalg.solve(relief @ rigid, (rows @ rigid).T).T])
     return np.asarray(S @ F @ S.T)
 

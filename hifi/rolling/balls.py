@@ -223,14 +223,14 @@ def start_of(scene: Rolling) -> Array:
     y = np.zeros(MOTIONS * len(scene.balls) + len(scene.meetings))
     for b, ball in enumerate(scene.balls):
         y[MOTIONS * b] = scene.orbit * scene.track.length
-        rows, given = [], []
+        rows, driven = [], []
         for t in ball.touches:
             if t.load > 0.0:
                 at = scene.radius * t.normal
                 turn = np.cross(np.eye(3), at).T / scene.radius
                 rows.append(turn * t.load)
-                given.append((t.ride - scene.orbit) * scene.track.field(at) * t.load)
-        y[MOTIONS * b + 1 : MOTIONS * (b + 1)] = np.linalg.lstsq(np.vstack(rows), np.concatenate(given), rcond=1e-10)[0]
+                driven.append((t.ride - scene.orbit) * scene.track.field(at) * t.load)
+        y[MOTIONS * b + 1 : MOTIONS * (b + 1)] = np.linalg.lstsq(np.vstack(rows), np.concatenate(driven), rcond=1e-10)[0]
     return y
 
 
@@ -246,19 +246,19 @@ def solve_rolling(
         contacts = contacts_of(scene, choices)
         balance = balance_of(scene, contacts)
         y = start_of(scene) if near is None else near.friction.motions
-        found = solve_friction(contacts, balance, y, None if near is None else near.friction.forces, path)
-    return _result(scene, choices, contacts, found, process_time() - begin)
+        solution = solve_friction(contacts, balance, y, None if near is None else near.friction.forces, path)
+    return _result(scene, choices, contacts, solution, process_time() - begin)
 
 
 def _result(
-    scene: Rolling, choices: Choices, contacts: Sequence[Contact], found: Friction, seconds: float
+    scene: Rolling, choices: Choices, contacts: Sequence[Contact], solution: Friction, seconds: float
 ) -> RollingResult:
     count = len(scene.balls)
-    motions = found.motions[: MOTIONS * count].reshape(count, MOTIONS)
-    force = found.motions[MOTIONS * count :]
+    motions = solution.motions[: MOTIONS * count].reshape(count, MOTIONS)
+    force = solution.motions[MOTIONS * count :]
     outs, power, wrench = [], 0.0, np.zeros((count, 6))
     for k, (b, i, t) in enumerate(touching(scene)):
-        c, q, s = contacts[k], found.forces[k], found.slips[k]
+        c, q, s = contacts[k], solution.forces[k], solution.slips[k]
         patch, axes = patch_of(scene, t, choices), axes_of(t, scene.track, scene.radius, scene.orbit)
         sunk = choices.elastic * patch.sunk
         points, tangents = surface(axes, scene.radius, t.radii, patch.at, curved=choices.curved, sunk=sunk)
@@ -269,11 +269,11 @@ def _result(
         two = [v.reshape(2, -1).T for v in (q, s)]
         loss, upwind = -float(q @ s), float(q @ (c.elastic @ q))
         outs.append(
-            ContactOut(b, i, patch.at, patch.size, patch.normal, two[0], two[1], found.stick[k], axes, loss, upwind)
+            ContactOut(b, i, patch.at, patch.size, patch.normal, two[0], two[1], solution.stick[k], axes, loss, upwind)
         )
     rub, between = np.zeros(force.size), np.zeros((count, 3))
     for k, (f, m) in enumerate(zip(force, scene.meetings, strict=True)):
-        slide = (m.rows @ found.motions[m.columns])[1:]
+        slide = (m.rows @ solution.motions[m.columns])[1:]
         rub[k] = scene.mu_balls * float(f) * float(np.linalg.norm(slide))
         pulls = m.forces(float(f), scene.mu_balls, slide)
         for ball, sign in ((m.one, 1.0), (m.two, -1.0)):
@@ -287,11 +287,11 @@ def _result(
         between,
         power,
         tuple(outs),
-        found.status,
-        found.residual,
-        found.steps,
+        solution.status,
+        solution.residual,
+        solution.steps,
         seconds,
-        found,
+        solution,
     )
 
 
@@ -302,5 +302,5 @@ def without_meetings(scene: Rolling) -> Rolling:
 
 def hertz_size(scene: Rolling, touch: Touch) -> tuple[float, float]:
     """Semi-axes [m] along and across the groove."""
-    found = hertz(touch.load, *touch.radii, scene.young, scene.poisson)
-    return found.semi_x, found.semi_y
+    ellipse = hertz(touch.load, *touch.radii, scene.young, scene.poisson)
+    return ellipse.semi_x, ellipse.semi_y

@@ -17,7 +17,7 @@ from typing import Any, ParamSpec, TypeVar
 import numpy as np
 
 from rollbench.hifi.bodies.submodel import piece_compliance
-from rollbench.hifi.condensation.side_by_side import Part, make
+from rollbench.hifi.condensation.side_by_side import Job, make
 from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.rolling.answers import Frame, beside, free_answer, held_answer, tractions
 from rollbench.hifi.rolling.regular import Regular
@@ -53,18 +53,18 @@ def kept(make: Callable[P, T]) -> Callable[P, T]:
     """Make the same but once; arguments are hashed."""
 
     @wraps(make)
-    def found(*arguments: P.args, **named: P.kwargs) -> T:
+    def cached(*arguments: P.args, **named: P.kwargs) -> T:
         key = _key(partial(make, *arguments, **named))
         if key not in _KEPT:
             _keep(key, make(*arguments, **named))
         value: T = _KEPT[key]
         return value
 
-    return found
+    return cached
 
 
-def _key(part: partial[Any]) -> tuple[object, ...]:
-    return part.func.__name__, part.args, *part.keywords.items()
+def _key(call: partial[Any]) -> tuple[object, ...]:
+    return call.func.__name__, call.args, *call.keywords.items()
 
 
 def _keep(key: tuple[object, ...], value: Any) -> None:
@@ -79,8 +79,8 @@ def ball_kernel(
 ) -> Regular:
     """What a whole ball of ``radius`` [m] adds to a half space."""
     body = whole_ball(radius, zone)
-    found = free_answer(body, tractions(body, zone, degree, bends), young, poisson)
-    return Regular(found - beside(body, zone, radius, young, poisson, degree), zone.half, degree)
+    answer = free_answer(body, tractions(body, zone, degree, bends), young, poisson)
+    return Regular(answer - beside(body, zone, radius, young, poisson, degree), zone.half, degree)
 
 
 @kept
@@ -89,8 +89,8 @@ def bar_kernel(
 ) -> Regular:
     """What a grooved bar of ``size`` [m] adds to a half space, as it counts in the motion of a ball past it."""
     body = grooved_bar(groove, size, zone)
-    found = held_answer(body, tractions(body, zone, degree, bends), young, poisson)
-    return of_groove(found - beside(body, zone, groove.ball, young, poisson, degree), zone, degree)
+    answer = held_answer(body, tractions(body, zone, degree, bends), young, poisson)
+    return of_groove(answer - beside(body, zone, groove.ball, young, poisson, degree), zone, degree)
 
 
 @kept
@@ -107,13 +107,13 @@ def patch_kernels(
     outer: bool,
 ) -> tuple[Regular, Regular]:
     """What the static reference's patches of groove and ball (radii [m]: ball, groove) add to a half space, each."""
-    found = []
+    kernels = []
     for cut, sense in zip(cuts_of(curve, *radii, angle, zone, outer=outer), (1, -1), strict=True):
         body = ContactBody(cut.patch.mesh, cut.patch.contact, sense, cut.number)
         frame = Frame(cut.centre, cut.axes)
-        own = piece_compliance(cut.piece, cut.patch, tractions(body, zone, degree, bends, frame), young, poisson)
-        found.append(own - beside(body, zone, radii[0], young, poisson, degree, frame, cut.cells))
-    return of_groove(found[0], zone, degree), Regular(found[1], zone.half, degree)
+        matrix = piece_compliance(cut.piece, cut.patch, tractions(body, zone, degree, bends, frame), young, poisson)
+        kernels.append(matrix - beside(body, zone, radii[0], young, poisson, degree, frame, cut.cells))
+    return of_groove(kernels[0], zone, degree), Regular(kernels[1], zone.half, degree)
 
 
 def of_groove(added: Array, zone: Zone, degree: int) -> Regular:
@@ -156,26 +156,26 @@ class Place:
 
     def zone(self, load: float, young: float, poisson: float, sizes: Sizes) -> Zone:
         """Contact zone under a load [N]."""
-        found = hertz(load, *self.radii, young, poisson)
-        return Zone((sizes.margin * found.semi_x, sizes.margin * found.semi_y), sizes.cells, sizes.growth)
+        ellipse = hertz(load, *self.radii, young, poisson)
+        return Zone((sizes.margin * ellipse.semi_x, sizes.margin * ellipse.semi_y), sizes.cells, sizes.growth)
 
 
 def _parts(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -> list[partial[Any]]:
     """What makes the kernels of which a contact's is the sum: ball and bar, or both patches at once."""
-    zone, rest = at.zone(load, young, poisson, sizes), (at.bends, young, poisson, sizes.degree)
+    zone, common = at.zone(load, young, poisson, sizes), (at.bends, young, poisson, sizes.degree)
     if sizes.patches and at.curve is not None:
         curve, radii = Curve(*at.curve), (at.ball, at.arc)
-        return [partial(patch_kernels, curve, radii, at.angle, zone, *rest, outer=at.bend > 0.0)]
+        return [partial(patch_kernels, curve, radii, at.angle, zone, *common, outer=at.bend > 0.0)]
     groove = Groove(at.ball, at.arc, at.angle, sizes.opening, at.bend)
-    return [partial(ball_kernel, at.ball, zone, *rest), partial(bar_kernel, groove, sizes.bar * at.ball, zone, *rest)]
+    return [partial(ball_kernel, at.ball, zone, *common), partial(bar_kernel, groove, sizes.bar * at.ball, zone, *common)]
 
 
 @lru_cache(maxsize=8)
 def _kernel(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -> Regular:
-    made = [part() for part in _parts(at, load, young, poisson, sizes)]
-    one, two = made if len(made) == 2 else made[0]
-    found: Regular = one + two
-    return found if len(made) == 1 else found.even
+    kernels = [call() for call in _parts(at, load, young, poisson, sizes)]
+    first, second = kernels if len(kernels) == 2 else kernels[0]
+    kernel: Regular = first + second
+    return kernel if len(kernels) == 1 else kernel.even
 
 
 def _shared(at: Place, load: float) -> tuple[Place, float]:
@@ -199,21 +199,21 @@ def make_kernels(
 
     By one process, or of one part, nothing is made before it is needed. Raises as `contact_kernel`.
     """
-    parts = [part for at, load in contacts for part in _parts(*_shared(at, load), young, poisson, sizes)]
-    missing = {key: part for part in parts if (key := _key(part)) not in _KEPT}
+    calls = [call for at, load in contacts for call in _parts(*_shared(at, load), young, poisson, sizes)]
+    missing = {key: call for call in calls if (key := _key(call)) not in _KEPT}
     if processes == 1 or len(missing) < 2:
         return 0.0
-    jobs = [Part("kernels", _anew, (part,), tuple) for part in missing.values()]
-    made = make(jobs, Cache(None), processes)
-    for key, one in zip(missing, made, strict=True):
-        _keep(key, one.value[0])
-    return float(sum(one.value[1] for one in made))
+    jobs = [Job("kernels", _anew, (call,), tuple) for call in missing.values()]
+    results = make(jobs, Cache(None), processes)
+    for key, result in zip(missing, results, strict=True):
+        _keep(key, result.value[0])
+    return float(sum(result.value[1] for result in results))
 
 
-def _anew(part: partial[Any]) -> tuple[Any, float]:
+def _anew(call: partial[Any]) -> tuple[Any, float]:
     """What is not to be kept by the process that makes it, and its processor time [s]."""
     begin = process_time()
-    return part.func.__wrapped__(*part.args, **part.keywords), process_time() - begin  # type: ignore[attr-defined]
+    return call.func.__wrapped__(*call.args, **call.keywords), process_time() - begin  # type: ignore[attr-defined]
 
 
 def forget_kernels() -> None:

@@ -80,13 +80,13 @@ def influence(x: Array, y: Array, dx: float, dy: float, solids: Solids) -> Array
         log = np.where(R == 0.0, 0.0, np.log(R))
         by_x = Y * log + np.where(X == 0.0, 0.0, X * np.arctan(Y / X))  # integral of X/R^2
         by_y = X * log + np.where(Y == 0.0, 0.0, Y * np.arctan(X / Y))
-    whole = _over_rectangle
-    inverse, k = whole(along_x) + whole(along_y), solids.coupling
+    over = _over_rectangle
+    inverse, k = over(along_x) + over(along_y), solids.coupling
     out = np.empty((*np.shape(x), 3, 3))
-    out[..., 0, 0] = solids.upright * inverse + solids.aslant * whole(along_x)
-    out[..., 1, 1] = solids.upright * inverse + solids.aslant * whole(along_y)
-    out[..., 0, 1] = out[..., 1, 0] = solids.aslant * whole(-R)
+    out[..., 0, 0] = solids.upright * inverse + solids.aslant * over(along_x)
+    out[..., 1, 1] = solids.upright * inverse + solids.aslant * over(along_y)
+    out[..., 0, 1] = out[..., 1, 0] = solids.aslant * over(-R)
     out[..., 2, 2] = solids.upright * inverse
-    out[..., 0, 2], out[..., 1, 2] = -k * whole(by_x), -k * whole(by_y)
-    out[..., 2, 0], out[..., 2, 1] = k * whole(by_x), k * whole(by_y)
+    out[..., 0, 2], out[..., 1, 2] = -k * over(by_x), -k * over(by_y)
+    out[..., 2, 0], out[..., 2, 1] = k * over(by_x), k * over(by_y)
     return out

@@ -59,10 +59,10 @@ def solve_loaded(
     def exerted(push: Array, grid: Choices) -> tuple[Loads, RollingResult, Array]:
         nonlocal count
         count += 1
-        now = cell_loads(replace(held, push=cell.push + push))
-        rolling = _roll(layout, material, now, grid, meet, last.get(grid.shape))
+        pushed = cell_loads(replace(held, push=cell.push + push))
+        rolling = _roll(layout, material, pushed, grid, meet, last.get(grid.shape))
         last[grid.shape] = rolling
-        return now, rolling, (rolling.wrench[:, :3] + rolling.between) @ layout.section.T
+        return pushed, rolling, (rolling.wrench[:, :3] + rolling.between) @ layout.section.T
 
     def missing(push: Array, grid: Choices) -> Array:
         two = push.reshape(-1, 2) * scale
@@ -72,9 +72,9 @@ def solve_loaded(
     for shape in (COARSE, choices.shape):
         grid = replace(choices, shape=shape)
         push = root(lambda x, grid=grid: missing(x, grid), push, method="anderson", options=SEARCH).x
-    now, rolling, found = exerted(push.reshape(-1, 2) * scale, choices)
-    change = float(np.abs(found / scale - push.reshape(-1, 2)).max())
-    return Fed(now, rolling, push.reshape(-1, 2) * scale, count, change)
+    pushed, rolling, force = exerted(push.reshape(-1, 2) * scale, choices)
+    change = float(np.abs(force / scale - push.reshape(-1, 2)).max())
+    return Fed(pushed, rolling, push.reshape(-1, 2) * scale, count, change)
 
 
 def _roll(
@@ -82,6 +82,6 @@ def _roll(
 ) -> RollingResult:
     """Rolling under the loads, from the last solution if the same contacts are loaded."""
     scene = scene_of(layout, material, loads.normal, loads.force)
-    now = [(b, k) for b, k, _ in touching(scene)]
-    same = near is not None and [(c.ball, c.touch) for c in near.contacts] == now
-    return solve_rolling(scene if meet else without_meetings(scene), choices, near if same else None)
+    loaded = [(b, k) for b, k, _ in touching(scene)]
+    alike = near is not None and [(c.ball, c.touch) for c in near.contacts] == loaded
+    return solve_rolling(scene if meet else without_meetings(scene), choices, near if alike else None)

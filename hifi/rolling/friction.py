@@ -115,11 +115,11 @@ def _smooth(c: Contact, q: Array, y: Array, eps: float, elastic: bool) -> tuple[
         two = A.reshape(2, len(s), -1)
         return np.asarray(np.einsum("nij,jnk->ink", D, two).reshape(2 * len(s), -1))
 
-    rest = times(c.motion)
+    by_motion = times(c.motion)
     if not elastic:
-        return left, -left, -rest
-    found = np.linalg.solve(np.eye(q.size) + times(c.elastic), -np.column_stack([left, rest]))
-    return left, np.asarray(found[:, 0]), np.asarray(found[:, 1:])
+        return left, -left, -by_motion
+    solved = np.linalg.solve(np.eye(q.size) + times(c.elastic), -np.column_stack([left, by_motion]))
+    return left, np.asarray(solved[:, 0]), np.asarray(solved[:, 1:])
 
 
 def _sharp(c: Contact, q: Array, y: Array, grip: Array) -> tuple[Array, Array, Array]:
@@ -150,10 +150,10 @@ def _sharp(c: Contact, q: Array, y: Array, grip: Array) -> tuple[Array, Array, A
     right[:, 0] -= np.concatenate([np.sum(left[slip] * across, axis=1), s[held], s[n + held]])
     K *= weight[:, None]
     K[np.arange(slip.size), np.arange(slip.size)] += 1.0 - share
-    found = np.linalg.solve(K, right)
+    solved = np.linalg.solve(K, right)
     out = np.zeros((2, n, right.shape[1]))
-    out[:, slip] = across.T[:, :, None] * found[: slip.size]
-    out[0, held], out[1, held] = found[slip.size : slip.size + held.size], found[slip.size + held.size :]
+    out[:, slip] = across.T[:, :, None] * solved[: slip.size]
+    out[0, held], out[1, held] = solved[slip.size : slip.size + held.size], solved[slip.size + held.size :]
     flat = out.reshape(2 * n, -1)
     return _flat(left), flat[:, 0] + _flat(known), flat[:, 1:]
 
@@ -170,11 +170,11 @@ class _System:
         """Newton's dq of every contact and dy."""
         f, S = self.balance(y)
         f, S = f.copy(), S.copy()
-        for c, force, (_, first, rest) in zip(self.contacts, q, parts, strict=True):
+        for c, force, (_, first, by_y) in zip(self.contacts, q, parts, strict=True):
             f[c.columns] += c.motion.T @ (force + first)
-            S[np.ix_(c.columns, c.columns)] += c.motion.T @ rest
+            S[np.ix_(c.columns, c.columns)] += c.motion.T @ by_y
         dy: Array = np.asarray(-np.linalg.solve(S, f)) if y.size else y
-        return [first + rest @ dy[c.columns] for c, (_, first, rest) in zip(self.contacts, parts, strict=True)], dy
+        return [first + by_y @ dy[c.columns] for c, (_, first, by_y) in zip(self.contacts, parts, strict=True)], dy
 
     def unbalanced(self, q: list[Array], y: Array) -> Array:
         """Left side of (2)."""
@@ -192,7 +192,7 @@ def _descend(system: _System, q: list[Array], y: Array, eps: float, *, elastic: 
         lefts = [_residual(c, v, y, eps, elastic) for c, v in zip(system.contacts, q, strict=True)]
         return float(sum(v @ v for v in lefts) ** 0.5 + np.linalg.norm(system.unbalanced(q, y)))
 
-    now = size(q, y)
+    norm = size(q, y)
     for _ in range(STEPS):
         parts = [_smooth(c, v, y, eps, elastic) for c, v in zip(system.contacts, q, strict=True)]
         dq, dy = system.step(parts, q, y)
@@ -200,13 +200,13 @@ def _descend(system: _System, q: list[Array], y: Array, eps: float, *, elastic: 
         for _ in range(12):
             trial = [v + t * d for v, d in zip(q, dq, strict=True)], y + t * dy
             new = size(*trial)
-            if new <= (1.0 - 0.1 * t) * now:
+            if new <= (1.0 - 0.1 * t) * norm:
                 break
             t *= 0.5
-        if not new < now:
+        if not new < norm:
             break
-        (q, y), now = trial, new
-        if now <= 1e-6 * scale:
+        (q, y), norm = trial, new
+        if norm <= 1e-6 * scale:
             break
     return q, y
 
@@ -244,8 +244,8 @@ def _settle(system: _System, q: list[Array], y: Array) -> Friction:
 
 def _grip(c: Contact) -> Array:
     """r ``(n,)`` [N s/m]: a share of a cell's own stiffness."""
-    own = 0.5 * np.diag(c.elastic).reshape(2, -1).sum(axis=0)
-    return np.asarray(SOFT / own)
+    compliance = 0.5 * np.diag(c.elastic).reshape(2, -1).sum(axis=0)
+    return np.asarray(SOFT / compliance)
 
 
 def solve_rigid(
@@ -257,9 +257,9 @@ def solve_rigid(
     system = _System(contacts, balance)
     speed = max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
     forces, last = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts], y
-    for part in path:
+    for ratio in path:
         last = y
-        forces, y = _descend(system, forces, y, part * speed, elastic=False)
+        forces, y = _descend(system, forces, y, ratio * speed, elastic=False)
     left = float(np.abs(system.unbalanced(forces, y)).max()) / max(float(c.bound.sum()) for c in contacts)
     if not left <= RIGID:
         raise ValueError(f"rigid bodies are out of balance by {left:.1e} of a contact's friction")
@@ -276,32 +276,31 @@ def solve_friction(
 ) -> Friction:
     """Tangential forces, slips and motions of contacts by (1) and (2); y, q: a neighbouring solution.
 
-    Without a balance the motions ``y`` are given (none: all in ``Contact.given``). Where the sharp law does not
-    converge from the start, the smoothed one leads there with creeping speeds ``path`` over the largest
-    slip. A result that is none
-    says so.
+    Without a balance the motions ``y`` are given (none: all in ``Contact.given``). Where the sharp law does not converge
+    from the start, the smoothed one leads there with creeping speeds ``path`` over the largest slip. Failure is data: see
+    `Friction.status`.
     """
     system = _System(contacts, balance)
     y = np.zeros(0) if y is None else np.asarray(y, dtype=float).copy()
     if q is not None:
-        found = _settle(system, [v.copy() for v in q], y)
-        if found.converged:
-            return found
+        solution = _settle(system, [v.copy() for v in q], y)
+        if solution.converged:
+            return solution
     speed = max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
     start = y.copy()
     forces = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts]
-    for part in path:
-        forces, y = _descend(system, forces, y, part * speed, elastic=False)
-    found = _settle(system, forces, y)
-    if found.converged:
-        return found
+    for ratio in path:
+        forces, y = _descend(system, forces, y, ratio * speed, elastic=False)
+    solution = _settle(system, forces, y)
+    if solution.converged:
+        return solution
     y = start
     forces = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts]
-    for part in path:
-        forces, y = _descend(system, forces, y, part * speed, elastic=True)
-        if part > SHARPEST:
+    for ratio in path:
+        forces, y = _descend(system, forces, y, ratio * speed, elastic=True)
+        if ratio > SHARPEST:
             continue
-        found = _settle(system, [v.copy() for v in forces], y)
-        if found.converged:
-            return found
-    return found
+        solution = _settle(system, [v.copy() for v in forces], y)
+        if solution.converged:
+            return solution
+    return solution

@@ -25,12 +25,12 @@ def compliance_by_halves(K: sp.csc_matrix, rows: sp.csr_matrix, points: Array, f
     if halves and not _apart(K, *halves):
         halves = []
     parts = [sp.csr_matrix(rows @ T) for T in halves]
-    size = np.array([abs(part).max(axis=1).toarray().ravel() for part in parts])
+    size = np.array([abs(half_rows).max(axis=1).toarray().ravel() for half_rows in parts])
     if not parts or np.any(size.min(axis=0) > ROUND_OFF * size.max(axis=0)):
         return compliance(K, rows)
     out = np.zeros((rows.shape[0],) * 2)
-    for T, part, own in zip(halves, parts, (size[0] >= size[1], size[0] < size[1]), strict=True):
-        out[np.ix_(own, own)] = compliance(_on_one_side(K, T), part[np.flatnonzero(own)])
+    for T, half_rows, of_half in zip(halves, parts, (size[0] >= size[1], size[0] < size[1]), strict=True):
+        out[np.ix_(of_half, of_half)] = compliance(_on_one_side(K, T), half_rows[np.flatnonzero(of_half)])
     return out
 
 
@@ -43,11 +43,11 @@ def _apart(K: sp.csc_matrix, alike: sp.csc_matrix, opposite: sp.csc_matrix) -> b
 
 
 def _on_one_side(K: sp.csc_matrix, T: sp.csc_matrix) -> sp.csc_matrix:
-    """T^T K T of a symmetric K that is its own mirror image: the columns of one side say all."""
-    one, value = T.indices[T.indptr[:-1]], T.data[T.indptr[:-1]]
-    found = sp.csc_matrix(T.T.tocsc() @ K[:, one])
-    found.data *= np.repeat(1.0 / value, np.diff(found.indptr))
-    return found
+    """T^T K T of a symmetric K that is its own mirror image: the columns of one side suffice."""
+    rows, value = T.indices[T.indptr[:-1]], T.data[T.indptr[:-1]]
+    half = sp.csc_matrix(T.T.tocsc() @ K[:, rows])
+    half.data *= np.repeat(1.0 / value, np.diff(half.indptr))
+    return half
 
 
 def mirror_halves(points: Array, free: Index) -> list[sp.csc_matrix]:
@@ -62,11 +62,11 @@ def mirror_halves(points: Array, free: Index) -> list[sp.csc_matrix]:
     out = []
     for sense in (1.0, -1.0):
         sign = np.where(free % 3 == 0, -sense, sense)
-        own = np.arange(free.size)
-        one = np.flatnonzero((own < other) | ((own == other) & (sign > 0.0)))
-        two = one[other[one] != one]
-        column, value = np.arange(one.size), np.where(other[one] != one, np.sqrt(0.5), 1.0)
-        entries = np.concatenate([value, np.sqrt(0.5) * sign[two]])
-        lines = np.concatenate([one, other[two]]), np.concatenate([column, column[other[one] != one]])
-        out.append(sp.coo_matrix((entries, lines), (free.size, one.size)).tocsc())
+        index = np.arange(free.size)
+        first = np.flatnonzero((index < other) | ((index == other) & (sign > 0.0)))
+        second = first[other[first] != first]
+        column, value = np.arange(first.size), np.where(other[first] != first, np.sqrt(0.5), 1.0)
+        entries = np.concatenate([value, np.sqrt(0.5) * sign[second]])
+        lines = np.concatenate([first, other[second]]), np.concatenate([column, column[other[first] != first]])
+        out.append(sp.coo_matrix((entries, lines), (free.size, first.size)).tocsc())
     return out

@@ -49,9 +49,9 @@ def meeting(
     axes = np.stack([line, side, np.cross(line, side)])
     parts = []
     for frame, sign in zip(frames, (1.0, -1.0), strict=True):
-        own = axes @ frame.T  # the three directions in the ball's own axes
-        at = sign * radius * own[0]
-        rows = own @ motion_rows(track, radius, at[None])[0]
+        local = axes @ frame.T  # the three directions in the ball's own axes
+        at = sign * radius * local[0]
+        rows = local @ motion_rows(track, radius, at[None])[0]
         parts.append(sign * rows)
     return Meeting(one, two, np.hstack(parts), axes, apart)
 
@@ -77,19 +77,19 @@ class Together:
         f, S = np.zeros(y.size), np.zeros((y.size, y.size))
         f[:m] += self.push
         for k, pair in enumerate(self.meetings):
-            i, own = pair.columns, m + k
-            force, speeds = float(y[own]), pair.rows @ y[i]
+            i, row = pair.columns, m + k
+            force, speeds = float(y[row]), pair.rows @ y[i]
             closing, slide = speeds[0] - pair.apart, speeds[1:]
             size = float(np.linalg.norm(slide))
             unit = slide / size if size > 0.0 else slide
             turn = (np.eye(2) - np.outer(unit, unit)) / size if size > 0.0 else np.zeros((2, 2))
             f[i] -= force * (pair.rows[0] + self.mu * unit @ pair.rows[1:])
-            S[i, own] -= pair.rows[0] + self.mu * unit @ pair.rows[1:]
+            S[i, row] -= pair.rows[0] + self.mu * unit @ pair.rows[1:]
             S[np.ix_(i, i)] -= force * self.mu * pair.rows[1:].T @ turn @ pair.rows[1:]
             if force + self.weight * closing > 0.0:
-                f[own] = self.weight * closing
-                S[own, i] = self.weight * pair.rows[0]
+                f[row] = self.weight * closing
+                S[row, i] = self.weight * pair.rows[0]
             else:
-                f[own] = force
-                S[own, own] = 1.0
+                f[row] = force
+                S[row, row] = 1.0
         return f, S

@@ -21,25 +21,25 @@ def normal_matrix(cells: Index, size: Array, solids: Solids) -> Array:
 
 
 def press(
-    cells: Index, size: Array, gap: Array, load: float, solids: Solids, more: Array | None = None
+    cells: Index, size: Array, gap: Array, load: float, solids: Solids, extra: Array | None = None
 ) -> tuple[Array, float]:
     """Forces ``(n,)`` [N] >= 0 of sum ``load`` and the approach [m] that closes the ``gap`` ``(n,)`` [m] where they act.
 
-    more ``(n, n)`` [m/N]: compliance beyond that of half spaces. Primal-dual active set; open cells carry exactly nothing.
+    extra ``(n, n)`` [m/N]: compliance beyond that of half spaces. Primal-dual active set; open cells carry exactly nothing.
     Raises ValueError where the set does not settle.
     """
-    C = normal_matrix(cells, size, solids) + (0.0 if more is None else more)
+    C = normal_matrix(cells, size, solids) + (0.0 if extra is None else extra)
     active = gap <= np.quantile(gap, 0.5)
     for _ in range(MOST):
         i = np.flatnonzero(active)
         K = np.ones((i.size + 1, i.size + 1))
         K[:-1, :-1], K[:-1, -1], K[-1, -1] = C[np.ix_(i, i)], -1.0, 0.0
-        found = np.linalg.solve(K, np.append(-gap[i], load))
-        forces, approach = np.zeros(gap.size), float(found[-1])
-        forces[i] = found[:-1]
+        solved = np.linalg.solve(K, np.append(-gap[i], load))
+        forces, approach = np.zeros(gap.size), float(solved[-1])
+        forces[i] = solved[:-1]
         overlap = approach - gap - C @ forces
-        now = np.where(active, forces > 0.0, overlap > 0.0)
-        if np.array_equal(now, active):
+        closed = np.where(active, forces > 0.0, overlap > 0.0)
+        if np.array_equal(closed, active):
             return forces, approach
-        active = now
+        active = closed
     raise ValueError(f"the contact's active set did not settle in {MOST} changes")

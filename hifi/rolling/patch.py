@@ -106,8 +106,8 @@ def _table(patch: Patch, shift: float) -> Array:
 
 def _backward(values: list[Array], step: float) -> Array:
     """Difference of second order, per length, of values now and one and two steps [m] upstream."""
-    now, before, first = values
-    return np.asarray((3.0 * now - 4.0 * before + first) / (2.0 * step))
+    current, before, first = values
+    return np.asarray((3.0 * current - 4.0 * before + first) / (2.0 * step))
 
 
 def _matrix(cells: Index, table: Array) -> Array:
@@ -136,10 +136,10 @@ def seen_radii(
     that these add under Hertz's pressure. Those of the bodies themselves without a kernel."""
     if regular is None:
         return radii
-    found = hertz(load, *radii, young, poisson)
+    ellipse = hertz(load, *radii, young, poisson)
     unit = (np.arange(POINTS) + 0.5) / POINTS * 2.0 - 1.0
-    at = np.stack(np.meshgrid(unit * found.semi_x, unit * found.semi_y, indexing="ij"), axis=-1).reshape(-1, 2)
-    pressure = np.nan_to_num(found.pressure(at[:, 0], at[:, 1]))
+    at = np.stack(np.meshgrid(unit * ellipse.semi_x, unit * ellipse.semi_y, indexing="ij"), axis=-1).reshape(-1, 2)
+    pressure = np.nan_to_num(ellipse.pressure(at[:, 0], at[:, 1]))
     force = load * pressure / pressure.sum()
     added = regular.block(at, NORMAL, NORMAL) @ force
     weight = np.sqrt(force)
@@ -166,12 +166,12 @@ def hertz_patch(
     The pressure solves the contact on the grid: cells beyond its edge are dropped. Raises ValueError for what Hertz's
     formulas refuse, and where the active set does not settle.
     """
-    found = hertz(load, *seen_radii(load, radii, young, poisson, regular), young, poisson)
-    size = 2.0 * margin * np.array([found.semi_x, found.semi_y]) / np.array(shape)
+    ellipse = hertz(load, *seen_radii(load, radii, young, poisson, regular), young, poisson)
+    size = 2.0 * margin * np.array([ellipse.semi_x, ellipse.semi_y]) / np.array(shape)
     cells, at = grid(shape, size)
     solids = Solids.same(young, poisson)
     gap = 0.5 * (at[:, 0] ** 2 / radii[0] + at[:, 1] ** 2 / radii[1])
-    more = None if regular is None else regular.block(at, NORMAL, NORMAL)
-    forces, approach = press(cells, size, gap, load, solids, more)
+    extra = None if regular is None else regular.block(at, NORMAL, NORMAL)
+    forces, approach = press(cells, size, gap, load, solids, extra)
     inside = forces > 0.0
     return Patch(cells[inside], at[inside], size, forces[inside], solids, approach, regular)

@@ -54,7 +54,7 @@ class Regular:
 
     @cached_property
     def even(self) -> Regular:
-        """The mean with its mirror image in x: of bodies that do not know the sense in which they roll."""
+        """The mean with its mirror image in x: for bodies that are given no sense of rolling."""
         odd = (-1.0) ** exponents(self.degree)[:, 0]
         signs = np.concatenate([-odd, odd, odd])
         return replace(self, M=0.5 * (self.M + self.M * np.outer(signs, signs)))

@@ -75,12 +75,12 @@ def _contacts(scene: Rolling, points: int, curved: bool, bodies: Sizes | None) -
     contacts = []
     for b, _, touch in touching(scene):
         material = scene.young, scene.poisson
-        found = hertz(
+        ellipse = hertz(
             touch.load, *seen_radii(touch.load, touch.radii, *material, kernel_of(scene, touch, bodies)), *material
         )
-        semi = np.array([found.semi_x, found.semi_y])
+        semi = np.array([ellipse.semi_x, ellipse.semi_y])
         local = unit * semi
-        normal = found.pressure(local[:, 0], local[:, 1]) * weight * semi.prod()
+        normal = ellipse.pressure(local[:, 0], local[:, 1]) * weight * semi.prod()
         axes = axes_of(touch, scene.track, scene.radius, scene.orbit)
         at, tangents = surface(axes, scene.radius, touch.radii, local, curved=curved)
         rows = np.einsum("nck,nkm->cnm", tangents, motion_rows(scene.track, scene.radius, at)).reshape(-1, MOTIONS)

@@ -69,8 +69,8 @@ def scene_of(layout: Layout, material: Material, normals: Array, loads: Array) -
 
 def _bottom(normals: Array, ride: Array, k: int) -> Array:
     """Direction ``(2,)`` to the bottom of groove k: between the contacts with both arcs of its body."""
-    both = normals[ride == ride[k]].sum(axis=0)
-    return np.asarray(both / np.linalg.norm(both))
+    bottom = normals[ride == ride[k]].sum(axis=0)
+    return np.asarray(bottom / np.linalg.norm(bottom))
 
 
 def hertz_constants(layout: Layout, material: Material) -> Array:

@@ -77,18 +77,18 @@ def cuts_of(curve: Curve, ball: float, groove: float, angle: float, zone: Zone, 
     need = (zone.half[1], zone.half[0])
     size = fitted_socket(m, alone, (side,), lands[0], walls[0], lands[1], walls[1], (-3.0 * ball, 3.0 * ball), need)
     size = replace(size, cuts=CUTS)
-    lines, own = _lines(m, size, side, zone)
+    lines, local = _lines(m, size, side, zone)
     half = max(reach(m, size, (side,))) + BEYOND * ball
     radii = (lands[1], walls[1]) if outer else (walls[0], lands[0])
     near, away = (ball * share for share in GROOVE_SIZES)
     body = build_body(m, BodySpec(*radii, -half, half, not outer, ((0.0, 0.0, side),), size, near, away))
-    ball_socket, place = ball_place(m, size, side, own)
+    ball_socket, place = ball_place(m, size, side, local)
     near, away = (ball * share for share in BALL_SIZES)
     sphere = build_ball(m, (ball_socket,), near, away, CUTS)
-    grooved = build_patch(lines, own, partial(local_points, m, size, side), body.sockets[side])
-    round_ = build_patch(lines, own, place, sphere.sockets[side])
+    grooved = build_patch(lines, local, partial(local_points, m, size, side), body.sockets[side])
+    round_ = build_patch(lines, local, place, sphere.sockets[side])
     normal, axes = _axes(m, side)
-    x, y = lines.along * zone.half[0] / own[1], lines.across * zone.half[1] / own[0]
+    x, y = lines.along * zone.half[0] / local[1], lines.across * zone.half[1] / local[0]
     out = []
     for patch, piece, centre, inward, depth in (
         (grooved, Piece(body.mesh, body.socket_nodes[0], np.eye(3), ENDS), np.array([m.R, 0.0, 0.0]), normal, size.depth),
@@ -112,10 +112,10 @@ def _lines(m: GrooveMap, size: SocketSize, side: int, zone: Zone) -> tuple[Lines
     """Element boundaries of a patch with the zone's cells, and the zone in the patch's coordinates."""
     along = size.phi * float(np.hypot(socket_centre(m, side)[0], m.rg))
     width = size.gamma * float(m.radius[side])
-    own = (zone.half[1] / width, zone.half[0] / along)
+    local = (zone.half[1] / width, zone.half[0] / along)
     first = min(2.0 * h / n for h, n in zip(zone.half, zone.cells, strict=True)) / size.depth
-    across, forth = (graded(own[k], 2.0 * own[k] / zone.cells[1 - k], zone.growth) for k in (0, 1))
-    return Lines(across, growing(0.0, 1.0, first / zone.growth, zone.growth), forth), own
+    across, forth = (graded(local[k], 2.0 * local[k] / zone.cells[1 - k], zone.growth) for k in (0, 1))
+    return Lines(across, growing(0.0, 1.0, first / zone.growth, zone.growth), forth), local
 
 
 def _axes(m: GrooveMap, side: int) -> tuple[Array, Array]:

@@ -55,12 +55,12 @@ class _Carried:
     """A contact without its history, its displacements now and where the material was, per force, over the step."""
 
     contact: Contact
-    now: Array
+    present: Array
     before: Array
 
     def at(self, forces: Array) -> Contact:
         """The contact with the history of ``forces`` (2 n,) [N]."""
-        return replace(self.contact, elastic=self.now, given=self.contact.given - self.before @ forces)
+        return replace(self.contact, elastic=self.present, given=self.contact.given - self.before @ forces)
 
 
 def run_from_rest(
@@ -84,16 +84,16 @@ def _run(scene: Rolling, dt: float, steps: int, gap: float, choices: Choices) ->
     y, gaps, out, status = start_of(scene), np.full(len(scene.meetings), gap), [], "converged"
     for step in range(steps):
         meetings = tuple(replace(m, apart=float(g) / dt) for m, g in zip(scene.meetings, gaps, strict=True))
-        now = [c.at(q) for c, q in zip(carried, forces, strict=True)]
-        balance = balance_of(replace(scene, meetings=meetings), now)
-        found = solve_friction(now, balance, y, forces)
-        if not found.converged:
-            status = f"step {step + 1}: {found.status}"
+        contacts = [c.at(q) for c, q in zip(carried, forces, strict=True)]
+        balance = balance_of(replace(scene, meetings=meetings), contacts)
+        solution = solve_friction(contacts, balance, y, forces)
+        if not solution.converged:
+            status = f"step {step + 1}: {solution.status}"
             break
-        y, old, forces = found.motions, forces, found.forces
+        y, old, forces = solution.motions, forces, solution.forces
         closing = np.array([float(m.rows[0] @ y[m.columns]) for m in scene.meetings])
         gaps = np.maximum(gaps - dt * closing, 0.0)
-        out.append(_row(scene, carried, (old, forces), found.slips, y, gaps))
+        out.append(_row(scene, carried, (old, forces), solution.slips, y, gaps))
     speed, rotation, force, gap_left, loss, power, stored = (
         np.array([row[k] for row in out], dtype=float) for k in range(7)
     )
@@ -132,5 +132,5 @@ def _row(
         closing, *slide = m.rows @ y[m.columns]
         loss += float(f) * (float(closing) + scene.mu_balls * float(np.linalg.norm(slide)))
     power = -sum(float(q @ c.contact.given) for q, c in zip(new, carried, strict=True))
-    stored = sum(float(q @ (c.now @ q - c.before @ before)) for q, before, c in zip(new, old, carried, strict=True))
+    stored = sum(float(q @ (c.present @ q - c.before @ before)) for q, before, c in zip(new, old, carried, strict=True))
     return motions[:, 0] / scene.track.length, motions[:, 1:] / scene.radius, press.copy(), gaps, loss, power, stored

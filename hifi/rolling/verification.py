@@ -81,10 +81,10 @@ def steady_by_cells(patch: Patch, creep: Creep, mu: float) -> Answer:
 
 
 def _rolled(patch: Patch, transport: Array, slip: Array, mu: float) -> Answer:
-    contact, found = given_motion(patch, transport, slip, mu)
-    q = found.forces[0]
-    loss, upwind = -float(q @ found.slips[0]), float(q @ (contact.elastic @ q))
-    return Answer(*_resultant(patch.at, q), patch, found, loss, upwind)
+    contact, solution = given_motion(patch, transport, slip, mu)
+    q = solution.forces[0]
+    loss, upwind = -float(q @ solution.slips[0]), float(q @ (contact.elastic @ q))
+    return Answer(*_resultant(patch.at, q), patch, solution, loss, upwind)
 
 
 @dataclass(frozen=True)
@@ -109,16 +109,16 @@ def onset(patch: Patch, mu: float, share: float, steps: int) -> list[Onset]:
         return np.array([share * mu * patch.load]), np.zeros((1, 1))
 
     forces, y, out = np.zeros(2 * n), np.array([patch.approach]), []
-    now, before = patch.tangential(), patch.tangential(size)
+    response, upstream = patch.tangential(), patch.tangential(size)
     for step in range(steps + 1):
         seconds = 1.0 if step == 0 else size  # of a cell at 1 m/s
-        contact = Contact(bound, now / seconds, motion, np.array([0]), -before @ forces / seconds)
-        found = solve_friction([contact], balance, y, [forces] if step else None)
-        if not found.converged:
-            raise ValueError(f"step {step}: {found.status}")
-        forces, y = found.forces[0], found.motions
-        sticking = int(np.count_nonzero(found.stick[0]))
-        out.append(Onset(float(y[0]), sticking, -float(forces @ found.slips[0])))
+        contact = Contact(bound, response / seconds, motion, np.array([0]), -upstream @ forces / seconds)
+        solution = solve_friction([contact], balance, y, [forces] if step else None)
+        if not solution.converged:
+            raise ValueError(f"step {step}: {solution.status}")
+        forces, y = solution.forces[0], solution.motions
+        sticking = int(np.count_nonzero(solution.stick[0]))
+        out.append(Onset(float(y[0]), sticking, -float(forces @ solution.slips[0])))
     return out
 
 
@@ -196,9 +196,9 @@ def carter(cells: int, share: float) -> tuple[Array, Array]:
     inside = forces > 0.0
     patch = Patch(index[inside], at[inside], size, forces[inside], solids, approach)
     rest = float(np.sqrt(1.0 - share))
-    found = steady(patch, Creep(mu * half / radius * (1.0 - rest), 0.0, 0.0), mu)
-    stick = 2.0 * deviations(patch, mu * patch.normal, found.friction.forces[0])[0]
-    return np.array([-found.force[0] / (mu * load * long), stick / half]), np.array([share, rest])
+    answer = steady(patch, Creep(mu * half / radius * (1.0 - rest), 0.0, 0.0), mu)
+    stick = 2.0 * deviations(patch, mu * patch.normal, answer.friction.forces[0])[0]
+    return np.array([-answer.force[0] / (mu * load * long), stick / half]), np.array([share, rest])
 
 
 # --- Cattaneo and Mindlin
@@ -226,31 +226,31 @@ def mindlin(cells: int, share: float, balls: Sizes | None = None) -> tuple[Array
         along, spread = slice(0, 1), patch.normal / load
         shift += share * mu * load * float(spread @ kernel.block(patch.at, along, along) @ spread)
     slip = np.concatenate([np.full(len(patch.at), shift), np.zeros(len(patch.at))])
-    _, found = given_motion(patch, patch.tangential(), slip, mu)
-    stick = np.sqrt(2.5) * float(np.linalg.norm(deviations(patch, mu * patch.normal, found.forces[0])))
-    force = -found.forces[0][: len(patch.at)].sum() / (mu * load)
+    _, solution = given_motion(patch, patch.tangential(), slip, mu)
+    stick = np.sqrt(2.5) * float(np.linalg.norm(deviations(patch, mu * patch.normal, solution.forces[0])))
+    force = -solution.forces[0][: len(patch.at)].sum() / (mu * load)
     return np.array([force, stick / size]), np.array([share, rest ** (1.0 / 3.0)])
 
 
 def two_balls(radius: float, semi: float, young: float, poisson: float, sizes: Sizes) -> Regular:
     """What two like balls of ``radius`` [m] that touch over a circle of ``semi`` [m] add to half spaces."""
     zone = Zone((sizes.margin * semi,) * 2, sizes.cells, sizes.growth)
-    one = ball_kernel(radius, zone, (0.0, 0.0), young, poisson, sizes.degree)
-    return one + of_groove(one.M, zone, sizes.degree)
+    ball = ball_kernel(radius, zone, (0.0, 0.0), young, poisson, sizes.degree)
+    return ball + of_groove(ball.M, zone, sizes.degree)
 
 
 # --- balls that touch
 
 
 def rubbing(
-    scene: Rolling, found: RollingResult, meeting: int, points: int = 60, bodies: Sizes | None = None
+    scene: Rolling, result: RollingResult, meeting: int, points: int = 60, bodies: Sizes | None = None
 ) -> tuple[float, float]:
     """Friction between two balls over the circle in which they touch, as a share of that at a point: force and loss.
 
     Hertz's circle by a quadrature, or the patch of two finite balls (``bodies``) on a grid, both of ``points`` along each
     axis. All of the contact slides, so that tractions are mu p against the sliding there, whatever the elasticity.
     """
-    m, force = scene.meetings[meeting], float(found.force[meeting])
+    m, force = scene.meetings[meeting], float(result.force[meeting])
     touch = force, (0.5 * scene.radius,) * 2, scene.young, scene.poisson
     circle = hertz(force, *touch[1], *touch[2:])
     if bodies is None:
@@ -263,15 +263,15 @@ def rubbing(
         local, normal, sunk = patch.at, patch.normal, patch.sunk
     slide = np.zeros((len(local), 2))
     for ball, sign, half in ((m.one, 1.0, m.columns[:MOTIONS]), (m.two, -1.0, m.columns[MOTIONS:])):
-        own = m.axes @ scene.balls[ball].frame.T
-        at = sign * (scene.radius - sunk) * own[0] + local @ own[1:]
-        speeds = motion_rows(scene.track, scene.radius, at) @ found.friction.motions[half]
-        slide += sign * speeds @ own[1:].T
+        axes = m.axes @ scene.balls[ball].frame.T
+        at = sign * (scene.radius - sunk) * axes[0] + local @ axes[1:]
+        speeds = motion_rows(scene.track, scene.radius, at) @ result.friction.motions[half]
+        slide += sign * speeds @ axes[1:].T
     pull = full_slip(scene.mu_balls * normal, slide.T.ravel())
-    whole = scene.mu_balls * force
-    point = whole * float(np.linalg.norm((m.rows @ found.friction.motions[m.columns])[1:]))
+    bound = scene.mu_balls * force
+    point = bound * float(np.linalg.norm((m.rows @ result.friction.motions[m.columns])[1:]))
     total = float(np.linalg.norm(pull.reshape(2, -1).sum(axis=1)))
-    return total / whole, -float(pull @ slide.T.ravel()) / point
+    return total / bound, -float(pull @ slide.T.ravel()) / point
 
 
 # --- finite elements of a half space
@@ -284,13 +284,13 @@ def uniform_on_half_space(zone: Zone, size: float, young: float, poisson: float)
     form.
     """
     block = half_space(size, zone)
-    found = half_space_answer(block, tractions(block, zone, 0, (0.0, 0.0)), young, poisson).diagonal()
-    whole = 2.0 * np.array(zone.half)
-    _, at = grid((MEANS, MEANS), whole / MEANS)
+    computed = half_space_answer(block, tractions(block, zone, 0, (0.0, 0.0)), young, poisson).diagonal()
+    sides = 2.0 * np.array(zone.half)
+    _, at = grid((MEANS, MEANS), sides / MEANS)
     shear = 0.5 * young / (1.0 + poisson)
     alone = Solids((shear, RIGID * shear), (poisson, poisson))
-    exact = influence(at[:, 0], at[:, 1], whole[0], whole[1], alone).mean(axis=0).diagonal() / whole.prod()
-    return found, exact
+    exact = influence(at[:, 0], at[:, 1], sides[0], sides[1], alone).mean(axis=0).diagonal() / sides.prod()
+    return computed, exact
 
 
 # --- Kalker's linear theory
@@ -329,8 +329,8 @@ def linear_coefficients(ratio: float, poisson: float, shape: tuple[int, int]) ->
     near, far = patch.transport[np.ix_(rows, rows)], patch.transport[np.ix_(rows, np.concatenate([image, count + image]))]
     F = np.zeros((3, 3))
     for kind, sense in ((slice(0, 1), 1.0), (slice(1, 3), -1.0)):
-        own = units[rows, kind]
-        F[kind, kind] = 2.0 * own.T @ np.linalg.solve(near + far * np.repeat([sense, -sense], half.size), own)
+        slip = units[rows, kind]
+        F[kind, kind] = 2.0 * slip.T @ np.linalg.solve(near + far * np.repeat([sense, -sense], half.size), slip)
     return np.array([F[0, 0], F[1, 1], F[1, 2], F[2, 2]])
 
 
@@ -341,10 +341,10 @@ def slip_everywhere(
     load: float, radii: tuple[float, float], young: float, poisson: float, creep: Creep, mu: float, points: int = 400
 ) -> tuple[Array, float]:
     """Force ``(2,)`` [N] and moment [N m] under Hertz's pressure if all of the contact slips as rigid bodies would."""
-    found = hertz(load, *radii, young, poisson)
+    ellipse = hertz(load, *radii, young, poisson)
     unit, weight = quadrature(points)
-    at = unit * np.array([found.semi_x, found.semi_y])
-    normal = found.pressure(at[:, 0], at[:, 1]) * weight * found.semi_x * found.semi_y
+    at = unit * np.array([ellipse.semi_x, ellipse.semi_y])
+    normal = ellipse.pressure(at[:, 0], at[:, 1]) * weight * ellipse.semi_x * ellipse.semi_y
     return _resultant(at, full_slip(mu * normal, creep.slip(at)))
 
 

@@ -70,8 +70,8 @@ def cut_flexibility(m: GrooveMap, flexibilities: Sequence[tuple[float, Array]], 
         rows.append(uniform_cantilever(length, chiral))
         columns.append(np.array([(x / np.outer(unit, unit))[_UPPER] for x in rows]).T)
         wanted.append(((F - uniform_cantilever(length, per_length)) / np.outer(unit, unit))[_UPPER])
-    found = np.linalg.lstsq(np.concatenate(columns), np.concatenate(wanted))[0]
-    return np.asarray(np.tensordot(found[:-1], np.array(_units()), 1) * np.outer(unit, unit))
+    coefficients = np.linalg.lstsq(np.concatenate(columns), np.concatenate(wanted))[0]
+    return np.asarray(np.tensordot(coefficients[:-1], np.array(_units()), 1) * np.outer(unit, unit))
 
 
 def uniform_cantilever(length: float, per_length: Array) -> Array:

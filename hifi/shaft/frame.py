@@ -38,18 +38,18 @@ class Frame:
 
     def springs(self) -> list[tuple[Array, Array]]:
         """Rows ``(6, 6 h)`` by which the housings move the ends of each spring apart, and its stiffness ``(6, 6)``."""
-        found = []
+        out = []
         for k, housing in enumerate(self.housings):
             if housing.stiffness is not None:
                 rows = np.zeros((6, 6 * len(self.housings)))
                 rows[:, 6 * k : 6 * k + 6] = np.eye(6)
-                found.append((rows, np.array(housing.stiffness)))
+                out.append((rows, np.array(housing.stiffness)))
         for joint in self.joints:
             rows = np.zeros((6, 6 * len(self.housings)))
             for name, sign in ((joint.first, 1.0), (joint.second, -1.0)):
                 moving = self.number(name)
                 if moving is not None:
-                    own = slice(6 * moving, 6 * moving + 6)
-                    rows[:, own] = sign * transport(joint.at - self.housings[moving].at)
-            found.append((rows, np.array(joint.stiffness)))
-        return found
+                    columns = slice(6 * moving, 6 * moving + 6)
+                    rows[:, columns] = sign * transport(joint.at - self.housings[moving].at)
+            out.append((rows, np.array(joint.stiffness)))
+        return out

@@ -100,13 +100,13 @@ def _stored(basis: Basis, rg: float, n: int, material: Material, period: float, 
 
     def by_cells(strains: list[list[Array]]) -> Array:
         """Strains as ``(cells, functions, points and components)``."""
-        found = np.array(strains).transpose(2, 0, 3, 1)
-        return np.ascontiguousarray(found).reshape(*found.shape[:2], -1)
+        values = np.array(strains).transpose(2, 0, 3, 1)
+        return np.ascontiguousarray(values).reshape(*values.shape[:2], -1)
 
     def stress(strains: Array) -> Array:
         """Times the share of every point in the integral, ``(cells, points and components, functions)``."""
-        found = (strains.reshape(-1, len(hooke)) @ hooke).reshape(strains.shape)
-        return np.asarray((found * weight[:, None]).swapaxes(1, 2))
+        values = (strains.reshape(-1, len(hooke)) @ hooke).reshape(strains.shape)
+        return np.asarray((values * weight[:, None]).swapaxes(1, 2))
 
     B = by_cells([_strain(f[0], f[0].grad, r, rg, n) for f in basis.basis])
     mean = by_cells([m(r) for m in means])
@@ -115,7 +115,7 @@ def _stored(basis: Basis, rg: float, n: int, material: Material, period: float, 
     K = sp.csr_matrix(((B.conj() @ stress(B)).ravel(), (lines, columns)), (size, size))
     F = np.zeros((size, len(means)), dtype=B.dtype)
     np.add.at(F, nodes, B.conj() @ stress(mean))
-    own = (mean @ stress(mean)).sum(axis=0)
+    prescribed = (mean @ stress(mean)).sum(axis=0)
     T = _periodic(basis, period)
     # the axis moves as a whole: n = 0 along and around, n = 1 across
     top = int(np.argmax(basis.doflocs[0]))
@@ -124,7 +124,7 @@ def _stored(basis: Basis, rg: float, n: int, material: Material, period: float, 
     free = np.setdiff1d(np.arange(T.shape[1]), held)
     T = T[:, free]
     answer = splu((T.T @ K @ T).tocsc(), permc_spec="MMD_AT_PLUS_A").solve(T.T @ F)
-    return np.asarray((own - np.conj(T.T @ F).T @ answer).real)
+    return np.asarray((prescribed - np.conj(T.T @ F).T @ answer).real)
 
 
 def _periodic(basis: Basis, period: float) -> sp.csr_matrix:

@@ -123,9 +123,9 @@ def as_stiff_as(stretch: Stretch, rows: Array, stations: Array, section: ShaftSe
     first = stretch.modes + 6 * stretch.ports.index(high)
     end = np.s_[first : first + 6]
     B = stretch.B[end]
-    own = np.diag(stretch.F[end, end] - B @ at_low(cut, m, low) @ B.T - at_high(cut, m, high)) / (high - low)
-    bend = 0.5 * (own[3] + own[4])
-    change = np.array([1.0 / section.EA - own[2], 1.0 / section.EI - bend, 1.0 / section.GJ - own[5]])
+    per_length = np.diag(stretch.F[end, end] - B @ at_low(cut, m, low) @ B.T - at_high(cut, m, high)) / (high - low)
+    bend = 0.5 * (per_length[3] + per_length[4])
+    change = np.array([1.0 / section.EA - per_length[2], 1.0 / section.EI - bend, 1.0 / section.GJ - per_length[5]])
     turn, arms = _followed(rows, stations, stretch)
     F = stretch.F + turn @ _cantilevers(arms, *change) @ turn.T
     return replace(stretch, F=0.5 * (F + F.T))
@@ -195,13 +195,13 @@ def mount_all(
     # U = T W, constraints R U = r: a basis of what is free, and one state that meets them
     rows = np.zeros((len(held) + len(pins), len(K)))
     rows[np.arange(len(rows)), held + pins] = 1.0
-    given = np.concatenate([values, np.zeros(len(pins))])
+    prescribed = np.concatenate([values, np.zeros(len(pins))])
     length = np.tile(np.r_[np.ones(3), np.full(3, 1.0 / frame.arm)], T.shape[1] // 6)
     R = rows @ T * length
     if len(rows):
         _, sizes, vt = np.linalg.svd(R)
         rank = int((sizes > 1e-10 * sizes[0]).sum())
-        start = length * (np.linalg.pinv(R, rcond=1e-10) @ given)
+        start = length * (np.linalg.pinv(R, rcond=1e-10) @ prescribed)
         free = length[:, None] * vt[rank:].T
     else:
         start, free = np.zeros(T.shape[1]), np.diag(length)
@@ -210,9 +210,9 @@ def mount_all(
     line, by_modes = at_start, np.zeros((len(K), len(G)))
     if free.shape[1]:
         scale = 1.0 / np.sqrt(np.diag(reduced))
-        found = cho_factor(reduced * np.outer(scale, scale), lower=True)
+        cholesky = cho_factor(reduced * np.outer(scale, scale), lower=True)
         Z = T @ free * scale
-        answer = cho_solve(found, Z.T)  # K_ff^-1 on the free motions
+        answer = cho_solve(cholesky, Z.T)  # K_ff^-1 on the free motions
         line = at_start + Z @ (answer @ (P - K @ at_start))
         G = G + (Y @ Z) @ (answer @ Y.T)
         by_modes = Z @ (answer @ Y.T)
@@ -304,7 +304,7 @@ def unheld(frame: Frame, origin: float) -> Array:
     for moved, stiffness in frame.springs():
         value, vector = np.linalg.eigh(np.linalg.inv(size) @ stiffness @ np.linalg.inv(size))
         stiff = vector[:, value > SLACK * value.max(initial=0.0)].T @ size @ moved
-        rows += [np.concatenate([np.zeros(6), one]) * scale for one in stiff]
+        rows += [np.concatenate([np.zeros(6), direction]) * scale for direction in stiff]
     if not rows:
         return np.diag(scale)
     _, s, vt = np.linalg.svd(np.array(rows))

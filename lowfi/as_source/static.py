@@ -148,10 +148,10 @@ def _contacts(
     count = p.shape[0]
     if side < 2:
         dof, m0, m1, m2 = system.motion_of_flank(side, gamma)
-        own = u[dof[:, None] + np.arange(m0.shape[2])[None, :]]
-        a = a + np.einsum("nak,nk->na", m0, own)
-        t = t + np.einsum("nak,nk->na", m1, own)
-        t1 = t1 + np.einsum("nak,nk->na", m2, own)
+        u_local = u[dof[:, None] + np.arange(m0.shape[2])[None, :]]
+        a = a + np.einsum("nak,nk->na", m0, u_local)
+        t = t + np.einsum("nak,nk->na", m1, u_local)
+        t1 = t1 + np.einsum("nak,nk->na", m2, u_local)
     else:
         dof, m0, m1 = np.zeros(count, dtype=np.int64), np.zeros((count, 2, 0)), np.zeros((count, 2, 0))
     d = p - a

@@ -25,17 +25,17 @@ FITS = {
 }
 
 
-def fitted(difference: float, which: str) -> float:
-    """delta*, a* or b* of a curvature difference F by the fits; which: "approach", "major", "minor".
+def fitted(difference: float, quantity: str) -> float:
+    """delta*, a* or b* of a curvature difference F by the fits; quantity: "approach", "major", "minor".
 
     In print 2.25 squares its first power and 2.18 raises its first brace to -148.46: powers 1 to 5 are meant. 2 % of the
     exact delta* only between F = 0.68 and 0.962; the minor axis comes out 39 to 42 % too large there.
     """
     x = (-np.log10(difference)) ** (2.0 / 3.0)
-    value = float(np.polyval(FITS[which][::-1], x))
-    if which == "approach":
+    value = float(np.polyval(FITS[quantity][::-1], x))
+    if quantity == "approach":
         return value
-    return float(10.0 ** (1.0 / value if which == "major" else -1.0 / value))
+    return float(10.0 ** (1.0 / value if quantity == "major" else -1.0 / value))
 
 
 def curvature_difference(curvatures: Sequence[float]) -> float:
@@ -100,8 +100,8 @@ def sheet(
         return Sheet(sums, differences, delta, race, row_stiffness(*race), angle, q, moved)
 
     def imbalance(angle: float) -> float:
-        now = cells(angle)
-        return now.ball_load - now.stiffness * float((b * (np.cos(rest) / np.cos(angle) - 1.0)) ** 1.5)
+        state = cells(angle)
+        return state.ball_load - state.stiffness * float((b * (np.cos(rest) / np.cos(angle) - 1.0)) ** 1.5)
 
     return cells(float(brentq(imbalance, rest + 1e-9, 0.5 * np.pi - 1e-3, xtol=1e-14)))
 

@@ -82,8 +82,8 @@ def support_loads(axis: Axis, position: float, force: float, tension: float = 0.
     k_l/(k_l + k_r) of the force and is pulled inwards more, the right one less by the rest: left - right = force.
     """
     left, right = (float(k) for k in branches(axis, position))
-    part = float(np.isinf(left)) if np.isinf(left) or np.isinf(right) else left / (left + right)
-    return tension + part * force, tension - (1.0 - part) * force
+    share = float(np.isinf(left)) if np.isinf(left) or np.isinf(right) else left / (left + right)
+    return tension + share * force, tension - (1.0 - share) * force
 
 
 def tension(axis: Axis, stretch: float, expansion: float = 0.0, warming: float = 0.0) -> float:

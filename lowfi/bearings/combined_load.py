@@ -57,25 +57,25 @@ def combined(bearing: TaperedBearing, axial: float, radial: float) -> CombinedSt
     force, x = np.array([axial, radial]), np.array([start.axial, start.radial])
     for _ in range(100):
         energy, inner, slope, loads = state_at(bearing, x)
-        rest = inner - force
-        if np.abs(rest).max() <= 1e-12 * axial:
+        off = inner - force
+        if np.abs(off).max() <= 1e-12 * axial:
             break
         # a loaded zone of one roller leaves one direction soft: a touch of the diagonal keeps the step finite
-        step = -np.linalg.solve(slope + 1e-9 * np.trace(slope) * np.eye(2), rest)
+        step = -np.linalg.solve(slope + 1e-9 * np.trace(slope) * np.eye(2), off)
         x = x + _damped(bearing, x, step, energy - float(force @ x), force) * step
-    residual = float(np.abs(rest).max() / axial)
+    residual = float(np.abs(off).max() / axial)
     return CombinedState(float(x[0]), float(x[1]), loads, slope, residual, residual < 1e-9)
 
 
 def _damped(bearing: TaperedBearing, x: Array, step: Array, level: float, force: Array) -> float:
     """Largest halving of the step that does not raise the energy; round-off near the minimum counts as none."""
-    part = 1.0
-    while part > 1e-6:
-        trial = x + part * step
+    fraction = 1.0
+    while fraction > 1e-6:
+        trial = x + fraction * step
         if _energy(bearing, trial) - float(force @ trial) <= level + 1e-14 * abs(level):
-            return part
-        part *= 0.5
-    return part
+            return fraction
+        fraction *= 0.5
+    return fraction
 
 
 def _energy(bearing: TaperedBearing, x: Array) -> float:

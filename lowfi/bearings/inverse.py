@@ -66,8 +66,8 @@ def conformity_of_pair(bearings: AngleRows, preload: Array, rigidity: Array) -> 
     low, high = np.log(np.array(CONFORMITIES) - 0.5)
 
     def excess(x: Array) -> Array:
-        found = state_under(replace(bearings, conformity=0.5 + np.exp(x)), preload)
-        return np.asarray(np.log(2.0 * found.stiffness / rigidity))
+        state = state_under(replace(bearings, conformity=0.5 + np.exp(x)), preload)
+        return np.asarray(np.log(2.0 * state.stiffness / rigidity))
 
     old = np.log(bearings.conformity - 0.5)
     value, slope = excess(old), np.full_like(old, -0.2)
@@ -75,10 +75,10 @@ def conformity_of_pair(bearings: AngleRows, preload: Array, rigidity: Array) -> 
         new = np.clip(old - value / slope, low, high)
         if float(np.abs(new - old).max()) < ENOUGH:
             break
-        now = excess(new)
+        fresh = excess(new)
         moved = new != old
-        slope = np.where(moved, np.minimum((now - value) / np.where(moved, new - old, 1.0), -0.02), slope)
-        old, value = new, now
+        slope = np.where(moved, np.minimum((fresh - value) / np.where(moved, new - old, 1.0), -0.02), slope)
+        old, value = new, fresh
     if float(np.abs(value).max()) > 1e-6:
         raise ValueError("no conformity of {:g} to {:g} gives a pair of these balls that rigidity".format(*CONFORMITIES))
     return np.asarray(0.5 + np.exp(old))

@@ -92,7 +92,7 @@ def own_flank(geometry: Scene, screw: bool, backend: Backend) -> float:
     tube = smooth_body(geometry, screw, backend)
     if not backend.flank:  # the half space at the smooth body's own patch only
         return -half_space(tube.width, tube.material)
-    return kept_near_face(geometry, screw, backend).own
+    return kept_near_face(geometry, screw, backend).alone
 
 
 def kernel_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH) -> Array:
@@ -101,9 +101,9 @@ def kernel_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend,
     x, axes = contact_frames(scene, layout, screw, flanks)
     if float(np.abs(x[:, 2] - scene.nut.position).max()) > 0.5 * scene.nut.length:
         raise ValueError("a contact lies beyond the nut's faces: lengthen the nut or reduce the turns")
-    found = smooth_compliance(geometry, screw, backend)
-    G = contact_compliance(found, points_of(x, axes))
-    tube = found.tube
+    smooth = smooth_compliance(geometry, screw, backend)
+    G = contact_compliance(smooth, points_of(x, axes))
+    tube = smooth.tube
     plain = tube.section
     x = on_line(tube, x)
     rows, stations = motion_rows(x, axes), np.repeat(x[:, 2], 2)
@@ -167,8 +167,8 @@ def grooved_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend
         fixed = held in ("both", "high" if high else "low")
         front, back = (i[near], j[near]) if high else (j[near], i[near])
         added = found.by_face(fixed, angle[near], distance[near])
-        own = added[np.arange(near.size), away[front], :, 2 * turn[near] + away[back]]
-        gain[near] += own if high else own.swapaxes(1, 2) * np.array([[1.0, -1.0], [-1.0, 1.0]])  # seen from its other end
+        block = added[np.arange(near.size), away[front], :, 2 * turn[near] + away[back]]
+        gain[near] += block if high else block.swapaxes(1, 2) * np.array([[1.0, -1.0], [-1.0, 1.0]])  # from its other end
     signs = flank.map.signs[[s if screw else s + 2 for s in BOTH]][side]
     normal = signs * np.array([np.cos(flank.map.beta), np.sin(flank.map.beta)])
     axes = np.stack([normal, turned(normal)], axis=1)

@@ -168,12 +168,12 @@ def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Backe
     if backend.ball == "half space":
         return BallCompliance(0.0, 0.0, 0.0, 1.0)
     radius, material = scene.balls.radius, scene.balls.material
-    own = own_compliance(semi_axes, radius, material)
+    alone = own_compliance(semi_axes, radius, material)
     opposite = sphere_compliance(-1.0, radius, material)
     cosine = float(np.cos(2.0 * scene.track.contact_angle))
     across = 0.5 * (sphere_compliance(cosine, radius, material) + sphere_compliance(-cosine, radius, material))
-    own += opposite - 2.0 * abs(across)
-    return BallCompliance(own, own_slope(radius, material), float(np.sqrt(abs(across))), float(np.sign(across)))
+    alone += opposite - 2.0 * abs(across)
+    return BallCompliance(alone, own_slope(radius, material), float(np.sqrt(abs(across))), float(np.sign(across)))
 
 
 def forget() -> None:

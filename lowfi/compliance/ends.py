@@ -24,11 +24,11 @@ from rollbench.meshes.parts import Scene
 @dataclass(frozen=True)
 class EndResponse:
     """Beyond the smooth body as a beam, by a wrench (forces [N], moments [N m]) on its high end at station high [m]:
-    contacts ``(4 N, 6)``, motions of the contacts of both flanks (all left ones, then all right ones; two axes each); own
+    contacts ``(4 N, 6)``, motions of the contacts of both flanks (all left ones, then all right ones; two axes each); end
     ``(6, 6)``, motions of that end."""
 
     contacts: Array
-    own: Array
+    end: Array
     high: float
 
 

@@ -82,7 +82,7 @@ class NearFace:
     either flank (f = 2), or also on those of the groove behind it (4), along or across; distance ``(k,)`` [m] of the face
     from the middle of the groove. Nothing is gained beyond the last one, and below the first as much as there. What a held
     face does across the loads, a tenth of what a free one does, is left out. beside: of the contacts from that middle.
-    far ``(n, 2, f)`` [m/N]: between contacts far from any face; own: what a contact there moves by its own load beyond
+    far ``(n, 2, f)`` [m/N]: between contacts far from any face; alone: what a contact there moves by its own load beyond
     Hertz and the smooth body, for a narrow patch (`at_size`) [m/N].
     """
 
@@ -90,7 +90,7 @@ class NearFace:
     gain: Array
     beside: float
     far: Array
-    own: float
+    alone: float
 
     @property
     def turns(self) -> int:
@@ -144,12 +144,12 @@ def near_face(
 
     gain, grid, distance = gains(FAR, slice(-1, None), 1, WHOLE)
     far = both_ways(gain[1, :, :, 0, :, 0, -1])
-    own = float(far[:, 0, 0].sum()) + finer(flank, half_lead(flank, grid), len(far) - 1)
-    own -= half_space(NARROW * flank.map.ball, flank.material)
+    alone = float(far[:, 0, 0].sum()) + finer(flank, half_lead(flank, grid), len(far) - 1)
+    alone -= half_space(NARROW * flank.map.ball, flank.material)
     if near:
         gain, _, distance = gains(BESIDE_FACE, slice(None), 2, held_radii)
         gain[1, :, :, 1], gain[1, ..., 1, :] = 0.0, 0.0
-    return NearFace(distance, gain - gain[..., -1:], flank.contact()[1], with_tail(flank, far), own)
+    return NearFace(distance, gain - gain[..., -1:], flank.contact()[1], with_tail(flank, far), alone)
 
 
 def _check_land(flank: Flank) -> None:
@@ -217,8 +217,8 @@ def less_smooth(
 def half_lead(flank: Flank, grid: Grid) -> Grid:
     """The part of a grooved body from mid groove to mid land."""
     z = grid.z[:, 0]
-    part = slice(int(np.abs(z).argmin()), int(np.abs(z - flank.half).argmin()) + 1)
-    return Grid(grid.r[part], grid.z[part])
+    half = slice(int(np.abs(z).argmin()), int(np.abs(z - flank.half).argmin()) + 1)
+    return Grid(grid.r[half], grid.z[half])
 
 
 def grooved_grid(flank: Flank, mesh: tuple[int, int]) -> tuple[Grid, list[int]]:
@@ -227,10 +227,10 @@ def grooved_grid(flank: Flank, mesh: tuple[int, int]) -> tuple[Grid, list[int]]:
     ball, reach = flank.map.ball, REACH * flank.map.ball
     r, z = turn(flank, mesh[0], LAND * ball * np.array([0.25, 0.6, *np.arange(1.2, flank.half / (LAND * ball))]))
     edge = float(z[z.size // 2 + 2 * mesh[0]])
-    more = max(0, int(np.ceil((reach / flank.half - 1.0) / 2.0)))
+    beyond = max(0, int(np.ceil((reach / flank.half - 1.0) / 2.0)))
     next_r, next_z = turn(flank, mesh[0] // 2, LAND * ball * np.arange(1.0, flank.half / (LAND * ball)))
-    shift = 2.0 * flank.half * np.arange(1.0, more + 1.0)[:, None]
-    r = np.concatenate([np.tile(next_r[:-1], more), r, np.tile(next_r[1:], more)])
+    shift = 2.0 * flank.half * np.arange(1.0, beyond + 1.0)[:, None]
+    r = np.concatenate([np.tile(next_r[:-1], beyond), r, np.tile(next_r[1:], beyond)])
     z = np.concatenate([(next_z[:-1] - shift[::-1]).ravel(), z, (next_z[1:] + shift).ravel()])
     last = 2 * int(np.abs(z[::2] - reach).argmin())  # both ends as far: the body must be its own mirror image
     r, z = r[z.size - 1 - last : last + 1], z[z.size - 1 - last : last + 1]
@@ -271,9 +271,9 @@ def true_loads(flank: Flank, grid: Grid, cuts: Sequence[int], width: float, kind
         for kind, direction in enumerate((along, turned(along))[:kinds]):
             share = flank_weights(grid, line, place, width, moment=kind)[0]
             for k, cut in enumerate(cuts):
-                own = share[: cut + 1, None] * pressing[: cut + 1]
-                whole = share[: cut + 1].sum() if kind == 0 else (own @ direction).sum()
-                out[away, kind, k, : cut + 1, line, ::2] = own / whole
+                force = share[: cut + 1, None] * pressing[: cut + 1]
+                total = share[: cut + 1].sum() if kind == 0 else (force @ direction).sum()
+                out[away, kind, k, : cut + 1, line, ::2] = force / total
     return out
 
 
@@ -325,11 +325,11 @@ def cut_motions(
     held[:, 0 if fixing == "bore" else -1 if fixing == "outer" else slice(0, 0)] = True
     beyond = body.rows()[:, :, 0, :, 0]
     patches, kinds = loads.shape[:2]
-    own = 2 * kinds
-    found = np.empty((n.size, 2, own, patches * kinds, len(cuts)))
+    watched = 2 * kinds
+    sampled = np.empty((n.size, 2, watched, patches * kinds, len(cuts)))
     distinct, of = distinct_loads(loads.reshape(-1, *loads.shape[2:]), cuts)
     kept: dict[bytes, Array] = {}
-    for values, harmonic in zip(found, n.tolist(), strict=True):
+    for values, harmonic in zip(sampled, n.tolist(), strict=True):
         free = ~held.ravel() & body.axis_free(harmonic)
         if free.tobytes() not in kept:
             kept[free.tobytes()] = body.bands(free)
@@ -347,13 +347,13 @@ def cut_motions(
             if cut < grid.shape[0] - 1:  # L holds what follows the cut, too
                 S -= np.tensordot(powers, beyond[:, cut // 2][:, line[:, None], line], 1)
             r = grid.r[cut, line // 3]
-            work = solution[:first, :own].T @ solution[:first]
+            work = solution[:first, :watched].T @ solution[:first]
             for face, moves in enumerate((np.full(line.size, True), (r < held_radii[0]) | (r > held_radii[1]))):
-                values[face, ..., k] = work + g[moves, :own].T @ np.linalg.solve(S[np.ix_(moves, moves)], g[moves])
-    whole = every_harmonic(n, found)
-    shares = patch_shares(np.arange(float(len(whole))), width, flank.contact()[0])
-    whole *= shares[:, None, None, None, None]
-    return np.moveaxis(whole, 1, 0).reshape(2, len(whole), 2, kinds, patches, kinds, len(cuts))
+                values[face, ..., k] = work + g[moves, :watched].T @ np.linalg.solve(S[np.ix_(moves, moves)], g[moves])
+    motions = every_harmonic(n, sampled)
+    shares = patch_shares(np.arange(float(len(motions))), width, flank.contact()[0])
+    motions *= shares[:, None, None, None, None]
+    return np.moveaxis(motions, 1, 0).reshape(2, len(motions), 2, kinds, patches, kinds, len(cuts))
 
 
 def distinct_loads(loads: Array, cuts: Sequence[int]) -> tuple[Array, list[list[int]]]:
@@ -362,7 +362,7 @@ def distinct_loads(loads: Array, cuts: Sequence[int]) -> tuple[Array, list[list[
     rows, of = [x.ravel() for x in loads[:, -1]], [[0] * len(loads) for _ in cuts]
     for k, cut in enumerate(cuts):
         for f, load in enumerate(loads):
-            same = np.abs(load[k, : cut + 1] - load[-1, : cut + 1]).max() < SAME * np.abs(load[-1]).max()
-            of[k][f] = f if same else len(rows)
-            rows += [] if same else [load[k].ravel()]
+            alike = np.abs(load[k, : cut + 1] - load[-1, : cut + 1]).max() < SAME * np.abs(load[-1]).max()
+            of[k][f] = f if alike else len(rows)
+            rows += [] if alike else [load[k].ravel()]
     return np.stack(rows), of

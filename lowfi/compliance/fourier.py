@@ -231,14 +231,14 @@ class Body:
         size = 3 * self.grid.r.size
         return tuple(coo_matrix((k.ravel(), (row, column)), (size, size)).tocsr() for k in self.elements)
 
-    def rows(self, some: slice | Index = slice(None)) -> Array:
+    def rows(self, chosen: slice | Index = slice(None)) -> Array:
         """The parts of K of rows of elements along r, ``(3, rows, 3, m, 3, m)``: of its three lines of m freedoms."""
         columns, width = self.grid.shape[1] // 2, self.grid.shape[1]
-        own = self.elements.reshape(3, -1, columns, *(3,) * 6)[:, some]
-        out = np.zeros((3, own.shape[1], 3, width, 3, 3, width, 3))
+        elements = self.elements.reshape(3, -1, columns, *(3,) * 6)[:, chosen]
+        out = np.zeros((3, elements.shape[1], 3, width, 3, 3, width, 3))
         for j in range(columns):
             at = slice(2 * j, 2 * j + 3)
-            out[:, :, :, at, :, :, at] += own[:, :, j]
+            out[:, :, :, at, :, :, at] += elements[:, :, j]
         return out.reshape(3, -1, 3, 3 * width, 3, 3 * width)
 
     @cached_property
@@ -257,7 +257,7 @@ class Body:
         down = np.broadcast_to(i[:, :, None], (len(i), 27, 27)).ravel()[below] - j
         width, at = int(down.max()) + 1, down * count + j
         parts = self.elements.reshape(3, -1)[:, below]
-        found = [np.bincount(at, part, width * count) for part in parts]
+        found = [np.bincount(at, values, width * count) for values in parts]
         return np.asarray(found, dtype=float).reshape(3, width, count)
 
     def stiffness(self, n: int) -> csr_matrix:
@@ -308,8 +308,8 @@ class BlockSum:
         """The matrix."""
         out = np.zeros((self.size, self.size))
         for first, block in self.blocks:
-            own = slice(first, first + len(block))
-            out[own, own] += block
+            rows = slice(first, first + len(block))
+            out[rows, rows] += block
         return out
 
     def reach(self, low: int, high: int) -> tuple[int, int]:
@@ -337,7 +337,7 @@ def line_compliance(
     most = max(1, AT_ONCE // size**2)
     beams, waves = n[n < 2], n[n > 1]  # a wave dies out along the body, a beam's motion does not
     groups = [beams[:1], beams[1:], *(waves[i : i + most] for i in range(0, waves.size, most))]
-    return [S for some in groups if some.size for S in _by_stretches(body, some, held, line, rows, springs)]
+    return [S for group in groups if group.size for S in _by_stretches(body, group, held, line, rows, springs)]
 
 
 @dataclass(frozen=True)
@@ -357,9 +357,9 @@ def joined(a: Stretch, b: Stretch, loads: Array) -> Stretch:
 
     A load of which less than round-off reaches that line does nothing there. Raises LinAlgError where it is not held.
     """
-    h, m, own = loads.shape
+    h, m, between = loads.shape
     low, high = a.stiffness.shape[1] - m, b.stiffness.shape[1] - m
-    before, after = a.forces.shape[2], a.forces.shape[2] + own
+    before, after = a.forces.shape[2], a.forces.shape[2] + between
     size, total = low + m + high, after + b.forces.shape[2]
     K, forces = np.zeros((h, size, size)), np.zeros((h, size, total))
     K[:, : low + m, : low + m] = a.stiffness
@@ -370,9 +370,9 @@ def joined(a: Stretch, b: Stretch, loads: Array) -> Stretch:
     return without_line(Stretch(K, forces, motion), slice(low, low + m))
 
 
-def without_line(whole: Stretch, line: slice) -> Stretch:
+def without_line(stretch: Stretch, line: slice) -> Stretch:
     """A stretch without the freedoms ``line`` of those that are left of it."""
-    K, forces, motion = whole.stiffness, whole.forces, whole.motion
+    K, forces, motion = stretch.stiffness, stretch.forces, stretch.motion
     left = np.delete(np.arange(K.shape[1]), line)
     reach = np.flatnonzero((np.abs(forces[:, line]) > NONE_LEFT).any(axis=(0, 1)))
     felt = slice(reach[0], reach[-1] + 1) if reach.size else slice(0, 0)
@@ -386,13 +386,13 @@ def without_line(whole: Stretch, line: slice) -> Stretch:
     return Stretch(K[:, left[:, None], left] - P[:, :m, :m], forces, motion)
 
 
-def repeated(one: Stretch, count: int, loads: Array) -> Stretch:
+def repeated(stretch: Stretch, count: int, loads: Array) -> Stretch:
     """Equal stretches in a row, by doubling; loads: on each of the lines between."""
     if count == 1:
-        return one
-    half = repeated(one, count // 2, loads)
+        return stretch
+    half = repeated(stretch, count // 2, loads)
     twice = joined(half, half, loads)
-    return joined(twice, one, loads) if count % 2 else twice
+    return joined(twice, stretch, loads) if count % 2 else twice
 
 
 def _by_stretches(
@@ -412,8 +412,8 @@ def _by_stretches(
         moves, parts = free[:, 2 * k : 2 * k + 3].reshape(n.size, -1), body.rows(np.array([k]))
         K = np.tensordot(powers, parts.reshape(3, 3 * width, -1), 1) * moves[:, :, None] * moves[:, None]
         K[:, np.arange(3 * width), np.arange(3 * width)] += np.where(moves, 0.0, np.abs(K).max())
-        own = loads(2 * k + 1)
-        forces = np.pad(own, ((0, 0), (width, width), (0, 0)))
+        middle = loads(2 * k + 1)
+        forces = np.pad(middle, ((0, 0), (width, width), (0, 0)))
         return without_line(Stretch(K, forces), slice(width, 2 * width))
 
     def end(springs: Array | float) -> Stretch:

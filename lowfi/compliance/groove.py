@@ -48,8 +48,8 @@ def groove_layer(flank: Flank, section: BeamSection) -> Layer:
     twist = 2.0 * section.GJ / (np.pi * shear) - (far**4 - root**4)
 
     def power(weight: Array, wanted: float) -> float:
-        found = brentq(lambda p: float(np.trapezoid(weight * share**p, r)) - wanted, 1e-3, LARGEST_POWER)
-        return float(found)
+        exponent = brentq(lambda p: float(np.trapezoid(weight * share**p, r)) - wanted, 1e-3, LARGEST_POWER)
+        return float(exponent)
 
     tilt = float(np.arctan(flank.map.rg / flank.contact()[0]))
     return Layer(tuple(r), tuple(share), power(2.0 * r, area), power(4.0 * r**3, twist), tilt)
@@ -85,10 +85,10 @@ def flank_weights(grid: Grid, line: int, zeta: float, width: float, moment: int 
 def harmonics_to(limit: float, step: float = 1.28, first: int = 0) -> Array:
     """Harmonics at which a smooth series is sampled, from ``first`` to ``limit``: up to 4 all, then each ``step`` times the
     last."""
-    found = [first]
-    while found[-1] < limit:
-        found.append(max(found[-1] + 1, int(np.ceil(step * found[-1])) if found[-1] > 3 else 0))
-    return np.array(found)
+    harmonics = [first]
+    while harmonics[-1] < limit:
+        harmonics.append(max(harmonics[-1] + 1, int(np.ceil(step * harmonics[-1])) if harmonics[-1] > 3 else 0))
+    return np.array(harmonics)
 
 
 def spline(known: ArrayLike, values: Array) -> Callable[[Array], Array]:
@@ -111,8 +111,8 @@ def flank_normals(grid: Grid, line: int) -> Array:
     slope = quadratic(np.array([-1.0, 0.0, 1.0]))[1]
     along = np.zeros((r.size, 2))
     for a in range(0, r.size - 2, 2):
-        own = slope @ np.column_stack([r[a : a + 3], z[a : a + 3]])
-        along[a : a + 3] += own / np.linalg.norm(own, axis=1)[:, None]
+        tangent = slope @ np.column_stack([r[a : a + 3], z[a : a + 3]])
+        along[a : a + 3] += tangent / np.linalg.norm(tangent, axis=1)[:, None]
     along /= np.linalg.norm(along, axis=1)[:, None]
     return np.column_stack([-along[:, 1], along[:, 0]])
 
@@ -148,16 +148,16 @@ def own_waves(flank: Flank, grid: Grid, load: tuple[Array, Array], n: Array) -> 
         along = np.flatnonzero(free[-3 * columns :]) % 3 == 2
         S, g, work = on_last(kept[free.tobytes()], harmonic, forces[free], along.size)
         for case, moves in enumerate((~along, along)):  # equal loads leave the plane where it is along z, opposite across
-            own = g[moves, case]
-            values[k, case] = work[case, case] + own @ np.linalg.solve(S[np.ix_(moves, moves)], own)
+            pressed = g[moves, case]
+            values[k, case] = work[case, case] + pressed @ np.linalg.solve(S[np.ix_(moves, moves)], pressed)
     return np.asarray(values.mean(axis=1))
 
 
 def own_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: float) -> float:
     """Motion [m/N] of one flank's patch of ``width`` [m] by its own load in all harmonics, as `own_waves`."""
     n = harmonics_to(2.6 * flank.contact()[0] / width)
-    whole = every_harmonic(n, own_waves(flank, grid, load, n))
-    return float(whole @ patch_shares(np.arange(float(whole.size)), width, flank.contact()[0]))
+    waves = every_harmonic(n, own_waves(flank, grid, load, n))
+    return float(waves @ patch_shares(np.arange(float(waves.size)), width, flank.contact()[0]))
 
 
 def equal_loads(flank: Flank, grid: Grid, width: float) -> tuple[Array, Array]:
@@ -172,15 +172,15 @@ def finer(flank: Flank, coarse: Grid, last: int) -> float:
     ``last``: the finer grid's difference there, and all harmonics above."""
     fine, radius, width = flank.grid(), flank.contact()[0], NARROW * flank.map.ball
     low, high = np.unique([min(2, last), last // 4, last // 2, last]), harmonics_to(2.6 * radius / width, first=last)
-    found = own_waves(flank, fine, equal_loads(flank, fine, width), np.concatenate([low[:-1], high]))
-    change = found[: low.size] - own_waves(flank, coarse, equal_loads(flank, coarse, width), low)
-    every = np.arange(high[-1] + 1.0)
-    whole = np.empty(every.size)
-    whole[:last] = spline(np.log1p(low), change)(np.log1p(every[:last]))
-    whole[0] = 0.5 * whole[1]  # a wave has half the mean square of a constant
-    whole[last:] = every_harmonic(high, found[low.size - 1 :])
-    whole[last] = change[-1]
-    return float(whole @ patch_shares(every, width, radius))
+    sampled = own_waves(flank, fine, equal_loads(flank, fine, width), np.concatenate([low[:-1], high]))
+    change = sampled[: low.size] - own_waves(flank, coarse, equal_loads(flank, coarse, width), low)
+    harmonics = np.arange(high[-1] + 1.0)
+    waves = np.empty(harmonics.size)
+    waves[:last] = spline(np.log1p(low), change)(np.log1p(harmonics[:last]))
+    waves[0] = 0.5 * waves[1]  # a wave has half the mean square of a constant
+    waves[last:] = every_harmonic(high, sampled[low.size - 1 :])
+    waves[last] = change[-1]
+    return float(waves @ patch_shares(harmonics, width, radius))
 
 
 @dataclass(frozen=True)
@@ -220,12 +220,12 @@ def ring_compliance(flank: Flank, held: str) -> RingCompliance:
     n = harmonics_to(2.6 * radius / width)
     free = ~fixed.ravel()
     bands, loads = body.bands(free), rows.reshape(5, -1)[:, free].T
-    found = np.array([loads.T @ solved(bands, harmonic, loads) for harmonic in n.tolist()])
-    every = np.arange(n[-1] + 1.0)
-    S = every_harmonic(n, found)
+    sampled = np.array([loads.T @ solved(bands, harmonic, loads) for harmonic in n.tolist()])
+    harmonics = np.arange(n[-1] + 1.0)
+    S = every_harmonic(n, sampled)
     nominal = np.array([np.cos(flank.map.beta), np.sin(flank.map.beta)]) * flank.map.signs[flank.side]
     turned = S[:, 4, 4] - np.einsum("a,nab,b->n", nominal, S[:, 2:4, 2:4], nominal)
-    return RingCompliance(S[:, :4, :4], float(patch_shares(every, width, radius) @ turned), width, radius)
+    return RingCompliance(S[:, :4, :4], float(patch_shares(harmonics, width, radius) @ turned), width, radius)
 
 
 def patch_shares(n: Array, width: float, radius: float) -> Array:

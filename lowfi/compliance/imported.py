@@ -35,10 +35,10 @@ class Condensed:
     @staticmethod
     def read(path: Path, scene: Scene) -> Condensed:
         """Read a file for a scene. Raises ValueError for a damaged one or one of other parts, OSError."""
-        found = load_condensed(path)
-        if found.geometry != geometry_digest(scene):
+        bodies = load_condensed(path)
+        if bodies.geometry != geometry_digest(scene):
             raise ValueError("made for other parts (track, screw, nut, balls or [solid] differ)")
-        return Condensed(found)
+        return Condensed(bodies)
 
     @property
     def whole(self) -> bool:
@@ -67,16 +67,16 @@ class Condensed:
             section = grooved_section(geometry, True)
             held = held + clamped(motion_rows(x, axes), np.repeat(x[:, 2], 2), (self.bodies.base, 0.0), "low", section)
         known = [s for s in ((0, 1) if screw else (2, 3)) if s in self.bodies.sides]
-        found = self.bodies.screw if screw else self.bodies.nut
-        if found.shape != (N * len(known),) * 2:
+        file_G = self.bodies.screw if screw else self.bodies.nut
+        if file_G.shape != (N * len(known),) * 2:
             raise ValueError("the file of condensed bodies has another number of contacts")
         rows = normal_rows(scene, N, known)
-        change = found - rows @ held @ rows.T
-        both = [s for s in sides if s in known]
-        if not both:
+        change = file_G - rows @ held @ rows.T
+        common = [s for s in sides if s in known]
+        if not common:
             return total
-        pick = np.concatenate([np.arange(N)[:, None] * len(known) + known.index(s) for s in both], axis=1).ravel()
-        along, across = directions(scene, N, sides, both)
+        pick = np.concatenate([np.arange(N)[:, None] * len(known) + known.index(s) for s in common], axis=1).ravel()
+        along, across = directions(scene, N, sides, common)
         A, B = along @ total @ along.T, along @ total @ across.T
         follow = np.linalg.solve(A, B)
         spread = along + follow @ across
@@ -87,19 +87,19 @@ class Condensed:
         D, sides = self.bodies.ball, [int(s) for s in self.bodies.sides]
         closed = ball_compliance(scene, semi_axes, REFINED)
         pairs = [(sides.index(a), sides.index(3 - a)) for a in (0, 1) if a in sides and 3 - a in sides]
-        own = float(np.mean([0.5 * (D[a, a] + D[b, b]) + D[a, b] for a, b in pairs]))
+        alone = float(np.mean([0.5 * (D[a, a] + D[b, b]) + D[a, b] for a, b in pairs]))
         across = closed.sign * closed.g**2
         if len(pairs) == 2:
             (a, b), (c, d) = pairs
             across = 0.25 * float(D[a, c] + D[a, d] + D[b, c] + D[b, d])
-        return BallCompliance(own - 2.0 * abs(across), 0.0, float(np.sqrt(abs(across))), float(np.sign(across)))
+        return BallCompliance(alone - 2.0 * abs(across), 0.0, float(np.sqrt(abs(across))), float(np.sign(across)))
 
     def describe(self) -> str:
         """What it is, for the record."""
         names = ", ".join(SIDES[int(s)] for s in self.bodies.sides)
         level = self.bodies.level
-        what = " and ".join(self.parts) if self.parts != PARTS else "screw, nut and balls"
-        return f"{what} from a condensed 3D model (mesh level {level}, sides {names}), along the normals"
+        bodies = " and ".join(self.parts) if self.parts != PARTS else "screw, nut and balls"
+        return f"{bodies} from a condensed 3D model (mesh level {level}, sides {names}), along the normals"
 
 
 def normal_rows(scene: Scene, N: int, sides: list[int]) -> Array:
@@ -124,8 +124,8 @@ def directions(scene: Scene, N: int, sides: list[int], known: list[int]) -> tupl
         for k, s in enumerate(sides):
             first = 2 * (i * len(sides) + k)
             normal = np.array(SIDE_SIGNS[s]) * np.array([np.cos(beta), np.sin(beta)])
-            for direction, own in ((normal, along if s in known else across), (np.array([-normal[1], normal[0]]), across)):
+            for direction, rows in ((normal, along if s in known else across), (np.array([-normal[1], normal[0]]), across)):
                 row = np.zeros(2 * N * len(sides))
                 row[first : first + 2] = direction
-                own.append(row)
+                rows.append(row)
     return np.array(along), np.array(across)

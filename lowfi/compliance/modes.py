@@ -50,14 +50,14 @@ def _largest(G: Array, limit: float) -> tuple[Array, Array]:
 def _ritz(G: Array, apply: Callable[[Array], Array], count: int, depth: int) -> tuple[Array, Array]:
     """Eigenvalues and vectors of G within what an operator makes of some vectors when it is applied to them ``depth`` times
     (a block Krylov space): those at the far end of the operator's spectrum are those of G."""
-    found = np.linalg.qr(np.random.default_rng(0).standard_normal((len(G), count)))[0]
+    basis = np.linalg.qr(np.random.default_rng(0).standard_normal((len(G), count)))[0]
     for _ in range(depth - 1):
-        more = apply(found[:, -count:])
+        applied = apply(basis[:, -count:])
         for _ in range(2):  # once leaves round-off of what is taken away
-            more -= found @ (found.T @ more)
-        found = np.hstack([found, np.linalg.qr(more)[0]])
-    values, turn = np.linalg.eigh(found.T @ (G @ found))
-    return values, found @ turn
+            applied -= basis @ (basis.T @ applied)
+        basis = np.hstack([basis, np.linalg.qr(applied)[0]])
+    values, turn = np.linalg.eigh(basis.T @ (G @ basis))
+    return values, basis @ turn
 
 
 def negative_part(G: Array) -> tuple[Array, float]:
@@ -71,11 +71,11 @@ def _smallest(G: Array) -> tuple[Array, Array]:
     """Eigenvalues of G, of which those below zero are found, and vectors."""
     from scipy.linalg import cho_factor, cho_solve
 
-    each, count, shift = np.arange(len(G)), FEW, SHIFT * float(np.trace(G)) / len(G)
+    diagonal, count, shift = np.arange(len(G)), FEW, SHIFT * float(np.trace(G)) / len(G)
     with one_thread():  # scipy has a library of its own
         while True:
             shifted = G.copy()
-            shifted[each, each] += shift
+            shifted[diagonal, diagonal] += shift
             try:
                 factor = cho_factor(shifted, lower=True, overwrite_a=True)  # raises ValueError where G is not finite
                 break

@@ -80,13 +80,13 @@ class TubeCompliance:
     """Motion [m/N] of the loaded grid line by loads on it at stations z ``(k,)`` [m]: line, for each harmonic a symmetric
     matrix ``(3 k, 3 k)``, freedoms r, t, z station by station. Of a shaft held by its section, for harmonics 0 and 1, by
     loads on the mean motions of its high end (`lowfi.compliance.fourier.end_motions`), two rows and columns more in line:
-    ends ``(2, 3, k)``, the line (r, t, z), and own ``(2, 2)``, these motions themselves."""
+    ends ``(2, 3, k)``, the line (r, t, z), and corner ``(2, 2)``, these motions themselves."""
 
     tube: Tube
     z: Array
     line: tuple[BlockSum, ...]
     ends: tuple[Array, ...] = ()
-    own: tuple[Array, ...] = ()
+    corner: tuple[Array, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -188,11 +188,11 @@ def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
     body = tube.body(grid)
     held = held_nodes(tube, grid)
     springs = end_springs(tube) if tube.held == "section" else ()
-    found = line_compliance(body, range(tube.harmonics + 1), held, line, rows, springs)
+    by_harmonic = line_compliance(body, range(tube.harmonics + 1), held, line, rows, springs)
     size = 3 * (rows[1] - rows[0])
-    by_end = [S.whole()[size:] for S in found[:2]] if springs else []
-    ends, own = tuple(S[:, :size].reshape(2, -1, 3).swapaxes(1, 2) for S in by_end), tuple(S[:, size:] for S in by_end)
-    return TubeCompliance(tube, z[rows[0] : rows[1]], tuple(found), ends, own)
+    by_end = [S.whole()[size:] for S in by_harmonic[:2]] if springs else []
+    ends, corner = tuple(S[:, :size].reshape(2, -1, 3).swapaxes(1, 2) for S in by_end), tuple(S[:, size:] for S in by_end)
+    return TubeCompliance(tube, z[rows[0] : rows[1]], tuple(by_harmonic), ends, corner)
 
 
 def end_springs(tube: Tube) -> tuple[float, float, float, float]:
@@ -213,7 +213,7 @@ def patch_weights(z: Array, at: Array, width: float) -> Array:
     return np.asarray(out / out.sum(axis=1, keepdims=True))
 
 
-def contact_compliance(found: TubeCompliance, points: Points, *, resultant: bool = True) -> Array:
+def contact_compliance(compliance: TubeCompliance, points: Points, *, resultant: bool = True) -> Array:
     """Compliance ``(2 c, 2 c)`` [m/N] between all contacts, each a Gaussian patch; two axes a contact.
 
     Spreading a force around the axis lessens what it does to harmonic n by exp(-(n width / radius)^2 / 2), but for 0 and 1:
@@ -225,15 +225,15 @@ def contact_compliance(found: TubeCompliance, points: Points, *, resultant: bool
     """
     from scipy.sparse import csr_array
 
-    tube, k, count = found.tube, found.z.size, points.z.size
+    tube, k, count = compliance.tube, compliance.z.size, points.z.size
     order = np.argsort(points.z, kind="stable")
-    azimuth, weights = points.azimuth[order], patch_weights(found.z, points.z[order], tube.width)
+    azimuth, weights = points.azimuth[order], patch_weights(compliance.z, points.z[order], tube.width)
     weights[np.abs(weights) <= UNREACHED] = 0.0
     near, touched = csr_array(weights), weights != 0.0
     first, last = touched.argmax(axis=1), k - touched[:, ::-1].argmax(axis=1)  # lines of each contact, in order
     chunks = [slice(i, min(i + CHUNK, count)) for i in range(0, count, CHUNK)]
     total = [np.zeros((count, len(PARTS), x.stop - x.start)) for x in chunks]
-    for n, line in enumerate(found.line):
+    for n, line in enumerate(compliance.line):
         S = line.whole()[: 3 * k, : 3 * k].reshape(k, 3, k, 3)
         share = np.exp(-((n * tube.width / tube.radius) ** 2)) if n > 1 or not resultant else 1.0
         c, s = np.cos(n * azimuth), np.sin(n * azimuth)
@@ -245,18 +245,18 @@ def contact_compliance(found: TubeCompliance, points: Points, *, resultant: bool
             parts = np.stack([S[low:high, i, a:b, j] for i, j in PARTS], axis=1).reshape(-1, b - a)
             by_load = (parts @ weights[loads, a:b].T).reshape(high - low, -1)
             moved = (near[moves, low:high] @ by_load).reshape(-1, len(PARTS), loads.stop - loads.start)
-            here, there = share * np.stack([c[moves], s[moves]], axis=1), np.stack([c[loads], s[loads]])
+            moving, loading = share * np.stack([c[moves], s[moves]], axis=1), np.stack([c[loads], s[loads]])
             # cosine and sine of n times the angle between two contacts
-            moved[:, :EVEN] *= (here @ there)[:, None]
-            moved[:, EVEN:] *= (here[:, ::-1] * [1.0, -1.0] @ there)[:, None]
+            moved[:, :EVEN] *= (moving @ loading)[:, None]
+            moved[:, EVEN:] *= (moving[:, ::-1] * [1.0, -1.0] @ loading)[:, None]
             by_them[moves] += moved
     G, places = np.empty((count, 2, count, 2)), np.argsort(order)
     for moves, by_these in zip(chunks, total, strict=True):
-        whole = np.empty((moves.stop - moves.start, 3, 3, count))
+        block = np.empty((moves.stop - moves.start, 3, 3, count))
         of_these = np.concatenate([x[moves] for x in total], axis=2)
-        for part, (i, j) in enumerate(PARTS):
-            whole[:, i, j], whole[:, j, i] = of_these[:, part], by_these[:, part].T
-        one_side = points.axes[order[moves]] @ whole.reshape(-1, 3, 3 * count)
+        for entry, (i, j) in enumerate(PARTS):
+            block[:, i, j], block[:, j, i] = of_these[:, entry], by_these[:, entry].T
+        one_side = points.axes[order[moves]] @ block.reshape(-1, 3, 3 * count)
         one_side = one_side.reshape(-1, 2, 3, count)[..., places].transpose(3, 0, 1, 2).reshape(count, -1, 3)
         G[order[moves]] = (one_side @ points.axes.swapaxes(1, 2)).reshape(count, -1, 2, 2).transpose(1, 2, 0, 3)
     square = G.reshape(2 * count, 2 * count)
@@ -295,15 +295,15 @@ def cantilever(rows: Array, stations: Array, base: float, section: BeamSection, 
     by = np.arange(len(rows))[loaded]
     out = np.empty((len(rows), by.size))
     for first in range(0, by.size, CHUNK):
-        some = by[first : first + CHUNK]
-        right = left[some, 0]
+        chunk = by[first : first + CHUNK]
+        right = left[chunk, 0]
         m = np.where(left * right > 0.0, np.minimum(np.abs(left), np.abs(right)), 0.0)
         m1, m2 = 0.5 * m * m * np.sign(left), m * m * m / 3.0
         uu = (left * right * m - (left + right) * m1 + m2) / section.EI + m / section.kGA
         ur = (left * m - m1) / section.EI  # deflection by a moment
         ru = (right * m - m1) / section.EI
-        G = uu * (shift @ shift[some].T) + ur * (shift @ turn[some].T) + ru * (turn @ shift[some].T)
-        out[:, first : first + CHUNK] = G + m * (yielding @ rows[some, 2:].T)
+        G = uu * (shift @ shift[chunk].T) + ur * (shift @ turn[chunk].T) + ru * (turn @ shift[chunk].T)
+        out[:, first : first + CHUNK] = G + m * (yielding @ rows[chunk, 2:].T)
     return out
 
 

@@ -92,13 +92,13 @@ def _round(chain: Chain, errors: Array, at: NDArray[np.int64], load: float, appr
         if size <= TOLERANCE * load:
             return approach, step, True
         move = -np.linalg.solve(jacobian, value)
-        part = 1.0
+        fraction = 1.0
         for _ in range(MAX_HALVINGS):
-            ahead = _equations(chain, errors, at, load, approach + part * move)
+            ahead = _equations(chain, errors, at, load, approach + fraction * move)
             if np.abs(ahead[0]).max() < size:
                 break
-            part *= 0.5
-        approach = approach + part * move
+            fraction *= 0.5
+        approach = approach + fraction * move
         value, jacobian = ahead
     return approach, MAX_STEPS, False
 

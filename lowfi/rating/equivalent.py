@@ -66,13 +66,13 @@ def equivalent_life(
     shares: of the revolutions; forces: of the screw on the nut in each case, ``(3,)`` [N]; preload: axial force [N] between
     two halves with a lead offset, 0 with play. Raises ValueError, in words, where the standard does not apply.
     """
-    used = [(one, n, np.asarray(F, dtype=float)) for one, n, F in zip(scenes, shares, forces, strict=True) if n > 0.0]
+    used = [(scene, n, np.asarray(F, dtype=float)) for scene, n, F in zip(scenes, shares, forces, strict=True) if n > 0.0]
     ring = scenes[0].track.lead == 0.0
     standard = "ISO 281" if ring else "ISO 3408-5"
-    for one, _, _ in used:
-        reason = _outside(one, ring=ring)
+    for scene, _, _ in used:
+        reason = _outside(scene, ring=ring)
         if reason:
-            raise ValueError(f"{standard} does not know {reason} (as in {one.name})")
+            raise ValueError(f"{standard} does not know {reason} (as in {scene.name})")
     n = np.array([share for _, share, _ in used])
     if ring:
         loads: tuple[float, ...] = (mean_force(n, np.array([_of_ring(scenes[0], F) for _, _, F in used])),)
@@ -105,12 +105,12 @@ def mean_force(shares: Array, force: Array) -> float:
 def _ratings(scene: Scene) -> tuple[float, float]:
     """Ratings [N] of a screw along +z and against it: of the nut with play, of its halves with a lead offset, of which the
     one that is shifted along +z carries the forces against it."""
-    whole = rating(scene)
+    capacity = rating(scene)
     offset = scene.errors.lead_offset
     if offset == 0.0:
-        return whole, whole
+        return capacity, capacity
     beyond = float(np.mean(beyond_step(scene, ball_layout(scene).z)))
-    before, after = whole * (1.0 - beyond) ** 0.86, whole * beyond**0.86
+    before, after = capacity * (1.0 - beyond) ** 0.86, capacity * beyond**0.86
     return (before, after) if offset > 0.0 else (after, before)
 
 
@@ -140,7 +140,7 @@ def _of_ring(scene: Scene, force: Array) -> float:
 
 
 def _outside(scene: Scene, *, ring: bool) -> str:
-    """What a case has that the standard does not know; empty where it knows all."""
+    """What of a case the standard does not cover; empty where it covers all."""
     moved = {name for s in scene.supports for name, value in s.fixed if value != 0.0}
     if any(x.moment[0] or x.moment[1] for x in scene.loads) or moved & {"rx", "ry"}:
         return "moments across the axis"

@@ -83,8 +83,8 @@ def turns_of(scene: Scene) -> tuple[float, float]:
     """Balls per turn of one start, and turns of all starts that they fill at the spacing of the scene's azimuths."""
     azimuth = np.asarray(scene.balls.azimuths)
     n = azimuth.size
-    own = 1.0 if n == 1 else float(azimuth.max() - azimuth.min()) / (n - 1) * n / (2.0 * pi)
-    return n / own, own * scene.track.starts
+    turns = 1.0 if n == 1 else float(azimuth.max() - azimuth.min()) / (n - 1) * n / (2.0 * pi)
+    return n / turns, turns * scene.track.starts
 
 
 def _shape(scene: Scene) -> tuple[Array, float]:
@@ -134,8 +134,8 @@ def rating(scene: Scene) -> float:
     if scene.track.lead > 0.0:
         screw, nut = _turn_rating(scene)[[0, 3]] * _turns_share(scene)
     else:
-        alpha, whole = scene.track.contact_angle, contact_capacity(scene)[[0, 3]] * scene.ball_count
-        screw, nut = whole * sin(alpha) if is_thrust(scene) else whole * cos(alpha) * np.array(RADIAL)
+        alpha, capacities = scene.track.contact_angle, contact_capacity(scene)[[0, 3]] * scene.ball_count
+        screw, nut = capacities * sin(alpha) if is_thrust(scene) else capacities * cos(alpha) * np.array(RADIAL)
     return float((screw ** (-10.0 / 3.0) + nut ** (-10.0 / 3.0)) ** -0.3)
 
 

@@ -101,8 +101,8 @@ def body_compliance(scene: Scene) -> float | None:
     nut, screw = scene.nut.material, scene.screw.material
     widen = (scene.nut.outer_diameter**2 + outer**2) / (scene.nut.outer_diameter**2 - outer**2) + nut.poissons_ratio
     squeeze = (inner**2 + scene.screw.bore**2) / (inner**2 - scene.screw.bore**2) - screw.poissons_ratio
-    both = widen / nut.youngs_modulus + squeeze / screw.youngs_modulus
-    return both / (2.0 * pi * length * tan(track.contact_angle) ** 2)
+    radial = widen / nut.youngs_modulus + squeeze / screw.youngs_modulus
+    return radial / (2.0 * pi * length * tan(track.contact_angle) ** 2)
 
 
 def axial_displacement(scene: Scene, result: StaticResult) -> float:

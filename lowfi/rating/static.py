@@ -44,10 +44,10 @@ def contact_rating(scene: Scene) -> float:
 
 def static_rating(scene: Scene) -> float:
     """Basic static load rating C_0 [N] by (2): axial for a screw and a thrust bearing, radial for a ring up to 45 deg."""
-    whole = scene.ball_count * contact_rating(scene)
+    ratings = scene.ball_count * contact_rating(scene)
     if is_thrust(scene) or scene.track.lead > 0.0:
-        return whole * slope_of(scene)
-    return whole * cos(scene.track.contact_angle) / STRIBECK
+        return ratings * slope_of(scene)
+    return ratings * cos(scene.track.contact_angle) / STRIBECK
 
 
 @dataclass(frozen=True)

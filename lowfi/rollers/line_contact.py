@@ -89,11 +89,11 @@ def between_races(
     roller_radius [m]; race_curvatures: of inner (positive) and outer race (negative) [1/m]; depths [m]: to where the
     rings' deformation is counted, about their thickness. Doubling a depth adds 2 q (1 - nu^2) ln 2 / (pi E), some 7 %.
     """
-    one = (1.0 - poisson**2) / (np.pi * young)
+    factor = (1.0 - poisson**2) / (np.pi * young)
     modulus = contact_modulus(young, poisson, young, poisson)
     r = np.asarray(roller_radius, dtype=float)
     g = np.zeros_like(r)
     for race, depth in zip(race_curvatures, depths, strict=True):
         b = half_width(1.0, 1.0 / r + race, modulus)
-        g = g + one * (2.0 * np.log(4.0 * r / b) - 1.0 + 2.0 * np.log(2.0 * depth / b) - poisson / (1.0 - poisson))
-    return LineLaw(np.asarray(g), 4.0 * one)
+        g = g + factor * (2.0 * np.log(4.0 * r / b) - 1.0 + 2.0 * np.log(2.0 * depth / b) - poisson / (1.0 - poisson))
+    return LineLaw(np.asarray(g), 4.0 * factor)

@@ -59,10 +59,10 @@ def contacts_of(elastic: Elastic) -> tuple[Array, Array, Array]:
     if pair is None:
         return elastic.state.inner[:, :2].copy(), elastic.state.contact.copy(), moved
     a, b = pair
-    own = elastic.state.contact[:, 0]
+    of_pair = elastic.state.contact[:, 0]
     contact = np.zeros((N, 4, 5))
-    contact[:, a] = own
-    contact[:, b] = own
+    contact[:, a] = of_pair
+    contact[:, b] = of_pair
     contact[:, b, 1:3] *= -1.0
     p = np.zeros((N, 2))
     shift = moved.copy()
@@ -95,7 +95,7 @@ def flank_forces(elastic: Elastic) -> Array:
 def flank_shifts(elastic: Elastic) -> Array:
     """Motions ``(N, 4, 2)`` [m] of all built flanks at the state."""
     N = elastic.state.inner.shape[0]
-    screw, nut, v0, R = elastic.flanks.own
+    screw, nut, v0, R = elastic.flanks.kept
     forces, out = flank_forces(elastic), np.zeros((N, 4, 2))
     for G, sides in ((screw, (0, 1)), (nut, (2, 3))):
         used = [s for s in sides if elastic.problem.use[s]]

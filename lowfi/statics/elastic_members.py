@@ -48,28 +48,28 @@ class ElasticMembers:
         self._states.clear()
         with one_thread():
             for k in range(count):
-                own = drawn.ball_radius[k], offset[k], closure[k], C[k]
-                use = choose_sides(self.scene, nominal, own[1:3])
-                found = self._member(first + k, use, own)
-                if found is None and not np.array_equal(use, all_sides(self.scene)):
-                    found = self._member(first + k, all_sides(self.scene), own)
-                if found is not None:
-                    loads[k], numbers[:, k] = found[0], found[1:]
+                dims = drawn.ball_radius[k], offset[k], closure[k], C[k]
+                use = choose_sides(self.scene, nominal, dims[1:3])
+                solved = self._member(first + k, use, dims)
+                if solved is None and not np.array_equal(use, all_sides(self.scene)):
+                    solved = self._member(first + k, all_sides(self.scene), dims)
+                if solved is not None:
+                    loads[k], numbers[:, k] = solved[0], solved[1:]
         return loads, *numbers
 
-    def _member(self, number: int, use: Mask, own: tuple[Array, Array, Array, Array]) -> tuple[Array, float, float] | None:
-        """One member with some sides, as `_System.solve` takes it (``own``) and gives it."""
+    def _member(self, number: int, use: Mask, dims: tuple[Array, Array, Array, Array]) -> tuple[Array, float, float] | None:
+        """One member with some sides, as `_System.solve` takes it (``dims``) and gives it."""
         system, key = self._system(use), (number, use.tobytes())
         if system is None:
             return None
-        found = system.solve(*own, start=None if self.like is None else self.like._states.get(key))
-        if found is not None:
-            self._states[key] = [part.copy() for part in system.elastic.state]
-        return found
+        solved = system.solve(*dims, start=None if self.like is None else self.like._states.get(key))
+        if solved is not None:
+            self._states[key] = [array.copy() for array in system.elastic.state]
+        return solved
 
     def _system(self, use: Mask) -> _System | None:
         """The system with some sides, or with all where they are touched, in the solution of member 0, whatever members are
-        asked for; None where it serves no other."""
+        asked for; None where it serves no other member."""
         key = use.tobytes()
         if key not in self._systems:
             self._systems[key] = None
@@ -92,7 +92,7 @@ class _System:
 
     def __init__(self, elastic: Elastic) -> None:
         self.elastic = elastic
-        self.start = [part.copy() for part in elastic.state]
+        self.start = [array.copy() for array in elastic.state]
         self.local = elastic.contacts.local.copy()
         self.size = float(np.cbrt(scale_of(elastic.problem).typical))
         self.by_pushes, self.by_motions, self.at_rest = _work(elastic)
@@ -104,8 +104,8 @@ class _System:
         constants ``(N, 4)``; None where it does not converge, or a flank that was left out may be touched. start: state
         to start from, in place of the first member's."""
         self._place(radii, offset, closure, C)
-        for part, first in zip(self.elastic.state, start or self.start, strict=True):
-            part[:] = first
+        for array, first in zip(self.elastic.state, start or self.start, strict=True):
+            array[:] = first
         elastic = self.elastic
         outcome = iterate(elastic, False)
         if outcome.status not in (CONVERGED, ITERATIONS):

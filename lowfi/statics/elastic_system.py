@@ -39,7 +39,7 @@ class Flanks:
     first, second: compliance [m/N] of screw and nut ``(4 N, 4 N)``, or of both together ``(2 N, 2 N)`` and nothing;
     modes: of both, the soft ones (`soft_modes`); R ``(N, d, k)`` by the free motions, v0 ``(N, d)`` [m] by loads and
     prescribed displacements, work ``(k,)`` of the loads; e ``(N, 4)`` [m/N] and h ``(N, 4)`` [m/N^(4/3)] beside Hertz;
-    clipped: largest negative compliance cut away over a contact's own. own: what the flanks' motions are found from again:
+    clipped: largest negative compliance cut away over a contact's own. kept: what the flanks' motions are found from again:
     compliance of screw and of nut on the built sides, v0 ``(N, 2, 2)`` and R ``(N, 2, 2, k)`` of the screw's flanks;
     squeeze: what is in them of the shaft's section forces, where it carries anything above the contacts. slope ``(4,)``
     [m/N]: what e gains by the logarithm of the cube root of the typical force, which h has over that root; lent [m/N]: the
@@ -55,7 +55,7 @@ class Flanks:
     e: Array
     h: Array
     clipped: float
-    own: tuple[Array, Array, Array, Array]
+    kept: tuple[Array, Array, Array, Array]
     slope: Array
     lent: float
     squeeze: Squeeze | None = None
@@ -135,7 +135,7 @@ def flanks_of(problem: Problem, force: float, shaft: Shaft, response: Response) 
         e,
         h,
         clipped / tangent,
-        (*response.own, v0, response.R),
+        (*response.bodies, v0, response.R),
         response.slope,
         most_lent,
         squeeze,
@@ -148,8 +148,8 @@ def pair_data(problem: Problem, pair: tuple[int, int], e: Array, h: Array) -> Ar
     geometry = problem.geometry
     D = geometry[:, b, :2] - geometry[:, a, :2]
     size = np.hypot(D[:, 0], D[:, 1])
-    both = geometry[:, a, 4] + geometry[:, b, 4]
-    return np.column_stack([D, size, problem.closure[:, a], both, e[:, a] + e[:, b], h[:, a] + h[:, b]])
+    constant = geometry[:, a, 4] + geometry[:, b, 4]
+    return np.column_stack([D, size, problem.closure[:, a], constant, e[:, a] + e[:, b], h[:, a] + h[:, b]])
 
 
 def ready(

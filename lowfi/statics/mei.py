@@ -163,7 +163,7 @@ def solve_mei(scene: Scene, *, member: int = 0, elastic_nut: bool = False) -> St
     """Contact loads of the axial-only model.
 
     elastic_nut: the nut as a bar clamped at its left face (Mei's own model) instead of rigid (as in ``lin``).
-    Lateral loads, moments and lateral supports are left out, and said; an axial load that nothing can carry is
+    Lateral loads, moments and lateral supports are left out and named; an axial load that nothing can carry is
     reported in ``status``.
     """
     start = perf_counter()
@@ -182,9 +182,9 @@ def solve_mei(scene: Scene, *, member: int = 0, elastic_nut: bool = False) -> St
     points = layout.centre[:, None, :] + scene.balls.radius * world
     axial = float((chain.slope * (force[:, 0] - force[:, 1])).sum())
     applied = float(chain.load.sum())
-    own = np.zeros(chain.fixed.size, dtype=bool)
-    own[: (2 if elastic_nut else 1) * chain.nodes.size : 2 if elastic_nut else 1] = True
-    reaction = float(_gradient(chain, x)[0][own & chain.fixed].sum())
+    of_screw = np.zeros(chain.fixed.size, dtype=bool)
+    of_screw[: (2 if elastic_nut else 1) * chain.nodes.size : 2 if elastic_nut else 1] = True
+    reaction = float(_gradient(chain, x)[0][of_screw & chain.fixed].sum())
     size = max(abs(applied), abs(axial), 1e-300)
     zero = np.zeros(3)
     balance = Equilibrium(

@@ -40,7 +40,7 @@ def nominal_contacts(scene: Scene, solved: StaticResult | None = None) -> int:
 def _contacts(scene: Scene) -> int:
     layout = ball_layout(scene)
     try:
-        found = beam_loads(scene, specimen(scene, layout), layout)
+        result = beam_loads(scene, specimen(scene, layout), layout)
     except ValueError:  # what makes the scene itself impossible is said by its own solution
         return 0
-    return int(np.count_nonzero(found.load > 0.0)) if found.converged else 0
+    return int(np.count_nonzero(result.load > 0.0)) if result.converged else 0

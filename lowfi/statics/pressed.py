@@ -36,9 +36,9 @@ class Pressed:
         p, (k, n) = self.prepared, members.r_ball.shape
         lever = (centre - p.problem.drawn.centre)[:, :, :2] / p.options.arm + np.zeros((k, 1, 1, 1))
         status, residual = np.empty(k, dtype=np.int64), np.empty(k)
-        found = FlankStates(np.empty((k, n, 4)), status, residual, np.empty((k, len(self.seen))), np.empty((k, n, 2)))
-        p.engine.flank_members(self.common, FlankMembers(*members[1:], lever), p.options.tolerance, found)
-        return found
+        states = FlankStates(np.empty((k, n, 4)), status, residual, np.empty((k, len(self.seen))), np.empty((k, n, 2)))
+        p.engine.flank_members(self.common, FlankMembers(*members[1:], lever), p.options.tolerance, states)
+        return states
 
     def functions(self, pulls: Array) -> Array:
         """Those linear functions (m, j) in solutions of pulls (m, c)."""
@@ -95,12 +95,12 @@ def soft_modes(reach: Array, stiffness: Array) -> Array:
     given stiffness (N, 4, 4) resist: subspace iteration from random forces, Nystrom's approximation."""
     count = len(stiffness)
     picks = (6 * np.arange(count)[:, None] + np.arange(4)).ravel()
-    own = reach[np.ix_(picks, picks)]
+    picked = reach[np.ix_(picks, picks)]
     forces = np.random.default_rng(0).standard_normal((4 * count, min(SOFT, 4 * count)))
     for _ in range(PASSES):
-        pressed_by = stiffness @ (own @ forces).reshape(count, 4, -1)
+        pressed_by = stiffness @ (picked @ forces).reshape(count, 4, -1)
         forces = np.linalg.qr(pressed_by.reshape(4 * count, -1))[0]
-    moved = own @ forces
+    moved = picked @ forces
     size, turned = np.linalg.eigh(forces.T @ moved)
     kept = size > 1e-12 * size[-1]
     soft = np.zeros((6 * count, int(kept.sum())))

@@ -115,19 +115,19 @@ def _hertz_at(bare: Scene, ball_radius: float) -> HertzConstants:
     return _unwritable(drawn_hertz(bare, specimen(bare, ball_layout(bare)), np.array([ball_radius])))
 
 
-def _unwritable(found: HertzConstants) -> HertzConstants:
-    for values in (found.C, found.C_a, found.C_b, found.eccentricity):
+def _unwritable(constants: HertzConstants) -> HertzConstants:
+    for values in (constants.C, constants.C_a, constants.C_b, constants.eccentricity):
         values.flags.writeable = False
-    return found
+    return constants
 
 
 @lru_cache(maxsize=64)
 def _curvatures_of(bare: Scene) -> Array:
     scene, layout = bare, ball_layout(bare)
     drawn = specimen(bare, layout)
-    found: Array = relative_curvatures(bare, drawn, np.full((layout.z.size, 4), scene.track.contact_angle))[0]
-    found.flags.writeable = False
-    return found
+    curvatures: Array = relative_curvatures(bare, drawn, np.full((layout.z.size, 4), scene.track.contact_angle))[0]
+    curvatures.flags.writeable = False
+    return curvatures
 
 
 def drawn_hertz(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> HertzConstants:
@@ -213,20 +213,20 @@ def error_free(scene: Scene) -> Scene:
 def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> Array:
     """Constant C of each ball and side before any update to the actual geometry, ``(..., N, 4)``; ball_radius: as for
     `drawn_hertz`."""
-    own = drawn.ball_radius if ball_radius is None else ball_radius
+    radius = drawn.ball_radius if ball_radius is None else ball_radius
     kind = scene.ingredients.hertz
     if kind in ("as printed", "error-free"):
-        return _repeated(_as_printed(scene) if kind == "as printed" else nominal_hertz(scene).C, own.shape)
-    if own.ndim == 1:
-        return _repeated(distinct_hertz(scene, drawn, own).C, own.shape)
+        return _repeated(_as_printed(scene) if kind == "as printed" else nominal_hertz(scene).C, radius.shape)
+    if radius.ndim == 1:
+        return _repeated(distinct_hertz(scene, drawn, radius).C, radius.shape)
     from numpy.polynomial.chebyshev import chebinterpolate, chebval
 
     # C is smooth in the radius: for many specimens a polynomial through few exact values has all digits
-    middle, half = 0.5 * (own.max() + own.min()), max(0.5 * float(own.max() - own.min()), 1e-9)
+    middle, half = 0.5 * (radius.max() + radius.min()), max(0.5 * float(radius.max() - radius.min()), 1e-9)
     series = chebinterpolate(lambda x: drawn_hertz(scene, drawn, middle + half * x).C, NODES - 1)  # type: ignore[type-var]
     shown = np.flatnonzero((np.abs(series) > ROUND_OFF * np.abs(series[0])).any(axis=1))[-1]
     distinct, of_side = np.unique(series[: shown + 1], axis=1, return_inverse=True)
-    values = chebval((own - middle) / half, distinct)
+    values = chebval((radius - middle) / half, distinct)
     return np.stack([values[k] for k in of_side.ravel()], axis=-1)
 
 

@@ -89,14 +89,14 @@ def opening(work: Array, approach: Any, held: Array) -> Array | None:
 
 def ran_away(motion: Callable[[], Array | None], body: str, opens: Callable[[Array], str]) -> Status:
     """Status sentence of a body that ran away: not held only where a linear program finds a ``motion`` that opens its
-    contacts; opens: says so, of that motion."""
+    contacts; opens: words for that motion."""
     try:
-        found = motion()
+        opened = motion()
     except ArithmeticError as error:
         why = f"{body} ran away, and whether its contacts can hold it is not known: {error}"
         return Status("not converged", why)
-    if found is not None:
-        return Status("not held", opens(found))
+    if opened is not None:
+        return Status("not held", opens(opened))
     why = f"{body} ran away, though contact forces that push can balance the loads (linear program)"
     return Status("not converged", why)
 

@@ -52,8 +52,8 @@ def positive(G: Array, normals: Array, tangent: float) -> tuple[Array, Array, fl
     Beside a held face a body adds less than nothing to a contact's motion. Where that is no more than `LENT` of the
     ``tangent`` compliance of a contact [m/N], its own law has it less what it lent, and nothing is lost.
     """
-    found, lent, cut = Compliance(G, normals).positive(tangent)
-    return found.G, lent, cut
+    mended, lent, cut = Compliance(G, normals).positive(tangent)
+    return mended.G, lent, cut
 
 
 class Compliance:
@@ -83,8 +83,8 @@ class Compliance:
     def lacks(self) -> Array:
         """What it lacks along the normals ``(n,)`` [m/N] by its negative eigenvalues."""
         negative = negative_part(self.G)[0].reshape(len(self.normals), 2, -1, 2)
-        each = np.einsum("ia,iajb,jb->ij", self.normals, negative, self.normals)
-        return np.asarray(np.abs(each).sum(axis=1))
+        missing = np.einsum("ia,iajb,jb->ij", self.normals, negative, self.normals)
+        return np.asarray(np.abs(missing).sum(axis=1))
 
     @cached_property
     def mended(self) -> tuple[Compliance, float]:
@@ -94,9 +94,9 @@ class Compliance:
     def lending(self, lent: Array) -> tuple[Compliance, float]:
         """Itself with what it is lent along the normals ``(n,)`` [m/N], and without what is negative for all that; the
         largest of this [m/N]."""
-        each, G = np.arange(lent.size), self.G.copy()
+        contact, G = np.arange(lent.size), self.G.copy()
         across = self.normals[:, :, None] * self.normals[:, None, :]
-        G.reshape(lent.size, 2, lent.size, 2)[each, :, each] += lent[:, None, None] * across
+        G.reshape(lent.size, 2, lent.size, 2)[contact, :, contact] += lent[:, None, None] * across
         if _is_positive(G):
             return Compliance(G, self.normals), 0.0
         cut, least = negative_part(G)
@@ -107,15 +107,15 @@ class Compliance:
         if self.is_positive:
             return self, np.zeros(len(self.normals)), 0.0
         lent = np.minimum(self.lacks, LENT * tangent)
-        found, cut = self.mended if np.array_equal(lent, self.lacks) else self.lending(lent)
-        return found, lent, cut
+        mended, cut = self.mended if np.array_equal(lent, self.lacks) else self.lending(lent)
+        return mended, lent, cut
 
 
 def _is_positive(G: Array) -> bool:
     if G.size == 0:
         return True
-    raised, each = G.copy(), np.arange(len(G))
-    raised[each, each] += max(1e-10 * float(np.trace(G)) / len(G), 1e-300)
+    raised, diagonal = G.copy(), np.arange(len(G))
+    raised[diagonal, diagonal] += max(1e-10 * float(np.trace(G)) / len(G), 1e-300)
     try:
         np.linalg.cholesky(raised)
     except np.linalg.LinAlgError:
@@ -150,14 +150,14 @@ NOTHING = Compliance(np.zeros((0, 0)), np.zeros((0, 2)))
 class Response:
     """How shaft and bodies answer, whatever the loads, the prescribed displacements and the radii of the balls.
 
-    shaft: under some loads; own: compliance [m/N] of screw and nut on their built sides, ball by ball; solved: of both
+    shaft: under some loads; bodies: compliance [m/N] of screw and nut on their built sides, ball by ball; solved: of both
     together for one pair, or of each on all its sides; R ``(N, 2, 2, k)``: motion of the screw's flanks by the free ones;
     squeeze: under those loads. Beside Hertz a contact of each side has e [m/N] at a force of 1 N, slope ``(4,)`` of it by
     the logarithm of the contact's size, and h ``(4,)`` [m/N^(4/3)] apart from what the slope makes; ball: at 1 N.
     """
 
     shaft: Shaft
-    own: tuple[Array, Array]
+    bodies: tuple[Array, Array]
     solved: tuple[Compliance, ...]
     R: Array
     squeeze: Squeeze | None
@@ -217,21 +217,21 @@ def _response(
         assumed += [x for x in body.assumed if x not in assumed]
         e[sides], slope[sides] = body.e + ball.e, body.slope + ball.slope
         order = by_ball(N, len(sides))
-        own = body.G[np.ix_(order, order)]
+        compliance = body.G[np.ix_(order, order)]
         if screw:
             beam, rigid = flank_response(shaft, sides)
             stretch = stretch_of(problem, scene, layout, backend, sides, slice(0, N))
             squeeze = squeezed(shaft, sides, [stretch] if stretch is not None else [])
             if squeeze is not None:
                 beam = beam + squeeze.added
-            own = own + beam[np.ix_(order, order)]
+            compliance = compliance + beam[np.ix_(order, order)]
             R[:, [s % 2 for s in sides]] = rigid[order].reshape(N, len(sides), 2, -1)
         if condensed is not None:
             for s in condensed.sides_of(sides):
                 (e[s], h[s]), slope[s] = condensed.bodies.own_law(s), 0.0
                 e[s] += of_file.e
-            own = condensed.correct(scene, layout, sides, own, backend)
-        G.append(own)
+            compliance = condensed.correct(scene, layout, sides, compliance, backend)
+        G.append(compliance)
     normals, pair = normals_of(problem.geometry), one_pair(problem)
     if pair is not None:
         solved = [Compliance(G[0] + G[1], normals[:, pair[0]])]

@@ -31,9 +31,9 @@ class Status(str):
 
     def __new__(cls, kind: Ended, reason: str = "", cause: Cause = "") -> Status:
         """The sentence, which is the kind alone where there is no reason to give."""
-        own = super().__new__(cls, f"{kind}: {reason}" if reason else kind)
-        own.kind, own.reason, own.cause = kind, reason, cause
-        return own
+        status = super().__new__(cls, f"{kind}: {reason}" if reason else kind)
+        status.kind, status.reason, status.cause = kind, reason, cause
+        return status
 
     def __getnewargs__(self) -> tuple[Ended, str, Cause]:  # type: ignore[override]
         """What a copy is made of, in another process too."""
@@ -104,7 +104,7 @@ class Answering:
 
 @dataclass(frozen=True, kw_only=True)
 class Solved(Answering):
-    """What every static solution says of the shaft. status: "converged" or what went wrong; centreline: stations
+    """What every static solution holds of the shaft. status: "converged" or what went wrong; centreline: stations
     ``(k,)`` [m] and motions ``(k, 6)`` [m, rad]; member: which specimen of a scene with random errors."""
 
     model: str
@@ -234,7 +234,7 @@ class AxisResult(Solved):
 
 
 def unknown(value: Any) -> Any:
-    """What says nothing in place of an answer: nan for numbers, the same in parts of a result; None for a balance."""
+    """Placeholder for an answer that is not known: nan for numbers, the same in parts of a result; None for a balance."""
     if isinstance(value, tuple):
         return tuple(unknown(x) for x in value)
     if isinstance(value, Answering):

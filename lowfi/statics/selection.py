@@ -107,19 +107,19 @@ def all_clear(
             named = slice(left_out[0], left_out[1] + 1, left_out[1] - left_out[0])
         room = _extreme(np.minimum, gaps(centres, shift[:, :, named], geometry[:, :, named]))
         return np.asarray((room >= margin).all(axis=1))
-    found = gaps(centres, shift, geometry)
-    room = np.where(loaded, _extreme(np.minimum, found[..., left_out]), _extreme(np.minimum, found))
-    some = ~loaded.all(axis=1)
-    elsewhere = gaps(shift[some].mean(axis=2), shift[some], geometry[some]).min(axis=2)
-    room[some] = np.where(loaded[some], room[some], np.maximum(room[some], elsewhere))
+    clearance = gaps(centres, shift, geometry)
+    room = np.where(loaded, _extreme(np.minimum, clearance[..., left_out]), _extreme(np.minimum, clearance))
+    idle = ~loaded.all(axis=1)
+    elsewhere = gaps(shift[idle].mean(axis=2), shift[idle], geometry[idle]).min(axis=2)
+    room[idle] = np.where(loaded[idle], room[idle], np.maximum(room[idle], elsewhere))
     return np.asarray((room >= margin).all(axis=1))
 
 
-def _extreme(of_two: np.ufunc, found: Array) -> Array:
+def _extreme(of_two: np.ufunc, values: Array) -> Array:
     """Smallest or largest along the last axis: side by side, which is faster than along a short axis."""
-    out: Array = found[..., 0]
-    for s in range(1, found.shape[-1]):
-        out = of_two(out, found[..., s])
+    out: Array = values[..., 0]
+    for s in range(1, values.shape[-1]):
+        out = of_two(out, values[..., s])
     return out
 
 

@@ -82,15 +82,15 @@ def least_residual(motions: float, stiffness: float, scale: float, problems: Ite
 
 
 def verdict(outcome: Outcome, bound: float, unheld: Callable[[], Status], far: bool = False) -> Status:
-    """Status sentence of a solver outcome; bound: relative residual that double precision cannot get below; unheld: says by
-    a linear program whether what moves without limit is held; far: the state is so far away that it says so of it too."""
+    """Status sentence of a solver outcome; bound: relative residual that double precision cannot get below; unheld: status
+    by a linear program of a body that moves without limit; far: the state is so far away that ``unheld`` judges it too."""
     good = outcome.residual <= max(ACCEPTED, bound) and outcome.status in (CONVERGED, ITERATIONS)
     if good and not far:
         return Status("converged")
     if outcome.status == NOT_HELD:
         return unheld()
-    if far and (said := unheld()).kind == "not held":
-        return said
+    if far and (status := unheld()).kind == "not held":
+        return status
     if good:
         return Status("converged")
     if outcome.status == SINGULAR:
@@ -158,11 +158,11 @@ def follow_profile(
     for _ in range(ARM_RUNS):
         if lost(outcome):
             break
-        more = [centre_shift(s) for s in flanks()]
-        old = [np.zeros_like(x) for x in more] if before is None else before
-        change = max(float(np.abs(x - y).max()) for x, y in zip(more, old, strict=True))
-        before = more
-        outcome = after(outcome, rebuild(more))
+        arms = [centre_shift(s) for s in flanks()]
+        old = [np.zeros_like(x) for x in arms] if before is None else before
+        change = max(float(np.abs(x - y).max()) for x, y in zip(arms, old, strict=True))
+        before = arms
+        outcome = after(outcome, rebuild(arms))
         if change < SETTLED:
             break
     return outcome

@@ -168,16 +168,16 @@ def free_state(shaft: Shaft) -> tuple[Array, Array]:
     """Nodal motions ``(6 n,)`` by loads and prescribed displacements: the rigid one that these displacements are, or zero
     where they strain the beam, and what is beyond it. Round-off of a rigid motion that was solved for would strain it."""
     problem, held = shaft.problem, shaft.problem.fixed
-    given = np.where(held, shaft.problem.prescribed, 0.0)
-    moved, loads = np.zeros_like(given), problem.load.ravel()
-    if given.any():
+    prescribed = np.where(held, shaft.problem.prescribed, 0.0)
+    moved, loads = np.zeros_like(prescribed), problem.load.ravel()
+    if prescribed.any():
         rigid = rigid_transport(problem.nodes - problem.nodes[shaft.pin])
-        nearest = rigid @ np.linalg.lstsq(rigid[held], given[held])[0]
-        rest = np.where(held, given - nearest, 0.0)
-        if np.abs(rest).max() <= 1e-12 * np.abs(given).max():
-            moved, given = nearest, rest
-        loads = loads - shaft.times(given.ravel())
-    return moved.ravel(), given.ravel() + shaft.solve(loads[:, None])[:, 0]
+        nearest = rigid @ np.linalg.lstsq(rigid[held], prescribed[held])[0]
+        remainder = np.where(held, prescribed - nearest, 0.0)
+        if np.abs(remainder).max() <= 1e-12 * np.abs(prescribed).max():
+            moved, prescribed = nearest, remainder
+        loads = loads - shaft.times(prescribed.ravel())
+    return moved.ravel(), prescribed.ravel() + shaft.solve(loads[:, None])[:, 0]
 
 
 def rigid_nodes(shaft: Shaft) -> Array:

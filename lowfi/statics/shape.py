@@ -69,8 +69,8 @@ def shape_polynomials(xi: Array, length: Array, section: BeamSection, order: int
     """
     phi = np.asarray(shear_ratio(length, section))
     k = 1.0 / (1.0 + phi)
-    one, zero = np.ones_like(xi), np.zeros_like(xi)
-    powers = {0: (one, xi, xi**2, xi**3), 1: (zero, one, 2.0 * xi, 3.0 * xi**2), 2: (zero, zero, 2.0 * one, 6.0 * xi)}[
+    ones, zero = np.ones_like(xi), np.zeros_like(xi)
+    powers = {0: (ones, xi, xi**2, xi**3), 1: (zero, ones, 2.0 * xi, 3.0 * xi**2), 2: (zero, zero, 2.0 * ones, 6.0 * xi)}[
         order
     ]
 
@@ -120,14 +120,14 @@ def unresisted(rows: Array) -> Array:
 def pivots(rows: Array) -> list[int]:
     """As many columns of rows ``(k, m)`` as these have rank, each the one with most beyond those before it: as QR with
     column pivoting takes them."""
-    rest, found = rows.copy(), []
+    remainder, chosen = rows.copy(), []
     for _ in range(min(rows.shape)):
-        sizes = (rest * rest).sum(axis=0)
+        sizes = (remainder * remainder).sum(axis=0)
         k = int(sizes.argmax())
         if sizes[k] == 0.0:
             break
-        found.append(k)
-        along = rest[:, k] / np.sqrt(sizes[k])
-        rest -= np.outer(along, along @ rest)
-        rest[:, found] = 0.0
-    return found
+        chosen.append(k)
+        along = remainder[:, k] / np.sqrt(sizes[k])
+        remainder -= np.outer(along, along @ remainder)
+        remainder[:, chosen] = 0.0
+    return chosen

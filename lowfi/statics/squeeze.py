@@ -44,12 +44,12 @@ Ints = NDArray[np.int64]
 @dataclass(frozen=True)
 class Stretch:
     """Shaft under one set. flanks ``(m,)``: places of its contacts' motions among those of all; stations ``(m,)`` [m]; feel
-    ``(m, 6)``, own ``(6, 6)``: D^T and H by the wrench at the cut, the node above its contacts."""
+    ``(m, 6)``, at_cut ``(6, 6)``: D^T and H by the wrench at the cut, the node above its contacts."""
 
     flanks: Ints
     stations: Array
     feel: Array
-    own: Array
+    at_cut: Array
     cut: int
 
 
@@ -147,7 +147,7 @@ def stretch_of(
     up = rigid_transport(float(problem.nodes[cut]) - response.high)
     feel = response.contacts.reshape(2, -1, 6)[list(used)].reshape(-1, 6) @ up.T
     stations = np.repeat(contact_stations(scene, layout)[:, list(used)].T.ravel(), 2)
-    return Stretch(places.ravel(), stations, feel, up @ response.own @ up.T, cut)
+    return Stretch(places.ravel(), stations, feel, up @ response.end @ up.T, cut)
 
 
 def loaded_beyond(problem: Problem, cut: int) -> bool:
@@ -184,12 +184,12 @@ def squeezed(shaft: Shaft, used: Sequence[int], stretches: Sequence[Stretch], st
     S, k, warm = np.zeros((W, 6 * problem.nodes.size)), np.zeros((W, W)), np.zeros(W)
     D, H = np.zeros((W, count)), np.zeros((W, W))
     for i, x in enumerate(loaded):
-        own = slice(6 * i, 6 * i + 6)
-        stiff, S[own, 6 * x.cut : 6 * x.cut + 12], EA = cut_stiffness(problem, x.cut)
+        block = slice(6 * i, 6 * i + 6)
+        stiff, S[block, 6 * x.cut : 6 * x.cut + 12], EA = cut_stiffness(problem, x.cut)
         for j, other in enumerate(loaded):  # jumps of one element share its stiffness
             if other.cut == x.cut:
-                k[own, 6 * j : 6 * j + 6] = stiff
-        D[own, x.flanks], H[own, own], warm[6 * i + 2] = x.feel.T, x.own, EA * strain
+                k[block, 6 * j : 6 * j + 6] = stiff
+        D[block, x.flanks], H[block, block], warm[6 * i + 2] = x.feel.T, x.at_cut, EA * strain
     X = shaft.solve(S.T)
     A = np.einsum("cak,ckw->wca", rows, X[dof]).reshape(W, count)
     B = k - S @ X
@@ -197,5 +197,5 @@ def squeezed(shaft: Shaft, used: Sequence[int], stretches: Sequence[Stretch], st
     feel, by_forces = (D.T + A.T @ H) @ M, A - B @ D
     added = A.T @ D + feel @ by_forces
     bent, none = H @ M, np.zeros(0)
-    found = Squeeze(0.5 * (added + added.T), none, S, feel, X @ H @ M, D + bent @ by_forces, none, inside, bent)
-    return found.under(shaft, warm)
+    squeeze = Squeeze(0.5 * (added + added.T), none, S, feel, X @ H @ M, D + bent @ by_forces, none, inside, bent)
+    return squeeze.under(shaft, warm)

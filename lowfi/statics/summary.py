@@ -141,8 +141,8 @@ def balance_of(sums: Sequence[Array], size: float, arm: float, noise: tuple[floa
     """
     applied, reaction, contact, pin = sums
     size_m = max(max(float(np.abs(x[3:]).max()) for x in (applied, reaction, contact)), size * arm)
-    rest = np.abs(applied + reaction + contact + pin)
-    df, dm = np.maximum(rest[:3] - noise[0], 0.0), np.maximum(rest[3:] - noise[1], 0.0)
+    total = np.abs(applied + reaction + contact + pin)
+    df, dm = np.maximum(total[:3] - noise[0], 0.0), np.maximum(total[3:] - noise[1], 0.0)
     worst = int(net.argmax()) if net.size else -1
     return Equilibrium(
         applied[:3],
@@ -176,7 +176,7 @@ def round_off(lengths: Array, sections: Array, motion: Array) -> tuple[float, fl
 def judged(status: Status, balance: Equilibrium, frozen: bool, body: str = "the screw", ball: str = "") -> Status:
     """The status, or what is out of balance where the sums over the whole body and every ball contradict it; frozen:
     lever arms are those of the nominal contact points, so that moments about the true ones do not balance; ball: words for
-    the worst one, where its number says too little."""
+    the worst one, where its number is not enough."""
     if status != "converged" or (balance.ball_residual if frozen else balance.largest) <= BALANCE:
         return status
     if balance.ball_residual == balance.largest:
@@ -227,14 +227,14 @@ def assemble_result(
     """Result record of a finished solve; idealised: statements that hold for every run of the model on such a scene;
     own_arms: its lever arms and directions are not those of the contacts, so that sums over these do not balance."""
     problem = solved.problem
-    found = contacts_of(solved, *centreline(problem, solved.motion), report)
-    balance = equilibrium(solved, found.contact_point, found.force_direction)
+    result = contacts_of(solved, *centreline(problem, solved.motion), report)
+    balance = equilibrium(solved, result.contact_point, result.force_direction)
     if not own_arms:
         status = judged(status, balance, problem.scene.ingredients.arm == "nominal")
     if status.kind == "not converged" and (places := profile_warning(solved, contact_angles(solved.normal))):
         status = Status("not converged", "; ".join((status.reason, *places)), "not unique")
     assumed = (*problem.scene.assumed, *idealised)
-    return replace(found, model=model, status=status, equilibrium=balance, assumed=assumed, left_out=left_out)
+    return replace(result, model=model, status=status, equilibrium=balance, assumed=assumed, left_out=left_out)
 
 
 def failed_result(problem: Problem, model: str, status: Status, seconds: float) -> StaticResult:

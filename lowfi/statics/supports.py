@@ -36,9 +36,9 @@ class Contradiction:
     def words(self, scene: Scene) -> str:
         """The contradiction in one sentence, with stations in mm."""
         names = ", ".join(f"{x.freedom} at {_station(scene, x)}" for x in self.by)
-        what = f"{self.held.freedom} at {_station(scene, self.held)}"
+        contradicted = f"{self.held.freedom} at {_station(scene, self.held)}"
         return (
-            f"the supports contradict each other on a rigid screw: {what} is {show(self.held)}, but {names} "
+            f"the supports contradict each other on a rigid screw: {contradicted} is {show(self.held)}, but {names} "
             f"make it {show(Held(0, self.held.freedom, self.implied))}"
         )
 

@@ -49,8 +49,8 @@ class Tangent:
         free = [k for k, name in enumerate(FREEDOMS) if name != "rz"]
         arm = self._arm()
         scale = np.where(np.array(free) < 3, 1.0, 1.0 / arm)
-        own = self.matrix[np.ix_(free, free)] * scale[:, None] * scale[None, :]
-        lam, V = np.linalg.eigh(own)
+        scaled = self.matrix[np.ix_(free, free)] * scale[:, None] * scale[None, :]
+        lam, V = np.linalg.eigh(scaled)
         k = free.index(FREEDOMS.index(freedom))
         if np.any((lam <= 1e-9 * lam[-1]) & (np.abs(V[k]) > 1e-6)):
             return 0.0
@@ -93,10 +93,10 @@ def _condensed(solved: Elastic, clamped: Elastic, station: float) -> Array:
     N, d = solved.state.phi.shape
     rows, counts = np.zeros((N, 6, d)), np.zeros(N, dtype=np.int64)
     ball_rows(solved.contacts, solved.state.contact, rows, counts)
-    which = np.arange(6)[None, :] < counts[:, None]
+    used = np.arange(6)[None, :] < counts[:, None]
     ball = np.repeat(np.arange(N), counts)
     S = np.zeros((ball.size, N, d))
-    S[np.arange(ball.size), ball] = rows[which]
+    S[np.arange(ball.size), ball] = rows[used]
     bodies, by_clamp = clamped.bodies, flanks_by_clamp(clamped.problem, station)
     A = np.eye(ball.size)
     if solved.pair is None:

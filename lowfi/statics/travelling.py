@@ -49,16 +49,16 @@ class Travelling:
         known = self.windows.setdefault((screw, tuple(flanks), layout.z.size), [])
         for window in known:
             moved = layout.azimuth - window.azimuth
-            part = float(np.mean(moved if rate == 0.0 else (layout.z - window.z) / rate)) / window.length
+            share = float(np.mean(moved if rate == 0.0 else (layout.z - window.z) / rate)) / window.length
             apart = np.abs(moved - moved.mean()).max()
-            if apart <= APART and -BEYOND <= part <= 1.0 + BEYOND:
+            if apart <= APART and -BEYOND <= share <= 1.0 + BEYOND:
                 break
         else:
-            part, window = 0.0, self.begin(layout, track, lambda place: whole_body(scene, place, screw, backend, flanks))
+            share, window = 0.0, self.begin(layout, track, lambda place: whole_body(scene, place, screw, backend, flanks))
             known.append(window)
         first, second, third = window.G
-        left = 1.0 - part
-        return np.asarray(left * (left - part) * first + 4.0 * part * left * second + part * (part - left) * third)
+        left = 1.0 - share
+        return np.asarray(left * (left - share) * first + 4.0 * share * left * second + share * (share - left) * third)
 
     def begin(self, layout: BallLayout, track: Track, compute: Callable[[BallLayout], Array]) -> Window:
         """A window from ``layout`` on, shorter where a ball would pass the nut's face. Raises as `whole_body`."""

@@ -89,18 +89,18 @@ def _counted_twice(problem: Problem, force: Array, gamma: Array) -> list[Warned]
     the flanks' arcs are one circle there, and two springs stand for one contact."""
     half = nominal_hertz(problem.scene).C_a * np.cbrt(force) / problem.drawn.radius
     pairs = force.reshape(-1, 2, 2)
-    both = (pairs > 0.0).all(axis=2) & (np.abs(gamma.reshape(-1, 2, 2).sum(axis=2)) < half.reshape(-1, 2, 2).max(axis=2))
-    if not both.any():
+    double = (pairs > 0.0).all(axis=2) & (np.abs(gamma.reshape(-1, 2, 2).sum(axis=2)) < half.reshape(-1, 2, 2).max(axis=2))
+    if not double.any():
         return []
-    total = np.where(both, pairs.sum(axis=2), 0.0)
-    share = np.where(both, total / np.maximum(pairs.max(axis=2), 1e-300), 0.0)
+    total = np.where(double, pairs.sum(axis=2), 0.0)
+    share = np.where(double, total / np.maximum(pairs.max(axis=2), 1e-300), 0.0)
     worst = float(np.cbrt(share.max()))
     ball, body = np.unravel_index(int(total.argmax()), total.shape)
     left, right = pairs[ball, body]
-    where = f"ball {int(ball) + 1} of the {('screw', 'nut')[body]}"
+    place = f"ball {int(ball) + 1} of the {('screw', 'nut')[body]}"
     text = (
-        f"{int(both.any(axis=1).sum())} ball(s) touch both flanks of a groove within one contact ellipse: there the arcs "
-        f"are one groove, and the forces are those of one contact counted twice ({where}: {left:.4g} N and {right:.4g} N "
+        f"{int(double.any(axis=1).sum())} ball(s) touch both flanks of a groove within one contact ellipse: there the arcs "
+        f"are one groove, and the forces are those of one contact counted twice ({place}: {left:.4g} N and {right:.4g} N "
         f"for one of up to {left + right:.4g} N); its pressure is higher by up to "
         f"{100.0 * (worst - 1.0):.2g} %, its approach by up to {100.0 * (worst**2 - 1.0):.2g} %"
     )
@@ -174,12 +174,12 @@ def bent_profile(solved: SolvedState, gamma: Array) -> tuple[int, int, float] | 
 
 def profile_warning(solved: SolvedState, gamma: Array) -> list[Warned]:
     """Whether an uneven profile lets a ball touch a flank in more places than one."""
-    found = bent_profile(solved, gamma)
-    if found is None or found[2] <= PROFILE_SHARE:
+    worst = bent_profile(solved, gamma)
+    if worst is None or worst[2] <= PROFILE_SHARE:
         return []
     text = (
-        f"the contact pattern is not unique: at ball {found[0] + 1} the groove's profile error shifts the flank's centre "
-        f"of curvature by {100.0 * found[2]:.3g} % of its distance from the ball's, so that it may touch that flank in "
+        f"the contact pattern is not unique: at ball {worst[0] + 1} the groove's profile error shifts the flank's centre "
+        f"of curvature by {100.0 * worst[2]:.3g} % of its distance from the ball's, so that it may touch that flank in "
         "more than one place; the model finds one of them"
     )
     return [Warned("profile", text)]

@@ -59,16 +59,16 @@ def test_scenes_that_did_not_converge_once_are_right_in_the_refined_model(number
 
 
 def test_an_interrupted_campaign_goes_on(tmp_path):
-    part = Part(tmp_path / "kept.part", 7, "lin")
-    first = scenes.judge_scenes(7, 2, "lin", keep=part.add)
-    with part.path.open("ab") as file:
+    kept = Part(tmp_path / "kept.part", 7, "lin")
+    first = scenes.judge_scenes(7, 2, "lin", keep=kept.add)
+    with kept.path.open("ab") as file:
         file.write(b"00000000 {torn")
-    again = Part(part.path, 7, "lin")
+    again = Part(kept.path, 7, "lin")
     assert again.outcomes == {o.number: o for o in first}
     new = []
     assert scenes.judge_scenes(7, 3, "lin", known=again.outcomes, keep=new.append)[:2] == first
     assert [o.number for o in new] == [2]
-    assert Part(part.path, 8, "lin").outcomes == {}
+    assert Part(kept.path, 8, "lin").outcomes == {}
 
 
 def test_most_drawn_scenes_are_read_and_both_kinds_are_drawn():

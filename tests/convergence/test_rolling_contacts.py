@@ -110,8 +110,8 @@ def test_full_slip_is_the_closed_form_of_the_low_order_model(spin):
     """Numbers of the two models at the same load: their axes are exchanged."""
     load, radii, young, poisson = GROOVE
     size = hertz(load, *radii, young, poisson)
-    own = contacts(size.semi_y, size.semi_x, load, 0.1)
-    low = friction(own, np.array([[0.004, 0.02, spin]]))
+    contact = contacts(size.semi_y, size.semi_x, load, 0.1)
+    low = friction(contact, np.array([[0.004, 0.02, spin]]))
     force, moment = slip_everywhere(load, radii, young, poisson, Creep(0.02, 0.004, spin), 0.1)
     assert force == pytest.approx(low.force[0][::-1], rel=1e-3, abs=1e-3)
     assert abs(moment) == pytest.approx(abs(float(low.moment[0])), rel=1e-3)

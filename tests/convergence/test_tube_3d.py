@@ -107,8 +107,8 @@ def test_kernel_is_the_solid(choice):
         for b in range(3):
             assert relative(found[a::3, b::3], expected[a::3, b::3]) < 3e-3
     np.testing.assert_allclose(np.diag(found), np.diag(expected), rtol=5e-3)
-    own = np.sqrt(np.diag(expected))
-    assert np.abs((found - expected) / np.outer(own, own)).max() < 5e-3
+    diagonal = np.sqrt(np.diag(expected))
+    assert np.abs((found - expected) / np.outer(diagonal, diagonal)).max() < 5e-3
 
 
 def test_opposite_contacts_ovalise_the_tube():

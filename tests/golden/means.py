@@ -21,7 +21,7 @@ def leaves(
     """Names and values of all numbers, truth values and arrays below a value; places in lists are no part of a name.
     properties: those of records too."""
     if is_dataclass(value) and not isinstance(value, type):
-        also = [key for key, own in vars(type(value)).items() if properties and isinstance(own, property | cached_property)]
+        also = [key for key, x in vars(type(value)).items() if properties and isinstance(x, property | cached_property)]
         value = {key: getattr(value, key) for key in (*(f.name for f in fields(value)), *also)}
     elif hasattr(value, "_asdict") and not isinstance(value, type):
         value = value._asdict()

@@ -23,11 +23,11 @@ RECORD = Path(__file__).parent / "constants.json"
 
 def numbers(module):
     """Of a module's constants, and of the defaults of its functions, records and their methods."""
-    own = vars(module)
-    kinds = [kind for kind in own.values() if isclass(kind) and kind.__module__ == module.__name__]
+    members = vars(module)
+    kinds = [kind for kind in members.values() if isclass(kind) and kind.__module__ == module.__name__]
     called = [f for place in (module, *kinds) for _, f in getmembers(place, isfunction) if f.__module__ == module.__name__]
     defaults = [parameter.default for f in called for parameter in signature(f).parameters.values()]
-    found = leaves([[value for name, value in own.items() if name.isupper()], defaults], lambda _: False)
+    found = leaves([[value for name, value in members.items() if name.isupper()], defaults], lambda _: False)
     return [float(f"{x:.9g}") for _, values in found for x in np.ravel(values) if np.isfinite(x)]
 
 
@@ -36,7 +36,7 @@ def constants():
     for name in map(dotted, modules()):
         with suppress(ImportError):  # one kernel is loaded for a system only
             found[name] = numbers(import_module(name))
-    return {name: own for name, own in found.items() if own}
+    return {name: values for name, values in found.items() if values}
 
 
 @pytest.mark.slow

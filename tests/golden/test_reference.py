@@ -36,8 +36,8 @@ def set_up():
     """Bodies, patches and shaft of two balls in a short nut, and its contact loads."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(submodel, "REALISATIONS", 1)
-        made = setup.prepare(two_balls(), (0, 3), SMALL, cache=Cache(None))
-    return means({"setup": made, "solved": solve_reference(made, made.scene)}, LEFT_OUT.search)
+        body = setup.prepare(two_balls(), (0, 3), SMALL, cache=Cache(None))
+    return means({"setup": body, "solved": solve_reference(body, body.scene)}, LEFT_OUT.search)
 
 
 def rolling(name):

@@ -56,7 +56,7 @@ def references():
 
 def grids():
     y, h = loads_of_levels()
-    own = [convergence.observe(y[4 - k :, i], h[4 - k :]) for k in range(1, 5) for i in range(3)]
+    observed = [convergence.observe(y[4 - k :, i], h[4 - k :]) for k in range(1, 5) for i in range(3)]
     pooled = [convergence.pool(y[-k:], h[-k:]) for k in range(1, 5)]
     fits = [
         fit
@@ -66,7 +66,7 @@ def grids():
     mixed = grid_fits.fixed(y, h, both=True)
     settings = [levels.scaled(level, 3e-3, refined) for level in levels.LEVELS for refined in ((), ("cuts", "fine"))]
     return {
-        "own": own,
+        "own": observed,
         "pooled": pooled,
         "fits": fits,
         "mixed": mixed,

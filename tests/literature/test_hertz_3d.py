@@ -117,19 +117,19 @@ def test_production_mesh_meets_its_targets_wherever_the_contacts_edge_falls(name
 
 def test_section_says_from_the_data_whether_the_targets_are_met(monkeypatch):
     monkeypatch.setattr(verification, "solve_block", study)
-    made = verification.drawn(verification.levels(lambda _: None, {"Q1": (2,), "Q2": (4,)}))
-    assert made.name == "verification"
-    verdicts = made.items[1].paragraphs
+    section = verification.drawn(verification.levels(lambda _: None, {"Q1": (2,), "Q2": (4,)}))
+    assert section.name == "verification"
+    verdicts = section.items[1].paragraphs
     assert sum("All targets are met" in line for line in verdicts) == 2
     assert sum("source's size" in line for line in verdicts) == 2
     rows = [
-        row for item in made.items if isinstance(item, Table) and item.name == "verification-errors" for row in item.rows
+        row for item in section.items if isinstance(item, Table) and item.name == "verification-errors" for row in item.rows
     ]
     assert [(row["job"], row["b_over_h"]) for row in rows[:2]] == [("A", 2.0), ("A", 4.0)]
     run = JOBS["A"]
     by_hand = 100.0 * (study(run, "Q2", 4.0).approach / run.exact.approach - 1.0)
     assert rows[1]["approach"] == pytest.approx(by_hand, rel=1e-6)
-    for item in made.items:
+    for item in section.items:
         if isinstance(item, Figure):
             assert "<svg" in draw(item)
 

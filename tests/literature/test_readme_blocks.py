@@ -41,8 +41,8 @@ def kind(block: str) -> str:
 def commands(block: str) -> Iterator[str]:
     """Command lines of a block, continued lines joined, without comments and the environment's folder."""
     for line in block.replace("\\\n", " ").splitlines():
-        for part in shlex.join(shlex.split(line, comments=True)).split(" '&&' "):
-            yield part.removesuffix(" '&'").replace(".venv/bin/rollbench", "rollbench")
+        for command in shlex.join(shlex.split(line, comments=True)).split(" '&&' "):
+            yield command.removesuffix(" '&'").replace(".venv/bin/rollbench", "rollbench")
 
 
 def run(line: str, command) -> None:

@@ -28,10 +28,10 @@ def test_one_set_is_the_model_of_one_set(case):
         scene = replace(scene, errors=replace(FLANK_ERRORS, balls=scene.errors.balls, **NO_PROFILES))
     alone, found = solve_static(scene, engine="compiled"), solved(one_set(scene))
     assert alone.converged
-    own = found.sets[0].balls
-    assert relative(own.load, alone.load) < 1e-11
+    of_set = found.sets[0].balls
+    assert relative(of_set.load, alone.load) < 1e-11
     loaded = alone.load > 1e-6 * alone.load.max()
-    assert np.abs(own.contact_angle - alone.contact_angle)[loaded].max() < 1e-10
+    assert np.abs(of_set.contact_angle - alone.contact_angle)[loaded].max() < 1e-10
     assert relative(found.sets[0].force, alone.equilibrium.contact_force) < 1e-10
 
 
@@ -71,8 +71,8 @@ def test_nuts_on_an_elastic_shaft_share_a_load_as_their_stiffness_says():
     supports = (Support(0.0, ALL_BUT_AXIAL),)
     thick = Segment(0.0, 0.14, 3.0), Segment(0.14, 0.16, 5e-3), Segment(0.16, 0.3, 3.0)  # elastic between the nuts only
     base = assembly(*sets, segments=thick, supports=supports, loads=(Load(0.0, (0.0, 0.0, 700.0)),))
-    more = replace(base, loads=(Load(0.0, (0.0, 0.0, 700.7)),))
-    a, b = solved(base), solved(more)
+    raised = replace(base, loads=(Load(0.0, (0.0, 0.0, 700.7)),))
+    a, b = solved(base), solved(raised)
     rise = [y.force[2] - x.force[2] for x, y in zip(a.sets, b.sets, strict=True)]
     moved = [
         np.array([np.interp(s.of.position, b.centreline_z, (b.centreline - a.centreline)[:, k]) for k in range(6)])
@@ -80,8 +80,8 @@ def test_nuts_on_an_elastic_shaft_share_a_load_as_their_stiffness_says():
     ]
     assert sum(rise) == pytest.approx(-0.7, rel=1e-9)
     assert moved[1][2] < 0.9 * moved[0][2]
-    for s, own, force in zip(a.sets, moved, rise, strict=True):  # thin stretch: each nut tilts and turns in its own way
-        assert force == pytest.approx(-float(s.stiffness[2] @ own), rel=1e-3)
+    for s, motion, force in zip(a.sets, moved, rise, strict=True):  # thin stretch: each nut tilts and turns in its own way
+        assert force == pytest.approx(-float(s.stiffness[2] @ motion), rel=1e-3)
 
 
 def on_springs(parts, result, loads):
@@ -98,12 +98,12 @@ def on_springs(parts, result, loads):
             for k in range(12 - j):
                 full[j + k, j] = full[j, j + k] = band[j, k]
         K[6 * e : 6 * e + 12, 6 * e : 6 * e + 12] += full
-    for b, own in zip(system.balls, result.sets, strict=True):
+    for b, solved_set in zip(system.balls, result.sets, strict=True):
         at = 6 * b.problem.node[0, 0 if b.problem.use[0] else 1]
         reach = np.eye(6)
         z = s.nodes[at // 6] - b.of.position
         reach[0, 4], reach[1, 3] = -z, z
-        K[at : at + 6, at : at + 6] += reach.T @ own.stiffness @ reach
+        K[at : at + 6, at : at + 6] += reach.T @ solved_set.stiffness @ reach
     free = ~s.fixed[:n].ravel()
     q = np.zeros(6 * n)
     q[free] = np.linalg.solve(K[np.ix_(free, free)], loads.ravel()[free])

@@ -81,7 +81,7 @@ def test_combined_load_of_any_tapered_bearing(seed: int) -> None:
     rng = np.random.default_rng(seed)
     b = taper(rng)
     thrust = 10.0 ** rng.uniform(0.0, 5.0)
-    for part in (0.0, rng.uniform(0.01, 0.9), 0.98):
-        s = combined(b, thrust, part * thrust / np.tan(b.cup_angle))
+    for share in (0.0, rng.uniform(0.01, 0.9), 0.98):
+        s = combined(b, thrust, share * thrust / np.tan(b.cup_angle))
         assert s.converged
         assert np.all(np.linalg.eigvalsh(s.stiffness) > 0.0)

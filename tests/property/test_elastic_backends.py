@@ -99,11 +99,11 @@ def energy_at(elastic, phi, amplitudes):
     state = BodyState(phi.copy(), amplitudes.copy(), elastic.state.inner.copy(), elastic.state.contact.copy())
     g, v, f = (np.empty_like(phi) for _ in range(3))
     kernel.place_flanks(elastic.bodies, state, g, v)
-    own, _ = elastic.engine.evaluate_balls(v, elastic.contacts, state, f)
+    of_balls, _ = elastic.engine.evaluate_balls(v, elastic.contacts, state, f)
     excess, by_forces = np.ascontiguousarray(phi - f), np.empty_like(phi)
     kernel.body_motion(elastic.bodies, excess, by_forces)
     by_motions = -elastic.flanks.work - np.einsum("nac,na->c", elastic.flanks.R, f)
-    return own + kernel.stored(elastic.bodies, state, g), by_forces, by_motions
+    return of_balls + kernel.stored(elastic.bodies, state, g), by_forces, by_motions
 
 
 @pytest.mark.parametrize("backend", LADDER)

@@ -40,11 +40,11 @@ def test_energy_order_and_forces(seed):
     losses = h.torque * abs(h.advance[0])
     assert np.abs(h.torque_balance / losses).max() < (1e-8 if friction.screw == friction.nut else 1e-7)
     assert h.axial == pytest.approx(np.full(h.time.size, scene.loads[0].force[2]), rel=1e-8)
-    for track, own in ((track, track.balls) for track in h.setting.tracks):
-        gap, force = h.gap[:, own], h.ball_force[:, own]
+    for track, on_track in ((track, track.balls) for track in h.setting.tracks):
+        gap, force = h.gap[:, on_track], h.ball_force[:, on_track]
         assert gap.min() >= 0.0
         assert gap.sum(axis=1) == pytest.approx(
-            np.full(h.time.size, track.ring - h.setting.balls.spacing[own].sum()), abs=1e-9
+            np.full(h.time.size, track.ring - h.setting.balls.spacing[on_track].sum()), abs=1e-9
         )
         assert force.min() >= 0.0
         assert np.max(gap[force > 0.0], initial=0.0) < 1e-9

@@ -57,8 +57,8 @@ def even(count, turns):
 def scenes():
     table41 = even(71, 3.75)[25:47:3]  # of 19 balls a turn every third: those of the next turn lie between
     yield "turns that do not line up", screw(14.5e-3, 7e-3, 2e-3, 2.16e-3, 28e-3, (20e-3, 44e-3), table41)
-    own = even(45, 2.5)[20:24]
-    other = screw(20e-3, 18e-3, 3e-3, 3.18e-3, 38.6e-3, (20e-3, 64e-3), own)
+    azimuths = even(45, 2.5)[20:24]
+    other = screw(20e-3, 18e-3, 3e-3, 3.18e-3, 38.6e-3, (20e-3, 64e-3), azimuths)
     yield "another lead and section, two starts", replace(other, track=replace(other.track, starts=2))
     uneven = (-2.9, -2.4, -0.6, 0.4, 0.85, 2.6)
     left = screw(16.5e-3, 20e-3, 2.778e-3, 3.254e-3, 32e-3, (36e-3, 48e-3), uneven)
@@ -111,8 +111,8 @@ def test_any_scene_converges_in_balance_and_near_the_low_order_model(name, cache
         own_ball_sizes=(1.2e-3 * ratio, 2.4e-3 * ratio),
     )
     sides = needed_sides(scene)
-    made = prepare(scene, sides, settings, cache=cache)
-    result = solve_reference(made, scene)
+    set_up = prepare(scene, sides, settings, cache=cache)
+    result = solve_reference(set_up, scene)
     assert result.status == "converged"
     assert max(result.balance, result.screw_balance) < 1e-8
     assert abs(result.along_groove) < 1e-3
@@ -120,8 +120,8 @@ def test_any_scene_converges_in_balance_and_near_the_low_order_model(name, cache
     assert low.converged
     error = load_error(low.load, result.load)
     assert error.rms_percent < 4.0, error
-    assert min(made.quality[k] for k in ("screw", "nut", "ball")) > 0.0
-    assert made.quality["deviation"] < 1e-12 or scene.track.lead == 0.0
+    assert min(set_up.quality[k] for k in ("screw", "nut", "ball")) > 0.0
+    assert set_up.quality["deviation"] < 1e-12 or scene.track.lead == 0.0
 
 
 SURVEY = dict(survey())
@@ -142,22 +142,22 @@ def sockets_of(scene, cuts=(2, 2, 2)):
     """Meshes of a scene shortened to two balls, with the sockets of the whole scene; its map and settings."""
     settings, small = replace(settings_of([scene], 1), cuts=cuts), shortened(scene)
     m, layout, sides = GrooveMap.of(small), ball_layout(small), needed_sides(scene)
-    made = mesh_parts(small, m, layout, dimensions(small), sides, settings)
+    meshes = mesh_parts(small, m, layout, dimensions(small), sides, settings)
     whole = socket_size(scene, GrooveMap.of(scene), ball_layout(scene), sides, dimensions(scene), settings)
-    assert (made.size.gamma, made.size.cuts) == (pytest.approx(whole.gamma, rel=0.15), cuts)
-    return m, made, settings, sides
+    assert (meshes.size.gamma, meshes.size.cuts) == (pytest.approx(whole.gamma, rel=0.15), cuts)
+    return m, meshes, settings, sides
 
 
 def check_patches(scene, cuts=(2, 2, 2)):
-    m, made, settings, sides = sockets_of(scene, cuts)
-    assert min(body.quality.smallest for body in (made.screw, made.nut, made.ball)) > 0.0
-    zone = patch_lines(settings, made.widths, made.size.depth)[1]
-    assert zone[0] * made.widths[0] >= settings.reach[0]
-    assert zone[1] * made.widths[1] >= settings.reach[1]
+    m, meshes, settings, sides = sockets_of(scene, cuts)
+    assert min(body.quality.smallest for body in (meshes.screw, meshes.nut, meshes.ball)) > 0.0
+    zone = patch_lines(settings, meshes.widths, meshes.size.depth)[1]
+    assert zone[0] * meshes.widths[0] >= settings.reach[0]
+    assert zone[1] * meshes.widths[1] >= settings.reach[1]
     for side in sides:
-        body = made.screw if side < 2 else made.nut
-        groove = patch_mesh(made, body.sockets[side], partial(local_points, m, made.size, side), settings)
-        ball = patch_mesh(made, made.ball.sockets[side], ball_place(m, made.size, side, made.zone)[1], settings)
+        body = meshes.screw if side < 2 else meshes.nut
+        groove = patch_mesh(meshes, body.sockets[side], partial(local_points, m, meshes.size, side), settings)
+        ball = patch_mesh(meshes, meshes.ball.sockets[side], ball_place(m, meshes.size, side, meshes.zone)[1], settings)
         assert min(measure(x.mesh).smallest for x in (groove, ball)) > 0.1
         found, wanted = patch_normals(ball, np.zeros(3)), patch_normals(groove, np.array([m.R, 0.0, 0.0]))
         np.testing.assert_allclose(found, wanted, atol=1e-9)

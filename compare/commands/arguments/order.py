@@ -24,7 +24,7 @@ def unwrapped(doc: str | None) -> str:
     '    A name, or a file.'
     """
     paragraph = r"(?m)^( *)(?!-+$|Parameters$)\S.*(?:\n\1\S.*)+"
-    return re.sub(paragraph, lambda found: re.sub(r"\n *", " ", found[0]), inspect.cleandoc(doc or ""))
+    return re.sub(paragraph, lambda match: re.sub(r"\n *", " ", match[0]), inspect.cleandoc(doc or ""))
 
 
 def arrange(app: App) -> None:

@@ -52,10 +52,10 @@ def mesh_study(
     from rollbench.comparison.commands.comparing.study import run_mesh_study
 
     if rolling := all_rolling(scenes, bodies, "rolling study", {"--spread": spread}):
-        found = rolling(scenes, levels, store, engine(where), source=source_mesh, fresh=fresh, bodies=bodies)
+        answer = rolling(scenes, levels, store, engine(where), source=source_mesh, fresh=fresh, bodies=bodies)
     else:
-        found = run_mesh_study(scenes, levels, store, engine(where), spread=spread, source=source_mesh, fresh=fresh)
-    return print_answer(found, as_json)
+        answer = run_mesh_study(scenes, levels, store, engine(where), spread=spread, source=source_mesh, fresh=fresh)
+    return print_answer(answer, as_json)
 
 
 @app.command
@@ -107,12 +107,12 @@ def compare(
     wanted = None if levels is None else parse_levels(levels)
     means_nothing = {"--model": model is not None, "--balls": balls, "--reference": reference is not None}
     if rolling := all_rolling(scenes, bodies, "rolling compare", means_nothing):
-        found = rolling(scenes, wanted, store, engine(where), fresh=fresh, bodies=bodies)
+        answer = rolling(scenes, wanted, store, engine(where), fresh=fresh, bodies=bodies)
     else:
-        found = run_compare(
+        answer = run_compare(
             scenes, model or (), wanted, store, engine(where), fresh=fresh, balls=balls, reference=reference
         )
-    return print_answer(found, as_json)
+    return print_answer(answer, as_json)
 
 
 @app.command

@@ -189,7 +189,7 @@ def check(
     from rollbench.comparison.reference.jobs import Engine
 
     files = Files(junit, markdown, csv, baseline)
-    what = asked(
+    request = asked(
         model=model,
         loads=loads,
         values=values,
@@ -203,7 +203,7 @@ def check(
         compute=not no_compute,
     )
     if scenes:
-        return print_answer(run_check(scenes, what, Engine(cache=cache_folder()), files), as_json)
+        return print_answer(run_check(scenes, request, Engine(cache=cache_folder()), files), as_json)
     given: dict[str, object] = {"--model": model, "--loads": loads, "--values": values, "--limit": limit}
     given |= {
         "--reference": reference,

@@ -40,7 +40,7 @@ class Files:
         return [] if self.baseline is None else changes(self.baseline, outcomes)
 
     def since(self, changed: Sequence[Change]) -> list[str]:
-        """That in words; nothing without a baseline."""
+        """The changes in words; none without a baseline."""
         if self.baseline is None:
             return []
         return [f"since {self.baseline.name}: {change.line()}" for change in changed] or [
@@ -53,7 +53,7 @@ class Files:
         return [f"{path} written" for path in written]
 
 
-def run_check(names: Sequence[str], what: Asked, engine: Engine, files: Files) -> Answer:
+def run_check(names: Sequence[str], request: Asked, engine: Engine, files: Files) -> Answer:
     """Judge scenes, a line on each, or on each of its load cases; the exit code is that of the gravest verdict."""
     described = [catalogue.any_scene(name) for name in names]
     taken: dict[str, str] = {}
@@ -64,9 +64,9 @@ def run_check(names: Sequence[str], what: Asked, engine: Engine, files: Files) -
                 raise InputError(name, "name", scene.name, "each scene once, under a name of its own", advice)
             taken[scene.name] = name
     warnings: list[str] = []
-    verdicts = judged_cases(described, names, what, engine, warnings.append)
+    verdicts = judged_cases(described, names, request, engine, warnings.append)
     outcomes = [of_verdict(v) for v in verdicts]
-    left, changed = not_judged(verdicts) if what.loads or what.values else [], files.changed(outcomes)
+    left, changed = not_judged(verdicts) if request.loads or request.values else [], files.changed(outcomes)
     above = [f"WARNING: {warning}" for warning in warnings]
     below = [f"not judged, because not given or not held by the reference: {', '.join(left)}"] if left else []
     below += files.since(changed)
@@ -79,18 +79,18 @@ def run_check(names: Sequence[str], what: Asked, engine: Engine, files: Files) -
 
 
 def judged_cases(
-    described: Sequence[Described], names: Sequence[str], what: Asked, engine: Engine, warn: Callable[[str], None]
+    described: Sequence[Described], names: Sequence[str], request: Asked, engine: Engine, warn: Callable[[str], None]
 ) -> list[Verdict]:
     """Verdicts on scenes and their load cases; a case whose model does not converge is told from one that fails. warn: as
     `check_scenes`."""
     cases = cases_by_name(described)
     scenes = [scene for one, name in zip(described, names, strict=True) for scene in each_case(one, name)]
-    of_one = {scene: found.case.name for scene, found in cases.items()} if len(described) == 1 else {}
+    of_one = {scene: case.case.name for scene, case in cases.items()} if len(described) == 1 else {}
     out = []
-    for v in check_scenes(scenes, what, engine, on_terminal, warn, of_one):
-        found = cases.get(v.scene)
+    for v in check_scenes(scenes, request, engine, on_terminal, warn, of_one):
+        case = cases.get(v.scene)
         lost: Word = "not converged" if v.word == "fail" and v.error is None else v.word
-        out.append(v if found is None else replace(v, scene=found.cycle.name, case=found.case.name, word=lost))
+        out.append(v if case is None else replace(v, scene=case.cycle.name, case=case.case.name, word=lost))
     return out
 
 
@@ -99,10 +99,10 @@ def verdicts_json(described: Sequence[Described], verdicts: Sequence[Verdict]) -
     gravest = worst_of([v.word for v in verdicts])
     data: dict[str, Any] = {"verdict": gravest, "passed": gravest == "pass", "verdicts": [v.as_json() for v in verdicts]}
     cases, graveness = [], []
-    for found in cases_by_name(described).values():
-        its = [v for v in verdicts if (v.scene, v.case) == (found.cycle.name, found.case.name)]
+    for case in cases_by_name(described).values():
+        its = [v for v in verdicts if (v.scene, v.case) == (case.cycle.name, case.case.name)]
         word, beyond = worst_of([v.word for v in its]), max((abs(v.error or 0.0) / v.limit for v in its), default=0.0)
-        cases.append(found.keys | {"verdict": word, "verdicts": [v.as_json() for v in its]})
+        cases.append(case.keys | {"verdict": word, "verdicts": [v.as_json() for v in its]})
         graveness.append(([*CODES].index(word), -beyond))
     if not cases:
         return data

@@ -85,12 +85,12 @@ class Beside:
         return 0.0 if self.found.worst is None else self.found.worst.pressure
 
 
-def beside(scene: Scene, answer: Loads, found: Reference | None, start: float = 0.0, contacts: int | None = None) -> Beside:
+def beside(scene: Scene, answer: Loads, ref: Reference | None, start: float = 0.0, contacts: int | None = None) -> Beside:
     """An answer beside a reference, or by itself; start: the axial place [m] without loads; contacts: how many the nominal
     screw loads, where the scene itself does not tell."""
     angle = np.radians(answer.angle)
     moved = float(np.interp(scene.nut.position, answer.stations, answer.line[:, 2])) if answer.stations.size else np.nan
-    error = None if found is None else load_error(answer.load, found.load, found.contacts)
+    error = None if ref is None else load_error(answer.load, ref.load, ref.contacts)
     pull = np.where(answer.load > 0.0, answer.load * np.sin(angle), 0.0).sum(axis=0) * np.cos(lead_angle(scene.track))
     count = nominal_contacts(scene) if contacts is None else contacts
     return Beside(answer, error, load_answers(scene, answer.load, angle), moved - start, float(pull[0] - pull[1]), count)
@@ -117,7 +117,7 @@ class Comparison:
 def compared(
     scene: Scene,
     models: Sequence[Model],
-    found: Reference,
+    reference: Reference,
     stores: Sequence[Path],
     of: SetOf | None = None,
     ours: Reference | None = None,
@@ -129,28 +129,28 @@ def compared(
     """
     answers, expected, starts = [], {}, {}
     for model in models:
-        own = answer_of(model, scene, found, stores) if of is None else answered(of, model.name)
-        if isinstance(own, str):
-            raise Refusal(found.scene, "model", f"{model.name}: {own}", "choose another one with --model")
-        answers.append(from_result(own.result, own.seconds))
-        starts[answers[-1].model] = unloaded_place(scene, own.bare)
-        if own.result.converged:
-            expected[model.name] = estimate(own.scene, own.result, others_than(scene))
-    others = reference_answers(found, None if of is not None else load(scene, SOURCE_LEVEL, stores=tuple(stores)))
-    answers += [answer for answer in others if not is_itself(answer, found)]
+        of_model = answer_of(model, scene, reference, stores) if of is None else answered(of, model.name)
+        if isinstance(of_model, str):
+            raise Refusal(reference.scene, "model", f"{model.name}: {of_model}", "choose another one with --model")
+        answers.append(from_result(of_model.result, of_model.seconds))
+        starts[answers[-1].model] = unloaded_place(scene, of_model.bare)
+        if of_model.result.converged:
+            expected[model.name] = estimate(of_model.scene, of_model.result, others_than(scene))
+    others = reference_answers(reference, None if of is not None else load(scene, SOURCE_LEVEL, stores=tuple(stores)))
+    answers += [answer for answer in others if not is_itself(answer, reference)]
     answers += [] if ours is None else [from_run(ours.best, OURS)]
     shared = starts.get(DEFAULT, next(iter(starts.values()), 0.0))  # of the reference no run without loads is stored
-    count = None if of is None else found.contacts
-    each = tuple(beside(scene, answer, found, starts.get(answer.model, shared), count) for answer in answers)
-    itself = beside(scene, from_run(found.best, found.label), None, shared, count)
-    whole = Comparison(each, itself, None, total(scene, found, inputs=of is None), shared)
+    count = None if of is None else reference.contacts
+    each = tuple(beside(scene, answer, reference, starts.get(answer.model, shared), count) for answer in answers)
+    itself = beside(scene, from_run(reference.best, reference.label), None, shared, count)
+    whole = Comparison(each, itself, None, total(scene, reference, inputs=of is None), shared)
     return replace(whole, expected=expected.get(whole.spoken.label))
 
 
-def answer_of(model: Model, scene: Scene, found: Reference, stores: Sequence[Path]) -> Answered:
+def answer_of(model: Model, scene: Scene, reference: Reference, stores: Sequence[Path]) -> Answered:
     """What a model finds for a scene of one set."""
-    result, seconds = solved(model, scene, found, stores)
-    bare = solve_scaled(scene, 0.0, model.name, options_for(model, scene, found, stores, "interpreted"))
+    result, seconds = solved(model, scene, reference, stores)
+    bare = solve_scaled(scene, 0.0, model.name, options_for(model, scene, reference, stores, "interpreted"))
     return Answered(result, bare, seconds, scene)
 
 
@@ -167,15 +167,15 @@ def answers_of(b: Beside) -> dict[str, Any]:
     return {"loads": loads_json(b.answer.load, b.contacts), "axial": axial, **contacts_json(b.found)}
 
 
-def answers_json(whole: Comparison, found: Reference) -> dict[str, Any]:
+def answers_json(whole: Comparison, reference: Reference) -> dict[str, Any]:
     """Verdict, levels and uncertainty of the reference, error expected and measured, answers of models and reference."""
     error, expected = whole.spoken.error, whole.expected
     return {
-        "scene": found.scene,
-        "verdict": verdict(whole, found),
-        "levels": list(found.levels),
-        "uncertainty_percent": uncertainty_percent(found),
-        "reference_status": found.unsettled or "converged",
+        "scene": reference.scene,
+        "verdict": verdict(whole, reference),
+        "levels": list(reference.levels),
+        "uncertainty_percent": uncertainty_percent(reference),
+        "reference_status": reference.unsettled or "converged",
         "uncertainty": whole.total.as_json(),
         "model": whole.spoken.label,
         "expected_error_percent": None if expected is None else expected.percent,
@@ -187,10 +187,10 @@ def answers_json(whole: Comparison, found: Reference) -> dict[str, Any]:
 
 def answers_table(whole: Comparison) -> RenderableType:
     """Ten answers of the model that the verdict speaks of beside those of the reference."""
-    own, reference = answers_of(whole.spoken), answers_of(whole.itself)
+    spoken, reference = answers_of(whole.spoken), answers_of(whole.itself)
     rows = []
     for group, q in ANSWERS:
-        value, ref = (None if side[group] is None else side[group][q.key] for side in (own, reference))
+        value, ref = (None if side[group] is None else side[group][q.key] for side in (spoken, reference))
         off = None if value is None or not ref else float(error_percent(value, ref))
         unit = f"({q.unit})" if "/" in q.unit else q.unit
         cells = cell(value, q.format), cell(ref, q.format), cell(off, "+.2f")
@@ -208,25 +208,24 @@ def start_lines(whole: Comparison) -> list[str]:
     ]
 
 
-def is_itself(answer: Loads, found: Reference) -> bool:
+def is_itself(answer: Loads, reference: Reference) -> bool:
     """Whether an answer is the run that it would be compared with."""
-    return answer.model == f"3D level {found.best.level}"
+    return answer.model == f"3D level {reference.best.level}"
 
 
-def levels_text(found: Reference, total: Total) -> str:
+def levels_text(reference: Reference, total: Total) -> str:
     """Levels of the reference and what it is uncertain by, in words."""
-    if found.stated:
+    if reference.stated:
         return total.text
-    levels = ", ".join(str(run.level) for run in found.runs)
-    rest = f" ({found.unsettled}, which is added)" if found.unsettled else ""
-    return f"3D reference on level{'s' * (len(found.runs) > 1)} {levels}, {total.text}{rest}"
+    levels = ", ".join(str(run.level) for run in reference.runs)
+    rest = f" ({reference.unsettled}, which is added)" if reference.unsettled else ""
+    return f"3D reference on level{'s' * (len(reference.runs) > 1)} {levels}, {total.text}{rest}"
 
 
-def verdict(whole: Comparison, found: Reference) -> str:
+def verdict(whole: Comparison, reference: Reference) -> str:
     """The first sentence: the error of the default model, or of the first one, what was to be expected, and what the
     comparison is uncertain by."""
-    reference = levels_text(found, whole.total)
-    return "; ".join(filter(None, [_off(whole.spoken, _expected(whole.expected)), reference]))
+    return "; ".join(filter(None, [_off(whole.spoken, _expected(whole.expected)), levels_text(reference, whole.total)]))
 
 
 def others(whole: Comparison) -> list[str]:
@@ -256,13 +255,13 @@ def _expected(worth: ModelForm | None) -> str:
 
 
 def _cells(b: Beside) -> list[str]:
-    e, held = b.error, b.answer.load[b.answer.load > 0.0]
+    e, loads = b.error, b.answer.load[b.answer.load > 0.0]
     errors = ["", "", ""] if e is None else [f"{e.max_percent:.2f}", f"{e.ball} {e.side}".strip(), f"{e.rms_percent:.2f}"]
     return [
         b.label,
         *errors,
-        f"{held.max(initial=0.0):.1f}",
-        f"{mean_load(held, b.contacts):.1f}",
+        f"{loads.max(initial=0.0):.1f}",
+        f"{mean_load(loads, b.contacts):.1f}",
         f"{1e-6 * b.pressure:.0f}",
         f"{1e6 * b.displacement:.3f}" if np.isfinite(b.displacement) else "–",
         "" if not b.answer.seconds else f"{b.answer.seconds:.{0 if b.answer.seconds >= 10.0 else 2}f}",
@@ -274,39 +273,39 @@ def table(models: Sequence[Beside], itself: Beside) -> RenderableType:
     return plain(COLUMNS, map(_cells, (itself, *models)), COLUMNS[:1])
 
 
-def contact_rows(scene: Scene, models: Sequence[Beside], found: Reference) -> list[dict[str, Any]]:
+def contact_rows(scene: Scene, models: Sequence[Beside], reference: Reference) -> list[dict[str, Any]]:
     """One row for each contact: loads [N] of reference, its uncertainty, and of the models."""
     rows = []
-    loaded = (found.load > 0.0) | np.any([b.answer.load > 0.0 for b in models], axis=0)
+    loaded = (reference.load > 0.0) | np.any([b.answer.load > 0.0 for b in models], axis=0)
     for i, s in zip(*np.nonzero(loaded), strict=True):
         row: dict[str, Any] = {"scene": scene.name, "ball": int(i) + 1, "side": SIDES[int(s)]}
-        row |= {"reference_N": float(found.load[i, s])}
-        row |= {"uncertainty_N": float(found.uncertainty[i, s])}
+        row |= {"reference_N": float(reference.load[i, s])}
+        row |= {"uncertainty_N": float(reference.uncertainty[i, s])}
         rows.append(row | {f"{b.label}_N": float(b.answer.load[i, s]) for b in models})
     return rows
 
 
-def load_figure(name: str, models: Sequence[Beside], found: Reference) -> Figure:
+def load_figure(name: str, models: Sequence[Beside], reference: Reference) -> Figure:
     """Loads over the balls, a panel for each flank of the screw that carries load."""
     panels = []
     for s in (0, 1):
-        if not (found.load[:, s] > 0.0).any():
+        if not (reference.load[:, s] > 0.0).any():
             continue
-        balls = list(range(1, found.load.shape[0] + 1))
-        value = found.load[:, s]
-        bar = found.uncertainty[:, s]
+        balls = list(range(1, reference.load.shape[0] + 1))
+        value = reference.load[:, s]
+        bar = reference.uncertainty[:, s]
         ends = (value - bar).tolist(), (value + bar).tolist()
-        series = [Series(found.label, balls, value.tolist(), "line+markers", emphasis=True, bars=ends)]
+        series = [Series(reference.label, balls, value.tolist(), "line+markers", emphasis=True, bars=ends)]
         shown = (b for b in models if b.label in (*MODELS, OURS))
         series += [Series(b.label, balls, b.answer.load[:, s].tolist(), "line") for b in shown]
         panels.append(Panel(f"screw's flank {SIDES[s]}", "ball", "contact load / N", series, integer_x=True))
     return Figure(name, "Contact loads: prediction and reference", panels)
 
 
-def write_files(scene: Scene, models: Sequence[Beside], found: Reference, store: Path) -> str:
+def write_files(scene: Scene, models: Sequence[Beside], reference: Reference, store: Path) -> str:
     """Write the contacts as CSV and the figure as SVG into the store; a line that says so."""
-    rows = contact_rows(scene, models, found)
+    rows = contact_rows(scene, models, reference)
     stem = store / f"{scene.name}-compare"
     write_csv(Path(f"{stem}.csv"), rows)
-    figure = write_figure(Path(f"{stem}.svg"), load_figure("compare-loads", models, found))
+    figure = write_figure(Path(f"{stem}.svg"), load_figure("compare-loads", models, reference))
     return f"wrote {stem}.csv (every contact) and {figure}"

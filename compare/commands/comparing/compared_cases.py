@@ -14,7 +14,7 @@ from rollbench.comparison.scenes.duty_cycle import CaseOf, DutyCycle
 
 def cycles_of(cases: Mapping[str, CaseOf]) -> Iterable[DutyCycle]:
     """The cycles of some cases, each once."""
-    return {found.cycle.name: found.cycle for found in cases.values()}.values()
+    return {case.cycle.name: case.cycle for case in cases.values()}.values()
 
 
 #: What is compared of each case and set, by the names of their scene and set.
@@ -28,20 +28,20 @@ def together_json(cycle: DutyCycle, each: Compared) -> list[dict[str, Any]]:
 
 
 def _of_set(cycle: DutyCycle, name: str, each: Compared) -> dict[str, Any]:
-    found = [(case, each[case.scene.name, name]) for case in cycle.cases]
-    errors = [(whole.spoken.error.max_percent, case.name) for case, whole in found if whole.spoken.error is not None]
+    by_case = [(case, each[case.scene.name, name]) for case in cycle.cases]
+    errors = [(whole.spoken.error.max_percent, case.name) for case, whole in by_case if whole.spoken.error is not None]
     error, worst = max(errors, default=(None, None))
     lives = {}
-    for label in ("3D reference", *(b.label for b in found[0][1].models)):
-        of_case = [{b.label: b for b in (whole.itself, *whole.models)}.get(label) for _, whole in found]
+    for label in ("3D reference", *(b.label for b in by_case[0][1].models)):
+        of_case = [{b.label: b for b in (whole.itself, *whole.models)}.get(label) for _, whole in by_case]
         rated, _ = cycle_life(cycle, name, [None if b is None else b.answer.load for b in of_case])
         lives[label] = None if rated is None else number(rated.revolutions)
-    own, reference = lives[found[0][1].spoken.label], lives["3D reference"]
-    off = None if own is None or reference is None else float(error_percent(own, reference))
+    predicted, reference = lives[by_case[0][1].spoken.label], lives["3D reference"]
+    off = None if predicted is None or reference is None else float(error_percent(predicted, reference))
     return {
         "scene": cycle.name,
         **({"set": name} if name else {}),
-        "model": found[0][1].spoken.label,
+        "model": by_case[0][1].spoken.label,
         "largest_error_percent": error,
         "largest_error_case": worst,
         "life_million_revolutions": lives,
@@ -56,12 +56,12 @@ def together_lines(cycle: DutyCycle, each: Compared) -> list[str]:
 
 def _line(data: dict[str, Any]) -> str:
     lives, off = data["life_million_revolutions"], data["life_error_percent"]
-    said = "no life over the duty cycle"
+    life = "no life over the duty cycle"
     if off is not None:
-        said = (
+        life = (
             f"life over the duty cycle {lives[data['model']]:.4g} million revolutions, {lives['3D reference']:.4g} by the "
             f"reference's loads ({off:+.2f} %)"
         )
     error = data["largest_error_percent"]
     worst = "" if error is None else f"{data['model']} is off most in case {data['largest_error_case']}, {error:.2f} %; "
-    return f"{data['scene']}{', ' + data['set'] if 'set' in data else ''}: {worst}{said}"
+    return f"{data['scene']}{', ' + data['set'] if 'set' in data else ''}: {worst}{life}"

@@ -32,8 +32,8 @@ def all_rolling(names: Sequence[str], bodies: str, hook: str, means_nothing: Map
             raise InputError("command line", "--bodies", bodies, "scenes of friction", advice)
         return None
     need_packages("scikit-fem")
-    found = needed(hook, "command line", "scenes", " ".join(names))
+    work = needed(hook, "command line", "scenes", " ".join(names))
     for option in (name for name, given in means_nothing.items() if given):
         advice = "leave it out: it would change nothing"
         raise InputError("command line", option, "scenes of friction", "whole screws and bearings", advice)
-    return found
+    return work

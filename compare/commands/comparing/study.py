@@ -54,21 +54,21 @@ def run_mesh_study(
 
     scenes: list[Solvable] = [x for name in names for x in each_case(catalogue.any_scene(name), name)]
     stores, levels = (store,) if fresh else (store, shipped_store()), levels_of(count)
-    found = compute_study(scenes, levels, stores, engine, on_terminal, spread=spread, source=source, fresh=fresh)
+    references = compute_study(scenes, levels, stores, engine, on_terminal, spread=spread, source=source, fresh=fresh)
     tables: dict[str, list[dict[str, Any]]] = {scene.name: [] for scene in scenes}
     parts: list[Any] = []
-    for one in found:
-        own, stem = table_of(one, stores, levels), store / f"{one.scene.name}-mesh-study"
-        rows = own if one.of is None else [{"set": one.of.name, **row} for row in own]
+    for one in references:
+        table, stem = table_of(one, stores, levels), store / f"{one.scene.name}-mesh-study"
+        rows = table if one.of is None else [{"set": one.of.name, **row} for row in table]
         tables[one.scene.name if one.of is None else one.of.assembly.name] += rows
         write_csv(Path(f"{stem}.csv"), rows)
-        figure = study_figure(one.scene.name, own, one.found)
+        figure = study_figure(one.scene.name, table, one.found)
         if figure is not None:
             write_figure(Path(f"{stem}.svg"), figure)
-        parts += [f"mesh study of {one.found.scene}", "", aligned(level_rows(one.found)), "", aligned(_extremes(own)), ""]
+        parts += [f"mesh study of {one.found.scene}", "", aligned(level_rows(one.found)), "", aligned(_extremes(table)), ""]
         parts += [closing(one.found), *filter(None, [one.found.unsettled])]
         parts.append(f"every contact: {stem}.csv and {no_figure() or '.svg'}")
-    return Answer(tables, parts, code_of(one.found for one in found))
+    return Answer(tables, parts, code_of(one.found for one in references))
 
 
 def levels_of(count: int | None) -> tuple[int, ...]:
@@ -118,22 +118,22 @@ def compute_study(
                 step(f"{one.found.scene}, by level {task.level} alone: {'; '.join(values)}")
 
     failed = ensure(tasks, stores[0], engine, step, stores[1:], fresh=fresh, stored=first)
-    found = []
+    references = []
     for scene in scenes:
         sets = referenced(scene, stores, tuple(levels), fitted=len(levels))
         if not sets:
             raise unconverged(scene.name, failed)
-        found += sets
-    return found
+        references += sets
+    return references
 
 
-def code_of(found: Iterable[Reference]) -> int:
+def code_of(references: Iterable[Reference]) -> int:
     """Exit code of a command that shows references: `NOT_SETTLED` where the loads of one did not settle, else 0."""
-    return NOT_SETTLED if any(reference.unsettled for reference in found) else 0
+    return NOT_SETTLED if any(reference.unsettled for reference in references) else 0
 
 
 def unconverged(name: str, failed: Sequence[Run]) -> Refusal:
-    """What is said of a scene without a converged run: what became of its runs."""
+    """The refusal of a scene without a converged run, with the status of each of its runs."""
     why = [f"level {run.level}: {run.status}" for run in failed if run.scene == name]
     reason = f"no run of the 3D reference converged ({'; '.join(why)})" if why else "no converged run of the 3D reference"
     return Refusal(name, "3D reference", reason, "change what the status names, or solve it with a low-order model")
@@ -154,10 +154,10 @@ def parse_levels(text: str) -> tuple[int, ...]:
     if text in [str(k) for k in LEVELS]:
         return tuple(range(1, int(text) + 1))
     names = {"source": SOURCE_LEVEL} | {str(k): k for k in LEVELS}
-    parts = [part.strip() for part in text.split(",")]
-    if any(part not in names for part in parts):
+    words = [word.strip() for word in text.split(",")]
+    if any(word not in names for word in words):
         raise InputError("command line", "--levels", f'"{text}"', allowed, "3 computes levels 1, 2 and 3")
-    return tuple(sorted({names[part] for part in parts}))
+    return tuple(sorted({names[word] for word in words}))
 
 
 def run_compare(
@@ -179,14 +179,14 @@ def run_compare(
     levels: None for the best stored reference (levels `ADVISED` are computed where there is none); else just those. fresh:
     compute them even where they are stored. Raises Refusal for a scene of which no run converged.
     """
-    own = compared_models(tuple(models))
+    chosen = compared_models(tuple(models))
     described = [catalogue.any_scene(name) for name in names]
     origins = [(x, name) for one, name in zip(described, names, strict=True) for x in each_case(one, name)]
     scenes: list[Solvable] = [scene for scene, _ in origins]
     cases = cases_by_name(described)
     stores = (store, shipped_store())
     warnings: list[str] = []
-    names_of = {name: found.case.name for name, found in cases.items()}
+    names_of = {name: case.case.name for name, case in cases.items()}
     given = None if reference is None else _given(scenes, reference, levels, warnings, names_of, fresh=fresh)
     without = [s for s in scenes if not referenced(s, stores)] if levels is None and not fresh else scenes
     without = [] if given is not None else without
@@ -199,29 +199,29 @@ def run_compare(
             """Print the verdict by the coarsest level while finer ones are computed."""
             for scene in task.scenes if task.level == min(set(wanted) - {SOURCE_LEVEL}) else ():
                 for one in referenced(scene, (store,), (task.level,)):
-                    whole = compared(one.scene, (own or suited(scene))[:1], one.found, stores, one.of)
+                    whole = compared(one.scene, (chosen or suited(scene))[:1], one.found, stores, one.of)
                     on_terminal(f"{one.found.scene}, by level {task.level} alone: {verdict(whole, one.found)}")
 
         failed = ensure(tasks, store, engine, on_terminal, stores, fresh=fresh, stored=first)
-    found = [referenced(scene, stores) for scene in scenes] if given is None else given
+    references = [referenced(scene, stores) for scene in scenes] if given is None else given
 
     def each() -> Iterator[tuple[Referenced, Comparison]]:
         """References and what is compared with them, as they are asked for."""
-        for scene, sets in zip(scenes, found, strict=True):
+        for scene, sets in zip(scenes, references, strict=True):
             if not sets:
                 raise unconverged(scene.name, failed)
             for one in sets:
                 ours = None if given is None else stored_beside(one, stores)
-                yield one, compared(one.scene, own or suited(scene), one.found, stores, one.of, ours)
+                yield one, compared(one.scene, chosen or suited(scene), one.found, stores, one.of, ours)
 
     def heading(one: Referenced) -> dict[str, Any]:
         return named(one) | (cases[one.described].keys if one.described in cases else {})
 
     def parts() -> Iterator[Any]:
         yield from (f"WARNING: {warning}" for warning in warnings)
-        told = []
+        comparisons = []
         for one, whole in each():
-            told.append(((one.described, one.set), whole))
+            comparisons.append(((one.described, one.set), whole))
             yield from (
                 f"{one.found.scene}: {verdict(whole, one.found)}",
                 *others(whole),
@@ -236,7 +236,7 @@ def run_compare(
                 name = next(name for scene, name in origins if scene is one.scene)
                 yield f"preload, 6 x 6 stiffness, friction by the 3D bodies: rollbench solve {name} --condensed {bodies}"
             yield write_files(one.scene, whole.models, one.found, store)
-        yield from (line for cycle in cycles_of(cases) for line in together_lines(cycle, dict(told)))
+        yield from (line for cycle in cycles_of(cases) for line in together_lines(cycle, dict(comparisons)))
 
     def data() -> dict[str, Any]:
         pairs = list(each())
@@ -246,16 +246,16 @@ def run_compare(
             for b in whole.models
             for row in rows(one.scene, b.answer, one.found)
         ]
-        told = [(one, answers_json(whole, one.found) | heading(one)) for one, whole in pairs]
-        found: dict[str, Any] = {"scenes": [x for one, x in told if one.described not in cases], "rows": listed}
-        found |= {"warnings": warnings} if given is not None else {}
+        answers = [(one, answers_json(whole, one.found) | heading(one)) for one, whole in pairs]
+        out: dict[str, Any] = {"scenes": [x for one, x in answers if one.described not in cases], "rows": listed}
+        out |= {"warnings": warnings} if given is not None else {}
         if not cases:
-            return found
+            return out
         by_name = {(one.described, one.set): whole for one, whole in pairs}
         summaries = [row for cycle in cycles_of(cases) for row in together_json(cycle, by_name)]
-        return found | {"summary": summaries, "cases": [x for one, x in told if one.described in cases]}
+        return out | {"summary": summaries, "cases": [x for one, x in answers if one.described in cases]}
 
-    return Answer(data, parts(), code_of(one.found for sets in found for one in sets))
+    return Answer(data, parts(), code_of(one.found for sets in references for one in sets))
 
 
 def _given(
@@ -269,16 +269,16 @@ def _given(
 ) -> list[list[Referenced]]:
     """The one scene, or its load cases, beside the user's own reference, set by set; cases: which each scene is. Raises
     InputError for several, and for what it makes meaningless."""
-    for name, asked in (("--levels", levels is not None), ("--fresh", fresh)):
-        if asked:
+    for name, given in (("--levels", levels is not None), ("--fresh", fresh)):
+        if given:
             raise InputError("command line", name, "with --reference", "one of both", "the file is the reference")
     if len(scenes) != 1 and len(cases) != len(scenes):
         advice = "compare the scenes one by one, each with its file"
         raise InputError("command line", "--reference", str(path), f"one scene, not {len(scenes)}", advice)
-    said: dict[str, None] = {}
-    found = [judged_by(path, scene, said.setdefault, case=cases.get(scene.name)) for scene in scenes]
-    warnings += said
-    return found
+    warned: dict[str, None] = {}
+    references = [judged_by(path, scene, warned.setdefault, case=cases.get(scene.name)) for scene in scenes]
+    warnings += warned
+    return references
 
 
 def named(one: Referenced) -> dict[str, str]:
@@ -286,6 +286,6 @@ def named(one: Referenced) -> dict[str, str]:
     return {} if one.of is None else {"scene": one.of.assembly.name, "set": one.of.name}
 
 
-def _contacts(scene: Scene, models: Sequence[Beside], found: Reference) -> Any:
-    rows = [{k.removesuffix("_N"): v for k, v in [*row.items()][1:]} for row in contact_rows(scene, models, found)]
+def _contacts(scene: Scene, models: Sequence[Beside], reference: Reference) -> Any:
+    rows = [{k.removesuffix("_N"): v for k, v in [*row.items()][1:]} for row in contact_rows(scene, models, reference)]
     return aligned(rows, ".2f", f"{scene.name}: contact loads / N")

@@ -52,24 +52,24 @@ def build(
         return make(others, announce, step, study, then).sections
     last = [part for part in others if part.alone]
     with _another(aside, study, then) as other:
-        own = make([part for part in others if not part.alone], announce, step, study, then)
+        main = make([part for part in others if not part.alone], announce, step, study, then)
         announce(f"what is left of {', '.join(part.name for part in aside)}")
-        found: Made = next(other)
-    study.scenes.update(found.study.scenes)
-    study.others.update(found.study.others)
-    return found.sections | own.sections | make(last, announce, step, study, then).sections
+        beside: Made = next(other)
+    study.scenes.update(beside.study.scenes)
+    study.others.update(beside.study.others)
+    return beside.sections | main.sections | make(last, announce, step, study, then).sections
 
 
 def make(parts: Sequence[Part], announce: Step, step: Step, study: Study, then: Callable[[Study], None]) -> Made:
     """Some sections, one after the other."""
-    made = {}
+    sections = {}
     for part in parts:
         announce(part.name)
         section: Callable[[Study, Step], Section] = import_module(f"rollbench.comparison.{part.module}").section
-        made[part.name] = section(study, step)
-    if "ladder" in made:
+        sections[part.name] = section(study, step)
+    if "ladder" in sections:
         then(study)
-    return Made(made, replace(study, results={}, computed={}))
+    return Made(sections, replace(study, results={}, computed={}))
 
 
 class _Aside:
@@ -88,8 +88,8 @@ class _Aside:
 
 
 def _elsewhere(parts: Sequence[Part], study: Study, then: Callable[[Study], None]) -> Made:
-    told = _Aside()
-    return make(parts, told.section, told.step, study, then)
+    aside = _Aside()
+    return make(parts, aside.section, aside.step, study, then)
 
 
 @contextmanager

@@ -29,11 +29,11 @@ def tables(report: Path) -> Tables:
     if not (report / "index.html").is_file() or not (report / "tables").is_dir():
         advice = "reports are written by: rollbench report --out DIR"
         raise InputError(str(report), "--against", "no report", "the folder of a report", advice)
-    found = {}
+    by_name = {}
     for path in sorted((report / "tables").glob("*.csv")):
         with open(path, encoding="utf-8", newline="") as stream:
-            found[path.stem] = list(csv.DictReader(stream))
-    return found
+            by_name[path.stem] = list(csv.DictReader(stream))
+    return by_name
 
 
 def moved(old: Tables, new: Tables) -> Iterator[str]:
@@ -64,13 +64,13 @@ def _moved(old: Sequence[dict[str, str]], new: Sequence[dict[str, str]]) -> Iter
 
 def _keyed(rows: Sequence[dict[str, str]]) -> dict[str, dict[str, str]]:
     """Rows by their texts; those of the same texts are counted."""
-    found: dict[str, dict[str, str]] = {}
+    by_text: dict[str, dict[str, str]] = {}
     for row in rows:
         texts = [cell for cell in row.values() if cell and _number(cell) is None]
         key = ", ".join(text if len(text) <= 40 else f"{text[:37]}..." for text in texts[:3]) or "row"
-        same = sum(known == key or known.startswith(f"{key} (") for known in found)
-        found[f"{key} ({same + 1})" if same else key] = row
-    return found
+        count = sum(known == key or known.startswith(f"{key} (") for known in by_text)
+        by_text[f"{key} ({count + 1})" if count else key] = row
+    return by_text
 
 
 def _number(text: str) -> float | None:
@@ -116,10 +116,10 @@ def checked(report: Path, stores: Sequence[Path]) -> Iterator[Checked]:
         raise InputError(str(folder / FILE), "file", str(error), "a manifest", "write the report again") from None
     names = [name.removeprefix(SCENE) for name in manifest["inputs"] if name.startswith(SCENE)]
     texts = {name: catalogue.scene_text(name) for name in names if name in catalogue.scene_names()}
-    for stated, found in ((manifest["files"], hashes(folder)), (manifest["inputs"], inputs(stores, texts))):
+    for stated, computed in ((manifest["files"], hashes(folder)), (manifest["inputs"], inputs(stores, texts))):
         for name, value in stated.items():
-            now = found.get(name, "")
-            state = "missing" if not now else "ok" if now == value else "changed"
-            yield Checked(name, state, str(value), "" if state == "ok" else now)
+            present = computed.get(name, "")
+            state = "missing" if not present else "ok" if present == value else "changed"
+            yield Checked(name, state, str(value), "" if state == "ok" else present)
     for name in hashes(folder).keys() - manifest["files"].keys():
         yield Checked(name, "added", "", "")

@@ -65,23 +65,21 @@ PARTS = tuple(sorted(parts(CORE), key=_place))
 SECTIONS = tuple(part.name for part in PARTS)
 
 
-def pages(made: Mapping[str, Section]) -> list[Page]:
+def pages(by_name: Mapping[str, Section]) -> list[Page]:
     """The pages of sections by name, in order; those without a section are left out."""
-    found: dict[str, list[Section]] = {}
+    by_page: dict[str, list[Section]] = {}
     for part in PARTS:
-        if part.name in made:
-            found.setdefault(part.page, []).append(made[part.name])
-    return [
-        Page(name, PAGES.get(name, name), sections, conclusion(sections), name in WHOLE) for name, sections in found.items()
-    ]
+        if part.name in by_name:
+            by_page.setdefault(part.page, []).append(by_name[part.name])
+    return [Page(name, PAGES.get(name, name), group, conclusion(group), name in WHOLE) for name, group in by_page.items()]
 
 
 def conclusion(sections: Sequence[Section]) -> str:
     """What a page opens with: the conclusion of its first section that has one, else how many of the printed entries in its
     tables have which verdict."""
-    said = next((section.conclusion for section in sections if section.conclusion), "")
-    if said:
-        return said
+    text = next((section.conclusion for section in sections if section.conclusion), "")
+    if text:
+        return text
     tables = [item for section in sections for item in section.items if isinstance(item, Table)]
     tally = Counter(str(row["verdict"]) for table in tables for row in table.rows if row.get("verdict"))
     judged = {verdict: count for verdict, count in tally.most_common() if verdict not in APART}

@@ -116,9 +116,9 @@ def keep_experience(stores: Sequence[Path]) -> None:
     known = experience(study)
     if known is not None:
         grid_parts.save(stores[0], known)
-    found = [combined(study.scene(name), varied(study.scene(name), stores)) for name in VARIED]
-    if all(found):
-        total_uncertainty.save(stores[0], {m.scene: total_uncertainty.choices_of(m) for m in found if m is not None})
+    modelling = [combined(study.scene(name), varied(study.scene(name), stores)) for name in VARIED]
+    if all(modelling):
+        total_uncertainty.save(stores[0], {m.scene: total_uncertainty.choices_of(m) for m in modelling if m is not None})
 
 
 def wanted_parts(only: Sequence[str], *, quick: bool = False) -> list[Part]:
@@ -178,9 +178,9 @@ def make_report(
     meshing = not gmsh_fault()
     from rollbench.comparison.reference.store import shipped_store
 
-    own = (store,) if fresh or quick else (store, shipped_store())
+    stores = (store,) if fresh or quick else (store, shipped_store())
     facts = provenance()  # before anything is written
-    source = Source(None if stored else own, engine or Engine(), not stored and meshing, quick, fresh)
+    source = Source(None if stored else stores, engine or Engine(), not stored and meshing, quick, fresh)
     runs = any(part.runs for part in wanted)
     checking = runs and meshing and not (only or stored or fresh or quick)
     timed = fresh or "timing" in only
@@ -195,13 +195,13 @@ def make_report(
     if checking:
         progress.section("one shipped run computed anew")
         checked = live_check((shipped_store(),), progress.step)
-    made = build(aside, others, progress.section, progress.step, study, save_model_form)
+    sections = build(aside, others, progress.section, progress.step, study, save_model_form)
     progress.section("drawing and writing")
     texts = {name: catalogue.scene_text(name) for name in study.used}
     facts["computed in"] = f"{perf_counter() - start:.0f} s"
     computed = "computed, coarse meshes only" if quick else "computed" if fresh else "of the package where their key holds"
     facts["3D reference"] = "stored runs of the package" if stored or not meshing else computed
-    missed += lacking(made.values())
+    missed += lacking(sections.values())
     if missed:
         facts["left out"] = "; ".join(str(gap) for gap in missed)
     if checked is not None:
@@ -213,7 +213,7 @@ def make_report(
         + (f" (quick run: coarse meshes, cases 1 and 2 only{without})" if quick else "")
         + "".join(f" ({gap.line()})" for gap in missed),
         provenance=facts,
-        pages=pages(made),
+        pages=pages(sections),
         origin={**facts, "inputs": inputs(study.stores or (shipped_store(),), texts)},
     )
     try:

@@ -71,16 +71,16 @@ def make_page(name: str, out: Path, store: Path, reference: Path | None = None) 
     return page
 
 
-def page_of(name: str, stores: Sequence[Path], own: Path | None = None) -> ScenePage:
-    """The page of a scene, or of its load cases; own: file of the user's own reference. Raises InputError and Refusal as
+def page_of(name: str, stores: Sequence[Path], file: Path | None = None) -> ScenePage:
+    """The page of a scene, or of its load cases; file: of the user's own reference. Raises InputError and Refusal as
     `make_page`."""
     described = catalogue.any_scene(name)
     if not isinstance(described, DutyCycle):
-        return _page_of_scene(name, scene_file.whole(described, name), stores, own)
-    return _page_of_cases(name, described, stores, own)
+        return _page_of_scene(name, scene_file.whole(described, name), stores, file)
+    return _page_of_cases(name, described, stores, file)
 
 
-def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], own: Path | None) -> ScenePage:
+def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], file: Path | None) -> ScenePage:
     """The page of the most pressed load case, with what all cases say together above it."""
     scenes = {case.name: scene_file.whole(case.scene, name) for case in cycle.cases}
     solved = [solve_one(scene, DEFAULT, Options()) for scene in scenes.values()]
@@ -88,37 +88,37 @@ def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], own: Pat
     if whole.pressure is None:
         raise Refusal(name, "cases", "no case carries load, or converges", "see: rollbench solve")
     worst = whole.pressure.case
-    page = _page_of_scene(name, scenes[worst], stores, own, worst)
+    page = _page_of_scene(name, scenes[worst], stores, file, worst)
     data = cases_json(cycle, solved, whole)
     rows: list[Row] = [
         {Quantity(key, key, "", "s" if key == "case" else "g4"): value for key, value in row.items()}
         for row in case_rows(data["cases"])
     ]
-    told = [(label, text) for label, text in together_entries(whole)]
+    answers = together_entries(whole)
     table = Table.of("cases", "Load cases", rows, "Life of each case by itself; what follows is of the worst case.")
     lost = "".join(f" Case {one} has no loads: {status}." for one, status in whole.unsolved.items())
-    life_said = dict(told)["life"]
+    life_said = dict(answers)["life"]
     return replace(
         page,
         title=cycle.title,
         subtitle=f"{cycle.name}, {len(solved)} load cases: {page.subtitle.partition(': ')[2]}; below, case {worst}",
         verdict=f"Of {len(solved)} load cases {worst} is the worst. {page.verdict} Life: {life_said}.{lost}",
-        answers=[*told, *((f"{worst}: {label}", text) for label, text in page.answers)],
+        answers=[*answers, *((f"{worst}: {label}", text) for label, text in page.answers)],
         parts=(Section("cases", "Load cases", (table,)), *page.parts),
         results=data,
     )
 
 
 def _page_of_scene(
-    name: str, scene: Scene, stores: Sequence[Path], own: Path | None = None, case: str | None = None
+    name: str, scene: Scene, stores: Sequence[Path], file: Path | None = None, case: str | None = None
 ) -> ScenePage:
     """The page of one load case of the file or shipped scene of that name."""
     study, warnings = Study(stores, scenes={scene.name: scene}), list[str]()
-    given = None if own is None else judged_by(own, scene, warnings.append, case=case)[0].found
+    given = None if file is None else judged_by(file, scene, warnings.append, case=case)[0].found
     options = Options()
     one = solve_one(scene, DEFAULT, options)
-    result, found, worth = one.result, one.answers, one.expected
-    if found is None or worth is None:
+    result, answers, worth = one.result, one.answers, one.expected
+    if answers is None or worth is None:
         raise Refusal(name, "scene", result.status, "see: rollbench solve")
     tangent = tangent_of(scene, scene.nut.position, DEFAULT, options)
     stored = study.reference(scene.name)
@@ -128,19 +128,19 @@ def _page_of_scene(
     sections = (
         Section("scene", "The scene", (sketch_of(scene, "sketch", SKETCH),)),
         _loads(scene, result, [reference for reference in (given, stored) if reference is not None]),
-        _stiffness(found, tangent),
-        *(part for make in offered("friction of a page") if (part := make(scene, result, options)) is not None),
+        _stiffness(answers, tangent),
+        *(section for make in offered("friction of a page") if (section := make(scene, result, options)) is not None),
         _error(scene, worth, judged, stored, None if given is None else against(given, result)),
         _notes(result, warnings),
     )
     return ScenePage(
         scene.title,
         f"{scene.name}: contact loads, stiffness, pressure, friction and life by rollbench, model {DEFAULT}",
-        verdict(found, worth, judged, stored, None if given is None else against(given, result)),
-        entries(scene, result, found, worth, speed),
+        verdict(answers, worth, judged, stored, None if given is None else against(given, result)),
+        entries(scene, result, answers, worth, speed),
         _picture(scene, result),
         sections,
-        _provenance(name, scene, text, stored, own),
+        _provenance(name, scene, text, stored, file),
         text,
         case_json(one),
         _files(scene, stored, stores),
@@ -171,10 +171,10 @@ def against(given: Reference, result: StaticResult) -> Against:
 
 
 def verdict(
-    found: Answers, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None, given: Against | None = None
+    answers: Answers, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None, given: Against | None
 ) -> str:
     """The answer in one sentence: worst pressure and safety, and how far they may be trusted."""
-    worst, safety = found.loads.worst, found.loads.safety
+    worst, safety = answers.loads.worst, answers.loads.safety
     if worst is None or safety is None:
         return "No contact carries load."
     text = (
@@ -205,9 +205,9 @@ def _loads(scene: Scene, result: StaticResult, references: Sequence[Reference]) 
             continue
         series = [Series(DEFAULT, balls, result.load[:, s].tolist(), "line+markers", emphasis=True)]
         for reference in references:
-            own, bar = reference.load[:, s], reference.uncertainty[:, s]
-            ends = (own - bar).tolist(), (own + bar).tolist()
-            series.append(Series(reference.label, balls, own.tolist(), "markers", bars=ends))
+            load, bar = reference.load[:, s], reference.uncertainty[:, s]
+            ends = (load - bar).tolist(), (load + bar).tolist()
+            series.append(Series(reference.label, balls, load.tolist(), "markers", bars=ends))
         panels.append(Panel(f"screw's flank {side}", "ball", "contact load / N", tuple(series), zero=True, integer_x=True))
     rows: list[Row] = []
     for i, s in zip(*np.nonzero(result.load > 0.0), strict=True):
@@ -227,9 +227,9 @@ def _loads(scene: Scene, result: StaticResult, references: Sequence[Reference]) 
     return Section("loads", "Loads and pressures", items)
 
 
-def _stiffness(found: Answers, tangent: Tangent) -> Section:
+def _stiffness(answers: Answers, tangent: Tangent) -> Section:
     """Rigidities by formulas and by the model, and the tangent stiffness at the nut."""
-    three = found.rigidities
+    three = answers.rigidities
     names = (
         "contacts alone (R_b/t), formula at the nominal contact angle",
         "contacts and bodies (R_nu), formula at the nominal contact angle",
@@ -242,7 +242,7 @@ def _stiffness(found: Answers, tangent: Tangent) -> Section:
             Quantity("name", "axial rigidity", "", "s"): name,
             Quantity("value", "", "N/um"): None if value is None else 1e-6 * value,
         }
-        for name, value in zip(names, (*values, found.tangent), strict=True)
+        for name, value in zip(names, (*values, answers.tangent), strict=True)
     ]
     first = Table.of("rigidity", "Axial rigidities: formulas of ISO 3408-4, and of this model", rows)
     if tangent.status != "converged":
@@ -266,8 +266,8 @@ def _error(
 
     items: list[Text | Table | Figure] = []
     if given is not None:
-        said = f"{given.stated[:1].upper()}{given.stated[1:]}: {given.words}, uncertain by up to {given.uncertainty:.2f} %."
-        items.append(Text((said,)))
+        text = f"{given.stated[:1].upper()}{given.stated[1:]}: {given.words}, uncertain by up to {given.uncertainty:.2f} %."
+        items.append(Text((text,)))
     if judged and reference is not None:
         levels = ", ".join(str(run.level) for run in reference.runs)
         rows: list[Row] = [
@@ -289,8 +289,8 @@ def _error(
         items.append(Table.of("measured", "Measured error and its uncertainty", rows, note))
     else:
         items.append(Text(("Not measured: no run of the 3D reference is stored for this scene (rollbench mesh-study).",)))
-    told = model_form_text(worth)
-    items.append(Text((told[:1].upper() + told[1:] + ".",)))
+    expected = model_form_text(worth)
+    items.append(Text((expected[:1].upper() + expected[1:] + ".",)))
     try:
         items += [range_table(scene), range_figure(scene)]
     except ValueError as error:
@@ -309,8 +309,8 @@ def _notes(result: StaticResult, warnings: Sequence[str] = ()) -> Section:
 
 
 def _picture(scene: Scene, result: StaticResult) -> Any:
-    held = result.load > 0.0
-    arrows = result.contact_point[held], (result.force_direction * result.load[..., None])[held]
+    loaded = result.load > 0.0
+    arrows = result.contact_point[loaded], (result.force_direction * result.load[..., None])[loaded]
     caption = "Balls are coloured by their load; arrows are the contact forces on them."
     return loaded_screw(scene, ("picture", "The scene under load"), result.load, arrows, caption)
 
@@ -328,7 +328,7 @@ def _files(scene: Scene, reference: Reference | None, stores: Sequence[Path]) ->
     return out | {path.name: sha256(path.read_bytes()) for path in paths if path.exists()}
 
 
-def _provenance(name: str, scene: Scene, text: str, reference: Reference | None, own: Path | None = None) -> dict[str, str]:
+def _provenance(name: str, scene: Scene, text: str, reference: Reference | None, file: Path | None) -> dict[str, str]:
     out = {
         "scene": f"{Path(name).name}, SHA-256 {sha256(text)}",
         "rollbench": f"{__version__}, commit {commit()}",
@@ -342,8 +342,8 @@ def _provenance(name: str, scene: Scene, text: str, reference: Reference | None,
             f"level {r.level} of {r.date}, rollbench {r.versions.get('rollbench', '?')}" for r in reference.runs
         )
         out["3D reference"] = runs
-    if own is not None:
-        out["reference"] = f"{own.name}, SHA-256 {sha256(own.read_bytes())}"
+    if file is not None:
+        out["reference"] = f"{file.name}, SHA-256 {sha256(file.read_bytes())}"
     if scene.source:
         out["source"] = scene.source
     return out

@@ -40,23 +40,23 @@ def read(report: Path) -> tuple[str, dict[str, Any]]:
 def checked(html: str, blocks: dict[str, Any], stores: Sequence[Path]) -> Iterator[Checked]:
     """Every hash of a manifest beside the one computed now: of the page, what it carries, sources, stored files."""
     manifest = blocks["manifest"]
-    own = {
+    hashes = {
         "page": sha256(without_manifest(html)),
         "scene": sha256(blocks["scene"]),
         "results": results_hash(blocks["results"]),
     }
-    for name, found in own.items():
+    for name, computed in hashes.items():
         stated = str(manifest.get(name, ""))
-        yield Checked(name, "ok" if stated == found else "changed", stated, "" if stated == found else found)
+        yield Checked(name, "ok" if stated == computed else "changed", stated, "" if stated == computed else computed)
     for name, stated in dict(manifest.get("files", {})).items():
         paths = [p for store in stores if (p := store / Path(name).name).is_file()]
-        found = sources_hash() if name == SOURCES else sha256(paths[0].read_bytes()) if paths else ""
-        state = "missing" if not found else "ok" if found == stated else "changed"
-        yield Checked(name, state, str(stated), "" if state == "ok" else found)
+        computed = sources_hash() if name == SOURCES else sha256(paths[0].read_bytes()) if paths else ""
+        state = "missing" if not computed else "ok" if computed == stated else "changed"
+        yield Checked(name, state, str(stated), "" if state == "ok" else computed)
 
 
 def run_verify(report: Path, store: Path) -> Answer:
-    """Every hash's state; exit code 1 where one does not hold. Raises InputError for a file that is no page with a
+    """Every hash's state; exit code 1 where one differs. Raises InputError for a file that is no page with a
     manifest."""
     stores = (store, shipped_store())
     whole = report_moved.is_whole(report)
@@ -84,13 +84,13 @@ def run_page(scene: str, out: Path, store: Path, against: Path | None, reference
 
 
 def _inputs(manifest: dict[str, Any]) -> dict[str, Any]:
-    """A manifest without what is another in every run: the date, and the hashes of what holds the solver's seconds."""
+    """A manifest without what differs in every run: the date, and the hashes of what holds the solver's seconds."""
     kept = {key: value for key, value in manifest.items() if key not in ("page", "results")}
     return kept | {"provenance": {k: v for k, v in manifest["provenance"].items() if k != "date"}}
 
 
 def _stable(results: dict[str, Any]) -> dict[str, Any]:
-    """Results without what is another in every run: the solver's seconds."""
+    """Results without what differs in every run: the solver's seconds."""
     kept = {key: value for key, value in results.items() if key != "solver"}
     return kept | ({"cases": [_stable(one) for one in results["cases"]]} if "cases" in results else {})
 

@@ -40,7 +40,7 @@ SETS = (
 )
 
 
-def _set(i: int, s: SetResult, found: SetAnswers | None) -> dict[str, Any]:
+def _set(i: int, s: SetResult, answers: SetAnswers | None) -> dict[str, Any]:
     loads = s.loads
     return {
         "set": i + 1,
@@ -55,7 +55,7 @@ def _set(i: int, s: SetResult, found: SetAnswers | None) -> dict[str, Any]:
         "loaded": int((loads > 0.0).sum()) if np.isfinite(loads).all() else None,
         "outer_motion": {name: number(f * x) for (name, f), x in zip(MOTION, s.outer, strict=True)},
         "stiffness": [[number(x) for x in row] for row in s.stiffness],
-        "summary": set_summary(s, found),
+        "summary": set_summary(s, answers),
     }
 
 
@@ -91,20 +91,20 @@ def _housing(h: HousingResult) -> dict[str, Any]:
     }
 
 
-def as_json(assembly: Assembly, result: AxisResult, found: AxisAnswers | None = None, member: int = 0) -> dict[str, Any]:
+def as_json(assembly: Assembly, result: AxisResult, answers: AxisAnswers | None = None, member: int = 0) -> dict[str, Any]:
     """The result as a JSON-ready object in the keys of a single set's; rows of balls and rollers begin with their set, sums
-    of a set are in ``sets``; found: what else stands in the summaries."""
-    own = (None,) * len(result.sets) if found is None else found.sets
+    of a set are in ``sets``; answers: what else stands in the summaries."""
+    of_sets = (None,) * len(result.sets) if answers is None else answers.sets
     return {
         "scene": assembly.name,
         "kind": assembly.kind,
         "model": result.model,
         "member": member if random_errors(assembly) else None,
         "status": result.status,
-        "sets": [_set(i, s, x) for i, (s, x) in enumerate(zip(result.sets, own, strict=True))],
+        "sets": [_set(i, s, x) for i, (s, x) in enumerate(zip(result.sets, of_sets, strict=True))],
         "balls": ball_rows(result),
         "rollers": roller_rows(result),
-        "summary": whole_summary(result, found),
+        "summary": whole_summary(result, answers),
         "housings": [_housing(h) for h in result.housings],
         "stiffness": whole_stiffness(result),
         **behind_json(result),
@@ -128,8 +128,8 @@ def as_table(
         moved = ", ".join(
             f"{n.split('_')[0]} {f * x:.4g} {n.split('_')[1]}" for (n, f), x in zip(MOTION, h.motion, strict=True)
         )
-        held = ", ".join(f"{x:.5g}" for x in h.wrench[:3])
-        parts.append(f"{h.name}: {moved}; the frame holds it with ({held}) N; balance {h.residual:.1e}")
+        force = ", ".join(f"{x:.5g}" for x in h.wrench[:3])
+        parts.append(f"{h.name}: {moved}; the frame holds it with ({force}) N; balance {h.residual:.1e}")
     parts += _stiffness_lines(result)
     e = result.equilibrium
     behind = solver_lines(result.solver)
@@ -156,8 +156,8 @@ def _element_tables(result: AxisResult) -> list[RenderableType]:
     rollers = roller_rows(result)
     if rollers:
         names = (("set", "set", "s"), ("index", "roller", "s"), ("azimuth_deg", "azimuth deg", ".2f"))
-        more = (("load_N", "load N", ".3f"), ("largest_line_load_N_mm", "largest N/mm", ".3f"))
-        out.append(listed("rollers", (*names, *more), rollers))
+        loads = (("load_N", "load N", ".3f"), ("largest_line_load_N_mm", "largest N/mm", ".3f"))
+        out.append(listed("rollers", (*names, *loads), rollers))
     return out
 
 

@@ -31,58 +31,58 @@ STARTING = (
 )
 
 
-def starting_torque(s: SetResult, found: SetAnswers) -> dict[str, Any] | None:
+def starting_torque(s: SetResult, answers: SetAnswers) -> dict[str, Any] | None:
     """Starting torque of a bearing that carries thrust one way, under its preload; None without one, and for nuts."""
-    ways = offered("starting torque")
-    if not ways or s.of.kind != "bearing" or s.of.thrust not in ("+z", "-z") or not (found.preload and found.preload.axial):
+    ways, preload = offered("starting torque"), answers.preload
+    if not ways or s.of.kind != "bearing" or s.of.thrust not in ("+z", "-z") or not (preload and preload.axial):
         return None
-    return record(STARTING, ways[0](found.parts, found.preload.axial))
+    return record(STARTING, ways[0](answers.parts, preload.axial))
 
 
-def set_summary(s: SetResult, found: SetAnswers | None) -> dict[str, Any]:
+def set_summary(s: SetResult, answers: SetAnswers | None) -> dict[str, Any]:
     """Summary of one set; empty for rollers."""
     if s.balls is None or not np.isfinite(s.balls.load).all():
         return {}
     data: dict[str, Any] = {"sides": summary(s.balls.load)}
-    if found is None:
+    if answers is None:
         return data
-    own = {"loads": loads_json(s.balls.load), **contacts_json(found.loads), "preload": record(PRELOAD, found.preload)}
-    return data | own | {"starting_torque": starting_torque(s, found)}
+    data |= {"loads": loads_json(s.balls.load), **contacts_json(answers.loads), "preload": record(PRELOAD, answers.preload)}
+    return data | {"starting_torque": starting_torque(s, answers)}
 
 
-def whole_summary(result: AxisResult, found: AxisAnswers | None) -> dict[str, Any]:
+def whole_summary(result: AxisResult, answers: AxisAnswers | None) -> dict[str, Any]:
     """Summary of the whole: sides over all sets, what the set of the worst contact says with its number, axial answers."""
     loads = [s.balls.load for s in result.sets if s.balls is not None]
     if not loads or not result.converged:
         return {}
     data: dict[str, Any] = {"sides": summary(np.concatenate(loads))}
-    if found is None:
+    if answers is None:
         return data
     K = None if result.stiffness is None else result.stiffness[2, 2]
     data["axial"] = {
-        "force_N": number(found.force),
-        "displacement_um": None if found.displacement is None else number(1e6 * found.displacement),
-        "rigidity_N_per_um": number(1e-6 * found.force / found.displacement) if found.displacement else None,
+        "force_N": number(answers.force),
+        "displacement_um": None if answers.displacement is None else number(1e6 * answers.displacement),
+        "rigidity_N_per_um": number(1e-6 * answers.force / answers.displacement) if answers.displacement else None,
         "tangent_N_per_um": None if K is None else number(1e-6 * K),
         "lost_motion_um_per_100N": None if K is None or K <= 0.0 else number(1e6 * 2.0 * 100.0 / K),
     }
     data["stiffness"] = whole_stiffness(result)
-    i = worst(found)
+    i = worst(answers)
     if i is not None:
-        own = set_summary(result.sets[i], found.sets[i])
-        data |= {"worst_set": i + 1} | {k: own[k] for k in own if k not in ("sides", "preload", "starting_torque")}
+        of_set = set_summary(result.sets[i], answers.sets[i])
+        data |= {"worst_set": i + 1} | {k: of_set[k] for k in of_set if k not in ("sides", "preload", "starting_torque")}
     return data
 
 
-def worst(found: AxisAnswers) -> int | None:
+def worst(answers: AxisAnswers) -> int | None:
     """Number (from 0) of the set of balls with the highest pressure."""
-    pressures = [-1.0 if s is None or s.loads.worst is None else s.loads.worst.pressure for s in found.sets]
+    pressures = [-1.0 if s is None or s.loads.worst is None else s.loads.worst.pressure for s in answers.sets]
     return int(np.argmax(pressures)) if max(pressures, default=-1.0) > 0.0 else None
 
 
-def block(assembly: Assembly, result: AxisResult, found: AxisAnswers, width: int) -> str:
+def block(assembly: Assembly, result: AxisResult, answers: AxisAnswers, width: int) -> str:
     """Labelled entries, no line wider than ``width``: axial answers, then what the worst set's contacts say, preloads."""
-    data = whole_summary(result, found)
+    data = whole_summary(result, answers)
     axial = data.get("axial")
     lines = []
     if axial is not None:
@@ -98,16 +98,16 @@ def block(assembly: Assembly, result: AxisResult, found: AxisAnswers, width: int
         name = assembly.sets[data["worst_set"] - 1].name
         speed = None if assembly.motion is None else assembly.motion.speed
         lines += [(label, f"{name}: {text}") for label, text in contact_entries(data, speed)]
-    held = [
-        f"{s.of.name} {own.preload.mean:.1f} N a contact, {own.preload.axial:.0f} N along the axis"
-        for s, own in zip(result.sets, found.sets, strict=True)
-        if own is not None and own.preload is not None and own.preload.loaded
+    preloads = [
+        f"{s.of.name} {of_set.preload.mean:.1f} N a contact, {of_set.preload.axial:.0f} N along the axis"
+        for s, of_set in zip(result.sets, answers.sets, strict=True)
+        if of_set is not None and of_set.preload is not None and of_set.preload.loaded
     ]
-    lines.append(("preload", "; ".join(held) or "no contact of balls carries load when the loads are away"))
+    lines.append(("preload", "; ".join(preloads) or "no contact of balls carries load when the loads are away"))
     torques = {
         s.of.name: found_torque["torque_Nmm"]
-        for s, own in zip(result.sets, found.sets, strict=True)
-        if own is not None and (found_torque := starting_torque(s, own)) is not None
+        for s, of_set in zip(result.sets, answers.sets, strict=True)
+        if of_set is not None and (found_torque := starting_torque(s, of_set)) is not None
     }
     if torques:
         each = "; ".join(f"{name} {value:.3g} N mm" for name, value in torques.items())

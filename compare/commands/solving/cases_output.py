@@ -53,7 +53,7 @@ def cases_json(
         "model": solved[0].result.model,
         "status": unsolved or "converged",
         "summary": together_json(whole),
-        "cases": [{**head(cycle, case), **case_json(one, own), "scene": cycle.name} for case, one, own in each],
+        "cases": [{**head(cycle, case), **case_json(one, tangent), "scene": cycle.name} for case, one, tangent in each],
     }
 
 
@@ -67,19 +67,19 @@ def together_json(whole: Together) -> dict[str, Any]:
     data = (record(TOGETHER, whole) or {}) | _lives_json(whole.least, whole.speed)
     if len(whole.lives) == 1:
         return data
-    each = ({"name": own.set} | _lives_json(own, whole.speed) for own in whole.lives)
+    each = ({"name": lives.set} | _lives_json(lives, whole.speed) for lives in whole.lives)
     return data | {"life_set": whole.least.set, "sets": [*each]}
 
 
-def _lives_json(own: Lives, speed: float | None) -> dict[str, Any]:
-    rated, off = record(LIFE, own.life), own.difference_percent
-    if rated is not None and own.life is not None and speed:
-        rated["L10_hours"] = number(own.life.hours(speed))
+def _lives_json(lives: Lives, speed: float | None) -> dict[str, Any]:
+    rated, off = record(LIFE, lives.life), lives.difference_percent
+    if rated is not None and lives.life is not None and speed:
+        rated["L10_hours"] = number(lives.life.hours(speed))
     return {
         "life": rated,
-        "life_words": own.life_words or None,
-        "standard_life": record(STANDARD_LIFE, own.standard),
-        "standard_life_words": own.standard_words or None,
+        "life_words": lives.life_words or None,
+        "standard_life": record(STANDARD_LIFE, lives.standard),
+        "standard_life_words": lives.standard_words or None,
         "life_difference_percent": None if off is None else number(off),
     }
 
@@ -98,11 +98,11 @@ def cases_table(
     parts: list[Any] = [f"{cycle.name}, model {data['model']}: {len(solved)} load cases, {data['status']}", ""]
     parts += [*(entry(label, text, text_width()) for label, text in together_entries(whole)), ""]
     parts += [aligned([*case_rows(data["cases"])], ".4g"), ""]
-    said: set[str] = set()
-    for case, one, own in zip(cycle.cases, solved, tangents or [None] * len(solved), strict=True):
-        lines = [x for x in case_table(one, balls=balls, details=details) if not (isinstance(x, str) and x in said)]
-        said |= {x for x in lines if isinstance(x, str) and x.startswith(("assumed: ", "left out: "))}
-        parts += [f"case {case.name}, share {case.share:.4g}", *lines, *([] if own is None else stiffness_lines(own)), ""]
+    shown: set[str] = set()
+    for case, one, tangent in zip(cycle.cases, solved, tangents or [None] * len(solved), strict=True):
+        lines = [x for x in case_table(one, balls=balls, details=details) if not (isinstance(x, str) and x in shown)]
+        shown |= {x for x in lines if isinstance(x, str) and x.startswith(("assumed: ", "left out: "))}
+        parts += [f"case {case.name}, share {case.share:.4g}", *lines, *(stiffness_lines(tangent) if tangent else []), ""]
     return parts
 
 
@@ -111,7 +111,7 @@ def case_rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
     for one in cases:
         row: dict[str, Any] = {"case": one["case"], "share": one["share"]}
         groups = ((heading, key, one["summary"].get(group)) for heading, group, key in COLUMNS)
-        row |= {heading: None if found is None else found[key] for heading, key, found in groups}
+        row |= {heading: None if group is None else group[key] for heading, key, group in groups}
         worth = one["model_form"]
         yield row | {"expected error %": None if worth is None else worth["largest_percent_of_mean"]}
 
@@ -120,7 +120,7 @@ def together_entries(whole: Together) -> tuple[tuple[str, str], ...]:
     """Labels and sentences of what the cases say together."""
     p, s, e = whole.pressure, whole.safety, whole.error
     lost = f"; not covered by comparisons: {', '.join(whole.uncovered)}" if whole.uncovered else ""
-    lives = (x for own in whole.lives for x in (("life", _life(own, whole.speed)), ("standard", _standard(own))))
+    lives = (x for of_set in whole.lives for x in (("life", _life(of_set, whole.speed)), ("standard", _standard(of_set))))
     return (
         ("pressure", "none" if p is None else f"largest in case {p.case}: {1e-6 * p.value:.0f} MPa"),
         ("static", "none" if s is None else f"least safety in case {s.case}: {s.value:.3g}"),
@@ -132,11 +132,11 @@ def together_entries(whole: Together) -> tuple[tuple[str, str], ...]:
     )
 
 
-def _life(own: Lives, speed: float | None) -> str:
+def _life(lives: Lives, speed: float | None) -> str:
     """Life by the contact loads."""
-    rated, of = own.life, f"{own.set}: " if own.set else ""
+    rated, of = lives.life, f"{lives.set}: " if lives.set else ""
     if rated is None:
-        return of + own.life_words
+        return of + lives.life_words
     hours = f" ({rated.hours(speed):.3g} h)" if speed else ""
     return (
         f"{of}L10 {rated.revolutions:.4g} million revolutions{hours} of the duty cycle, by the contact loads, the nut at "
@@ -144,11 +144,11 @@ def _life(own: Lives, speed: float | None) -> str:
     )
 
 
-def _standard(own: Lives) -> str:
+def _standard(lives: Lives) -> str:
     """Life by the equivalent loads, and what the contact loads make of it."""
-    found, off, of = own.standard, own.difference_percent, f"{own.set}: " if own.set else ""
-    if found is None:
-        return f"{of}no life by equivalent loads: {own.standard_words}"
-    loads = " and ".join(f"{load:.0f} N" for load in found.loads if load > 0.0)
+    rated, off, of = lives.standard, lives.difference_percent, f"{lives.set}: " if lives.set else ""
+    if rated is None:
+        return f"{of}no life by equivalent loads: {lives.standard_words}"
+    loads = " and ".join(f"{load:.0f} N" for load in rated.loads if load > 0.0)
     than = "" if off is None else f"; by the contact loads {abs(off):.2g} % {'more' if off > 0.0 else 'less'}"
-    return f"{of}L10 {found.revolutions:.4g} million revolutions by {found.standard}'s equivalent loads, {loads}{than}"
+    return f"{of}L10 {rated.revolutions:.4g} million revolutions by {rated.standard}'s equivalent loads, {loads}{than}"

@@ -43,14 +43,14 @@ def run(
         for scene, head in zip(scenes, [[case] for case in cases] or [[]], strict=True):
             row = partial(_row, write, head)
             each.append(run_members(scene, model or default_model(scene), count, engine, on_terminal, row))
-    shown = [x for found in each for x in as_table(found, balls=balls)] + [f"{csv_out}: one row a member"] * bool(csv_out)
-    data = [as_json(found) for found in each]
+    shown = [x for batch in each for x in as_table(batch, balls=balls)] + [f"{csv_out}: one row a member"] * bool(csv_out)
+    data = [as_json(batch) for batch in each]
     whole = (
         {"scene": described.name, "cases": [{"case": c} | x for c, x in zip(cases, data, strict=True)]}
         if cases
         else data[0]
     )
-    return Answer(whole, shown, 0 if all(len(found.failed) < count for found in each) else 1)
+    return Answer(whole, shown, 0 if all(len(batch.failed) < count for batch in each) else 1)
 
 
 def _row(write: Callable[[list[Any]], None], head: Sequence[str], member: int, status: str, kept: Array) -> None:
@@ -59,60 +59,57 @@ def _row(write: Callable[[list[Any]], None], head: Sequence[str], member: int, s
 
 @contextmanager
 def _rows(path: Path | None, names: Sequence[str]) -> Iterator[Callable[[list[Any]], None]]:
-    """What writes a row to the file, which takes its name only when it is whole."""
+    """A writer of rows to the file, which gets its name only when it is complete."""
     if path is None:
         yield lambda *_: None
         return
-    part = path.with_name(f".{path.name}.part")
+    unfinished = path.with_name(f".{path.name}.part")
     try:
-        with part.open("w", encoding="utf-8", newline="") as file:
+        with unfinished.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file)
             writer.writerow(names)
             yield writer.writerow
-        os.replace(part, path)
+        os.replace(unfinished, path)
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(str(path), "--csv", reason, "a file that can be written", "check the path") from None
     finally:
-        part.unlink(missing_ok=True)
+        unfinished.unlink(missing_ok=True)
 
 
-def as_json(found: Members) -> dict[str, Any]:
+def as_json(members: Members) -> dict[str, Any]:
     """JSON-ready: statistics of what is kept, failures, bands of every contact that any member loads. Of several sets,
     their statistics stand in ``sets``, and rows of ``balls`` begin with their set."""
-    counts: dict[str, Any] = {"members": len(found.kept), "converged": len(found.kept) - len(found.failed)}
-    counts["failed"] = [{"member": m, "status": s} for m, s in sorted(found.failed.items())]
-    rows = _balls(found.bands)
-    several = isinstance(found.scene, Assembly)
-    seed = _seeds(found.scene) if isinstance(found.scene, Assembly) else found.scene.errors.seed
-    head = {"scene": found.scene.name, "model": found.model, "seed": seed}
-    kept = {"statistics": {key: statistics(found.kept[:, k]) for k, key in enumerate(WHOLE if several else KEPT)}}
-    own = [x for one in rows for x in one]
-    if isinstance(found.scene, Assembly):
-        counts["sets"] = _sets(found, found.scene)
-        own = [
-            {"set": i + 1, **x}
-            for i, place in enumerate(found.balls)
+    counts: dict[str, Any] = {"members": len(members.kept), "converged": len(members.kept) - len(members.failed)}
+    counts["failed"] = [{"member": m, "status": s} for m, s in sorted(members.failed.items())]
+    rows = _balls(members.bands)
+    several = isinstance(members.scene, Assembly)
+    seed = _seeds(members.scene) if isinstance(members.scene, Assembly) else members.scene.errors.seed
+    head = {"scene": members.scene.name, "model": members.model, "seed": seed}
+    kept = {"statistics": {key: statistics(members.kept[:, k]) for k, key in enumerate(WHOLE if several else KEPT)}}
+    balls = [x for one in rows for x in one]
+    if isinstance(members.scene, Assembly):
+        counts["sets"] = _sets(members, members.scene)
+        balls = [
+            {"set": i + 1, **x, "index": x["index"] - place.start}
+            for i, place in enumerate(members.balls)
             if place is not None
             for one in rows[place]
             for x in one
         ]
-        for row in own:
-            place = found.balls[row["set"] - 1]
-            row["index"] -= 0 if place is None else place.start
-    return {**head, **counts, **kept, "band_resolution_N": number(found.bands.width), "balls": own}
+    return {**head, **counts, **kept, "band_resolution_N": number(members.bands.width), "balls": balls}
 
 
 def _seeds(assembly: Assembly) -> list[int | None]:
     return [s.parts.errors.seed if isinstance(s.parts, Scene) else None for s in assembly.sets]
 
 
-def _sets(found: Members, assembly: Assembly) -> list[dict[str, Any]]:
+def _sets(members: Members, assembly: Assembly) -> list[dict[str, Any]]:
     """Statistics of each set."""
-    parts = np.split(found.kept[:, len(WHOLE) :], len(assembly.sets), axis=1)
+    by_set = np.split(members.kept[:, len(WHOLE) :], len(assembly.sets), axis=1)
     return [
-        {"set": i + 1, "name": s.name, "statistics": {key: statistics(own[:, k]) for k, key in enumerate(OF_SET)}}
-        for i, (s, own) in enumerate(zip(assembly.sets, parts, strict=True))
+        {"set": i + 1, "name": s.name, "statistics": {key: statistics(kept[:, k]) for k, key in enumerate(OF_SET)}}
+        for i, (s, kept) in enumerate(zip(assembly.sets, by_set, strict=True))
     ]
 
 
@@ -141,23 +138,23 @@ def _balls(bands: Bands) -> list[list[dict[str, Any]]]:
 
 def _statistics(title: str, headings: Mapping[str, str], rows: Mapping[str, dict[str, Any] | None]) -> Any:
     table = []
-    for key, own in rows.items():
-        if own is None:
+    for key, stats in rows.items():
+        if stats is None:
             continue
-        q = {row["level"]: f"{row['value']:.4g} ({row['low']:.4g} to {row['high']:.4g})" for row in own["quantiles"]}
-        first = (f"{own[k]:.4g}" for k in ("mean", "standard_error", "standard_deviation", "smallest"))
-        table.append([headings[key], *first, q[0.05], q[0.5], q[0.95], q[0.99], f"{own['largest']:.4g}"])
+        q = {row["level"]: f"{row['value']:.4g} ({row['low']:.4g} to {row['high']:.4g})" for row in stats["quantiles"]}
+        first = (f"{stats[k]:.4g}" for k in ("mean", "standard_error", "standard_deviation", "smallest"))
+        table.append([headings[key], *first, q[0.05], q[0.5], q[0.95], q[0.99], f"{stats['largest']:.4g}"])
     heads = ("", "mean", "standard error", "deviation", "smallest", "5 %", "median", "95 %", "99 %", "largest")
     return ruled(title, heads, table, ("",))
 
 
-def as_table(found: Members, *, balls: bool = False) -> list[Any]:
+def as_table(members: Members, *, balls: bool = False) -> list[Any]:
     """The same for the terminal: statistics, and, where asked for, the bands of every ball."""
-    data = as_json(found)
-    several = isinstance(found.scene, Assembly)
+    data = as_json(members)
+    several = isinstance(members.scene, Assembly)
     parts: list[Any] = [
         f"{data['scene']}, model {data['model']}, seed {data['seed']}: {data['members']} members, {data['converged']} "
-        f"converged, {1e3 * found.seconds / data['members']:.3g} ms a member"
+        f"converged, {1e3 * members.seconds / data['members']:.3g} ms a member"
     ]
     parts += [f"member {row['member']}: {row['status']}" for row in data["failed"][:5]]
     headings = WHOLE if several else KEPT
@@ -165,7 +162,7 @@ def as_table(found: Members, *, balls: bool = False) -> list[Any]:
     tables += [_statistics(f"set {s['set']}, {s['name']}", OF_SET, s["statistics"]) for s in data.get("sets", [])]
     stiffness = "in equilibrium, where it is asked for" if several else "tangent, by 0.1 % more load"
     parts += [*tables, f"life: ISO/TS 16281 equivalent loads, raceways equally strong; stiffness: {stiffness}"]
-    return [*parts, _bands(data, found.bands.width) if balls else "bands of every ball: --balls"]
+    return [*parts, _bands(data, members.bands.width) if balls else "bands of every ball: --balls"]
 
 
 def _bands(data: dict[str, Any], width: float) -> Any:

@@ -28,8 +28,8 @@ def case_table(one: Solved | SolvedAxis, *, balls: bool = False, details: bool =
     if isinstance(one, SolvedAxis):
         from rollbench.comparison.commands.solving import axis_output, axis_summary
 
-        said = "" if one.answers is None else axis_summary.block(one.scene, one.result, one.answers, text_width())
-        return axis_output.as_table(one.scene, one.result, block=said, balls=balls, details=details)
+        answers = "" if one.answers is None else axis_summary.block(one.scene, one.result, one.answers, text_width())
+        return axis_output.as_table(one.scene, one.result, block=answers, balls=balls, details=details)
     speed = None if one.scene.motion is None else one.scene.motion.speed
     text = "" if one.answers is None else block(one.scene, one.result, one.answers, one.expected, text_width(), speed)
     return as_table(one.scene, one.result, one.expected, block=text, balls=balls, details=details)

@@ -37,19 +37,19 @@ def run_solve(name: str, choices: Choices) -> Answer:
     model = model or default_model(scenes[0])
     _check_parts(scenes[0], choices, station)
     cases = described.cases if isinstance(described, DutyCycle) else ()
-    own = [_of_case(choices, case.name) for case in cases] or [choices]
+    of_cases = [_of_case(choices, case.name) for case in cases] or [choices]
     options = Options(choices.everything, choices.member, condensed=choices.condensed)
     solved: list[Solved | SolvedAxis] = []
     tangents: list[Tangent | None] = []
     written: list[str] = []
     with watched(f"{described.name}, model {one_line(model)}", checked(choices.time_limit)):
-        for scene, files in zip(scenes, own, strict=True):
+        for scene, files in zip(scenes, of_cases, strict=True):
             with named(scene.name, name):
                 if isinstance(scene, Assembly) and choices.stiffness_at:
                     scene = replace(scene, stiffness_at=station)
                 solved.append(solve_any(scene, model, options))
-                there = choices.stiffness_at and solved[-1].answers is not None
-                tangents.append(tangent_of(scene, station, model, options) if there and isinstance(scene, Scene) else None)
+                wanted = choices.stiffness_at and solved[-1].answers is not None
+                tangents.append(tangent_of(scene, station, model, options) if wanted and isinstance(scene, Scene) else None)
                 written += _write(solved[-1], tangents[-1], options, files)
     names = [case.name for case in cases]
     if choices.loads_csv is not None:
@@ -90,8 +90,8 @@ def _write_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Seque
             sets = [({}, one.result)]
         else:
             sets = [({"set": str(k)}, s.balls) for k, s in enumerate(one.result.sets, 1) if s.balls is not None]
-        for own, balls in sets if one.result.converged else ():
-            rows += [head | own | row for row in loads_csv(balls.load, balls.azimuth, balls.z)]
+        for of_set, balls in sets if one.result.converged else ():
+            rows += [head | of_set | row for row in loads_csv(balls.load, balls.azimuth, balls.z)]
     return [write_loads(path, rows)] if rows else []
 
 
@@ -115,7 +115,7 @@ def _check_parts(scene: Scene | Assembly, choices: Choices, station: float) -> N
 
 
 def code_of(solved: Sequence[Solved | SolvedAxis], choices: Choices) -> int:
-    """Exit code: 1 where one did not converge, or warns above its answers and that counts."""
+    """Exit code: 1 where one did not converge, or where a warning above the answers counts as a failure."""
     return int(any(one.answers is None or (choices.strict and above(one.result.warnings)) for one in solved))
 
 

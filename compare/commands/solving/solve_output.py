@@ -93,10 +93,10 @@ def _model_form(m: ModelForm | None) -> dict[str, Any] | None:
 
 def expected_json(m: ModelForm | None, key: str) -> dict[str, float | None]:
     """Expected errors [%] beside those of loads, by ``key`` with the quantity's name; null where not covered."""
-    found = {
+    errors = {
         name: None if m is None else getattr(m, f"{name}_percent") for name in ("displacement", "rigidity", "pressure")
     }
-    return {key.format(name): None if value is None else number(value) for name, value in found.items()}
+    return {key.format(name): None if value is None else number(value) for name, value in errors.items()}
 
 
 def model_form_text(m: ModelForm) -> str:
@@ -115,9 +115,9 @@ def model_form_words(m: ModelForm) -> str:
         "rigidity": m.rigidity_percent,
         "largest pressure": m.pressure_percent,
     }
-    more = "".join(f", {name} {value:.1f} %" for name, value in others.items() if value is not None)
+    further = "".join(f", {name} {value:.1f} %" for name, value in others.items() if value is not None)
     return (
-        f"to expect: {m.percent:.1f} % of the mean load on the worst contact, {m.rms_percent:.1f} % RMS{more} "
+        f"to expect: {m.percent:.1f} % of the mean load on the worst contact, {m.rms_percent:.1f} % RMS{further} "
         f"(nine of ten of {m.compared} {kind} were within, nearest {m.nearest}); " + "; ".join(m.words)
     )
 
@@ -240,11 +240,11 @@ def closing_lines(
 ) -> list[str]:
     """Warnings, then what lies behind the answers: lines on balance and solver, notes, assumptions, what was left out; or
     where to find it."""
-    said = [f"warning: {line}" for line in warnings]
+    warned = [f"warning: {line}" for line in warnings]
     if not details:
-        return [*said, f"{len(assumed)} assumptions, {len(left_out)} things left out, balance and solver: --assumptions"]
+        return [*warned, f"{len(assumed)} assumptions, {len(left_out)} things left out, balance and solver: --assumptions"]
     headed = ("assumed", assumed), ("left out", left_out)
-    return [*behind, *said, *notes, *(f"{heading}: {line}" for heading, lines in headed for line in lines)]
+    return [*behind, *warned, *notes, *(f"{heading}: {line}" for heading, lines in headed for line in lines)]
 
 
 def solver_lines(s: SolverReport, measured: str = "") -> list[str]:

@@ -26,20 +26,20 @@ LABEL = 10
 def loads_json(load: Array, contacts: int = 0) -> dict[str, Any] | None:
     """Worst ball, mean and extremes of the loaded contacts ``(n, 4)`` [N]; None without load. contacts: see
     `meshes.loads.mean_load`."""
-    held = load > 0.0
-    if not held.any():
+    loaded = load > 0.0
+    if not loaded.any():
         return None
-    own = load[held]
+    carried = load[loaded]
     i, s = np.unravel_index(int(load.argmax()), load.shape)
     return {
         "worst_ball": int(i) + 1,
         "worst_side": SIDES[int(s)],
-        "max_N": number(own.max()),
+        "max_N": number(carried.max()),
         "mean_N": number(mean_load(load, contacts)),
-        "min_N": number(own.min()),
-        "loaded_contacts": int(own.size),
+        "min_N": number(carried.min()),
+        "loaded_contacts": int(carried.size),
         "contacts_in_mean": counted(load, contacts),
-        "balls_without_load": int((~held.any(axis=1)).sum()),
+        "balls_without_load": int((~loaded.any(axis=1)).sum()),
     }
 
 
@@ -101,54 +101,54 @@ CONTACT_LOST = (
 GROUPS = {"worst_contact": CONTACT, "truncation": TRUNCATION, "static_safety": STATIC_SAFETY, "life": LIFE}
 
 
-def contacts_json(found: LoadAnswers) -> dict[str, Any]:
+def contacts_json(answers: LoadAnswers) -> dict[str, Any]:
     """Worst contact, truncation, static safety, life and ratings; null where there is none."""
     return {
-        "worst_contact": record(CONTACT, found.worst),
-        "truncation": record(TRUNCATION, found.reach),
-        "static_safety": record(STATIC_SAFETY, found.safety),
-        "life": record(LIFE, found.life),
-        "ratings": record(RATINGS, found.ratings),
-        "rating_refused": found.words or None,
+        "worst_contact": record(CONTACT, answers.worst),
+        "truncation": record(TRUNCATION, answers.reach),
+        "static_safety": record(STATIC_SAFETY, answers.safety),
+        "life": record(LIFE, answers.life),
+        "ratings": record(RATINGS, answers.ratings),
+        "rating_refused": answers.words or None,
     }
 
 
-def answers_json(scene: Scene, result: StaticResult, found: Answers) -> dict[str, Any]:
+def answers_json(scene: Scene, result: StaticResult, answers: Answers) -> dict[str, Any]:
     """All answers: forces in N, displacements in um, rigidities in N/um."""
-    three, life = found.rigidities, found.loads.life
-    data = contacts_json(found.loads)
+    three, life = answers.rigidities, answers.loads.life
+    data = contacts_json(answers.loads)
     if life is not None and scene.motion is not None and scene.motion.speed:
         data["life"]["L10_hours"] = number(life.hours(scene.motion.speed))
     return {
         "loads": loads_json(result.load, nominal_contacts(scene, result)),
         "axial": {
-            "force_N": number(found.force),
-            "displacement_um": number(1e6 * found.displacement),
+            "force_N": number(answers.force),
+            "displacement_um": number(1e6 * answers.displacement),
             "rigidity_N_per_um": None if three is None or three.unequal is None else number(1e-6 * three.unequal),
-            "tangent_N_per_um": None if found.tangent is None else number(1e-6 * found.tangent),
-            "tangent_words": found.tangent_words or None,
+            "tangent_N_per_um": None if answers.tangent is None else number(1e-6 * answers.tangent),
+            "tangent_words": answers.tangent_words or None,
         },
         "rigidities_N_per_um": record(RIGIDITIES, three),
         **data,
-        "preload": record(PRELOAD, found.preload),
-        "contact_lost": record(CONTACT_LOST, found.lift),
-        "friction": found.friction,
-        "friction_words": found.friction_words or None,
+        "preload": record(PRELOAD, answers.preload),
+        "contact_lost": record(CONTACT_LOST, answers.lift),
+        "friction": answers.friction,
+        "friction_words": answers.friction_words or None,
     }
 
 
 def block(
-    scene: Scene, result: StaticResult, found: Answers, worth: ModelForm | None, width: int, speed: float | None = None
+    scene: Scene, result: StaticResult, answers: Answers, worth: ModelForm | None, width: int, speed: float | None = None
 ) -> str:
     """Eleven labelled entries, no line wider than ``width`` (40 or more); speed: of the turning part [rad/s], for hours."""
-    return "\n".join(entry(label, text, width) for label, text in entries(scene, result, found, worth, speed))
+    return "\n".join(entry(label, text, width) for label, text in entries(scene, result, answers, worth, speed))
 
 
 def entries(
-    scene: Scene, result: StaticResult, found: Answers, worth: ModelForm | None, speed: float | None = None
+    scene: Scene, result: StaticResult, answers: Answers, worth: ModelForm | None, speed: float | None = None
 ) -> tuple[tuple[str, str], ...]:
     """The eleven entries of the block: label and sentence."""
-    data = answers_json(scene, result, found)
+    data = answers_json(scene, result, answers)
     return (
         ("loads", _loads(data, worth)),
         ("axial", _axial(data, worth)),
@@ -224,10 +224,10 @@ def _rigidities(three: dict[str, Any], tangent: float | None, moved: float | Non
         return ", ".join(f"{name} {shown(value, _share(value, off))}" for name, value in named if value is not None)
 
     secant = known(("secant", three["with_unequal_loads"]), off=moved)
-    own = ", ".join(filter(None, [secant, known(("tangent", tangent), off=stiff)]))
+    by_model = ", ".join(filter(None, [secant, known(("tangent", tangent), off=stiff)])) or "none"
     formulas = known(("contacts alone", three["contacts_alone"]), ("contacts and bodies", three["with_bodies"]))
     practice = known((", of which makers advise to take 80 %:", three["makers_practice"]))
-    return f"rigidity in N/um: {own or 'none'} by this model; {formulas} by formulas at the nominal contact angle{practice}"
+    return f"rigidity in N/um: {by_model} by this model; {formulas} by formulas at the nominal contact angle{practice}"
 
 
 def _contact(data: dict[str, Any]) -> str:

@@ -62,8 +62,8 @@ def ways(scene: Scene) -> dict[str, Scene]:
     seat = 0.5 * outer, 0.5 * RIM * outer
     flange = Flange(RIM * outer, thick, seat, centring=FIT * (scene.nut.length - thick))
 
-    def held(at: NutHeld, own: Flange | None = None) -> Scene:
-        return replace(scene, nut=replace(scene.nut, flange=own), solid=replace(scene.solid, nut_held=at))
+    def held(at: NutHeld, fitted: Flange | None = None) -> Scene:
+        return replace(scene, nut=replace(scene.nut, flange=fitted), solid=replace(scene.solid, nut_held=at))
 
     return {
         "left face": held("left face"),
@@ -85,8 +85,8 @@ def stored(store: Path) -> list[dict[str, Any]]:
 
 def loads_of(row: dict[str, Any]) -> Array:
     """Contact loads ``(n, 4)`` [N] of a stored way."""
-    own = row["load"]
-    return np.stack([own.get(side, np.zeros(len(next(iter(own.values()))))) for side in SIDES], axis=1)
+    by_side = row["load"]
+    return np.stack([by_side.get(side, np.zeros(len(next(iter(by_side.values()))))) for side in SIDES], axis=1)
 
 
 class Solved(NamedTuple):
@@ -102,8 +102,8 @@ class Solved(NamedTuple):
 
 def by_level(scene: str, held: str) -> dict[int, dict[str, Any]]:
     """What is stored of a scene, held so, by mesh level from coarse to fine."""
-    own = [x for x in stored(shipped_store()) if (x["scene"], x["held"], x["status"]) == (scene, held, "converged")]
-    return {x["level"]: x for x in sorted(own, key=lambda x: int(x["level"]))}
+    runs = [x for x in stored(shipped_store()) if (x["scene"], x["held"], x["status"]) == (scene, held, "converged")]
+    return {x["level"]: x for x in sorted(runs, key=lambda x: int(x["level"]))}
 
 
 def mesh_percent(scene: Scene, loads: Mapping[int, Array]) -> float:
@@ -122,7 +122,7 @@ def rows_of(study: Study, size: str) -> list[dict[str, Cell]]:
     held = ways(study.scene(name))
     found = {way: study.solve(scene, DEFAULT) for way, scene in held.items() if way != BOLTED}
     in_3D = {way: by_level(name, way) for way in held}
-    loads = {way: {k: loads_of(x) for k, x in own.items()} for way, own in in_3D.items()}
+    loads = {way: {k: loads_of(x) for k, x in levels.items()} for way, levels in in_3D.items()}
     solved = [
         Solved(DEFAULT, way, result.load, axial_force(result) / axial_displacement(held[way], result))
         for way, result in found.items()
@@ -174,8 +174,8 @@ def bolted_words() -> str:
                 f"{scene} (level {max(levels)}): the largest load by {largest:+.2f} % of the mean load, any load by at "
                 f"most {off.max_percent:.2f} % of it ({off.rms_percent:.2f} % RMS), the rigidity by {stiff:+.2f} %"
             )
-    said = f"{BOLTS} bolts instead of the whole annulus (held: circles as wide as it) change in {THREE} "
-    return said + "; ".join(words) + "." if words else f"Single bolts were not solved in {THREE}."
+    head = f"{BOLTS} bolts instead of the whole annulus (held: circles as wide as it) change in {THREE} "
+    return head + "; ".join(words) + "." if words else f"Single bolts were not solved in {THREE}."
 
 
 def mesh_words(rows: list[dict[str, Cell]]) -> str:
@@ -193,12 +193,12 @@ def mesh_words(rows: list[dict[str, Cell]]) -> str:
             moved.setdefault("rigidity", []).append(
                 abs(float(error_percent(float(row["rigidity"] or 0.0), float(coarse["rigidity"] or 1.0))))
             )
-    said = f"The meshes leave {min(bars):.2f} to {max(bars):.2f} % of the mean load uncertain (95 %)."
+    sentence = f"The meshes leave {min(bars):.2f} to {max(bars):.2f} % of the mean load uncertain (95 %)."
     if not moved:
-        return said
+        return sentence
     most = {column: f"{max(values):.2f}" for column, values in moved.items()}
     return (
-        f"{said} Where two levels were solved, the finer one moves the changes over the left face by at most "
+        f"{sentence} Where two levels were solved, the finer one moves the changes over the left face by at most "
         f"{most['load_change']} points (largest load), {most['life_change']} (life), {most['rigidity_change']} (rigidity), "
         f"the rigidity itself by {most['rigidity']} %."
     )
@@ -212,12 +212,12 @@ def between(rows: list[dict[str, Cell]], column: str, held: str = "", form: str 
 
 def flanged_words() -> str:
     """What was found of the default model on drawn nuts held by flanges."""
-    own = [p for p in surveyed_points() if p.model == DEFAULT and FLANGE in p.features]
-    if not own:
+    nuts = [p for p in surveyed_points() if p.model == DEFAULT and FLANGE in p.features]
+    if not nuts:
         return "No drawn nut held by a flange was compared with the 3D reference."
     return (
-        f"On {len(own)} drawn nuts held by flanges the default model is off by at most "
-        f"{max(p.percent for p in own):.2f} % of the mean load ({max(p.rms_percent for p in own):.2f} % RMS) from the 3D "
+        f"On {len(nuts)} drawn nuts held by flanges the default model is off by at most "
+        f"{max(p.percent for p in nuts):.2f} % of the mean load ({max(p.rms_percent for p in nuts):.2f} % RMS) from the 3D "
         "reference on level 1."
     )
 

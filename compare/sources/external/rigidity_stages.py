@@ -37,17 +37,17 @@ def reference_row(study: Study, name: str) -> dict[str, Cell] | None:
     if abs(axial_displacement(scene, bare)) > STARTS * abs(moved):
         return None
     try:
-        own = rigidities(scene, force, moved)
+        stages = rigidities(scene, force, moved)
     except ValueError:
         return None
-    if own is None or own.bodies is None or own.unequal is None:
+    if stages is None or stages.bodies is None or stages.unequal is None:
         return None
     return {
         "scene": name,
         "load": 1e-3 * abs(force),
-        "contacts": 1e-6 * own.contacts,
-        "bodies": 1e-6 * own.bodies,
-        "unequal": 1e-6 * own.unequal,
+        "contacts": 1e-6 * stages.contacts,
+        "bodies": 1e-6 * stages.bodies,
+        "unequal": 1e-6 * stages.unequal,
         "reference": 1e-6 * force / displacement_3d(scene, found),
     }
 
@@ -57,10 +57,10 @@ def stages_table(
 ) -> Table:
     """Catalogue sizes with the printed rigidity, then scenes with a 3D reference."""
     rows: list[dict[str, Cell]] = []
-    for name, force, own in catalogue:
-        row: dict[str, Cell] = {"scene": name, "load": 1e-3 * force, **own, "reference": None}
+    for name, force, stages in catalogue:
+        row: dict[str, Cell] = {"scene": name, "load": 1e-3 * force, **stages, "reference": None}
         for key in ("contacts", "bodies", "unequal"):
-            value, printed = own[key], own["printed"]
+            value, printed = stages[key], stages["printed"]
             if value and printed:
                 row[f"share_{key}"] = 1.0 + float(error_percent(printed, value)) / 100.0
         rows.append(row)

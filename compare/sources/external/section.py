@@ -52,14 +52,14 @@ SOURCES = {
 
 def summary(found: Sequence[Evidence]) -> str:
     """How many entries come out, in one sentence."""
-    told = [e for e in found if e.printed.cls != "open"]
-    good = sum(e.agrees is True for e in told)
-    of = Counter(judge(e)[0] for e in told)
+    judged = [e for e in found if e.printed.cls != "open"]
+    good = sum(e.agrees is True for e in judged)
+    of = Counter(judge(e)[0] for e in judged)
     return (
-        f"{good} of {len(told)} published values and claims agree: {of['reproduced']} to the digits that the "
+        f"{good} of {len(judged)} published values and claims agree: {of['reproduced']} to the digits that the "
         f"same theory must give, {of['band']} within a band whose origin is stated, {of['identity']} by "
         f"arithmetic on printed numbers, {of['only as printed']} only if the catalogue's simplification is "
-        f"repeated. {len(found) - len(told)} more are shown but left open, because their basis is not "
+        f"repeated. {len(found) - len(judged)} more are shown but left open, because their basis is not "
         "printed."
     )
 
@@ -82,7 +82,7 @@ def agreement_figure(found: Sequence[Evidence]) -> Figure:
     for e in found:
         if e.printed.cls in ("hard", "band") and e.error_percent is not None:
             errors.setdefault(SOURCES[e.printed.table], []).append(e.error_percent)
-    points = [(float(k), error) for k, own in enumerate(errors.values(), start=1) for error in own]
+    points = [(float(k), error) for k, percents in enumerate(errors.values(), start=1) for error in percents]
     series = (Series("error", [x for x, _ in points], [y for _, y in points], "markers"),)
     panel = Panel("computed against published", "", "error / %", series, names=list(errors))
     caption = "Numbers of class hard and band; claims and open entries are in the tables."
@@ -100,8 +100,8 @@ def catalogue_rows(study: Study) -> list[tuple[str, float, dict[str, float | Non
         solved = screws.unequal(study, name, DEFAULT)
         printed = entry("external-thk", f"rigidity_{size}").value
         unequal = 1e-6 * solved if solved else None
-        own = {"contacts": 1e-6 * alone, "bodies": 1e-6 * bodies, "unequal": unequal, "printed": printed}
-        out.append((name, force, own))
+        stages = {"contacts": 1e-6 * alone, "bodies": 1e-6 * bodies, "unequal": unequal, "printed": printed}
+        out.append((name, force, stages))
     return out
 
 

@@ -107,7 +107,7 @@ def proofs(*, meshing: bool = True) -> tuple[Proof, ...]:
     """All known answers, without ``meshing`` all but the static reference's, which gmsh meshes."""
     parts = (_elements, _carter, _mindlin, _full_slip, _rubbing, _kalker, _contact)
     with threadpool_limits(1):  # as `hifi.rolling.balls.solve_rolling`
-        return tuple(proof for part in ((_at_rest,) if meshing else ()) + parts for proof in part())
+        return tuple(proof for proof_of in ((_at_rest,) if meshing else ()) + parts for proof in proof_of())
 
 
 def resting(cells: tuple[int, int] = STATIC_CELLS) -> tuple[float, ...]:
@@ -241,14 +241,14 @@ def _kalker() -> Iterator[Proof]:
 def _contact() -> Iterator[Proof]:
     """By its own differences to the digits printed, and by ours to the error of these: of first order, that is about what
     half as many cells change."""
-    own = [example(n, by_cells=True) for n in EXAMPLE_GRIDS]
-    other = [example(n) for n in (16, 24, 32)]
+    theirs = [example(n, by_cells=True) for n in EXAMPLE_GRIDS]
+    ours = [example(n) for n in (16, 24, 32)]
     for key, name in (("lateral", "lateral force over mu P"), ("moment", "moment [N mm]")):
         printed = entry("external-contact", key)
         assert printed.value is not None
-        values = tuple(getattr(v, key) for v in own)
+        values = tuple(getattr(v, key) for v in theirs)
         digits = 100.0 * printed.tolerance / abs(printed.value)
         yield Proof("CONTACT's example, discretised as there", name, values, printed.value, digits, values[-1], None)
         reach = abs(float(error_percent(values[0], values[-1])))
-        values = tuple(getattr(v, key) for v in other)
+        values = tuple(getattr(v, key) for v in ours)
         yield Proof("CONTACT's example", name, values, printed.value, reach, values[-1])

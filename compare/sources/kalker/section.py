@@ -38,7 +38,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     meshing = not gmsh_fault()
     proof = proofs(meshing=meshing)
     found = {name: stored_rows(name, stores) for name in (*PAIRS, *RINGS)}
-    study.uses([name for name, own in found.items() if own])
+    study.uses([name for name, rows in found.items() if rows])
     step("linear bearing from rest")
     series = from_rest()
     step("slip and traction; finite bodies of other sizes")
@@ -47,7 +47,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     patches = fields()
     step("other grids, steps and paths")
     changed = changes(stores, series, sizes.variants)
-    missing = [name for name, own in found.items() if not own]
+    missing = [name for name, rows in found.items() if not rows]
     items: list[Text | Table | Figure | PressureMap] = [
         Text(_words(found, proof)),
         Table.of(
@@ -96,8 +96,8 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
 def _finite(stores: Sequence[Path], sizes: Sizes, proof: Sequence[Proof]) -> list[Text | Table | Figure | PressureMap]:
     """What finite bodies change, and how far that depends on the choices behind them."""
     found = {name: stored_rows(name, stores, FINITE) for name in (*PAIRS, *RINGS)}
-    missing = [name for name, own in found.items() if not own]
-    shown = [row for own in found.values() for row in own if row.half_space is not None]
+    missing = [name for name, rows in found.items() if not rows]
+    shown = [row for rows in found.values() for row in rows if row.half_space is not None]
     changes = [abs(c) for row in shown if row.quantity in ("force 1-2", "torque") and (c := _change(row)) is not None]
     rub = max(abs(p.error) for p in proof if p.case.startswith("balls that touch"))
     most = f" They change forces and torques by up to {max(changes):.2f} %." if changes else ""
@@ -208,7 +208,7 @@ def _conclusion(found: dict[str, list[RollingRow]]) -> str:
 def _words(found: dict[str, list[RollingRow]], proof: Sequence[Proof]) -> list[str]:
     """What the tables say."""
     reached = sum(p.reached for p in proof)
-    gated = [r for own in found.values() for r in own if r.quantity in ("force 1-2", "torque")]
+    gated = [r for rows in found.values() for r in rows if r.quantity in ("force 1-2", "torque")]
     beyond = [r for r in gated if not within(r)]
     out = [
         (

@@ -86,12 +86,12 @@ def of_row(
     column: str,
     what: tuple[str, str, str, str],
     computed: Band,
-    **said: Any,
+    **others: Any,
 ) -> Outside:
-    """The number in a column of a printed row, whose line stands in another; what: quantity, law, item and unit; said:
-    other fields of the record, also maker and rounding where they are not the table's. A known misprint is not judged."""
+    """The number in a column of a printed row, whose line stands in another; what: quantity, law, item and unit; others:
+    further fields of the record, also maker and rounding where they are not the table's. A known misprint is not judged."""
     quantity, law, item, unit = what
-    fields: dict[str, Any] = {"maker": source.head["maker"], "rounding": half_step(row[column])} | said
+    fields: dict[str, Any] = {"maker": source.head["maker"], "rounding": half_step(row[column])} | others
     if source.misprinted(f"{item} {quantity}"):
         fields["left"] = "a misprint"
     origin, value = f"{source.name}.csv, line {row[line]} of its origin", source.number(row[column])
@@ -151,7 +151,7 @@ NUMBER = Quantity("number", "outside values", "", ".0f")
 
 def by_quantity(found: Sequence[Outside]) -> dict[str, dict[Quantity, Cell]]:
     """Number of outside values, bias and scatter, by quantity."""
-    rows = {key: standing(own) for (key,), own in grouped(found, "quantity").items()}
+    rows = {key: standing(values) for (key,), values in grouped(found, "quantity").items()}
     return {key: {NUMBER: s.number, BIAS: s.bias, SCATTER: s.scatter} for key, s in rows.items() if s is not None}
 
 
@@ -159,10 +159,10 @@ def summary(found: Sequence[Outside]) -> Table:
     """One row for each quantity, law and maker."""
     rows: list[dict[Quantity | str, Cell]] = []
     without: list[str] = []
-    for (quantity, law, group), own in grouped(found, "quantity", "law", "group").items():
-        left = [x.left for x in own if x.left]
+    for (quantity, law, group), values in grouped(found, "quantity", "law", "group").items():
+        left = [x.left for x in values if x.left]
         words = "; ".join(f"{left.count(why)}: {why}" for why in dict.fromkeys(left))
-        s = standing(own)
+        s = standing(values)
         if s is None:
             without.append(f"{quantity} of {group}, {words}")
             continue

@@ -19,10 +19,10 @@ TITLE = "Outside values: makers' tables, measurements, other programs"
 
 
 def _of(found: Sequence[Outside], quantity: str, law: str = "", maker: str = "") -> Standing:
-    own = [x for x in found if x.quantity == quantity and x.law.startswith(law) and x.maker.startswith(maker)]
-    one = standing(own)
-    assert one is not None
-    return one
+    values = [x for x in found if x.quantity == quantity and x.law.startswith(law) and x.maker.startswith(maker)]
+    result = standing(values)
+    assert result is not None
+    return result
 
 
 def conclusion(found: Sequence[Outside]) -> str:
@@ -59,14 +59,14 @@ def clearances(found: Sequence[Outside]) -> str:
 
 def why_softer(found: Sequence[Outside]) -> str:
     """What explains that printed rigidities of nuts are below the computed ones, and what does not."""
-    own = [x for x in found if not x.left and x.practice is not None]
-    most = [x for x in own if x.maker != "Rexroth"]
+    judged = [x for x in found if not x.left and x.practice is not None]
+    most = [x for x in judged if x.maker != "Rexroth"]
     rest = grouped(most, "maker")
     after = {key: [float(error_percent(x.practice or 0.0, x.value)) for x in one] for key, one in rest.items()}
     means = [float(np.mean(errors)) for errors in after.values()]
     close = sum(abs(error) <= 10.0 for errors in after.values() for error in errors)
     bare = standing(most)
-    rex = standing([x for x in own if x.maker == "Rexroth"])
+    rex = standing([x for x in judged if x.maker == "Rexroth"])
     assert bare is not None
     assert rex is not None
     return (
@@ -87,12 +87,12 @@ def balls_counted(found: Sequence[Outside]) -> str:
         for row in source.rows:
             if row["ball_mm"] and not source.misprinted(row["nut"]) and source.head["maker"] != "Rexroth":
                 nut, unit = nuts.nut_of(source, row), source.unit("load_unit")
-                both = nuts.of_ratings(nut, nuts.CONFORMITY, 1.0)
-                printed = [source.number(row[key]) * unit / x for key, x in zip(("C", "C0"), both, strict=True)]
+                ratings = nuts.of_ratings(nut, nuts.CONFORMITY, 1.0)
+                printed = [source.number(row[key]) * unit / x for key, x in zip(("C", "C0"), ratings, strict=True)]
                 shares.setdefault(nuts.family(source, row), []).append((printed[0] ** 1.5, printed[1]))
     words = ", ".join(
-        f"{name} {np.median([x for _, x in own]):.2f} ({np.median([x for x, _ in own]):.2f} by C)"
-        for name, own in shares.items()
+        f"{name} {np.median([x for _, x in pairs]):.2f} ({np.median([x for x, _ in pairs]):.2f} by C)"
+        for name, pairs in shares.items()
     )
     rex = [x for x in found if x.maker == "Rexroth" and x.quantity == "rating"]
     high = [
@@ -110,7 +110,7 @@ def drag(found: Sequence[Outside]) -> str:
     """Which of the makers' formulas agrees with sliding balls, and the measured screws."""
     rows = torque.sweep()
     leads = [r.lead for r in rows]
-    own = [torque.order([getattr(r, key) for r in rows], leads) for key in ("single", "double")]
+    sliding = [torque.order([getattr(r, key) for r in rows], leads) for key in ("single", "double")]
     theirs = [torque.order([r.formulas[k] for r in rows], leads) for k in range(len(torque.FORMULAS))]
     named = ", ".join(f"{name.split(':')[0]} {x:.2f}" for (name, _), x in zip(torque.FORMULAS, theirs, strict=True))
     shares = [torque.SHARE, 2.0 * torque.SHARE]
@@ -123,8 +123,8 @@ def drag(found: Sequence[Outside]) -> str:
     one = cases[0]
     words = ", ".join(f"{x.value:g} {x.item.split(', ')[1]}" for x in cases)
     return (
-        f"By the sliding of the balls, drag torque grows with the lead to the power {own[0]:.2f} (balls "
-        f"pressed on four flanks) and {own[1]:.2f} (double nut); by the makers' formulas {named}. None of "
+        f"By the sliding of the balls, drag torque grows with the lead to the power {sliding[0]:.2f} (balls "
+        f"pressed on four flanks) and {sliding[1]:.2f} (double nut); by the makers' formulas {named}. None of "
         "the formulas is right: Rexroth's is nearest for single nuts, THK's for double nuts, and a K_p that "
         "is constant over the lead is far from both. With the preload, sliding gives powers of "
         f"{over[0]:.2f} and {over[1]:.2f}, all formulas 1. A coefficient of {torque.LEAST:g} gives "
@@ -159,10 +159,10 @@ def sweep_table() -> Table:
 def figure(found: Sequence[Outside]) -> Figure:
     """Computed over printed value, by maker, for what has no band of percents."""
     series = []
-    for (quantity,), own in grouped([x for x in found if not x.left and not x.scale], "quantity").items():
-        if len(own) > 20:
-            x = [float(k + 1) / len(own) for k in range(len(own))]
-            series.append(Series(quantity, x, sorted(v.error_percent for v in own), "line"))
+    for (quantity,), values in grouped([x for x in found if not x.left and not x.scale], "quantity").items():
+        if len(values) > 20:
+            x = [float(k + 1) / len(values) for k in range(len(values))]
+            series.append(Series(quantity, x, sorted(v.error_percent for v in values), "line"))
     panel = Panel("", "share of the values", "error of the computed value / %", tuple(series))
     return Figure("outside-errors", "Errors against outside values", (panel,), "Each quantity's values in rising order.", 1)
 

@@ -40,9 +40,9 @@ class Table:
 def table(name: str) -> Table:
     """The file ``tables/NAME.csv``, read once."""
     lines = (FOLDER / f"{name}.csv").read_text(encoding="utf-8").splitlines()
-    said = [line[2:].partition(": ") for line in lines if line.startswith("# ")]
+    remarks = [line[2:].partition(": ") for line in lines if line.startswith("# ")]
     body = csv.DictReader(line for line in lines if not line.startswith("#"))
-    return Table(name, {key: text for key, _, text in said if key != "note"}, tuple(body))
+    return Table(name, {key: text for key, _, text in remarks if key != "note"}, tuple(body))
 
 
 def tables(prefix: str) -> list[Table]:

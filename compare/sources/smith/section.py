@@ -76,11 +76,11 @@ def axis_panel(found: Sequence[Evidence]) -> Panel:
 def figure(found: Sequence[Evidence]) -> Figure:
     """Stiffness of bearings and axis."""
     sums = [f for kind in screw.KINDS for f in found if f.printed.key == f"total_{kind}"]
-    more = [100.0 * (f.value / f.as_printed - 1.0) for f in sums if f.value and f.as_printed]
+    stiffer = [100.0 * (f.value / f.as_printed - 1.0) for f in sums if f.value and f.as_printed]
     caption = (
         "Left: the measured curve of the ball bearing is flatter than any Hertz contact; the tapered "
         "bearing is computed stiffer than its test by more than the depth of its rings explains. Right: "
-        f"with both ends in parallel the axis is stiffer by {min(more):.0f} to {max(more):.0f} % than the "
+        f"with both ends in parallel the axis is stiffer by {min(stiffer):.0f} to {max(stiffer):.0f} % than the "
         "sum in series, which an end-to-end test with hammer and accelerometer seemed to confirm."
     )
     title = "Stiffness of the support bearings and of the axis"

@@ -40,8 +40,8 @@ def row_of_nuts(count: int) -> Assembly:
         z, name = pitch * (i + 1), f"housing {i}"
         if not isinstance(first.parts, Scene):
             raise AssertionError("the set is a nut")
-        own = replace(first.parts.screw, length=screw.length)
-        parts = replace(first.parts, screw=own, nut=replace(first.parts.nut, position=z))
+        set_screw = replace(first.parts.screw, length=screw.length)
+        parts = replace(first.parts, screw=set_screw, nut=replace(first.parts.nut, position=z))
         sets.append(RollingSet(f"nut {i}", "ball nut", parts, z, name))
         housings.append(Housing(name, z, (), diagonal((1e9, 1e9, 1e9, 1e6, 1e6, 1e6))))
     return replace(base, screw=screw, sets=tuple(sets), housings=tuple(housings))

@@ -96,11 +96,8 @@ class Long:
                 self.each(self.words, {**places, "folder": f"{name}/first"}, ("-m", self.program))
             whole = self.each(self.words, places, ("-m", self.program))
             floor = replace(self, clock="CPU", caches="warm").each(self.base, places, ("-c",))
-        said = CLOCKS[self.clock]
-        if self.counts:
-            said = f"CPU of a sample: {self.counts[1]} less {self.counts[0]} of them"
-        said += f", caches {self.caches}"
-        note = said if whole is not None else "not measured: the command failed"
+        clock = f"CPU of a sample: {self.counts[1]} less {self.counts[0]} of them" if self.counts else CLOCKS[self.clock]
+        note = f"{clock}, caches {self.caches}" if whole is not None else "not measured: the command failed"
         return Job(self.job, whole, None, None, None, note, self.aim, floor, self.base_of, None, now_and_here())
 
 

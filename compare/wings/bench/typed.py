@@ -89,9 +89,9 @@ def as_typed(commands: Sequence[Typed] = TYPED) -> Iterator[Job]:
         command = ["-m", "rollbench", *one.words.split()]
         cpu_seconds(command, 1)  # fills the caches
         modules = f"{one.base}; import rollbench.comparison.{one.module}"
-        whole, floor, more = (cpu_seconds(code, one.runs) for code in (command, ["-c", one.base], ["-c", modules]))
+        whole, floor, imports = (cpu_seconds(code, one.runs) for code in (command, ["-c", one.base], ["-c", modules]))
         note = "CPU of the whole process, caches warm" if whole is not None else "not measured: the command failed"
-        yield Job(one.job, whole, None, None, None, note, one.aim, floor, "its libraries alone", more)
+        yield Job(one.job, whole, None, None, None, note, one.aim, floor, "its libraries alone", imports)
 
 
 def spent_table(jobs: Sequence[Job]) -> Table:
@@ -180,7 +180,7 @@ def scaling(study: Study) -> tuple[Table, Figure]:
     """Time and memory over balls and members, with the observed exponents of the larger half of the sizes."""
     rows: list[Row] = []
     panels = []
-    measured, said = growth(study)
+    measured, origin = growth(study)
     for of, found in measured.items():
         for place, unit in ((1, "s"), (2, "MB")):
             series = []
@@ -199,7 +199,7 @@ def scaling(study: Study) -> tuple[Table, Figure]:
             for model, points in found.items()
             for p in points
         ]
-    note = f"One solve with its set-up, bodies of a new geometry; ensembles of lin-random with their bands. {said}"
+    note = f"One solve with its set-up, bodies of a new geometry; ensembles of lin-random with their bands. {origin}"
     return Table.of("scaling", "Time and memory over size", rows), Figure(
         "scaling", "Growth with size", tuple(panels), note
     )

@@ -72,8 +72,8 @@ def computed(one: Problem) -> tuple[dict[str, Contact], Key]:
     found = reference_of(one)
     out: dict[str, Contact] = {}
     described = one.described
-    for own in found:
-        scene, ref = _parts(own), own.found
+    for referenced in found:
+        scene, ref = _parts(referenced), referenced.found
         beyond = isinstance(described, Assembly) or whole_shaft(scene)
         uncertainty = np.hypot(ref.uncertainty, 0.01 * JUNCTION * ref.mean * beyond * (ref.load > 0.0))
         beside = _beside(scene, ref)
@@ -87,9 +87,9 @@ def computed(one: Problem) -> tuple[dict[str, Contact], Key]:
     return out, Key(key_of(described), files)
 
 
-def _parts(own: Referenced) -> Scene:
+def _parts(referenced: Referenced) -> Scene:
     """The scene of a set, as its surfaces need it."""
-    parts = own.scene if own.of is None else own.of.assembly.sets[own.of.number].parts
+    parts = referenced.scene if referenced.of is None else referenced.of.assembly.sets[referenced.of.number].parts
     assert isinstance(parts, Scene)
     return parts
 

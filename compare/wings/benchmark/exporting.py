@@ -71,19 +71,19 @@ def export(folder: Path, *, meshes: bool, step_files: bool, step: Step) -> list[
 
 def manifest(folder: Path, files: list[str], answers: Mapping[str, Answers], held: dict[str, float]) -> dict[str, Any]:
     """Hashes and sizes of the files, licence, and what the problems are; held: how far STEP surfaces are off [m]."""
-    said: dict[str, dict[str, Any]] = {}
+    entries: dict[str, dict[str, Any]] = {}
     for name in files:
         data = (folder / name).read_bytes()
-        said[name] = {"sha256": hashlib.sha256(data).hexdigest(), "bytes": len(data)}
+        entries[name] = {"sha256": hashlib.sha256(data).hexdigest(), "bytes": len(data)}
         if held.get(name):
-            said[name]["largest_distance_um"] = round(1e6 * held[name], 3)
-    problems = {name: {"loaded_contacts": _loaded(own), "mean_load_N": mean_load(own)} for name, own in answers.items()}
+            entries[name]["largest_distance_um"] = round(1e6 * held[name], 3)
+    problems = {name: {"loaded_contacts": _loaded(a), "mean_load_N": mean_load(a)} for name, a in answers.items()}
     return {
         "benchmark": NAME,
         "made_by": f"rollbench {__version__}",
         "licence": "MIT (LICENSE.txt)",
         "problems": problems,
-        "files": said,
+        "files": entries,
     }
 
 

@@ -41,8 +41,8 @@ class Problem:
     @property
     def text(self) -> str:
         """Text of the scene as it is shipped."""
-        own = HERE / "scenes" / f"{self.name}.toml"
-        return catalogue.scene_text(self.scene) if self.scene else own.read_text(encoding="utf-8")
+        file = HERE / "scenes" / f"{self.name}.toml"
+        return catalogue.scene_text(self.scene) if self.scene else file.read_text(encoding="utf-8")
 
     @property
     def described(self) -> Solvable:

@@ -64,7 +64,7 @@ def _loads(one: Problem, study: Study) -> Iterator[tuple[str, Array]]:
     """Loads ``(n, 4)`` [N] of a problem by program; the finest run of the reference is the answer and not there."""
     scene, found = one.described, reference_of(one)
     for k, run in list(enumerate(found[0].found.runs))[:-1]:
-        yield f"3D reference, level {run.level}", np.concatenate([own.found.runs[k].load for own in found])
+        yield f"3D reference, level {run.level}", np.concatenate([referenced.found.runs[k].load for referenced in found])
     for add in offered("other program"):
         name, loads = add()
         if one.scene in loads:
@@ -72,7 +72,7 @@ def _loads(one: Problem, study: Study) -> Iterator[tuple[str, Array]]:
     for name, model in MODELS.items():
         if isinstance(scene, Assembly):
             if callable(model.assembly):
-                yield model.label, np.concatenate([own.load for own in run_model(scene, name).of_balls()])
+                yield model.label, np.concatenate([balls.load for balls in run_model(scene, name).of_balls()])
             continue
         if not model.suits(scene):
             continue

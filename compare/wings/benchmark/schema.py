@@ -75,8 +75,8 @@ def _set() -> dict[str, Any]:
 
 
 def _object(description: str = "", /, **properties: dict[str, Any]) -> dict[str, Any]:
-    said = {"description": description} if description else {}
-    return said | {"type": "object", "properties": properties, "required": list(properties), "additionalProperties": False}
+    about = {"description": description} if description else {}
+    return about | {"type": "object", "properties": properties, "required": list(properties), "additionalProperties": False}
 
 
 def _material() -> dict[str, Any]:

@@ -80,8 +80,8 @@ class Score:
     def as_json(self) -> dict[str, Any]:
         """JSON-ready."""
         beyond = [vars(m) for m in self.misses]
-        own = {k: v for k, v in vars(self).items() if k not in ("missing", "misses")}
-        return own | {"missing": list(self.missing), "beyond": beyond, "passed": self.passed}
+        values = {k: v for k, v in vars(self).items() if k not in ("missing", "misses")}
+        return values | {"missing": list(self.missing), "beyond": beyond, "passed": self.passed}
 
 
 def score(name: str, answers: Answers, given: Mapping[str, Given]) -> Score:
@@ -102,9 +102,9 @@ def _misses(contact: str, answer: Contact, given: Given, mean: float) -> list[Mi
     judged = [("load_N", given.load, answer.load, loads)]
     if answer.load >= HEAVY * mean:
         for column, value in given.beside.items():
-            own = answer.beside[column]
+            expected = answer.beside[column]
             share = EXPONENT.get(column, 0.0) * loads / answer.load + 0.01 * SHAPE
-            judged.append((column, value, own, ANGLE if column == "angle_deg" else share * own))
+            judged.append((column, value, expected, ANGLE if column == "angle_deg" else share * expected))
     return [Miss(contact, *j) for j in judged if not abs(j[1] - j[2]) <= j[3]]
 
 

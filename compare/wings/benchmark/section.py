@@ -24,10 +24,8 @@ ABOUT = (
 def section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report."""
     found = programs(study, step)
-    said = conclusion(found)
-    return Section(
-        "benchmark", f"The benchmark {NAME}", (Text((ABOUT,)), program_table(found), problem_table()), conclusion=said
-    )
+    items = Text((ABOUT,)), program_table(found), problem_table()
+    return Section("benchmark", f"The benchmark {NAME}", items, conclusion=conclusion(found))
 
 
 def _by_label(found: Sequence[Program]) -> dict[str, Program]:

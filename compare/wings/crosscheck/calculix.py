@@ -71,13 +71,13 @@ def ccx_version(program: str) -> str:
 
 def digest(text: str) -> str:
     """What a deck says, without comments and how the solver is to iterate, as 16 hexadecimal digits."""
-    said, control = [], False
+    content, control = [], False
     for line in text.splitlines():
         if line.startswith("*") and not line.startswith("**"):
             control = line.startswith("*CONTROLS")
         if not (control or line.startswith("**")):
-            said.append(line)
-    return hashlib.sha256("\n".join(said).encode()).hexdigest()[:16]
+            content.append(line)
+    return hashlib.sha256("\n".join(content).encode()).hexdigest()[:16]
 
 
 def run_calculix(text: str, folder: Path) -> Outcome:
@@ -136,19 +136,19 @@ def read_dat(text: str) -> tuple[list[ContactForce], dict[str, dict[int, tuple[f
     while k < len(blocks):
         line = blocks[k]
         slave = re.match(r"\s*statistics for slave set (\S+), master", line)
-        own = re.match(r"\s*displacements .* for set (\S+) and time", line)
+        node_set = re.match(r"\s*displacements .* for set (\S+) and time", line)
         if slave:
             force = tuple(float(x) for x in blocks[k + 2].split()[:3])
             area = float(blocks[k + 8].split()[0])
             contacts[slave.group(1)] = ContactForce(slave.group(1), (force[0], force[1], force[2]), area)
             k += 8
-        elif own:
+        elif node_set:
             rows: dict[int, tuple[float, float, float]] = {}
             while k + 1 < len(blocks) and re.match(r"\s+\d+\s+[-\d]", blocks[k + 1]):
                 node, x, y, z = blocks[k + 1].split()
                 rows[int(node)] = (float(x), float(y), float(z))
                 k += 1
-            moved[own.group(1)] = rows
+            moved[node_set.group(1)] = rows
         k += 1
     return list(contacts.values()), moved
 

@@ -81,7 +81,7 @@ class DeckOptions:
 
 
 @dataclass(frozen=True)
-class Made:
+class MeshedDeck:
     """A deck, the expected loads ``(n, 4)`` [N] of the low-order model, element size at the contacts [m], smallest scaled
     Jacobian of every body's cells."""
 
@@ -152,7 +152,7 @@ def expected(scene: Scene) -> StaticResult:
     return found
 
 
-def build_deck(scene: Scene, options: DeckOptions | None = None) -> Made:
+def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
     """Mesh a scene's whole bodies and put its deck together.
 
     Raises InputError for a scene that is too large, that has what a deck cannot say, or that cannot be meshed.
@@ -186,14 +186,14 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> Made:
     fine = short / options.b_over_h
     try:
         dims = dimensions(scene)
-        made = _rings(scene, dims, drawn, m, places, fine, options)
-        made += _balls(scene, drawn, m, layout, places, fine, options)
+        meshed = _rings(scene, dims, drawn, m, places, fine, options)
+        meshed += _balls(scene, drawn, m, layout, places, fine, options)
     except ValueError as error:
         raise InputError(
             scene.name, "deck", str(error), "a scene that can be meshed", "see solid.* and the nut's length in the scene"
         ) from error
-    bodies = tuple(body for body, _ in made)
-    quality = {body.name: smallest for body, smallest in made}
+    bodies = tuple(body for body, _ in meshed)
+    quality = {body.name: smallest for body, smallest in meshed}
     count = sum(len(b.points) for b in bodies)
     if count > MOST_NODES:
         raise InputError(
@@ -216,7 +216,7 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> Made:
         options.nlgeom,
         tuple(f"{b.name}_CUT" for b in bodies if options.half),
     )
-    return Made(deck, found.load, fine, quality)
+    return MeshedDeck(deck, found.load, fine, quality)
 
 
 def _refined(points: list[Array], fine: float, coarse: float, options: DeckOptions) -> Refinement:
@@ -236,26 +236,26 @@ def _rings(
         ("NUT", scene.nut, (z - half, z + half), (dims.land, scene.nut.outer_diameter / 2.0)),
     ):
         screw = name == "SCREW"
-        own = [p for p in places if (p.side < 2) == screw]
+        on_body = [p for p in places if (p.side < 2) == screw]
         groove = body_map(m, drawn, scene, screw)
-        near = [groove_points(groove, p.at, fine_zone(p, fine)) for p in own]
+        near = [groove_points(groove, p.at, fine_zone(p, fine)) for p in on_body]
         size = _refined(near, fine, FAR_SIZES[0] * options.growth * m.ball, options)
         flange = None if screw else scene.nut.flange
         spec = BodySpec(*radii, *ends, screw, (), unused, fine, size.coarse, flange=flange)
-        made = (half_body if options.half else whole_body)(groove, spec, size)
-        faces = {groove_faces(p): flank_faces(groove, made, p, fine) for p in own}
+        mesh = (half_body if options.half else whole_body)(groove, spec, size)
+        faces = {groove_faces(p): flank_faces(groove, mesh, p, fine) for p in on_body}
         if screw:
             held = (
-                {"SCREW_BORE": made.named["bore"]}
+                {"SCREW_BORE": mesh.named["bore"]}
                 if dims.screw_held == "bore"
-                else {"SCREW_LOW": made.named["low end"], "SCREW_HIGH": made.named["high end"]}
+                else {"SCREW_LOW": mesh.named["low end"], "SCREW_HIGH": mesh.named["high end"]}
             )
         else:
-            held = {"NUT_HELD": np.unique(np.concatenate([made.named[x] for x in HELD[dims.nut_held]]))}
+            held = {"NUT_HELD": np.unique(np.concatenate([mesh.named[x] for x in HELD[dims.nut_held]]))}
         if options.half:  # nodes that are held or move with a rigid section stay in the plane by that
-            held[f"{name}_CUT"] = np.setdiff1d(made.named["cut"], np.concatenate(list(held.values())))
-        body = DeckBody(name, made.points, made.cells, part.material, held, faces)
-        bodies.append((body, made.quality.smallest))
+            held[f"{name}_CUT"] = np.setdiff1d(mesh.named["cut"], np.concatenate(list(held.values())))
+        body = DeckBody(name, mesh.points, mesh.cells, part.material, held, faces)
+        bodies.append((body, mesh.quality.smallest))
     return bodies
 
 
@@ -265,29 +265,29 @@ def _balls(
     """Every ball with its own radius, where the scene puts it."""
     bodies, meshed = [], dict[tuple[float, float], WholeBody]()
     for i, radius in enumerate(drawn.ball_radius.tolist()):
-        own, side = [p for p in places if p.ball == i], float(np.sign(np.cos(layout.azimuth[i])))
-        made = meshed.get((radius, side if options.half else 0.0))
-        if made is None:
+        on_ball, side = [p for p in places if p.ball == i], float(np.sign(np.cos(layout.azimuth[i])))
+        mesh = meshed.get((radius, side if options.half else 0.0))
+        if mesh is None:
             shared = options.half or options.alike
-            near = [p for p in places if drawn.ball_radius[p.ball] == radius] if shared else own
+            near = [p for p in places if drawn.ball_radius[p.ball] == radius] if shared else on_ball
             zones = [sphere_points(m, p.side, radius, fine_zone(p, fine)) for p in near]
             size = _refined(zones, fine, FAR_SIZES[1] * options.growth * m.ball, options)
-            made = half_ball(radius, size, side) if options.half else whole_ball(m, radius, size)
+            mesh = half_ball(radius, size, side) if options.half else whole_ball(m, radius, size)
             if shared:
-                meshed[radius, side if options.half else 0.0] = made
-        faces = {ball_faces(p): sphere_faces(m, made, p, radius, fine) for p in own}
+                meshed[radius, side if options.half else 0.0] = mesh
+        faces = {ball_faces(p): sphere_faces(m, mesh, p, radius, fine) for p in on_ball}
         name = f"BALL{i + 1}"
-        points = place_ball(m, (float(layout.azimuth[i]), float(layout.z[i])), made.points)
+        points = place_ball(m, (float(layout.azimuth[i]), float(layout.z[i])), mesh.points)
         axes = [parting(m)] if options.half else [parting(m), directions(m, 0)[2]]
-        poles = np.argmax(made.points @ np.stack([sign * x for x in axes for sign in (1.0, -1.0)]).T, axis=0)
+        poles = np.argmax(mesh.points @ np.stack([sign * x for x in axes for sign in (1.0, -1.0)]).T, axis=0)
         pairs = poles.reshape(-1, 2)
         alike = without_spinning(points, pairs[0]) if options.half else without_turning(points, pairs)
         weak = poles[:1]
         nodes = {f"{name}_WEAK": weak}
         if options.half:
-            nodes[f"{name}_CUT"] = made.named["cut"]
-        body = DeckBody(name, points, made.cells, scene.balls.material, nodes, faces, weak, alike)
-        bodies.append((body, made.quality.smallest))
+            nodes[f"{name}_CUT"] = mesh.named["cut"]
+        body = DeckBody(name, points, mesh.cells, scene.balls.material, nodes, faces, weak, alike)
+        bodies.append((body, mesh.quality.smallest))
     return bodies
 
 
@@ -335,9 +335,9 @@ def _sections(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
     for name, z in ends.items():
         fixed = [(FREEDOMS.index(n), v) for s in scene.supports if abs(s.at - z) <= 1e-9 for n, v in s.fixed]
         wrench = np.zeros(6)
-        for own in scene.loads:
-            if abs(own.at - z) <= 1e-9:
-                wrench += np.array([*own.force, *own.moment])
+        for load in scene.loads:
+            if abs(load.at - z) <= 1e-9:
+                wrench += np.array([*load.force, *load.moment])
         weak = tuple(free) if not sections else ()
         sections.append(RigidSection(name, "SCREW", name, np.array([0.0, 0.0, z]), tuple(sorted(fixed)), wrench, weak))
     return tuple(sections)

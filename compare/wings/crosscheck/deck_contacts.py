@@ -84,35 +84,35 @@ def fine_zone(place: Place, fine: float) -> Array:
     return grid((FINE * place.half[0], FINE * place.half[1]), 0.7 * fine)
 
 
-def flank_faces(m: GrooveMap, made: WholeBody, place: Place, fine: float) -> Index:
+def flank_faces(m: GrooveMap, mesh: WholeBody, place: Place, fine: float) -> Index:
     """Faces of a flank within the master's zone of a contact."""
-    flank = made.named[f"flank {SIDES[place.side]}"]
-    x, radius = made.points[flank], float(m.radius[place.side])
+    flank = mesh.named[f"flank {SIDES[place.side]}"]
+    x, radius = mesh.points[flank], float(m.radius[place.side])
     xi = socket_coordinates(
         m, SocketSize(1.0, radius, 1.0), place.at, np.arctan2(x[:, 1], x[:, 0]), x[:, 2], np.hypot(x[:, 0], x[:, 1])
     )
     half = _zone(place, fine, MASTER)
     inside = (radius * xi[:, 0] / half[0]) ** 2 + (m.R * xi[:, 2] / half[1]) ** 2 <= 1.0
-    return _faces_within(made, flank[inside])
+    return _faces_within(mesh, flank[inside])
 
 
-def sphere_faces(m: GrooveMap, made: WholeBody, place: Place, radius: float, fine: float) -> Index:
+def sphere_faces(m: GrooveMap, mesh: WholeBody, place: Place, radius: float, fine: float) -> Index:
     """Faces of a ball of a radius [m], meshed in the frame of azimuth 0, within the slave's zone of a contact."""
-    (n, t1, t2), sphere, half = directions(m, place.side), made.named["sphere"], _zone(place, fine, SLAVE)
-    x = made.points[sphere]
+    (n, t1, t2), sphere, half = directions(m, place.side), mesh.named["sphere"], _zone(place, fine, SLAVE)
+    x = mesh.points[sphere]
     height = np.where(x @ n > 0.0, x @ n, 1e-9 * radius)  # nodes behind are far outside
     across, along = radius * (x @ t1) / height, radius * (x @ t2) / height
     inside = (x @ n > 0.0) & ((across / half[0]) ** 2 + (along / half[1]) ** 2 <= 1.0)
-    return _faces_within(made, sphere[inside])
+    return _faces_within(mesh, sphere[inside])
 
 
-def _faces_within(made: WholeBody, nodes: Index) -> Index:
+def _faces_within(mesh: WholeBody, nodes: Index) -> Index:
     """Corners of the outer faces all of whose corners are among ``nodes``, those of a half's cut left out.
 
     Raises ValueError where there is none.
     """
-    faces = outer_faces(made.cells)
-    own = faces[np.isin(faces, nodes).all(axis=1) & ~np.isin(faces, made.named.get("cut", [])).all(axis=1)]
-    if not len(own):
+    faces = outer_faces(mesh.cells)
+    within = faces[np.isin(faces, nodes).all(axis=1) & ~np.isin(faces, mesh.named.get("cut", [])).all(axis=1)]
+    if not len(within):
         raise ValueError("no face of the mesh lies within an expected contact: raise --b-over-h or lower --growth")
-    return own
+    return within

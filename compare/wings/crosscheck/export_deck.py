@@ -53,9 +53,9 @@ def run_deck(scene: Scene, choices: DeckChoices, out: Path | None) -> Answer:
     if choices.balls:
         scene = cut_scene(scene, *parse_balls(choices.balls, scene))
     out = out or Path(f"{scene.name}.inp")
-    made = build_deck(scene, DeckOptions(choices.b_over_h, choices.growth, 1e9 * choices.stiffness))
-    replace_file(out, write(made.deck, choices.unit))
-    deck = made.deck
+    meshed = build_deck(scene, DeckOptions(choices.b_over_h, choices.growth, 1e9 * choices.stiffness))
+    replace_file(out, write(meshed.deck, choices.unit))
+    deck = meshed.deck
     line = (
         f"wrote {out}: {deck.node_count} nodes, {sum(len(b.cells) for b in deck.bodies)} 10-node tetrahedra, "
         f"{len(deck.contacts)} contacts; units {UNITS[choices.unit].words}; run it with: ccx -i {out.with_suffix('')}"

@@ -97,13 +97,13 @@ def extrapolate(runs: Sequence[CrossRun]) -> Extrapolation:
     limit. Where two meshes are all, every pair fits and the uncertainty is the whole range of limits. Raises ValueError
     with one mesh only, and where the contact stiffness varies, but on no mesh.
     """
-    own = [r for r in runs if not r.nlgeom]
-    law = softness(own)
-    if law is None and len({r.stiffness for r in own}) > 1:
+    linear = [r for r in runs if not r.nlgeom]
+    law = softness(linear)
+    if law is None and len({r.stiffness for r in linear}) > 1:
         raise ValueError("the contact stiffness varies, but on no mesh: add a run that differs in it alone")
-    law = np.zeros(own[0].load.size) if law is None else law
+    law = np.zeros(linear[0].load.size) if law is None else law
     groups: dict[tuple[float, float, bool, bool], list[CrossRun]] = {}
-    for r in own:
+    for r in linear:
         groups.setdefault(mesh_of(r), []).append(r)
     if len({m[:2] for m in groups}) < 2:
         raise ValueError("one mesh only: two are needed to extrapolate")
@@ -117,13 +117,13 @@ def extrapolate(runs: Sequence[CrossRun]) -> Extrapolation:
     fits = [_fit(loads, _errors(h, g, half, p, s), weight, p, s) for p, s in product(ORDERS, LENGTHS)]
     best = min(fits, key=lambda fit: fit.misfit)
     free = max(1, len(loads) - 2)
-    enough = np.hypot(best.own, COVERED * np.maximum(best.own, best.misfit) / np.sqrt(free))
+    enough = np.hypot(best.residual, COVERED * np.maximum(best.residual, best.misfit) / np.sqrt(free))
     enough = enough + EXACT * float(np.abs(loads).max())
     change = np.abs(np.stack([f.limit for f in fits]) - best.limit)
-    spread = np.where(np.stack([f.own for f in fits]) <= enough, change, 0.0).max(axis=0)
+    spread = np.where(np.stack([f.residual for f in fits]) <= enough, change, 0.0).max(axis=0)
     near = int(np.argmin(np.abs(best.elements).sum(axis=1)))
     stiff = max(r.stiffness for r in list(groups.values())[near])
-    shape = own[0].load.shape
+    shape = linear[0].load.shape
     varied = (("element size", h), ("growth", g), ("contact stiffness", law))
     return Extrapolation(
         best.limit.reshape(shape),
@@ -151,7 +151,7 @@ class _Fit:
     order: float
     length: float
     misfit: float
-    own: Array
+    residual: Array
     limit: Array
     error: Array
     elements: Array
@@ -169,5 +169,5 @@ def _fit(loads: Array, e: Array, weight: Array, order: float, length: float) -> 
     scatter = np.sqrt(np.maximum(square.sum(axis=0), square.sum() / square.shape[1]) / free)
     # Var F0 = sigma^2 (1 + middle^2 / wide) / sum of weights squared, sigma that of the finest mesh
     error = scatter * np.sqrt((1.0 + middle**2 / wide) / (weight**2).sum(axis=0)) * (mean > 0.0)
-    own = np.sqrt(square.mean(axis=0))
-    return _Fit(order, length, float(np.sqrt(square.mean())), own, limit, error, slope * e)
+    residual = np.sqrt(square.mean(axis=0))
+    return _Fit(order, length, float(np.sqrt(square.mean())), residual, limit, error, slope * e)

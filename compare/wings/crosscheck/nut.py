@@ -115,9 +115,9 @@ def _transform(
         free[(3 * number[body.nodes[name]][:, None] + np.arange(3)).ravel()] = False
     parts = [sp.identity(free.size, format="csc")[:, np.flatnonzero(free)]]
     for s in sections:
-        own = (3 * number[body.nodes[s.nodes]][:, None] + np.arange(3)).ravel()
+        freedoms = (3 * number[body.nodes[s.nodes]][:, None] + np.arange(3)).ravel()
         modes = sp.coo_matrix(rigid_modes(body.points[body.nodes[s.nodes]], s.point))
-        parts.append(sp.csc_matrix((modes.data, (own[modes.row], modes.col)), (free.size, 6)))
+        parts.append(sp.csc_matrix((modes.data, (freedoms[modes.row], modes.col)), (free.size, 6)))
     return sp.hstack(parts, format="csc")
 
 

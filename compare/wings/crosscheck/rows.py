@@ -50,10 +50,10 @@ class ContactRow:
 
 def series(data: CrossData) -> list[CrossRun]:
     """The runs with small displacements and the contact stiffness of most, fewest nodes first."""
-    own = [r for r in data.runs if not r.nlgeom]
-    alike = [sum(r.stiffness == one.stiffness for r in own) for one in own]
-    most = own[int(np.argmax(alike))].stiffness
-    return sorted((r for r in own if r.stiffness == most), key=lambda r: r.nodes)
+    linear = [r for r in data.runs if not r.nlgeom]
+    alike = [sum(r.stiffness == one.stiffness for r in linear) for one in linear]
+    most = linear[int(np.argmax(alike))].stiffness
+    return sorted((r for r in linear if r.stiffness == most), key=lambda r: r.nodes)
 
 
 def deck_label(run: CrossRun) -> str:
@@ -68,7 +68,7 @@ def contact_rows(data: CrossData, ours: Reference, limit: Extrapolation | None =
     mean = ours.mean
     rows = []
     for i, s in zip(*np.nonzero((best > 0.0) | (limit.load > 1e-3 * mean)), strict=True):
-        own = float(error_percent(ours.uncertainty[i, s], 0.0, mean))
+        uncertainty = float(error_percent(ours.uncertainty[i, s], 0.0, mean))
         rows.append(
             ContactRow(
                 int(i) + 1,
@@ -76,7 +76,7 @@ def contact_rows(data: CrossData, ours: Reference, limit: Extrapolation | None =
                 {r.level: float(r.load[i, s]) for r in ours.runs},
                 {deck_label(r): float(r.load[i, s]) for r in series(data)},
                 float(best[i, s]),
-                own,
+                uncertainty,
                 float(limit.load[i, s]),
                 float(error_percent(limit.uncertainty[i, s], 0.0, mean)),
                 float(error_percent(best[i, s], limit.load[i, s], mean)),

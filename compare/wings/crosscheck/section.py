@@ -82,7 +82,7 @@ def contact_tables(data: CrossData, ours: Reference, limit: Extrapolation) -> li
     """Every contact by both programs, CalculiX extrapolated; and on every mesh of either."""
     rows = contact_rows(data, ours, limit)
     heads = mesh_columns(data, ours)
-    ends, each = ([{c.key: r.cells()[c.key] for c in own} for r in rows] for own in (columns(), heads))
+    ends, each = ([{c.key: r.cells()[c.key] for c in shown} for r in rows] for shown in (columns(), heads))
     fixed = f" Not varied: {', '.join(limit.fixed)}." if limit.fixed else ""
     note = (
         f"{agreement(data.scene, rows)} Order {limit.order:.2f}, length {limit.length:.2f} short half axes, RMS misfit "

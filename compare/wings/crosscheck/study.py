@@ -16,7 +16,7 @@ from rollbench.comparison.reference.levels import STUDIED
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.wings.crosscheck.calculix import Outcome, digest, run_calculix
 from rollbench.comparison.wings.crosscheck.data import BodyMesh, CrossData, CrossRun, load, shipped
-from rollbench.comparison.wings.crosscheck.deck import DeckOptions, Made, build_deck
+from rollbench.comparison.wings.crosscheck.deck import DeckOptions, MeshedDeck, build_deck
 from rollbench.comparison.wings.crosscheck.fit import extrapolate
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.deck import UNITS, write
@@ -64,8 +64,8 @@ def label(options: DeckOptions) -> str:
 
 def scene_key(name: str) -> str:
     """Digest of what a shipped scene says, its remarks left out: results of another state of it do not count."""
-    said = {k: v for k, v in tomllib.loads(catalogue.scene_text(name)).items() if k not in ("source", "assumed")}
-    return hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest()[:16]
+    content = {k: v for k, v in tomllib.loads(catalogue.scene_text(name)).items() if k not in ("source", "assumed")}
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
 
 
 def checked_scene(name: str) -> Scene:
@@ -83,30 +83,30 @@ def run_study(scene: Scene, work: Path, step: Callable[[str], None], stored: Seq
     """
     runs, known = [], {r.deck: r for r in stored}
     for options in STUDIES[scene.name]:
-        made = build_deck(scene, options)
-        text = write(made.deck, UNIT)
+        meshed = build_deck(scene, options)
+        text = write(meshed.deck, UNIT)
         if digest(text) in known:
             runs.append(known[digest(text)])
             step(f"{label(options)}: stored")
             continue
         try:
             outcome = run_calculix(text, work / scene.name / label(options))
-            runs.append(record(made, options, digest(text), outcome))
+            runs.append(record(meshed, options, digest(text), outcome))
         except ValueError as error:
             raise InputError(
                 scene.name, label(options), str(error), "a deck that CalculiX solves", "see its folder"
             ) from None
-        step(f"{label(options)}: {made.deck.node_count} nodes, {outcome.iterations} iterations, {outcome.seconds:.0f} s")
+        step(f"{label(options)}: {meshed.deck.node_count} nodes, {outcome.iterations} iterations, {outcome.seconds:.0f} s")
     return CrossData(scene.name, scene_key(scene.name), __version__, version("gmsh") or "", tuple(runs))
 
 
-def record(made: Made, options: DeckOptions, deck: str, outcome: Outcome) -> CrossRun:
+def record(meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: Outcome) -> CrossRun:
     """A run as it is stored. Raises ValueError where a contact is missing."""
-    both = np.array([2.0, 0.0, 2.0]) if options.half else np.ones(3)  # with its mirror image
-    forces = {c.slave: both * c.force for c in outcome.contacts}
-    count = len(made.expected)
+    mirror = np.array([2.0, 0.0, 2.0]) if options.half else np.ones(3)  # with its mirror image
+    forces = {c.slave: mirror * c.force for c in outcome.contacts}
+    count = len(meshed.expected)
     load, resultant = np.zeros((count, len(SIDES))), np.zeros((count, 3))
-    for contact in made.deck.contacts:
+    for contact in meshed.deck.contacts:
         if contact.slave not in forces:
             raise ValueError(f"CalculiX printed no force of {contact.slave}")
         ball, side = contact.slave.removeprefix("BALL").split("_")
@@ -115,7 +115,7 @@ def record(made: Made, options: DeckOptions, deck: str, outcome: Outcome) -> Cro
     spring = options.spring * UNITS[UNIT].length
     held = np.zeros((count, 3))
     for i in range(count):
-        held[i] = both * spring * np.sum(list(outcome.moved[f"BALL{i + 1}_WEAK"].values()), axis=0)
+        held[i] = mirror * spring * np.sum(list(outcome.moved[f"BALL{i + 1}_WEAK"].values()), axis=0)
     loose = np.linalg.norm(resultant - held, axis=1)  # what is printed acts on the slave, the ball
     return CrossRun(
         options.b_over_h,
@@ -123,9 +123,9 @@ def record(made: Made, options: DeckOptions, deck: str, outcome: Outcome) -> Cro
         options.stiffness,
         options.spring,
         options.nlgeom,
-        made.fine,
+        meshed.fine,
         deck,
-        tuple(BodyMesh(b.name, len(b.points), len(b.cells), made.quality[b.name]) for b in made.deck.bodies),
+        tuple(BodyMesh(b.name, len(b.points), len(b.cells), meshed.quality[b.name]) for b in meshed.deck.bodies),
         load,
         float(np.linalg.norm(held, axis=1).max()),
         float(loose.max()),

@@ -96,16 +96,16 @@ def run_campaign(
         if sys.stderr.isatty():
             sys.stderr.write(f"\r\033[K[{done}/{total}] {text}")
 
-    part = None if keep is None else Part(keep.with_name(f"{keep.name}{option}.{model}-{seed}.part"), seed, model)
-    if part is not None and part.outcomes:
-        sys.stderr.write(f"{len(part.outcomes)} scenes of an interrupted campaign are known\n")
-    found = record.run_campaign(seed, count, model, files, kills, progress, part, partial(captured, run), axes)
+    interrupted = None if keep is None else Part(keep.with_name(f"{keep.name}{option}.{model}-{seed}.part"), seed, model)
+    if interrupted is not None and interrupted.outcomes:
+        sys.stderr.write(f"{len(interrupted.outcomes)} scenes of an interrupted campaign are known\n")
+    found = record.run_campaign(seed, count, model, files, kills, progress, interrupted, partial(captured, run), axes)
     if sys.stderr.isatty():
         sys.stderr.write("\r\033[K")
     if keep is not None:
         replace_file(keep, record.text(found, keep))
-    if part is not None:
-        part.path.unlink(missing_ok=True)
+    if interrupted is not None:
+        interrupted.path.unlink(missing_ok=True)
     return Answer(found, record.lines(found), 1 if found["bad"] else 0)
 
 

@@ -38,7 +38,7 @@ def tally(rows: Sequence[Attempt]) -> dict[str, tuple[int, int, int]]:
     """Per formulation: cases solved (or its mechanism named), cases tried, cases."""
     out = {}
     for formulation in FORMULATIONS:
-        own = [r for r in rows if r.formulation == formulation]
-        tried = [r for r in own if not r.status.startswith("not attempted")]
-        out[formulation] = (sum(r.status == r.expected for r in tried), len(tried), len(own))
+        attempts = [r for r in rows if r.formulation == formulation]
+        tried = [r for r in attempts if not r.status.startswith("not attempted")]
+        out[formulation] = (sum(r.status == r.expected for r in tried), len(tried), len(attempts))
     return out

@@ -27,9 +27,9 @@ def survey_items() -> tuple[Text | Table, ...]:
     if not scenes:
         return ()
     good = len(scenes) - len(survey.unanswered(scenes))
-    made = Counter(str(r["version"]) for r in scenes)
-    by = ", ".join(f"{count} by {version}" for version, count in sorted(made.items()))
-    said = (
+    versions = Counter(str(r["version"]) for r in scenes)
+    by = ", ".join(f"{count} by {version}" for version, count in sorted(versions.items()))
+    about = (
         "Ordinary catalogue screws of 16x5 to 80x20, drawn by one seed without redraws (sizes, starts, "
         "hand, preload or clearance, tolerance classes, offsets, tilts, moments, last balls from 1 ball "
         f"radius of the nut's face), on level 1 of the 3D reference: {good} of {len(scenes)} have a settled "
@@ -44,7 +44,7 @@ def survey_items() -> tuple[Text | Table, ...]:
     ]
     sums = ("model", "error", "scenes", "median", "p95", "largest")
     return (
-        Text((said,)),
+        Text((about,)),
         Table(
             "stability-survey",
             "Models against the survey",

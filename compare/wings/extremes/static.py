@@ -223,8 +223,8 @@ def _geometry_cases(base: Scene) -> Iterator[Case]:
         yield Case(f"contact angle {angle} deg", "contact angle", turned)
         if angle in (5, 85):
             held = replace(turned, supports=(Support(0.0, (("rz", 0.0),)),))
-            both = _load(held, (1000.0, 0.0, 100.0))
-            yield Case(f"contact angle {angle} deg, lateral", "contact angle", both)
+            loaded = _load(held, (1000.0, 0.0, 100.0))
+            yield Case(f"contact angle {angle} deg, lateral", "contact angle", loaded)
 
 
 def _mechanism_cases(base: Scene) -> Iterator[Case]:
@@ -428,5 +428,5 @@ def table(
 
 def failures(rows: Sequence[Attempt]) -> list[Attempt]:
     """Rows of the solvers of this project whose status is not the expected one: converged, or the mechanism by name."""
-    own = [r for r in rows if r.formulation == ENERGY or r.formulation in BACKENDS]
-    return [r for r in own if r.status != r.expected and not r.status.startswith("not attempted")]
+    ours = [r for r in rows if r.formulation == ENERGY or r.formulation in BACKENDS]
+    return [r for r in ours if r.status != r.expected and not r.status.startswith("not attempted")]

@@ -122,10 +122,10 @@ def by_contact(power: float, loss: float, apart: float, balls: float, bound: flo
     }
 
 
-def solver_line(solver: dict[str, Any], more: str = "") -> Line:
+def solver_line(solver: dict[str, Any], suffix: str = "") -> Line:
     """What loads and friction are out of balance by [N]."""
     loads, friction = solver["load_imbalance_N"], solver["friction_imbalance_N"]
-    return "solver", f"loads out of balance by {loads:.1e} N, friction by {friction:.1e} N{more}"
+    return "solver", f"loads out of balance by {loads:.1e} N, friction by {friction:.1e} N{suffix}"
 
 
 def hertz_word(hertz: str) -> str:

@@ -59,9 +59,9 @@ def solve_axis(assembly: Assembly, choices: Choices) -> FrictionAnswer:
     result, _ = solve_sets(assembly, choices.model)
     head = {"scene": assembly.name, "title": assembly.title, "kind": assembly.kind, "model": result.model}
     if not result.converged:
-        said = {"assumed": list(assembly.assumed), "left_out": [], "warnings": []}
+        remarks = {"assumed": list(assembly.assumed), "left_out": [], "warnings": []}
         return FrictionAnswer(
-            head | {"status": f"contact loads: {result.status}", "converged": False} | said, [], [], False
+            head | {"status": f"contact loads: {result.status}", "converged": False} | remarks, [], [], False
         )
     solved = _states(result, friction, motion)
     drag = _drag(assembly, result.model, friction, motion)
@@ -114,8 +114,7 @@ def _answer(
     warnings = static_only(result.warnings)
     for _, s, state in solved:
         if isinstance(s.of.parts, Scene):
-            own = warnings_of(s.of.parts, friction, state, ())
-            warnings += [w.of(s.of.name) for w in own]
+            warnings += [w.of(s.of.name) for w in warnings_of(s.of.parts, friction, state, ())]
     data = head | {
         "status": "converged" if failed is None else f"{failed[1].of.name}: {status_of(failed[2])}",
         "converged": good,
@@ -167,9 +166,9 @@ def _energy(solved: Solved) -> dict[str, Any]:
 
 def _energy_line(values: dict[str, Any]) -> Line:
     """The powers in words."""
-    part = values["efficiency_percent"]
+    efficiency = values["efficiency_percent"]
     by = "the torque" if values["torque_power_W"] > values["axial_load_power_W"] else "the axial load"
-    worth = "no power leaves the shaft" if part is None else f"{by} drives with an efficiency of {part:.3g} %"
+    worth = "no power leaves the shaft" if efficiency is None else f"{by} drives with an efficiency of {efficiency:.3g} %"
     label, text = energy_line(values, 3)
     return label, f"{text}; {worth}"
 

@@ -220,20 +220,20 @@ def solve_bearings(scene: KindScene) -> FrictionAnswer:
     }
     mechanisms = loose(scene)
     if mechanisms:
-        more = f" (and {len(mechanisms) - 1} more)" if len(mechanisms) > 1 else ""
-        status = f"no equilibrium: {mechanisms[0]}{more}"
+        others = f" (and {len(mechanisms) - 1} more)" if len(mechanisms) > 1 else ""
+        status = f"no equilibrium: {mechanisms[0]}{others}"
         return FrictionAnswer(head(scene, status, False) | common | {"warnings": []}, [], [], False)
     return _bearing_answer(scene, common)
 
 
 def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> FrictionAnswer:
     cases = scene.four_point, scene.double_row
-    both = [bearing_states(case, scene.angle) for case in cases]
-    four, double = (bearing_data(case, states) for case, states in zip(cases, both, strict=True))
+    by_case = [bearing_states(case, scene.angle) for case in cases]
+    four, double = (bearing_data(case, states) for case, states in zip(cases, by_case, strict=True))
     good = [f and d for f, d in zip(four["converged"], double["converged"], strict=True)]
     status = "converged" if all(good) else f"{good.count(False)} of {len(good)} load angles did not converge"
-    ratios = [number(f.torque / d.torque) if rubs(cases[1], d) else None for f, d in zip(*both, strict=True)]
-    states = [(c, s) for c, one in zip(cases, both, strict=True) for s in one]
+    ratios = [number(f.torque / d.torque) if rubs(cases[1], d) else None for f, d in zip(*by_case, strict=True)]
+    states = [(c, s) for c, one in zip(cases, by_case, strict=True) for s in one]
     power, loss, bound = (
         float(np.mean(v))
         for v in (
@@ -245,7 +245,7 @@ def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> Friction
     spent = energy(power, loss, bound)
     large = [
         w.of(name)
-        for name, c, one in zip(("four-point", "double row"), cases, both, strict=True)
+        for name, c, one in zip(("four-point", "double row"), cases, by_case, strict=True)
         for w in screw_warnings(c.groove, np.stack([s.load.force for s in one]))
     ]
     solver = {"load_imbalance_N": number(max(s.load.left for _, s in states))}

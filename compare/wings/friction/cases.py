@@ -29,7 +29,7 @@ def solve_cycle(cycle: DutyCycle, choices: Choices) -> FrictionAnswer:
     `solve_scene` and `solve_axis`.
     """
     each = [
-        (case, solve_axis(own, choices) if isinstance(own := case.scene, Assembly) else solve_scene(own, choices))
+        (case, solve_axis(scene, choices) if isinstance(scene := case.scene, Assembly) else solve_scene(scene, choices))
         for case in cycle.cases
     ]
     rows: list[dict[str, Any]] = []
@@ -42,9 +42,9 @@ def solve_cycle(cycle: DutyCycle, choices: Choices) -> FrictionAnswer:
     needed = [row["friction_torque_Nmm"] if row["case"] not in failed else None for row in rows if row["share"] > 0.0]
     mean = None if None in needed else sum(row["share"] * row["friction_torque_Nmm"] for row in rows if row["share"] > 0.0)
     words = "" if mean is not None else f"none, because case {failed[0]} has no friction" if failed else "no load"
-    said = "none" if worst is None else f"{three(worst['friction_torque_Nmm'])} N mm in case {worst['case']}"
+    largest = "none" if worst is None else f"{three(worst['friction_torque_Nmm'])} N mm in case {worst['case']}"
     known_mean = words if mean is None else f"{three(mean)} N mm"
-    lines = [("torque", f"largest of friction {said}; mean over the duty cycle {known_mean}")]
+    lines = [("torque", f"largest of friction {largest}; mean over the duty cycle {known_mean}")]
     for case, one in each:
         lines += [("", ""), ("case", f"{case.name}, share {case.share:.4g}: {one.data['status']}"), *one.lines]
 

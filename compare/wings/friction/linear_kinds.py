@@ -160,10 +160,10 @@ def jam_warnings(near: ChainResult, second: ChainResult | None) -> list[Warned]:
     """What to say where balls may also stand in another, jammed state."""
     if second is None:
         return []
-    most, own = second.ball_force.max(), near.ball_force.max()
+    most, base = second.ball_force.max(), near.ball_force.max()
     text = (
         f"friction between balls allows a second state: they press on each other by up to {most:.4g} N instead of "
-        f"{own:.4g} N, and the carriage needs {second.drive:.6g} N instead of {near.drive:.6g} N; how it got there decides"
+        f"{base:.4g} N, and the carriage needs {second.drive:.6g} N instead of {near.drive:.6g} N; how it got there decides"
     )
     return [Warned("jam", text)]
 

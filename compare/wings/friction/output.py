@@ -43,14 +43,14 @@ def jam_words(state: FrictionState) -> str:
     return f"{len(state.second)} balls have a second, jammed state: {numbers}; this is the one that rolls on"
 
 
-def slip_warnings(part: float) -> list[Warned]:
+def slip_warnings(share: float) -> list[Warned]:
     """What to say where Heathcote slip, left out, would add much to the losses."""
-    return [Warned("slip", f"the contacts are so wide that {slip_words(part)}")] if part > WIDE else []
+    return [Warned("slip", f"the contacts are so wide that {slip_words(share)}")] if share > WIDE else []
 
 
-def slip_words(part: float) -> str:
+def slip_words(share: float) -> str:
     """What Heathcote slip, left out, would add to the losses."""
-    return f"their curvature (Heathcote slip, left out) would raise friction by {100.0 * part:.2g} %"
+    return f"their curvature (Heathcote slip, left out) would raise friction by {100.0 * share:.2g} %"
 
 
 def neighbour_data(state: FrictionState) -> dict[str, Any]:
@@ -206,9 +206,9 @@ def warnings_of(scene: Scene, friction: Friction, state: FrictionState, static: 
 def _driving_line(t: ScrewTorque, motion: Motion, part: str) -> Line:
     """The torque that a motor, or a brake, must give."""
     needed = 1e3 * t.on_screw * np.sign(t.speed)
-    who = "which a motor must give" if needed >= 0.0 else "with which a brake must hold"
+    role = "which a motor must give" if needed >= 0.0 else "with which a brake must hold"
     moving = f", which moves {moves(t)}" if t.translating else ""
-    return "torque", f"{three(abs(needed))} N mm, {who} the {part} at {motion.speed:.6g} rad/s{moving}"
+    return "torque", f"{three(abs(needed))} N mm, {role} the {part} at {motion.speed:.6g} rad/s{moving}"
 
 
 def _load_line(t: ScrewTorque) -> Line:

@@ -94,18 +94,18 @@ def _over_coefficient(solved: Solved, result: StaticResult) -> Panel:
     given = solved.friction
     values = np.geomspace(*MEASURED, 7)
     torques = [1e3 * solved.torque(result, replace(given, screw=mu, nut=mu, balls=None)) for mu in values]
-    own = Series("this scene", [max(given.screw, given.nut)], [1e3 * solved.torque(result, given)], "markers")
-    series = (Series("equal coefficients", values.tolist(), torques, emphasis=True), own)
+    this_scene = Series("this scene", [max(given.screw, given.nut)], [1e3 * solved.torque(result, given)], "markers")
+    series = (Series("equal coefficients", values.tolist(), torques, emphasis=True), this_scene)
     return Panel("over the coefficient", "coefficient of friction", "friction torque / N mm", series, log="x", zero=True)
 
 
 def _over_play(solved: Solved) -> Panel:
     """Torque with balls larger or smaller than the scene's."""
     scene, torques = solved.scene, []
-    for more in PLAY:
-        balls = replace(scene.errors.balls, oversize=scene.errors.balls.oversize + more)
+    for play in PLAY:
+        balls = replace(scene.errors.balls, oversize=scene.errors.balls.oversize + play)
         other = replace(scene, errors=replace(scene.errors, balls=balls))
         found = run_model(other, solved.model, replace(solved.options, discretisation=False))
         torques.append(1e3 * solved.torque(found, solved.friction, other))
-    series = (Series("this coefficient", [1e6 * more for more in PLAY], torques, emphasis=True),)
+    series = (Series("this coefficient", [1e6 * play for play in PLAY], torques, emphasis=True),)
     return Panel("over the play", "balls larger in radius by / um", "friction torque / N mm", series, zero=True)

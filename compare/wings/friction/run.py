@@ -92,8 +92,8 @@ def solve_run(scene: Scene, friction: Friction, motion: Motion, model: str, memb
 
 def stepped(setting: Any, motion: Motion, time: Time, name: str) -> tuple[History, StepError | None]:
     """The run at its levels of steps, a bar on a terminal's standard error."""
-    with bar(f"{name}, run in time") as told:
-        return resolved(setting, time.span(motion), time.steps, time.goal, told)
+    with bar(f"{name}, run in time") as progress:
+        return resolved(setting, time.span(motion), time.steps, time.goal, progress)
 
 
 def judged(history: History, error: StepError | None, time: Time) -> Run:

@@ -37,6 +37,6 @@ def moves(torque: ScrewTorque) -> str | None:
     return "with the load" if torque.load * torque.ratio * torque.speed > 0.0 else "against the load"
 
 
-def percent(part: float) -> float | None:
+def percent(share: float) -> float | None:
     """A share in per cent."""
-    return number(100.0 * part)
+    return number(100.0 * share)

@@ -87,8 +87,8 @@ def coefficients(scene: Scene, mu: Sequence[float]) -> list[Friction]:
             raise InputError("command line", "--mu", str(value), f"0 to {MOST:g}", "a usual one is 0.1")
     if mu:
         given = Friction(0.0, 0.0) if scene.friction is None else scene.friction
-        said = ("The coefficient of friction is that of the command line.",)
-        return [Friction(value, value, said, given.feedback, neighbours=given.neighbours) for value in mu]
+        assumed = ("The coefficient of friction is that of the command line.",)
+        return [Friction(value, value, assumed, given.feedback, neighbours=given.neighbours) for value in mu]
     if scene.friction is None:
         advice = "add a [friction] table with e.g. coefficient = 0.1, or write --mu 0.1 on the command line"
         raise InputError(scene.name, "friction", "nothing", "a coefficient of friction", advice)

@@ -36,8 +36,8 @@ def jobs(repeats: int = 3) -> Iterator[Job]:
             yield _finite(name, target)
         linear = _scene("lin-pair-a", PRODUCTION)
         first = solve_rolling(linear, Choices(PRODUCTION))
-        more = _heavier(linear)
-        again = timed(lambda: solve_rolling(more, Choices(PRODUCTION), first), repeats)
+        heavier = _heavier(linear)
+        again = timed(lambda: solve_rolling(heavier, Choices(PRODUCTION), first), repeats)
         yield Job("rolling: further load case", again, None, _unknowns(linear, PRODUCTION), peak_MB(), _aim(AGAIN))
         rest = timed(lambda: run_from_rest(linear, DURATION, STEPS, GAP, Choices(REST)), 1)
         note = f"{REST[0]} x {REST[1]} cells; {_aim(STEPS_TARGET)}"

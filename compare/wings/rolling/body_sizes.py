@@ -33,20 +33,20 @@ class Variant:
 
 def variants() -> dict[str, tuple[str, Sizes | None]]:
     """Scenes and choices by name, the shipped ones first, half spaces last."""
-    own = BODIES[FINITE]
-    assert own is not None
+    sizes = BODIES[FINITE]
+    assert sizes is not None
     return {
-        "linear bearing: as shipped": (LINEAR, own),
-        "bars of 3 ball radii instead of 5": (LINEAR, replace(own, bar=3.0)),
-        "bars of 8 ball radii": (LINEAR, replace(own, bar=8.0)),
-        "grooves open to 69 deg instead of 80": (LINEAR, replace(own, opening=1.2)),
-        "3 x 3 cells in the contact zone instead of 4 x 4": (LINEAR, replace(own, cells=(3, 3))),
-        "6 x 6 cells in the contact zone": (LINEAR, replace(own, cells=(6, 6))),
-        "kernel of degree 3 instead of 4": (LINEAR, replace(own, degree=3)),
+        "linear bearing: as shipped": (LINEAR, sizes),
+        "bars of 3 ball radii instead of 5": (LINEAR, replace(sizes, bar=3.0)),
+        "bars of 8 ball radii": (LINEAR, replace(sizes, bar=8.0)),
+        "grooves open to 69 deg instead of 80": (LINEAR, replace(sizes, opening=1.2)),
+        "3 x 3 cells in the contact zone instead of 4 x 4": (LINEAR, replace(sizes, cells=(3, 3))),
+        "6 x 6 cells in the contact zone": (LINEAR, replace(sizes, cells=(6, 6))),
+        "kernel of degree 3 instead of 4": (LINEAR, replace(sizes, degree=3)),
         "half spaces": (LINEAR, None),
-        "screw: as shipped, the static reference's patches": (SCREW, own),
-        "screw: a whole ball and bent bars instead": (SCREW, replace(own, patches=False)),
-        "screw: 6 x 6 cells in the contact zone": (SCREW, replace(own, cells=(6, 6))),
+        "screw: as shipped, the static reference's patches": (SCREW, sizes),
+        "screw: a whole ball and bent bars instead": (SCREW, replace(sizes, patches=False)),
+        "screw: 6 x 6 cells in the contact zone": (SCREW, replace(sizes, cells=(6, 6))),
         "screw: half spaces": (SCREW, None),
     }
 
@@ -57,11 +57,11 @@ def variant(choice: str) -> Variant:
     scene = shipped(name)
     assert isinstance(scene, KindScene)
     case = case_of(scene, Choices(SHAPE))
-    both = (case.apart, case.touching)
+    systems = (case.apart, case.touching)
     elastic, near = (
-        measures(case, *(solve_rolling(s, Choices(SHAPE, e, bodies=sizes)) for s in both)) for e in (1.0, NEARLY_RIGID)
+        measures(case, *(solve_rolling(s, Choices(SHAPE, e, bodies=sizes)) for s in systems)) for e in (1.0, NEARLY_RIGID)
     )
-    limit = measures(case, *(solve_rigid_rolling(s, FIRST * 2, bodies=sizes) for s in both))
+    limit = measures(case, *(solve_rigid_rolling(s, FIRST * 2, bodies=sizes) for s in systems))
     return Variant(choice, {k: limit[k] + elastic[k] - near[k] for k in NAMES})
 
 

@@ -60,10 +60,10 @@ def _changes(name: str, stores: Sequence[Path], series: Sequence[Series], sizes:
     near, elastic = (_force(case, Choices(BEYOND, share)) for share in (NEARLY_RIGID, 1.0))
     grid = _largest([run.limit[key] + elastic - near], run.values[key])
     yield Change(name, "grid", f"{BEYOND[0]} x {BEYOND[1]} cells beyond {run.shape[0]} x {run.shape[1]}", grid, half)
-    own = [v.values[key] for v in sizes if variants()[v.choice][0] == name and variants()[v.choice][1] is not None]
-    if own and finite is not None:
-        tried = f"{len(own) - 1} other sizes, cells, kernels, patches"
-        yield Change(name, "finite bodies", tried, _largest(own[1:], own[0]), finite)
+    values = [v.values[key] for v in sizes if variants()[v.choice][0] == name and variants()[v.choice][1] is not None]
+    if values and finite is not None:
+        tried = f"{len(values) - 1} other sizes, cells, kernels, patches"
+        yield Change(name, "finite bodies", tried, _largest(values[1:], values[0]), finite)
     if name == LINEAR:
         tried = f"{', '.join(str(s.steps) for s in series)} steps from rest"
         ends = [s.force[-1] / s.steady if s.status == "converged" else np.nan for s in series]
@@ -78,8 +78,8 @@ def _force(scene: Rolling, choices: Choices, path: tuple[float, ...] = PATH) -> 
     return float(found.force[0]) if found.converged else np.nan
 
 
-def _largest(values: Sequence[float], own: float) -> float:
-    return float(np.max([abs(float(error_percent(value, own))) for value in values]))
+def _largest(values: Sequence[float], reference: float) -> float:
+    return float(np.max([abs(float(error_percent(value, reference))) for value in values]))
 
 
 def _uncertainty(name: str, stores: Sequence[Path], *bodies: str) -> float | None:

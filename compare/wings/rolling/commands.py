@@ -97,12 +97,12 @@ def _cell(value: float | None, form: str) -> str:
     return "–" if value is None or abs(value) == float("inf") else format(value, form)
 
 
-def _table(name: str, own: Sequence[RollingRow]) -> Any:
-    state = f" ({own[0].load_state} load state{UNSTATED})" if own[0].load_state else ""
+def _table(name: str, rows: Sequence[RollingRow]) -> Any:
+    state = f" ({rows[0].load_state} load state{UNSTATED})" if rows[0].load_state else ""
     title = f"{name}{state}: low-order model against the 3D model of rolling"
-    rows = ([f"{row.quantity} [{row.unit}]", *(_cell(getattr(row, key), form) for key, _, form in COLUMNS)] for row in own)
-    table = ruled(title, ["quantity", *(heading for _, heading, _ in COLUMNS)], rows, ["quantity"])
-    table.caption = f"3D: {own[0].seconds:.2f} s on the finest grid; low-order: {1e3 * own[0].low_seconds:.2f} ms"
+    cells = ([f"{r.quantity} [{r.unit}]", *(_cell(getattr(r, key), form) for key, _, form in COLUMNS)] for r in rows)
+    table = ruled(title, ["quantity", *(heading for _, heading, _ in COLUMNS)], cells, ["quantity"])
+    table.caption = f"3D: {rows[0].seconds:.2f} s on the finest grid; low-order: {1e3 * rows[0].low_seconds:.2f} ms"
     return table
 
 

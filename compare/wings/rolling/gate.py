@@ -18,11 +18,11 @@ def rolling_rows(study: Study, max_error: float) -> list[GateRow]:
     stores = study.stores or (shipped_store(),)
     limit = min(LIMIT, max_error)
     for name in (*PAIRS, *RINGS):
-        own = [row for row in stored_rows(name, stores) if row.quantity in GATED]
-        if not own:
+        rows = [row for row in stored_rows(name, stores) if row.quantity in GATED]
+        if not rows:
             text = f"no stored runs of the 3D model of rolling: run rollbench mesh-study {name}"
             out.append(GateRow(f"{name}: 3D rolling", "3D rolling", None, None, None, limit, False, text))
-        for row in own:
+        for row in rows:
             cause = KNOWN.get((name, row.quantity), "")
             passed = within(row) != bool(cause)
             state = f", {row.load_state} load state" if row.load_state else ""

@@ -46,8 +46,8 @@ def sizes(stores: Sequence[Path], *, fresh: bool) -> Sizes:
             rows = ",\n ".join(json.dumps(asdict(one)) for one in found)
             replace_file(stores[0] / FILE, f'{{"key": "{key()}", "variants": [\n {rows}]}}\n')
         return Sizes(found, "Computed for this report.")
-    now, then = variant(LIVE), next(one for one in kept if one.choice == LIVE)
-    off = max(abs(float(error_percent(now.values[name], value))) for name, value in then.values.items())
+    anew, then = variant(LIVE), next(one for one in kept if one.choice == LIVE)
+    off = max(abs(float(error_percent(anew.values[name], value))) for name, value in then.values.items())
     return Sizes(kept, f'Kept with the package; "{LIVE}" computed anew differs by up to {off:.1g} %.')
 
 
@@ -56,8 +56,8 @@ def choices_share(straight: bool) -> float:
     rails, or on rings and helices, by the scenes of `body_sizes.SCENES`."""
     found = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))["variants"]
     values = {row["choice"]: row["values"] for row in found}
-    own = [choice for choice, (name, sizes) in variants().items() if (name == LINEAR) == straight and sizes is not None]
-    first, others = values[own[0]], [values[choice] for choice in own[1:]]
+    choices = [choice for choice, (name, sizes) in variants().items() if (name == LINEAR) == straight and sizes is not None]
+    first, others = values[choices[0]], [values[choice] for choice in choices[1:]]
     return float(max(abs(other[name] / first[name] - 1.0) for other in others for name in NAMES[:3]))
 
 

@@ -115,12 +115,12 @@ def rows(scene: KindScene, runs: Sequence[RollingRun], beside: RollingRun | None
     out = []
     for name, value in finest.values.items():
         quantity, unit = split(name)
-        own = uncertainty(runs, name) + by_bodies * abs(value)
+        total_uncertainty = uncertainty(runs, name) + by_bodies * abs(value)
         printed = ansys = None
         if table is not None and quantity == "force 1-2":
             printed, ansys = (entry(table[0], key).value for key in table[1:])
         error = float(error_percent(low[name], value)) if name in low else np.nan
-        share = float(error_percent(value + own, value))
+        share = float(error_percent(value + total_uncertainty, value))
         if max(abs(value), abs(low.get(name, value))) < ROUND_OFF:  # both are nothing
             error, share = 0.0, np.nan
         flat = value + finest.flat[name] - finest.elastic[name]
@@ -131,7 +131,7 @@ def rows(scene: KindScene, runs: Sequence[RollingRun], beside: RollingRun | None
                 unit,
                 low.get(name),
                 value,
-                own,
+                total_uncertainty,
                 printed,
                 ansys,
                 flat,

@@ -86,9 +86,9 @@ class RollingRun:
 
 def key_of(scene: KindScene, level: int, bodies: str = HALF_SPACE) -> str:
     """Digest of all that a run's numbers depend on."""
-    told = (SCHEMA, scene, level, LEVELS.get(level), SOURCE_SIZE.get(scene.kind), QUADRATURES, NEARLY_RIGID)
+    content = (SCHEMA, scene, level, LEVELS.get(level), SOURCE_SIZE.get(scene.kind), QUADRATURES, NEARLY_RIGID)
     sizes = BODIES[bodies]
-    return digest(*told, *(() if sizes is None else (sizes, MESHED)))[:16]
+    return digest(*content, *(() if sizes is None else (sizes, MESHED)))[:16]
 
 
 def path_in(store: Path, scene: KindScene, level: int, bodies: str = HALF_SPACE) -> Path:
@@ -101,10 +101,10 @@ def load(scene: KindScene, level: int, stores: Sequence[Path], bodies: str = HAL
     """The stored run, from the first store that has it."""
     for store in stores:
         try:
-            told = json.loads(path_in(store, scene, level, bodies).read_text(encoding="utf-8"))
+            stored = json.loads(path_in(store, scene, level, bodies).read_text(encoding="utf-8"))
         except (OSError, ValueError):
             continue
-        return RollingRun(**(told | {"shape": tuple(told["shape"])}))
+        return RollingRun(**(stored | {"shape": tuple(stored["shape"])}))
     return None
 
 
@@ -188,8 +188,7 @@ def measures(case: Case, apart: RollingResult | RigidResult, touching: RollingRe
         else:
             out[f"orbit {k + 1} apart rad/s" if len(apart.speed) > 1 else "orbit rad/s"] = float(speed)
     if case.apart is case.touching:
-        own = zip("xy", apart.rotation[0], strict=False)
-        out |= {f"omega {axis} rad/s": float(w) for axis, w in own}
+        out |= {f"omega {axis} rad/s": float(w) for axis, w in zip("xy", apart.rotation[0], strict=False)}
         names = [case.contacts[t] for t in _loaded(case.apart)]
         out |= {f"loss {n} mW": 1e3 * float(v) for n, v in zip(names, _losses(apart), strict=True)}
         return out | {"torque N mm": 1e3 * float(apart.loss) / abs(case.speed)}

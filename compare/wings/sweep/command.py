@@ -81,7 +81,7 @@ def terminal(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[Any]:
     parts: list[Any] = [f"{found['solved']} samples, {found['converged']} converged"]
     parts += [f"failed: {row['samples']} samples: {row['reason']}" for row in found["failures"][:5]]
     names = ("mean", "standard_error", "standard_deviation", "smallest", "quantile_0.05", "quantile_0.95", "largest")
-    rows = ([OUTPUTS[name], *(cell(own and own[n], ".5g") for n in names)] for name, own in found["outputs"].items())
+    rows = ([OUTPUTS[name], *(cell(x and x[n], ".5g") for n in names)] for name, x in found["outputs"].items())
     parts.append(ruled("outputs", ["", *(n.replace("_", " ") for n in names)], rows))
     parts.append(_effects(keys, found))
     worst = ([str(row["sample"]), f"{row[MAIN]:.5g}", row["at"], *map(str, row["values"])] for row in found["worst"])
@@ -89,14 +89,14 @@ def terminal(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[Any]:
 
 
 def _effects(keys: Sequence[Vary], found: Mapping[str, Any]) -> Any:
-    own = found["indices"].get("outputs", {}).get(MAIN)
+    indices = found["indices"].get("outputs", {}).get(MAIN)
     why = found["indices"].get("none", "the largest load does not change")
-    title = "effect of each key on the largest contact load" + (f" ({why})" if own is None else "")
+    title = "effect of each key on the largest contact load" + (f" ({why})" if indices is None else "")
     rows = []
     for vary in keys:
         means = [g["mean"] for g in found["main_effects"][vary.key]]
         cells = [f"{min(means):.5g}", f"{max(means):.5g}"] if means else ["–", "–"]
-        cells += [_interval(own[vary.key], kind) if own is not None else "–" for kind in ("first", "total")]
+        cells += [_interval(indices[vary.key], kind) if indices is not None else "–" for kind in ("first", "total")]
         rows.append([vary.label, *cells])
     return ruled(title, ("key", "smallest mean / N", "largest mean / N", "first index", "total index"), rows)
 

@@ -44,8 +44,8 @@ def points(method: Method, keys: Sequence[Vary], samples: int, seed: int) -> Arr
     if method == "grid":
         return _grid(keys, samples)
     n = base_points(samples, d)
-    both = qmc.Sobol(2 * d, rng=np.random.default_rng(seed)).random(n)
-    a, b = both[:, :d], both[:, d:]
+    joined = qmc.Sobol(2 * d, rng=np.random.default_rng(seed)).random(n)
+    a, b = joined[:, :d], joined[:, d:]
     mixed = [np.where(np.arange(d) == k, b, a) for k in range(d)]
     return np.concatenate([a, b, *mixed])
 

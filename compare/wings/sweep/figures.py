@@ -32,9 +32,9 @@ def of_summary(
 ) -> list[Figure]:
     """Those of the figures that a summary alone gives; ``called``: short names of the keys."""
     shown, left = _shown(keys, found)
-    made = [_effects(name, [keys[k] for k in shown], found, left, called), _worst(name, keys, found["worst"], called)]
+    figures = [_effects(name, [keys[k] for k in shown], found, left, called), _worst(name, keys, found["worst"], called)]
     indices = _indices(name, keys, found["indices"], called)
-    return made if indices is None else [*made, indices]
+    return figures if indices is None else [*figures, indices]
 
 
 def _shown(keys: Sequence[Vary], found: Mapping[str, Any]) -> tuple[list[int], str]:
@@ -97,14 +97,14 @@ def _without_seed(keys: Sequence[Vary], rows: Sequence[Record]) -> tuple[Sequenc
 
 
 def _indices(name: str, keys: Sequence[Vary], indices: Mapping[str, Any], called: Callable[[Vary], str]) -> Figure | None:
-    own = indices.get("outputs", {}).get(MAIN)
-    if own is None:
+    main = indices.get("outputs", {}).get(MAIN)
+    if main is None:
         return None
-    keys = sorted(keys, key=lambda vary: -own[vary.key]["total"])
+    keys = sorted(keys, key=lambda vary: -main[vary.key]["total"])
     number = [float(k) for k in range(1, len(keys) + 1)]
     series = []
     for kind, shift in (("first", -0.06), ("total", 0.06)):
-        value, low, high = ([own[v.key][f"{kind}{end}"] for v in keys] for end in ("", "_low", "_high"))
+        value, low, high = ([main[v.key][f"{kind}{end}"] for v in keys] for end in ("", "_low", "_high"))
         bars = ([min(a, b) for a, b in zip(low, value, strict=True)], [max(a, b) for a, b in zip(high, value, strict=True)])
         series.append(Series(kind, [n + shift for n in number], value, "markers", bars=bars))
     caption = (

@@ -103,7 +103,7 @@ def read_vary(texts: Sequence[str]) -> tuple[Vary, ...]:
 
 
 def _read(text: str) -> Vary:
-    key, sign, values = (part.strip() for part in text.partition("="))
+    key, sign, values = (piece.strip() for piece in text.partition("="))
 
     def refuse(value: str, allowed: str, advice: str) -> InputError:
         return InputError("command line", "--vary", show(value), allowed, advice)
@@ -112,12 +112,12 @@ def _read(text: str) -> Vary:
         raise refuse(text, _FORM, 'e.g. --vary "errors.balls.oversize=0 um:7 um" --vary "loads[0].force[2]=1 kN,5 kN"')
     if ":" in values:
         return _range(key, text, values)
-    parts = [part.strip() for part in values.split(",")]
+    parts = [piece.strip() for piece in values.split(",")]
     if not 2 <= len(parts) <= MOST_VALUES or not all(parts):
         raise refuse(text, f"2 to {MOST_VALUES} values with commas between", f"give {_FORM}")
     if len(set(parts)) < len(parts):
         raise refuse(text, "each value once", "remove the repeated one")
-    return Vary(key, text, choices=tuple(_scalar(part) for part in parts))
+    return Vary(key, text, choices=tuple(_scalar(piece) for piece in parts))
 
 
 def _range(key: str, text: str, values: str) -> Vary:
@@ -158,7 +158,7 @@ def changed(raw: dict[str, Any], keys: Sequence[Vary], values: Sequence[Any]) ->
     """
     out = copy.deepcopy(raw)
     for path in (p for vary in keys for p in vary.paths):
-        for other in _said_by(path):
+        for other in _synonyms(path):
             _take_out(out, other)
     for vary, value in zip(keys, values, strict=True):
         for path in vary.paths:
@@ -168,25 +168,25 @@ def changed(raw: dict[str, Any], keys: Sequence[Vary], values: Sequence[Any]) ->
 
 def displaced(raw: dict[str, Any], keys: Sequence[Vary]) -> list[tuple[str, str]]:
     """Varied paths and the keys of the scene ``raw`` whose place they take."""
-    pairs = dict.fromkeys((path, other) for vary in keys for path in vary.paths for other in _said_by(path))
+    pairs = dict.fromkeys((path, other) for vary in keys for path in vary.paths for other in _synonyms(path))
     return [(path, other) for path, other in pairs if _take_out(copy.deepcopy(raw), other)]
 
 
-def _said_by(path: str) -> Iterator[str]:
+def _synonyms(path: str) -> Iterator[str]:
     """Other keys that say what ``path`` says, of the same set where there are several."""
-    prefix, own = re.fullmatch(r"(sets\[\d+\]\.)?(.*)", path).groups(default="")  # type: ignore[union-attr]
+    prefix, key = re.fullmatch(r"(sets\[\d+\]\.)?(.*)", path).groups(default="")  # type: ignore[union-attr]
     for group in _SAME:
-        if own in group:
-            yield from (prefix + other for other in group if other != own)
+        if key in group:
+            yield from (prefix + other for other in group if other != key)
 
 
 def _take_out(raw: dict[str, Any], key: str) -> bool:
     """Remove a key, and the table that it leaves empty; whether it was there."""
     above, _, last = key.rpartition(".")
     node: Any = raw
-    for part in _parts(above):
+    for step in _parts(above):
         try:
-            node = node[part]
+            node = node[step]
         except (KeyError, IndexError, TypeError):
             return False
     if not isinstance(node, dict) or last not in node:
@@ -204,23 +204,23 @@ def _parts(key: str) -> list[str | int]:
 def _put(raw: dict[str, Any], key: str, value: Any) -> None:
     parts = _parts(key)
     node: Any = raw
-    for part, following in zip(parts, [*parts[1:], None], strict=True):
-        _check_entry(node, part, key)
+    for step, following in zip(parts, [*parts[1:], None], strict=True):
+        _check_entry(node, step, key)
         if following is None:
-            node[part] = value
+            node[step] = value
         elif isinstance(node, dict):
-            node = node.setdefault(str(part), {})
+            node = node.setdefault(str(step), {})
         else:
-            node = node[part]
+            node = node[step]
 
 
-def _check_entry(node: Any, part: str | int, key: str) -> None:
+def _check_entry(node: Any, step: str | int, key: str) -> None:
     """Refuse what cannot be reached: an entry that a list does not have, a key of what is no table."""
-    if isinstance(node, list) and isinstance(part, int):
-        if part < len(node):
+    if isinstance(node, list) and isinstance(step, int):
+        if step < len(node):
             return
         allowed = f"entries 0 to {len(node) - 1}" if node else "no entry: the scene's list is empty"
-    elif isinstance(node, dict) and isinstance(part, str):
+    elif isinstance(node, dict) and isinstance(step, str):
         return
     else:
         allowed = "a key of a table, or an entry [0], [1], ... of a list that the scene has"

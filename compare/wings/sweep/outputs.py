@@ -69,7 +69,7 @@ def cycle_outputs(
     torques = [(share, one["torque_Nmm"]) for share, one in zip(cycle.shares, each, strict=True) if share > 0.0]
     known = all(torque is not None for _, torque in torques)
     lives = [cycle_life(cycle, name, [loads_of(one)[name] for one in results])[0] for name in cycle.sets]
-    rated = [own.revolutions for own in lives if own is not None]
+    rated = [x.revolutions for x in lives if x is not None]
     return worst | {
         "torque_Nmm": sum(share * torque for share, torque in torques) if known else None,
         "life_million_revolutions": min(rated) if len(rated) == len(lives) else None,
@@ -85,17 +85,17 @@ def axis_outputs(assembly: Assembly, result: AxisResult, engine: str) -> dict[st
     sets = [(s.of.name, s.of.parts, s.balls) for s in result.sets if s.balls is not None and isinstance(s.of.parts, Scene)]
     bare = run_model(scaled(assembly, 0.0), result.model, Options(engine=engine))
     force, moved = axial_load(assembly), along_axis(assembly, result)
-    own = [(parts, balls) for _, parts, balls in sets]
+    solved = [(parts, balls) for _, parts, balls in sets]
     return {
         **_of_loads([(f"{name}: ", balls.load) for name, _, balls in sets]),
         "displacement_um": 1e6 * moved if force else None,
-        "largest_approach_um": max((_approach(balls) for _, balls in own), default=0.0),
+        "largest_approach_um": max((_approach(balls) for _, balls in solved), default=0.0),
         "rigidity_N_per_um": _rigidity(force, moved - along_axis(assembly, bare)) if bare.converged else None,
         "preload_N": max((abs(float(s.force[2])) for s in bare.sets), default=0.0) if bare.converged else None,
         "torque_Nmm": None
         if assembly.friction is None
-        else _friction_torque(own, assembly.friction, assembly.motion, Options()),
-        "life_million_revolutions": _life([(parts, balls.load) for parts, balls in own]),
+        else _friction_torque(solved, assembly.friction, assembly.motion, Options()),
+        "life_million_revolutions": _life([(parts, balls.load) for parts, balls in solved]),
     }
 
 

@@ -121,7 +121,7 @@ def _solve_missing(sweep: Sweep, folder: Path, engine: Engine, step: Step, work:
         for batch in batches
     ]
     writer = store.Writer(folder, token)
-    start = said = perf_counter()
+    start = reported = perf_counter()
     done = failed = 0
     for _, (records, stored) in first_here(jobs, engine, "samples", step):
         if not stored:
@@ -129,8 +129,8 @@ def _solve_missing(sweep: Sweep, folder: Path, engine: Engine, step: Step, work:
                 writer.append(record)
         done += len(records)
         failed += sum(record["status"] != "converged" for record in records)
-        now = perf_counter()
-        if now - said > PULSE or done == len(left):
-            said, spent = now, now - start
+        time = perf_counter()
+        if time - reported > PULSE or done == len(left):
+            reported, spent = time, time - start
             ahead = f", about {spent * (len(left) - done) / done:.0f} s left" if 0 < done < len(left) else ""
             step(f"[{done}/{len(left)}] {failed} failed: {spent:.0f} s{ahead}")

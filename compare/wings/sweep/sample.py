@@ -85,17 +85,17 @@ def solve_batch(
     A worker that does not see the run's folder sends them back unstored; one whose run is over stops.
     sweep: text and origin of the scene, keys, model, engine.
     """
-    own = Path(folder)
+    run_folder = Path(folder)
     text, origin, keys, model, engine = sweep
-    here = store.current(own, token)
+    here = store.current(run_folder, token)
     found: list[store.Record] = []
     with threadpool_limits(1, "blas"):
         if not here:
             return [_record(n, v, solve_sample(text, origin, keys, v, model, engine)) for n, v in batch], False
-        with store.working(own):
-            writer = store.Writer(own, token)
+        with store.working(run_folder):
+            writer = store.Writer(run_folder, token)
             for number, values in batch:
-                if not store.current(own, token):
+                if not store.current(run_folder, token):
                     break
                 record = _record(number, values, solve_sample(text, origin, keys, values, model, engine))
                 writer.append(record)

@@ -38,11 +38,11 @@ def _short(row: Mapping[str, Cell]) -> str:
 
 def effects(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[dict[str, Cell]]:
     """A row a key, that of the largest total index first: mean of the largest load over the range, Sobol indices."""
-    own = found["indices"]["outputs"][MAIN]
+    indices = found["indices"]["outputs"][MAIN]
     rows: list[dict[str, Cell]] = []
-    for vary in sorted(keys, key=lambda v: -own[v.key]["total"]):
+    for vary in sorted(keys, key=lambda v: -indices[v.key]["total"]):
         means = [g["mean"] for g in found["main_effects"][vary.key]]
-        row = own[vary.key]
+        row = indices[vary.key]
         rows.append(
             {
                 "key": words(vary),

@@ -90,8 +90,8 @@ def _groups(vary: Vary, x: Array) -> list[NDArray[np.bool_]]:
     distinct = np.unique(x)
     if distinct.size <= BINS or vary.choices:
         return [x == value for value in distinct]
-    part = np.clip(((x - vary.low) / (vary.high - vary.low) * BINS).astype(int), 0, BINS - 1)
-    return [part == k for k in np.unique(part)]
+    bins = np.clip(((x - vary.low) / (vary.high - vary.low) * BINS).astype(int), 0, BINS - 1)
+    return [bins == k for k in np.unique(bins)]
 
 
 def _group(x: Array, y: Array) -> dict[str, float]:

@@ -66,11 +66,11 @@ class Balls:
         """Largest friction bound of a ball [N]."""
         return max(float(self.at.strength.reshape(-1, 4).sum(axis=1).max()), 1e-300)
 
-    def part(self, which: slice) -> Balls:
+    def subset(self, chosen: slice) -> Balls:
         """Some of the balls."""
-        rows = slice(4 * which.start, 4 * which.stop)
+        rows = slice(4 * chosen.start, 4 * chosen.stop)
         at = Contacts(self.at.a[rows], self.at.b[rows], self.at.load[rows], self.at.mu[rows])
-        return Balls(at, self.maps[which], self.drives[which], self.pair)
+        return Balls(at, self.maps[chosen], self.drives[chosen], self.pair)
 
 
 @dataclass(frozen=True)
@@ -160,19 +160,19 @@ def root_of_block(balls: Balls, law: Law, q: Array, ball_force: Array) -> tuple[
 
     start = np.append((q * turn).ravel(), ball_force[: n - 1] / bound)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        found = root(residual, start, method="hybr", options=HYBRID)
-        worst = float(np.max(np.abs(found.fun)))
-    return *split(found.x), worst if np.isfinite(worst) else np.inf, int(found.nfev)
+        solution = root(residual, start, method="hybr", options=HYBRID)
+        worst = float(np.max(np.abs(solution.fun)))
+    return *split(solution.x), worst if np.isfinite(worst) else np.inf, int(solution.nfev)
 
 
 def roots(balls: Balls, law: Law, touching: Mask, start: tuple[Array, Array]) -> tuple[Array, Array, float, int]:
     """Motions (N, n), forces (N-1,), worst left and calls, for given contacts (N-1,), from motions and forces."""
     q, force = start[0].copy(), np.zeros(balls.count - 1)
     worst, calls = 0.0, 0
-    for part in blocks(touching):
-        inner = slice(part.start, part.stop - 1)
-        q[part], force[inner], left, more = root_of_block(balls.part(part), law, start[0][part], start[1][inner])
-        worst, calls = max(worst, left), calls + more
+    for group in blocks(touching):
+        inner = slice(group.start, group.stop - 1)
+        q[group], force[inner], left, further = root_of_block(balls.subset(group), law, start[0][group], start[1][inner])
+        worst, calls = max(worst, left), calls + further
     return q, force, worst, calls
 
 
@@ -198,9 +198,9 @@ def solve_by_root(
     touch = np.asarray(reach, dtype=bool) & closing_in(pair, free)
     q, force = free, none
     if left <= ACCEPTED and np.any(touch):
-        q, force, left, more = roots(balls, law, touch, (free, none) if touching is None else touching)
-        calls += more
-    there = balance(balls, law, q, force)
+        q, force, left, further = roots(balls, law, touch, (free, none) if touching is None else touching)
+        calls += further
+    balanced = balance(balls, law, q, force)
     wrong = bool(np.any(force < -ACCEPTED * balls.bound) or np.any(reach & ~touch & closing_in(pair, q, ACCEPTED)))
     status: Status = "failed" if not left <= ACCEPTED else "overlapping" if wrong else "exact"
-    return SourceMotion(q, free, force, there.groove_loss, there.ball_loss, left, calls, status)
+    return SourceMotion(q, free, force, balanced.groove_loss, balanced.ball_loss, left, calls, status)

@@ -77,9 +77,9 @@ def loads_by_root(cell: Cell, start: Places | None = None) -> ScrewLoad:
         return np.concatenate([((cell.push - pull.sum(axis=1)) / scale).ravel(), bent.ravel(), on_screw / (n * scale)])
 
     x = np.concatenate([(at.ball / size).ravel(), at.gamma.ravel(), at.screw / size])
-    found = root(residual, x, method="hybr", options=HYBRID)
-    there = split(found.x)
-    force, _, _ = contact_forces(cell, there)
-    left = float(np.max(np.abs(found.fun))) * scale
+    solution = root(residual, x, method="hybr", options=HYBRID)
+    places = split(solution.x)
+    force, _, _ = contact_forces(cell, places)
+    left = float(np.max(np.abs(solution.fun))) * scale
     good = left <= ACCEPTED * (scale * n + float(force.sum()))
-    return ScrewLoad(force, there.gamma, there.ball, there.screw, left, int(found.nfev), good)
+    return ScrewLoad(force, places.gamma, places.ball, places.screw, left, int(solution.nfev), good)

@@ -78,19 +78,19 @@ def simulate_by_root(run: Run, steps: int | None = None) -> SourceRun:
     before: _Before | None = None
     omega, rows, status = np.zeros(n), list[tuple[Array, Array, Array, float, float]](), list[str]()
     for k in range(steps or run.steps):
-        there, loaded = run.place(azimuth, g.speed * dt * k)
-        load = loads_by_root(run_cell(run, there, loaded), None if before is None else before.at)
+        azimuths, loaded = run.place(azimuth, g.speed * dt * k)
+        load = loads_by_root(run_cell(run, azimuths, loaded), None if before is None else before.at)
         at = Places(load.ball, load.angle, load.screw)
-        found, order = _step(run, load.force, load.angle, gap <= 0.0, law, before)
-        good = load.converged and found.status != "failed"
+        motion, order = _step(run, load.force, load.angle, gap <= 0.0, law, before)
+        good = load.converged and motion.status != "failed"
         force, q, free = np.zeros(n), np.empty((n, 4)), np.empty((n, 4))
-        force[order[:-1]], q[order], free[order] = found.ball_force, found.q, found.free
+        force[order[:-1]], q[order], free[order] = motion.ball_force, motion.q, motion.free
         if good:
             before, omega = _Before(at, free, q, force), q[:, 0] - g.screw_speed
         gap = gap + dt * (np.roll(omega, -1) - omega)
         speed = abs(g.speed)
-        rows.append((gap, force, omega, float(found.groove_loss.sum()) / speed, float(found.ball_loss.sum()) / speed))
-        status.append(found.status if good else "failed")
+        rows.append((gap, force, omega, float(motion.groove_loss.sum()) / speed, float(motion.ball_loss.sum()) / speed))
+        status.append(motion.status if good else "failed")
         azimuth = azimuth + dt * omega
     gaps, forces, speeds, groove, ball = (np.array(c, dtype=float) for c in zip(*rows, strict=True))
     nut_angle = np.array([g.speed * dt * k for k in range(len(rows))])
@@ -112,5 +112,5 @@ def _step(
     if before is None:
         return solve_by_root(balls, law, near), order
     free = before.free[order]
-    found = solve_by_root(balls, law, near, free, (before.q[order], before.force[order[:-1]]))
-    return (found if found.status != "failed" else solve_by_root(balls, law, near, free)), order
+    motion = solve_by_root(balls, law, near, free, (before.q[order], before.force[order[:-1]]))
+    return (motion if motion.status != "failed" else solve_by_root(balls, law, near, free)), order

@@ -93,29 +93,29 @@ def coupled_block(cell: Cell, law: Law, start: SourceState, scale: float) -> Sou
     size, bound = float(np.max(g.constants.C)) * scale ** (2.0 / 3.0), g.mu * scale or 1.0
 
     def split(x: Array) -> tuple[Places, Array, Array]:
-        part = x[: 10 * n].reshape(n, 10)
-        return Places(part[:, :2] * size, part[:, 2:6], start.at.screw), part[:, 6:] / turn, x[10 * n :] * bound
+        by_ball = x[: 10 * n].reshape(n, 10)
+        return Places(by_ball[:, :2] * size, by_ball[:, 2:6], start.at.screw), by_ball[:, 6:] / turn, x[10 * n :] * bound
 
     def residual(x: Array) -> Array:
         if not np.all(np.isfinite(x)):
             return np.full_like(x, 1e3)
-        there, q, between = split(x)
-        force, bent, normal = contact_forces(cell, there)
-        found = balance(screw_balls(g, force, there.gamma), law, q, between)
-        friction = contact_wrench(g.normals(there.gamma), found.force, found.moment)[..., [0, 2]]
+        places, q, between = split(x)
+        force, bent, normal = contact_forces(cell, places)
+        rolling = balance(screw_balls(g, force, places.gamma), law, q, between)
+        friction = contact_wrench(g.normals(places.gamma), rolling.force, rolling.moment)[..., [0, 2]]
         pull = cell.push + (friction - force[..., None] * normal).sum(axis=1)
-        bite = (pair.mu * between)[:, None] * found.rub
+        bite = (pair.mu * between)[:, None] * rolling.rub
         pull[:-1] += (between[:, None] * g.pair.push[0] - bite @ g.pair.slide[0])[:, [0, 2]]
         pull[1:] += (between[:, None] * g.pair.push[1] + bite @ g.pair.slide[1])[:, [0, 2]]
-        each = np.concatenate([pull / scale, bent, found.left / (pair.units * bound)], axis=1)
-        return np.append(each.ravel(), np.diff(q[:, 0]) * turn[0])
+        equations = np.concatenate([pull / scale, bent, rolling.left / (pair.units * bound)], axis=1)
+        return np.append(equations.ravel(), np.diff(q[:, 0]) * turn[0])
 
-    each = np.concatenate([start.at.ball / size, start.at.gamma, start.q * turn], axis=1)
-    x = np.append(each.ravel(), start.ball_force / bound)
-    found = root(residual, x, method="hybr", options=HYBRID)
-    there, q, between = split(found.x)
-    force, _, _ = contact_forces(cell, there)
-    return SourceState(there, force, q, between, float(np.max(np.abs(found.fun))), int(found.nfev))
+    unknowns = np.concatenate([start.at.ball / size, start.at.gamma, start.q * turn], axis=1)
+    x = np.append(unknowns.ravel(), start.ball_force / bound)
+    solution = root(residual, x, method="hybr", options=HYBRID)
+    at, q, between = split(solution.x)
+    force, _, _ = contact_forces(cell, at)
+    return SourceState(at, force, q, between, float(np.max(np.abs(solution.fun))), int(solution.nfev))
 
 
 def coupled_roots(cell: Cell, law: Law, touching: Mask, start: SourceState, scale: float) -> SourceState:
@@ -123,30 +123,30 @@ def coupled_roots(cell: Cell, law: Law, touching: Mask, start: SourceState, scal
     n = cell.angle.shape[0]
     ball, gamma, q = start.at.ball.copy(), start.at.gamma.copy(), start.q.copy()
     force, between, left, calls = np.zeros((n, 4)), np.zeros(n - 1), 0.0, 0
-    for part in blocks(touching):
-        inner = slice(part.start, part.stop - 1)
-        own = replace(
+    for group in blocks(touching):
+        inner = slice(group.start, group.stop - 1)
+        group_cell = replace(
             cell,
-            angle=cell.angle[part],
-            interference=cell.interference[part],
-            rows=cell.rows[part],
-            offset=cell.offset[part],
-            push=cell.push[part],
+            angle=cell.angle[group],
+            interference=cell.interference[group],
+            rows=cell.rows[group],
+            offset=cell.offset[group],
+            push=cell.push[group],
         )
-        at = Places(start.at.ball[part], start.at.gamma[part], start.at.screw)
-        one = SourceState(at, force[part], start.q[part], start.ball_force[inner], 0.0, 0)
-        found = coupled_block(own, law, one, scale)
-        ball[part], gamma[part], force[part] = found.at.ball, found.at.gamma, found.force
-        q[part], between[inner] = found.q, found.ball_force
-        left, calls = max(left, found.left), calls + found.calls
+        at = Places(start.at.ball[group], start.at.gamma[group], start.at.screw)
+        begin = SourceState(at, force[group], start.q[group], start.ball_force[inner], 0.0, 0)
+        solved = coupled_block(group_cell, law, begin, scale)
+        ball[group], gamma[group], force[group] = solved.at.ball, solved.at.gamma, solved.force
+        q[group], between[inner] = solved.q, solved.ball_force
+        left, calls = max(left, solved.left), calls + solved.calls
     return SourceState(Places(ball, gamma, start.at.screw), force, q, between, left, calls)
 
 
 def state_of(result: PairResult, touching: bool) -> SourceState:
     """A solution of the chain solver, balls in contact or not, as a start."""
-    found = result.touching if touching else result.free
-    at = Places(found.load.ball, found.load.angle, np.zeros(0))
-    return SourceState(at, found.load.force, found.motion.q, found.motion.ball_force[:1], 0.0, 0)
+    solution = result.touching if touching else result.free
+    at = Places(solution.load.ball, solution.load.angle, np.zeros(0))
+    return SourceState(at, solution.load.force, solution.motion.q, solution.motion.ball_force[:1], 0.0, 0)
 
 
 def at_given_loads(cell: Cell, load: ScrewLoad, law: Law) -> SourceState:
@@ -175,18 +175,18 @@ def coupled_by_root(
     scale = max(float(load.force.sum(axis=1).max()), 1e-300)
     begin = at_given_loads(cell, load, law) if start is None else start
     none = np.zeros(cell.angle.shape[0] - 1)
-    free = found = coupled_roots(held, law, none > 0.0, replace(begin, ball_force=none), scale)
+    free = solved = coupled_roots(held, law, none > 0.0, replace(begin, ball_force=none), scale)
     calls = begin.calls + free.calls
     touch = np.asarray(reach, dtype=bool) & closing_in(pair, free.q)
     if free.left <= ACCEPTED and np.any(touch):
-        found = coupled_roots(held, law, touch, free if touching is None else touching, scale)
-        calls += found.calls
-    there = balance(screw_balls(cell.groove, found.force, found.at.gamma), law, found.q, found.ball_force)
-    bad = np.any(found.ball_force < -ACCEPTED * cell.groove.mu * scale)
-    wrong = bool(bad or np.any(reach & ~touch & closing_in(pair, found.q, ACCEPTED)))
-    status: Status = "failed" if not found.left <= ACCEPTED else "overlapping" if wrong else "exact"
-    motion = SourceMotion(found.q, free.q, found.ball_force, there.groove_loss, there.ball_loss, found.left, calls, status)
-    return SourceScrew(load, found.force, found.at.gamma, motion)
+        solved = coupled_roots(held, law, touch, free if touching is None else touching, scale)
+        calls += solved.calls
+    sums = balance(screw_balls(cell.groove, solved.force, solved.at.gamma), law, solved.q, solved.ball_force)
+    bad = np.any(solved.ball_force < -ACCEPTED * cell.groove.mu * scale)
+    wrong = bool(bad or np.any(reach & ~touch & closing_in(pair, solved.q, ACCEPTED)))
+    status: Status = "failed" if not solved.left <= ACCEPTED else "overlapping" if wrong else "exact"
+    motion = SourceMotion(solved.q, free.q, solved.ball_force, sums.groove_loss, sums.ball_loss, solved.left, calls, status)
+    return SourceScrew(load, solved.force, solved.at.gamma, motion)
 
 
 def screw_pair_by_root(

@@ -54,10 +54,10 @@ def screw_sigmoid(groove: ScrewGroove) -> Sigmoid:
 
 
 def from_pair_starts(
-    pair: Pair, found: PairResult, rng: np.random.Generator, count: int, off: float
+    pair: Pair, solved: PairResult, rng: np.random.Generator, count: int, off: float
 ) -> Iterator[SourceMotion | None]:
-    """A pair of a screw with its loads; places as in our solution ``found``."""
-    free, touching, units = state_of(found, False), state_of(found, True), neighbours(pair.groove).units
+    """A pair of a screw with its loads; places as in our solution ``solved``."""
+    free, touching, units = state_of(solved, False), state_of(solved, True), neighbours(pair.groove).units
     starts: list[tuple[SourceState | None, SourceState | None]] = [(None, None)]
     for _ in range(count):
         force = touching.ball_force * rng.uniform(0.0, 2.0, 1)
@@ -71,17 +71,17 @@ def from_pair_starts(
 
 
 def from_screw_starts(
-    chain: Chain, angle: Array, found: ChainMotion, rng: np.random.Generator, count: int, off: float
+    chain: Chain, angle: Array, solved: ChainMotion, rng: np.random.Generator, count: int, off: float
 ) -> Iterator[SourceMotion]:
-    """An open chain of a screw at given loads; angle (N, 4) [rad]: its contact angles; found: our solution.
+    """An open chain of a screw at given loads; angle (N, 4) [rad]: its contact angles; solved: our solution.
 
     Only closed gaps are in reach: one that closes within a step comes to contact in the solver here and overlaps in the
     source's.
     """
     alone = solve_chain(replace(chain, slack=np.full(chain.slack.shape, np.inf)))
     balls, law = screw_balls(chain.groove, chain.force, angle), screw_sigmoid(chain.groove)
-    reach, force = chain.slack[:-1] <= 0.0, found.ball_force[:-1]
+    reach, force = chain.slack[:-1] <= 0.0, solved.ball_force[:-1]
     yield solve_by_root(balls, law, reach)
     for _ in range(count):
-        free, near = (shaken(q, balls.pair.units, rng, off) for q in (alone.q, found.q))
+        free, near = (shaken(q, balls.pair.units, rng, off) for q in (alone.q, solved.q))
         yield solve_by_root(balls, law, reach, free, (near, force * rng.uniform(0.0, 2.0, force.size)))

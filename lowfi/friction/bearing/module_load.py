@@ -47,14 +47,14 @@ def settle_module(normals: Array, reach: float, play: float, C: Array, force: fl
     )
     typical = float(np.max(C)) * max(abs(force), 1e-6) ** (2.0 / 3.0) + max(play, 0.0) + abs(u_y)
     way = typical * float(np.sign(force))
-    found = settle_cell(cell, abs(force), np.array([[2.0 * way, 0.5 * u_y]]), np.array([4.0 * way]))
-    n = np.abs(found.normal[0])
+    settled = settle_cell(cell, abs(force), np.array([[2.0 * way, 0.5 * u_y]]), np.array([4.0 * way]))
+    n = np.abs(settled.normal[0])
     return ModuleLoad(
-        force=found.force[0],
+        force=settled.force[0],
         angle=np.arctan2(n[:, 0], n[:, 1]),
-        ring=np.array([found.inner[0], u_y]),
-        ball=found.ball[0],
-        imbalance=found.left,
-        steps=found.steps,
-        converged=found.converged,
+        ring=np.array([settled.inner[0], u_y]),
+        ball=settled.ball[0],
+        imbalance=settled.left,
+        steps=settled.steps,
+        converged=settled.converged,
     )

@@ -123,7 +123,7 @@ def free_motion(case: BearingCase, angle: float) -> str:
     if not np.abs(drive).max(initial=0.0) > RANK * float(np.linalg.norm(cell.force)):
         return ""
     motion = np.abs(drive @ null)
-    parts = [name for name, part in zip(UNKNOWNS, motion, strict=False) if part > RANK * motion.max()]
+    parts = [name for name, share in zip(UNKNOWNS, motion, strict=False) if share > RANK * motion.max()]
     return f"rigid motion of the inner ring in {', '.join(parts)}"
 
 

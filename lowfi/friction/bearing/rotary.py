@@ -104,8 +104,8 @@ def groove_hertz(bearing: Bearing, mode: Mode = "right") -> GrooveHertz:
         along = np.array([ball + cos / inner, ball - cos / outer])
         h = hertz_constants(np.full(2, across), along, modulus)
         table = np.stack([h.C, h.C_a, h.C_b], axis=1)
-    each = table[[0, 0, 1, 1]]
-    return GrooveHertz(C=each[:, 0], C_a=each[:, 1], C_b=each[:, 2])
+    rows = table[[0, 0, 1, 1]]
+    return GrooveHertz(C=rows[:, 0], C_a=rows[:, 1], C_b=rows[:, 2])
 
 
 def bearing_load(bearing: Bearing, force_x: float, u_y: float, mode: Mode = "right") -> ModuleLoad:
@@ -219,7 +219,7 @@ def sweep(bearing: Bearing, force_x: float, u_y: Array, law: Sigmoid | None = No
 
     law: the source's own way with that law, as ``solve_ball_as_printed``; without, least dissipation.
     """
-    found = [
+    solutions = [
         solve_ball(bearing, force_x, float(u), fast=True)
         if law is None
         else solve_ball_as_printed(bearing, force_x, float(u), law, fast=True)
@@ -227,9 +227,9 @@ def sweep(bearing: Bearing, force_x: float, u_y: Array, law: Sigmoid | None = No
     ]
     return Sweep(
         u_y=np.asarray(u_y, dtype=float),
-        load=np.array([s.load.force for s in found]),
-        loss=np.array([s.motion.friction.loss for s in found]),
-        torque=np.array([s.torque for s in found]),
-        motion=np.array([s.motion.q for s in found]),
-        status=tuple(s.motion.status for s in found),
+        load=np.array([s.load.force for s in solutions]),
+        loss=np.array([s.motion.friction.loss for s in solutions]),
+        torque=np.array([s.torque for s in solutions]),
+        motion=np.array([s.motion.q for s in solutions]),
+        status=tuple(s.motion.status for s in solutions),
     )

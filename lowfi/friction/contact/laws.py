@@ -83,12 +83,12 @@ def interpolated(at: Contacts, motion: Array, spacing: float, exact: Friction, f
     turns = np.abs(motion[:, 1]) < 1e12 * np.abs(spin) * at.a
     place[turns] = motion[turns, 1] / (spin[turns] * at.a[turns]) / spacing
     low = np.floor(place)
-    part = (place - low)[:, None]
+    weight = (place - low)[:, None]
     ends = []
     for k in (low, low + 1.0):
         vz = np.where(turns, spin * at.a * k * spacing, motion[:, 1])
         f = friction(at, np.stack([0.0 * vz, vz, spin], axis=1), 0.0, fast)
         ends.append(np.column_stack([f.force, f.moment, f.loss]))
-    both = (1.0 - part) * ends[0] + part * ends[1]
-    both = np.where(turns[:, None], both, np.column_stack([exact.force, exact.moment, exact.loss]))
-    return Friction(force=both[:, :2], moment=both[:, 2], loss=both[:, 3])
+    mixed = (1.0 - weight) * ends[0] + weight * ends[1]
+    mixed = np.where(turns[:, None], mixed, np.column_stack([exact.force, exact.moment, exact.loss]))
+    return Friction(force=mixed[:, :2], moment=mixed[:, 2], loss=mixed[:, 3])

@@ -105,10 +105,10 @@ def least_dissipation(problem: Problem, start: Array | None = None, fast: bool =
     )
 
 
-def without_friction(found: Motion) -> Motion:
-    """The same motion with no forces: at given loads the limit for a coefficient that vanishes, as motion knows none."""
-    none = Friction(*(np.zeros_like(v) for v in (found.friction.force, found.friction.moment, found.friction.loss)))
-    return replace(found, friction=none, imbalance=0.0, bounds=(0.0, 0.0))
+def without_friction(motion: Motion) -> Motion:
+    """The same motion without forces: the limit of a vanishing coefficient, which at given loads does not change motion."""
+    none = Friction(*(np.zeros_like(v) for v in (motion.friction.force, motion.friction.moment, motion.friction.loss)))
+    return replace(motion, friction=none, imbalance=0.0, bounds=(0.0, 0.0))
 
 
 def balance_by_root(problem: Problem, law: Law, start: Array, fast: bool = False) -> Motion:
@@ -127,8 +127,8 @@ def balance_by_root(problem: Problem, law: Law, start: Array, fast: bool = False
 
     from scipy.optimize import root
 
-    found = root(residual, np.asarray(start, dtype=float) * units, method="hybr", options=HYBRID)
-    q = np.asarray(found.x / units)
+    solution = root(residual, np.asarray(start, dtype=float) * units, method="hybr", options=HYBRID)
+    q = np.asarray(solution.x / units)
     motion = problem.motion_at(q)
     friction = law.friction(problem.at, motion, fast)
     left = problem.imbalance(friction)
@@ -141,7 +141,7 @@ def balance_by_root(problem: Problem, law: Law, start: Array, fast: bool = False
         imbalance=left,
         bounds=(loss, loss),
         status="exact" if left <= 1e-8 * scale else "failed",
-        steps=int(found.nfev),
+        steps=int(solution.nfev),
     )
 
 
@@ -151,19 +151,19 @@ def balance_by_sharpening(problem: Problem, law: Sigmoid, start: Array, fast: bo
     Not in the source: it finds the roots that its table prints where the plain search fails. The steps in sharpness
     shrink after a failure; "failed" where they become tiny.
     """
-    part, factor, calls = 0.05, 1.4, 0
+    share, factor, calls = 0.05, 1.4, 0
     q = np.asarray(start, dtype=float)
     while True:
-        last = part >= 1.0
-        here = law if last else replace(law, sharpness=part * law.sharpness, map_spacing=None)
-        found = balance_by_root(problem, here, q, fast)
-        calls += found.steps
-        if found.status == "exact":
+        last = share >= 1.0
+        current = law if last else replace(law, sharpness=share * law.sharpness, map_spacing=None)
+        motion = balance_by_root(problem, current, q, fast)
+        calls += motion.steps
+        if motion.status == "exact":
             if last:
-                return replace(found, steps=calls)
-            q, factor = found.q, min(1.4, factor * factor)
+                return replace(motion, steps=calls)
+            q, factor = motion.q, min(1.4, factor * factor)
         else:
-            part, factor = part / factor, float(np.sqrt(factor))
+            share, factor = share / factor, float(np.sqrt(factor))
             if factor < 1.005:
-                return replace(found, steps=calls)
-        part = min(1.0, part * factor)
+                return replace(motion, steps=calls)
+        share = min(1.0, share * factor)

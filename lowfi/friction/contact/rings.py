@@ -56,7 +56,7 @@ def settle_cell(cell: CellArrays, load: float, ball: Array, inner: Array, fast: 
 def settle_each(
     start: Array, interference: Array, C: Array, along: Array, given: Array, shift: Array, fast: bool = False
 ) -> tuple[Array, Array, Array, Array]:
-    """``settle_cell`` of N balls that do not know of each other, each with an inner body that moves along ``along`` (2,).
+    """``settle_cell`` of N balls independent of each other, each with an inner body that moves along ``along`` (2,).
 
     start (N, 4, 2), interference (N, 4) as in ``CellArrays``, C (N, 4); given (N, 3): forces [N] on balls and inner bodies;
     shift (N, 3): places to begin from [m]. Returns places, contact forces (N, 4) [N], normals (N, 4, 2), and the largest

@@ -32,9 +32,9 @@ def ball_force(bearing: LinearBearing, loads: Array, difference: Array, k_f: flo
     loads ``(..., 2, 2)``: F_U, F_D [N] of balls 1 and 2; difference: epsilon_1 - epsilon_2; k_f as in ``shifts``.
     """
     stiff = np.cbrt(np.square(loads)).sum(axis=-1)
-    both = stiff[..., 0] * stiff[..., 1] / (stiff[..., 0] + stiff[..., 1])
+    in_series = stiff[..., 0] * stiff[..., 1] / (stiff[..., 0] + stiff[..., 1])
     factor = 2.0 * k_f * bearing.mu * np.cbrt(bearing.ball_radius**2) / (bearing.psi() * np.tan(bearing.contact_angle))
-    return np.asarray(factor * both * np.maximum(difference, 0.0))
+    return np.asarray(factor * in_series * np.maximum(difference, 0.0))
 
 
 def sliding_speed(bearing: LinearBearing) -> float:

@@ -160,8 +160,8 @@ def may_jam(chain: Chain) -> bool:
     return bool(chain.bearing.mu_balls > 0.0 and chain.problem.closed.any() and chain.scale > 0.0 and chain.sign != 0.0)
 
 
-def second_state(chain: Chain, found: ChainResult, fast: bool = True) -> ChainResult | None:
-    """A solution of the chain other than ``found``, from three starts: the end of the path of rising friction between
+def second_state(chain: Chain, known: ChainResult, fast: bool = True) -> ChainResult | None:
+    """A solution of the chain other than ``known``, from three starts: the end of the path of rising friction between
     balls, the balls as they are without it, and all pairs pressed together; and where the path ends with more friction
     (``RISEN``), followed as that falls to the chain's. Of several, the one with the largest force.
 
@@ -187,7 +187,7 @@ def second_state(chain: Chain, found: ChainResult, fast: bool = True) -> ChainRe
     if not may_jam(chain):
         return None
     good = (other for other in states() if other.status == "converged")
-    others = [s for s in good if np.abs(s.ball_force - found.ball_force).max() > ANOTHER * chain.scale]
+    others = [s for s in good if np.abs(s.ball_force - known.ball_force).max() > ANOTHER * chain.scale]
     return max(others, key=lambda other: float(other.ball_force.max()), default=None)
 
 

@@ -71,8 +71,8 @@ def _elastic(bearing: LinearBearing, angles: Array, vertical: float, rho: float)
         pull=pull,
         reach=slack,
     )
-    found = settle_cell(cell, float(np.linalg.norm(pull)), place[None].copy(), 2.0 * place)
-    if not found.converged:
-        raise ArithmeticError(f"contact loads out of balance by {found.left:.1e} N after {found.steps} steps")
-    outward = SENSE * found.normal[0, TOP_FIRST]
-    return found.force[0, TOP_FIRST], np.arctan2(outward[:, 0], outward[:, 1])
+    settled = settle_cell(cell, float(np.linalg.norm(pull)), place[None].copy(), 2.0 * place)
+    if not settled.converged:
+        raise ArithmeticError(f"contact loads out of balance by {settled.left:.1e} N after {settled.steps} steps")
+    outward = SENSE * settled.normal[0, TOP_FIRST]
+    return settled.force[0, TOP_FIRST], np.arctan2(outward[:, 0], outward[:, 1])

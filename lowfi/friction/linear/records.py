@@ -58,7 +58,7 @@ class Smoothing(NamedTuple):
     #: Creeping speed.
     eps: float
     #: Fraction of the friction between balls.
-    part: float
+    share: float
     #: Force times rate of a gap.
     smooth: float
     #: Stiffness towards nominal rolling besides the balls' own.

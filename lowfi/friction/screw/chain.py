@@ -170,7 +170,7 @@ class Search:
         self.allowed = np.isfinite(chain.slack)
         slack = np.where(self.allowed, chain.slack, 0.0) * g.pair.closing / self.speed
         self.mu = np.where(loaded & np.append(loaded[1:], loaded[:1]), chain.mu_balls, 0.0)
-        one = np.ones(self.count)
+        ones = np.ones(self.count)
         self.balls = BallArrays(
             force=plain_array(np.where(loaded[:, None], chain.force, 0.0)),
             normal=plain_array(chain.normals[..., [0, 2]]),
@@ -179,7 +179,7 @@ class Search:
             allowed=self.allowed.astype(float),
             mu=self.mu,
             strength=(g.mu or 1.0) / self.bound,
-            shape=plain_array(shape * np.stack([one, one, loaded / self.bound], axis=1)[:, None]),
+            shape=plain_array(shape * np.stack([ones, ones, loaded / self.bound], axis=1)[:, None]),
             maps=plain_array(rubs.maps / self.units),
             drives=plain_array(rubs.drives / self.speed),
         )
@@ -206,8 +206,8 @@ class Search:
         x, f, _, steps = self.solve(x, f, SPEEDS[-1], GOAL, SHORT)
         good = self.balanced(f)
         if good and steps == SHORT:
-            x, f, _, more = self.solve(x, f, SPEEDS[-1], GOAL, STEPS)
-            steps += more
+            x, f, _, further = self.solve(x, f, SPEEDS[-1], GOAL, STEPS)
+            steps += further
         return x, f, good, steps
 
     def by_stages(self, x: Array) -> tuple[Array, Array, int]:
@@ -216,17 +216,17 @@ class Search:
         A stage that fails is halved, DEPTH times in all.
         """
         f, full, total = np.zeros(self.count), self.mu, 0
-        goals = [(part, SPEEDS[0]) for part in PARTS] + [(1.0, eps) for eps in SPEEDS[1:]]
+        goals = [(share, SPEEDS[0]) for share in PARTS] + [(1.0, eps) for eps in SPEEDS[1:]]
         goals.reverse()
         at, tries = goals[-1], 0
         while goals:
-            part, eps = goals[-1]
-            self.balls = self.balls._replace(mu=part * full)
+            share, eps = goals[-1]
+            self.balls = self.balls._replace(mu=share * full)
             x_new, f_new, size, steps = self.solve(x, f, eps, COARSE if eps > SPEEDS[-1] else GOAL, STEPS)
             total += steps
             if size > MISSED and tries < DEPTH and at != goals[-1]:
                 tries += 1
-                goals.append((0.5 * (at[0] + part), float(np.sqrt(at[1] * eps))))
+                goals.append((0.5 * (at[0] + share), float(np.sqrt(at[1] * eps))))
                 continue
             x, f, at = x_new, f_new, goals.pop()
         return x, f, total

@@ -61,9 +61,9 @@ def solve_joint(
     ways = [(start, eps, 0.0) for eps in SMOOTH]
     if near is not None:
         ways += [(near, eps, 1.0) for eps in reversed(SMOOTH)]
-    for place, eps, part in ways:
+    for place, eps, share in ways:
         path, smooth = _Path(bare, slack, place, fast), float(np.log(eps))
-        done = part == 1.0 or path.follow((part, smooth), (1.0, smooth))
+        done = share == 1.0 or path.follow((share, smooth), (1.0, smooth))
         done = done and path.follow((1.0, smooth), (1.0, sharp))
         steps += path.steps
         if done:
@@ -122,8 +122,8 @@ class _Path:
             if last is not None:
                 p, u, x, f = (a + (goal - way) / (way - last[0]) * (a - b) for a, b in zip(here, last[1], strict=True))
                 guess = Place(p, u, x, f)
-            part, eps = start[0] + goal * (end[0] - start[0]), np.exp(start[1] + goal * (end[1] - start[1]))
-            used = self.stage(guess, float(part), float(eps))
+            share, eps = start[0] + goal * (end[0] - start[0]), np.exp(start[1] + goal * (end[1] - start[1]))
+            used = self.stage(guess, float(share), float(eps))
             if used is None:
                 step *= 0.5
                 continue
@@ -135,12 +135,12 @@ class _Path:
         """Unknowns of the kernels, but forces in N, so that places with different measures can be compared."""
         return Place(self.ball, self.screw, self.q * self.search.units / self.search.speed, self.ball_force)
 
-    def stage(self, guess: Place, part: float, eps: float) -> int | None:
+    def stage(self, guess: Place, share: float, eps: float) -> int | None:
         """Newton at one fraction of the friction and one regularising speed; stays here and returns None where it fails."""
         s = self.search
         p, u, x, f = (plain_array(a).copy() for a in guess)
         f /= s.bound
-        left, used = s.kernels.newton_joint(self.system, Place(p, u, x, f), part, eps, GOAL, STEPS)
+        left, used = s.kernels.newton_joint(self.system, Place(p, u, x, f), share, eps, GOAL, STEPS)
         self.steps += int(used)
         if not left <= PASSED:
             return None

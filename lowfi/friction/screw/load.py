@@ -86,12 +86,12 @@ def settle_load(cell: Cell, start: tuple[Array, Array] | None = None, fast: bool
     """
     load = float(np.linalg.norm(cell.force) + np.linalg.norm(cell.drag) + np.sum(np.abs(cell.push)))
     p, u = _first_guess(cell) if start is None else (plain_array(start[0]).copy(), plain_array(start[1]).copy())
-    found = settle_cell(load_arrays(cell), load, p, u, fast)
+    settled = settle_cell(load_arrays(cell), load, p, u, fast)
     # from a distant start a nearly unloaded ball may creep along a flat energy
-    if not found.converged and start is not None:
+    if not settled.converged and start is not None:
         return settle_load(cell, None, fast)
-    angle = contact_angles(found.normal)
-    return ScrewLoad(found.force, angle, found.ball, found.inner, found.left, found.steps, found.converged)
+    angle = contact_angles(settled.normal)
+    return ScrewLoad(settled.force, angle, settled.ball, settled.inner, settled.left, settled.steps, settled.converged)
 
 
 def screw_rows(groove: ScrewGroove, azimuth: Array, free: str) -> Array:

@@ -102,13 +102,13 @@ def source_law(groove: ScrewGroove, sharpness: float) -> Sigmoid:
     return Sigmoid(sharpness, spin)
 
 
-def ball_motion_by_root(one: BallMotion, law: Law, start: Array | None = None) -> Motion:
+def ball_motion_by_root(ball: BallMotion, law: Law, start: Array | None = None) -> Motion:
     """The method of the source at the same loads, for comparison: a root of the balance under ``law`` (Lin 3.69, 3.71).
 
     start (4,): rolling at the nominal contact angle where None. "failed" from many starts near two-point contact.
     """
-    first = np.array([one.groove.nominal_orbit, 0.0, 0.0, 0.0]) if start is None else start
-    return balance_by_root(one.problem, law, first, fast=True)
+    first = np.array([ball.groove.nominal_orbit, 0.0, 0.0, 0.0]) if start is None else start
+    return balance_by_root(ball.problem, law, first, fast=True)
 
 
 def feedback(cell: Cell, wrench: Array, extra: Array, coupling: Coupling) -> tuple[Array, Array]:
@@ -138,14 +138,14 @@ class Mixer:
         """Next iterate after x gave g; x may be overwritten afterwards."""
         if self.rounds % self.patience == 0:
             self.x, self.r = [], []
-        part = 0.5 ** (self.rounds // self.patience)
+        damping = 0.5 ** (self.rounds // self.patience)
         self.rounds += 1
         self.x, self.r = [*self.x[-self.depth :], x.copy()], [*self.r[-self.depth :], g - x]
         if len(self.x) == 1:
-            return np.asarray(x + part * (g - x))
+            return np.asarray(x + damping * (g - x))
         dx, dr = (np.diff(np.stack(rows, axis=-1)) for rows in (self.x, self.r))
         share = np.linalg.pinv(dr, rcond=1e-8) @ self.r[-1][..., None]
-        return np.asarray(x + part * (g - x) - ((dx + part * dr) @ share)[..., 0])
+        return np.asarray(x + damping * (g - x) - ((dx + damping * dr) @ share)[..., 0])
 
 
 def hold_screw(cell: Cell, load: ScrewLoad) -> Cell:

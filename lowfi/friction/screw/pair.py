@@ -93,8 +93,8 @@ class PairResult:
         return self.free.converged and self.touching.converged
 
 
-def _over(part: float, whole: float) -> float:
-    return part / whole if whole > 0.0 else float("nan")
+def _over(amount: float, whole: float) -> float:
+    return amount / whole if whole > 0.0 else float("nan")
 
 
 def solve_pair(pair: Pair, guess: Guess | None = None) -> PairResult:
@@ -145,13 +145,13 @@ class PairMap:
 
 def pair_map(pairs: list[list[Pair]]) -> PairMap:
     """How force and friction increase depend on the assumptions: a grid of pairs, each solved on its own."""
-    found = [[solve_pair(p) for p in row] for row in pairs]
+    solutions = [[solve_pair(p) for p in row] for row in pairs]
     return PairMap(
-        force=np.array([[r.force for r in row] for row in found]),
-        increase=np.array([[r.friction_increase for r in row] for row in found]),
-        rubbing=np.array([[r.rubbing_ratio for r in row] for row in found]),
-        load=np.array([[r.load.mean() for r in row] for row in found]),
-        converged=np.array([[r.converged for r in row] for row in found]),
+        force=np.array([[r.force for r in row] for row in solutions]),
+        increase=np.array([[r.friction_increase for r in row] for row in solutions]),
+        rubbing=np.array([[r.rubbing_ratio for r in row] for row in solutions]),
+        load=np.array([[r.load.mean() for r in row] for row in solutions]),
+        converged=np.array([[r.converged for r in row] for row in solutions]),
     )
 
 

@@ -108,8 +108,8 @@ class Run:
 
     def instant(self, azimuth: Array, time: float, slack: Array, memory: CoupledChain | None) -> Instant:
         """Loads and motions at azimuths (N,) on the screw; memory: the solution before."""
-        there, loaded = self.place(azimuth, self.groove.speed * time)
-        near = coupled_chain(run_cell(self, there, loaded), slack, self.coupling, memory, self.rounds)
+        azimuths, loaded = self.place(azimuth, self.groove.speed * time)
+        near = coupled_chain(run_cell(self, azimuths, loaded), slack, self.coupling, memory, self.rounds)
         m = near.motion
         return Instant(
             omega=m.q[:, 0] - self.groove.screw_speed,

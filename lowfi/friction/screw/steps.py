@@ -133,12 +133,12 @@ def step_error(levels: Sequence[Stepped]) -> StepError | None:
         return StepError({"torque": Observed(0.0)}, steps)
     over = observed(change(one, two) / size, change(two, three) / size, jumps=True)
     least = 0.5 * float(np.abs(np.diff(three)).max(initial=0.0)) / (steps[-1] * size)
-    found = {"torque": replace(over, error=max(over.error, least))}
+    errors = {"torque": replace(over, error=max(over.error, least))}
     numbers = [{name: value / size for name, value in x.torques.items()} | {"share": x.share} for x in levels[-3:]]
     for name, value in numbers[-1].items():
         if not np.isnan(value):
-            found[name] = observed(numbers[1][name] - numbers[0][name], value - numbers[1][name])
-    return StepError(found, steps)
+            errors[name] = observed(numbers[1][name] - numbers[0][name], value - numbers[1][name])
+    return StepError(errors, steps)
 
 
 def solve_steps(simulate: Callable[[int], R], steps: int | None, first: int, goal: float) -> tuple[R, StepError | None]:

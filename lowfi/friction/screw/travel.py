@@ -258,21 +258,21 @@ class _Log:
 
     def history(self, setting: Setting, span: float, steps: int, status: str) -> History:
         """The arrays of all pieces."""
-        given = ("setting", "span", "steps", "status")
-        rows = {f.name: np.array(self.rows.get(f.name, [])) for f in fields(History) if f.name not in given}
-        found = History(setting, span, steps, status=status, **rows)
-        if status != "converged" or found.converged.all():
-            return found
-        first = np.degrees(found.turned[np.argmin(found.converged)])
-        return replace(found, status=f"no balance of friction found at {first:.6g} deg")
+        direct = ("setting", "span", "steps", "status")
+        rows = {f.name: np.array(self.rows.get(f.name, [])) for f in fields(History) if f.name not in direct}
+        run = History(setting, span, steps, status=status, **rows)
+        if status != "converged" or run.converged.all():
+            return run
+        first = np.degrees(run.turned[np.argmin(run.converged)])
+        return replace(run, status=f"no balance of friction found at {first:.6g} deg")
 
 
 def simulate(
-    setting: Setting, span: float, steps: int, scheme: Scheme = "located", told: Callable[[float], object] = float
+    setting: Setting, span: float, steps: int, scheme: Scheme = "located", report: Callable[[float], object] = float
 ) -> History:
     """Run over ``span`` [s] in ``steps`` equal steps, these cut at events or not. Ends early where loads are not found.
 
-    told: is given the part of the run that is done. Gaps stay >= 0 and sum up to the free length of their ring.
+    report: is given the share of the run that is done. Gaps stay >= 0 and sum up to the free length of their ring.
     """
     if steps < 1 or not span > 0.0:
         raise ValueError("need steps >= 1 and a duration above zero")
@@ -294,58 +294,58 @@ def simulate(
             slack = place.gap / piece
             if located:
                 slack = np.where(slack > FASTEST * np.abs(place.omega).max(), np.inf, slack)
-            found = setting.instant(azimuth, time, slack, place.memory)
-            if isinstance(found, str):
-                return log.history(setting, span, steps, f"at {np.degrees(speed * time):.6g} deg: {found}")
-            place = _moved(setting, place, found, piece)
-            loss = sum(found.losses)
+            instant = setting.instant(azimuth, time, slack, place.memory)
+            if isinstance(instant, str):
+                return log.history(setting, span, steps, f"at {np.degrees(speed * time):.6g} deg: {instant}")
+            place = _moved(setting, place, instant, piece)
+            loss = sum(instant.losses)
             log.add(
                 time=time,
                 lasts=piece,
                 step=k,
                 azimuth=azimuth,
-                loaded=found.loaded,
+                loaded=instant.loaded,
                 gap=place.gap,
-                ball_force=found.ball_force,
-                omega=found.omega,
-                load=found.load,
-                groove_torque=found.losses[0] / speed,
-                ball_torque=found.losses[1] / speed,
-                closing_torque=found.losses[2] / speed,
-                axial=found.axial,
-                on_screw=found.on_screw,
-                imbalance=(found.input_power - loss) / loss if loss > 0.0 else found.input_power,
-                change=found.change,
-                converged=found.converged,
+                ball_force=instant.ball_force,
+                omega=instant.omega,
+                load=instant.load,
+                groove_torque=instant.losses[0] / speed,
+                ball_torque=instant.losses[1] / speed,
+                closing_torque=instant.losses[2] / speed,
+                axial=instant.axial,
+                on_screw=instant.on_screw,
+                imbalance=(instant.input_power - loss) / loss if loss > 0.0 else instant.input_power,
+                change=instant.change,
+                converged=instant.converged,
             )
             left -= piece
-        told((k + 1) / steps)
+        report((k + 1) / steps)
     return log.history(setting, span, steps, "converged")
 
 
-def nothing_told(what: str, part: float) -> None:
-    """Tell nobody."""
+def no_report(steps: str, share: float) -> None:
+    """Report nothing."""
 
 
 def resolved(
-    setting: Setting, span: float, steps: int | None, goal: float, told: Callable[[str, float], object] = nothing_told
+    setting: Setting, span: float, steps: int | None, goal: float, report: Callable[[str, float], object] = no_report
 ) -> tuple[History, StepError | None]:
     """The run over ``span`` [s] with the errors of its steps; steps that are not given are chosen so that no error is above
-    ``goal``, a part of the mean friction torque; told: is given the steps in words, and the part of them that is done."""
+    ``goal``, a share of the mean friction torque; report: gets the steps in words, and the share of them that is done."""
     pitches = abs(float(setting.begin().omega[0])) * span / setting.tracks[0].spacing
     first = int(np.clip(np.ceil(STEPS_PER_PITCH * pitches), *FIRST_STEPS))
 
     def run(count: int) -> History:
-        return simulate(setting, span, count, told=lambda part: told(f"{count} steps", part))
+        return simulate(setting, span, count, report=lambda share: report(f"{count} steps", share))
 
     return solve_steps(run, steps, first, goal)
 
 
-def _moved(setting: Setting, place: Place, found: Instant, piece: float) -> Place:
+def _moved(setting: Setting, place: Place, instant: Instant, piece: float) -> Place:
     """Where the balls are after a piece with the speeds found."""
     gap = np.empty_like(place.gap)
     for track in setting.tracks:
-        omega = found.omega[track.balls]
+        omega = instant.omega[track.balls]
         # never less than zero but for round-off
         gap[track.balls] = np.maximum(place.gap[track.balls] + piece * (np.roll(omega, -1) - omega), 0.0)
-    return Place(place.azimuth + piece * found.omega, gap, found.omega, found.memory)
+    return Place(place.azimuth + piece * instant.omega, gap, instant.omega, instant.memory)

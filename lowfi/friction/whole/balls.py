@@ -39,8 +39,8 @@ class Balls:
         """Gaps (N,) [rad] to the next ball of the circuit at azimuths (N,)."""
         out = np.empty_like(azimuth)
         for track in self.tracks:
-            own = track.balls
-            out[own] = np.diff(azimuth[own], append=azimuth[own.start] + track.ring)
+            balls = track.balls
+            out[balls] = np.diff(azimuth[balls], append=azimuth[balls.start] + track.ring)
         return np.asarray(out - self.spacing)
 
     def place(self, azimuth: Array) -> tuple[Array, NDArray[np.bool_]]:
@@ -54,8 +54,8 @@ class Balls:
     def layout(self, scene: Scene, folded: Array, turned: float = 0.0) -> BallLayout:
         """Places of all balls at azimuths ``folded`` (N,), as ``place`` gives them, where the nut has turned [rad]."""
         track, starts = scene.track, np.empty(folded.size)
-        for own in self.tracks:
-            starts[own.balls] = own.start
+        for loop in self.tracks:
+            starts[loop.balls] = loop.start
         space = folded + turned + 2.0 * np.pi * starts / track.starts
         return layout_at(track, space, scene.nut.position + reduced_lead(track) * (folded - track.phase))
 
@@ -68,21 +68,21 @@ def balls_of(scene: Scene, friction: Friction, drive: Drive, drawn: Drawn, membe
     built, grooves = circuits(scene), grooves_of(scene, friction, drive)
     ends = np.cumsum([0, *(c.azimuth.size for c in built)])
     bounds = [slice(int(a), int(b)) for a, b in pairwise(ends)]
-    tracks = tuple(Track(c.start, c.first, c.arc, c.ring, c.spacing, own) for c, own in zip(built, bounds, strict=True))
+    tracks = tuple(Track(c.start, c.first, c.arc, c.ring, c.spacing, s) for c, s in zip(built, bounds, strict=True))
     number = np.concatenate([c.ball for c in built])
     radius = np.where(number >= 0, drawn.ball_radius[np.maximum(number, 0)], 0.0)
     rng = np.random.default_rng([scene.errors.seed, member, 1])  # the draws of the scene's own balls stay what they are
     radius[number < 0] = draw_ball_radii(scene, rng, int(np.sum(number < 0)))
     excess, pair = radius - scene.balls.radius, grooves.pair
     spacing = np.empty_like(radius)
-    for own in bounds:
-        spacing[own] = pair.spacing + (excess[own] + np.roll(excess[own], -1)) / pair.closing
+    for members in bounds:
+        spacing[members] = pair.spacing + (excess[members] + np.roll(excess[members], -1)) / pair.closing
     azimuth = np.concatenate([c.azimuth for c in built])
-    found = Balls(tracks, radius, number, azimuth, spacing, grooves)
-    gaps = found.gaps(azimuth)
+    balls = Balls(tracks, radius, number, azimuth, spacing, grooves)
+    gaps = balls.gaps(azimuth)
     if gaps.min() < -FULL:
         raise ValueError(f"balls overlap by {-1e6 * pair.closing * gaps.min():.3g} um where the run begins")
-    for own in bounds:
-        if own.stop - own.start > 1 and gaps[own].sum() < FULL:
+    for members in bounds:
+        if members.stop - members.start > 1 and gaps[members].sum() < FULL:
             raise ValueError("a circuit without any clearance: forces between its balls are not determined")
-    return found
+    return balls

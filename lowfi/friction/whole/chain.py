@@ -83,24 +83,24 @@ def chain_motion(
     slack (N,): as in ``AnyChain``; start: motions (N, 4) [rad/s] and forces (N,) [N] to begin from. The contact of two
     balls is that of nominal ones; their sizes count in the slack. Failure is data: see ``ChainMotion.converged``.
     """
-    part, top = shares(friction)
-    rubs = rubs_of(scene, at, part, drive)
+    share, top = shares(friction)
+    rubs = rubs_of(scene, at, share, drive)
     between = friction.between_balls
     chain = SceneChain(grooves, at.force, at.normals, slack, at, rubs, between)
     if start is not None and top > 0.0:
         start = start[0], start[1] / top
-    found = solve_chain(chain, start, fast, warm=True)
-    for rows in (found.seen, found.pull):
+    motion = solve_chain(chain, start, fast, warm=True)
+    for rows in (motion.seen, motion.pull):
         turn_back(at, rows)
     return replace(
-        found,
-        ball_force=top * found.ball_force,
-        wrench=top * found.wrench,
-        pull=top * found.pull,
-        ball_push=top * found.ball_push,
-        groove_loss=top * found.groove_loss,
-        ball_loss=top * found.ball_loss,
-        closing_loss=top * found.closing_loss,
-        input_power=top * found.input_power,
-        left=top * found.left,
+        motion,
+        ball_force=top * motion.ball_force,
+        wrench=top * motion.wrench,
+        pull=top * motion.pull,
+        ball_push=top * motion.ball_push,
+        groove_loss=top * motion.groove_loss,
+        ball_loss=top * motion.ball_loss,
+        closing_loss=top * motion.closing_loss,
+        input_power=top * motion.input_power,
+        left=top * motion.left,
     )

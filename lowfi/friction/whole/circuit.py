@@ -57,16 +57,16 @@ def circuits(scene: Scene) -> tuple[Circuit, ...]:
     Without [circulation] the balls of a screw leave the loaded arc at one end and enter it at the other at once. Raises
     CircuitError for arcs that do not hold their balls, or overlap, and for returns that do not hold theirs.
     """
-    found = scene.circulation or Circulation()
-    own = np.sort(np.asarray(scene.balls.azimuths, dtype=float))
+    loop = scene.circulation or Circulation()
+    azimuths = np.sort(np.asarray(scene.balls.azimuths, dtype=float))
     ring = scene.track.lead == 0.0
     path = ball_path(scene, scene.motion or ONE_TURN, scene.balls.radius)
     spacing = contact_spacing(path)
-    if own.size % found.circuits:
-        allowed = f"a number that divides the {own.size} balls of a start"
+    if azimuths.size % loop.circuits:
+        allowed = f"a number that divides the {azimuths.size} balls of a start"
         raise CircuitError("circuits", allowed, "circuits share the balls of their start equally")
-    groups = np.split(own, found.circuits)
-    turns = None if found.turns is None else 2.0 * np.pi * found.turns / found.circuits
+    groups = np.split(azimuths, loop.circuits)
+    turns = None if loop.turns is None else 2.0 * np.pi * loop.turns / loop.circuits
     arcs = [2.0 * np.pi if ring else _arc(group, turns, spacing) for group in groups]
     middles = [0.5 * float(group[0] + group[-1]) for group in groups]
     for k in range(1, len(groups)):
@@ -76,12 +76,12 @@ def circuits(scene: Scene) -> tuple[Circuit, ...]:
     order, out = np.argsort(np.asarray(scene.balls.azimuths), kind="stable"), []
     for start in range(scene.track.starts):
         for k, group in enumerate(groups):
-            number = order[k * group.size : (k + 1) * group.size] + start * own.size
+            number = order[k * group.size : (k + 1) * group.size] + start * azimuths.size
             begin = float(group[0]) - 0.5 * spacing if ring else middles[k] - 0.5 * arcs[k]
-            length = arcs[k] if ring else _ring(found, group.size, arcs[k], spacing, path.radius)
-            back = begin + arcs[k] + (length - arcs[k]) * (np.arange(found.returning) + 0.5) / max(found.returning, 1)
+            length = arcs[k] if ring else _ring(loop, group.size, arcs[k], spacing, path.radius)
+            back = begin + arcs[k] + (length - arcs[k]) * (np.arange(loop.returning) + 0.5) / max(loop.returning, 1)
             azimuth = np.append(group, back)
-            ball = np.append(number, np.full(found.returning, -1))
+            ball = np.append(number, np.full(loop.returning, -1))
             out.append(Circuit(start, azimuth, ball, begin, arcs[k], length, spacing))
     return tuple(out)
 
@@ -97,20 +97,20 @@ def _arc(group: Array, given: float | None, spacing: float) -> float:
     return given
 
 
-def _ring(found: Circulation, loaded: int, arc: float, spacing: float, radius: float) -> float:
+def _ring(loop: Circulation, loaded: int, arc: float, spacing: float, radius: float) -> float:
     """Length of the closed track [rad]; radius: length of the track per angle [m]."""
-    count = loaded + found.returning
-    if found.filling is not None:
-        length = count * spacing / found.filling
-    elif found.gap is not None:
-        length = count * (spacing + found.gap / radius)
+    count = loaded + loop.returning
+    if loop.filling is not None:
+        length = count * spacing / loop.filling
+    elif loop.gap is not None:
+        length = count * (spacing + loop.gap / radius)
     else:
         return arc * count / loaded
-    least = arc + found.returning * spacing
+    least = arc + loop.returning * spacing
     if length >= least - CLOSE:
         return max(length, least)
     advice = "the loaded arc and the return must hold their balls: fewer turns, more balls in the return, or more clearance"
-    if found.filling is not None:
+    if loop.filling is not None:
         raise CircuitError("filling", f"up to {count * spacing / least:.4g}", advice)
     raise CircuitError("gap", f"at least {1e6 * radius * (least / count - spacing):.4g} um", advice)
 

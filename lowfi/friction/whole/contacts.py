@@ -61,16 +61,16 @@ class StaticContacts:
         """Pole pressure (N, 4) [Pa]."""
         return np.asarray(1.5 * self.force / (np.pi * self.a * self.b))
 
-    def part(self, which: NDArray[np.int64] | slice) -> StaticContacts:
+    def subset(self, balls: NDArray[np.int64] | slice) -> StaticContacts:
         """The contacts of some of the balls."""
-        layout = BallLayout(*(getattr(self.layout, f.name)[which] for f in fields(self.layout)))
+        layout = BallLayout(*(getattr(self.layout, f.name)[balls] for f in fields(self.layout)))
         return StaticContacts(
-            self.ball_radius[which],
-            self.force[which],
-            self.angle[which],
-            self.a[which],
-            self.b[which],
-            self.across[which],
+            self.ball_radius[balls],
+            self.force[balls],
+            self.angle[balls],
+            self.a[balls],
+            self.b[balls],
+            self.across[balls],
             layout,
         )
 
@@ -114,7 +114,7 @@ def with_loads(at: StaticContacts, force: Array, angle: Array) -> StaticContacts
 
 
 def spread(
-    at: StaticContacts | None, layout: BallLayout, which: NDArray[np.int64], ball_radius: Array, angle: float
+    at: StaticContacts | None, layout: BallLayout, balls: NDArray[np.int64], ball_radius: Array, angle: float
 ) -> StaticContacts:
     """Contacts of all N balls of ``layout``, ball_radius (N,) [m], of which ``at`` holds some; no load on the others.
 
@@ -133,7 +133,7 @@ def spread(
     )
     if at is not None:
         for name in ("force", "angle", "a", "b", "across"):
-            getattr(full, name)[which] = getattr(at, name)
+            getattr(full, name)[balls] = getattr(at, name)
     return full
 
 
@@ -164,7 +164,7 @@ def _printed(scene: Scene) -> tuple[Array, Array]:
         steel = body.material
         modulus = contact_modulus(ball.youngs_modulus, ball.poissons_ratio, steel.youngs_modulus, steel.poissons_ratio)
         low, high = printed_radii(bare, drawn, side, gamma)[0]
-        one = printed_hertz(scene.balls.radius, (float(low), float(high)), modulus)
-        rows += 2 * [(one.C_a, one.C_b)]
+        constants = printed_hertz(scene.balls.radius, (float(low), float(high)), modulus)
+        rows += 2 * [(constants.C_a, constants.C_b)]
     table = np.array(rows)
     return table[:, 0], table[:, 1]

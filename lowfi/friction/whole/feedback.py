@@ -76,11 +76,11 @@ def seats_at(at: StaticContacts, drawn: Specimen, C: Array) -> Seats:
     return seats(at, C, reach, drawn.centre)
 
 
-def _left(force: Array, normal: Array, along: Array, given: Array) -> Array:
+def _left(force: Array, normal: Array, along: Array, applied: Array) -> Array:
     """Forces (N, 3) [N] by which contacts leave balls (x3, z3) and screw (z) out of balance with given ones."""
     push = force[..., None] * normal
     screw = -np.einsum("nsi,i->n", push[:, ON_SCREW], along)
-    return np.column_stack([push.sum(axis=1), screw]) - given
+    return np.column_stack([push.sum(axis=1), screw]) - applied
 
 
 @dataclass(frozen=True)
@@ -120,72 +120,72 @@ def feed_back(
     along, loaded = place.axis[[0, 2]], at.force.sum(axis=1) > 0.0
     still = _left(at.force, at.normals[..., [0, 2]], along, np.zeros((count, 3)))
     guess, shift, mixer = np.zeros((count, 3)), np.zeros((count, 3)), Mixer(2, 40)
-    now, active, rounds = at, np.flatnonzero(loaded), 0
+    contacts, active, rounds = at, np.flatnonzero(loaded), 0
     if near is not None and active.size:
         guess[active] = near[active]
-        now, shift[active], _ = _seated(at, place, active, still[active] + guess[active], shift[active], at, fast)
+        contacts, shift[active], _ = _seated(at, place, active, still[active] + guess[active], shift[active], at, fast)
     failed = np.zeros(count, dtype=bool)
     q = np.full((count, 4), np.nan) if motion is None else motion.copy()
     while active.size and rounds < ROUNDS:
         rounds += 1
-        some = now.part(active)
-        found = ball_friction(scene, some, friction, drive, fast, q[active])
-        q[active] = found.q
-        answer = _answer(found, some, place.axis)
-        more = (np.abs(answer - guess[active]).max(axis=1) > AGREED * some.force.sum(axis=1)) | failed[active]
-        active = active[more]
-        mixer.keep(more)
-        guess[active] = mixer.next(guess[active], answer[more])
-        now, shift[active], failed[active] = _seated(
-            now, place, active, still[active] + guess[active], shift[active], at, fast
+        chosen = contacts.subset(active)
+        by_ball = ball_friction(scene, chosen, friction, drive, fast, q[active])
+        q[active] = by_ball.q
+        answer = _answer(by_ball, chosen, place.axis)
+        unsettled = (np.abs(answer - guess[active]).max(axis=1) > AGREED * chosen.force.sum(axis=1)) | failed[active]
+        active = active[unsettled]
+        mixer.keep(unsettled)
+        guess[active] = mixer.next(guess[active], answer[unsettled])
+        contacts, shift[active], failed[active] = _seated(
+            contacts, place, active, still[active] + guess[active], shift[active], at, fast
         )
-    final = ball_friction(scene, now, friction, drive, fast, q)
-    off = _left(now.force, now.normals[..., [0, 2]], along, still + _answer(final, now, place.axis))
-    change = np.abs(off).max(axis=1) / np.maximum(now.force.sum(axis=1), 1e-300)
-    return FedBack(now, final, failed | (change > ACCEPTED), rounds, float(change.max(initial=0.0)), guess)
+    final = ball_friction(scene, contacts, friction, drive, fast, q)
+    off = _left(contacts.force, contacts.normals[..., [0, 2]], along, still + _answer(final, contacts, place.axis))
+    change = np.abs(off).max(axis=1) / np.maximum(contacts.force.sum(axis=1), 1e-300)
+    return FedBack(contacts, final, failed | (change > ACCEPTED), rounds, float(change.max(initial=0.0)), guess)
 
 
-def _answer(found: BallFriction, at: StaticContacts, axis: Array) -> Array:
+def _answer(by_ball: BallFriction, at: StaticContacts, axis: Array) -> Array:
     """Friction on balls along x3, z3 and on the screw along its axis (3,), (N, 3) [N]."""
-    wrench = found.wrench(at.normals)[..., :3]
+    wrench = by_ball.wrench(at.normals)[..., :3]
     drag = -np.einsum("nsi,i->n", wrench[:, ON_SCREW], axis)
     return np.column_stack([wrench[:, :, [0, 2]].sum(axis=1), drag])
 
 
 def second_states(
-    scene: Scene, place: Seats, at: StaticContacts, found: FedBack, friction: Friction, drive: Drive, fast: bool = False
+    scene: Scene, place: Seats, at: StaticContacts, rolling: FedBack, friction: Friction, drive: Drive, fast: bool = False
 ) -> tuple[int, ...]:
     """Balls that settle in another state, jammed between their grooves, from one of four displaced starts.
 
     Starts push the balls with ``DISPLACED`` times their largest contact force along x3 and z3. A search: that it finds
-    none is no proof that there is none. ``at``: contacts without friction, ``found``: the state that rolls on from them.
+    none is no proof that there is none. ``at``: contacts without friction, ``rolling``: the state that rolls on from them.
     """
-    size, other = found.at.force.max(axis=1), np.zeros(at.force.shape[0], dtype=bool)
+    size, other = rolling.at.force.max(axis=1), np.zeros(at.force.shape[0], dtype=bool)
     for axis in range(2):
         for sign in (-1.0, 1.0):
             push = np.zeros((size.size, 3))
             push[:, axis] = sign * DISPLACED * size
             again = feed_back(scene, at, place, friction, drive, fast, push)
-            apart = np.abs(again.at.force - found.at.force).max(axis=1) > ANOTHER * np.maximum(size, 1e-300)
-            other |= apart & ~again.failed & ~found.failed & (size > 0.0)
+            apart = np.abs(again.at.force - rolling.at.force).max(axis=1) > ANOTHER * np.maximum(size, 1e-300)
+            other |= apart & ~again.failed & ~rolling.failed & (size > 0.0)
     return tuple(int(k) for k in np.flatnonzero(other))
 
 
 def _seated(
-    now: StaticContacts,
+    contacts: StaticContacts,
     place: Seats,
-    which: NDArray[np.int64],
-    given: Array,
+    balls: NDArray[np.int64],
+    forces: Array,
     start: Array,
     bare: StaticContacts,
     fast: bool,
 ) -> tuple[StaticContacts, Array, NDArray[np.bool_]]:
-    """Contacts with the balls ``which`` where forces (k, 3) hold them, their shifts (k, 3), and which did not settle."""
-    away = place.away[which]
-    pressed = np.hypot(away[..., 0], away[..., 1]) - place.reach[which]
-    x, force, normal, left = settle_each(away, pressed, place.C[which], place.axis[[0, 2]], given, start, fast)
-    failed = left > 1e-8 * np.maximum(force.sum(axis=1), bare.force[which].sum(axis=1))
-    new_force, angle = now.force.copy(), now.angle.copy()
-    new_force[which] = force
-    angle[which] = contact_angles(normal)
-    return with_loads(now, new_force, angle), x, failed
+    """Contacts with the given ``balls`` where forces (k, 3) hold them, their shifts (k, 3), and which did not settle."""
+    away = place.away[balls]
+    pressed = np.hypot(away[..., 0], away[..., 1]) - place.reach[balls]
+    x, force, normal, left = settle_each(away, pressed, place.C[balls], place.axis[[0, 2]], forces, start, fast)
+    failed = left > 1e-8 * np.maximum(force.sum(axis=1), bare.force[balls].sum(axis=1))
+    new_force, angle = contacts.force.copy(), contacts.angle.copy()
+    new_force[balls] = force
+    angle[balls] = contact_angles(normal)
+    return with_loads(contacts, new_force, angle), x, failed

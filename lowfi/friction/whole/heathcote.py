@@ -29,10 +29,10 @@ WIDE = 0.03
 def quadrature(outwards: int = OUTWARDS, around: int = ROUND) -> tuple[Array, Array, Array]:
     """Points x, z (k,) of the unit disc and weights (k,) under Hertz's pressure, which sum up to one."""
     node, weight = np.polynomial.legendre.leggauss(outwards)
-    height, part = 0.5 * (1.0 + node), 0.5 * weight  # radius^2 = 1 - height^2 makes pressure a polynomial
+    height, half = 0.5 * (1.0 + node), 0.5 * weight  # radius^2 = 1 - height^2 makes pressure a polynomial
     radius = np.sqrt(1.0 - height**2)
     turn = 2.0 * np.pi * (np.arange(around) + 0.5) / around
-    mass = np.repeat(3.0 * part * height**2 / around, around)
+    mass = np.repeat(3.0 * half * height**2 / around, around)
     return np.outer(radius, np.cos(turn)).ravel(), np.outer(radius, np.sin(turn)).ravel(), mass
 
 
@@ -57,9 +57,9 @@ def surface_speeds(scene: Scene, at: StaticContacts, drive: Drive, curved: float
         ],
         axis=3,
     )
-    own = -(body * rolling[..., 0])[..., None] * lift
+    roll = -(body * rolling[..., 0])[..., None] * lift
     added = np.stack(
-        [drives[..., None, 0] + pz * drives[..., None, 2], drives[..., None, 1] - px * drives[..., None, 2] + own], axis=-1
+        [drives[..., None, 0] + pz * drives[..., None, 2], drives[..., None, 1] - px * drives[..., None, 2] + roll], axis=-1
     )
     return rows, added
 
@@ -103,23 +103,23 @@ def least_power(rows: Array, added: Array, strength: Array, start: Array, slide:
     return value(q, 0.0)[0]
 
 
-def heathcote(scene: Scene, at: StaticContacts, found: BallFriction, friction: Friction, drive: Drive) -> float:
+def heathcote(scene: Scene, at: StaticContacts, by_ball: BallFriction, friction: Friction, drive: Drive) -> float:
     """Part by which Heathcote slip raises the losses of all contacts at their loads; nan where nothing is lost.
 
     Good to about 0.002 (quadrature and regularising speeds, the same with and without curvature).
     """
-    which = np.flatnonzero(np.isfinite(found.orbit))
-    if which.size == 0:
+    balls = np.flatnonzero(np.isfinite(by_ball.orbit))
+    if balls.size == 0:
         return float("nan")
-    some, part = at.part(which), shares(friction)[0]
-    strength = part * some.force
-    start = np.column_stack([found.orbit, found.rotation])[which]
-    seen = np.nan_to_num(found.motion[which])
-    slide = float(np.sqrt(np.max(seen[..., 0] ** 2 + seen[..., 1] ** 2 + (some.a * seen[..., 2]) ** 2)))
+    pressed, share = at.subset(balls), shares(friction)[0]
+    strength = share * pressed.force
+    start = np.column_stack([by_ball.orbit, by_ball.rotation])[balls]
+    seen = np.nan_to_num(by_ball.motion[balls])
+    slide = float(np.sqrt(np.max(seen[..., 0] ** 2 + seen[..., 1] ** 2 + (pressed.a * seen[..., 2]) ** 2)))
     if slide == 0.0:
         return float("nan")
     flat, curved = (
-        float(least_power(*surface_speeds(scene, some, drive, factor), strength, start, slide).sum())
+        float(least_power(*surface_speeds(scene, pressed, drive, factor), strength, start, slide).sum())
         for factor in (0.0, 1.0)
     )
     return curved / flat - 1.0

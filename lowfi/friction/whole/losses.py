@@ -106,22 +106,22 @@ def ball_friction(
         raise ValueError("friction at rest is not determined: give a speed")
     count = at.force.shape[0]
     loaded = np.flatnonzero(at.force.sum(axis=1) > 0.0)
-    some = at.part(loaded)
-    part, top = shares(friction)
-    rubs = rubs_of(scene, some, part, drive)
+    pressed = at.subset(loaded)
+    share, top = shares(friction)
+    rubs = rubs_of(scene, pressed, share, drive)
     n = loaded.size
     q = np.full((n, 4), np.nan) if near is None else near[loaded]
     forces, rests, outcome = np.zeros((n, 4, 3)), np.zeros((n, 4)), np.zeros((n, 2))
     kernels(CONTACT, compiled=fast).least_dissipation_many(rubs.shape, rubs.maps, rubs.drives, q, forces, rests, outcome)
     seen = rubs.drives + np.einsum("nirj,nj->nir", rubs.maps, q)
     seen[rests > 0.0] = 0.0
-    turn_back(some, seen)
-    turn_back(some, forces)
+    turn_back(pressed, seen)
+    turn_back(pressed, forces)
     orbit, rotation = np.full(count, np.nan), np.full((count, 3), np.nan)
     motion, pull = np.full((count, 4, 3), np.nan), np.zeros((count, 4, 3))
     rest, status = np.zeros((count, 4), dtype=bool), ["no load"] * count
     orbit[loaded], rotation[loaded], pull[loaded] = q[:, 0], q[:, 1:], -top * forces
-    motion[loaded], rest[loaded] = seen, (rests > 0.0) & (some.force > 0.0)
+    motion[loaded], rest[loaded] = seen, (rests > 0.0) & (pressed.force > 0.0)
     left = outcome[:, 1] / rubs.shape[..., 2].sum(axis=1)
     for k, code, off in zip(loaded, outcome[:, 0].astype(int), left, strict=True):
         status[k] = STATUS[code] if off <= UNBALANCED else "failed"
@@ -142,12 +142,12 @@ def shares(friction: Friction) -> tuple[Array, float]:
     return (mu / top if top > 0.0 else np.ones(4)), top
 
 
-def rubs_of(scene: Scene, at: StaticContacts, part: Array, drive: Drive) -> Rubs:
-    """What friction sees of contacts, with the coefficients part (4,); axes x along the long semi-axis."""
+def rubs_of(scene: Scene, at: StaticContacts, share: Array, drive: Drive) -> Rubs:
+    """What friction sees of contacts, with the coefficients ``share`` (4,); axes x along the long semi-axis."""
     maps, drives = ball_path(scene, drive, scene.balls.radius).maps(at.normals, at.ball_radius)
     for rows in (maps, drives):
         rows[~at.across] = _quarter(rows[~at.across])
-    return Rubs(np.stack([at.a, at.b, part * at.force], axis=-1), np.ascontiguousarray(maps), np.ascontiguousarray(drives))
+    return Rubs(np.stack([at.a, at.b, share * at.force], axis=-1), np.ascontiguousarray(maps), np.ascontiguousarray(drives))
 
 
 def turn_back(at: StaticContacts, values: Array) -> None:
@@ -160,7 +160,7 @@ def _quarter(rows: Array, sign: float = 1.0) -> Array:
     return np.stack([sign * rows[:, 1], -sign * rows[:, 0], rows[:, 2]], axis=1)
 
 
-def closing_speeds(scene: Scene, at: StaticContacts, found: BallFriction, drive: Drive) -> Array:
+def closing_speeds(scene: Scene, at: StaticContacts, by_ball: BallFriction, drive: Drive) -> Array:
     """Speed (N,) [m/s] at which a ball nears the next one of its start, at the larger azimuth; nan without one or load.
 
     A ring's last ball is followed by its first, where the balls fill the turn.
@@ -170,9 +170,9 @@ def closing_speeds(scene: Scene, at: StaticContacts, found: BallFriction, drive:
     closing = np.full(count, np.nan)
     per_start = count // starts
     for k in range(starts):
-        own = np.arange(k * per_start, (k + 1) * per_start)
-        order = own[np.argsort(at.layout.azimuth[own], kind="stable")]
-        closing[order[:-1]] = path.radius * (found.orbit[order[:-1]] - found.orbit[order[1:]])
+        balls = np.arange(k * per_start, (k + 1) * per_start)
+        order = balls[np.argsort(at.layout.azimuth[balls], kind="stable")]
+        closing[order[:-1]] = path.radius * (by_ball.orbit[order[:-1]] - by_ball.orbit[order[1:]])
         if scene.track.lead == 0.0 and per_start > 1:
-            closing[order[-1]] = path.radius * (found.orbit[order[-1]] - found.orbit[order[0]])
+            closing[order[-1]] = path.radius * (by_ball.orbit[order[-1]] - by_ball.orbit[order[0]])
     return closing

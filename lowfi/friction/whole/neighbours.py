@@ -43,25 +43,25 @@ def neighbours(
     """
     track, drawn = scene.track, draw(scene, member)
     all_balls = balls_of(scene, friction, drive, drawn, member)
-    who = np.flatnonzero(all_balls.number >= 0)
-    order = all_balls.number[who]
+    on_arc = np.flatnonzero(all_balls.number >= 0)
+    order = all_balls.number[on_arc]
     layout = all_balls.layout(scene, all_balls.azimuth)
-    full = spread(at.part(order), layout, who, all_balls.radius, track.contact_angle)
+    full = spread(at.subset(order), layout, on_arc, all_balls.radius, track.contact_angle)
     gap = all_balls.gaps(all_balls.azimuth) * all_balls.grooves.pair.closing
     slack = np.where(gap <= TOUCHING, 0.0, np.inf)
     least = np.inf
     orbit, rotation, force = np.full(order.size, np.nan), np.full((order.size, 3), np.nan), np.zeros(order.size)
     motion, pull, status = np.full((order.size, 4, 3), np.nan), np.zeros((order.size, 4, 3)), ["no load"] * order.size
     power, touching, left = 0.0, 0, 0.0
-    for own in (track.balls for track in all_balls.tracks):
-        number = all_balls.number[own]
+    for members in (track.balls for track in all_balls.tracks):
+        number = all_balls.number[members]
         free = (number < 0) | (np.roll(number, -1) < 0)
         if track.lead != 0.0:
             free[-1] = True  # the return lies between the last ball and the first
-        limit = np.where(free, np.inf, slack[own])
-        least = min(least, float(np.min(np.where(free, np.inf, gap[own]))))
+        limit = np.where(free, np.inf, slack[members])
+        least = min(least, float(np.min(np.where(free, np.inf, gap[members]))))
         touching += int(np.sum(limit == 0.0))
-        moved = chain_motion(scene, full.part(own), limit, friction, drive, all_balls.grooves, None, fast)
+        moved = chain_motion(scene, full.subset(members), limit, friction, drive, all_balls.grooves, None, fast)
         kept, to = number >= 0, number[number >= 0]
         pressed = at.force[to].sum(axis=1) > 0.0
         orbit[to] = np.where(pressed, moved.q[kept, 0], np.nan)
@@ -75,5 +75,5 @@ def neighbours(
     loss = np.where(at.force[..., None] > 0.0, -pull * np.nan_to_num(motion), 0.0) + 0.0
     rest = np.zeros(at.force.shape, dtype=bool)
     scale = max(max(friction.screw, friction.nut) * float(at.force.sum(axis=1).max(initial=0.0)), 1e-30)
-    found = BallFriction(orbit, rotation, motion, pull[..., :2], pull[..., 2], loss, rest, tuple(status), left / scale)
-    return Neighbours(found, force, power, touching, least)
+    by_ball = BallFriction(orbit, rotation, motion, pull[..., :2], pull[..., 2], loss, rest, tuple(status), left / scale)
+    return Neighbours(by_ball, force, power, touching, least)

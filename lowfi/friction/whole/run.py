@@ -64,20 +64,20 @@ class Setting:
         scene, track = self.scene, self.scene.track
         on_screw, on_nut = self.angles(time)
         folded, loaded = self.balls.place(azimuth)
-        layout, who = self.balls.layout(scene, folded, on_nut), np.flatnonzero(loaded)
-        space, station = layout.azimuth[who], layout.z[who]
-        some = layout_at(track, space, station)
-        met = self.drawn.at(scene, space - on_screw, space - on_nut - scene.nut.azimuth, station, self.balls.radius[who])
-        result = self.solve(met, some)
+        layout, on_arc = self.balls.layout(scene, folded, on_nut), np.flatnonzero(loaded)
+        space, station = layout.azimuth[on_arc], layout.z[on_arc]
+        arc_layout = layout_at(track, space, station)
+        met = self.drawn.at(scene, space - on_screw, space - on_nut - scene.nut.azimuth, station, self.balls.radius[on_arc])
+        result = self.solve(met, arc_layout)
         at, status = None, "converged" if result.converged else f"contact loads: {result.status}"
         if result.converged:
-            at = contacts_at(scene, result, met, some)
+            at = contacts_at(scene, result, met, arc_layout)
             if feeds_back(scene, self.friction):
                 place = seats_at(at, met, result.hertz_C)
-                fed = feed_back(scene, at, place, self.friction, self.drive, self.fast, push[who], q[who])
-                push[who], at = fed.push, fed.at
+                fed = feed_back(scene, at, place, self.friction, self.drive, self.fast, push[on_arc], q[on_arc])
+                push[on_arc], at = fed.push, fed.at
                 status = f"friction and place do not agree on {int(fed.failed.sum())} balls" if fed.failed.any() else status
-        return spread(at, layout, who, self.balls.radius, track.contact_angle), loaded, status
+        return spread(at, layout, on_arc, self.balls.radius, track.contact_angle), loaded, status
 
     @property
     def grooves(self) -> SceneGrooves:
@@ -122,15 +122,15 @@ class Setting:
         moved = [
             chain_motion(
                 self.scene,
-                at.part(own),
-                slack[own] if own.stop - own.start > 1 else np.array([np.inf]),
+                at.subset(members),
+                slack[members] if members.stop - members.start > 1 else np.array([np.inf]),
                 self.friction,
                 self.drive,
                 self.grooves,
-                (memory.q[own], memory.force[own]),
+                (memory.q[members], memory.force[members]),
                 self.fast,
             )
-            for own in (track.balls for track in self.tracks)
+            for members in (track.balls for track in self.tracks)
         ]
         q, force, wrench = (np.concatenate([getattr(m, name) for m in moved]) for name in ("q", "ball_force", "wrench"))
         axial = -at.axial_force
@@ -154,10 +154,10 @@ class Setting:
 def _on_screw(setting: Setting, at: StaticContacts, wrench: Array, axial: float) -> float:
     """Torque [N m] about +z that drives the screw under the external axial load [N].
 
-    Moments of contact forces and friction about the axis; an axial force of friction that the loads do not know of is
+    Moments of contact forces and friction about the axis; an axial force of friction that the loads leave out is
     carried down the helix.
     """
-    whole = wrench.copy()
-    whole[..., :3] -= at.force[..., None] * at.normals
-    along, moment = (float(part[:, ON_SCREW].sum()) for part in about_axis(at, whole))
+    wrenches = wrench.copy()
+    wrenches[..., :3] -= at.force[..., None] * at.normals
+    along, moment = (float(component[:, ON_SCREW].sum()) for component in about_axis(at, wrenches))
     return moment + reduced_lead(setting.scene.track) * (along - axial)

@@ -84,11 +84,11 @@ def friction_state(
             second = second_states(scene, place, still, there, friction, drive, fast)
     touching: Neighbours | None = None
     if pushed:
-        both = ((at, drive), (at_back, reverse(drive)))
-        touching, back_again = (neighbours(scene, contacts, friction, d, member, fast) for contacts, d in both)
+        ways = ((at, drive), (at_back, reverse(drive)))
+        touching, back_again = (neighbours(scene, contacts, friction, d, member, fast) for contacts, d in ways)
         balls = touching.balls
-        found = sum_up(scene, at, balls, drive, coupled=coupled)
-        torque = replace(found, power=found.power + touching.power, reverse_power=back_again.balls.power + back_again.power)
+        sums = sum_up(scene, at, balls, drive, coupled=coupled)
+        torque = replace(sums, power=sums.power + touching.power, reverse_power=back_again.balls.power + back_again.power)
     closing = closing_speeds(scene, at, balls, drive)
     return FrictionState(at, balls, torque, closing, bare, unsettled, change, coupled, touching, second)
 

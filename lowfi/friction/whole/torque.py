@@ -35,7 +35,7 @@ class ScrewTorque:
 
     speed: of the screw against the nut; ratio: advance per angle, lead / (2 pi), signed by the hand; load: external axial
     load on the screw that the contacts carry; power: lost in the contacts; pull: axial force of friction on the screw,
-    which the loads do not know of; helical: what the drive of the screw, of the nut puts in per angle of its helical
+    which the loads leave out; helical: what the drive of the screw, of the nut puts in per angle of its helical
     motion, [N m]: moments and forces of all contacts about the axis, normal forces included; tilt: largest friction in
     the plane of a ball's section over its largest contact force; carried: sum of all contact forces [N];
     reverse_power: lost by the reversed motion, another one where friction feeds back on the loads.
@@ -104,13 +104,13 @@ class ScrewTorque:
         return self.translating and self.backward <= 0.0
 
 
-def sum_up(scene: Scene, at: StaticContacts, found: BallFriction, drive: Drive, coupled: bool = False) -> ScrewTorque:
+def sum_up(scene: Scene, at: StaticContacts, by_ball: BallFriction, drive: Drive, coupled: bool = False) -> ScrewTorque:
     """Sums over all contacts of a scene whose screw or nut turns with ``drive``.
 
     coupled: whether contact forces and friction together carry the axial load, or the contact forces alone.
     """
     normals, frames = at.normals, at.frames
-    friction = found.wrench(normals)
+    friction = by_ball.wrench(normals)
     total = friction.copy()
     total[..., :3] -= at.force[..., None] * normals
     axial, moment = about_axis(at, total)
@@ -126,9 +126,9 @@ def sum_up(scene: Scene, at: StaticContacts, found: BallFriction, drive: Drive, 
         speed=speed,
         ratio=ratio,
         load=-at.axial_force - (float(pull) if coupled else 0.0),
-        power=found.power,
+        power=by_ball.power,
         pull=float(pull),
-        reverse_power=found.power,
+        reverse_power=by_ball.power,
         helical=(float(helical[:, ON_SCREW].sum()), float(helical[:, ~ON_SCREW].sum())),
         tilt=float(tilt.max(initial=0.0)),
         carried=float(at.force.sum()),

@@ -84,12 +84,12 @@ def housings_of(structure: Structure, arm: float) -> Housings:
     """Springs between housings and to the frame, with what holds them."""
     n, m = structure.nodes.size, structure.at.size
     K = np.zeros((6 * m, 6 * m))
-    for ends, reach, own in zip(structure.ends, structure.reach, structure.springs, strict=True):
+    for ends, reach, stiffness in zip(structure.ends, structure.reach, structure.springs, strict=True):
         J = np.zeros((6, 6 * m))
         for e, row in enumerate(ends):
             if row >= 0:
                 J[:, 6 * (row - n) : 6 * (row - n) + 6] += reach[e]
-        K += J.T @ own @ J
+        K += J.T @ stiffness @ J
     held, prescribed = structure.fixed[n:].ravel(), structure.prescribed[n:].ravel()
     load, free = structure.load[n:].ravel(), np.flatnonzero(~structure.fixed[n:].ravel())
     scale = np.tile([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm], m)
@@ -151,7 +151,7 @@ def own_bodies(
     axes, size = typical_axes(problem, force), float(np.cbrt(force))
     ball = ball_compliance(scene, axes, backend)
     oblique = oblique_term(nominal_hertz(scene), scene.balls.radius) if backend.ball == "sphere" else np.zeros(4)
-    e, h, found, assumed = np.zeros((N, 4)), np.zeros((N, 4)), [], []
+    e, h, blocks, assumed = np.zeros((N, 4)), np.zeros((N, 4)), [], []
     for screw in (True, False):
         sides = (0, 1) if screw else (2, 3)
         carried = screw and b.of.carrier is not None
@@ -160,8 +160,8 @@ def own_bodies(
         slope = body.slope + ball.slope
         e[:, sides], h[:, sides] = body.e + ball.e - slope, oblique[list(sides)] + slope / size
         order = by_ball(N, 2)
-        found.append(body.G[np.ix_(order, order)])
-    return (found[0], found[1]), e, h, ball.g * np.array([1.0, ball.sign, ball.sign, 1.0]), tuple(assumed)
+        blocks.append(body.G[np.ix_(order, order)])
+    return (blocks[0], blocks[1]), e, h, ball.g * np.array([1.0, ball.sign, ball.sign, 1.0]), tuple(assumed)
 
 
 def outer_rows(system: System, rollers: RollerElements) -> Array:
@@ -263,7 +263,7 @@ def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticAxis:
     )
     state = BodyState(np.zeros((N, 8)), np.zeros(work.size), np.zeros((N, 3)), np.zeros((N, 4, 5)))
     cut = max(low, high) / compliance
-    said = (f"negative compliance of the bodies, up to {100 * cut:.2g} % of a contact's: cut away",) if cut > 1e-6 else ()
+    notes = (f"negative compliance of the bodies, up to {100 * cut:.2g} % of a contact's: cut away",) if cut > 1e-6 else ()
     assumed = tuple(dict.fromkeys(f"{b.of.name}: {x}" for b, p in zip(system.balls, parts, strict=True) for x in p[4]))
     arms = np.concatenate([shaft.arms, np.ones(housings.work.size)])
     return ElasticAxis(
@@ -281,6 +281,6 @@ def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticAxis:
         options,
         arms,
         engine,
-        (*assumed, *said),
+        (*assumed, *notes),
         squeeze,
     )

@@ -70,13 +70,13 @@ def words_for(system: System, free: Array) -> str:
     s, n = system.structure, system.structure.nodes.size
     names = {row: name for name, row in s.row.items() if row >= 0}
     arms = np.array([1.0, 1.0, 1.0, system.arm, system.arm, system.arm])
-    found = []
+    motions = []
     for row in (0, *range(n, s.stations.size)):
         size = np.abs(free[row] * arms[:, None]).max(axis=1)
-        which = [name for name, x in zip(FREEDOMS, size, strict=True) if x > 1e-6 * np.abs(free).max()]
-        if which:
-            found.append(f"{'the shaft' if row == 0 else names[row]} in {', '.join(which)}")
-    return "rigid motion of " + " and ".join(found)
+        freedoms = [name for name, x in zip(FREEDOMS, size, strict=True) if x > 1e-6 * np.abs(free).max()]
+        if freedoms:
+            motions.append(f"{'the shaft' if row == 0 else names[row]} in {', '.join(freedoms)}")
+    return "rigid motion of " + " and ".join(motions)
 
 
 def pinned(system: System, loose: Loose) -> System:

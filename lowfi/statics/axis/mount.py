@@ -46,13 +46,13 @@ def mount(assembly: Assembly, solve: partial[AxisResult]) -> tuple[Assembly, tup
 
     Returns the assembly, notes, and a status for preloads that are not met (else None).
     """
-    which = _preloaded(assembly)
-    if not which:
+    numbers = _preloaded(assembly)
+    if not numbers:
         return assembly, (), None
     idle = tuple(replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in assembly.housings)
     bare = replace(assembly, loads=(), housings=idle, thermal_strain=0.0)
     shift, notes, unmet = _shifts(_Mounting(bare, (solve.func, solve.args, *sorted(solve.keywords.items())), solve))
-    return assembly if shift is None else _shifted(assembly, which, np.array(shift)), notes, unmet
+    return assembly if shift is None else _shifted(assembly, numbers, np.array(shift)), notes, unmet
 
 
 def _preloaded(assembly: Assembly) -> list[int]:
@@ -71,25 +71,25 @@ def _shifts(mounting: _Mounting) -> tuple[tuple[float, ...] | None, tuple[str, .
     moved as far one way as the other.
     """
     bare, solve = mounting.bare, mounting.solve
-    which = _preloaded(bare)
-    goal = np.log([bare.sets[i].preload for i in which])
+    numbers = _preloaded(bare)
+    goal = np.log([bare.sets[i].preload for i in numbers])
 
     def excess(shift: Array) -> Array:
-        found = solve(_shifted(bare, which, shift))
-        forces = np.array([abs(found.sets[i].force[2]) for i in which]) if found.converged else np.zeros(len(which))
+        result = solve(_shifted(bare, numbers, shift))
+        forces = np.array([abs(result.sets[i].force[2]) for i in numbers]) if result.converged else np.zeros(len(numbers))
         return np.asarray(np.log(np.where(forces > 0.0, forces, np.nan)) - goal)
 
-    pushed, status = _pushed(bare, which, solve)
+    pushed, status = _pushed(bare, numbers, solve)
     if pushed is None:
         why = f"preloads by force are not met at mounting: {status.reason}"
         return None, (), Status(status.kind, why, "mounting")
-    ways = np.array([-1.0 if bare.sets[i].thrust == "+z" else 1.0 for i in which])
+    ways = np.array([-1.0 if bare.sets[i].thrust == "+z" else 1.0 for i in numbers])
     shift = pushed - ways * float((ways * pushed).mean())
-    value = excess(shift) if len(which) > 1 else np.array([np.nan])
+    value = excess(shift) if len(numbers) > 1 else np.array([np.nan])
     if not float(np.abs(value).max()) < DIFFERENCE:  # the axis is held where it is
         shift = pushed
         value = excess(shift)
-    steps, slope = np.diag([DIFFERENCE * closing(bare.sets[i]) for i in which]), np.zeros((0, 0))
+    steps, slope = np.diag([DIFFERENCE * closing(bare.sets[i]) for i in numbers]), np.zeros((0, 0))
     for _ in range(STEPS):
         worst = float(np.abs(value).max())
         if not worst > ACCEPTED:
@@ -103,7 +103,7 @@ def _shifts(mounting: _Mounting) -> tuple[tuple[float, ...] | None, tuple[str, .
         if not float(np.abs(new).max()) < worst:
             break  # the forces are not known any better
         shift, value = shift + move, new
-    words = ", ".join(f"{bare.sets[i].name} {1e6 * d:.5g} um" for i, d in zip(which, shift, strict=True))
+    words = ", ".join(f"{bare.sets[i].name} {1e6 * d:.5g} um" for i, d in zip(numbers, shift, strict=True))
     note = f"preload by force: before loading, outer parts are moved against their rows by {words}"
     worst = float(np.abs(value).max())
     if not worst < TOLD:
@@ -112,44 +112,44 @@ def _shifts(mounting: _Mounting) -> tuple[tuple[float, ...] | None, tuple[str, .
     return tuple(shift), (note,), None if worst < FAILED else failed
 
 
-def _pushed(bare: Assembly, which: Sequence[int], solve: Callable[[Assembly], AxisResult]) -> tuple[Array | None, Status]:
+def _pushed(bare: Assembly, numbers: Sequence[int], solve: Callable[[Assembly], AxisResult]) -> tuple[Array | None, Status]:
     """Shifts [m] against their rows of outer parts that slide along the axis, pushed by their preloads; None where they
     come to no rest, and the status of that solution."""
     sets, joints, bodies = list(bare.sets), list(bare.joints), {h.name: h for h in bare.housings}
     seats: list[tuple[str, str | None, float]] = []
-    for i in which:
-        one = sets[i]
-        push, seat = -one.preload if one.thrust == "+z" else one.preload, f"outer part of {one.name}"
+    for i in numbers:
+        rolling = sets[i]
+        push, seat = -rolling.preload if rolling.thrust == "+z" else rolling.preload, f"outer part of {rolling.name}"
         sliding = tuple((f, 0.0) for f in FREEDOMS if f != "uz")
-        on = None if one.housing is None or bodies[one.housing].stands else bodies[one.housing]
+        on = None if rolling.housing is None or bodies[rolling.housing].stands else bodies[rolling.housing]
         if on is not None:
             sliding = ()
-            joints.append(Joint(seat, on.name, one.position, TIED))
+            joints.append(Joint(seat, on.name, rolling.position, TIED))
             bodies[on.name] = replace(on, force=(0.0, 0.0, on.force[2] - push))
-        bodies[seat] = Housing(seat, one.position, sliding, None, (0.0, 0.0, push))
-        sets[i] = replace(one, housing=seat, preload=0.0)
+        bodies[seat] = Housing(seat, rolling.position, sliding, None, (0.0, 0.0, push))
+        sets[i] = replace(rolling, housing=seat, preload=0.0)
         seats.append((seat, None if on is None else on.name, np.sign(push)))
-    found = solve(replace(bare, sets=tuple(sets), joints=tuple(joints), housings=tuple(bodies.values())))
-    if not found.converged:
-        return None, found.status
-    moved = {h.name: float(h.motion[2]) for h in found.housings}
-    return np.array([way * (moved[seat] - (moved[on] if on else 0.0)) for seat, on, way in seats]), found.status
+    result = solve(replace(bare, sets=tuple(sets), joints=tuple(joints), housings=tuple(bodies.values())))
+    if not result.converged:
+        return None, result.status
+    moved = {h.name: float(h.motion[2]) for h in result.housings}
+    return np.array([way * (moved[seat] - (moved[on] if on else 0.0)) for seat, on, way in seats]), result.status
 
 
-def closing(one: RollingSet) -> float:
+def closing(rolling: RollingSet) -> float:
     """Shift [m] that closes a row to its preload, all else rigid."""
-    if isinstance(one.parts, RollerRow):
-        bearing = tapered(one.parts)
+    if isinstance(rolling.parts, RollerRow):
+        bearing = tapered(rolling.parts)
         sin = float(np.sin(bearing.cup_angle))
-        return float(bearing.law().approach(one.preload / (bearing.rollers * bearing.length * sin))) / sin
-    sin, C = float(np.sin(one.parts.track.contact_angle)), nominal_hertz(one.parts).C
-    return float(contact_approach(one.preload / (one.parts.ball_count * sin), C[0] + C[3])) / sin
+        return float(bearing.law().approach(rolling.preload / (bearing.rollers * bearing.length * sin))) / sin
+    sin, C = float(np.sin(rolling.parts.track.contact_angle)), nominal_hertz(rolling.parts).C
+    return float(contact_approach(rolling.preload / (rolling.parts.ball_count * sin), C[0] + C[3])) / sin
 
 
-def _shifted(assembly: Assembly, which: Sequence[int], shift: Array) -> Assembly:
+def _shifted(assembly: Assembly, numbers: Sequence[int], shift: Array) -> Assembly:
     """The assembly with some rows closed by shifts [m] of their outer parts, in place of their preloads."""
     sets = list(assembly.sets)
-    for i, x in zip(which, shift, strict=True):
+    for i, x in zip(numbers, shift, strict=True):
         away = -float(x) if sets[i].thrust == "+z" else float(x)
         sets[i] = replace(sets[i], offset=sets[i].offset + away, preload=0.0)
     return replace(assembly, sets=tuple(sets))

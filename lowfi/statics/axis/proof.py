@@ -37,8 +37,8 @@ def opening_motion(system: System) -> Array | None:
     centres = 2 * system.contacts.r_ball.size
     rows = [csr_array(_ball_rows(b, system, by_row)) for b in system.balls]
     rows += [hstack([csr_array(x), csr_array((len(x), centres))]) for x in _roller_rows(system, by_row)]
-    found = opening(work, csr_array(vstack(rows)), held_rows(s, motions))
-    return None if found is None else np.asarray(motions @ found).reshape(-1, 6)
+    answer = opening(work, csr_array(vstack(rows)), held_rows(s, motions))
+    return None if answer is None else np.asarray(motions @ answer).reshape(-1, 6)
 
 
 def _ball_rows(b: BallSet, system: System, by_row: Array) -> Array:

@@ -52,8 +52,8 @@ def solve_refined(
     for inner rings on housings that stand on springs, more than `LARGEST` balls and rollers, or bodies that cannot be.
     """
     if not assembly.ball_count:
-        found = solve_assembly(assembly, engine=engine, member=member)
-        return replace(found, model=name, left_out=(*found.left_out, *rigid_rings(assembly)))
+        result = solve_assembly(assembly, engine=engine, member=member)
+        return replace(result, model=name, left_out=(*result.left_out, *rigid_rings(assembly)))
     start = perf_counter()
     again = partial(solve_refined, engine=engine, member=member, backend=backend, name=name)
     mounted, notes, unmet = mount(assembly, again)
@@ -77,10 +77,10 @@ def solve_refined(
     report = report_of(outcome, kernels, (start, prepared_at), size, bound, notes)
     S = ball_roots(elastic)
     sets = [own_stiffness(elastic, i, b, S) for i, b in enumerate(system.balls)]
-    whole = elastic_stiffness(elastic, S)
+    total = elastic_stiffness(elastic, S)
     rigid = rigid_rings(assembly)
     words = *ASSUMPTIONS, *elastic.assumed
-    ending = Ending(status, report, loose.text, held, sets, whole, name, words, rigid, flank_shifts(elastic), outcome.scale)
+    ending = Ending(status, report, loose.text, held, sets, total, name, words, rigid, flank_shifts(elastic), outcome.scale)
     return assemble_axis(elastic.system, state, ending)
 
 
@@ -92,8 +92,8 @@ def settle(elastic: ElasticAxis, backend: Backend) -> tuple[ElasticAxis, Outcome
         if start:
             elastic.engine.start_forces(elastic.bodies, elastic.state, elastic.springs, elastic.options)
         history = np.zeros(elastic.options.most + 1)
-        found: Outcome = elastic.engine.solve_forces(*arrays, elastic.options, elastic.arms, history)
-        return found
+        outcome: Outcome = elastic.engine.solve_forces(*arrays, elastic.options, elastic.arms, history)
+        return outcome
 
     def contacts() -> list[Contacts]:
         return set_contacts(elastic.system, elastic.state.contact)
@@ -200,11 +200,11 @@ def both(first: Array, second: Array) -> Array:
 
 def own_stiffness(elastic: ElasticAxis, i: int, b: BallSet, S: list[Array]) -> Array:
     """Stiffness (6, 6) of a set alone with its own elastic bodies: its inner part moved rigidly, its outer one held."""
-    own = spread(S[b.balls])
+    root = spread(S[b.balls])
     rows = np.zeros((b.problem.layout.z.size, 8, 6))
     rows[:, :4] = rigid_rows(b, elastic.system.structure.stations)
-    moved = own @ rows.reshape(-1, 6)
-    return np.asarray(moved.T @ np.linalg.solve(np.eye(len(own)) + own @ both(*elastic.local[i]) @ own.T, moved))
+    moved = root @ rows.reshape(-1, 6)
+    return np.asarray(moved.T @ np.linalg.solve(np.eye(len(root)) + root @ both(*elastic.local[i]) @ root.T, moved))
 
 
 def elastic_stiffness(elastic: ElasticAxis, S: list[Array]) -> Array | None:
@@ -214,7 +214,7 @@ def elastic_stiffness(elastic: ElasticAxis, S: list[Array]) -> Array | None:
     if row < 0:
         return None
     n, k, N = structure.nodes.size, elastic.shaft.work.size, len(S)
-    v, work, own = np.zeros((N, 4, 2, 6)), np.zeros((elastic.state.a.size, 6)), np.zeros((6, 6))
+    v, work = np.zeros((N, 4, 2, 6)), np.zeros((elastic.state.a.size, 6))
     unit = np.zeros((6 * (n if row < n else structure.at.size), 6))
     at = 6 * (row if row < n else row - n)
     unit[at : at + 6] = np.diag((~structure.fixed[row]).astype(float))
@@ -223,8 +223,8 @@ def elastic_stiffness(elastic: ElasticAxis, S: list[Array]) -> Array | None:
         B = elastic.whole.B
         v[:, :2] = np.einsum("nsak,nskj->nsaj", B, answer[6 * elastic.whole.node[..., None] + np.arange(B.shape[3])])
         if elastic.squeeze is not None:
-            more, besides = elastic.squeeze.by_loads(unit, answer)
-            v[:, :2] += more.reshape(2, N, 2, 6).transpose(1, 0, 2, 3)
+            added, besides = elastic.squeeze.by_loads(unit, answer)
+            v[:, :2] += added.reshape(2, N, 2, 6).transpose(1, 0, 2, 3)
             answer = answer + besides
         rigid = np.eye(6)
         z = float(structure.nodes[row] - structure.nodes[elastic.shaft.pin])
@@ -234,7 +234,6 @@ def elastic_stiffness(elastic: ElasticAxis, S: list[Array]) -> Array | None:
         answer = elastic.housings.solve(unit)
         v[:, 2:] = (elastic.rows @ answer).reshape(N, 2, 2, 6)
         work[k:] = elastic.housings.motions.T @ unit
-    own = answer[at : at + 6]
     root, load = spread(S), v.reshape(8 * N, 6)
     SR = root @ elastic.bodies.R.reshape(8 * N, -1)
     matrix = np.block(
@@ -247,5 +246,5 @@ def elastic_stiffness(elastic: ElasticAxis, S: list[Array]) -> Array | None:
         x = np.linalg.solve(matrix, np.concatenate([root @ load, work]))
     except np.linalg.LinAlgError:
         return None
-    compliance = own - load.T @ (root.T @ x[: len(root)]) + work.T @ x[len(root) :]
+    compliance = answer[at : at + 6] - load.T @ (root.T @ x[: len(root)]) + work.T @ x[len(root) :]
     return inverse(0.5 * (compliance + compliance.T), ~structure.fixed[row], system.arm)

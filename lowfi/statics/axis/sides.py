@@ -40,20 +40,20 @@ def axial_place(assembly: Assembly, sets: Sequence[tuple[RollingSet, Scene]]) ->
         return float(held[0])
     sin = np.array([np.sin(scene.track.contact_angle) for _, scene in sets])
     C = np.array([nominal_hertz(scene).C for _, scene in sets])
-    each, pair = sin * [scene.ball_count for _, scene in sets], C[:, 0] + C[:, 3]
+    share, pair = sin * [scene.ball_count for _, scene in sets], C[:, 0] + C[:, 3]
     offset = np.array([s.offset for s, _ in sets])
 
-    def rest(u: float) -> float:
-        return float(np.sum(np.sign(u - offset) * each * contact_force(abs(u - offset) * sin, pair))) - force
+    def excess(u: float) -> float:
+        return float(np.sum(np.sign(u - offset) * share * contact_force(abs(u - offset) * sin, pair))) - force
 
-    reach = 1e-9 + float((contact_approach(abs(force) / each, pair) / sin).max())
-    return float(brentq(rest, offset.min() - reach, offset.max() + reach, xtol=1e-9))
+    reach = 1e-9 + float((contact_approach(abs(force) / share, pair) / sin).max())
+    return float(brentq(excess, offset.min() - reach, offset.max() + reach, xtol=1e-9))
 
 
-def _of_set(one: RollingSet, scene: Scene, shift: float, drawn: Specimen) -> Mask:
+def _of_set(rolling: RollingSet, scene: Scene, shift: float, drawn: Specimen) -> Mask:
     """A shaft that moves by ``shift`` > 0 along z in its nut closes SL-NR and opens SR-NL, by the contact angle's sine."""
-    use = USE[one.thrust]
-    if one.thrust != "both" or drawn.profile.shape[1]:
+    use = USE[rolling.thrust]
+    if rolling.thrust != "both" or drawn.profile.shape[1]:
         return use
     closed = distances(scene, drawn)[1] + shift * np.sin(scene.track.contact_angle) * np.array([1.0, -1.0])
     if closed[:, 0].max() > 0.0 >= closed[:, 1].max():
@@ -86,12 +86,12 @@ def _flank_motion(system: System, b: BallSet, s: int, q: Array) -> Array:
 
 def left_out(system: System) -> tuple[str, ...]:
     """Sentences on the sides that were left out though their sets could use them."""
-    found = []
+    notes = []
     for b in system.balls:
         idle = [SIDES[k] for k in np.flatnonzero(USE[b.of.thrust] & ~b.problem.use)]
         if idle:
-            found.append(f"{b.of.name}: sides {' and '.join(idle)}: load or offset opens them, and every ball clears them")
-    return tuple(found)
+            notes.append(f"{b.of.name}: sides {' and '.join(idle)}: load or offset opens them, and every ball clears them")
+    return tuple(notes)
 
 
 def all_sides(assembly: Assembly) -> list[Mask]:

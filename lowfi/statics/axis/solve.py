@@ -113,8 +113,8 @@ def _ending(prepared: Prepared, status: Status, report: SolverReport, loose: str
     prepared.engine.evaluate_axis(system.axis, system.contacts, system.slices, state, out)
     held = np.where(system.structure.fixed, out.gradient, 0.0)
     sets = [set_stiffness(b, system.structure.stations, out.hessians[b.balls, :4, :4]) for b in system.balls]
-    whole = whole_stiffness(system, prepared.engine, state, out.hessians)
-    return Ending(status, report, loose, held, sets, whole, "lin", AXIS_ASSUMPTIONS, scale=prepared.scale)
+    tangent = whole_stiffness(system, prepared.engine, state, out.hessians)
+    return Ending(status, report, loose, held, sets, tangent, "lin", AXIS_ASSUMPTIONS, scale=prepared.scale)
 
 
 def engine_for(assembly: Assembly, engine: Engine) -> ModuleType:

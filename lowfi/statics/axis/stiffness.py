@@ -58,19 +58,19 @@ def inverse(compliance: Array, free: NDArray[np.bool_], arm: float) -> Array | N
     """Stiffness (6, 6) of the free freedoms from a compliance, nan for the others; arm [m]: of one size in both units.
     None for what is no compliance: contacts that carry nothing leave round-off.
     """
-    which = np.flatnonzero(free)
+    rows = np.flatnonzero(free)
     out = np.full((6, 6), np.nan)
-    if which.size:
-        size = np.where(which < 3, 1.0, 1.0 / arm)
-        scaled = compliance[np.ix_(which, which)] / size[:, None] / size[None, :]
+    if rows.size:
+        size = np.where(rows < 3, 1.0, 1.0 / arm)
+        scaled = compliance[np.ix_(rows, rows)] / size[:, None] / size[None, :]
         if not (np.diag(scaled) > 0.0).all():
             return None
         try:
-            found = np.linalg.inv(scaled)
+            stiffness = np.linalg.inv(scaled)
         except np.linalg.LinAlgError:
             return None
-        found = found / size[:, None] / size[None, :]
-        out[np.ix_(which, which)] = 0.5 * (found + found.T)
+        stiffness = stiffness / size[:, None] / size[None, :]
+        out[np.ix_(rows, rows)] = 0.5 * (stiffness + stiffness.T)
     return out
 
 

@@ -55,9 +55,9 @@ def shaft_nodes(assembly: Assembly, stations: Array) -> Array:
     steps = [z for s in assembly.segments for z in (s.start, s.end) if low < z < high]
     on_shaft = [s.parts for s in assembly.sets if isinstance(s.parts, Scene) and s.carrier is None]
     if assembly.ingredients.partition != "nodal" and on_shaft:
-        own = [*needed[len(stations) :], *(s.position for s in assembly.sets if not isinstance(s.parts, Scene)), *steps]
+        extra = [*needed[len(stations) :], *(s.position for s in assembly.sets if not isinstance(s.parts, Scene)), *steps]
         scenes = [replace(x, screw=replace(x.screw, length=assembly.screw.length)) for x in on_shaft]
-        return between(merge(np.concatenate([fixed_partition(*scenes), own]), held), np.array(needed))[0]
+        return between(merge(np.concatenate([fixed_partition(*scenes), extra]), held), np.array(needed))[0]
     nodes = merge(np.array([*needed, *steps]), held)
     if nodes.size == 1:  # a beam needs one element
         away = low - MERGE * 100.0 if low > 0.5 * assembly.screw.length else low + MERGE * 100.0
@@ -116,17 +116,17 @@ def structure_of(assembly: Assembly, stations: Array, section: BeamSection | Non
 def _springs(assembly: Assembly, moving: list[Housing], row: dict[str, int]) -> tuple[Ints, Array, Array]:
     """Springs to the frame and between housings."""
     at = {h.name: h.at for h in moving}
-    one, none = np.eye(6), np.zeros((6, 6))
-    found: list[tuple[int, int, Array, Array, Array]] = [
-        (row[h.name], -1, one, none, np.array(h.stiffness)) for h in moving if h.stiffness is not None
+    unit, none = np.eye(6), np.zeros((6, 6))
+    springs: list[tuple[int, int, Array, Array, Array]] = [
+        (row[h.name], -1, unit, none, np.array(h.stiffness)) for h in moving if h.stiffness is not None
     ]
     for j in assembly.joints:
         names = j.first, j.second
         near = [rigid_transport(j.at - at[name]) if name in at else none for name in names]
-        found.append((row[names[0]], row[names[1]], near[0], -near[1], np.array(j.stiffness)))
-    ends = np.array([x[:2] for x in found], dtype=np.int64).reshape(-1, 2)
-    reach = np.array([x[2:4] for x in found]).reshape(-1, 2, 6, 6)
-    return ends, reach, np.array([x[4] for x in found]).reshape(-1, 6, 6)
+        springs.append((row[names[0]], row[names[1]], near[0], -near[1], np.array(j.stiffness)))
+    ends = np.array([x[:2] for x in springs], dtype=np.int64).reshape(-1, 2)
+    reach = np.array([x[2:4] for x in springs]).reshape(-1, 2, 6, 6)
+    return ends, reach, np.array([x[4] for x in springs]).reshape(-1, 6, 6)
 
 
 def rigid_motions(structure: Structure, arm: float) -> Array:
@@ -141,14 +141,14 @@ def rigid_motions(structure: Structure, arm: float) -> Array:
 
 
 def held_rows(structure: Structure, motions: Array) -> Array:
-    """What supports and springs say of rigid motions: rows that are zero for motions without resistance, each about one."""
+    """Rows of supports and springs against rigid motions: zero for motions without resistance, each of size about one."""
     arms = motions.reshape(-1, 6, motions.shape[1])
     rows = [arms[i, k] for i, k in np.argwhere(structure.fixed)]
-    for (one, two), near, K in zip(structure.ends, structure.reach, structure.springs, strict=True):
-        moved = sum((near[e] @ arms[i] for e, i in enumerate((one, two)) if i >= 0), start=np.zeros((6, motions.shape[1])))
+    for (a, b), near, K in zip(structure.ends, structure.reach, structure.springs, strict=True):
+        moved = sum((near[e] @ arms[i] for e, i in enumerate((a, b)) if i >= 0), start=np.zeros((6, motions.shape[1])))
         size = np.sqrt(np.where(np.diag(K) > 0.0, np.diag(K), 1.0))
         value, vector = np.linalg.eigh(K / size[:, None] / size[None, :])
         rows += [(v * size) @ moved for v, x in zip(vector.T, value, strict=True) if x > 1e-12 * value.max(initial=0.0)]
-    found = np.array(rows).reshape(-1, motions.shape[1])
-    norm = np.linalg.norm(found, axis=1, keepdims=True)
-    return np.asarray(found / np.where(norm > 0.0, norm, 1.0))
+    stacked = np.array(rows).reshape(-1, motions.shape[1])
+    norm = np.linalg.norm(stacked, axis=1, keepdims=True)
+    return np.asarray(stacked / np.where(norm > 0.0, norm, 1.0))

@@ -70,9 +70,9 @@ def assemble_axis(system: System, state: AxisState, end: Ending) -> AxisResult:
     """Result of a finished solve."""
     assembly, structure = system.assembly, system.structure
     r, n = structure.stations.size, structure.nodes.size
-    found = {b.of.name: ball_result(system, b, state, end, K) for b, K in zip(system.balls, end.sets, strict=True)}
-    found |= {x.of.name: roller_result(x, state, structure.stations) for x in system.rollers}
-    sets = tuple(found[s.name] for s in assembly.sets)
+    by_name = {b.of.name: ball_result(system, b, state, end, K) for b, K in zip(system.balls, end.sets, strict=True)}
+    by_name |= {x.of.name: roller_result(x, state, structure.stations) for x in system.rollers}
+    sets = tuple(by_name[s.name] for s in assembly.sets)
     balance = _balance(system, state, end, sets)
     housings = tuple(_housing(system, i, sets, state.q, end) for i in range(r - n))
     status = judged_axis(end.status, system, balance, housings)
@@ -197,11 +197,11 @@ def _housing(system: System, i: int, sets: tuple[SetResult, ...], q: Array, end:
     row = structure.nodes.size + i
     at = float(structure.at[i])
     springs = np.zeros(6)
-    for (one, two), reach, K in zip(structure.ends, structure.reach, structure.springs, strict=True):
-        ends = [(e, x) for e, x in enumerate((one, two)) if x >= 0]
+    for (first, second), reach, K in zip(structure.ends, structure.reach, structure.springs, strict=True):
+        ends = [(e, x) for e, x in enumerate((first, second)) if x >= 0]
         force = K @ sum((reach[e] @ q[x] for e, x in ends), start=np.zeros(6))
         springs -= sum((reach[e].T @ force for e, x in ends if x == row), start=np.zeros(6))
-    name = next(name for name, own in structure.row.items() if own == row)
+    name = next(name for name, k in structure.row.items() if k == row)
     carried = np.zeros(6)
     for s in sets:
         reach = rigid_transport(s.of.position - at).T
@@ -210,10 +210,10 @@ def _housing(system: System, i: int, sets: tuple[SetResult, ...], q: Array, end:
         if s.of.carrier == name:
             carried += reach @ np.concatenate([s.force, s.moment])
     wrench = end.held[row] + springs
-    rest = structure.load[row] + carried + wrench
+    balance = structure.load[row] + carried + wrench
     pushes = [s.force for s in sets if name in (s.of.housing, s.of.carrier)]
     size = max(end.scale, *(float(np.abs(x[:3]).max()) for x in (structure.load[row], wrench, *pushes)))
-    left = max(float(np.abs(rest[:3]).max()), float(np.abs(rest[3:]).max()) / system.arm)
+    left = max(float(np.abs(balance[:3]).max()), float(np.abs(balance[3:]).max()) / system.arm)
     return HousingResult(name, q[row].copy(), wrench, left / size if size else 0.0)
 
 

@@ -111,23 +111,23 @@ def build(
     parts = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, Scene)]
     rows = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, RollerRow)]
     built = [USE[s.thrust] for s, _ in parts] if uses is None else list(uses)
-    own = placed(assembly, member) if places is None else places
+    placements = placed(assembly, member) if places is None else places
     stations = [
         contact_stations(scene, x)[:, u[:2]]
-        for (s, scene), (x, _), u in zip(parts, own, built, strict=True)
+        for (s, scene), (x, _), u in zip(parts, placements, built, strict=True)
         if s.carrier is None
     ]
     rings = np.array([s.position for s, _ in rows])
     structure = structure_of(assembly, np.concatenate([rings, *(x.ravel() for x in stations)]), section)
     balls: list[BallSet] = []
     first = 0
-    for (one, scene), use, place in zip(parts, built, own, strict=True):
-        balls.append(_ball_set(one, scene, structure, use, place, first))
+    for (rolling, scene), use, place in zip(parts, built, placements, strict=True):
+        balls.append(_ball_set(rolling, scene, structure, use, place, first))
         first = balls[-1].balls.stop
     rollers: list[RollerSet] = []
     first = 0
-    for one, row in rows:
-        rollers.append(_roller_set(one, row, structure, first))
+    for rolling, row in rows:
+        rollers.append(_roller_set(rolling, row, structure, first))
         first = rollers[-1].slices.stop
     arm = max([b.problem.scene.track.pitch_radius for b in balls] + [tapered(r.row).pitch_diameter / 2.0 for r in rollers])
     contacts, slices = _all_balls(balls), _all_rollers(rollers)
@@ -135,7 +135,7 @@ def build(
 
 
 def _ball_set(
-    one: RollingSet,
+    rolling: RollingSet,
     scene: Scene,
     structure: Structure,
     use: NDArray[np.bool_],
@@ -149,17 +149,17 @@ def _ball_set(
     n, nodes, N = structure.nodes.size, structure.nodes, layout.z.size
     stations = contact_stations(scene, layout)
     nodal, built = scene.ingredients.partition == "nodal", int(np.argmax(use[:2]))
-    if one.carrier is not None:
-        node = np.full((N, 2), structure.row[one.carrier])
+    if rolling.carrier is not None:
+        node = np.full((N, 2), structure.row[rolling.carrier])
     elif nodal:
         node = np.abs(nodes[None, None, :] - stations[:, :, None]).argmin(axis=2)
         node[:, ~use[:2]] = node[:, [built]]
-    outer = -1 if one.housing is None else structure.row[one.housing]
+    outer = -1 if rolling.housing is None else structure.row[rolling.housing]
     at = float(structure.at[outer - n]) if outer >= 0 else scene.nut.position
     on_nut = np.stack([flank_rows(parts, s, np.full(N, at)) for s in (2, 3)], axis=1)
     v0 = np.zeros((N, 4, 2))
-    v0[:, 2:] = one.offset * on_nut[..., 2]
-    if nodal or one.carrier is not None:
+    v0[:, 2:] = rolling.offset * on_nut[..., 2]
+    if nodal or rolling.carrier is not None:
         on_screw = np.stack([flank_rows(parts, s, structure.stations[node[:, s]]) for s in range(2)], axis=1)
     else:
         sides = [s if use[s] else built for s in range(2)]
@@ -185,7 +185,7 @@ def _ball_set(
         use,
         0,
     )
-    return BallSet(one, problem, slice(first, first + N), outer, row, B, v0)
+    return BallSet(rolling, problem, slice(first, first + N), outer, row, B, v0)
 
 
 def motions_of(structure: Structure, stations: Array) -> tuple[Ints, Array]:
@@ -212,9 +212,9 @@ def with_arms(system: System, arms: Sequence[Array]) -> System:
     balls = []
     for b, m in zip(system.balls, arms, strict=True):
         p = b.problem
-        own = _ball_set(b.of, p.scene, system.structure, p.use, (p.layout, p.drawn), b.balls.start, m)
-        own.problem.C[:] = p.C
-        balls.append(own)
+        longer = _ball_set(b.of, p.scene, system.structure, p.use, (p.layout, p.drawn), b.balls.start, m)
+        longer.problem.C[:] = p.C
+        balls.append(longer)
     return replace(system, balls=balls, contacts=_all_balls(balls)._replace(tiny=system.contacts.tiny))
 
 
@@ -244,9 +244,9 @@ def _all_balls(sets: list[BallSet]) -> AxisBalls:
     for b in sets:
         N = b.problem.layout.z.size
         row.append(b.row)
-        own = np.zeros((4, degree))
-        own[:, : b.problem.drawn.profile.shape[1]] = b.problem.drawn.profile
-        profile.append(np.broadcast_to(own, (N, 4, degree)))
+        terms = np.zeros((4, degree))
+        terms[:, : b.problem.drawn.profile.shape[1]] = b.problem.drawn.profile
+        profile.append(np.broadcast_to(terms, (N, 4, degree)))
 
     def joined(arrays: Sequence[NDArray[Any]], shape: tuple[int, ...]) -> NDArray[Any]:
         return np.ascontiguousarray(np.concatenate([np.zeros((0, *shape)), *arrays]))
@@ -272,13 +272,13 @@ def tapered(row: RollerRow) -> TaperedBearing:
     return TaperedBearing(row.count, row.diameter, row.length, row.cup_angle, row.roller_angle, young, poisson, row.depth)
 
 
-def _roller_set(one: RollingSet, row: RollerRow, structure: Structure, first: int) -> RollerSet:
+def _roller_set(rolling: RollingSet, row: RollerRow, structure: Structure, first: int) -> RollerSet:
     """Slices of a row on the generators of the cup, along whose normal cone and cup approach; race and rib together give
     the cone the same line of action (`lowfi.rollers.tapered_roller`)."""
     n, bearing = structure.nodes.size, tapered(row)
-    inner = int(np.abs(structure.nodes - one.position).argmin())
-    outer = -1 if one.housing is None else structure.row[one.housing]
-    sign = 1.0 if one.thrust == "+z" else -1.0
+    inner = int(np.abs(structure.nodes - rolling.position).argmin())
+    outer = -1 if rolling.housing is None else structure.row[rolling.housing]
+    sign = 1.0 if rolling.thrust == "+z" else -1.0
     sin, cos = np.sin(row.cup_angle), np.cos(row.cup_angle)
     place = middles(row.length, row.slices)
     azimuths = row.phase + 2.0 * np.pi * np.arange(row.count) / row.count
@@ -286,9 +286,9 @@ def _roller_set(one: RollingSet, row: RollerRow, structure: Structure, first: in
     normal = np.stack([cos * c, cos * s, sign * sin * one_each], axis=1)[:, None, :]
     along = np.stack([sin * c, sin * s, -sign * cos * one_each], axis=1)[:, None, :]
     mean = bearing.apex_distance * sin * np.stack([c, s, 0.0 * c], axis=1)[:, None, :]
-    point = mean + place[None, :, None] * along + np.array([0.0, 0.0, one.position])
+    point = mean + place[None, :, None] * along + np.array([0.0, 0.0, rolling.position])
     normal = np.broadcast_to(normal, point.shape)
-    stations = (float(structure.nodes[inner]), float(structure.at[outer - n]) if outer >= 0 else one.position)
+    stations = (float(structure.nodes[inner]), float(structure.at[outer - n]) if outer >= 0 else rolling.position)
     B = np.empty((row.count, row.slices, 2, 6))
     for end, (at, direction) in enumerate(zip(stations, (1.0, -1.0), strict=True)):
         arm = point - np.array([0.0, 0.0, at])
@@ -297,12 +297,12 @@ def _roller_set(one: RollingSet, row: RollerRow, structure: Structure, first: in
     arrays = AxisRollers(
         np.tile([inner, outer], (count, 1)).astype(np.int64),
         B.reshape(count, 2, 6),
-        np.tile(place**2 / row.crown, row.count) + sign * sin * one.offset,
+        np.tile(place**2 / row.crown, row.count) + sign * sin * rolling.offset,
         np.full(count, row.length / row.slices),
         np.full(count, float(law.g)),
         np.full(count, float(law.s)),
     )
-    return RollerSet(one, row, slice(first, first + count), azimuths, arrays)
+    return RollerSet(rolling, row, slice(first, first + count), azimuths, arrays)
 
 
 def _all_rollers(sets: list[RollerSet]) -> AxisRollers:

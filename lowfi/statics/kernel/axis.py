@@ -64,8 +64,8 @@ def evaluate_axis(
                 fx, fz = force * contact[i, s, MX], force * contact[i, s, MZ]
                 for k in range(m):
                     flat[6 * row + k] -= fx * balls.B[i, s, 0, k] + fz * balls.B[i, s, 1, k]
-    more, largest = roller_forces(rollers, q, state.slices, gradient)
-    return energy + more, max(scale, largest)
+    stored, largest = roller_forces(rollers, q, state.slices, gradient)
+    return energy + stored, max(scale, largest)
 
 
 @kernel

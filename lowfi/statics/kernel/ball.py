@@ -50,9 +50,9 @@ def start_centre(p: Array, shift: Array, geometry: Array, closure: Array) -> int
             # turn of that direction is (v - D/|D| change)/|D + v|: no difference of unit vectors
             nx, nz = dx / dist0, dz / dist0
             share = geometry[b, HERTZ] / (geometry[a, HERTZ] + geometry[b, HERTZ])
-            more, size = total * share - geometry[b, APPROACH], geometry[b, SIZE]
-            x += shift[b, 0] + ((dx + vx) * more + (vx - nx * change) * size) / dist + (nx * size - geometry[b, WX])
-            z += shift[b, 1] + ((dz + vz) * more + (vz - nz * change) * size) / dist + (nz * size - geometry[b, WZ])
+            added, size = total * share - geometry[b, APPROACH], geometry[b, SIZE]
+            x += shift[b, 0] + ((dx + vx) * added + (vx - nx * change) * size) / dist + (nx * size - geometry[b, WX])
+            z += shift[b, 1] + ((dz + vz) * added + (vz - nz * change) * size) / dist + (nz * size - geometry[b, WZ])
             count += 1
     if count > 0:
         p[0], p[1] = x / count, z / count
@@ -177,24 +177,24 @@ def press_pair(a: int, total: float, p: Array, shift: Array, geometry: Array, co
     centres. Writes p (2,) and ``contact``; returns the energy [J], or -1 where another flank touches the ball there.
     """
     b = 3 - a
-    both = geometry[a, HERTZ] + geometry[b, HERTZ]
+    C_pair = geometry[a, HERTZ] + geometry[b, HERTZ]
     dx, dz = geometry[b, WX] - geometry[a, WX], geometry[b, WZ] - geometry[a, WZ]
     vx, vz = shift[a, 0] - shift[b, 0], shift[a, 1] - shift[b, 1]
     dist0, dist = sqrt(dx * dx + dz * dz), sqrt((dx + vx) * (dx + vx) + (dz + vz) * (dz + vz))
     nx, nz = dx / dist0, dz / dist0
     change = (vx * (2.0 * dx + vx) + vz * (2.0 * dz + vz)) / (dist + dist0)
-    more, size = total * geometry[b, HERTZ] / both - geometry[b, APPROACH], geometry[b, SIZE]
-    p[0] = shift[b, 0] + ((dx + vx) * more + (vx - nx * change) * size) / dist + (nx * size - geometry[b, WX])
-    p[1] = shift[b, 1] + ((dz + vz) * more + (vz - nz * change) * size) / dist + (nz * size - geometry[b, WZ])
-    force, slope, energy = hertz(total, both)
+    added, size = total * geometry[b, HERTZ] / C_pair - geometry[b, APPROACH], geometry[b, SIZE]
+    p[0] = shift[b, 0] + ((dx + vx) * added + (vx - nx * change) * size) / dist + (nx * size - geometry[b, WX])
+    p[1] = shift[b, 1] + ((dz + vz) * added + (vz - nz * change) * size) / dist + (nz * size - geometry[b, WZ])
+    force, slope, energy = hertz(total, C_pair)
     for s in range(4):
         contact[s, FORCE] = 0.0
         if s == a or b == s:
-            sign, own = (1.0 if s == b else -1.0) / dist, geometry[s, HERTZ]
+            sign, C = (1.0 if s == b else -1.0) / dist, geometry[s, HERTZ]
             contact[s, FORCE] = force
             contact[s, MX], contact[s, MZ] = sign * (dx + vx), sign * (dz + vz)
-            contact[s, KN] = slope * both / own
-            contact[s, KT] = force / (geometry[s, SIZE] + total * own / both - geometry[s, APPROACH])
+            contact[s, KN] = slope * C_pair / C
+            contact[s, KT] = force / (geometry[s, SIZE] + total * C / C_pair - geometry[s, APPROACH])
         elif geometry[s, USE] != 0.0:
             wx, wz, reach = geometry[s, WX], geometry[s, WZ], geometry[s, SIZE]
             delta, mx, mz, _ = arc(p[0] - shift[s, 0], p[1] - shift[s, 1], wx, wz, reach, geometry[s, APPROACH])

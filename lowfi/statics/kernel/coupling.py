@@ -28,7 +28,7 @@ def couple(bodies: Bodies, S: Array, counts: Array, starts: Array, M: Array) -> 
         couple_pairs(first, S, counts, starts, M)
         return
     h = d if second.shape[0] == 0 else d // 2
-    part = np.empty((S.shape[1], d))
+    product = np.empty((S.shape[1], d))
     for i in range(balls):
         for j in range(i + 1):
             for p in range(counts[i]):
@@ -36,17 +36,17 @@ def couple(bodies: Bodies, S: Array, counts: Array, starts: Array, M: Array) -> 
                     total = 0.0
                     for a in range(h):
                         total += S[i, p, a] * first[h * i + a, h * j + b]
-                    part[p, b] = total
+                    product[p, b] = total
                 for b in range(d - h):
                     total = 0.0
                     for a in range(h):
                         total += S[i, p, h + a] * second[h * i + a, h * j + b]
-                    part[p, h + b] = total
+                    product[p, h + b] = total
             for p in range(counts[i]):
                 for r in range(counts[j]):
                     total = 0.0
                     for b in range(d):
-                        total += part[p, b] * S[j, r, b]
+                        total += product[p, b] * S[j, r, b]
                     M[starts[i] + p, starts[j] + r] = total
     for k in range(M.shape[0]):
         M[k, k] += 1.0

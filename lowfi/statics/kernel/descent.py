@@ -53,11 +53,11 @@ def minimise(given: Any, state: Any, options: Options, history: Array, room: Any
     scale = max(scale, floor)
     residual = residual_at(given, state, options, room, scale)
     history[0] = residual
-    evaluations, amount, it, status, fresh = 1, 1e-3, 0, ITERATIONS, True
+    evaluations, amount, iteration, status, fresh = 1, 1e-3, 0, ITERATIONS, True
     progress = Progress(residual, energy, 0, 0)
     if residual <= tolerance and unbalanced(state, scale) <= BALANCED:
-        return Outcome(CONVERGED, it, evaluations, residual, energy, scale)
-    for it in range(1, options.most + 1):
+        return Outcome(CONVERGED, iteration, evaluations, residual, energy, scale)
+    for iteration in range(1, options.most + 1):
         solved = False
         for _ in range(SHIFTS):
             shift = amount * options.stiffness * min(1.0, residual)
@@ -83,7 +83,7 @@ def minimise(given: Any, state: Any, options: Options, history: Array, room: Any
             evaluations += used
         scale = max(scale, floor)
         residual = residual_at(given, state, options, room, scale)
-        history[it] = residual
+        history[iteration] = residual
         amount = max(1e-3, amount * 0.1)
         if residual <= tolerance and unbalanced(state, scale) <= BALANCED:
             status = CONVERGED
@@ -99,4 +99,4 @@ def minimise(given: Any, state: Any, options: Options, history: Array, room: Any
     loose = unbalanced(state, scale)
     if loose > BALANCED:
         residual = max(residual, loose)
-    return Outcome(status, it, evaluations, residual, energy, scale)
+    return Outcome(status, iteration, evaluations, residual, energy, scale)

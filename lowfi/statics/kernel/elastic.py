@@ -63,11 +63,11 @@ def solve_rows(
     given = u
     if bodies.soft_first.shape[0]:
         modes = (bodies.soft_first, bodies.soft_second)
-        part = W[:total]
-        if fresh and not soft_factor(modes, S, counts, starts, part, C):
+        soft = W[:total]
+        if fresh and not soft_factor(modes, S, counts, starts, soft, C):
             return False
         given = u.copy()
-        if gradients(bodies, S, counts, starts, (part, C), target, hold, wanted, u, a) >= 0:
+        if gradients(bodies, S, counts, starts, (soft, C), target, hold, wanted, u, a) >= 0:
             return True
         u[:] = given
     whole = M[: total * total].reshape(total, total) if M.size else np.empty((total, total))
@@ -173,10 +173,10 @@ def shift_state(
         for a in range(dv.shape[1]):
             phi[i, a] = begin.phi[i, a] + t * dphi[i, a]
             v[i, a] = begin.v[i, a] + t * dv[i, a]
-            own = dv[i, a]
+            by_bodies = dv[i, a]
             for c in range(da.shape[0]):
-                own -= R[i, a, c] * da[c]
-            g[i, a] = begin.g[i, a] + t * own
+                by_bodies -= R[i, a, c] * da[c]
+            g[i, a] = begin.g[i, a] + t * by_bodies
 
 
 @kernel

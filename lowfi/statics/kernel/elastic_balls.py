@@ -235,11 +235,11 @@ def flank_rows(contact: Array, local: Array, rows: Array) -> int:
         if contact[s, FORCE] <= 0.0:
             continue
         mx, mz = contact[s, MX], contact[s, MZ]
-        for part in range(2):
-            k = sqrt(contact[s, KN] if part == 0 else contact[s, KT])
-            dx, dz = (mx, mz) if part == 0 else (-mz, mx)
+        for tangential in range(2):
+            k = sqrt(contact[s, KN] if tangential == 0 else contact[s, KT])
+            dx, dz = (mx, mz) if tangential == 0 else (-mz, mx)
             A[n, 0], A[n, 1] = k * dx, k * dz
-            A[n, 2] = -k * local[s, BODY] if part == 0 else 0.0
+            A[n, 2] = -k * local[s, BODY] if tangential == 0 else 0.0
             B[n, 2 * s], B[n, 2 * s + 1] = k * dx, k * dz
             n += 1
     if n == 0:
@@ -300,8 +300,8 @@ def full_balls(v: Array, contacts: BallContacts, inner: Array, contact: Array, f
             scale = max(scale, force)
             f[i, 2 * s] = force * contact[i, s, MX] if force > 0.0 else 0.0
             f[i, 2 * s + 1] = force * contact[i, s, MZ] if force > 0.0 else 0.0
-    more, largest = roller_elements(v[balls:], contacts.rollers, contact[balls:], f[balls:], tiny)
-    return energy + more, max(scale, largest)
+    stored, largest = roller_elements(v[balls:], contacts.rollers, contact[balls:], f[balls:], tiny)
+    return energy + stored, max(scale, largest)
 
 
 @kernel

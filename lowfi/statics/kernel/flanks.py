@@ -27,13 +27,13 @@ LANES, STEPS, LEFT = 16, 12, 0.9
 
 @kernel
 def equations(
-    common: FlankCommon, members: FlankMembers, m: int, found: FlankStates, v: Array, r: Array, DU: Array
+    common: FlankCommon, members: FlankMembers, m: int, states: FlankStates, v: Array, r: Array, DU: Array
 ) -> float:
     """Fill the equations r (6 N,) of specimen m at motions v (6 N,) of its flanks from the start, and D U (6 N, k); settles
     its balls. Returns the largest force that is out of balance over the largest contact force, at least ``least``."""
     _, start, forces, stiffness, _, U, profile, tiny, least, spread = common
     geometry, closure, r_ball, lever = members.geometry[m], members.closure[m], members.r_ball[m], members.lever[m]
-    y, p, force = found.pull[m], found.p[m], found.force[m]
+    y, p, force = states.pull[m], states.p[m], states.force[m]
     shift, contact, change = np.zeros((4, 2)), np.zeros((4, 5)), np.empty((4, 4))
     scale, worst = least, 0.0
     for i in range(r_ball.size):
@@ -77,14 +77,14 @@ def soften(U: Array, DU: Array, r: Array) -> None:
 
 
 @kernel
-def flank_members(common: FlankCommon, members: FlankMembers, tolerance: float, found: FlankStates) -> None:
+def flank_members(common: FlankCommon, members: FlankMembers, tolerance: float, states: FlankStates) -> None:
     """Solve specimens to a relative residual, `LANES` of them at a time, whose steps are one product of matrices; fills
-    ``found``. Those not solved soon have the status ``ITERATIONS``."""
+    ``states``. Those not solved soon have the status ``ITERATIONS``."""
     size, k = common.soft.shape
     v, r, DU, before = np.empty((LANES, size)), np.zeros((LANES, size)), np.zeros((size, k)), np.empty(LANES)
-    found.status[:], found.pull[:], found.p[:] = ITERATIONS, 0.0, common.centre
-    for first in range(0, found.status.size, LANES):
-        live = min(LANES, found.status.size - first)
+    states.status[:], states.pull[:], states.p[:] = ITERATIONS, 0.0, common.centre
+    for first in range(0, states.status.size, LANES):
+        live = min(LANES, states.status.size - first)
         v[:], before[:] = 0.0, 1e300
         for _ in range(STEPS):
             going = 0
@@ -92,17 +92,17 @@ def flank_members(common: FlankCommon, members: FlankMembers, tolerance: float, 
                 m = first + lane
                 if before[lane] < 0.0:  # has ended
                     continue
-                residual = equations(common, members, m, found, v[lane], r[lane], DU)
-                found.residual[m] = residual
+                residual = equations(common, members, m, states, v[lane], r[lane], DU)
+                states.residual[m] = residual
                 if residual <= tolerance:
-                    found.status[m] = CONVERGED
+                    states.status[m] = CONVERGED
                 if residual <= tolerance or not residual <= LEFT * before[lane]:
                     before[lane], r[lane] = -1.0, 0.0
                     continue
                 before[lane] = residual
                 going += 1
                 soften(common.soft, DU, r[lane])
-                found.pull[m] -= r[lane]
+                states.pull[m] -= r[lane]
             if going == 0:
                 break
             v -= np.dot(r, common.reach)

@@ -27,13 +27,13 @@ def answers(
     state: BeamState,
     options: Options,
     rows: tuple[Array, Array],
-    found: tuple[Array, Array, Array],
+    out: tuple[Array, Array, Array],
 ) -> bool:
     """Answers to unit forces at the stiffness of a state. rows: functions of the motions of the nodes, their coefficients
-    (c, m), and the freedoms (c,) from which on these are; found: motions of the nodes (6 n, c) by the force of each, the
+    (c, m), and the freedoms (c,) from which on these are; out: motions of the nodes (6 n, c) by the force of each, the
     functions (c, c) by these, and the contacts' part of the stiffness (N, 4, 4). False where that stiffness is not positive
     definite."""
-    n, (arms, first), (motions, reach, hessians) = state.q.shape[0], rows, found
+    n, (arms, first), (motions, reach, hessians) = state.q.shape[0], rows, out
     band = np.empty(beam.band.shape)
     evaluate(beam, contacts, state, BeamSlopes(np.empty((n, 6)), hessians))
     assemble(band, beam, contacts, hessians, ROUND_OFF * max(0.0, beam.band[:, 0].max()), options.arm)
@@ -53,12 +53,12 @@ def answers(
 
 @kernel
 def ensemble(
-    beam: BeamArrays, contacts: BeamContacts, begin: BeamState, options: Options, members: MemberArrays, found: MemberStates
+    beam: BeamArrays, contacts: BeamContacts, begin: BeamState, options: Options, members: MemberArrays, out: MemberStates
 ) -> None:
     """Solve many specimens of one screw from the same start; they differ in ball radii, groove centres and lever arms.
 
     Every member begins where ``begin`` is, the solution of ``contacts``, which stays as it is, so that calls may run side
-    by side; fills ``found``.
+    by side; fills ``out``.
     """
     state = BeamState(begin.q.copy(), begin.d.copy(), begin.p.copy(), begin.contact.copy())
     history, shared = np.empty(options.most + 1), members.B.shape[0] == 1
@@ -75,6 +75,6 @@ def ensemble(
         for to, start in ((state.q, begin.q), (state.d, begin.d), (state.p, begin.p)):
             to[:] = start
         outcome = solve_beam(beam, of_member, state, options, history)
-        found.status[m], found.residual[m] = outcome.status, outcome.residual
-        found.q[m], found.p[m] = state.q, state.p
-        found.force[m] = state.contact[:, :, FORCE]
+        out.status[m], out.residual[m] = outcome.status, outcome.residual
+        out.q[m], out.p[m] = state.q, state.p
+        out.force[m] = state.contact[:, :, FORCE]

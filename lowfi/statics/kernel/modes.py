@@ -20,7 +20,7 @@ def soft_rows(modes: tuple[Array, Array], S: Array, counts: Array, starts: Array
     """W (q, r) = S U: modes = (U first, U second), of the first and second half of the flanks (one body: of all)."""
     first, second = modes
     balls, _, d = S.shape
-    r, more = first.shape[1], second.shape[1]
+    r, r_second = first.shape[1], second.shape[1]
     h = d if second.shape[0] == 0 else d // 2
     W[:] = 0.0
     for i in range(balls):
@@ -32,7 +32,7 @@ def soft_rows(modes: tuple[Array, Array], S: Array, counts: Array, starts: Array
                     W[row, m] += s * first[h * i + a, m]
             for a in range(d - h):
                 s = S[i, p, h + a]
-                for m in range(more):
+                for m in range(r_second):
                     W[row, r + m] += s * second[h * i + a, m]
 
 

@@ -156,13 +156,13 @@ def assemble(band: Array, beam: BeamArrays, contacts: BeamContacts, hessians: Ar
     for i in range(node.shape[0]):
         for s in range(2):
             o, t = 2 * s, 2 - 2 * s
-            own = hessians[i, o, o], hessians[i, o, o + 1], hessians[i, o + 1, o + 1]
-            if own[0] == 0.0 and own[2] == 0.0:
+            stiffness = hessians[i, o, o], hessians[i, o, o + 1], hessians[i, o + 1, o + 1]
+            if stiffness[0] == 0.0 and stiffness[2] == 0.0:
                 continue
             if m == 6:  # by its number: the compiler then unrolls the loops
-                add_own(band, B[i, s], own, 6 * node[i, s], 6, room)
+                add_own(band, B[i, s], stiffness, 6 * node[i, s], 6, room)
             else:
-                add_own(band, B[i, s], own, 6 * node[i, s], m, room)
+                add_own(band, B[i, s], stiffness, 6 * node[i, s], m, room)
             if hessians[i, o, t] != 0.0 or hessians[i, o + 1, t + 1] != 0.0:
                 between, rows, columns = hessians[i, o : o + 2, t : t + 2], 6 * node[i, s], 6 * node[i, 1 - s]
                 add_between(band, B[i, s], B[i, 1 - s], between, rows, columns, room)

@@ -82,7 +82,7 @@ def roller_elements(v: Array, rollers: RollerContacts, contact: Array, f: Array,
         contact[i, :, FORCE] = 0.0
         f[i, :] = 0.0
         approach, tilt = v[i, 2 * CONE] - v[i, 2 * CUP], v[i, 2 * CONE + 1] - v[i, 2 * CUP + 1]
-        force, moment, kff, kfm, kmm, own = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        force, moment, kff, kfm, kmm, work = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         for k in range(rollers.place.shape[1]):
             x, width = rollers.place[i, k], rollers.width[i, k]
             delta = approach + tilt * x - rollers.drop[i, k]
@@ -94,10 +94,10 @@ def roller_elements(v: Array, rollers: RollerContacts, contact: Array, f: Array,
             kff += width * slope
             kfm += width * slope * x
             kmm += width * slope * x * x
-            own += width * stored
+            work += width * stored
         if force <= tiny:
             continue
-        energy += own
+        energy += work
         scale = max(scale, force)
         size = sqrt(force * force + moment * moment)
         for flank, sign in ((CONE, -1.0), (CUP, 1.0)):

@@ -17,19 +17,19 @@ from rollbench.lowfi.statics.records import Array
 def row_factor(values: Array, first: Array, start: Array) -> bool:
     """Overwrite the envelope by its Cholesky factor; False where the matrix is not positive definite."""
     for i in range(first.shape[0]):
-        own = start[i]
+        row = start[i]
         for j in range(first[i], i):
             other = start[j]
-            x = values[own + j]
+            x = values[row + j]
             for k in range(max(first[i], first[j]), j):
-                x -= values[own + k] * values[other + k]
-            values[own + j] = x / values[other + j]
-        x = values[own + i]
+                x -= values[row + k] * values[other + k]
+            values[row + j] = x / values[other + j]
+        x = values[row + i]
         for k in range(first[i], i):
-            x -= values[own + k] * values[own + k]
+            x -= values[row + k] * values[row + k]
         if not x > 0.0:
             return False
-        values[own + i] = sqrt(x)
+        values[row + i] = sqrt(x)
     return True
 
 
@@ -38,16 +38,16 @@ def row_solve(values: Array, first: Array, start: Array, b: Array) -> None:
     """Overwrite b (n,) by the solution, from the factor."""
     n = first.shape[0]
     for i in range(n):
-        own = start[i]
+        row = start[i]
         x = b[i]
         for k in range(first[i], i):
-            x -= values[own + k] * b[k]
-        b[i] = x / values[own + i]
+            x -= values[row + k] * b[k]
+        b[i] = x / values[row + i]
     for i in range(n - 1, -1, -1):
-        own = start[i]
-        b[i] = b[i] / values[own + i]
+        row = start[i]
+        b[i] = b[i] / values[row + i]
         for k in range(first[i], i):
-            b[k] -= values[own + k] * b[i]
+            b[k] -= values[row + k] * b[i]
 
 
 def _lapack_factor(values: Array, first: Array, start: Array) -> bool:

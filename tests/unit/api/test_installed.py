@@ -43,8 +43,8 @@ def contents(wheel: Path | str) -> list[tuple[str, int]]:
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("built")
-    (made,) = WheelBuilder(str(ROOT)).build(directory=str(folder), versions=["standard"])
-    return Path(made)
+    (name,) = WheelBuilder(str(ROOT)).build(directory=str(folder), versions=["standard"])
+    return Path(name)
 
 
 @pytest.fixture(scope="module")
@@ -74,15 +74,15 @@ def test_a_wheel_by_way_of_the_source_archive_is_the_same(wheel: Path, tmp_path:
     with tarfile.open(archive) as opened:
         opened.extractall(tmp_path, filter="data")
     (source,) = (path for path in tmp_path.iterdir() if path.is_dir())
-    (made,) = WheelBuilder(str(source)).build(directory=str(tmp_path), versions=["standard"])
-    assert contents(made) == contents(wheel)
+    (again,) = WheelBuilder(str(source)).build(directory=str(tmp_path), versions=["standard"])
+    assert contents(again) == contents(wheel)
 
 
 @pytest.mark.parametrize("order", [BEFORE, AFTER], ids=["loaded before", "loaded after"])
 def test_it_solves_beside_files_of_the_same_names(python: Path, tmp_path: Path, order: str) -> None:
     (tmp_path / "meshes").mkdir()
-    for own in ("meshes/__init__.py", "compare.py", "reports.py"):
-        (tmp_path / own).write_text("OWN = True\n")
+    for file in ("meshes/__init__.py", "compare.py", "reports.py"):
+        (tmp_path / file).write_text("OWN = True\n")
     alone = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     done = subprocess.run(
         [python, "-c", order + SOLVE], cwd=tmp_path, env=alone, capture_output=True, text=True, check=False

@@ -56,10 +56,10 @@ def test_rows_stand_side_by_side_and_share_the_preload() -> None:
     assert [s.parts.nut.position for s in found.sets] == pytest.approx([0.035, 0.05, 0.065])  # type: ignore[union-attr]
     total = preload_of_set("DBD", 3350.0)
     assert [s.preload for s in found.sets] == pytest.approx([total, 0.5 * total, 0.5 * total])
-    own = read(
+    stated = read(
         changed(('pair_preload = "3350 N"', 'preload = "4500 N"'), ('pair_rigidity = "1030 N/um"', ""), ("# conf", "conf"))
     )
-    assert [s.preload for s in own.sets] == pytest.approx([4500.0, 2250.0, 2250.0])
+    assert [s.preload for s in stated.sets] == pytest.approx([4500.0, 2250.0, 2250.0])
     tandem = (
         ('arrangement = "DBD"', 'arrangement = "DT"'),
         ('pair_preload = "3350 N"', ""),

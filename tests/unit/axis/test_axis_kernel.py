@@ -148,8 +148,8 @@ def test_law_of_a_slice_goes_on_smoothly_beyond_its_range():
     delta = edge * (float(law.g) - law.s * np.log(edge))
     low, high = (rollers.roller_law(delta * t, float(law.g), law.s) for t in (1.0 - 1e-9, 1.0 + 1e-9))
     assert np.allclose(low, high, rtol=1e-7)
-    more = rollers.roller_law(2.0 * delta, float(law.g), law.s)
-    assert (more[2] - high[2]) / delta == pytest.approx(0.5 * (more[0] + high[0]), rel=1e-6)
+    beyond = rollers.roller_law(2.0 * delta, float(law.g), law.s)
+    assert (beyond[2] - high[2]) / delta == pytest.approx(0.5 * (beyond[0] + high[0]), rel=1e-6)
 
 
 def test_compiled_kernels_find_the_same():

@@ -152,8 +152,8 @@ def test_profiles_of_each_set_count():
     assert relative(found.sets[0].balls.contact_point, alone.contact_point) < 1e-9
     assert relative(refined(one_set(scene)).sets[0].balls.load, alone.load) > 1e-3
     parts = double_nut(count=6)
-    own = replace(parts.sets[0].parts, errors=errors)
-    both = refined(replace(parts, sets=(replace(parts.sets[0], parts=own), parts.sets[1])))
+    uneven_nut = replace(parts.sets[0].parts, errors=errors)
+    both = refined(replace(parts, sets=(replace(parts.sets[0], parts=uneven_nut), parts.sets[1])))
     assert both.equilibrium.force_residual < 1e-10
 
 

@@ -90,10 +90,10 @@ def test_displacement_and_deflection_identities():
     for load in (1e-3, 10.0, 5e3, 2e4):
         s = thrust_state(b, displacement(b, load))
         assert float(s.load) == pytest.approx(load, rel=1e-13)
-        a, rest, now = b.centre_distance, b.free_angle, float(s.angle)
-        assert float(s.approach) == pytest.approx(a * (np.cos(rest) / np.cos(now) - 1.0), abs=1e-15)
-        assert float(s.displacement) == pytest.approx(a * np.sin(now - rest) / np.cos(now), abs=1e-15)
-        assert float(s.load) == pytest.approx(18 * float(s.ball_load) * np.sin(now), rel=1e-14)
+        a, rest, angle = b.centre_distance, b.free_angle, float(s.angle)
+        assert float(s.approach) == pytest.approx(a * (np.cos(rest) / np.cos(angle) - 1.0), abs=1e-15)
+        assert float(s.displacement) == pytest.approx(a * np.sin(angle - rest) / np.cos(angle), abs=1e-15)
+        assert float(s.load) == pytest.approx(18 * float(s.ball_load) * np.sin(angle), rel=1e-14)
 
 
 def test_contact_at_both_races_adds_up_to_the_approach():

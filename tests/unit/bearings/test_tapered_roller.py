@@ -190,12 +190,12 @@ def test_too_much_radial_load_is_refused():
 
 
 @pytest.mark.parametrize("rollers", [6, 16, 41])
-@pytest.mark.parametrize("part", [0.95, 0.99, 0.9999])
-def test_near_the_limit_of_the_radial_load_steps_must_be_cut(rollers, part):
+@pytest.mark.parametrize("share", [0.95, 0.99, 0.9999])
+def test_near_the_limit_of_the_radial_load_steps_must_be_cut(rollers, share):
     """One or two rollers carry nearly all and a direction is soft: whole Newton steps leave the law's range here."""
     b = replace(B, rollers=rollers, cup_angle=np.radians(10.0), roller_angle=np.radians(2.0))
     for thrust in (1.0, 1e5):
-        assert combined(b, thrust, part * thrust / np.tan(b.cup_angle)).converged
+        assert combined(b, thrust, share * thrust / np.tan(b.cup_angle)).converged
 
 
 # --- slices

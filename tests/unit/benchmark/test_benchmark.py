@@ -172,9 +172,9 @@ def test_the_folder_is_small_and_its_hashes_hold(folder):
     for name, said in kept["files"].items():
         data = (folder / name).read_bytes()
         assert said == {"sha256": hashlib.sha256(data).hexdigest(), "bytes": len(data)}
-    own = answers.HERE.joinpath("LICENSE.txt").read_text(encoding="utf-8")
-    assert (folder / "LICENSE.txt").read_text(encoding="utf-8") == own
-    assert "MIT License" in own
+    licence = answers.HERE.joinpath("LICENSE.txt").read_text(encoding="utf-8")
+    assert (folder / "LICENSE.txt").read_text(encoding="utf-8") == licence
+    assert "MIT License" in licence
 
 
 def test_the_page_leaves_nothing_open(folder):
@@ -213,10 +213,10 @@ def test_the_scene_leaves_no_dimension_to_an_assumption(name, folder):
     text = (folder / "problems" / f"{name}.toml").read_text(encoding="utf-8")
     found, meant = scene_file.read(text, f"{name}.toml"), PROBLEMS[name].described
     assert text == fixed_text(PROBLEMS[name])
-    own, ours = dimensions(found), dimensions(meant)
-    assert own.assumed[0].startswith(("The groove runs", "Flat ends"))
-    assert (own.land, own.hole, own.shaft) == pytest.approx((ours.land, ours.hole, ours.shaft), rel=1e-9)
-    assert (own.nut_held, own.screw_held) == (ours.nut_held, ours.screw_held)
+    written, ours = dimensions(found), dimensions(meant)
+    assert written.assumed[0].startswith(("The groove runs", "Flat ends"))
+    assert (written.land, written.hole, written.shaft) == pytest.approx((ours.land, ours.hole, ours.shaft), rel=1e-9)
+    assert (written.nut_held, written.screw_held) == (ours.nut_held, ours.screw_held)
     said = tuple(words for words in meant.assumed if not words.startswith("The former key"))
     assert replace(found, solid=meant.solid, name=meant.name) == replace(meant, assumed=said)
 

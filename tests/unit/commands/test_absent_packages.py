@@ -54,9 +54,9 @@ CASES = [
 ]
 
 
-def run(words, folder, before=(sys.executable, "-m", "tests.without"), **more):
+def run(words, folder, before=(sys.executable, "-m", "tests.without"), **variables):
     done = subprocess.run(
-        [*before, *words], cwd=folder, env={**os.environ, **more}, capture_output=True, text=True, check=False
+        [*before, *words], cwd=folder, env={**os.environ, **variables}, capture_output=True, text=True, check=False
     )
     return done.returncode, done.stdout + done.stderr
 

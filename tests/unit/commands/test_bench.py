@@ -197,10 +197,10 @@ def test_long_jobs_are_kept_with_version_and_day_and_shown(monkeypatch, tmp_path
 
 @pytest.mark.parametrize(("count", "length"), [(32, 54e-3), (120, 164e-3)])
 def test_screws_turned_in_time_are_case_1_with_more_balls(count, length):
-    made, case = loads(long._balls(count), "balls"), shipped("lin-case1")
-    assert (made.ball_count, made.nut.length) == (count, pytest.approx(length))
-    assert np.diff(made.balls.azimuths[:2]) == pytest.approx(np.diff(case.balls.azimuths[:2]))
-    assert made.time.steps == 200
+    longer, case = loads(long._balls(count), "balls"), shipped("lin-case1")
+    assert (longer.ball_count, longer.nut.length) == (count, pytest.approx(length))
+    assert np.diff(longer.balls.azimuths[:2]) == pytest.approx(np.diff(case.balls.azimuths[:2]))
+    assert longer.time.steps == 200
 
 
 def test_names_of_long_jobs_are_refused_without_long():
@@ -225,7 +225,7 @@ def test_growth_is_measured_once_and_kept(monkeypatch, tmp_path):
     points, said = typed.growth(Study((tmp_path,)))
     again, kept = typed.growth(Study((tmp_path,)))
     assert len(measured) == 2
-    assert again == {of: {model: [list(p) for p in own] for model, own in found.items()} for of, found in points.items()}
+    assert again == {of: {model: [list(p) for p in x] for model, x in found.items()} for of, found in points.items()}
     assert (said, kept.split(",")[0]) == ("Measured for this report.", "Kept")
     typed.growth(Study((tmp_path,), timed=True))
     assert len(measured) == 4

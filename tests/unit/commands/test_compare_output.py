@@ -51,11 +51,11 @@ def loads(scene: Scene, model: str, factor: float) -> Loads:
 @pytest.fixture
 def case() -> tuple[Scene, list[Any], Reference, Any]:
     scene = catalogue.scene("lin-case1")
-    own = loads(scene, "3D reference", 1.0)
+    exact = loads(scene, "3D reference", 1.0)
     runs = cast("Any", (SimpleNamespace(level=1, moving=0.0),))
-    found = Reference(scene.name, runs, own.load, np.where(own.load > 0.0, 0.5, 0.0), GridParts(0.2))
+    found = Reference(scene.name, runs, exact.load, np.where(exact.load > 0.0, 0.5, 0.0), GridParts(0.2))
     models = [beside(scene, loads(scene, name, f), found) for name, f in (("refined", 1.01), ("lin-source-partition", 0.9))]
-    return scene, models, found, beside(scene, own, None)
+    return scene, models, found, beside(scene, exact, None)
 
 
 def test_the_verdict_speaks_of_the_default_model_and_of_one_level(case: Any) -> None:

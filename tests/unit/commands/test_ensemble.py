@@ -18,9 +18,9 @@ PITCH = SideErrors(pitch=(FourierTerm(1.0, sigma=2e-6), FourierTerm(3.0, cos=1e-
 ROUND = SideErrors(pitch=(FourierTerm(2.0, sigma=1e-6),), roundness=(FourierTerm(2.0, sin=1e-6, sigma=1e-6),))
 
 
-def with_errors(sigma, oversize=0.0, distribution="normal", **more):
+def with_errors(sigma, oversize=0.0, distribution="normal", **others):
     drawn = BallErrors(oversize=oversize, sigma=sigma, distribution=distribution)
-    return replace(BASE, errors=replace(BASE.errors, balls=drawn, **more))
+    return replace(BASE, errors=replace(BASE.errors, balls=drawn, **others))
 
 
 def assert_same_loads(scene, result, members):

@@ -97,8 +97,8 @@ def area(mesh: meshio.Mesh, group: str) -> float:
     """Area of the faces all of whose nodes belong to a group."""
     name, cells = our_cells(mesh)
     faces = boundary_faces(cells, name)
-    own = faces[np.all(mesh.point_data[f"boundary {group}"][faces] == 1, axis=1)]
-    return float(nodal_areas(mesh.points, cells, name, own).sum())
+    of_group = faces[np.all(mesh.point_data[f"boundary {group}"][faces] == 1, axis=1)]
+    return float(nodal_areas(mesh.points, cells, name, of_group).sum())
 
 
 @pytest.mark.parametrize("part", ["screw", "nut", "ball"])
@@ -133,12 +133,12 @@ def groups(file: Path) -> dict[str, dict[str, np.ndarray]]:
     import gmsh
 
     mesh = skfem.Mesh.load(file)
-    found = {"scikit-fem": {k: mesh.p[:, mesh.facets[:, own]].mean(axis=1).T for k, own in mesh.boundaries.items()}}
+    found = {"scikit-fem": {k: mesh.p[:, mesh.facets[:, x]].mean(axis=1).T for k, x in mesh.boundaries.items()}}
     if file.suffix == ".msh":
         read = meshio.read(file)
-        by_name = {k: own["triangle6"] for k, own in read.cell_sets_dict.items() if "triangle6" in own and ":" not in k}
+        by_name = {k: x["triangle6"] for k, x in read.cell_sets_dict.items() if "triangle6" in x and ":" not in k}
         faces = read.cells_dict["triangle6"][:, :3]
-        found["meshio"] = {k: read.points[faces[own]].mean(axis=1) for k, own in by_name.items()}
+        found["meshio"] = {k: read.points[faces[x]].mean(axis=1) for k, x in by_name.items()}
         gmsh.initialize(interruptible=False)
         try:
             gmsh.option.setNumber("General.Terminal", 0)
@@ -398,8 +398,8 @@ def test_calculix_finds_the_compliance_of_an_exported_nut(tmp_path: Path):
     theirs[nodes] = found
     assert set(nodes) == set(sockets)
     largest = np.abs(ours[sockets]).max()
-    for own in pushed:
-        np.testing.assert_allclose(theirs[own].mean(axis=0), ours[own].mean(axis=0), atol=2e-4 * largest)
+    for group in pushed:
+        np.testing.assert_allclose(theirs[group].mean(axis=0), ours[group].mean(axis=0), atol=2e-4 * largest)
     np.testing.assert_allclose(theirs[sockets], ours[sockets], atol=1e-3 * largest)
 
 

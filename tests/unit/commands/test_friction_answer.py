@@ -164,11 +164,11 @@ def test_flanks_without_contact_have_no_angle():
 
 
 def test_files_and_names_go_to_the_solver_that_knows_them(tmp_path):
-    own, kind, none = tmp_path / "own.toml", tmp_path / "kind.toml", tmp_path / "none.toml"
-    own.write_text(MINE)
+    screw, kind, none = tmp_path / "own.toml", tmp_path / "kind.toml", tmp_path / "none.toml"
+    screw.write_text(MINE)
     kind.write_text(catalogue.scene_text("lin-pair-a"))
     none.write_text('title = "no kind"\n')
-    assert solve_friction(str(own), Choices("lin")).data["kind"] == "ball screw"
+    assert solve_friction(str(screw), Choices("lin")).data["kind"] == "ball screw"
     assert solve_friction(str(kind), Choices()).data["kind"] == "linear pair"
     with pytest.raises(SceneError, match="track: got nothing"):
         solve_friction(str(none), Choices())

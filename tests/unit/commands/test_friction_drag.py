@@ -55,9 +55,9 @@ def test_torques_over_the_measured_coefficients_stand_beside_the_maker_s_formula
     found = answer(scene)
     data = found.data["band"]
     for mu, torque in zip((0.003, 0.1), data["friction_torque_Nmm"], strict=True):
-        own = answer(replace(scene, friction=Friction(mu, mu))).data["torque"]
-        assert torque == pytest.approx(own["friction_torque_Nmm"], rel=1e-9)
-    assert data["drag_torque_Nmm"][1] == pytest.approx(own["drag_torque_Nmm"], rel=1e-9)
+        alone = answer(replace(scene, friction=Friction(mu, mu))).data["torque"]
+        assert torque == pytest.approx(alone["friction_torque_Nmm"], rel=1e-9)
+    assert data["drag_torque_Nmm"][1] == pytest.approx(alone["drag_torque_Nmm"], rel=1e-9)
     tangent = scene.track.lead / (2 * np.pi * scene.track.pitch_radius)
     formula = 0.05 / np.sqrt(tangent) * data["preload_N"] * 1e3 * scene.track.lead / (2 * np.pi)
     assert data["makers_formula_Nmm"] == pytest.approx(formula, rel=1e-9)

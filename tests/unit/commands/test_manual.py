@@ -66,8 +66,8 @@ def test_named_files_exist(page: Path) -> None:
     for named in re.findall(r"`((?:lowfi|hifi|compare|meshes|reports|tests)/[\w./*-]+)`", text):
         assert list(TOP.glob(named)), named
     for target in re.findall(r"\]\(([^)#:]+?)(?:#[^)]*)?\)", text):
-        made = page.parent / target
-        assert made.exists() or made.stem in ("commands", "quantities", "scene-file", "misprints"), target
+        file = page.parent / target
+        assert file.exists() or file.stem in ("commands", "quantities", "scene-file", "misprints"), target
 
 
 def test_first_page_states_the_report_s_errors() -> None:

@@ -26,13 +26,13 @@ def test_what_is_timed_and_one_core_make_one_process(monkeypatch):
 
 
 def test_sections_of_both_processes_are_those_of_one():
-    alone, told = Study(), []
-    whole = make([ASIDE, OWN], told.append, lambda _: None, alone, lambda _: None).sections
+    alone, steps = Study(), []
+    whole = make([ASIDE, OWN], steps.append, lambda _: None, alone, lambda _: None).sections
     study = Study()
-    halves = build([ASIDE], [OWN], told.append, lambda _: None, study, abs)
+    halves = build([ASIDE], [OWN], steps.append, lambda _: None, study, abs)
     assert halves == whole
     assert list(study.used) == list(alone.used) != []
-    assert told == ["crosscheck", "tolerances", "tolerances", "what is left of crosscheck"]
+    assert steps == ["crosscheck", "tolerances", "tolerances", "what is left of crosscheck"]
 
 
 def test_what_measures_times_is_made_last_and_alone(monkeypatch):

@@ -71,8 +71,8 @@ def test_the_gate_runs_in_an_environment_of_these_lines_alone(tmp_path: Path) ->
 
     pip = (sys.executable, "-m", "pip", "--python", python, "install", "-q", "--no-deps")
     for what in (("-r", tmp_path / "requirements.txt"), (wheel,)):
-        made = run(*pip, *what)
-        assert made.returncode == 0, made.stderr
+        installed = run(*pip, *what)
+        assert installed.returncode == 0, installed.stderr
     found = run(tmp_path / "small" / "bin" / "rollbench", "check", "lin-case1", "--no-compute", "--max-error", "7")
     assert found.returncode == 0, found.stderr
     assert found.stdout.startswith("PASS: lin-case1, refined: "), found.stdout

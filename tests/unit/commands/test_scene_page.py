@@ -115,12 +115,12 @@ def test_the_same_page_made_again_has_not_moved(html: str, tmp_path, monkeypatch
         folder.mkdir()
     (old / "index.html").write_text(html, encoding="utf-8")
 
-    def made(scene: str, out, *_: object):
+    def written_later(scene: str, out, *_: object):
         again = scene_page.page_of(scene, (scene_page.shipped_store(),))
         later = replace(again, picture=None, provenance={**again.provenance, "date": "later"})
         (out / "index.html").write_text(render(later), encoding="utf-8")
         return later
 
-    monkeypatch.setattr(verify, "make_page", made)
+    monkeypatch.setattr(verify, "make_page", written_later)
     found = verify.run_page(SCENE, new, tmp_path, old)
     assert (found.code, found.parts[-1]) == (0, "nothing moved")

@@ -286,15 +286,15 @@ def test_several_sets_are_warned_of_by_name(tmp_path: Path, command) -> None:
     ("modulus", "code"), [("210 MPa", 2), ("0.99 GPa", 2), ("1 GPa", 0), ("1001 GPa", 2), ("70 GPa", 0)]
 )
 def test_a_modulus_of_no_solid_is_refused_unless_it_is_meant(tmp_path: Path, command, modulus: str, code: int) -> None:
-    own = f'youngs_modulus = "{modulus}"\npoissons_ratio = 0.3'
+    material = f'youngs_modulus = "{modulus}"\npoissons_ratio = 0.3'
     rest = (('force = "5 % of C"', 'oversize = "0.1 um"'), (', "5.7 kN"]', ', "100 N"]'))
-    file = changed_40x10(tmp_path, ('name = "bearing steel"', own), *rest)
+    file = changed_40x10(tmp_path, ('name = "bearing steel"', material), *rest)
     found, _, error = command("solve", file, "--model", "lin")
     assert found == code
     if code:
         assert "material.youngs_modulus" in error
         assert "1 GPa to 1000 GPa" in error
-        file = changed_40x10(tmp_path, ('name = "bearing steel"', f"unusual = true\n{own}"), *rest)
+        file = changed_40x10(tmp_path, ('name = "bearing steel"', f"unusual = true\n{material}"), *rest)
         assert command("solve", file, "--model", "lin").code == 0
 
 
@@ -304,9 +304,9 @@ def test_compare_counts_displacements_from_where_solve_does() -> None:
     found = reference(scene, stores)
     assert found is not None
     whole = compared(scene, [MODELS["lin"]], found, stores)
-    own = gather(scene, run_model(scene, "lin", QUIET), "lin", QUIET)
+    solved = gather(scene, run_model(scene, "lin", QUIET), "lin", QUIET)
     (row,) = (b for b in whole.models if b.label == "lin")
-    assert row.displacement == pytest.approx(own.displacement, rel=1e-9)
+    assert row.displacement == pytest.approx(solved.displacement, rel=1e-9)
     assert whole.start != 0.0
     bare = float(np.interp(scene.nut.position, whole.itself.answer.stations, whole.itself.answer.line[:, 2]))
     assert whole.itself.displacement == pytest.approx(bare - whole.start, rel=1e-12)

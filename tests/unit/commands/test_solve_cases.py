@@ -146,7 +146,7 @@ def test_a_sweep_takes_the_worst_case_and_the_life_over_the_cycle(tmp_path: Path
 @pytest.mark.parametrize("force", [0.02, 600.0])
 def test_a_nut_on_a_shaft_bears_its_own_force_alone(force: float) -> None:
     """ISO 3408-5 adds preload between two halves: offsets that preload a set of several are in its force already."""
-    own = solve_any(one_set(small_screw(4, force=(0.0, 0.0, force))), "lin", Options()).sets["nut"]
-    found = equivalent_life([own.parts], [1.0], [own.force], own.preload)
+    nut = solve_any(one_set(small_screw(4, force=(0.0, 0.0, force))), "lin", Options()).sets["nut"]
+    found = equivalent_life([nut.parts], [1.0], [nut.force], nut.preload)
     assert found is not None
     assert found.loads == (pytest.approx(force, rel=1e-6), 0.0)

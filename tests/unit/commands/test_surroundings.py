@@ -215,13 +215,13 @@ def test_escape_characters_of_names_are_not_printed_raw(tmp_path, monkeypatch, c
 
 @pytest.mark.parametrize("words", [["list"], ["solve", "no-such-scene"]])
 def test_a_caller_keeps_its_own_handler_of_term(words):
-    def own(*_):
+    def handler(*_):
         pytest.fail("TERM came")
 
-    before = signal.signal(signal.SIGTERM, own)
+    before = signal.signal(signal.SIGTERM, handler)
     try:
         with pytest.raises(SystemExit):
             main(words)
-        assert signal.getsignal(signal.SIGTERM) is own
+        assert signal.getsignal(signal.SIGTERM) is handler
     finally:
         signal.signal(signal.SIGTERM, before)

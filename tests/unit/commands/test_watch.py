@@ -36,9 +36,9 @@ def test_a_bar_says_on_a_terminal_what_is_done_and_leaves_nothing(monkeypatch, c
     for terminal in (False, True):
         monkeypatch.setattr(watch.sys.stderr, "isatty", lambda shown=terminal: shown)
         monkeypatch.setattr(watch, "FIRST", 0.0)
-        with watch.bar("my.toml") as told:
+        with watch.bar("my.toml") as progress:
             for k in range(3):
-                told("50 steps", 0.5 * k)
+                progress("50 steps", 0.5 * k)
         shown = capsys.readouterr().err
         if not terminal:
             assert shown == ""

@@ -103,9 +103,9 @@ def test_a_flange_on_the_right_is_that_on_the_left_seen_from_behind() -> None:
 
 
 def test_what_is_held_is_the_annulus_and_the_bonded_fit() -> None:
-    own = tube(replace(FLANGE, centring=10e-3, bonded=True))
-    grid = tube_grid(*with_flange(own, radial_ends(own)[0], axial_ends(own, ZONE)))
-    held = held_nodes(own, grid).reshape(*grid.shape, 3)
+    flanged = tube(replace(FLANGE, centring=10e-3, bonded=True))
+    grid = tube_grid(*with_flange(flanged, radial_ends(flanged)[0], axial_ends(flanged, ZONE)))
+    held = held_nodes(flanged, grid).reshape(*grid.shape, 3)
     assert (held.all(axis=2) == held.any(axis=2)).all()
     beyond = (grid.r > OUTER + 1e-9) & (grid.z > FLANGE.thickness + 1e-9)
     assert held[beyond].all()

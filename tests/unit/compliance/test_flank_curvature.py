@@ -31,9 +31,9 @@ def test_curvature_terms_of_cylinder_and_sphere():
     around = (A * x - 1 + 2 * NU) / (x**2 - 1)  # disc in plane strain, pressure cos n theta
     n = x - 0.5
     sphere = float(legendre_compliance(np.array(n), NU))
-    for exact, trace, own in ((along, 1, 0), (around, 1, 1), (sphere, 2, 1)):
+    for exact, trace, along_k in ((along, 1, 0), (around, 1, 1), (sphere, 2, 1)):
         remainder = (exact - A / x) * x**2
-        assert remainder == pytest.approx(ALPHA * trace + BETA * own, abs=2e-2)
+        assert remainder == pytest.approx(ALPHA * trace + BETA * along_k, abs=2e-2)
     a, b = expansion(NU)
     assert (a + 2 * b) / 2 == pytest.approx(2 * ALPHA + BETA, rel=1e-12)
 

@@ -262,7 +262,7 @@ BIG = 50e-3
 
 
 @cache
-def own(width, harmonics=2.6, size=1.0):
+def own_compliance(width, harmonics=2.6, size=1.0):
     """Own compliance of a radial Gaussian patch on the middle of a big shaft."""
     shaft = Tube(
         10e-3,
@@ -284,21 +284,21 @@ def test_half_space_limit():
     """Two widths take out the body; the logarithm of curvature is what is left beside the half space."""
     a, b = expansion(NU)
     widths = 1.5e-3, 3e-3
-    found = own(widths[0]) - own(widths[1])
+    found = own_compliance(widths[0]) - own_compliance(widths[1])
     space = half_space(widths[0], STEEL) - half_space(widths[1], STEEL)
     curved = (a + 2 * b) / (16 * np.pi * G * BIG) * np.log(widths[0] / widths[1])
     assert found == pytest.approx(space, rel=5e-3, abs=0.0)
     # harmonic 1 keeps the patch's whole resultant: (width / radius)^2 of its own share
     assert found == pytest.approx(space - curved, rel=1e-3, abs=0.0)
-    assert own(widths[1]) == pytest.approx(half_space(widths[1], STEEL), rel=0.15, abs=0.0)
+    assert own_compliance(widths[1]) == pytest.approx(half_space(widths[1], STEEL), rel=0.15, abs=0.0)
     assert half_space(1e-3, STEEL) == pytest.approx((1 - NU**2) / (2 * np.sqrt(np.pi) * E * 1e-3), rel=1e-12, abs=0.0)
 
 
 def test_patch_converges_with_mesh_and_harmonics():
     width = 3e-3
-    base = own(width)
-    assert own(width, size=0.5) == pytest.approx(base, rel=2e-3, abs=0.0)
-    assert own(width, harmonics=4.0) == pytest.approx(base, rel=1e-4, abs=0.0)
+    base = own_compliance(width)
+    assert own_compliance(width, size=0.5) == pytest.approx(base, rel=2e-3, abs=0.0)
+    assert own_compliance(width, harmonics=4.0) == pytest.approx(base, rel=1e-4, abs=0.0)
 
 
 @pytest.mark.parametrize("screw", [False, True], ids=["nut", "screw"])

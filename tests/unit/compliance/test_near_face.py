@@ -150,7 +150,7 @@ def test_short_lands_are_softer():
     cell = own_motion(flank, flank.grid(), equal_loads(flank, flank.grid(), width), width)
     beam = nut_beam(parts, ball_layout(parts)).reshape(2, -1, 2, 2, ball_layout(parts).z.size, 2)[1, middle, :, 1, middle]
     normal = flank.map.signs[3] * np.array([np.cos(flank.map.beta), np.sin(flank.map.beta)])
-    own = kept_near_face(geometry_only(parts), False, REFINED).own + half_space(width, flank.material) - cell
+    own = kept_near_face(geometry_only(parts), False, REFINED).alone + half_space(width, flank.material) - cell
     beyond = whole(parts)[1, middle, 1, middle] - 1e9 * normal @ beam @ normal
     assert beyond + own * 1e9 == pytest.approx(0.96, abs=0.04)
 
@@ -172,7 +172,7 @@ def test_a_series_may_be_cut_anywhere(case, monkeypatch):
     for highest in (4.0, 6.0):
         monkeypatch.setattr(faces, "FAR", faces.FAR._replace(highest=highest))
         kept = faces.near_face(flank, smooth, section, (0.0, np.inf), near=False)
-        found.append(np.append(kept.between(angle)[:, 0, 0], kept.own))
+        found.append(np.append(kept.between(angle)[:, 0, 0], kept.alone))
     assert found[0] * 1e9 == pytest.approx(found[1] * 1e9, abs=3e-3)
 
 
@@ -184,7 +184,7 @@ def test_far_from_a_face_it_does_not_matter_how_the_face_is_held(case):
         faces.near_face(flank, smooth, section, radii, near=False)
         for radii in ((0.0, np.inf), (1.1 * smooth.outer, 1.5 * smooth.outer))
     )
-    assert annulus.own == whole_face.own
+    assert annulus.alone == whole_face.alone
     assert np.array_equal(annulus.between(angle), whole_face.between(angle))
 
 

@@ -293,8 +293,8 @@ def test_decks_whose_results_are_stored_are_not_solved_again(tmp_path: Path, mon
     from rollbench.comparison.wings.crosscheck import study as crosscheck_study
     from rollbench.comparison.wings.crosscheck.deck import DeckOptions, build_deck
 
-    solved, made = [], build_deck(checked_scene("two-balls"), DeckOptions(0.7, 0.9))
-    monkeypatch.setattr(crosscheck_study, "build_deck", lambda *_: made)
+    solved, meshed = [], build_deck(checked_scene("two-balls"), DeckOptions(0.7, 0.9))
+    monkeypatch.setattr(crosscheck_study, "build_deck", lambda *_: meshed)
 
     def run(text: str, _: Path):
         solved.append(digest(text))

@@ -58,11 +58,11 @@ def stack(stiffness: float = 1e16) -> Deck:
     soft = Material(1e9, 0.0)
     bodies = []
     for name, z in (("LOW", 0.0), ("HIGH", 1e-3)):
-        own = 1e-3 * points + [0.0, 0.0, z]
+        x = 1e-3 * points + [0.0, 0.0, z]
         faces = outer_faces(cells)
-        top, bottom = (faces[np.all(np.abs(own[faces][:, :, 2] - h) < 1e-9, axis=1)] for h in (z + 1e-3, z))
-        ends = {f"{name}_END": np.flatnonzero(np.abs(own[:, 2] - (0.0 if name == "LOW" else 2e-3)) < 1e-9)}
-        bodies.append(DeckBody(name, own, cells, soft, ends, {f"{name}_FACE": top if name == "LOW" else bottom}))
+        top, bottom = (faces[np.all(np.abs(x[faces][:, :, 2] - h) < 1e-9, axis=1)] for h in (z + 1e-3, z))
+        ends = {f"{name}_END": np.flatnonzero(np.abs(x[:, 2] - (0.0 if name == "LOW" else 2e-3)) < 1e-9)}
+        bodies.append(DeckBody(name, x, cells, soft, ends, {f"{name}_FACE": top if name == "LOW" else bottom}))
     section = RigidSection(
         "PUSH",
         "HIGH",
@@ -91,9 +91,9 @@ def test_cells_and_faces_are_numbered_as_abaqus_does():
     for row in cells[:, 1:]:
         for k, (a, b) in enumerate(EDGES):
             np.testing.assert_allclose(place[row[4 + k]], 0.5 * (place[row[a - 1]] + place[row[b - 1]]), atol=1e-12)
-    (own,) = [data for key, data in blocks(text) if key.startswith("*SURFACE, NAME=HIGH_FACE")]
-    assert len(own) == 2
-    for line in own:
+    (lines,) = [data for key, data in blocks(text) if key.startswith("*SURFACE, NAME=HIGH_FACE")]
+    assert len(lines) == 2
+    for line in lines:
         cell, face = line.split(", S")
         (row,) = cells[cells[:, 0] == int(cell), 1:]
         np.testing.assert_allclose(place[row[np.array(FACES[int(face) - 1]) - 1]][:, 2], 1.0, atol=1e-12)
@@ -181,12 +181,12 @@ def test_calculix_missing_is_told(monkeypatch):
 
 
 @pytest.fixture(scope="module")
-def made():
+def meshed():
     return build_deck(catalogue.scene("two-balls"), COARSE)
 
 
-def test_whole_bodies_of_a_scene(made):
-    scene, bodies = catalogue.scene("two-balls"), {b.name: b for b in made.deck.bodies}
+def test_whole_bodies_of_a_scene(meshed):
+    scene, bodies = catalogue.scene("two-balls"), {b.name: b for b in meshed.deck.bodies}
     assert list(bodies) == ["SCREW", "NUT", "BALL1", "BALL2"]
     for name, azimuth in (("BALL1", 0.0), ("BALL2", np.pi)):
         ball = bodies[name]
@@ -205,29 +205,29 @@ def test_whole_bodies_of_a_scene(made):
         assert np.linalg.norm(away) == pytest.approx(4e-3, rel=0.02)
     bore = bodies["SCREW"].points[bodies["SCREW"].nodes["SCREW_BORE"]]
     np.testing.assert_allclose(np.hypot(*bore[:, :2].T), 11e-3, rtol=1e-9)
-    assert len(made.deck.contacts) == 8
-    assert made.expected.shape == (scene.ball_count, 4)
+    assert len(meshed.deck.contacts) == 8
+    assert meshed.expected.shape == (scene.ball_count, 4)
 
 
-def test_elements_are_as_fine_as_asked_at_the_contacts(made):
-    ball = made.deck.bodies[2]
+def test_elements_are_as_fine_as_asked_at_the_contacts(meshed):
+    ball = meshed.deck.bodies[2]
     for corners in ball.faces.values():
         x = ball.points[corners]
         middle = x.mean(axis=(0, 1))
-        near = np.linalg.norm(x.mean(axis=1) - middle, axis=1) < made.fine
-        assert np.median(np.linalg.norm(x[near, 0] - x[near, 1], axis=1)) < 1.6 * made.fine
+        near = np.linalg.norm(x.mean(axis=1) - middle, axis=1) < meshed.fine
+        assert np.median(np.linalg.norm(x[near, 0] - x[near, 1], axis=1)) < 1.6 * meshed.fine
 
 
-def test_a_deck_keeps_to_its_lines(made):
-    text = write(made.deck)
+def test_a_deck_keeps_to_its_lines(meshed):
+    text = write(meshed.deck)
     for line in text.splitlines():
         if not line.startswith("*"):
             entries = [x.strip() for x in line.removesuffix(",").split(",")]
             assert len(entries) <= 16, line
-            assert max(map(len, entries)) <= 20 or line == made.deck.title[:80]
+            assert max(map(len, entries)) <= 20 or line == meshed.deck.title[:80]
     for said in ("Expected contact loads / N", "mm, N, MPa", "Abaqus"):
         assert said in text
-    assert f"{made.expected[0, 0]:.2f}" in text
+    assert f"{meshed.expected[0, 0]:.2f}" in text
     moved = table(text[text.index("*STEP") :], "*BOUNDARY")
     np.testing.assert_allclose(moved[:, 3], [4e-3, 6e-3])
 
@@ -290,8 +290,8 @@ def test_the_real_grooves_are_larger_by_their_error():
 def test_a_cut_keeps_its_balls_where_they_were():
     scene = catalogue.scene("lin-case1")
     cut = cut_scene(scene, 15, 17)
-    whole, own = ball_layout(scene), ball_layout(cut)
-    np.testing.assert_allclose(own.centre, whole.centre[14:17], atol=1e-12)
+    whole, kept = ball_layout(scene), ball_layout(cut)
+    np.testing.assert_allclose(kept.centre, whole.centre[14:17], atol=1e-12)
     assert cut.loads[0].force[2] == pytest.approx(5000.0 * 3 / 32)
     assert cut.loads[0].at == cut.supports[0].at == pytest.approx(cut.nut.position - cut.nut.length / 2.0 - 3.0 * 2.778e-3)
     assert parse_balls("15:17", scene) == (15, 17)

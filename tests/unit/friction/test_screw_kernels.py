@@ -119,14 +119,14 @@ def test_jacobian_of_the_joint_system_against_differences(rng: np.random.Generat
         )
 
     def residual(z, fast=False):
-        own, m = z[:14].reshape(2, 7), blank()
-        at = Place(own[:, :2] * length, z[14:] * length, own[:, 2:6].copy(), own[:, 6].copy())
+        unknowns, m = z[:14].reshape(2, 7), blank()
+        at = Place(unknowns[:, :2] * length, z[14:] * length, unknowns[:, 2:6].copy(), unknowns[:, 6].copy())
         kernels(SCREW, compiled=fast).assemble(system, at, 0.7, 1e-2, 0, m)
         return np.append(m.side, m.side_screw), m
 
     x = s.alone() * (1.0 + 0.1 * rng.normal(size=(2, 4)))
-    own = np.column_stack([load.ball / length + 0.1 * rng.normal(size=(2, 2)), x, rng.uniform(0.1, 0.3, 2)])
-    z, h = np.append(own.ravel(), load.screw / length), 1e-6
+    unknowns = np.column_stack([load.ball / length + 0.1 * rng.normal(size=(2, 2)), x, rng.uniform(0.1, 0.3, 2)])
+    z, h = np.append(unknowns.ravel(), load.screw / length), 1e-6
     value, (_, _, K, columns, lines, corner) = residual(z)
     full = np.zeros((16, 16))
     for i, j in np.ndindex(14, 14):

@@ -39,22 +39,22 @@ def test_ratio_only_for_the_same_answer():
     assert ratio is not None
     assert ratio > 1.0
     assert words.startswith("the source's root finding")
-    for force, status, part in (
+    for force, status, reason in (
         ([2.0, 1.0], "failed", "fails"),
         ([0.0, 1.0], "overlapping", "off by up to 100% of the largest"),
         ([1.5, 1.0], "exact", "ends 0.5 N off"),
     ):
         ratio, words = against_source(1e-9, lambda f=force, s=status: motion(f, s), ours, 1)
         assert ratio is None
-        assert part in words
+        assert reason in words
 
 
 @pytest.fixture(scope="module")
 def rows() -> dict[str, FrictionJob]:
-    made = [
+    jobs = [
         r for group in (friction_bench.linear_jobs, friction_bench.pair_jobs) for r in group(3)
     ]  # medians: one slow timing beside other work does not count
-    return {r.name: r for r in made}
+    return {r.name: r for r in jobs}
 
 
 def test_pairs_and_chains_have_ratios_where_the_source_finds_the_answer(rows):

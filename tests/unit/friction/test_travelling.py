@@ -27,8 +27,8 @@ def test_between_the_places_of_a_window_the_compliance_is_that_of_the_place(scre
     travelling(SCENE, moved(0.0), screw, REFINED, (0, 1))
     calls = []
     monkeypatch.setattr("rollbench.lowfi.statics.travelling.whole_body", lambda *a: calls.append(a) or whole_body(*a))
-    for part in (0.2, 0.5, 0.9):
-        place = moved(part * WINDOW)
+    for share in (0.2, 0.5, 0.9):
+        place = moved(share * WINDOW)
         exact = whole_body(SCENE, place, screw, REFINED, (0, 1))
         assert travelling(SCENE, place, screw, REFINED, (0, 1)) == pytest.approx(exact, abs=2e-4 * np.abs(exact).max())
     assert not calls

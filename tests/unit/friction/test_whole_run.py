@@ -98,11 +98,11 @@ def test_loads_carry_what_the_scene_applies_at_every_instant(friction):
 @pytest.mark.parametrize("name", SCENES)
 def test_balls_keep_their_order_and_push_only_where_they_touch(name):
     h = run(name)
-    for track, own in ((track, track.balls) for track in h.setting.tracks):
-        gap, spacing = h.gap[:, own], h.setting.balls.spacing[own]
+    for track, on_track in ((track, track.balls) for track in h.setting.tracks):
+        gap, spacing = h.gap[:, on_track], h.setting.balls.spacing[on_track]
         assert gap.min() >= 0.0
         assert gap.sum(axis=1) == pytest.approx(np.full(h.time.size, track.ring - spacing.sum()), abs=1e-10)
-        force = h.ball_force[:, own]
+        force = h.ball_force[:, on_track]
         assert force.min() >= 0.0
         assert np.max(gap[force > 0.0], initial=0.0) < 1e-9
     touches = bool((h.ball_force > 0.0).any())
@@ -246,8 +246,8 @@ def test_given_loads_move_balls_as_in_the_source_s_module(clearance):
 def test_balls_of_unlike_sizes_touch_where_their_radii_meet():
     balls = setting(crowded()).balls
     radius, pair = balls.radius, balls.grooves.pair
-    own = balls.tracks[0].balls
-    for k in range(own.start, own.stop - 1):
+    on_track = balls.tracks[0].balls
+    for k in range(on_track.start, on_track.stop - 1):
         phi = balls.spacing[k]
         chord = np.hypot(2.0 * balls.grooves.pitch_radius * np.sin(0.5 * phi), balls.grooves.ratio * phi)
         assert chord == pytest.approx(radius[k] + radius[k + 1], abs=2e-9)

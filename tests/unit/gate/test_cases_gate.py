@@ -122,20 +122,20 @@ def test_one_file_with_three_cases_goes_through_all_commands_with_one_set_of_bod
 ) -> None:
     from rollbench.hifi import setup
 
-    path, store, made, prepare = written(tmp_path, TEXT), str(tmp_path / "store"), [], setup.prepare
-    monkeypatch.setattr(setup, "prepare", lambda *given, **more: made.append(1) or prepare(*given, **more))
+    path, store, set_ups, prepare = written(tmp_path, TEXT), str(tmp_path / "store"), [], setup.prepare
+    monkeypatch.setattr(setup, "prepare", lambda *given, **options: set_ups.append(1) or prepare(*given, **options))
     commands = {
         "solve": (),
         "compare": ("--levels", "1", "--store", store),
         "check": ("--stored", store, "--limit", "life=50", "--limit", "contact angle=5"),
         "friction": (),
     }
-    for word, more in commands.items():
+    for word, options in commands.items():
         model = () if word == "compare" else ("--model", "lin")
-        _, found = command.json(word, path, *model, *more, "--json")
+        _, found = command.json(word, path, *model, *options, "--json")
         assert list(dict.fromkeys(one["case"] for one in found["cases"])) == ["rest", "push", "loose"], word
         assert "summary" in found or found["worst_cases"], word
     code, out, _ = command("report", path, "--out", tmp_path / "page", "--store", store)
     assert code == 0
     assert "Of 3 load cases" in out
-    assert len(made) == 1
+    assert len(set_ups) == 1

@@ -131,10 +131,10 @@ def test_compare_sets_models_and_ours_beside_it(command, tmp_path: Path) -> None
     assert "bench.csv" in figure
     assert "stored 3D reference" in figure
     _, out, _ = command(*tokens, "--json")
-    (told,) = json.loads(out)["scenes"]
-    assert (told["levels"], told["uncertainty_percent"]) == ([], pytest.approx(1.0))
-    assert told["answers"]["bench.csv"]["axial"]["displacement_um"] is None
-    assert told["answers"]["stored 3D reference"]["axial"]["displacement_um"] is not None
+    (scene,) = json.loads(out)["scenes"]
+    assert (scene["levels"], scene["uncertainty_percent"]) == ([], pytest.approx(1.0))
+    assert scene["answers"]["bench.csv"]["axial"]["displacement_um"] is None
+    assert scene["answers"]["stored 3D reference"]["axial"]["displacement_um"] is not None
 
 
 def test_the_page_of_a_scene_shows_both(tmp_path: Path) -> None:
@@ -146,8 +146,8 @@ def test_the_page_of_a_scene_shows_both(tmp_path: Path) -> None:
     assert isinstance(figure, Figure)
     series = figure.panels[1].series
     assert [one.label for one in series] == ["refined", "bench.csv", "3D reference"]
-    own = series[1]
-    assert own.bars is not None
-    assert own.bars[1][1] - own.bars[0][1] == pytest.approx(0.6 * reference(scene()).mean, rel=0.2)  # type: ignore[union-attr]
+    bench = series[1]
+    assert bench.bars is not None
+    assert bench.bars[1][1] - bench.bars[0][1] == pytest.approx(0.6 * reference(scene()).mean, rel=0.2)  # type: ignore[union-attr]
     assert isinstance(table, Table)
     assert {"bench.csv", "3D reference"} <= {column.label for column in table.columns}

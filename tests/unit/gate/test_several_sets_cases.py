@@ -65,14 +65,14 @@ def test_every_case_is_the_scene_under_its_loads_and_every_set_has_its_life(comm
     assert found["cases"][2]["balls"] != alone["balls"], "an oversize is that of every set"
     whole, parts = found["summary"], scene_file.read(PARTS, "dn.toml").sets
     each = [np.array([list(b["load_N"].values()) for b in one["balls"]]) for one in found["cases"]]
-    for k, own in enumerate(whole["sets"]):
+    for k, of_set in enumerate(whole["sets"]):
         loads = [load[8 * k : 8 * k + 8] for load in each]
         expected = life(parts[k].parts, over_cases(loads, [0.7, 0.3, 0.0]))
-        assert own["name"] == NUTS[k]
-        assert own["life"]["L10_million_revolutions"] == expected.revolutions
-        assert own["standard_life"]["standard"] == "ISO 3408-5"
-        assert abs(own["life_difference_percent"]) < 20.0, "the axial force of a nut is that of its contacts"
-    shortest = min(whole["sets"], key=lambda own: own["life"]["L10_million_revolutions"])
+        assert of_set["name"] == NUTS[k]
+        assert of_set["life"]["L10_million_revolutions"] == expected.revolutions
+        assert of_set["standard_life"]["standard"] == "ISO 3408-5"
+        assert abs(of_set["life_difference_percent"]) < 20.0, "the axial force of a nut is that of its contacts"
+    shortest = min(whole["sets"], key=lambda of_set: of_set["life"]["L10_million_revolutions"])
     assert (whole["life"], whole["life_set"]) == (shortest["life"], shortest["name"])
     same = rollbench.solve(written(tmp_path), "lin")
     assert same["summary"] == whole

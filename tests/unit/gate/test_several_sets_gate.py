@@ -51,8 +51,8 @@ def test_references_of_sets_are_parts_of_one_run():
     assert run.balance < 1e-9
     assert run.screw_balance < 1e-9
     assert [one.of.name for one in sets] == NUTS
-    for one, own in zip(sets, balls_of(scene), strict=True):
-        np.testing.assert_array_equal(one.found.load, run.load[own])
+    for one, place in zip(sets, balls_of(scene), strict=True):
+        np.testing.assert_array_equal(one.found.load, run.load[place])
     along = np.where(run.load > 0.0, run.load * np.sin(np.radians(run.angle)), 0.0).sum(axis=0)
     lead = np.cos(np.arctan(0.01 / (2 * np.pi * 0.0166)))
     assert (along[0] - along[1]) * lead == pytest.approx(2000.0, rel=1e-3)

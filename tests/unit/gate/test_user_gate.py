@@ -67,8 +67,8 @@ def test_a_scene_may_set_its_own_limits() -> None:
     scene = scene_file.loads(text, "two-balls.toml")
     assert scene == catalogue.scene("two-balls"), "limits are no part of what is solved and stored"
     assert key_of(scene, "", {}, (0, 3)) == key_of(catalogue.scene("two-balls"), "", {}, (0, 3))
-    own, given = limits_of(scene, None), limits_of(scene, 9.0)
-    assert (own.largest, own.rms, given.largest) == (0.4, 1.0, 9.0)
+    stated, given = limits_of(scene, None), limits_of(scene, 9.0)
+    assert (stated.largest, stated.rms, given.largest) == (0.4, 1.0, 9.0)
     assert limits_of(catalogue.scene("two-balls"), None).largest == 7.0
     verdicts = check_scenes([scene], asked(compute=False), Engine(), lambda _: None)
     assert [(v.word, v.limit_percent) for v in verdicts] == [("undecided", 0.4), ("pass", 1.0)]

@@ -19,9 +19,9 @@ def reference(uncertainty: float | None, load: np.ndarray = LOAD) -> Reference:
     experience)."""
     levels = (1,) if uncertainty is None else (1, 2)
     runs = tuple(SimpleNamespace(level=k, load=load, moving=0.0) for k in levels)
-    own = 0.3 if uncertainty is None else uncertainty
-    parts = GridParts(own) if uncertainty is None else GridParts(own, own / 2.0, 0.0, 0.0, 0.0)
-    return Reference("mine", runs, load, np.where(load > 0.0, own, 0.0), parts)  # type: ignore[arg-type]
+    bar = 0.3 if uncertainty is None else uncertainty
+    parts = GridParts(bar) if uncertainty is None else GridParts(bar, bar / 2.0, 0.0, 0.0, 0.0)
+    return Reference("mine", runs, load, np.where(load > 0.0, bar, 0.0), parts)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

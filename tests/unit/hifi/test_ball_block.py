@@ -33,7 +33,7 @@ def block():
 def dense(block):
     V = np.zeros((sum(SIZES), sum(MODES)))
     V[:5, :2], V[5:12, 2:5], V[12:, 5:] = block.modes
-    return block_diag(*block.own) + V @ block.coupling @ V.T
+    return block_diag(*block.local) + V @ block.coupling @ V.T
 
 
 def picks():
@@ -118,8 +118,8 @@ def test_balls_coupled_through_bodies(block, dense):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"own": (np.triu(np.ones((5, 5))), np.eye(7), np.eye(4))}, "not symmetric"),
-        ({"own": (np.eye(6), np.eye(7), np.eye(4))}, "modes of"),
+        ({"local": (np.triu(np.ones((5, 5))), np.eye(7), np.eye(4))}, "not symmetric"),
+        ({"local": (np.eye(6), np.eye(7), np.eye(4))}, "modes of"),
         ({"coupling": np.eye(5)}, "the modes have 6 columns, the coupling 5 rows"),
         ({"coupling": np.full((6, 6), np.nan)}, "not finite"),
     ],

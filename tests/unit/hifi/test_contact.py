@@ -129,8 +129,8 @@ def test_newtons_step_is_that_of_the_whole_equations(shared, feeble, monkeypatch
     system.in_touch(touching)
     active = np.concatenate(touching)
     U = np.zeros((low.size, r))
-    for part, modes, columns in zip(system.parts, low.modes, low.columns, strict=True):
-        U[part, columns] = modes
+    for rows, modes, columns in zip(system.parts, low.modes, low.columns, strict=True):
+        U[rows, columns] = modes
     D = low.dense() - U @ G @ U.T
     inverse = np.zeros_like(D)
     inverse[np.ix_(active, active)] = np.linalg.inv(D[np.ix_(active, active)])
@@ -139,8 +139,8 @@ def test_newtons_step_is_that_of_the_whole_equations(shared, feeble, monkeypatch
     back, balance = rng.normal(size=r), rng.normal(size=3)
     found = np.concatenate(system.factor(shift).step(back, G @ back, balance))
     wanted = np.linalg.solve(whole, np.concatenate([back, balance]))
-    for part in (slice(r), slice(r, None)):  # forces and motions
-        np.testing.assert_allclose(found[part], wanted[part], atol=max(1e-9, 10.0 * feeble) * np.abs(wanted[part]).max())
+    for rows in (slice(r), slice(r, None)):  # forces and motions
+        np.testing.assert_allclose(found[rows], wanted[rows], atol=max(1e-9, 10.0 * feeble) * np.abs(wanted[rows]).max())
 
 
 def test_a_solution_leaves_the_state_that_it_started_from():

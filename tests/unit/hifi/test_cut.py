@@ -186,6 +186,6 @@ def test_what_couples_shear_with_turning_alike_in_all_directions_is_no_cut() -> 
     for i in (0, 1):
         alike[i, i + 3] = alike[i + 3, i] = 0.3 * RIGHT.R / SECTION.EI
     lengths = [k * lead for k in (2, 4, 2.25)]
-    more = [(length, shaft(RIGHT, length) + uniform_cantilever(length, alike)) for length in lengths]
+    coupled = [(length, shaft(RIGHT, length) + uniform_cantilever(length, alike)) for length in lengths]
     size = np.outer(UNIT, UNIT)
-    np.testing.assert_allclose(cut_flexibility(RIGHT, more, MEAN) / size, known(RIGHT) / size, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(cut_flexibility(RIGHT, coupled, MEAN) / size, known(RIGHT) / size, rtol=0, atol=1e-11)

@@ -79,7 +79,7 @@ def test_the_elimination_tree_is_that_of_a_dense_factor():
         graph.eliminate_zeros()
         factor = filled(sp.csc_matrix(graph + sp.identity(60)), np.arange(60))
         below = [np.flatnonzero(column[k + 1 :]) for k, column in enumerate(factor.T)]
-        expected = [k + 1 + int(own[0]) if own.size else 60 for k, own in enumerate(below)]
+        expected = [k + 1 + int(rows[0]) if rows.size else 60 for k, rows in enumerate(below)]
         assert dissection._elimination_tree(graph).tolist() == expected
 
 

@@ -103,10 +103,10 @@ def test_patches_that_fill_the_flank_are_not_built_again():
 
 @pytest.mark.parametrize(("rim", "built"), [(0, 1), (1, 2), (9, ENLARGE + 1)])
 def test_set_ups_are_built_again_only_where_a_contact_is_at_the_rim(monkeypatch, rim, built):
-    made = []
+    reaches = []
 
     def prepare(_scene, _sides, settings, *_rest, **_named):
-        made.append(settings.reach)
+        reaches.append(settings.reach)
         return prepared(reach=settings.reach)
 
     def one(_task, _number, scene, _setup, _sides, _step):
@@ -115,7 +115,7 @@ def test_set_ups_are_built_again_only_where_a_contact_is_at_the_rim(monkeypatch,
             scene.name,
             1,
             "",
-            AT_RIM if len(made) <= rim else "converged",
+            AT_RIM if len(reaches) <= rim else "converged",
             load,
             np.degrees(angle),
             load,
@@ -142,8 +142,8 @@ def test_set_ups_are_built_again_only_where_a_contact_is_at_the_rim(monkeypatch,
     monkeypatch.setattr("rollbench.hifi.condensed.condensed_bodies", lambda *_: "bodies")
     said = []
     (run,), bodies = compute_with_bodies(Task((CASE,), 1), said.append)
-    assert len(made) == built
-    assert made == sorted(made)
+    assert len(reaches) == built
+    assert reaches == sorted(reaches)
     if rim > ENLARGE:
         assert run.status.startswith("a contact reaches the rim of its patch: by the loads found it needs 0.4")
         assert bodies is None

@@ -99,11 +99,11 @@ class TestStress:
         u, steel = np.random.default_rng(0).random((mesh.doflocs.shape[1], 3)), Material(1.0, 0.3)
         some = np.array([3, 4])
         found = nodal_stress(mesh, u, steel, some)
-        own = np.unique(mesh.dofs.element_dofs[:, some])
-        assert np.array_equal(np.flatnonzero(np.isfinite(found).all(axis=1)), own)
+        nodes = np.unique(mesh.dofs.element_dofs[:, some])
+        assert np.array_equal(np.flatnonzero(np.isfinite(found).all(axis=1)), nodes)
         alone, number = mesh_of(points_of(mesh), cells_of(mesh)[some], "P2")
-        again = nodal_stress(alone, u[number.argsort()[-len(own) :]], steel)
-        np.testing.assert_allclose(again[number[own]], found[own], rtol=1e-9, atol=1e-9)
+        again = nodal_stress(alone, u[number.argsort()[-len(nodes) :]], steel)
+        np.testing.assert_allclose(again[number[nodes]], found[nodes], rtol=1e-9, atol=1e-9)
 
     def test_von_mises(self):
         assert von_mises(np.array([5.0, 5.0, 5.0, 0.0, 0.0, 0.0])) == 0.0
@@ -135,10 +135,10 @@ class TestRecovered:
         trace = u[side][body.socket_nodes[0]] @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         assert relative(found, fine.A @ forces[side][0] + fine.H @ trace.ravel()) < 1e-7
         assert relative(patch.H @ trace.ravel(), fine.H @ trace.ravel()) < 2e-3
-        own = setup.screw if side < 2 else setup.nut
-        V = own.modes[side]
+        condensed = setup.screw if side < 2 else setup.nut
+        V = condensed.modes[side]
         z = np.concatenate([V.T @ f for f in forces[side]])
-        G = (own.stretch.F if side < 2 else own.G)[: V.shape[1], : z.size]
+        G = (condensed.stretch.F if side < 2 else condensed.G)[: V.shape[1], : z.size]
         assert relative(found, fine.A @ forces[side][0] + V @ (G @ z)) < 2e-3
 
     def test_hats_of_the_ball_move_as_condensed(self, case):

@@ -24,11 +24,11 @@ LINEAR = 1e-3 * np.array([[1.0, 0.3, -0.2], [0.5, -0.7, 0.4], [0.1, 0.6, 0.9]])
 def straight(kind):
     """The cube, its surface "all" and its six sides named."""
     points, cells = cube(kind, 2)
-    own = boundary_faces(cells, kind)
-    named = {"all": own}
+    faces = boundary_faces(cells, kind)
+    named = {"all": faces}
     for axis in range(3):
         for side in (0.0, 1.0):
-            named[f"{axis} {side:g}"] = own[np.all(np.abs(points[own][:, :, axis] - side) < 1e-12, axis=1)]
+            named[f"{axis} {side:g}"] = faces[np.all(np.abs(points[faces][:, :, axis] - side) < 1e-12, axis=1)]
     return mesh_of(points, cells, kind, named)[0]
 
 
@@ -233,8 +233,8 @@ def contact(kind):
     if kind == "Q2":
         grid = tensor_grid(np.array([0.0, 0.3, 1.0]), np.array([0.0, 0.5, 1.1]), np.array([0.0, 1.0]), "Q2")
     else:
-        made = MeshTet1.init_tensor(*3 * [np.linspace(0.0, 1.0, 3)])
-        grid = made.oriented()
+        tets = MeshTet1.init_tensor(*3 * [np.linspace(0.0, 1.0, 3)])
+        grid = tets.oriented()
     mesh = grid.with_boundaries({"contact": grid.facets_satisfying(lambda x: x[2] > 1.0 - 1e-9)})
     x = points_of(mesh)
     return moved(mesh, x + 0.1 * np.column_stack([x[:, 1] ** 2, np.sin(x[:, 0]), np.cos(x[:, 0] + x[:, 1])])), nodes_on(

@@ -17,7 +17,7 @@ PATCH = SimpleNamespace(weights=sp.identity(1, format="csr"))
 def law(loads):
     """Hertz's approach, with some of every power that `smooth` knows."""
     parts = zip((0.3, 1.0, 0.02, -0.004), POWERS, strict=True)
-    return 1e-8 * sum(part * loads ** (2.0 / 3.0 + power) for part, power in parts)
+    return 1e-8 * sum(factor * loads ** (2.0 / 3.0 + power) for factor, power in parts)
 
 
 def test_a_law_of_its_own_powers_stays():

@@ -67,8 +67,8 @@ def test_3d_shafts_converge_to_it() -> None:
         short, long = (meshed_shaft(MAP, LAND, bore, STEEL, size, k * lead)[1] for k in (1, 2))
         mesh = (long - short) / lead
         bend = 0.5 * (mesh[3, 3] + mesh[4, 4])
-        own = 1.0 - mesh[2, 2] / yielding[0, 0], 1.0 - mesh[5, 5] / yielding[1, 1], 1.0 - bend * EI
-        off.append([*own, 1.0 - mesh[2, 5] / yielding[0, 1]])
+        direct = 1.0 - mesh[2, 2] / yielding[0, 0], 1.0 - mesh[5, 5] / yielding[1, 1], 1.0 - bend * EI
+        off.append([*direct, 1.0 - mesh[2, 5] / yielding[0, 1]])
     assert np.all(np.array(off) > 0.0)
     assert np.all(np.array(off) < [0.025, 0.025, 0.025, 0.5])
     assert np.all(np.array(off[1]) < 0.8 * np.array(off[0]))

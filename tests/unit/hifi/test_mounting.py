@@ -28,8 +28,8 @@ def stretch(ports=(HIGH,), observers=(0.4,)):
 
 def whole_beam(scene, stations):
     """Compliance at ``stations`` and their motion by loads and prescribed values, from one beam of all nodes."""
-    own = [x.at for x in (*scene.supports, *scene.loads)]
-    nodes = sorted({LOW, HIGH, 0.4, *own, *stations})
+    given = [x.at for x in (*scene.supports, *scene.loads)]
+    nodes = sorted({LOW, HIGH, 0.4, *given, *stations})
     place = {z: 6 * k for k, z in enumerate(nodes)}
     K, P = np.zeros((6 * len(nodes),) * 2), np.zeros(6 * len(nodes))
     for a, b in pairwise(nodes):

@@ -26,21 +26,21 @@ KINDS = [("Q2", False), ("P1", True), ("P1", False)]
 
 @pytest.mark.parametrize("linear", [True, False])
 def test_tie_reproduces_the_socket_s_functions(linear):
-    own = socket()
-    np.testing.assert_allclose(tie_matrix(own.xi, own, linear=linear).toarray(), np.eye(len(own.xi)), atol=1e-12)
+    s = socket()
+    np.testing.assert_allclose(tie_matrix(s.xi, s, linear=linear).toarray(), np.eye(len(s.xi)), atol=1e-12)
     rng = np.random.default_rng(0)
-    weights = rng.dirichlet(np.ones(3), len(own.triangles))
-    points = np.einsum("tk,tkd->td", weights, own.xi[own.triangles[:, :3]])
-    T = tie_matrix(points, own, linear=linear)
-    np.testing.assert_allclose(T @ own.xi, points, atol=1e-13)
-    np.testing.assert_allclose(T @ np.ones(len(own.xi)), 1.0, atol=1e-13)
-    bent = own.xi[:, :1] * own.xi[:, 1:2] + own.xi**2
+    weights = rng.dirichlet(np.ones(3), len(s.triangles))
+    points = np.einsum("tk,tkd->td", weights, s.xi[s.triangles[:, :3]])
+    T = tie_matrix(points, s, linear=linear)
+    np.testing.assert_allclose(T @ s.xi, points, atol=1e-13)
+    np.testing.assert_allclose(T @ np.ones(len(s.xi)), 1.0, atol=1e-13)
+    bent = s.xi[:, :1] * s.xi[:, 1:2] + s.xi**2
     if not linear:
         np.testing.assert_allclose(T @ bent, points[:, :1] * points[:, 1:2] + points**2, atol=1e-13)
         return
-    middles = own.triangles[:, np.array(SUB_TRIANGLES)].reshape(-1, 3)
+    middles = s.triangles[:, np.array(SUB_TRIANGLES)].reshape(-1, 3)
     expected = bent[middles].mean(axis=1)
-    np.testing.assert_allclose(tie_matrix(own.xi[middles].mean(axis=1), own, linear=True) @ bent, expected, atol=1e-13)
+    np.testing.assert_allclose(tie_matrix(s.xi[middles].mean(axis=1), s, linear=True) @ bent, expected, atol=1e-13)
 
 
 @pytest.mark.parametrize("kind", ["Q2", "P1"])
@@ -55,9 +55,9 @@ def test_interface_lies_on_the_socket(kind):
 
 
 def test_point_off_the_socket_is_refused():
-    own = socket()
+    target = socket()
     with pytest.raises(ValueError, match="lies on no triangle"):
-        tie_matrix(np.array([[0.5, 0.5, 0.5]]), own, linear=True)
+        tie_matrix(np.array([[0.5, 0.5, 0.5]]), target, linear=True)
 
 
 @pytest.mark.parametrize("where", ["groove", "ball"])
@@ -167,7 +167,7 @@ def test_free_top_is_free():
 
 def test_constant_strain_through_a_first_order_patch():
     """Body and patch of first order conform: a linear field on the cube's surface goes through both unchanged."""
-    body, nodes, own = holed_cube()
+    body, nodes, target = holed_cube()
     points = points_of(body)
     mesh, c = in_the_cube()
     K = assemble(of_order(body, "P1"), [Socket(nodes, np.eye(3), 0)], {0: c}, 1.0, NU)
@@ -186,11 +186,11 @@ def test_constant_strain_through_a_first_order_patch():
     strain, stress = strain_stress(mesh.points, mesh.cells, "P1", whole.ravel(), 1.0, NU)
     s = stress[0, 0][[[0, 5, 4], [5, 1, 3], [4, 3, 2]]]
     assert np.ptp(strain, axis=0).max() < 1e-12 * np.abs(strain).max() * 100
-    triangles = own.triangles[:, np.array(SUB_TRIANGLES)].reshape(-1, 3)
-    corner = flat(own.xi)[triangles]
+    triangles = target.triangles[:, np.array(SUB_TRIANGLES)].reshape(-1, 3)
+    corner = flat(target.xi)[triangles]
     outward = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     outward *= np.sign(np.einsum("ti,ti->t", outward, corner.mean(axis=1) - [0.5, 0.5, 0.8]))[:, None]
-    expected = np.zeros((len(own.xi), 3))
+    expected = np.zeros((len(target.xi), 3))
     np.add.at(expected, triangles, np.repeat((outward / 6.0 @ s)[:, None], 3, axis=1))
     assert relative(c.S @ q, expected.ravel()) < 1e-11
 

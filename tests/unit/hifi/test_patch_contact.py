@@ -122,8 +122,8 @@ def test_hats_of_a_patch_carry_equal_areas():
     n, m = mesh.contact_shape
     hats = np.asarray(mesh.weights.sum(axis=1)).reshape(n, m)[1:-1, 1:-1]
     assert np.ptp(hats) < 0.1 * hats.mean()
-    own = np.asarray(mesh.weights.sum(axis=0)).reshape(n, m)[1:-1, 1:-1]
-    assert own.max() / own.min() == pytest.approx(16.0 / 4.0, rel=0.1)
+    areas = np.asarray(mesh.weights.sum(axis=0)).reshape(n, m)[1:-1, 1:-1]
+    assert areas.max() / areas.min() == pytest.approx(16.0 / 4.0, rel=0.1)
 
 
 def test_boundaries_of_a_patch_are_named():

@@ -57,15 +57,15 @@ def test_a_command_whose_reference_does_not_settle_says_so_keeps_it_and_ends_wit
         assert ended == code
         (said,) = found["scenes"]
         (kept,) = (json.loads(run.read_text()) for run in store.glob("two-level1-*.json"))
-        load, told = np.array(kept["load"]), said["uncertainty"]["discretisation_percent"]
+        load, stated = np.array(kept["load"]), said["uncertainty"]["discretisation_percent"]
         may_move = 100.0 * kept["moving"] / load[load > 0.0].mean()
         if code:
             assert kept["status"].startswith("not settled: loads may still move by")
             assert said["reference_status"] == f"level 1 {kept['status']}"
-            assert told >= may_move > 1.0
+            assert stated >= may_move > 1.0
         else:
             assert (kept["status"], said["reference_status"], may_move) == ("converged", "converged", 0.0)
-            assert told < 1.0
+            assert stated < 1.0
 
 
 def test_what_is_left_is_the_rest_of_a_geometric_series():

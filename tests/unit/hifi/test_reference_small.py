@@ -64,8 +64,8 @@ def test_two_opposite_balls_without_lead_carry_the_same(monkeypatch):
         modes=16,
         ball_modes=16,
     )
-    made = setup.prepare(scene, (0, 3), settings)
-    result = reference.solve_reference(made, scene)
+    set_up = setup.prepare(scene, (0, 3), settings)
+    result = reference.solve_reference(set_up, scene)
     assert result.status == "converged"
     load = result.load[:, [0, 3]]
     assert np.ptp(load) < 1e-6 * load.mean()

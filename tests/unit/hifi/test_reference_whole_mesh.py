@@ -80,8 +80,8 @@ def bodies(small, meshes):
         ("screw", 0, meshes.screw, small.scene.screw.material),
         ("nut", 3, meshes.nut, small.scene.nut.material),
     ):
-        own, hats = patch(small, meshes, side)
-        parts = [(own, hats, s.nodes, s.rotation) for s in placed(mesh, tuple(places[side]))]
+        groove, hats = patch(small, meshes, side)
+        parts = [(groove, hats, s.nodes, s.rotation) for s in placed(mesh, tuple(places[side]))]
         if name == "screw":
             reduce = lambda _, m=mesh: responses.screw_transform(m, small.dims, small.dims.ends(small.scene)[1])  # noqa: E731
         else:
@@ -134,11 +134,11 @@ def test_contact_loads_are_those_of_the_whole_mesh(small, meshes):
     U = np.zeros((2 * sum(n), len(beam)))
     for i, (V, c) in enumerate(zip(C.modes, C.columns, strict=True)):
         U[i * sum(n) : (i + 1) * sum(n), c] = V
-    exchanged = block_diag(*(small.patches[s].own - small.patches[s].groove.A - small.patches[s].ball.A for s in sides))
+    exchanged = block_diag(*(small.patches[s].local - small.patches[s].groove.A - small.patches[s].ball.A for s in sides))
     dense = U @ beam @ U.T + block_diag(*2 * [found["ball"] + exchanged])
-    for name, part in (("screw", slice(0, n[0])), ("nut", slice(n[0], sum(n)))):
-        own = np.concatenate([i * sum(n) + np.arange(sum(n))[part] for i in range(2)])
-        dense[np.ix_(own, own)] += found[name]
+    for name, hats in (("screw", slice(0, n[0])), ("nut", slice(n[0], sum(n)))):
+        rows_of_body = np.concatenate([i * sum(n) + np.arange(sum(n))[hats] for i in range(2)])
+        dense[np.ix_(rows_of_body, rows_of_body)] += found[name]
     normals = np.concatenate([small.patches[s].groove.points - [small.map.R, 0, 0] for s in sides])
     length = np.linalg.norm(normals, axis=1)
     mean = sp.block_diag([mean_weights(small.patches[s].groove.weights) for s in sides])
@@ -175,8 +175,8 @@ def test_own_approaches_of_condensed_bodies(small, monkeypatch):
         assert nodal @ (groove.normals @ grid_wave.contact_frame(small.map, s)[0]) == pytest.approx(1.0, rel=1e-12)
     found = condensed.condensed_bodies(small, 1)
     middle = np.array([float(np.median(f)) for f in forces.values()])
-    own = {s: condensed.spread(small, s, x) for s, x in zip(small.sides, middle, strict=True)}
-    np.testing.assert_allclose(condensed.rest_of(small, own), condensed.rest_of(small, spreads), rtol=1e-12)
+    again = {s: condensed.spread(small, s, x) for s, x in zip(small.sides, middle, strict=True)}
+    np.testing.assert_allclose(condensed.rest_of(small, again), condensed.rest_of(small, spreads), rtol=1e-12)
     for k, s in enumerate(small.sides):
         loads = forces[s]
         assert found.force[k] == pytest.approx(loads, rel=1e-12)

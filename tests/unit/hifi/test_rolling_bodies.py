@@ -66,7 +66,7 @@ def half_space_kernel(zone, size, degree):
     return half_space_answer(body, tractions(body, zone, degree, ROUND), E, NU)
 
 
-def part(M, rows, columns):
+def block(M, rows, columns):
     """Block of directions, constant and linear loads and motions."""
     k = len(M) // 3
     return M.reshape(3, k, 3, k)[rows, :3, columns, :3]
@@ -88,8 +88,8 @@ def test_a_block_with_its_cut_moved_becomes_a_half_space():
     constant = [0, 3, 6]
     assert errors[-1][constant, constant].max() < 0.02
     assert errors[-1].max() < 0.13
-    own = np.diagonal(errors, axis1=1, axis2=2)
-    assert np.all(np.log(own[:-1] / own[1:]) / np.log([[1.5], [4.0 / 3.0]]) > 1.4)
+    diagonal = np.diagonal(errors, axis1=1, axis2=2)
+    assert np.all(np.log(diagonal[:-1] / diagonal[1:]) / np.log([[1.5], [4.0 / 3.0]]) > 1.4)
 
 
 def test_loads_have_the_resultants_of_their_tractions():

@@ -73,8 +73,8 @@ def test_pressure_and_gap_are_complementary():
 def test_a_similar_contact_is_the_unit_one_scaled():
     unit = hertz_patch(1.0, (5e-3, 4e-2), 210e9, 0.28, (10, 10))
     unit.transport  # noqa: B018 - computed once
-    own = hertz_patch(64.0, (5e-3, 4e-2), 210e9, 0.28, (10, 10))
+    direct = hertz_patch(64.0, (5e-3, 4e-2), 210e9, 0.28, (10, 10))
     scaled = unit.scaled(4.0, 64.0)
-    assert scaled.normal == pytest.approx(own.normal, rel=1e-9)
-    assert scaled.approach == pytest.approx(own.approach, rel=1e-9)
-    assert np.abs(scaled.transport - own.transport).max() < 1e-9 * np.abs(own.transport).max()
+    assert scaled.normal == pytest.approx(direct.normal, rel=1e-9)
+    assert scaled.approach == pytest.approx(direct.approach, rel=1e-9)
+    assert np.abs(scaled.transport - direct.transport).max() < 1e-9 * np.abs(direct.transport).max()

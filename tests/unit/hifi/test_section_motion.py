@@ -52,8 +52,8 @@ def test_a_load_on_a_section_moves_it_as_beam_theory_has_it(shaft) -> None:
     z, e = m.z0 + 0.5 * LENGTH, SCENE.screw.material
     K = assemble(elasticity(e.youngs_modulus, e.poissons_ratio), mesh)
     T = end_transform(mesh, m.z0 + LENGTH)
-    own = compliance((T.T @ K @ T).tocsc(), section_motion(mesh, z) @ T)
+    flexibility = compliance((T.T @ K @ T).tocsc(), section_motion(mesh, z) @ T)
     stretch, EI = helical_stiffness(m, SCENE.screw.outer_diameter / 2.0, 0.0, e)
     flexible = np.linalg.inv(stretch)
-    found = np.diag(own)[[2, 3, 4, 5]] / (z - m.z0)
+    found = np.diag(flexibility)[[2, 3, 4, 5]] / (z - m.z0)
     assert found == pytest.approx([flexible[0, 0], 1.0 / EI, 1.0 / EI, flexible[1, 1]], rel=0.08)

@@ -8,7 +8,7 @@ import pytest
 from tests.two_balls import SMALL, two_balls
 
 from rollbench.hifi import setup
-from rollbench.hifi.condensation.side_by_side import Part, make
+from rollbench.hifi.condensation.side_by_side import Job, make
 from rollbench.meshes.cache import Cache, key_of
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.solid import dimensions
@@ -27,7 +27,7 @@ def test_a_prepared_geometry_comes_whole_from_the_cache(small, small_cache):
     )
     assert min(found.seconds.values()) > 0.0
     np.testing.assert_array_equal(found.ball.G, small.ball.G)
-    np.testing.assert_array_equal(found.patches[0].own, small.patches[0].own)
+    np.testing.assert_array_equal(found.patches[0].local, small.patches[0].local)
     np.testing.assert_array_equal(found.screw.stretch.F, small.screw.stretch.F)
 
 
@@ -35,7 +35,7 @@ def test_the_shaft_is_kept_whatever_nut_and_stations_are():
     """Its section costs a fifth of a coarse set-up, and depends on the screw alone."""
 
     def keys(scene, stations, sizes=SMALL):
-        parts = setup._shaft_parts(scene, GrooveMap.of(scene), dimensions(scene), sizes, stations)
+        parts = setup._shaft_jobs(scene, GrooveMap.of(scene), dimensions(scene), sizes, stations)
         assert {part.stage for part in parts} == {"shaft section"}
         return {key_of(part.build, part.arguments, part.type_) for part in parts}
 
@@ -59,7 +59,7 @@ def test_a_set_up_in_two_processes_is_the_same(small, small_cache, tmp_path):
     assert made.others_MB > 100.0
     assert list(made.seconds) == list(here.seconds)
     for s in small.sides:
-        np.testing.assert_array_equal(made.patches[s].own, here.patches[s].own)
+        np.testing.assert_array_equal(made.patches[s].local, here.patches[s].local)
     assert made.nut is not None
     np.testing.assert_array_equal(made.nut.G, here.nut.G)
     np.testing.assert_array_equal(made.screw.stretch.F, here.screw.stretch.F)
@@ -70,14 +70,14 @@ def test_a_set_up_in_two_processes_is_the_same(small, small_cache, tmp_path):
 
 def test_a_process_that_is_ended_from_outside_is_a_lack_of_memory():
     ended = f"__import__('os')._exit(1) if __import__('os').getpid() != {os.getpid()} else __import__('time').sleep(1)"
-    part = Part("any", eval, (ended,), type(None))
+    part = Job("any", eval, (ended,), type(None))
     with pytest.raises(MemoryError, match="ended from outside"):
         make([part, part], Cache(None), 2)
 
 
 @pytest.mark.parametrize("processes", [1, 2])
 def test_parts_are_told_as_they_are_made(processes):
-    parts = [Part("any", eval, (text,), int) for text in ("1", "2", "(__import__('time').sleep(0.5), 1 // 0)[1]")]
+    parts = [Job("any", eval, (text,), int) for text in ("1", "2", "(__import__('time').sleep(0.5), 1 // 0)[1]")]
     heard = {}
     with pytest.raises(ZeroDivisionError):
         make(parts, Cache(None), processes, lambda k, one: heard.update({k: one.value}))
@@ -85,10 +85,10 @@ def test_parts_are_told_as_they_are_made(processes):
 
 
 def test_parts_are_made_here_and_by_others_in_their_order():
-    parts = [Part("any", eval, (f"({k}, __import__('time').sleep(0.5))[0]",), int) for k in range(4)]
+    parts = [Job("any", eval, (f"({k}, __import__('time').sleep(0.5))[0]",), int) for k in range(4)]
     found = make(parts, Cache(None), 2)
     assert [one.value for one in found] == [0, 1, 2, 3]
     assert len({one.process for one in found}) == 2
     assert os.getpid() in {one.process for one in found}
     with pytest.raises(ZeroDivisionError):
-        make([*parts, Part("any", eval, ("1 / 0",), int)], Cache(None), 2)
+        make([*parts, Job("any", eval, ("1 / 0",), int)], Cache(None), 2)

@@ -18,5 +18,5 @@ def test_a_right_flank_whose_left_one_is_there_is_not_made_again(sides, made, mo
     monkeypatch.setattr(setup, "_same_boxes", lambda *_: True)
     monkeypatch.setattr(setup, "side_of", lambda *_: ())
     m = GrooveMap.of(SCENE)
-    assert set(setup._patch_parts(SCENE, m, None, None, sides, SimpleNamespace(element="Q2"))) == made
-    assert set(setup._patch_parts(SCENE, m, None, None, sides, SimpleNamespace(element="P2"))) == set(sides)
+    assert set(setup._patch_jobs(SCENE, m, None, None, sides, SimpleNamespace(element="Q2"))) == made
+    assert set(setup._patch_jobs(SCENE, m, None, None, sides, SimpleNamespace(element="P2"))) == set(sides)

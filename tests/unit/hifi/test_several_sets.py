@@ -65,19 +65,19 @@ def prepared(tmp_path_factory):
     """Set-ups and sides of an assembly on a coarse mesh; parts that were made are kept."""
     kept, cache = {}, Cache(tmp_path_factory.mktemp("several"))
 
-    def made(assembly):
+    def set_ups(assembly):
         setups = []
-        for own, found in zip(bodies_of(assembly), expected_by_set(assembly), strict=True):
+        for of_set, found in zip(bodies_of(assembly), expected_by_set(assembly), strict=True):
             sides = tuple(sorted({s for side in found.sides() for s in (side, 3 - side)}))
-            if (own.bodies, sides) not in kept:
+            if (of_set.bodies, sides) not in kept:
                 sizes = Settings(semi=rounded(found.semi()), reach=rounded(found.reach()), **COARSE)
-                kept[own.bodies, sides] = prepare(own.bodies, sides, sizes, cache=cache)
-            setups.append(kept[own.bodies, sides])
+                kept[of_set.bodies, sides] = prepare(of_set.bodies, sides, sizes, cache=cache)
+            setups.append(kept[of_set.bodies, sides])
         return setups, [s.sides for s in setups]
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(submodel, "REALISATIONS", 1)
-        yield made
+        yield set_ups
 
 
 @pytest.mark.slow
@@ -91,10 +91,10 @@ def test_each_set_carries_what_it_carries_alone(prepared):
     assert found.status == "converged"
     assert max(found.balance, found.along_groove, found.shaft_balance) < 1e-9
     assert sum(s.on_shaft[2] for s in found.sets) == pytest.approx(-300.0, rel=1e-9)
-    for own, setup, allowed, loads in zip(bodies_of(held), setups, sides, found.sets, strict=True):
-        at = middle - own.shift
+    for of_set, setup, allowed, loads in zip(bodies_of(held), setups, sides, found.sets, strict=True):
+        at = middle - of_set.shift
         pull = (Load(at, (0.0, 0.0, -loads.on_shaft[2])),)
-        one = solve_reference(setup, replace(own.parts, supports=(Support(at, BUT_UZ),), loads=pull), sides=allowed)
+        one = solve_reference(setup, replace(of_set.parts, supports=(Support(at, BUT_UZ),), loads=pull), sides=allowed)
         np.testing.assert_allclose(loads.load, one.load, rtol=0.0, atol=2e-5 * one.load.max())
 
 
@@ -102,9 +102,9 @@ def test_each_set_carries_what_it_carries_alone(prepared):
 def test_an_assembly_of_one_set_is_the_scene_of_it(prepared):
     one = replace(PAIR, sets=(ball_nut("alone", 0.2, 0.0),))
     (setup,), (sides,) = prepared(one)
-    (own,) = bodies_of(one)
-    supports, loads = (Support(0.16 - own.shift, BUT_UZ),), (Load(0.16 - own.shift, (0.0, 0.0, 300.0)),)
-    wanted = solve_reference(setup, replace(own.parts, supports=supports, loads=loads))
+    (of_set,) = bodies_of(one)
+    supports, loads = (Support(0.16 - of_set.shift, BUT_UZ),), (Load(0.16 - of_set.shift, (0.0, 0.0, 300.0)),)
+    wanted = solve_reference(setup, replace(of_set.parts, supports=supports, loads=loads))
     found = solve_sets(one, [setup], [sides])
     np.testing.assert_allclose(found.sets[0].load, wanted.load, rtol=0.0, atol=1e-12 * wanted.load.max())
     np.testing.assert_allclose(found.centreline, wanted.centreline, rtol=0.0, atol=1e-15)

@@ -57,14 +57,14 @@ def test_a_right_flank_is_the_left_one_turned(flanks, right):
         np.testing.assert_array_equal(a.rim, b.rim)
         assert a.shape == b.shape
         assert sp.linalg.norm(a.weights - b.weights) < 1e-9 * sp.linalg.norm(b.weights)
-    assert relative(made.own, direct.own) < 5e-3
-    assert relative(found[right - 1].own, direct.own) > 1e-2  # not turned, nodes stand for others
+    assert relative(made.local, direct.local) < 5e-3
+    assert relative(found[right - 1].local, direct.local) > 1e-2  # not turned, nodes stand for others
 
 
 def test_turning_twice_changes_nothing(flanks):
     _, _, found = flanks
     back = turned(turned(found[0]))
-    np.testing.assert_array_equal(back.own, found[0].own)
+    np.testing.assert_array_equal(back.local, found[0].local)
     np.testing.assert_array_equal(back.groove.H, found[0].groove.H)
     np.testing.assert_array_equal(back.ball.S, found[0].ball.S)
     np.testing.assert_array_equal(back.ball.socket, found[0].ball.socket)
@@ -98,11 +98,11 @@ def test_own_compliance_is_that_of_the_patches_and_what_the_modes_do_not_carry(f
     held, as modes left out and cells of the submodels add yielding, but far from the whole contact's."""
     _, _, found = flanks
     pair = found[side]
-    np.testing.assert_array_equal(pair.own, pair.own.T)
-    assert np.linalg.eigvalsh(pair.own).min() > 0.0
+    np.testing.assert_array_equal(pair.local, pair.local.T)
+    assert np.linalg.eigvalsh(pair.local).min() > 0.0
     held = pair.groove.A + pair.ball.A
     force = mean_weights(pair.groove.weights).T @ pair.groove.areas
-    assert 1.0 < (force @ pair.own @ force) / (force @ held @ force) < 1.5
+    assert 1.0 < (force @ pair.local @ force) / (force @ held @ force) < 1.5
 
 
 @pytest.mark.parametrize("side", [0, 2])
@@ -137,4 +137,4 @@ def test_source_s_mesh_keeps_its_patches(monkeypatch):
     m, layout, dims = GrooveMap.of(scene), ball_layout(scene), dimensions(scene)
     meshes = mesh_parts(scene, m, layout, dims, (0, 3), settings)
     pair = condense_side(*side_of(scene, m, dims, meshes, 0, settings))
-    np.testing.assert_array_equal(pair.own, pair.groove.A + pair.ball.A)
+    np.testing.assert_array_equal(pair.local, pair.groove.A + pair.ball.A)

@@ -136,10 +136,10 @@ def test_own_compliance_of_like_pieces_is_the_patch_s_up_to_the_modes_left_out(m
     errors, pressed = [], []
     for count in (6, 12, 10**6):
         V, rows = patch_modes(condensed(), count)
-        own = own_compliance(fine, V, lambda _, rows=rows: coarse_compliance(piece, condensed(), rows, E, NU))
-        assert np.array_equal(own, own.T)
-        errors.append(relative(own, A))
-        pressed.append(relative(p.T @ own @ p, p.T @ A @ p))
+        A_own = own_compliance(fine, V, lambda _, rows=rows: coarse_compliance(piece, condensed(), rows, E, NU))
+        assert np.array_equal(A_own, A_own.T)
+        errors.append(relative(A_own, A))
+        pressed.append(relative(p.T @ A_own @ p, p.T @ A @ p))
     assert pressed[0] > pressed[1] > pressed[2]
     assert errors[0] < 0.05
     assert pressed[1] < 1e-3
@@ -155,8 +155,8 @@ def test_few_modes_carry_pressures_of_contacts_to_their_socket():
     x = x / np.abs(x).max(axis=0)
     forces = []
     for size, place in ((0.42, (0.3, -0.2)), (0.58, (-0.1, 0.3)), (0.73, (0.2, 0.1)), (0.88, (-0.05, 0.02))):
-        own = c.areas * np.sqrt(np.maximum(1.0 - (((x - place) / size) ** 2).sum(axis=1), 0.0))
-        forces.append(own / own.sum())
+        pressure = c.areas * np.sqrt(np.maximum(1.0 - (((x - place) / size) ** 2).sum(axis=1), 0.0))
+        forces.append(pressure / pressure.sum())
     p = np.array(forces).T
     V, rows = patch_modes(c, 12)
     assert V.shape[1] == 12
@@ -215,9 +215,9 @@ def test_hats_on_a_carrier_are_exact_for_a_quadratic_field(cells):
 
     def means(field):
         on_carrier = hat_rows(fine, normals, carrier) @ field(carrier.points).ravel()
-        own = mean_weights(fine.weights) @ (field(fine.points)[fine.contact] * normals).sum(axis=1)
-        np.testing.assert_allclose(hat_rows(fine, normals) @ field(fine.points).ravel(), own, rtol=1e-12)
-        return relative(on_carrier, own)
+        on_patch = mean_weights(fine.weights) @ (field(fine.points)[fine.contact] * normals).sum(axis=1)
+        np.testing.assert_allclose(hat_rows(fine, normals) @ field(fine.points).ravel(), on_patch, rtol=1e-12)
+        return relative(on_carrier, on_patch)
 
     slope = np.array([[1.0, 0.5, -0.3, 2.0, 0.7, -1.1], [0.2, -0.4, 0.9, 0.3, 1.3, 0.8], [-0.6, 1.2, 0.1, 0.5, -0.9, 1.0]])
 

@@ -15,7 +15,7 @@ import pytest
 import scipy.sparse as sp
 from skfem import MeshTet, MeshTet2
 
-from rollbench.hifi.condensation.side_by_side import Part, make
+from rollbench.hifi.condensation.side_by_side import Job, make
 from rollbench.meshes import cache as module
 from rollbench.meshes.cache import Cache, default_root, key_of
 from rollbench.meshes.private import private_folder
@@ -272,7 +272,7 @@ def test_a_full_disc_is_reported_and_harmless(tmp_path: Path, capsys):
 
 def test_processes_side_by_side_report_a_folder_once(tmp_path: Path, capfd):
     (tmp_path / "file").write_text("")
-    parts = [Part(str(k), record, (k,), Record) for k in range(4)]
+    parts = [Job(str(k), record, (k,), Record) for k in range(4)]
     made = make(parts, Cache(tmp_path / "file" / "cache"), 2)
     assert len({one.process for one in made} - {os.getpid()}) >= 1
     error = capfd.readouterr().err

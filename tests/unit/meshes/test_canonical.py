@@ -40,8 +40,8 @@ def test_frozen_defaults_name_no_other_record() -> None:
 
 def with_field(record: type, field: str, value: object) -> type:
     """The record's class as it will be with a new field, or a new default."""
-    own = dataclasses.field(default_factory=lambda: value)
-    return dataclasses.make_dataclass(record.__name__, [(field, typing.Any, own)], bases=(record,), frozen=True)
+    new = dataclasses.field(default_factory=lambda: value)
+    return dataclasses.make_dataclass(record.__name__, [(field, typing.Any, new)], bases=(record,), frozen=True)
 
 
 def as_class(value: object, record: type) -> object:
@@ -54,14 +54,14 @@ def as_class(value: object, record: type) -> object:
 
 @pytest.mark.parametrize("name", sorted(RECORDS))
 def test_a_new_field_changes_no_key(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    before = {own: canonical(example(record)) for own, record in RECORDS.items()}
+    before = {key: canonical(example(record)) for key, record in RECORDS.items()}
     later = with_field(RECORDS[name], "added", 0.25)
     monkeypatch.setitem(module.FROZEN, name, FROZEN.get(name, {}) | {"added": "0.25"})
-    for own, record in RECORDS.items():
-        made = as_class(example(record), later)
-        assert canonical(made) == before[own], own
-        if own == name:
-            assert canonical(changed(made, added=0.5)) != before[own]
+    for key, record in RECORDS.items():
+        changed_record = as_class(example(record), later)
+        assert canonical(changed_record) == before[key], key
+        if key == name:
+            assert canonical(changed(changed_record, added=0.5)) != before[key]
 
 
 @pytest.mark.parametrize("name", sorted(RECORDS))
@@ -69,22 +69,22 @@ def test_a_new_field_keeps_keys_of_runs_and_bodies(name: str, monkeypatch: pytes
     scene = catalogue.scene("lin-case3-offset")
     keys = key_of(scene, "land", {"cell": 1.0}, (0, 3)), bodies_key(scene, {"cell": 1.0}, (0, 3))
     monkeypatch.setitem(module.FROZEN, name, FROZEN.get(name, {}) | {"added": "0.25"})
-    made = as_class(scene, with_field(RECORDS[name], "added", 0.25))
+    later = as_class(scene, with_field(RECORDS[name], "added", 0.25))
     settings = {"cell": 1.0} | ({"added": 0.25} if name == "Settings" else {})
-    assert (key_of(made, "land", settings, (0, 3)), bodies_key(made, settings, (0, 3))) == keys
+    assert (key_of(later, "land", settings, (0, 3)), bodies_key(later, settings, (0, 3))) == keys
 
 
 @pytest.mark.parametrize(("name", "field"), FIELDS)
 def test_another_value_of_any_field_changes_the_form(name: str, field: str) -> None:
-    made, hints = example(RECORDS[name]), typing.get_type_hints(RECORDS[name])
-    assert canonical(changed(made, **{field: other(getattr(made, field), hints[field])})) != canonical(made)
+    record, hints = example(RECORDS[name]), typing.get_type_hints(RECORDS[name])
+    assert canonical(changed(record, **{field: other(getattr(record, field), hints[field])})) != canonical(record)
 
 
 @pytest.mark.parametrize(("name", "field"), [x for x in FIELDS if x[1] in FROZEN.get(x[0], {})])
 def test_another_default_of_any_field_changes_the_form_of_what_relies_on_it(name: str, field: str) -> None:
     record = RECORDS[name]
     later = with_field(record, field, other(default(record, field), typing.get_type_hints(record)[field]))
-    given = {own: getattr(example(record), own) for own in names(record) if own not in FROZEN.get(name, {})}
+    given = {key: getattr(example(record), key) for key in names(record) if key not in FROZEN.get(name, {})}
     assert canonical(built(later, **given)) != canonical(built(record, **given))
 
 

@@ -107,8 +107,8 @@ def test_gmsh_reads_cells_groups_and_fields(form, name, tmp_path: Path):
         if form == "msh":
             entity = gmsh.model.getEntitiesForPhysicalGroup(*groups["low end"])[0]
             ours = data.points[data.boundaries["low end"]]
-            own = place[gmsh.model.mesh.getElements(2, entity)[2][0].astype(int)]
-            np.testing.assert_allclose(own.reshape(ours.shape), ours)
+            corners = place[gmsh.model.mesh.getElements(2, entity)[2][0].astype(int)]
+            np.testing.assert_allclose(corners.reshape(ours.shape), ours)
         views = {gmsh.option.getString(f"View[{k}].Name"): tag for k, tag in enumerate(gmsh.view.getTags())}
         kind, at, values, _, width = gmsh.view.getModelData(views["u"], 0)
         assert (kind, width) == ("NodeData", 3)
@@ -211,7 +211,7 @@ def test_every_group_of_msh_has_a_node_of_its_own():
     nodes = [np.arange(6), np.array([0, 1]), np.array([0, 1]), np.array([1, 2])]
     owner = bridge._owners(nodes, 6)
     assert set(owner) == {0, 1, 2, 3}
-    assert all(k in np.flatnonzero([node in own for own in nodes]) for node, k in enumerate(owner))
+    assert all(k in np.flatnonzero([node in group for group in nodes]) for node, k in enumerate(owner))
 
 
 @pytest.mark.parametrize("name", VOLUMES)
@@ -282,10 +282,10 @@ def test_files_are_replaced_whole_or_not_at_all(tmp_path: Path, monkeypatch):
 @pytest.mark.parametrize("name", VOLUMES)
 def test_faces_turn_left_seen_from_outside(name):
     points, cells = cube(name, 2)
-    own = boundary_faces(cells, name)
-    found = from_skfem(mesh_of(points, cells, name, {"all": own})[0], "all")
+    faces = boundary_faces(cells, name)
+    found = from_skfem(mesh_of(points, cells, name, {"all": faces})[0], "all")
     x = found.points[found.boundaries["all"]]
-    assert len(x) == len(own)
+    assert len(x) == len(faces)
     normal = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
     assert ((normal * (x.mean(axis=1) - 0.5)).sum(axis=1) > 0.0).all()
     if name[1] == "2":

@@ -37,13 +37,13 @@ def plain() -> float:
 
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_surfaces_of_a_flange_are_named_and_whole(side, plain: float) -> None:
-    made = body(Flange(66e-3, 6e-3, (26e-3, 31e-3), side, 5e-3))
-    assert volume_of(made) - plain == pytest.approx(MM2 * 6e-3 * (33.0**2 - 24.0**2), rel=0.02)
-    faces, _ = outer_faces(made.cells)
+    nut = body(Flange(66e-3, 6e-3, (26e-3, 31e-3), side, 5e-3))
+    assert volume_of(nut) - plain == pytest.approx(MM2 * 6e-3 * (33.0**2 - 24.0**2), rel=0.02)
+    faces, _ = outer_faces(nut.cells)
     area = {}
-    for name, nodes in made.named.items():
-        own = faces[np.isin(faces, nodes).all(axis=1)]
-        a = [made.points[own[:, k]] for k in range(6)]
+    for name, nodes in nut.named.items():
+        of_surface = faces[np.isin(faces, nodes).all(axis=1)]
+        a = [nut.points[of_surface[:, k]] for k in range(6)]
         pieces = ((a[0], a[3], a[4]), (a[3], a[1], a[5]), (a[4], a[5], a[2]), (a[3], a[5], a[4]))
         area[name] = sum(0.5 * np.linalg.norm(np.cross(q - p, s - p), axis=1).sum() for p, q, s in pieces)
     expected = {
@@ -56,19 +56,19 @@ def test_surfaces_of_a_flange_are_named_and_whole(side, plain: float) -> None:
     for name, size in expected.items():
         assert area[name] == pytest.approx(MM2 * size, rel=0.02), name
     face = ENDS[0] + 6e-3 if side == "left" else ENDS[1] - 6e-3
-    assert np.abs(made.points[made.named["seat"], 2] - face).max() < 1e-9
+    assert np.abs(nut.points[nut.named["seat"], 2] - face).max() < 1e-9
 
 
 def test_single_bolts_hold_less_than_the_annulus() -> None:
     """The nut pulled along its axis by its lands: fewer bolts, more give; the annulus is stiffer than any number."""
-    made, given = body(replace(FLANGE, seat=(24e-3, 33e-3))), []
-    lands = nodes_on(made.mesh, "land")
-    K = assemble(elasticity(210e9, 0.28), made.mesh)
+    mesh, given = body(replace(FLANGE, seat=(24e-3, 33e-3))), []
+    lands = nodes_on(mesh.mesh, "land")
+    K = assemble(elasticity(210e9, 0.28), mesh.mesh)
     pull = np.zeros(K.shape[0])
     pull[3 * lands + 2] = 1.0 / lands.size
     for bolts in (0, 24, 6, 3):
         nut = replace(CASE.nut, flange=replace(FLANGE, seat=(24e-3, 33e-3), bolts=bolts))
-        T = nut_transform(made, dimensions(replace(CASE, nut=nut)))  # type: ignore[arg-type]
+        T = nut_transform(mesh, dimensions(replace(CASE, nut=nut)))  # type: ignore[arg-type]
         given.append(float(pull @ (T @ factor((T.T @ K @ T).tocsc()).solve(T.T @ pull))))
     assert given == sorted(given)
     assert 1.2 * given[0] < given[1] < 1.5 * given[2]
@@ -91,7 +91,5 @@ def test_a_sliver_of_a_flange_is_not_meshed() -> None:
     assert names == ["rim", "seat", "outside"]
     assert places == [(33e-3, 0.388), (33e-3, 0.394), (24e-3, 0.394), (24e-3, 0.412)]
     assert set(outline(thin, WALL, ENDS)[0]) == {"rim", "flange", "seat", "centring", "outside"}
-    made = body(replace(FLANGE, seat=(24e-3, FLANGE.diameter / 2.0 - 15e-6)))
-    assert np.hypot(*points_of(made.mesh)[nodes_on(made.mesh, "seat")][:, :2].T).max() == pytest.approx(
-        FLANGE.diameter / 2.0
-    )
+    nut = body(replace(FLANGE, seat=(24e-3, FLANGE.diameter / 2.0 - 15e-6)))
+    assert np.hypot(*points_of(nut.mesh)[nodes_on(nut.mesh, "seat")][:, :2].T).max() == pytest.approx(FLANGE.diameter / 2.0)

@@ -20,7 +20,7 @@ from rollbench.meshes.solid import RUN_OUT, WHOLE, dimensions
 SIZE = SocketSize(0.30, 1.2e-3, 0.075)
 
 
-def made(case, sides):
+def map_and_spec(case, sides):
     """Map and spec of a nut of 50 mm whose groove ends."""
     m, layout, z = GrooveMap.of(case), ball_layout(case), case.nut.position
     sockets = tuple((float(a), float(x), s) for a, x in zip(layout.azimuth, layout.z, strict=True) for s in sides)
@@ -32,7 +32,7 @@ def made(case, sides):
 def test_the_groove_is_whole_at_every_ball_and_ends_beyond_the_outermost(hand, starts):
     case = small_screw(6, hand=hand, phase=0.3)
     case = replace(case, track=replace(case.track, starts=starts))
-    m, spec = made(case, (2, 3))
+    m, spec = map_and_spec(case, (2, 3))
     ends = GrooveEnds.of(m, spec.sockets, SIZE)
     ball = 2.0 * m.ball / np.hypot(m.R, m.rg)
     reached = 0
@@ -54,7 +54,7 @@ def test_the_groove_is_whole_at_every_ball_and_ends_beyond_the_outermost(hand, s
 def test_a_nut_whose_groove_ends_is_sound(hand):
     """Sockets where they are without ends, flanks exact where the groove is whole and on the land's cylinder where it is
     filled; the volume is that of the tube without the channel of varying depth."""
-    m, spec = made(small_screw(5, hand=hand, phase=0.3), (2,))
+    m, spec = map_and_spec(small_screw(5, hand=hand, phase=0.3), (2,))
     body, through = build_body(m, spec), build_body(m, replace(spec, ends=False))
     assert body.quality.smallest > 0.01
     assert body.deviation < 1e-12
@@ -75,8 +75,8 @@ def test_a_nut_whose_groove_ends_is_sound(hand):
         r, zeta = groove.profile(side, gamma)
 
         def channel(depth, r=r, zeta=zeta):
-            part = (groove.land + depth * (r - groove.land)) ** 2 - groove.land**2
-            return abs(np.trapezoid(0.5 * part, zeta))
+            square = (groove.land + depth * (r - groove.land)) ** 2 - groove.land**2
+            return abs(np.trapezoid(0.5 * square, zeta))
 
         depth = groove.ends.depth(line, phi[inside])
         filled += np.trapezoid([channel(1.0) - channel(d) for d in depth], phi[inside])

@@ -179,9 +179,9 @@ def test_faces_hold_their_whole_area(body):
     _, spec, mesh = body
     faces, _ = outer_faces(mesh.cells)
     nodes = nodes_on(mesh.mesh, "bore" if spec.outer else "outside")
-    own = faces[np.isin(faces, nodes).all(axis=1)]
+    smooth = faces[np.isin(faces, nodes).all(axis=1)]
     r = spec.r_in if spec.outer else spec.r_out
-    a = [mesh.points[own[:, k]] for k in range(6)]
+    a = [mesh.points[smooth[:, k]] for k in range(6)]
     pieces = ((a[0], a[3], a[4]), (a[3], a[1], a[5]), (a[4], a[5], a[2]), (a[3], a[5], a[4]))
     area = sum(0.5 * np.linalg.norm(np.cross(q - p, s - p), axis=1).sum() for p, q, s in pieces)
     assert area == pytest.approx(2.0 * np.pi * r * (spec.z_high - spec.z_low), rel=0.03)
@@ -282,9 +282,9 @@ KINDS = {
 
 
 def check_scene(kind):
-    make, sides, part = KINDS[kind]
+    make, sides, name = KINDS[kind]
     case = make()
-    spec = body_specs(case, sides, fine=4e-3, beyond=6e-3)[part]
+    spec = body_specs(case, sides, fine=4e-3, beyond=6e-3)[name]
     assert len(spec.sockets) == case.ball_count * sum((s < 2) == spec.outer for s in sides)
     check_body(GrooveMap.of(case), spec, build_body(GrooveMap.of(case), spec))
 
@@ -413,8 +413,8 @@ def test_the_volume_is_filled_between_raised_sockets(monkeypatch):
     build_body(m, spec)
     _, raised = socket_mesh(partial(local_points, m, spec.size, 0), spec.size.cuts)
     for k, socket in enumerate(spec.sockets):
-        own = seen[0][k * len(raised) : (k + 1) * len(raised)]
-        np.testing.assert_allclose(own, socket_points(m, spec.size, socket, raised), atol=1e-15)
+        points = seen[0][k * len(raised) : (k + 1) * len(raised)]
+        np.testing.assert_allclose(points, socket_points(m, spec.size, socket, raised), atol=1e-15)
 
 
 # --- balls -----------------------------------------------------------------------------------------------------------

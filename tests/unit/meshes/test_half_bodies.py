@@ -29,9 +29,9 @@ MAP = GrooveMap.of(SCENE)
 FLAT = np.array([[0.0, 0.0]])
 
 
-def volume(made) -> float:
+def volume(body) -> float:
     """Volume [m3] of the curved cells."""
-    mesh = mesh_of(made.points, made.cells, "P2")[0]
+    mesh = mesh_of(body.points, body.cells, "P2")[0]
     from rollbench.hifi.elements.assembly import cells
 
     return float(cells(mesh).dx.sum())
@@ -50,29 +50,29 @@ def ring(outer: bool) -> tuple[BodySpec, Refinement]:
 @pytest.mark.parametrize("outer", [True, False])
 def test_a_half_ring_is_half_of_the_ring(outer):
     spec, size = ring(outer)
-    made = half_body(MAP, spec, size)
-    assert 2.0 * volume(made) == pytest.approx(volume(whole_body(MAP, spec, size)), rel=3e-4)
-    assert np.ptp(made.points[made.named["cut"]][:, 1]) < 1e-15
-    assert made.points[:, 1].min() > -1e-15
+    half = half_body(MAP, spec, size)
+    assert 2.0 * volume(half) == pytest.approx(volume(whole_body(MAP, spec, size)), rel=3e-4)
+    assert np.ptp(half.points[half.named["cut"]][:, 1]) < 1e-15
+    assert half.points[:, 1].min() > -1e-15
     for side in (0, 1) if outer else (2, 3):
-        x = made.points[made.named[f"flank {('SL', 'SR', 'NL', 'NR')[side]}"]]
+        x = half.points[half.named[f"flank {('SL', 'SR', 'NL', 'NR')[side]}"]]
         section = np.hypot(x[:, 0], x[:, 1]) - MAP.R, x[:, 2] - MAP.z0
         assert arc_deviation(*section, MAP.centre[side], float(MAP.radius[side])) < 1e-9
-    behind = made.points[made.named["bore" if outer else "outside"]]
+    behind = half.points[half.named["bore" if outer else "outside"]]
     np.testing.assert_allclose(np.hypot(behind[:, 0], behind[:, 1]), spec.r_in if outer else spec.r_out, rtol=1e-9)
     corners = {"land", "low end", "high end"}
-    assert corners <= set(made.named)
+    assert corners <= set(half.named)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_half_ball_is_half_of_the_ball(sign):
     size = Refinement(sphere_points(MAP, 0, MAP.ball, FLAT), 2e-4, 0.8, 2e-3)
-    made = half_ball(MAP.ball, size, sign)
-    assert volume(made) == pytest.approx(2.0 / 3.0 * np.pi * MAP.ball**3, rel=2e-3)
-    assert 2.0 * volume(made) == pytest.approx(volume(whole_ball(MAP, MAP.ball, size)), rel=2e-3)
-    assert (sign * made.points[:, 1]).min() > -1e-15
-    assert np.abs(made.points[made.named["cut"]][:, 1]).max() < 1e-15
-    np.testing.assert_allclose(np.linalg.norm(made.points[made.named["sphere"]], axis=1), MAP.ball, rtol=1e-12)
+    half = half_ball(MAP.ball, size, sign)
+    assert volume(half) == pytest.approx(2.0 / 3.0 * np.pi * MAP.ball**3, rel=2e-3)
+    assert 2.0 * volume(half) == pytest.approx(volume(whole_ball(MAP, MAP.ball, size)), rel=2e-3)
+    assert (sign * half.points[:, 1]).min() > -1e-15
+    assert np.abs(half.points[half.named["cut"]][:, 1]).max() < 1e-15
+    np.testing.assert_allclose(np.linalg.norm(half.points[half.named["sphere"]], axis=1), MAP.ball, rtol=1e-12)
 
 
 def test_faces_of_a_half_sphere_bend_over_no_edge_longer_than_asked(monkeypatch):
@@ -88,6 +88,6 @@ def test_faces_of_a_half_sphere_bend_over_no_edge_longer_than_asked(monkeypatch)
 def test_a_helix_and_a_ring_without_bore_are_not_halved():
     spec, _ = ring(True)
     shell = Shell(None, lambda x: np.ones(len(x)), 1e-3, 6)
-    for m, own in ((replace(MAP, rg=1e-3), spec), (MAP, replace(spec, r_in=0.0))):
+    for m, body in ((replace(MAP, rg=1e-3), spec), (MAP, replace(spec, r_in=0.0))):
         with pytest.raises(ValueError, match="only a ring with a bore"):
-            HalfRing(shell, m, own)
+            HalfRing(shell, m, body)

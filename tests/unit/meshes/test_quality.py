@@ -70,8 +70,8 @@ def test_scaled_jacobians_of_straight_cells_are_vtks(shaken, kind):
     import pyvista
 
     points, cells = shaken[kind]
-    own = pyvista.CellType.TETRA if kind == "P1" else pyvista.CellType.HEXAHEDRON
-    grid = pyvista.UnstructuredGrid({own: cells}, points)
+    cell_type = pyvista.CellType.TETRA if kind == "P1" else pyvista.CellType.HEXAHEDRON
+    grid = pyvista.UnstructuredGrid({cell_type: cells}, points)
     theirs = grid.cell_quality("scaled_jacobian")["scaled_jacobian"]
     np.testing.assert_allclose(jacobians(points, cells, kind), theirs, atol=1e-12)
 

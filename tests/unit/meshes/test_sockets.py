@@ -120,8 +120,8 @@ def test_faces_bulge_out_of_the_box_and_are_convex_beyond_their_first_row(cuts):
     top = mesh.xi[: len(raised), 1] == 0.0
     assert np.all(np.abs(raised[:, [0, 2]]) >= np.abs(mesh.xi[: len(raised), [0, 2]]))
     sides = [np.flatnonzero(mesh.xi[: len(raised), axis] == end) for axis, end in ((0, 1.0), (2, -1.0))]
-    for own, axis, sign in zip(sides, (0, 2), (1.0, -1.0), strict=True):
-        inner = own[~top[own] & (np.abs(mesh.xi[own, 2 - axis]) < 1.0)]
+    for face, axis, sign in zip(sides, (0, 2), (1.0, -1.0), strict=True):
+        inner = face[~top[face] & (np.abs(mesh.xi[face, 2 - axis]) < 1.0)]
         assert np.all(sign * (raised[inner, axis] - mesh.xi[inner, axis]) > 0.02)
 
 

@@ -28,10 +28,10 @@ def surface(scene, name, phi, gamma):
     body = scene.screw if name[0] == "S" else scene.nut
     sx, sz = DIRECTION[name]
     slack, beta = body.groove_radius - scene.balls.radius, track.contact_angle
-    own = phi - (scene.nut.azimuth if name[0] == "N" else 0.0)
+    angle = phi - (scene.nut.azimuth if name[0] == "N" else 0.0)
 
     def series(terms):
-        return sum(t.sin * np.sin(t.harmonic * own) + t.cos * np.cos(t.harmonic * own) for t in terms)
+        return sum(t.sin * np.sin(t.harmonic * angle) + t.cos * np.cos(t.harmonic * angle) for t in terms)
 
     rg = (1 if track.hand == "right" else -1) * track.lead / (2 * np.pi)
     alpha = np.arctan(rg / track.pitch_radius)

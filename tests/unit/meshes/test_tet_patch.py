@@ -50,8 +50,8 @@ def socket(turn=False):
 
 
 @cache
-def mesh(own="plain"):
-    return build_tets(BOX, None if own == "plain" else socket(own == "turned"))
+def mesh(kind="plain"):
+    return build_tets(BOX, None if kind == "plain" else socket(kind == "turned"))
 
 
 OWN = ["plain", "straight", "turned"]
@@ -68,9 +68,9 @@ def area(points, triangles):
     return 0.5 * np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
 
 
-@pytest.mark.parametrize("own", OWN)
-def test_box_is_filled(own):
-    m = mesh(own)
+@pytest.mark.parametrize("kind", OWN)
+def test_box_is_filled(kind):
+    m = mesh(kind)
     volumes = signed_volumes(m.xi, m.tets)
     assert (volumes > 0.0).all() or (volumes < 0.0).all()
     assert abs(volumes.sum()) == pytest.approx(4.0, rel=1e-12)
@@ -136,9 +136,9 @@ def test_contact_nodes_do_not_depend_on_the_diagonals_of_the_socket():
     np.testing.assert_allclose(one.xi[one.contact], third.xi[third.contact], atol=1e-12)
 
 
-@pytest.mark.parametrize("own", ["straight", "turned"])
-def test_faces_divide_the_socket_s_triangles(own):
-    m, s = mesh(own), socket(own == "turned")
+@pytest.mark.parametrize("kind", ["straight", "turned"])
+def test_faces_divide_the_socket_s_triangles(kind):
+    m, s = mesh(kind), socket(kind == "turned")
     faces = boundary_faces(m.tets, "P1")
     faces = faces[(m.xi[faces, 1] > 1e-12).any(axis=1)]
     sub = s.xi[s.triangles[:, np.array(SUB_TRIANGLES)].reshape(-1, 3)]

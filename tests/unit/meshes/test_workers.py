@@ -22,10 +22,10 @@ with local():
 """
 #: Parts of a set-up, of which a helper makes the first and the parent the other, for so many seconds.
 SET_UP = """
-from rollbench.hifi.condensation.side_by_side import Part, make
+from rollbench.hifi.condensation.side_by_side import Job, make
 from rollbench.meshes.cache import Cache
 work = "print(__import__('os').getpid(), flush=True), __import__('time').sleep({})"
-make([Part("any", eval, (work.format(seconds),), tuple) for seconds in (120.0, OWN)], Cache(None), 2)
+make([Job("any", eval, (work.format(seconds),), tuple) for seconds in (120.0, OWN)], Cache(None), 2)
 """
 
 
@@ -86,7 +86,7 @@ def _ended(program: str, number: int, code: int, stopped: bool) -> None:
         for pid in lasting:
             os.kill(pid, signal.SIGKILL)
         assert lasting == []
-        told = parent.communicate()[1].decode()
+        error = parent.communicate()[1].decode()
     assert parent.returncode == code
     if code > 0:
-        assert told == "rollbench: interrupted; nothing was left half-written\n"
+        assert error == "rollbench: interrupted; nothing was left half-written\n"

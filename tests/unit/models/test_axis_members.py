@@ -31,14 +31,14 @@ def test_members_are_the_single_solves():
     np.testing.assert_allclose(found.bands.mean, loads.mean(axis=0), rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(found.bands.largest, loads.max(axis=0), rtol=1e-9, atol=1e-9)
     names = columns(parts)
-    own = dict(zip(names, found.kept[2], strict=True))
-    assert own["largest_load_N"] == pytest.approx(loads[2].max(), rel=1e-12)
-    assert own["stiffness_N_per_um"] == pytest.approx(1e-6 * results[2].stiffness[2, 2], rel=1e-12)
+    member = dict(zip(names, found.kept[2], strict=True))
+    assert member["largest_load_N"] == pytest.approx(loads[2].max(), rel=1e-12)
+    assert member["stiffness_N_per_um"] == pytest.approx(1e-6 * results[2].stiffness[2, 2], rel=1e-12)
     for i, (s, place) in enumerate(zip(results[2].sets, found.balls, strict=True)):
-        assert own[f"set {i + 1} axial_force_N"] == pytest.approx(s.force[2], rel=1e-12)
+        assert member[f"set {i + 1} axial_force_N"] == pytest.approx(s.force[2], rel=1e-12)
         assert np.array_equal(loads[2][place], s.balls.load)
         life = (life_sum(s.balls.load) / life_sum(found.bands.nominal[place])) ** -0.9
-        assert own[f"set {i + 1} relative_life"] == pytest.approx(life, rel=1e-12)
+        assert member[f"set {i + 1} relative_life"] == pytest.approx(life, rel=1e-12)
     assert not found.failed
 
 

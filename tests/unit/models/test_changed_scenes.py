@@ -23,12 +23,12 @@ def test_a_conformity_is_the_groove_s_radius_over_the_ball_s_diameter(conformity
 @pytest.mark.parametrize("count", [1, 8, 300])
 def test_more_balls_lie_as_close_in_a_nut_that_holds_them(count):
     base = small_screw(12, 2.3)
-    made = with_balls(base, count)
-    azimuths = np.array(made.balls.azimuths)
+    changed = with_balls(base, count)
+    azimuths = np.array(changed.balls.azimuths)
     assert azimuths.size == count
     assert azimuths.sum() == pytest.approx(0.0, abs=1e-9)
     assert np.diff(azimuths) == pytest.approx(np.full(count - 1, np.diff(base.balls.azimuths)[0]), rel=1e-9)
     along = np.ptp(azimuths) * base.track.lead / (2.0 * np.pi)
-    assert made.nut.length >= max(base.nut.length, along + 4.0 * base.balls.radius)
-    assert made.screw.length - made.nut.length == pytest.approx(base.screw.length - base.nut.length, rel=1e-12)
-    assert made.nut.position == pytest.approx(made.screw.length / 2.0, rel=1e-12)
+    assert changed.nut.length >= max(base.nut.length, along + 4.0 * base.balls.radius)
+    assert changed.screw.length - changed.nut.length == pytest.approx(base.screw.length - base.nut.length, rel=1e-12)
+    assert changed.nut.position == pytest.approx(changed.screw.length / 2.0, rel=1e-12)

@@ -21,10 +21,10 @@ PARTS = {"width": "patch of the kernels", "harmonics": "harmonics", "mesh": "ele
 
 @pytest.mark.parametrize("name", CHOICES)
 def test_a_choice_is_one_and_as_large_as_its_name_says(name):
-    before, now = asdict(REFINED), asdict(CHOICES[name])
-    (changed,) = (part for part in before if now[part] != before[part])
+    before, after = asdict(REFINED), asdict(CHOICES[name])
+    (changed,) = (key for key in before if after[key] != before[key])
     said = next((factor for words, factor in FACTORS.items() if name.endswith(words)), None)
     assert (said is not None) == (changed in PARTS)
     if said is not None:
         assert PARTS[changed] in name
-        assert now[changed] == pytest.approx(said * before[changed], rel=1e-12)
+        assert after[changed] == pytest.approx(said * before[changed], rel=1e-12)

@@ -45,12 +45,12 @@ def worst(held: list[Held]) -> float:
 
 def test_bars_of_two_levels_or_more_hold_95_per_cent_of_the_contacts() -> None:
     """Of all contacts between 93 and 99 %, in no scene of 40 contacts or more under 88 %; no level far off."""
-    own = [h for h in coverage(STUDY) if h.level > min(LEVELS)]
-    assert 0.93 <= share_of(own) <= 0.99
-    assert worst(own) >= 0.88
-    assert all(h.judge > h.level for h in own)
+    several = [h for h in coverage(STUDY) if h.level > min(LEVELS)]
+    assert 0.93 <= share_of(several) <= 0.99
+    assert worst(several) >= 0.88
+    assert all(h.judge > h.level for h in several)
     for level in (2, 3):
-        assert 0.93 <= share_of([h for h in own if h.level == level]) <= 0.99
+        assert 0.93 <= share_of([h for h in several if h.level == level]) <= 0.99
 
 
 def alone(levels: tuple[int, ...]) -> np.ndarray:
@@ -89,9 +89,9 @@ def test_displacements_of_the_advised_levels_are_held_too() -> None:
     held = []
     for name, loads in levelled(STUDY).items():
         if {*ADVISED, 4} <= set(loads):
-            own, finer = (study_table(STUDY.scene(name), STUDY.stores, levels) for levels in (ADVISED, (4,)))
+            advised, finer = (study_table(STUDY.scene(name), STUDY.stores, levels) for levels in (ADVISED, (4,)))
             limits = {row["quantity"]: row["level 4"] for row in finer}
-            lines = [row for row in own if row["quantity"].startswith("centreline") and row["quantity"] in limits]
+            lines = [row for row in advised if row["quantity"].startswith("centreline") and row["quantity"] in limits]
             held += [abs(row["level 3"] - limits[row["quantity"]]) <= row["uncertainty"] for row in lines]
     assert len(held) > 60
     assert 0.93 <= np.mean(held) <= 0.99
@@ -103,10 +103,10 @@ def test_drawn_judges_are_those_of_the_rule() -> None:
     known = {name_of(number): number for number in chosen()}
     assert len(known) == COUNT
     assert set(scenes) == set(known)
-    assert {name for name, own in loads.items() if set(own) == {1, 2, 3}} == set(scenes)
+    assert {name for name, levels in loads.items() if set(levels) == {1, 2, 3}} == set(scenes)
     for name, scene in scenes.items():
         assert scene == scene_file.loads(scene_text(SEED, known[name]), f"{name}.toml")
-    both = [both_flanks(own[3]) for name, own in loads.items() if name in scenes]
+    both = [both_flanks(levels[3]) for name, levels in loads.items() if name in scenes]
     assert any(both)
     assert not all(both)
 
@@ -129,10 +129,10 @@ def test_the_shipped_records_are_those_of_the_shipped_runs() -> None:
     assert found.scenes == kept.scenes
     choices = total_uncertainty.read(shipped_store())
     for name in VARIED:
-        own = combined(STUDY.scene(name), varied(STUDY.scene(name)))
-        assert own is not None
-        assert choices[name].percent == pytest.approx(own.largest, rel=1e-6)
-        assert choices[name].choice == max(own.choices, key=lambda k: own.choices[k]) == "width of the nut's held face"
+        total = combined(STUDY.scene(name), varied(STUDY.scene(name)))
+        assert total is not None
+        assert choices[name].percent == pytest.approx(total.largest, rel=1e-6)
+        assert choices[name].choice == max(total.choices, key=lambda k: total.choices[k]) == "width of the nut's held face"
 
 
 def test_changes_between_levels_are_those_of_independent_errors() -> None:

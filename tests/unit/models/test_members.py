@@ -129,9 +129,9 @@ def test_intervals_of_quantiles_cover():
     rng = np.random.default_rng(3)
     hits = 0
     for _ in range(300):
-        own = statistics(rng.normal(size=200))["quantiles"][3]
-        assert own["low"] <= own["value"] <= own["high"]
-        hits += own["low"] <= norm.ppf(0.95) <= own["high"]
+        quantile = statistics(rng.normal(size=200))["quantiles"][3]
+        assert quantile["low"] <= quantile["value"] <= quantile["high"]
+        hits += quantile["low"] <= norm.ppf(0.95) <= quantile["high"]
     assert hits >= binom.ppf(0.001, 300, 0.95)
 
 
@@ -176,10 +176,10 @@ def test_command(tmp_path, command):
 
 
 def test_distributions_come_first_and_bands_where_asked_for(command):
-    for more, told in (((), "bands of every ball: --balls"), (("--balls",), "bands of the contact loads / N")):
-        _, out, _ = command("solve", *FEW, *more)
-        assert 0 < out.index("largest contact") < out.index(told)
-        assert ("\n   32    SL" in out) == bool(more)
+    for options, words in (((), "bands of every ball: --balls"), (("--balls",), "bands of the contact loads / N")):
+        _, out, _ = command("solve", *FEW, *options)
+        assert 0 < out.index("largest contact") < out.index(words)
+        assert ("\n   32    SL" in out) == bool(options)
 
 
 def test_quantiles_of_a_binomial_variable_are_scipys():

@@ -45,14 +45,14 @@ def test_choices_speak_for_scenes_of_their_parts_or_else_the_largest(tmp_path) -
 def test_the_total_of_a_preloaded_scene() -> None:
     scene, found = STUDY.scene("lin-case3"), STUDY.reference("lin-case3")
     assert found is not None
-    own = total(scene, found)
-    assert (own.discretisation, own.shared, own.by_experience) == (uncertainty_percent(found), True, False)
-    assert own.choices is not None
-    assert (own.choices.scene, own.choices.choice) == ("lin-case3", "width of the nut's held face")
+    whole = total(scene, found)
+    assert (whole.discretisation, whole.shared, whole.by_experience) == (uncertainty_percent(found), True, False)
+    assert whole.choices is not None
+    assert (whole.choices.scene, whole.choices.choice) == ("lin-case3", "width of the nut's held face")
     parts = input_parts(STUDY, scene, QUANTITIES[0])
-    assert own.inputs == pytest.approx(float(input_uncertainty(STUDY, scene, QUANTITIES[0]).max()))
-    assert own.input == max(parts, key=lambda k: np.abs(parts[k]).max())
-    assert 0.0 < own.percent < 15.0
+    assert whole.inputs == pytest.approx(float(input_uncertainty(STUDY, scene, QUANTITIES[0]).max()))
+    assert whole.input == max(parts, key=lambda k: np.abs(parts[k]).max())
+    assert 0.0 < whole.percent < 15.0
 
 
 @pytest.mark.parametrize(("bar", "percent"), [(True, 2.0), (False, 0.0)])

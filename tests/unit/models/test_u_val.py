@@ -35,16 +35,16 @@ SCENE = "lin-case1"
 def test_parts_combine_by_the_root_of_squares() -> None:
     parts = Uncertainty(np.array([1.0]), np.array([2.0]), np.array([2.0]), "")
     assert parts.combined == pytest.approx([3.0])
-    assert parts.own == pytest.approx([np.sqrt(5.0)])
+    assert parts.of_reference == pytest.approx([np.sqrt(5.0)])
 
 
 @pytest.mark.parametrize("quantity", QUANTITIES, ids=lambda q: q.name)
 def test_every_part_is_there(quantity) -> None:
     found = uncertainty(STUDY, SCENE, quantity)
     assert found is not None
-    for part in (found.grid, found.model, found.inputs):
-        assert np.isfinite(part).all()
-        assert part.max() > 0.0
+    for values in (found.grid, found.model, found.inputs):
+        assert np.isfinite(values).all()
+        assert values.max() > 0.0
     assert (found.combined >= np.maximum(np.maximum(found.grid, found.model), found.inputs)).all()
 
 
@@ -61,12 +61,12 @@ def test_the_grid_s_part_of_loads_is_that_of_the_reference() -> None:
 def test_the_reference_itself_has_no_error_and_a_known_shift_is_found() -> None:
     ref = STUDY.reference(SCENE)
     assert ref is not None
-    own = from_run(ref.best, "3D")
+    answer = from_run(ref.best, "3D")
     for quantity in QUANTITIES:
-        same = validated(STUDY, SCENE, "3D", quantity, own)
+        same = validated(STUDY, SCENE, "3D", quantity, answer)
         assert same is not None
         assert (same.error, same.within) == (0.0, 1.0)
-    larger = replace(own, load=1.02 * own.load, line=1.05 * own.line)
+    larger = replace(answer, load=1.02 * answer.load, line=1.05 * answer.line)
     found = {q.name: validated(STUDY, SCENE, "3D", q, larger) for q in QUANTITIES}
     assert found["largest load"].error == pytest.approx(2.0)
     assert found["axial displacement"].error == pytest.approx(5.0)
@@ -77,8 +77,8 @@ def test_the_largest_load_is_as_uncertain_as_its_contact() -> None:
     ref, scene = STUDY.reference("lin-case3"), STUDY.scene("lin-case3")
     assert ref is not None
     largest = next(q for q in QUANTITIES if q.name == "largest load")
-    own = ref.uncertainty.ravel()[ref.load.argmax()]
-    assert grid_uncertainty(scene, ref, largest) == pytest.approx(100.0 * own / ref.load.max())
+    bar = ref.uncertainty.ravel()[ref.load.argmax()]
+    assert grid_uncertainty(scene, ref, largest) == pytest.approx(100.0 * bar / ref.load.max())
 
 
 def row(ratio: tuple[float, ...], grid: float, within: float) -> Validated:
@@ -144,16 +144,16 @@ def test_solve_says_not_covered_where_a_scene_is_outside(change, name: str) -> N
     result = run_model(base, "lin", Options(discretisation=False))
     changed = change(base)
     beyond = outside(changed)
-    made = estimate(changed, result)
+    form = estimate(changed, result)
     if name:
         assert any(text.startswith(name) for text in beyond)
-        assert made.percent is None
-        assert any("beyond what was compared" in w or "unlike every compared" in w for w in made.words)
+        assert form.percent is None
+        assert any("beyond what was compared" in w or "unlike every compared" in w for w in form.words)
         cells = [r for r in range_table(changed).rows if r["where"] == "OUTSIDE"]
         assert len(cells) == len(beyond)
     else:
         assert beyond == ()
-        assert made.percent is not None
+        assert form.percent is not None
 
 
 @pytest.mark.parametrize("left", [None, "{", "[]", '{"screws": {"a": {}}, "rings": {"a": {}}}'])

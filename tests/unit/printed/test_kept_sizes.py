@@ -27,11 +27,11 @@ def solved(monkeypatch):
 
 
 def test_only_one_is_computed_where_they_are_kept(tmp_path, solved, monkeypatch):
-    made = sizes([tmp_path], fresh=True)
+    fresh = sizes([tmp_path], fresh=True)
     assert solved == list(variants())
     solved.clear()
     found = sizes([tmp_path / "none", tmp_path], fresh=False)
-    assert (found.variants, solved) == (made.variants, [LIVE])
+    assert (found.variants, solved) == (fresh.variants, [LIVE])
     assert found.words == f'Kept with the package; "{LIVE}" computed anew differs by up to 0 %.'
     monkeypatch.setattr(kept_sizes, "variant", lambda choice: Variant(choice, dict.fromkeys(NAMES, 2.002)))
     assert "differs by up to 0.1 %" in sizes([tmp_path], fresh=False).words
@@ -59,8 +59,8 @@ def test_the_package_has_them_of_every_choice():
 
 def test_what_choices_change_is_counted_from_the_shipped_ones_without_half_spaces(tmp_path, monkeypatch):
     rows = []
-    for k, (choice, (_, own)) in enumerate(variants().items()):
-        value = 9.0 if own is None else 2.0 if "as shipped" in choice else 2.0 * (1.0 + 0.01 * k)
+    for k, (choice, (_, bodies)) in enumerate(variants().items()):
+        value = 9.0 if bodies is None else 2.0 if "as shipped" in choice else 2.0 * (1.0 + 0.01 * k)
         rows.append({"choice": choice, "values": dict.fromkeys(NAMES, value)})
     (tmp_path / kept_sizes.FILE).write_text(json.dumps({"variants": rows}))
     monkeypatch.setattr(kept_sizes, "shipped_store", lambda: tmp_path)

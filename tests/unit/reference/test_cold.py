@@ -52,8 +52,8 @@ def test_cold_levels_are_kept(tmp_path: Path) -> None:
     assert load([tmp_path]) == kept
     (row,) = level_table(kept.levels).rows
     where = {"scene": "unseen-25x5", "contacts": 264, "level": 1}
-    told = {"load_case": 4.0, "stages": "patches 5.0 s, screw 3.0 s, nut 1.5 s", "memory": 1400.0, "status": "converged"}
-    assert row == where | {"cold": 12.0, "cpu": 20.0} | told
+    costs = {"load_case": 4.0, "stages": "patches 5.0 s, screw 3.0 s, nut 1.5 s", "memory": 1400.0, "status": "converged"}
+    assert row == where | {"cold": 12.0, "cpu": 20.0} | costs
     assert level_table([replace(level, stages=None)]).rows[0]["stages"] == "not measured"
 
 

@@ -59,9 +59,9 @@ def test_memory_of_many_contacts_is_told_as_it_was_measured() -> None:
     assert {c.contacts for c in large} == {228, 264}
     for c in large:
         assert c.memory is not None
-        told = expected(Task((catalogue.scene(c.scene),), c.level, processes=2)).memory_GB
-        assert 1.0 <= told / (1e-3 * c.memory) <= 1.1
-        assert told < 3.0
+        memory = expected(Task((catalogue.scene(c.scene),), c.level, processes=2)).memory_GB
+        assert 1.0 <= memory / (1e-3 * c.memory) <= 1.1
+        assert memory < 3.0
 
 
 def test_a_machine_that_is_too_small_is_refused_before_anything_runs(

@@ -10,7 +10,7 @@ KNOWN = Experience(0.02, 0.015, (0.11, 0.23), ("a", "b"))
 MANY = 4000
 
 
-def made(
+def drawn_loads(
     seed: int,
     levels: tuple[int, ...],
     contact: float,
@@ -34,7 +34,7 @@ def made(
 
 @pytest.mark.parametrize(("contact", "bodies"), [(0.05, 0.0), (0.0, 0.04), (0.06, 0.05)])
 def test_parts_of_the_own_levels_are_found(contact: float, bodies: float) -> None:
-    found = parts(made(1, (1, 2, 3), contact, bodies, 0.02), KNOWN)
+    found = parts(drawn_loads(1, (1, 2, 3), contact, bodies, 0.02), KNOWN)
     h = [LEVELS[3][key] / LEVELS[4][key] for key in ("b_over_h", "fine")]
     assert found.contact == pytest.approx(contact * np.sqrt(1.0 + h[0] ** 4), abs=0.015)
     assert found.bodies == pytest.approx(bodies * np.sqrt(1.0 + h[1] ** -4), abs=0.015)
@@ -45,7 +45,7 @@ def test_parts_of_the_own_levels_are_found(contact: float, bodies: float) -> Non
 
 
 def test_the_bar_holds_95_per_cent_of_the_next_level() -> None:
-    loads = made(2, (1, 2, 3, 4), 0.06, 0.03, 0.02)
+    loads = drawn_loads(2, (1, 2, 3, 4), 0.06, 0.03, 0.02)
     bar = parts({k: loads[k] for k in (1, 2, 3)}, KNOWN).bars(loads)[moving(loads)]
     off = np.abs(loads[4] - loads[3])[moving(loads)]
     assert np.mean(off <= bar) == pytest.approx(0.955, abs=0.012)
@@ -53,14 +53,14 @@ def test_the_bar_holds_95_per_cent_of_the_next_level() -> None:
 
 def test_displacements_become_loads_by_the_stiffness_of_a_contact() -> None:
     """Parts of bodies and sockets go as the cube root of the load, the others are alike; their mean square stays."""
-    loads = made(8, (1, 2, 3), 0.0, 0.05, 0.0, both=True)
+    loads = drawn_loads(8, (1, 2, 3), 0.0, 0.05, 0.0, both=True)
     for load in loads.values():
         load[:, :2] *= 8.0
     found = parts(loads, Experience(0.02, 0.0, (0.1, 0.2), ()))
     bars = found.bars(loads)
     assert np.sqrt((bars**2).mean()) == pytest.approx(found.bar)
-    part = bars**2 - (2.0 * found.contact) ** 2
-    assert np.sqrt(part[:, 0].mean() / part[:, 3].mean()) == pytest.approx(2.0, rel=1e-3)
+    of_bodies = bars**2 - (2.0 * found.contact) ** 2
+    assert np.sqrt(of_bodies[:, 0].mean() / of_bodies[:, 3].mean()) == pytest.approx(2.0, rel=1e-3)
     loads[3][0], loads[2][0], loads[1][0] = 0.0, 0.0, 0.0
     assert (found.bars(loads)[0] == 0.0).all()
     single = {1: loads[1]}
@@ -68,49 +68,49 @@ def test_displacements_become_loads_by_the_stiffness_of_a_contact() -> None:
 
 
 def test_two_levels_count_all_as_what_falls_slower() -> None:
-    loads = made(3, (1, 2), 0.06, 0.0, 0.02)
+    loads = drawn_loads(3, (1, 2), 0.06, 0.0, 0.02)
     found = parts(loads, KNOWN)
     assert found.contact == 0.0
-    assert found.bar > parts(made(3, (1, 2, 3), 0.06, 0.0, 0.02), KNOWN).bar
+    assert found.bar > parts(drawn_loads(3, (1, 2, 3), 0.06, 0.0, 0.02), KNOWN).bar
 
 
 def test_beyond_the_last_level_cells_are_refined_on() -> None:
-    found = parts(made(7, (4, 5), 0.0, 0.05, 0.0), Experience(0.0, 0.0, (0.1, 0.2), ()))
+    found = parts(drawn_loads(7, (4, 5), 0.0, 0.05, 0.0), Experience(0.0, 0.0, (0.1, 0.2), ()))
     size = LEVELS[5]["fine"] / LEVELS[3]["fine"]
     assert found.bodies == pytest.approx(0.05 * size**2 * np.sqrt(1.0 + 0.87**4), rel=0.02)
-    three = parts(made(7, (3, 4, 5), 0.05, 0.0, 0.0), Experience(0.0, 0.0, (0.1, 0.2), ()))
+    three = parts(drawn_loads(7, (3, 4, 5), 0.05, 0.0, 0.0), Experience(0.0, 0.0, (0.1, 0.2), ()))
     size = LEVELS[3]["b_over_h"] / LEVELS[5]["b_over_h"]
     assert np.hypot(three.contact, three.bodies) == pytest.approx(0.05 * size**2 * np.sqrt(1.0 + 0.75**4), rel=0.1)
 
 
 def test_a_part_that_all_contacts_share_counts_where_equilibrium_does_not_hold_the_sum() -> None:
-    one, both = (parts(made(4, (1, 2, 3), 0.05, 0.03, 0.02, both=b), KNOWN) for b in (False, True))
+    one, both = (parts(drawn_loads(4, (1, 2, 3), 0.05, 0.03, 0.02, both=b), KNOWN) for b in (False, True))
     assert (one.common, both.common) == (0.0, pytest.approx(0.015 * np.sqrt(2.0)))
     assert both.bar > one.bar
 
 
 def test_a_single_level_has_the_bar_of_experience_by_the_flanks_that_carry_load() -> None:
-    one, both = (parts(made(5, (1,), 0.0, 0.0, 0.0, both=b), KNOWN) for b in (False, True))
+    one, both = (parts(drawn_loads(5, (1,), 0.0, 0.0, 0.0, both=b), KNOWN) for b in (False, True))
     assert (one.bar, both.bar) == KNOWN.single
     assert one.by_experience
-    assert both_flanks(made(5, (1,), 0.0, 0.0, 0.0, both=True)[1])
+    assert both_flanks(drawn_loads(5, (1,), 0.0, 0.0, 0.0, both=True)[1])
     assert parts({1: np.zeros((2, 4)), 2: np.zeros((2, 4))}, KNOWN).bar == 0.0
 
 
 def test_experience_is_measured_and_kept(tmp_path) -> None:
     """The common part from mean changes between fine levels of scenes with both flanks loaded; single from level 1, as
     large as the scene needs whose contacts scatter most."""
-    scenes = {f"both {k}": made(k, (1, 2, 3, 4), 0.05, 0.0, 0.0, shift=0.03, both=True) for k in range(60)}
+    scenes = {f"both {k}": drawn_loads(k, (1, 2, 3, 4), 0.05, 0.0, 0.0, shift=0.03, both=True) for k in range(60)}
     for loads in scenes.values():
         loads[2] += 1.0 * (loads[2] > 0.0)  # the common part is that of fine levels
-    scenes |= {"one": made(90, (1, 2, 3), 0.04, 0.0, 0.0, shift=5.0)}
+    scenes |= {"one": drawn_loads(90, (1, 2, 3), 0.04, 0.0, 0.0, shift=5.0)}
     found = measured(scenes, 0.02)
     assert found.common == pytest.approx(0.03, rel=0.25)
     assert found.sockets == 0.02
     h = (LEVELS[3]["b_over_h"] / LEVELS[1]["b_over_h"]) ** 2
     spread = np.sqrt((0.05 * h) ** 2 + 0.05**2 * (LEVELS[3]["b_over_h"] / LEVELS[4]["b_over_h"]) ** 4 + 2.0 * 0.03**2)
     assert 1.96 * spread < found.single[1] < 3.0 * spread
-    wide = scenes | {"wide": made(91, (1, 2, 3), 0.4, 0.0, 0.0, both=True)}
+    wide = scenes | {"wide": drawn_loads(91, (1, 2, 3), 0.4, 0.0, 0.0, both=True)}
     assert measured(wide, 0.02).single[1] > 3.0 * found.single[1]
     assert measured(wide, 0.02, {"wide": np.full(wide["wide"][1].shape, 5.0)}).single[1] == pytest.approx(
         found.single[1], rel=0.05

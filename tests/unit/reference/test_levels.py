@@ -27,22 +27,22 @@ def test_lengths_go_with_the_ball_and_counts_and_ratios_stay(level):
     """Twice the ball: the same mesh twice as large; the ball they are given for: as they are."""
     given = SOURCE_MESH if level == SOURCE_LEVEL else LEVELS[level]
     assert scaled(level, BALL) == given
-    made = scaled(level, 2.0 * BALL)
-    assert made.keys() == given.keys()
+    twice = scaled(level, 2.0 * BALL)
+    assert twice.keys() == given.keys()
     for name, value in given.items():
         if name not in LENGTHS:
-            assert made[name] == value, name
+            assert twice[name] == value, name
         elif isinstance(value, tuple):
-            assert made[name] == pytest.approx([2.0 * x for x in value]), name
+            assert twice[name] == pytest.approx([2.0 * x for x in value]), name
         else:
-            assert made[name] == pytest.approx(2.0 * value), name
+            assert twice[name] == pytest.approx(2.0 * value), name
 
 
 @pytest.mark.parametrize("level", [SOURCE_LEVEL, *LEVELS])
 def test_levels_are_settings(level):
-    made = scaled(level, 4e-3)
-    assert made.keys() <= {x.name for x in fields(Settings)}
-    Settings(**made)
+    settings = scaled(level, 4e-3)
+    assert settings.keys() <= {x.name for x in fields(Settings)}
+    Settings(**settings)
 
 
 def test_every_choice_is_refined_from_level_to_level_or_stays():

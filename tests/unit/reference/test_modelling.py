@@ -59,20 +59,20 @@ def run_of(load: np.ndarray, variant: str, status: str = "converged") -> Run:
 
 def test_variants_change_what_they_say() -> None:
     base = dimensions(CASE1)
-    made = {name: dimensions(v.change(CASE1)) for name, v in VARIANTS.items()}
+    sizes = {name: dimensions(v.change(CASE1)) for name, v in VARIANTS.items()}
     lead = CASE1.track.lead
-    assert made["junction-phase"].shaft - base.shaft == pytest.approx(lead / 2.0)
-    assert made["junction"].shaft - base.shaft == pytest.approx(20e-3)
-    assert made["junction-short"].shaft == pytest.approx(base.shaft / 2.0)
-    assert made["land"].land - base.land == pytest.approx(-0.3e-3)
-    assert made["land-wide"].land - base.land == pytest.approx(0.3e-3)
-    assert made["hole"].hole == pytest.approx(base.hole / 2.0)
-    assert made["runout"].shaft_radius == made["shaft-plain"].shaft_radius == pytest.approx(16e-3)
-    assert made["held-outer"].held_radii == pytest.approx((20.5e-3, 24e-3))
-    assert made["held-inner"].held_radii == pytest.approx((17e-3, 20.5e-3))
+    assert sizes["junction-phase"].shaft - base.shaft == pytest.approx(lead / 2.0)
+    assert sizes["junction"].shaft - base.shaft == pytest.approx(20e-3)
+    assert sizes["junction-short"].shaft == pytest.approx(base.shaft / 2.0)
+    assert sizes["land"].land - base.land == pytest.approx(-0.3e-3)
+    assert sizes["land-wide"].land - base.land == pytest.approx(0.3e-3)
+    assert sizes["hole"].hole == pytest.approx(base.hole / 2.0)
+    assert sizes["runout"].shaft_radius == sizes["shaft-plain"].shaft_radius == pytest.approx(16e-3)
+    assert sizes["held-outer"].held_radii == pytest.approx((20.5e-3, 24e-3))
+    assert sizes["held-inner"].held_radii == pytest.approx((17e-3, 20.5e-3))
     assert base.held_radii == pytest.approx((17e-3, 24e-3))
-    assert {d.nut_held for n, d in made.items() if not n.startswith("nut-")} == {"left face"}
-    assert [n for n, d in made.items() if d.groove_ends] == ["nut-filled"]
+    assert {d.nut_held for n, d in sizes.items() if not n.startswith("nut-")} == {"left face"}
+    assert [n for n, d in sizes.items() if d.groove_ends] == ["nut-filled"]
     assert {VARIANTS[n].kind for n in ("nut-right", "nut-outer", "shaft-plain", "runout")} == {"scene"}
     assert {VARIANTS[n].kind for n in ("base", "modes")} == {"numerical"}
     varied_choices = {v.choice for v in VARIANTS.values()}
@@ -131,15 +131,15 @@ def test_the_dropped_twist_of_a_hollow_screw_is_that_of_a_tube() -> None:
 def test_choices_add_by_the_root_of_squares_contact_by_contact() -> None:
     base = loads()
 
-    def made(variant: str, choice: str, kind: str, *first: float):  # type: ignore[no-untyped-def]
+    def effect_of(variant: str, choice: str, kind: str, *first: float):  # type: ignore[no-untyped-def]
         return effect("lin-case1", variant, variant, choice, kind, loads(*first), base)  # type: ignore[arg-type]
 
     effects = [
-        made("land", LANDS, "modelling", 103.0, 100.0),
-        made("land-wide", LANDS, "modelling", 98.0, 101.0),
-        made("hole", HOLE, "modelling", 96.0, 100.0),
-        made("nut-right", "nut", "scene", 150.0),
-        made("modes", "modes", "numerical", 150.0),
+        effect_of("land", LANDS, "modelling", 103.0, 100.0),
+        effect_of("land-wide", LANDS, "modelling", 98.0, 101.0),
+        effect_of("hole", HOLE, "modelling", 96.0, 100.0),
+        effect_of("nut-right", "nut", "scene", 150.0),
+        effect_of("modes", "modes", "numerical", 150.0),
     ]
     found = combined(CASE1, effects)
     assert found is not None

@@ -34,9 +34,9 @@ def test_finer_bodies_and_larger_distances_leave_less_out() -> None:
     scatter = 0.02
     for row in ROWS:
         assert 0.0 < row["missing"]["1"] < 0.2 * row["lip"]
-    for level, own in KNOWN.missing.items():
-        assert (np.diff(own) < scatter).all()
-        assert (own <= KNOWN.missing[1] + 1e-12).all(), level
+    for level, missing in KNOWN.missing.items():
+        assert (np.diff(missing) < scatter).all()
+        assert (missing <= KNOWN.missing[1] + 1e-12).all(), level
     assert (KNOWN.missing[4] < 0.6 * KNOWN.missing[1])[:-1].all()
     assert KNOWN.at(np.array([AWAY, 5.0]), 1)[1] == pytest.approx([0.0, 0.0])
     assert KNOWN.at(np.array([1.1]), 5)[1] == pytest.approx(KNOWN.missing[4][2])
@@ -84,10 +84,10 @@ def test_it_concerns_the_flank_that_is_pressed_towards_a_free_face() -> None:
 def test_what_contacts_beside_a_face_have_too_much_the_others_have_too_little_where_the_sum_is_held() -> None:
     scene, load = near(), np.zeros((32, 4))
     load[:16, [0, 3]], load[16:, [0, 3]] = 20.0, 160.0
-    more, found = too_large(scene, load, 1), left_out(scene, load, 1)
-    shared = found - more
-    assert more[:, 0].any()
-    assert shared.sum(axis=0) == pytest.approx(more.sum(axis=0))
+    excess, found = too_large(scene, load, 1), left_out(scene, load, 1)
+    shared = found - excess
+    assert excess[:, 0].any()
+    assert shared.sum(axis=0) == pytest.approx(excess.sum(axis=0))
     assert not shared[:, 1:3].any()
     assert shared[20, 0] == pytest.approx(2.0 * shared[3, 0])  # by their own stiffness: the cube root of the load
     load[:, 1:3] = 1.0

@@ -92,10 +92,10 @@ def test_what_is_kept_is_told_while_more_is_to_come(tmp_path: Path, monkeypatch:
     monkeypatch.setattr(jobs, "compute_with_bodies", lambda task, _: ([run_of("lin-case1", task.level, loads)], None))
     tasks = jobs.plan([scene], (1, 2))
 
-    def told(task: Task) -> None:
+    def note(task: Task) -> None:
         heard.append((task.level, load(scene, task.level, stores=(tmp_path,)) is not None))
 
-    jobs.ensure(tasks, tmp_path, jobs.Engine(), lambda _: None, stored=told)
+    jobs.ensure(tasks, tmp_path, jobs.Engine(), lambda _: None, stored=note)
     assert heard == [(1, True)]
 
 
@@ -157,8 +157,8 @@ def test_a_run_that_did_not_settle_is_kept_with_what_it_may_move_by(
 ) -> None:
     scene, said = catalogue.scene("lin-case1"), list[str]()
     status = "not settled: loads may still move by 0.5 N after 30 updates of directions and gaps"
-    own, good = run_of("lin-case1", 1, np.full((32, 4), 99.0)), run_of("lin-case1", 2, np.full((32, 4), 100.0))
-    monkeypatch.setattr(jobs, "compute_with_bodies", lambda *_: ([replace(own, status=status, moving=0.5)], None))
+    first, good = run_of("lin-case1", 1, np.full((32, 4), 99.0)), run_of("lin-case1", 2, np.full((32, 4), 100.0))
+    monkeypatch.setattr(jobs, "compute_with_bodies", lambda *_: ([replace(first, status=status, moving=0.5)], None))
     assert jobs.ensure([Task((scene,), 1)], tmp_path, jobs.Engine(), said.append) == []
     assert any(status in line and "not stored" not in line for line in said)
     kept = load(scene, 1, stores=(tmp_path,))
@@ -167,8 +167,8 @@ def test_a_run_that_did_not_settle_is_kept_with_what_it_may_move_by(
     alone = reference_of("lin-case1", catalogue.scene("lin-case1"), (kept,))
     assert alone.unsettled == f"level 1 {status}"
     assert (alone.uncertainty >= 0.5).all()
-    settled = reference_of("lin-case1", catalogue.scene("lin-case1"), (own, good))
-    found = reference_of("lin-case1", catalogue.scene("lin-case1"), (own, replace(good, status=status, moving=0.5)))
+    settled = reference_of("lin-case1", catalogue.scene("lin-case1"), (first, good))
+    found = reference_of("lin-case1", catalogue.scene("lin-case1"), (first, replace(good, status=status, moving=0.5)))
     assert settled.unsettled == ""
     assert settled.uncertainty is not None
     assert found.uncertainty is not None

@@ -83,18 +83,18 @@ def test_unnamed_exceedance_and_vanished_one_fail(monkeypatch: pytest.MonkeyPatc
 def test_rows_name_every_loaded_contact_and_carry_the_error_bar() -> None:
     scene = catalogue.scene("lin-case1")
     found = _found("lin-case1")
-    own = rows(scene, from_result(solved(MODELS["lin"], scene, found, None)[0]), found)
-    loads = [r for r in own if r.quantity == "load"]
+    of_lin = rows(scene, from_result(solved(MODELS["lin"], scene, found, None)[0]), found)
+    loads = [r for r in of_lin if r.quantity == "load"]
     assert len(loads) == 64
     assert all(r.reference_error is not None and 0.0 <= r.reference_error < 10.0 for r in loads)
-    assert all(r.reference_error is not None for r in own), "every comparison carries the reference's error bar"
-    angles = [r for r in own if r.quantity == "contact angle"]
+    assert all(r.reference_error is not None for r in of_lin), "every comparison carries the reference's error bar"
+    angles = [r for r in of_lin if r.quantity == "contact angle"]
     assert len(angles) == 64
     assert all(r.reference_error < 0.3 for r in angles)
-    assert {r.unit for r in own} == {"N", "%", "deg", "um", ""}
-    printed = {r.quantity: r.printed for r in own if r.printed is not None}
+    assert {r.unit for r in of_lin} == {"N", "%", "deg", "um", ""}
+    printed = {r.quantity: r.printed for r in of_lin if r.printed is not None}
     assert sorted(printed.values()) == [1.34, 2.3, 5.38]
-    assert set(own[0].as_json()) == {
+    assert set(of_lin[0].as_json()) == {
         "scene",
         "quantity",
         "ball",
@@ -110,7 +110,7 @@ def test_rows_name_every_loaded_contact_and_carry_the_error_bar() -> None:
     }
     ends = [int(pick(found.load[:, 0])) for pick in (np.argmax, np.argmin)]
     share = sum(found.uncertainty[k, 0] / found.load[k, 0] for k in ends)
-    ratio = next(r for r in own if r.quantity.startswith("largest over smallest"))
+    ratio = next(r for r in of_lin if r.quantity.startswith("largest over smallest"))
     assert ratio.reference_error == pytest.approx(comparison.load_ratio(found.load) * share)
     finest = next(a for a in reference_answers(found, None) if a.model == f"3D level {max(STUDIED)}")
     assert all(r.error_percent == 0.0 for r in rows(scene, finest, found) if r.quantity == "load")
@@ -145,8 +145,8 @@ def test_the_largest_load_has_the_uncertainty_of_its_contact() -> None:
             row = table.get(f"largest load, {side}")
             if row is None:
                 continue
-            own = [r for q, r in table.items() if q.startswith("load of ball") and q.endswith(side)]
-            ball = max(own, key=lambda r: r[f"level {max(STUDIED)}"])
+            of_side = [r for q, r in table.items() if q.startswith("load of ball") and q.endswith(side)]
+            ball = max(of_side, key=lambda r: r[f"level {max(STUDIED)}"])
             assert row["uncertainty"] == ball["uncertainty"]
 
 
@@ -234,8 +234,8 @@ def test_displacements_of_one_order_are_extrapolated_and_drawn(tmp_path: Path) -
     figure = study_figure("x", table, whole)
     assert figure is not None
     (panel,) = (p for p in figure.panels if p.title == "centreline")
-    own = [s for s in panel.series if s.label == row["quantity"]]
-    measured, beyond = sorted(own, key=lambda s: min(s.x), reverse=True)
+    curves = [s for s in panel.series if s.label == row["quantity"]]
+    measured, beyond = sorted(curves, key=lambda s: min(s.x), reverse=True)
     assert measured.x[-1] == 1.0, "over the cell size, coarsest first"
     assert list(measured.x) == sorted(measured.x, reverse=True)
     assert measured.bars is not None
@@ -249,6 +249,6 @@ def test_the_largest_and_smallest_loads_are_those_of_each_level() -> None:
     table = {row["quantity"]: row for row in study_table(catalogue.scene("lin-case1"), None)}
     for level in STUDIED:
         for side in ("SL", "NR"):
-            own = [row[f"level {level}"] for q, row in table.items() if q.startswith("load of ball") and q.endswith(side)]
-            assert table[f"largest load, {side}"][f"level {level}"] == max(own)
-            assert table[f"smallest load, {side}"][f"level {level}"] == min(own) > 0.0
+            loads = [row[f"level {level}"] for q, row in table.items() if q.startswith("load of ball") and q.endswith(side)]
+            assert table[f"largest load, {side}"][f"level {level}"] == max(loads)
+            assert table[f"smallest load, {side}"][f"level {level}"] == min(loads) > 0.0

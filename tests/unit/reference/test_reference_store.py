@@ -116,11 +116,11 @@ def test_scenes_of_the_same_parts_share_a_set_up() -> None:
 
 def test_condensed_bodies_survive_the_file_and_refuse_a_foreign_one(tmp_path: Path) -> None:
     scene = catalogue.scene("lin-case1")
-    made = bodies_of(scene, 2)
-    made.save(tmp_path / "a.npz")
+    bodies = bodies_of(scene, 2)
+    bodies.save(tmp_path / "a.npz")
     read = load_condensed(tmp_path / "a.npz")
-    assert (read.geometry, read.level, read.base) == (made.geometry, 2, 0.3)
-    assert np.array_equal(read.screw, made.screw)
+    assert (read.geometry, read.level, read.base) == (bodies.geometry, 2, 0.3)
+    assert np.array_equal(read.screw, bodies.screw)
     (tmp_path / "b.npz").write_bytes((tmp_path / "a.npz").read_bytes()[:-200])
     with pytest.raises(ValueError, match="damaged"):
         load_condensed(tmp_path / "b.npz")

@@ -44,8 +44,8 @@ def test_every_point_has_the_same_reference_and_its_bar() -> None:
 
 
 def point(label: str, kind: str, error: float, cold: float, **changes: object) -> TimePoint:
-    made = TimePoint(label, kind, error, error / 2, max(0.0, error - 1.0), error + 1.0, cold, 0.1, 65, 100.0, label)  # type: ignore[arg-type]
-    return replace(made, **changes)  # type: ignore[arg-type]
+    measured = TimePoint(label, kind, error, error / 2, max(0.0, error - 1.0), error + 1.0, cold, 0.1, 65, 100.0, label)  # type: ignore[arg-type]
+    return replace(measured, **changes)  # type: ignore[arg-type]
 
 
 def test_every_way_to_assemble_gives_the_same_matrix_and_ours_is_the_fastest() -> None:
@@ -58,24 +58,24 @@ def test_every_way_to_assemble_gives_the_same_matrix_and_ours_is_the_fastest() -
 
 
 def test_figure_draws_levels_as_one_curve_with_bars_and_leaves_failures_out() -> None:
-    own = [
+    points = [
         point("a model", "model", 3.0, 1.0),
         point("failed", "model", 3.0, 1.0, status="no convergence"),
         point("mesh", "source mesh", 2.0, 20.0),
         point("level 1", "level", 0.5, 40.0),
         point("level 2", "level", 0.0, 90.0),
     ]
-    panel = time_panel("x", own)
+    panel = time_panel("x", points)
     curves = {s.label: s for s in panel.series}
     assert set(curves) == {"a model", "mesh", "3D reference, its levels"}
     levels = curves["3D reference, its levels"]
     assert list(levels.y) == [0.5, FLOOR]
     assert levels.bars == ([FLOOR, FLOOR], [1.5, 1.0])
-    plain = time_panel("x", [replace(p, low=None, high=None) for p in own])
+    plain = time_panel("x", [replace(p, low=None, high=None) for p in points])
     assert all(s.bars is None for s in plain.series)
     with_bars, without = (draw(Figure("f", "t", (p,))) for p in (panel, plain))
     assert with_bars.count("LineCollection") > without.count("LineCollection")
-    rows = time_table({"x": own}).rows
+    rows = time_table({"x": points}).rows
     assert [r["status"] for r in rows] == ["", "no convergence", "", "", ""]
     assert time_table({"x": [point("m", "model", 1.0, 1.0, memory=None)]}).rows[0]["memory"] == "not measured"
 
@@ -107,6 +107,6 @@ def test_levels_and_parts_of_every_scene() -> None:
         assert row["bar"] == pytest.approx(2.0 * np.linalg.norm(parts))
     levels = reference_mesh.level_table(STUDY, stored())
     for name, found in stored().items():
-        own = [r for r in levels.rows if r["scene"] == name and r["level"] != "source"]
-        assert [r["change"] is None for r in own] == [False] * (len(found.runs) - 1) + [True]
+        of_scene = [r for r in levels.rows if r["scene"] == name and r["level"] != "source"]
+        assert [r["change"] is None for r in of_scene] == [False] * (len(found.runs) - 1) + [True]
     assert set(NAMES) >= {f"3D level {k}" for k in LEVELS}

@@ -36,9 +36,9 @@ def test_pages_hold_question_answer_table_and_limits_as_they_are_written():
 def test_a_report_has_a_pdf_of_two_pages_and_may_be_replaced(tmp_path):
     pytest.importorskip("typst", reason="the PDF is written by typst, which is optional")
     page = write(REPORT, tmp_path / "report")
-    made = (page.parent / first_pages.FILE).read_bytes()
-    streams = re.findall(rb"stream\r?\n(.*?)\r?\nendstream", made, re.DOTALL)
-    inner = made + b"".join(zlib.decompress(s) for s in streams if s[:1] == b"x")
+    pdf = (page.parent / first_pages.FILE).read_bytes()
+    streams = re.findall(rb"stream\r?\n(.*?)\r?\nendstream", pdf, re.DOTALL)
+    inner = pdf + b"".join(zlib.decompress(s) for s in streams if s[:1] == b"x")
     assert len(re.findall(rb"/Type\s*/Page\b", inner)) == 2
     assert f'href="{first_pages.FILE}"' in page.read_text(encoding="utf-8")
     check_target(page.parent)

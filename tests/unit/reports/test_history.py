@@ -40,17 +40,17 @@ def test_numbers_of_a_report_are_those_of_its_points():
         "unseen-thin-nut": [point(lin, 99.0, 99.0, 99.0)],
     }
     found = Study().references(("lin-case1", "lin-case3"))
-    now = history.measured(points, found, "abc")
-    assert (now.version, now.commit) == (__version__, "abc")
-    assert now.values["error"]["lin"] == 9.0
-    assert now.values["error"]["refined"] is None
-    assert now.values["cold"] == {"refined": None, "lin": 2.0, "mei": None, "3D reference": 40.0}
-    assert now.values["memory"] == {"refined": None, "lin": 90.0, "mei": None, "3D reference": 900.0}
-    assert 0.0 < now.values["u"]["3D reference"] < 1.0
-    table = history.history_table([("0.1", ONE), ("this report", now)])
+    release = history.measured(points, found, "abc")
+    assert (release.version, release.commit) == (__version__, "abc")
+    assert release.values["error"]["lin"] == 9.0
+    assert release.values["error"]["refined"] is None
+    assert release.values["cold"] == {"refined": None, "lin": 2.0, "mei": None, "3D reference": 40.0}
+    assert release.values["memory"] == {"refined": None, "lin": 90.0, "mei": None, "3D reference": 900.0}
+    assert 0.0 < release.values["u"]["3D reference"] < 1.0
+    table = history.history_table([("0.1", ONE), ("this report", release)])
     assert len(table.rows) == 2 * len(QUANTITIES)
     assert table.note == "0.1: a remark"
-    figure = history.history_figure([("0.1", ONE), ("this report", now)])
+    figure = history.history_figure([("0.1", ONE), ("this report", release)])
     assert [s.x for s in figure.panels[0].series if s.label == "lin"] == [[1.0, 2.0]]
 
 

@@ -27,8 +27,8 @@ def found():
 def cells(table, label, column):
     """What a table says of the model in the columns of a heading and unit."""
     keys = [c.key for c in table.columns if (c.label, c.unit) == column]
-    own = [row for row in table.rows if label in (row.get("model"), row.get("name"), row.get("label"))]
-    return [row[key] for row in own for key in keys]
+    of_model = [row for row in table.rows if label in (row.get("model"), row.get("name"), row.get("label"))]
+    return [row[key] for row in of_model for key in keys]
 
 
 def test_every_page_says_the_same_error_of_a_thin_nut(found, monkeypatch):
@@ -47,11 +47,11 @@ def test_every_page_says_the_same_error_of_a_thin_nut(found, monkeypatch):
         assert cells(table, name, ("largest error", "% of own load")) == [pytest.approx(e.own_max_percent, rel=1e-9)]
     compared = {r.quantity: r for r in rows(STUDY.scene(NAME), from_result(lin), found)}
     of_mean = compared[f"largest error, of the mean load (ball {e.ball} {e.side})"]
-    own = compared["largest error, of the own load"]
-    assert (of_mean.value, own.value) == (pytest.approx(e.max_percent), pytest.approx(e.own_max_percent))
+    of_load = compared["largest error, of the own load"]
+    assert (of_mean.value, of_load.value) == (pytest.approx(e.max_percent), pytest.approx(e.own_max_percent))
     shares = 100.0 * found.uncertainty[found.load > 0.0] / found.load[found.load > 0.0]
-    assert own.reference_error == pytest.approx(shares.max())
-    assert own.reference_error > of_mean.reference_error
+    assert of_load.reference_error == pytest.approx(shares.max())
+    assert of_load.reference_error > of_mean.reference_error
     (verdict,) = judge("lin", lin.load, found, Limits())
     assert verdict.of_mean == e
 

@@ -23,8 +23,8 @@ from rollbench.reports.panels import draw_parts
 
 def point(label: str, error: float, cold: float, kind: str = "model", **changes: object) -> TimePoint:
     name = next((m.name for m in MODELS.values() if m.label == label), label.replace("3D reference, level", "3D level"))
-    made = TimePoint(label, kind, error, error / 2.0, 0.9 * error, 1.1 * error + 0.1, cold, 0.1, 65, 100.0, name)  # type: ignore[arg-type]
-    return replace(made, **changes)  # type: ignore[arg-type]
+    measured = TimePoint(label, kind, error, error / 2.0, 0.9 * error, 1.1 * error + 0.1, cold, 0.1, 65, 100.0, name)  # type: ignore[arg-type]
+    return replace(measured, **changes)  # type: ignore[arg-type]
 
 
 def scene(factor: float) -> list[TimePoint]:

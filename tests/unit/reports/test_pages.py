@@ -102,9 +102,9 @@ class TestPage:
     def test_first_screen_comes_before_all_else(self, tmp_path):
         small = figure("small", panels=figure().panels[:1])
         summary = Summary("How far?", "So far: 2 um.", small, figure("narrow", panels=small.panels), ["all"], ["none"])
-        made = report()
-        made = replace(made, pages=paged(replace(made.sections[0], summary=summary), made.sections[1]))
-        index = Page(html.write(made, tmp_path / "out").read_text(encoding="utf-8"))
+        whole = report()
+        whole = replace(whole, pages=paged(replace(whole.sections[0], summary=summary), whole.sections[1]))
+        index = Page(html.write(whole, tmp_path / "out").read_text(encoding="utf-8"))
         text = " ".join("".join(index.text).split())
         places = [
             text.index(words)
@@ -115,9 +115,9 @@ class TestPage:
         assert len({i for i in index.attributes("id") if i.startswith("fig-")}) > 10
 
     def test_a_page_opens_with_its_conclusion_and_names_lead_to_tables(self, tmp_path):
-        made = report(Text(["See table printed, and table nowhere."]), table())
-        page = replace(made.pages[0], sections=made.sections, conclusion="All is well.")
-        index = html.write(replace(made, pages=[page]), tmp_path / "out")
+        whole = report(Text(["See table printed, and table nowhere."]), table())
+        page = replace(whole.pages[0], sections=whole.sections, conclusion="All is well.")
+        index = html.write(replace(whole, pages=[page]), tmp_path / "out")
         text = (tmp_path / "out" / "first.html").read_text(encoding="utf-8")
         assert text.index("All is well.") < text.index("See table")
         assert 'table <a href="first.html#table-printed">printed</a>, and table nowhere.' in text
@@ -130,8 +130,8 @@ class TestPage:
         wide = Table(
             "t", "T", [Quantity(k, k, format="s") for k in keys], [dict.fromkeys(keys, f"x{n}") for n in range(12)]
         )
-        made = report(wide)
-        html.write(replace(made, pages=[replace(made.pages[0], whole=whole)]), tmp_path / "out")
+        document = report(wide)
+        html.write(replace(document, pages=[replace(document.pages[0], whole=whole)]), tmp_path / "out")
         text = (tmp_path / "out" / "first.html").read_text(encoding="utf-8")
         assert text.count("<tr>") == rows + 1
         assert text.count("<th ") == columns

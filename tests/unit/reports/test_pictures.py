@@ -57,8 +57,8 @@ def test_midpoints_lie_between_the_corners_before_and_after(kind):
 @pytest.mark.parametrize("kind", KINDS)
 class TestCells:
     def test_faces_are_those_of_the_elements(self, kind):
-        own = field3d.faces(np.arange(len(LOCAL[kind]))[None], kind)
-        assert [sorted(f) for f in own.tolist()] == [sorted(f) for f in face_nodes(kind).tolist()]
+        faces = field3d.faces(np.arange(len(LOCAL[kind]))[None], kind)
+        assert [sorted(f) for f in faces.tolist()] == [sorted(f) for f in face_nodes(kind).tolist()]
 
     def test_skin_and_pieces_of_a_cube(self, kind):
         points, cells = cube(kind, 2)

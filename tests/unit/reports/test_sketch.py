@@ -97,10 +97,10 @@ def test_a_sheet_has_verdict_trust_sketch_and_results() -> None:
     assert re.match(
         r"Verdict: refined is fit for 7 %: [+−]0\.\d\d % of the mean load on ball \d+ \w\w; lin is ", text.paragraphs[0]
     )
-    own = judged["refined", "axial displacement"]
+    displacement = judged["refined", "axial displacement"]
     row = next(r for r in table.rows if r["quantity"] == "axial displacement [um]")
-    assert row["error-refined"] == own.error
-    assert 100.0 * (row["refined"] / row["3D reference"] - 1.0) == pytest.approx(own.error)
+    assert row["error-refined"] == displacement.error
+    assert 100.0 * (row["refined"] / row["3D reference"] - 1.0) == pytest.approx(displacement.error)
     assert row["verdict"] == "within 7 %"
     assert f"u_val {judged['refined', 'contact loads'].combined:.2f} %" in text.paragraphs[1]
     said = sheets.conclusion({"lin-case1": judged})

@@ -81,13 +81,13 @@ def test_circuits_with_gaps_fill_their_arcs_evenly():
 
 def test_sets_take_what_catalogues_print():
     text = scene_text("double-nut")
-    for own, printed in (
+    for shipped, printed in (
         ('youngs_modulus = "210 GPa"\npoissons_ratio = 0.3', 'name = "bearing steel"'),
         ('pitch_radius = "16.6 mm"', 'pitch_diameter = "33.2 mm"'),
         ('\nradius = "3.175 mm"', '\ndiameter = "6.35 mm"'),
     ):
-        assert own in text
-        text = text.replace(own, printed)
+        assert shipped in text
+        text = text.replace(shipped, printed)
     assert scene_file.read(text, "double-nut.toml") == catalogue.shipped("double-nut")
 
 

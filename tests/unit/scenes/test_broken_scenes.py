@@ -78,12 +78,12 @@ def test_file_that_is_too_much(name, tmp_path):
     refused(tmp_path, broken(changes) if changes else "", *expected)
 
 
-def refused(tmp_path, text: str, key: str, value: str, part: str) -> SceneError:
+def refused(tmp_path, text: str, key: str, value: str, advice: str) -> SceneError:
     error = refusal(tmp_path, text)
     line = check_line(error, str(tmp_path / "my.toml"))
     assert error.key == key
     assert value in error.value
-    assert part in line
+    assert advice in line
     return error
 
 

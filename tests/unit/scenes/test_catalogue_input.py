@@ -65,8 +65,8 @@ def test_materials_by_name() -> None:
     ceramic = read(("turns = 2", 'turns = 2\nmaterial = { name = "silicon nitride" }'))
     assert (ceramic.balls.material.youngs_modulus, ceramic.balls.material.poissons_ratio) == (310e9, 0.26)
     assert ceramic.screw == read().screw
-    own = read(("turns = 2", 'turns = 2\nmaterial = { name = "zirconia", youngs_modulus = "205 GPa" }'))
-    assert own.balls.material.youngs_modulus == 205e9
+    changed = read(("turns = 2", 'turns = 2\nmaterial = { name = "zirconia", youngs_modulus = "205 GPa" }'))
+    assert changed.balls.material.youngs_modulus == 205e9
     error = refused(("turns = 2", 'turns = 2\nmaterial = { name = "silicon nitrid" }'))
     assert (error.key, error.advice) == ("balls.material.name", 'did you mean "silicon nitride"?')
 
@@ -108,8 +108,8 @@ def test_a_lead_offset_shifts_the_nut_s_halves_and_presses_both_ways() -> None:
 
 def test_preload_by_oversize_is_that_of_the_errors() -> None:
     text = scene_text("lin-case3")
-    own = text.replace("[errors.balls]", "[preload]", 1)
-    assert scene_file.loads(own, "lin-case3.toml") == catalogue.scene("lin-case3")
+    changed = text.replace("[errors.balls]", "[preload]", 1)
+    assert scene_file.loads(changed, "lin-case3.toml") == catalogue.scene("lin-case3")
 
 
 @pytest.mark.parametrize("size", ["6x1", "12x4", "16x16", "20x5", "32x10", "32 x 32", "40x10", "40×80", "63X20", "160x40"])

@@ -30,8 +30,8 @@ def test_feedback_and_neighbours_are_two_keys():
 
 
 def test_coefficients_of_both_grooves_stand_for_the_shared_one():
-    own = mine(("coefficient = 0.06", "screw = 0.06"))
-    assert own.friction == mine().friction
+    separate = mine(("coefficient = 0.06", "screw = 0.06"))
+    assert separate.friction == mine().friction
     with pytest.raises(SceneError, match=r"friction.coefficient: got nothing; allowed: 0 to 2; .*screw and nut"):
         mine(("coefficient = 0.06\n", ""))
     double = catalogue.scene_text("double-nut")

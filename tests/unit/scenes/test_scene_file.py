@@ -50,10 +50,10 @@ def test_shipped_scene_loads(name):
     scene = catalogue.scene(name)
     assert scene.name == name
     assert scene.title
-    own = {"unseen": "rollbench, ", "two": "rollbench, made", "lin-case1-cut": "rollbench, cut out of"}
-    own |= {"liu": "Liu et al. (2025)", "lin-case3-tolerances": "rollbench, on Lin (2019)"}
-    own |= {"external": "Catalogue of "}
-    assert scene.source.startswith(own.get(name, own.get(name.split("-")[0], "Lin (2019)")))
+    sources = {"unseen": "rollbench, ", "two": "rollbench, made", "lin-case1-cut": "rollbench, cut out of"}
+    sources |= {"liu": "Liu et al. (2025)", "lin-case3-tolerances": "rollbench, on Lin (2019)"}
+    sources |= {"external": "Catalogue of "}
+    assert scene.source.startswith(sources.get(name, sources.get(name.split("-")[0], "Lin (2019)")))
     assert all(sentence.endswith(".") for sentence in scene.assumed)
     assert len(scene.assumed) >= (1 if scene.source.startswith("rollbench") else 5)
 

@@ -100,7 +100,7 @@ def test_template_alternatives_load():
 
 def schema_keys(schema: dict) -> set[str]:
     parts = [schema, *schema["$defs"].values()]
-    return {key for part in parts for key in part["properties"]}
+    return {key for table in parts for key in table["properties"]}
 
 
 def model_keys(model: type) -> set[str]:

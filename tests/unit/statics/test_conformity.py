@@ -112,10 +112,10 @@ def test_oblique_pressure_softens_the_contact():
     gap = 0.5 * (1 / RADIUS - 1 / GROOVE) * one.x**2 + 0.5 * ALONG * one.y**2
     load = one.load(one.approach, gap, oblique=False)
     assert load == pytest.approx(500.0, rel=1e-3)
-    more = one.same_load(load, gap, 1.008 * one.approach) / one.approach - 1.0
+    increase = one.same_load(load, gap, 1.008 * one.approach) / one.approach - 1.0
     constants = hertz_constants(np.array(1 / RADIUS - 1 / GROOVE), np.array(ALONG), MODULUS)
     expected = float(oblique_term(constants, RADIUS)) * 500.0 ** (4 / 3) / one.approach
-    assert more == pytest.approx(expected, rel=0.02, abs=0.0)
+    assert increase == pytest.approx(expected, rel=0.02, abs=0.0)
 
 
 def test_oblique_term_vanishes_for_a_flat_contact_and_scales():

@@ -62,8 +62,8 @@ def motions(elastic, phi, amplitudes):
     v = flanks.v0 + flanks.R @ amplitudes
     if flanks.second.size == 0:
         return v + (flanks.first @ phi.ravel()).reshape(v.shape)
-    for G, part in ((flanks.first, slice(0, 4)), (flanks.second, slice(4, 8))):
-        v[:, part] += (G @ phi[:, part].ravel()).reshape(-1, 4)
+    for G, columns in ((flanks.first, slice(0, 4)), (flanks.second, slice(4, 8))):
+        v[:, columns] += (G @ phi[:, columns].ravel()).reshape(-1, 4)
     return v
 
 
@@ -254,9 +254,9 @@ def test_contact_law_takes_few_rounds(monkeypatch):
 def test_contact_law_is_the_same_in_both_engines():
     for law in LAWS:
         for delta in np.geomspace(1e-9, 1e-4, 15):
-            own = elastic_balls.contact_law(delta, *law)
+            interpreted = elastic_balls.contact_law(delta, *law)
             compiled = jit.kernels(jit.STATICS, compiled=True).contact_law
-            assert compiled(delta, *law) == pytest.approx(own, rel=1e-13, abs=0.0)
+            assert compiled(delta, *law) == pytest.approx(interpreted, rel=1e-13, abs=0.0)
 
 
 def energy_hessians(elastic, v, step=3e-9):

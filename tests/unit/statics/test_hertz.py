@@ -29,8 +29,8 @@ def test_contact_modulus_of_unlike_bodies():
 def test_integrals_are_carlsons_from_the_circle_to_the_line_contact():
     k = np.geomspace(1e-6, 1.0, 200)
     expected = elliprf(0.0, 1.0, k**2), elliprd(0.0, k**2, 1.0), elliprd(0.0, 1.0, k**2)
-    for found, own in zip(complete_integrals(k), expected, strict=True):
-        assert found == pytest.approx(own, rel=3e-15)
+    for found, exact in zip(complete_integrals(k), expected, strict=True):
+        assert found == pytest.approx(exact, rel=3e-15)
 
 
 def test_sphere_on_flat():

@@ -77,11 +77,11 @@ def test_a_set_on_a_shaft_takes_one_arc_unless_its_thrust_is_written() -> None:
     screw, rest = rest.split("[nut]")
     nut, rest = rest.split("[[supports]]")
     support = rest.split("[ingredients]")[0]
-    own = ("[sets.track]" + track + "[sets.nut]" + nut.replace("[balls]", "[sets.balls]")).replace("ANGLE", "0.01")
+    parts = ("[sets.track]" + track + "[sets.nut]" + nut.replace("[balls]", "[sets.balls]")).replace("ANGLE", "0.01")
     load = '[[loads]]\nat = "8 mm"\nforce = ["3000 N", "0 N", "0 N"]\n'
     shaft = f'kind = "axis"\n{head}[screw]{screw}[[supports]]{support}\n{load}'
     sets = "".join(
-        f'[[sets]]\nname = "{name}"\n{said}{own}' for name, said in (("free", ""), ("written", 'thrust = "+z"\n'))
+        f'[[sets]]\nname = "{name}"\n{said}{parts}' for name, said in (("free", ""), ("written", 'thrust = "+z"\n'))
     )
     free, written = scene_file.read(shaft + sets, "axis.toml").sets
     assert (free.thrust, free.parts.track.contact_angle) == ("deep groove", LEAST)
@@ -97,10 +97,10 @@ def test_its_tangent_stiffness_is_that_of_finite_differences(change: Callable[[S
     """With one pair of flanks, of exact arcs or not: elastic bodies took all four."""
     scene, step = change(bearing(0.01, 500.0, 1000.0)), 1e-3
     held = replace(scene, supports=(Support(0.008, tuple((name, 0.0) for name in ("ux", "uy", "rx", "ry", "rz"))),))
-    base, more = (
+    base, raised = (
         replace(held, loads=(Load(0.008, (0.0, 0.0, f), (0.0, 0.0, 0.0)),)) for f in (1000.0, 1000.0 * (1.0 + step))
     )
-    moved = np.diff([solve_static(s).centreline[0, 2] for s in (base, more)])[0]
+    moved = np.diff([solve_static(s).centreline[0, 2] for s in (base, raised)])[0]
     found = tangent_stiffness(base, 0.008, backend=LADDER["lin"])
     assert found.status == "converged"
     assert found.matrix[2, 2] == pytest.approx(1000.0 * step / moved, rel=2e-3)

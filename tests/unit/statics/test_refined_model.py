@@ -111,9 +111,9 @@ def test_what_the_file_says_along_the_normals_is_taken_over() -> None:
     low = whole[np.ix_(order, order)]
     got = condensed.correct(scene, layout, sides, low, REFINED)
     along, _ = directions(scene, N, sides, sides)
-    own = [i * 2 + 1 for i in range(N)]  # NR of NL, NR
+    right = [i * 2 + 1 for i in range(N)]  # NR of NL, NR
     assert normal_rows(scene, N, [2, 3]).shape == (2 * N, 4 * N)
-    np.testing.assert_allclose(along @ got @ along.T, condensed.bodies.nut[np.ix_(own, own)], rtol=0, atol=1e-14)
+    np.testing.assert_allclose(along @ got @ along.T, condensed.bodies.nut[np.ix_(right, right)], rtol=0, atol=1e-14)
     assert np.linalg.eigvalsh(got).min() > -1e-3 * np.linalg.eigvalsh(got).max()
 
 
@@ -152,11 +152,11 @@ def test_what_is_expected_grows_where_errors_do_and_ends_where_nothing_was_compa
 def test_nine_of_ten_compared_screws_are_within_what_the_others_expect() -> None:
     """The refined model, each screw judged by all others: covered, held, and no promise of fifty per cent."""
     found = model_form.left_out(model_form.shipped_points(), DEFAULT)
-    told = [one for one in found if one.expected is not None]
-    assert len(told) >= 0.9 * len(found)
+    covered = [one for one in found if one.expected is not None]
+    assert len(covered) >= 0.9 * len(found)
     assert sum(one.point.scene.startswith("survey") for one in found) >= 190
     for quantity in model_form.QUANTITIES:
-        pairs = [(getattr(one.point, quantity), one.expected[quantity]) for one in told]  # type: ignore[index]
+        pairs = [(getattr(one.point, quantity), one.expected[quantity]) for one in covered]  # type: ignore[index]
         errors, expected = np.abs(np.array([(e, x) for e, x in pairs if e is not None], float)).T
         assert np.mean(errors <= expected) >= 0.9, quantity
         if quantity in model_form.QUANTITIES[:2]:
@@ -174,9 +174,9 @@ def test_every_compared_screw_beyond_reach_or_expectation_is_known() -> None:
     """One more fails, one less too: the list is then wrong."""
     found = model_form.left_out(model_form.shipped_points(), DEFAULT)
     far = {one.point.scene for one in found if one.point.percent > 1.5 or one.point.rms_percent > 0.5}
-    more = {one.point.scene for one in found if one.expected and one.point.percent > (one.expected["percent"] or np.inf)}
+    beyond = {one.point.scene for one in found if one.expected and one.point.percent > (one.expected["percent"] or np.inf)}
     assert far == {f"survey {number}" for number in BEYOND_REACH}
-    assert more == {f"survey {number}" for number in BEYOND_EXPECTED}
+    assert beyond == {f"survey {number}" for number in BEYOND_EXPECTED}
 
 
 def test_an_expected_error_holds_the_share_that_it_says() -> None:
@@ -205,12 +205,12 @@ def test_a_bearing_with_a_closed_form_gets_no_invented_error() -> None:
     scene = catalogue.scene("two-balls")
     for other in (scene, replace(scene, solid=replace(scene.solid, nut="rigid"))):
         result = run_model(other, "lin", QUIET)
-        made = model_form.estimate(other, result)
-        worth = as_json(other, result, made)["model_form"]
+        form = model_form.estimate(other, result)
+        worth = as_json(other, result, form)["model_form"]
         assert worth["covered"] is False
         assert worth["largest_percent_of_mean"] is None
         assert worth["rms_percent_of_mean"] is None
-        assert any("not covered" in str(part) and "%" not in str(part) for part in as_table(other, result, made))
+        assert any("not covered" in str(part) and "%" not in str(part) for part in as_table(other, result, form))
 
 
 def test_an_estimate_is_made_from_scenes_of_the_same_kind() -> None:

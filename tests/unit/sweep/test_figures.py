@@ -11,21 +11,21 @@ FOUND = stored(TOLERANCES)
 KEYS = read_vary(FOUND["vary"])
 
 
-def by_name(made):
-    return {figure.name.rpartition("-")[2]: figure for figure in made}
+def by_name(figures):
+    return {figure.name.rpartition("-")[2]: figure for figure in figures}
 
 
 def test_a_seed_has_no_axis_but_a_share_of_the_variance():
-    made = by_name(of_summary("x", KEYS, FOUND, short))
+    figures = by_name(of_summary("x", KEYS, FOUND, short))
     orderly = {"ball grade", "pitch", "roundness", "misalignment"}
-    assert {panel.title for panel in made["effects"].panels} == orderly
-    assert set(made["worst"].panels[0].names) == orderly
-    assert made["indices"].panels[0].names == ["luck", "ball grade", "roundness", "misalignment", "pitch"]
-    own = FOUND["indices"]["outputs"]["largest_load_N"]
-    assert made["indices"].panels[0].series[1].y == sorted((row["total"] for row in own.values()), reverse=True)
+    assert {panel.title for panel in figures["effects"].panels} == orderly
+    assert set(figures["worst"].panels[0].names) == orderly
+    assert figures["indices"].panels[0].names == ["luck", "ball grade", "roundness", "misalignment", "pitch"]
+    variances = FOUND["indices"]["outputs"]["largest_load_N"]
+    assert figures["indices"].panels[0].series[1].y == sorted((row["total"] for row in variances.values()), reverse=True)
     worst, at = FOUND["worst"][0], [short(v) for v in KEYS].index("roundness")
     place = KEYS[at].number(worst["values"][at]) / KEYS[at].high  # its range begins at zero
-    assert made["worst"].panels[0].series[0].y[made["worst"].panels[0].names.index("roundness")] == place
+    assert figures["worst"].panels[0].series[0].y[figures["worst"].panels[0].names.index("roundness")] == place
 
 
 def test_a_sweep_of_seeds_alone_is_drawn_over_them():

@@ -37,22 +37,22 @@ def test_indices_of_ishigami_lie_in_their_intervals():
     what = sweep(10240)
     found = indices(what, records(what, ishigami))
     assert found["base_points"] == 2048
-    own = found["outputs"][MAIN]
+    of_main = found["outputs"][MAIN]
     for key, (first, last) in exact.items():
         for kind, value in (("first", first), ("total", last)):
-            low, high = own[key][f"{kind}_low"], own[key][f"{kind}_high"]
-            assert low < own[key][kind] < high
-            assert abs(own[key][kind] - value) < 1.5 * (high - low)
+            low, high = of_main[key][f"{kind}_low"], of_main[key][f"{kind}_high"]
+            assert low < of_main[key][kind] < high
+            assert abs(of_main[key][kind] - value) < 1.5 * (high - low)
             assert high - low < 0.15
     assert found["outputs"]["mean_load_N"] is None  # it does not change
 
 
 def test_a_single_key_has_all_of_the_variance():
     what = Sweep("", "x.toml", KEYS[:1], 192, "sobol", 3, "lin")
-    made = {n: {**row, MAIN: row["values"][0] ** 3} for n, row in records(sweep(640), ishigami).items() if n < 192}
+    samples = {n: {**row, MAIN: row["values"][0] ** 3} for n, row in records(sweep(640), ishigami).items() if n < 192}
     for n, place in enumerate(what.places()):
-        made[n][MAIN] = KEYS[0].at(place[0]) ** 3
-    found = indices(what, made)["outputs"][MAIN]
+        samples[n][MAIN] = KEYS[0].at(place[0]) ** 3
+    found = indices(what, samples)["outputs"][MAIN]
     assert list(found) == ["a"]
     assert found["a"]["first"] == pytest.approx(1.0, abs=0.1)
     assert found["a"]["total"] == pytest.approx(1.0, abs=0.1)
@@ -60,17 +60,17 @@ def test_a_single_key_has_all_of_the_variance():
 
 def test_indices_are_the_same_every_time():
     what = sweep(640)
-    made = records(what, ishigami)
-    assert indices(what, made) == indices(what, made)
+    samples = records(what, ishigami)
+    assert indices(what, samples) == indices(what, samples)
 
 
 def test_base_points_with_a_failed_sample_are_left_out():
     what = sweep(640)
-    made = records(what, ishigami)
-    made[128 + 5] = {"sample": 133, "values": made[133]["values"], "status": "refused: x"}
-    found = indices(what, made)
+    samples = records(what, ishigami)
+    samples[128 + 5] = {"sample": 133, "values": samples[133]["values"], "status": "refused: x"}
+    found = indices(what, samples)
     assert (found["base_points"], found["of"]) == (64, 128)
-    text = summary(what, made)
+    text = summary(what, samples)
     assert (text["solved"], text["converged"]) == (640, 639)
     assert text["failures"] == [{"reason": "refused: x", "samples": 1}]
 
@@ -82,16 +82,16 @@ def test_other_designs_say_that_they_give_no_indices():
 
 def test_worst_samples_come_first():
     what = sweep(50, "lhs")
-    made = records(what, ishigami)
-    worst = summary(what, made)["worst"]
+    samples = records(what, ishigami)
+    worst = summary(what, samples)["worst"]
     assert len(worst) == 10
-    assert [row[MAIN] for row in worst] == sorted((row[MAIN] for row in made.values()), reverse=True)[:10]
+    assert [row[MAIN] for row in worst] == sorted((row[MAIN] for row in samples.values()), reverse=True)[:10]
 
 
 def test_main_effect_of_a_linear_function():
     what = sweep(4000, "lhs")
-    made = records(what, lambda a, b, c: 2.0 * a)  # noqa: ARG005
-    groups = main_effects(KEYS, list(made.values()))
+    samples = records(what, lambda a, b, c: 2.0 * a)  # noqa: ARG005
+    groups = main_effects(KEYS, list(samples.values()))
     assert len(groups["a"]) == 8
     assert sum(g["samples"] for g in groups["a"]) == 4000
     for g in groups["a"]:

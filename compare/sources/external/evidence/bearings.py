@@ -135,8 +135,8 @@ def snfa(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table ta
     loads = [parse(text, "force") for text in case["preloads"]]
     right = [1e-6 * equilibrium(_pair(bearing, p)).stiffness for p in loads]
     still = [1e-6 * frozen_rigidity(bearing, p) for p in loads]
-    for name, own, frozen in zip(("light", "medium", "heavy"), right, still, strict=True):
-        sheet.number(f"rigidity_{name}", own, f"{frozen:.1f} N/um at a constant angle, conformity {case['conformity']:g}")
+    for name, value, at in zip(("light", "medium", "heavy"), right, still, strict=True):
+        sheet.number(f"rigidity_{name}", value, f"{at:.1f} N/um at a constant angle, conformity {case['conformity']:g}")
     growth = right[-1] / right[0]
     words = f"{growth / (still[-1] / still[0]):.2f} times that at a constant angle: a bearing that may turn stiffens faster"
     sheet.number("growth", growth, words, as_printed=still[-1] / still[0])

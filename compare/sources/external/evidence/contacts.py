@@ -104,10 +104,10 @@ def rolling(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table
     sheet.number("b", 1e3 * float(hertz.C_b) * cube)
     sheet.number("approach", 1e3 * float(hertz.C) * cube**2)
     sheet.number("pressure", 1e-6 * float(hertz.pressure(np.array(load))))
-    own, other = example(EXAMPLE_CELLS, by_cells=True), example(EXAMPLE_CELLS)
+    theirs, ours = example(EXAMPLE_CELLS, by_cells=True), example(EXAMPLE_CELLS)
     for key in ("lateral", "moment"):
-        note = f"by CONTACT's differences over one cell; by those of rolling in 3D {getattr(other, key):.4g}"
-        sheet.number(key, getattr(own, key), note)
+        note = f"by CONTACT's differences over one cell; by those of rolling in 3D {getattr(ours, key):.4g}"
+        sheet.number(key, getattr(theirs, key), note)
     _wheel(sheet)
     _transients(sheet)
     return sheet.evidence()
@@ -130,11 +130,11 @@ def _wheel(sheet: Sheet) -> None:
 @lru_cache(maxsize=4)
 def transient(case: str, steps: int) -> list[Onset]:
     """CONTACT's example of a ball that is pushed aside, and then rolls by so many cells under that force."""
-    own, (load, circle) = inputs()[case], _hertz(case)
+    numbers, (load, circle) = inputs()[case], _hertz(case)
     margin = 0.5 * given(case, "grid", "length") / (float(circle.C_a) * float(np.cbrt(load)))
-    patch = hertz_patch(*_example(case), (own["cells"], own["cells"]), margin=margin)
+    patch = hertz_patch(*_example(case), (numbers["cells"], numbers["cells"]), margin=margin)
     with threadpool_limits(1):  # as `rollbench.hifi.rolling.balls.solve_rolling`
-        return onset(patch, own["friction"], own["share"], steps)
+        return onset(patch, numbers["friction"], numbers["share"], steps)
 
 
 def _transients(sheet: Sheet) -> None:

@@ -48,7 +48,7 @@ def sensitivity_rows() -> list[Row]:
     against = f"against the printed {printed.printed} N"
     for loads, mu in product(LOADS, (0.1, 0.0)):
         r, worst = pair(loads=loads, mu_balls=mu), pair(WORST, loads, mu_balls=mu)
-        more = float(error_percent(worst.touching.loss, worst.free.loss))
+        increase = float(error_percent(worst.touching.loss, worst.free.loss))
         rows.append(
             {
                 "loads": loads,
@@ -58,7 +58,7 @@ def sensitivity_rows() -> list[Row]:
                 Quantity("force", "force, θ = 2°", "N", ".3f"): r.force,
                 Quantity("error", against, "%", ".2f"): float(error_percent(r.force, printed.value or 0.0)),
                 Quantity("ratio", "total over baseline, θ = 3°", "%", ".1f"): 100.0 * worst.rubbing_ratio,
-                Quantity("increase", "increase of all losses, θ = 3°", "%", ".1f"): more,
+                Quantity("increase", "increase of all losses, θ = 3°", "%", ".1f"): increase,
                 "status": r.touching.status,
             }
         )

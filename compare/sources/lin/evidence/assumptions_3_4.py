@@ -69,7 +69,7 @@ def readings() -> list[tuple[str, str, Callable[[float], Pair]]]:
         return lambda theta: replace(make(theta), **changes)  # type: ignore[arg-type]
 
     radial = wide(plain, free="r", force=(100.0,), coupling="none")
-    half, more = 0.5 * inferred_oversize(), 1.5 * inferred_oversize()
+    smaller, larger = 0.5 * inferred_oversize(), 1.5 * inferred_oversize()
     size = oversize_text()
     one, faulty = (1.0, 0.0, 0.0, 0.0), table_3_6(hertz="as printed")
     return [
@@ -80,8 +80,8 @@ def readings() -> list[tuple[str, str, Callable[[float], Pair]]]:
         ("inferred", oversized(), inferred),
         ("inferred, varied", f"{size}, friction moves the balls", wide(inferred, coupling="ball")),
         ("inferred, varied", f"{size}, friction moves balls and screw", wide(inferred, coupling="ball and screw")),
-        ("inferred, varied", "half the oversize", wide(inferred, oversize=half)),
-        ("inferred, varied", "one and a half times the oversize", wide(inferred, oversize=more)),
+        ("inferred, varied", "half the oversize", wide(inferred, oversize=smaller)),
+        ("inferred, varied", "one and a half times the oversize", wide(inferred, oversize=larger)),
         ("inferred, varied", f"{size}, 25 N instead of 50 N", wide(inferred, force=(25.0,))),
         ("inferred, varied", f"{size}, 100 N instead of 50 N", wide(inferred, force=(100.0,))),
         ("inferred, varied", f"{size}, theta on one contact of the screw", wide(inferred, pattern=(one, one))),
@@ -112,8 +112,8 @@ def reading_rows() -> list[Row]:
 
 def implied_contact_load() -> float:
     """Contact load [N] of a ball that the printed force and increase of case a imply together."""
-    force, more = (entry("lin-3.7", f"{what}_a").value or np.nan for what in ("force", "increase"))
-    return implied_load(inferred(radians(THETA["a"])), force, 1e-2 * more)
+    force, increase = (entry("lin-3.7", f"{what}_a").value or np.nan for what in ("force", "increase"))
+    return implied_load(inferred(radians(THETA["a"])), force, 1e-2 * increase)
 
 
 @cache

@@ -24,10 +24,10 @@ class Choice:
 def choices(study: Study) -> list[Choice]:
     """Case 1 under every choice that the source leaves open, and under its faults; the first is the default."""
     base = study.solve("lin-case1")
-    own = study.scene("lin-case1")
-    small = with_groove(own, TABLE_CONFORMITY)
+    case = study.scene("lin-case1")
+    small = with_groove(case, TABLE_CONFORMITY)
     variants: Sequence[tuple[str, Scene, str]] = (
-        ("default: node at every contact, C.8 with its root, right Hertz constants", own, "lin"),
+        ("default: node at every contact, C.8 with its root, right Hertz constants", case, "lin"),
         ("partition of the source (15 mm in the nut)", study.changed("lin-case1", partition="source"), "lin"),
         ("C.8 read without the root", study.changed("lin-case1", section="groove squared"), "lin"),
         ("groove ignored in the beam's section", study.changed("lin-case1", section="full"), "lin"),
@@ -46,9 +46,9 @@ def choices(study: Study) -> list[Choice]:
         ("Hertz constants at each contact's actual geometry", study.changed("lin-case1", hertz="actual"), "lin"),
         ("lever arm frozen at the nominal contact point", study.changed("lin-case1", arm="nominal"), "lin"),
         ("force enters the beam at the ball's station", study.changed("lin-case1", arm="ball"), "lin"),
-        ("source's own equations (lever arm and station follow the contact angle)", own, "source"),
-        ("axial bars only, rigid nut (Mei)", own, "mei"),
-        ("axial bars only, nut an elastic bar (Mei)", own, "mei-nut"),
+        ("source's own equations (lever arm and station follow the contact angle)", case, "source"),
+        ("axial bars only, rigid nut (Mei)", case, "mei"),
+        ("axial bars only, nut an elastic bar (Mei)", case, "mei-nut"),
     )
     found = [(label, study.solve(scene, model)) for label, scene, model in variants]
     return [Choice(label, result, load_error(result.load, base.load)) for label, result in found]

@@ -115,7 +115,7 @@ def _against_ansys(study: Study, sheet: Sheet) -> None:
         if found is None:
             continue
         e = load_error(study.solve(name).load, found.load, found.contacts)
-        for key, own, mean in ((largest, e.own_max_percent, e.max_percent), (rms, e.own_rms_percent, e.rms_percent)):
+        for key, error, mean in ((largest, e.own_max_percent, e.max_percent), (rms, e.own_rms_percent, e.rms_percent)):
             words = (
                 "computed here: the source's model against this project's 3D reference, in per cent of each load "
                 f"({mean:.2f} % of the mean load); the source's ANSYS loads are not printed"
@@ -125,4 +125,4 @@ def _against_ansys(study: Study, sheet: Sheet) -> None:
                 f"readings that also give the printed ratio: {p.nearest:.2f} %, with the scatter of the source's mesh "
                 f"{p.meshed_low:.2f} to {p.meshed_high:.2f} % (section reconstruction; inference)"
             )
-            sheet.number(key, own, f"{words}; {inferred}", reading=p.nearest, holds=p.comes_out)
+            sheet.number(key, error, f"{words}; {inferred}", reading=p.nearest, holds=p.comes_out)

@@ -102,11 +102,11 @@ def rotary_value(s: Solution, key: str) -> float:
     return 1e3 * s.torque
 
 
-def rise(first: Solution, now: Solution, what: str) -> float:
+def rise(first: Solution, raised: Solution, what: str) -> float:
     """Increase of the sum of forces [%], or of the torque in torques of the first."""
     if what == "force":
-        return float(error_percent(now.load.force.sum(), first.load.force.sum()))
-    return now.torque / first.torque - 1.0
+        return float(error_percent(raised.load.force.sum(), first.load.force.sum()))
+    return raised.torque / first.torque - 1.0
 
 
 def table_3_2(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
@@ -208,8 +208,8 @@ def misprinted_force() -> float:
     """(3.51) for case (a) with its exponents -2/3 [N if its dimensions held]."""
     loads = pair_state(LINEAR, THETA, SIDE, VERTICAL, loads="diagonal")[1][:, :2]
     right_way, as_is = (np.cbrt(loads) ** power for power in (2.0, -2.0))
-    both = [float(s[0].sum() * s[1].sum() / s.sum()) for s in (right_way, as_is)]
-    return pair_formulas(LINEAR, THETA, SIDE, VERTICAL, K_F)[1] * both[1] / both[0]
+    joined = [float(s[0].sum() * s[1].sum() / s.sum()) for s in (right_way, as_is)]
+    return pair_formulas(LINEAR, THETA, SIDE, VERTICAL, K_F)[1] * joined[1] / joined[0]
 
 
 def table_3_5(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study

@@ -146,9 +146,9 @@ def table_3_7(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every tab
 
 
 def _pair_of_3_7(sheet: Sheet, case: str) -> None:
-    force, more = (entry("lin-3.7", f"{what}_{case}").value or np.nan for what in ("force", "increase"))
+    force, percent = (entry("lin-3.7", f"{what}_{case}").value or np.nan for what in ("force", "increase"))
     as_text, oversized = pair(case, "plain"), pair(case, "inferred")
-    implied = implied_load(inferred(radians(THETA[case])), force, 1e-2 * more)
+    implied = implied_load(inferred(radians(THETA[case])), force, 1e-2 * percent)
     off = [float(error_percent(r.force, force)) for r in (as_text, oversized)]
     sheet.number(
         f"force_{case}",
@@ -159,7 +159,7 @@ def _pair_of_3_7(sheet: Sheet, case: str) -> None:
         reading=oversized.force,
     )
     values = increase(as_text), increase(oversized)
-    off = [float(error_percent(value, more)) for value in values]
+    off = [float(error_percent(value, percent)) for value in values]
     words = f"{_both(*values)}; plain {off[0]:+.0f} %, inferred {off[1]:+.1f} % off"
     sheet.number(f"increase_{case}", values[0], words, reading=values[1])
 

@@ -64,14 +64,14 @@ class RatioPoint:
 def with_layout(gear: Assembly, pinion: float, hold: str, offset: float) -> Assembly:
     """The gear with its pinion at a station [m], held as named, its bearing by an offset [m] from the nut's centre."""
     (support,) = gear.supports
-    own = replace(support, at=pinion, fixed=tuple((name, 0.0) for name in PINION_HOLDS[hold]))
+    held = replace(support, at=pinion, fixed=tuple((name, 0.0) for name in PINION_HOLDS[hold]))
     sets = []
     for s in gear.sets:
         at = s.position + offset
         if s.carrier is not None and isinstance(s.parts, Scene):
             s = replace(s, position=at, parts=replace(s.parts, nut=replace(s.parts.nut, position=at)))
         sets.append(s)
-    return replace(gear, supports=(own,), sets=tuple(sets))
+    return replace(gear, supports=(held,), sets=tuple(sets))
 
 
 def ratio_map(gear: Assembly) -> Iterator[RatioPoint]:
@@ -83,8 +83,8 @@ def ratio_map(gear: Assembly) -> Iterator[RatioPoint]:
         for opposed in (False, True)[: 1 if "rx" in PINION_HOLDS[hold] else 2]:
             for offset in OFFSETS:
                 for pinion in PINIONS:
-                    own = with_layout(gear, pinion, hold, offset)
-                    yield RatioPoint(pinion, hold, opposed, offset, *ratios(own, opposed=opposed))
+                    layout = with_layout(gear, pinion, hold, offset)
+                    yield RatioPoint(pinion, hold, opposed, offset, *ratios(layout, opposed=opposed))
 
 
 def over_angles(gear: Assembly) -> list[tuple[float, float]]:

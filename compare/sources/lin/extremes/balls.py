@@ -107,8 +107,8 @@ def ball_rows() -> list[Record]:
         note = f"starts within {off:.0%}"
         printed = [rotary_ball(ROTARY, AXIAL, u, k, "as printed") for u in CASES.values()]
         rows.append(ball_group(f"k_S {k:g}", "rotary, cases I to III as printed", printed, note, off))
-        both = [screw_ball(p(two), None, k) for p in (plain, inferred)]
-        rows.append(ball_group(f"k_S {k:g}", "screw, pair of Table 3.7", both, note, off))
+        pairs = [screw_ball(p(two), None, k) for p in (plain, inferred)]
+        rows.append(ball_group(f"k_S {k:g}", "screw, pair of Table 3.7", pairs, note, off))
     rows += [
         ball_group("theta to ±5°", "screw", [screw_ball(inferred(radians(t))) for t in ANGLES]),
         ball_group("mu 0.001 to 0.5", "screw", [screw_ball(replace(inferred(two), groove=table_3_6(mu=m))) for m in MU]),

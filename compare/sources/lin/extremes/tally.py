@@ -92,12 +92,12 @@ class Tally:
         """The group's record."""
         tried = self.source_tries or None
         if self.restarts:
-            own = f"{self.direct} of {self.restarts} random starts led there by themselves"
-            note = f"{note}; {own}" if note else own
+            led = f"{self.direct} of {self.restarts} random starts led there by themselves"
+            note = f"{note}; {led}" if note else led
         for count, what in ((self.overlapping, "let balls overlap"), (self.other, "differ from the answer found here")):
             if count:
-                more = f"roots of the source's that {what}: {count}"
-                note = f"{note}; {more}" if note else more
+                roots = f"roots of the source's that {what}: {count}"
+                note = f"{note}; {roots}" if note else roots
         return Record(
             group,
             model,

@@ -67,8 +67,8 @@ def ratio(load: Array) -> float:
 def errors(low: tuple[Array, ...], solid: tuple[Array, ...]) -> dict[Definition, tuple[float, ...]]:
     """Largest and RMS error of cases 1 and 2 [%] by definition; loads ``(n, 4)`` [N] of both cases."""
     found = [load_error(a, b) for a, b in zip(low, solid, strict=True)]
-    own = tuple(x for e in found for x in (e.own_max_percent, e.own_rms_percent))
-    return {"own": own, "mean": tuple(x for e in found for x in (e.max_percent, e.rms_percent))}
+    of_load = tuple(x for e in found for x in (e.own_max_percent, e.own_rms_percent))
+    return {"own": of_load, "mean": tuple(x for e in found for x in (e.max_percent, e.rms_percent))}
 
 
 def low_readings() -> list[Combination]:
@@ -132,7 +132,7 @@ def predicted(study: Study, definition: Definition) -> list[Predicted]:
     good = meeting(study.once(combinations))
     drawn = [
         np.percentile(
-            drawn_errors(low_loads(study, c.low), solid_loads(study, c.solid), SCATTER, own=definition == "own"),
+            drawn_errors(low_loads(study, c.low), solid_loads(study, c.solid), SCATTER, of_load=definition == "own"),
             [5.0, 95.0],
             axis=0,
         )

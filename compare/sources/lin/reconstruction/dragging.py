@@ -47,12 +47,12 @@ class Dragging(Case):
         alpha = self.sets[0].setup.map.alpha
         section = np.array([[1.0, 0.0, 0.0], [0.0, -np.sin(alpha), np.cos(alpha)]])
         out = np.zeros_like(forces)
-        for part in zones.parts:
-            for k in np.flatnonzero(forces[:, part].any(axis=1)):
-                own, n = forces[k, part], normals[k, part] @ section.T
-                x, z = own @ n
+        for nodes in zones.parts:
+            for k in np.flatnonzero(forces[:, nodes].any(axis=1)):
+                load, n = forces[k, nodes], normals[k, nodes] @ section.T
+                x, z = load @ n
                 friction = self.mu * np.sign(x * z) * np.array([-z, x])
-                out[k, part] = own * (n @ np.linalg.solve((own * n.T) @ n, friction))
+                out[k, nodes] = load * (n @ np.linalg.solve((load * n.T) @ n, friction))
         return out
 
 

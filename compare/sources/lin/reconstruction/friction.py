@@ -46,10 +46,10 @@ def tilt_that_slides(scene: Scene) -> float:
 def off_line(scene: Scene, balls: Iterable[int] | None = None) -> Scene:
     """The scene with these balls, from 1 (all unless given), as far beside the lines of their arcs' centres as friction can
     hold them."""
-    own, more = dict(scene.errors.balls.listed), closure(scene)
+    oversize, gap = dict(scene.errors.balls.listed), closure(scene)
     for k in range(1, scene.ball_count + 1) if balls is None else balls:
-        own[k] = own.get(k, 0.0) + more
-    listed = tuple(sorted(own.items()))
+        oversize[k] = oversize.get(k, 0.0) + gap
+    listed = tuple(sorted(oversize.items()))
     return replace(scene, errors=replace(scene.errors, balls=replace(scene.errors.balls, listed=listed)))
 
 

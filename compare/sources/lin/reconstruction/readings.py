@@ -86,8 +86,8 @@ def together(readings: tuple[Reading, ...], most: int) -> list[Combination]:
 
 def low_scene(scene: Scene, readings: Combination) -> Scene:
     """A scene as the low-order model reads it."""
-    own = {k: v for r in readings for k, v in r.ingredients.items()}
-    return replace(scene, ingredients=replace(scene.ingredients, **own))
+    ingredients = {k: v for r in readings for k, v in r.ingredients.items()}
+    return replace(scene, ingredients=replace(scene.ingredients, **ingredients))
 
 
 def solid_scene(scene: Scene, readings: Combination) -> Scene:

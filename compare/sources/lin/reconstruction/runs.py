@@ -53,12 +53,12 @@ def complete(step: Callable[[str], None], cache: Path | None = None) -> None:
         if stored(readings) is not None:
             continue
         step(f"3D: {key_of(readings)}")
-        own = scenes(readings)
-        runs = compute(Task(own, level_of(readings), cache=cache))
+        pair = scenes(readings)
+        runs = compute(Task(pair, level_of(readings), cache=cache))
         sliding = sum(r.sliding for r in readings)
         if sliding:
             from rollbench.comparison.sources.lin.reconstruction.dragging import with_sliding
 
-            runs = with_sliding(own, runs, sliding, cache)
-        for scene, run in zip(own, runs, strict=True):
+            runs = with_sliding(pair, runs, sliding, cache)
+        for scene, run in zip(pair, runs, strict=True):
             save(RUNS, scene, run)

@@ -58,9 +58,9 @@ def share_of_closure(solid: tuple[Array, ...]) -> float:
     return float((after / before - 1.0) * 0.5 * APPROACH / OVERSIZE)
 
 
-def drawn_errors(low: tuple[Array, ...], solid: tuple[Array, ...], percent: float, *, own: bool = True) -> Array:
+def drawn_errors(low: tuple[Array, ...], solid: tuple[Array, ...], percent: float, *, of_load: bool = True) -> Array:
     """Largest and RMS error of case 1, then of case 2, ``(DRAWN, 4)`` [%], with every contact's approach scattered by
-    ``percent``, the two cases meshed apart; loads ``(n, 4)`` [N] of both; own: of each load, else of the mean load.
+    ``percent``, the two cases meshed apart; loads ``(n, 4)`` [N] of both; of_load: of each load, else of the mean load.
 
     Of both flanks the screw's: a ball in two-point contact has one load.
     """
@@ -69,7 +69,7 @@ def drawn_errors(low: tuple[Array, ...], solid: tuple[Array, ...], percent: floa
         change = 0.01 * percent * share * rng.normal(size=(DRAWN, len(b), 2)).sum(axis=2)
         meshed = b[:, 0] * (1.0 - change)
         meshed *= b[:, 0].sum() / meshed.sum(axis=1, keepdims=True)  # the axial force is the same
-        errors = np.asarray(error_percent(a[:, 0], meshed, None if own else meshed.mean(axis=1, keepdims=True)))
+        errors = np.asarray(error_percent(a[:, 0], meshed, None if of_load else meshed.mean(axis=1, keepdims=True)))
         out += [np.abs(errors).max(axis=1), np.sqrt((errors**2).mean(axis=1))]
     return np.stack(out, axis=1)
 

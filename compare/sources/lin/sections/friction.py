@@ -60,10 +60,10 @@ def balance_table() -> Table:
     """Cases I to III: torque, power in and out, contacts at rest, by three sets of assumptions."""
     table = Table.of("friction-balance", "Rotary bearing: balance of power", balance_rows())
     worst = max(table.rows, key=lambda row: abs(float(row["balance"] or 0.0)))
-    more = float(error_percent(float(worst["loss"] or 0.0), float(worst["input"] or 0.0)))
+    off = float(error_percent(float(worst["loss"] or 0.0), float(worst["input"] or 0.0)))
     note = (
         "The source takes its torque from the dissipation (3.21); interpolation between its maps shifts "
-        f"that by {more:+.1f} % from the friction moment in case {worst['case']}. In cases I and II the "
+        f"that by {off:+.1f} % from the friction moment in case {worst['case']}. In cases I and II the "
         "sigmoid moves a contact that is at rest under Coulomb friction: the sum of the losses stays, their "
         "distribution over the contacts does not."
     )
@@ -116,12 +116,12 @@ def torque_figure() -> Figure:
     good = np.array([s == "exact" for s in printed.status])
     x, label = numbers(u, 1e6), "u_y / µm"
     marks = [1e6 * v for v in CASES.values()]
-    both = (("right", true, np.ones(u.size, dtype=bool)), ("as printed", printed, good))
+    laws = (("right", true, np.ones(u.size, dtype=bool)), ("as printed", printed, good))
 
     def curves(pick: Callable[[Sweep], Array], key: str, factor: float = 1.0) -> tuple[Series, ...]:
         drawn = [
             Series(name, x, numbers(np.where(ok, pick(s), np.nan), factor), "line", emphasis=name == "right")
-            for name, s, ok in both
+            for name, s, ok in laws
         ]
         dots = [entry("lin-3.2", f"{key}_{case}").value or 0.0 for case in CASES]
         return (*drawn, Series("Table 3.2, cases I to III", marks, dots, "markers"))

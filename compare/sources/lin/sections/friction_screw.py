@@ -48,7 +48,7 @@ def readings_table() -> Table:
     """Readings of Table 3.7 side by side."""
     printed = {case: [entry("lin-3.7", f"{what}_{case}").printed for what in ("force", "increase")] for case in THETA}
     note = (
-        f"Printed: {', '.join(f'{force} N and {more} % ({case})' for case, (force, more) in printed.items())}. "
+        f"Printed: {', '.join(f'{force} N and {increase} % ({case})' for case, (force, increase) in printed.items())}. "
         "Oversize is of the ball's radius; it was chosen so "
         "that the printed force and increase agree on the contact load, and is nowhere in the source."
     )
@@ -98,13 +98,13 @@ def introduction(pairs: Table, runs: Table) -> Text:
 def _of_the_pair(pairs: Table) -> str:
     rows = {str(row["reading"]): row for row in pairs.rows}
     loose, coupled = rows[UNCOUPLED], rows[AS_TEXT]
-    part, more = (
+    uncoupled, moved = (
         " and ".join(f"{100.0 + float(row[f'error_{case}'] or 0.0):.0f} %" for case in THETA) for row in (loose, coupled)
     )
     return (
         "The source does not print the load state of the pair in 3.4.3. Read literally (no oversize, "
-        f"{plain().force[0]:g} N along the axis), one diagonal carries nearly all: {part} of the printed "
-        f"forces (cases a and b), {more} where friction moves the balls and loads a third contact. Printed "
+        f"{plain().force[0]:g} N along the axis), one diagonal carries nearly all: {uncoupled} of the printed "
+        f"forces (cases a and b), {moved} where friction moves the balls and loads a third contact. Printed "
         f"force and increase together imply a contact load of {implied_contact_load():.0f} N per ball, "
         f"against {float(coupled['load_a'] or 0.0):.0f} N here; {oversize_text()} of oversize would give "
         f"{float(rows[oversized()]['load_a'] or 0.0):.0f} N. The literal reading is compared with the "
@@ -114,14 +114,14 @@ def _of_the_pair(pairs: Table) -> str:
 
 
 def _of_the_run(runs: Table) -> str:
-    own = [row for row in runs.rows if row["assumption"] == AS_CASE]
+    cases = [row for row in runs.rows if row["assumption"] == AS_CASE]
     source = next(row for row in runs.rows if row["assumption"] == SOURCE_RULE)
     at, none_at = (entry("lin-3.4.4", key).printed for key in ("largest_at", "none_at"))
     found = "; ".join(
         f"theta of {a:g}°: largest at {row['at']:.0f}°, none from {row['none_at']:.0f}°"
-        for a, row in zip(AMPLITUDES, own, strict=True)
+        for a, row in zip(AMPLITUDES, cases, strict=True)
     )
-    ratio = float(source["largest"] or 0.0) / float(own[-1]["largest"] or np.nan)
+    ratio = float(source["largest"] or 0.0) / float(cases[-1]["largest"] or np.nan)
     return (
         "The run of 3.4.4 also needs amplitude, phase and pattern of theta, oversize, start and return "
         f"tube: all are assumptions, varied below. Printed are {at}° for the largest torque and {none_at}° "

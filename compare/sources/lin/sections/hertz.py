@@ -40,10 +40,10 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
                 "verdict": judge(f)[0],
             }
         )
-    own = study.scene("lin-case1")
+    case = study.scene("lin-case1")
     compared = [
-        ("Table 2.1's groove, 3.254 mm", own),
-        ("Table B.1's groove, 0.56 x diameter", with_groove(own, TABLE_CONFORMITY)),
+        ("Table 2.1's groove, 3.254 mm", case),
+        ("Table B.1's groove, 0.56 x diameter", with_groove(case, TABLE_CONFORMITY)),
     ]
     constants: list[Row] = []
     for label, scene in compared:

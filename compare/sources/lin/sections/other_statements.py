@@ -47,13 +47,13 @@ def _times(study: Study) -> Row:
     """Times of the source's machine beside that of this project's 3D model on a mesh of the same size."""
     run = load(study.scene("lin-case1"), SOURCE_LEVEL, stores=[shipped_store()])
     hours, elements = (entry("lin-2.2", key).value or 0.0 for key in ("time_ansys_1", "elements_ansys"))
-    own = (
+    time = (
         "no stored run" if run is None else f"{run.setup_seconds + run.solve_seconds:.0f} s with {run.unknowns:,} unknowns"
     )
     return _row(
         "Table 2.2",
         f"{hours:g} h with {elements:,.0f} elements",
-        f"a 3D model of the same cells, condensed by contacts: {own}",
+        f"a 3D model of the same cells, condensed by contacts: {time}",
         "a time is its machine's and its method's: not judged; 6800 follows from the printed times",
     )
 
@@ -77,17 +77,17 @@ def _lateral(study: Study) -> Row:
 
 def _case_3(study: Study, model: str) -> Row:
     """Which reading of the right end has the printed shape: by far the most change on SR and NL of the last balls."""
-    said, right = [], []
+    largest, right = [], []
     for reading in READINGS:
         change = study.solve(reading.offset, model).load - study.solve(reading.plain, model).load
         ball, side = (int(k) for k in np.unravel_index(int(np.abs(change).argmax()), change.shape))
         shaped = has_shape(change)
         right += [reading.label] if shaped else []
-        said.append(f"{reading.label}: most at {ball + 1} {SIDES[side]} ({change[ball, side]:+.0f} N)")
+        largest.append(f"{reading.label}: most at {ball + 1} {SIDES[side]} ({change[ball, side]:+.0f} N)")
     return _row(
         "2.4.1.3, case 3",
         "the offset raises SR and NL of the last few balls most",
-        f"{model}: {'; '.join(said)}",
+        f"{model}: {'; '.join(largest)}",
         f"the printed shape has: {', '.join(right) or 'none'}",
     )
 

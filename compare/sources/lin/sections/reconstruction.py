@@ -80,13 +80,13 @@ def _four(values: Sequence[float]) -> str:
 
 def conclusion(study: Study, found: list[Combined]) -> str:
     """How many of the printed errors come out where the text's gaps are read so that the printed ratio does."""
-    own, good = predicted(study, "own"), meeting(found)
+    errors, good = predicted(study, "own"), meeting(found)
     if not good:
         return f"No combination of readings meets the printed ratio of {printed_ratio():g} in both models."
     return (
-        f"The printed {own[0].printed:.2f} % comes out at {own[0].nearest:.2f} % where the gaps in the text "
+        f"The printed {errors[0].printed:.2f} % comes out at {errors[0].nearest:.2f} % where the gaps in the text "
         f"are read so that both models have its ratio, and as {found[0].errors['own'][0]:.2f} % by default; "
-        f"of the four printed errors {sum(p.comes_out for p in own)} come out."
+        f"of the four printed errors {sum(p.comes_out for p in errors)} come out."
     )
 
 
@@ -94,17 +94,17 @@ def first_paragraph(study: Study) -> str:
     """The answer, computed."""
     found = study.once(combinations)
     base, good = found[0], meeting(found)
-    own = predicted(study, "own")
-    printed = _four([p.printed for p in own])
+    errors = predicted(study, "own")
+    printed = _four([p.printed for p in errors])
     if not good:
         return f"Where does 5.38 % come from? No combination of readings meets {printed_ratio():g} in both models."
     best = good[0]
-    spans = [f"{p.low:.2f} to {p.high:.2f}" for p in own]
-    meshed = [f"{p.meshed_low:.2f} to {p.meshed_high:.2f}" for p in own]
-    inside = [p for p in own if p.comes_out]
-    rest = ", ".join(_label(p) for p in own if not p.comes_out)
+    spans = [f"{p.low:.2f} to {p.high:.2f}" for p in errors]
+    meshed = [f"{p.meshed_low:.2f} to {p.meshed_high:.2f}" for p in errors]
+    inside = [p for p in errors if p.comes_out]
+    rest = ", ".join(_label(p) for p in errors if not p.comes_out)
     return (
-        f"Where does 5.38 % come from? It comes out at {own[0].nearest:.2f} % if the gaps in the text are "
+        f"Where does 5.38 % come from? It comes out at {errors[0].nearest:.2f} % if the gaps in the text are "
         f"read so that both models have the printed ratio: {names(best.low)}; {names(best.solid)}. The "
         f"ratios are then {best.low_ratio:.3f} and {best.solid_ratio:.3f}, the errors "
         f"{_four(best.errors['own'])}, largest / RMS; printed are {printed}. By default they are "
@@ -131,14 +131,14 @@ def second_paragraph(study: Study, found: list[Combined]) -> str:
     loads = low_loads(study, best.low), solid_loads(study, best.solid)
     odds = {s: probability(drawn_errors(*loads, s), 0.5 * falls, 0.5 * rises) for s in (SCATTER, *TRIED)}
     widths = "; ".join(_by_width(found, width) for width in WIDTHS)
-    said = ", ".join(f"{s:g} %: {100.0 * p:.1f} %" for s, p in odds.items())
+    chances = ", ".join(f"{s:g} %: {100.0 * p:.1f} %" for s, p in odds.items())
     return (
         f"What {'no combination does' if not seen else f'only {seen} combinations do'}: from case 1 to case 2 the printed "
         f"largest error falls by {falls:.2f} and the RMS rises by {rises:.2f} points; one oversize ball changes both "
         f"models "
         f"alike, and nothing moves half as much. Tetrahedra of about 0.08 mm make a contact {-BIAS:g} % too stiff, and its "
         f"approach scatters by {SCATTER:g} % from mesh to mesh. Were both cases meshed apart, half of that fall and rise "
-        f"had the following probability by scatter of the approach: {said}. The scatter of the mesh explains it only "
+        f"had the following probability by scatter of the approach: {chances}. The scatter of the mesh explains it only "
         f"where it "
         f"is several times what is measured on one contact. Of any ratio, {len(near)} combinations have all four errors "
         f"within {NEAR:g} points{_first(near)}. "
@@ -219,13 +219,13 @@ def one_at_a_time(found: list[Combined]) -> Table:
     for c in found:
         if len(c.low) + len(c.solid) > 1:
             continue
-        own, before = (c.low_ratio, base.low_ratio) if c.low else (c.solid_ratio, base.solid_ratio)
+        ratio, before = (c.low_ratio, base.low_ratio) if c.low else (c.solid_ratio, base.solid_ratio)
         reading = (*c.low, *c.solid)
         row: Row = {
             "model": "low order" if c.low else "3D" if c.solid else "both",
             "reading": names(reading),
             "text": reading[0].by_text if reading else "",
-            Quantity("moves", "moves the ratio by", "%", "+.2f"): float(error_percent(own, before)),
+            Quantity("moves", "moves the ratio by", "%", "+.2f"): float(error_percent(ratio, before)),
         }
         rows.append(row | _cells(c))
     return Table.of("reconstruction-alone", "Every reading alone", rows)
@@ -257,7 +257,7 @@ def figure(found: list[Combined]) -> Figure:
     """Ratios of all combinations, and their errors in both cases with the printed ones."""
     good, aim = meeting(found), printed_ratio()
     others = [c for c in found if c not in good]
-    own = [printed_error(key) for key in ERRORS]
+    printed_errors = [printed_error(key) for key in ERRORS]
 
     def cloud(pick: Callable[[Combined], tuple[float, float]], printed: tuple[float, float]) -> tuple[Series, ...]:
         out = []
@@ -276,7 +276,7 @@ def figure(found: list[Combined]) -> Figure:
                 f"Errors of case {k + 1}, % of each load",
                 "RMS [%]",
                 "largest [%]",
-                cloud(errors_of(k), (own[2 * k + 1], own[2 * k])),
+                cloud(errors_of(k), (printed_errors[2 * k + 1], printed_errors[2 * k])),
             )
             for k in range(2)
         ),

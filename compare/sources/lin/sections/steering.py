@@ -50,17 +50,17 @@ def lash_figure(scene: Scene) -> Figure:
         screw = tests.with_balls(scene, pattern)
         axial.append(Series(pattern, newtons, _micro(tests.axial_curve(screw, newtons)), "line"))
         conical.append(Series(pattern, newtons, _micro(tests.conical_curve(screw, newtons, 0.0, REACH)), "line"))
-        own = [tests.conical(screw, float(np.radians(d)), REACH) for d in degrees]
-        peaks.append(Series(pattern, degrees, _micro(own), "line"))
+        displaced = [tests.conical(screw, float(np.radians(d)), REACH) for d in degrees]
+        peaks.append(Series(pattern, degrees, _micro(displaced), "line"))
     spread = [tests.difference([s.y[k] for s in peaks]) for k in range(len(degrees))]
     flat = tests.difference([s.y[-1] - s.y[0] for s in axial])
-    both = (Series("conical", degrees, spread, "line"), Series("axial", degrees, [flat] * len(degrees), "line"))
+    shown = (Series("conical", degrees, spread, "line"), Series("axial", degrees, [flat] * len(degrees), "line"))
     at = f"{1e3 * REACH:.0f} mm from the nut"
     panels = (
         Panel("axial test", "axial force / N", "displacement / µm", axial),
         Panel("conical test, force along x", f"lateral force {at} / N", "displacement / µm", conical),
         Panel("conical test", "direction of the force / deg", "peak to peak / µm", peaks, zero=True),
-        Panel("difference of the patterns", "direction of the force / deg", "difference / %", both, zero=True),
+        Panel("difference of the patterns", "direction of the force / deg", "difference / %", shown, zero=True),
     )
     return Figure("lash", "Lash of one screw with its balls in four patterns", panels, ABOUT[0])
 
@@ -101,13 +101,13 @@ def rack_figure(points: list[maps.RatioPoint]) -> Figure:
         printed = entry("lin-4.2.1", f"ratio_{key}").value or np.nan
         stations = [1e3 * z for z in maps.PINIONS]
         series = [Series("printed", stations, [printed] * len(stations), "line", emphasis=True)]
-        for (hold, opposed), own in _layouts(points).items():
+        for (hold, opposed), layout in _layouts(points).items():
             label = hold + (", side forces opposed" if opposed else "")
-            series.append(Series(label, stations, [getattr(p, key) for p in own], "line"))
+            series.append(Series(label, stations, [getattr(p, key) for p in layout], "line"))
         panels.append(Panel(words, "pinion at / mm", "largest load, 18 deg over 0 deg", series, zero=True))
     loads = maps.over_angles(gear)
     for k, words in enumerate(("ball screw", "four-point bearing")):
-        values = [own[k] for own in loads]
+        values = [pair[k] for pair in loads]
         panels.append(
             Panel(words, "tie-rod angle / deg", "largest load / N", (Series("as shipped", maps.ANGLES, values),), zero=True)
         )

@@ -41,13 +41,13 @@ def fewer_given(half_range: int, at_500: int, at_1000: int) -> str:
     return f"of {some.size} screws with {at_500} ± 1 loaded at 500 N, {reached} have at most {at_1000} at 1000 N"
 
 
-def placed(e: Entries, key: str, *more: str) -> None:
+def placed(e: Entries, key: str, *remarks: str) -> None:
     """File the median for a random number, and its percentile with its sampling error in words."""
     row = next(f.printed for f in e.evidence() if f.printed.key == key)
     values = sample_of(key)
     half = 0.0 if key.startswith(("loaded", "unloaded")) else row.tolerance
     words = case.place_in(values, e.printed(key), half)[1]
-    e.number(key, float(np.median(values)), ". ".join((words, *more)))
+    e.number(key, float(np.median(values)), ". ".join((words, *remarks)))
 
 
 def share(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> tuple[bool, str]:
@@ -112,8 +112,8 @@ def spreads(load: float) -> Array:
 def relative_to_none(key: str, printed: float, reference: float) -> str:
     """Percentile of a stiffness over that without errors: an offset of the contact stiffness drops out."""
     h, load = int(key.split("_")[1]), float(key.split("_")[2])
-    own = case.sample(h, "stiffness", load) / solve_chain(case.screw(), np.zeros(case.balls()), load).stiffness
-    return "over the value without errors: " + case.place_in(own, printed / reference, 0.0)[1]
+    ratio = case.sample(h, "stiffness", load) / solve_chain(case.screw(), np.zeros(case.balls()), load).stiffness
+    return "over the value without errors: " + case.place_in(ratio, printed / reference, 0.0)[1]
 
 
 def secant(load: float, step: float) -> float:
@@ -152,11 +152,11 @@ def _claims(e: Entries) -> None:
     s = {load: spreads(load) for load in (100.0, 1100.0, 2100.0)}
     e.claim("largest_1100", *share((s[1100.0] > s[100.0]) & (s[1100.0] > s[2100.0])))
     percent = 100.0 * s[100.0] / (1e-8 * np.median(case.sample(2, "stiffness", 100.0)))
-    median, own = np.median(percent), 100.0 * e.printed("spread_100") / e.printed("K_a_100")
+    median, printed = np.median(percent), 100.0 * e.printed("spread_100") / e.printed("K_a_100")
     e.claim(
         "minimal",
         bool(median <= 4.31),
-        f"three draws differ by {median:.0f} % at 100 N in the median; its own by {own:.1f} %",
+        f"three draws differ by {median:.0f} % at 100 N in the median; its own by {printed:.1f} %",
     )
     rises = [np.diff(np.stack([case.sample(h, "stiffness", f) for f in case.LOADS[h]]), axis=0) > 0.0 for h in RANGES]
     e.claim(

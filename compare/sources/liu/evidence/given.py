@@ -88,9 +88,9 @@ def mei() -> Chain:
 
 def mei_deviations(chain: Chain, errors: np.ndarray[tuple[int], np.dtype[np.float64]]) -> tuple[float, float]:
     """Largest deviation of a chain's loads from Mei's at 5000 N [%], over Mei's load and over the chain's."""
-    own = solve_chain(chain, errors, case.calibration_load()).load
-    other = solve_chain(replace(chain, law="constant"), errors, case.calibration_load()).load
-    return float(100.0 * np.abs(1.0 - own / other).max()), float(100.0 * np.abs(other / own - 1.0).max())
+    load = solve_chain(chain, errors, case.calibration_load()).load
+    mei = solve_chain(replace(chain, law="constant"), errors, case.calibration_load()).load
+    return float(100.0 * np.abs(1.0 - load / mei).max()), float(100.0 * np.abs(mei / load - 1.0).max())
 
 
 def section_4_1(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study

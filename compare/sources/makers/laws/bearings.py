@@ -62,18 +62,18 @@ def sets() -> Iterator[Outside]:
         pairs = {(r["bearing"], r["preload_class"]): r for r in source.rows if named[r["arrangement"]] == "DB"}
         for row in source.rows:
             name, cls = named[row["arrangement"]], row["preload_class"]
-            own = name if name != "DB" else "class"
-            if own == "class" and cls != "C9":
+            kind = name if name != "DB" else "class"
+            if kind == "class" and cls != "C9":
                 continue
-            pair = pairs[row["bearing"], cls if own != "class" else "C10"]
+            pair = pairs[row["bearing"], cls if kind != "class" else "C10"]
             growth = source.number(row["preload_N"]) / source.number(pair["preload_N"])
-            ratios = over_pair(name) if own != "class" else tuple(growth**power for *_, power in OF_SETS)
+            ratios = over_pair(name) if kind != "class" else tuple(growth**power for *_, power in OF_SETS)
             for (quantity, column, unit, power), ratio in zip(OF_SETS, ratios, strict=True):
-                if own == "class" and quantity == "preload":
+                if kind == "class" and quantity == "preload":
                     continue
                 half, base = 0.5 * float(source.head.get(f"{quantity}_step_{cls}", "0")), source.number(pair[column])
                 off = max(half_step(pair[column]), half) / base
-                if own == "class":
+                if kind == "class":
                     off += power * sum(half_step(r["preload_N"]) / source.number(r["preload_N"]) for r in (row, pair))
                 what = (quantity, "sets and preloads from one pair", f"{row['bearing']} {cls} {name}", unit)
                 rounding = max(half_step(row[column]), half)
@@ -154,17 +154,17 @@ def ball_bearings() -> Iterator[Outside]:
     groups: dict[str, list[Mapping[str, str]]] = {}
     for row in source.rows:
         groups.setdefault(row["bearing"], []).append(row)
-    own = list(groups.values())
+    bearings = list(groups.values())
 
     def read(key: str) -> Array:
-        return np.array([[source.number(row[key]) for row in rows] for rows in own])
+        return np.array([[source.number(row[key]) for row in rows] for rows in bearings])
 
-    pitch, angle = np.array([_middle(rows[0]) for rows in own]), np.radians(read("angle_deg")[:, 0])
+    pitch, angle = np.array([_middle(rows[0]) for rows in bearings]), np.radians(read("angle_deg")[:, 0])
     dynamic, static = (1e3 * read(key)[:, 0] for key in ("Cr_kN", "C0r_kN"))
     count, ball = np.array([balls_of(*of) for of in zip(dynamic, static, pitch, angle, strict=True)]).T
-    begin = AngleRows(np.round(count), ball, pitch, np.full(len(own), CONFORMITY), angle, YOUNG, POISSON)
+    begin = AngleRows(np.round(count), ball, pitch, np.full(len(bearings), CONFORMITY), angle, YOUNG, POISSON)
     forces, rigid, load = read("preload_N"), read("rigidity_N_per_um"), read("measuring_load_N")
-    step = np.array([half_step(rows[-1]["rigidity_N_per_um"]) for rows in own])
+    step = np.array([half_step(rows[-1]["rigidity_N_per_um"]) for rows in bearings])
     moved, stiff = [], []
     for off in (0.0, step, -step):
         conformity = conformity_of_pair(begin, forces[:, -1], 1e6 * (rigid[:, -1] + off))
@@ -173,7 +173,7 @@ def ball_bearings() -> Iterator[Outside]:
         state = state_under(each, np.column_stack([forces, load[:, -1]]))
         moved.append(1e6 * state.displacement)
         stiff.append(2e-6 * state.stiffness[:, :-1])
-    for i, rows in enumerate(own):
+    for i, rows in enumerate(bearings):
         yield from _of_bearing(source, rows, forces[i], np.array(moved)[:, i], np.array(stiff)[:, i])
         if rows[0]["f0"][:1].isdigit():
             factor = 1e-6 * static[i] / (count[i] * ball[i] ** 2 * cos(angle[i]))
@@ -181,13 +181,13 @@ def ball_bearings() -> Iterator[Outside]:
 
 
 def _of_bearing(
-    source: Table, own: list[Mapping[str, str]], forces: Array, moved: Array, rigid: Array
+    source: Table, rows: list[Mapping[str, str]], forces: Array, moved: Array, rigid: Array
 ) -> Iterator[Outside]:
     """Clearances and rigidities of a bearing; forces (p,) [N]; moved (3, p + 1) [um]: at these and under the measuring
     load,
     rigid (3, p) [N/um]: for the rigidity at the heavy preload as printed and at the ends of its rounding."""
     clearance = 2.0 * (moved[:, -1:] - moved[:, :-1])
-    for i, row in enumerate(own):
+    for i, row in enumerate(rows):
         share = half_step(row["preload_N"]) / forces[i]
         item, law = f"{row['bearing']} {row['preload_class']}", "bearing whose angle turns"
         yield of_row(
@@ -207,7 +207,7 @@ def _of_bearing(
             "rigidity_N_per_um",
             ("rigidity", law, item, "N/um"),
             Band.of(rigid[:, i], rigid[0, i] * share / 3.0),
-            left="the conformity is taken from it" if row is own[-1] else "",
+            left="the conformity is taken from it" if row is rows[-1] else "",
         )
 
 

@@ -114,12 +114,9 @@ def sweep() -> list[Drag]:
     rows = []
     for lead in SWEPT[1]:
         nut, d0 = size(1e-3 * lead), 1e-3 * SWEPT[0]
-        own = [torque_of_ball(nut, SHARE, mu, double=x) / (SHARE * d0) for mu in (DEFAULT, LEAST) for x in (False, True)]
-        rows.append(
-            Drag(
-                d0, 1e-3 * lead, own[0], own[1], (own[2], own[3]), tuple(f(1.0, d0, 1e-3 * lead) / d0 for _, f in FORMULAS)
-            )
-        )
+        drag = [torque_of_ball(nut, SHARE, mu, double=x) / (SHARE * d0) for mu in (DEFAULT, LEAST) for x in (False, True)]
+        formulas = tuple(f(1.0, d0, 1e-3 * lead) / d0 for _, f in FORMULAS)
+        rows.append(Drag(d0, 1e-3 * lead, drag[0], drag[1], (drag[2], drag[3]), formulas))
     return rows
 
 

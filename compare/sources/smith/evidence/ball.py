@@ -120,23 +120,23 @@ def _inputs(e: Entries) -> None:
 
 def _cells(e: Entries) -> None:
     """Cells of figure 2-10 that depend on the contact angle under load."""
-    now, s = sheet(SHEET_LOAD / POUND), state(SHEET_LOAD)
+    source, s = sheet(SHEET_LOAD / POUND), state(SHEET_LOAD)
     angle, q = float(s.angle), float(s.ball_load)
     e.number("F_N", SHEET_LOAD, as_printed=SHEET_POUND * SHEET_LOAD / POUND)
-    e.number("Q", q / POUND, as_printed=now.ball_load / SHEET_POUND)
-    e.number("Q_N", q, as_printed=now.ball_load)
+    e.number("Q", q / POUND, as_printed=source.ball_load / SHEET_POUND)
+    e.number("Q_N", q, as_printed=source.ball_load)
     pairs = curvatures(ball_bearing(), s.angle)
     for i, (name, pair, h) in enumerate(zip("io", pairs, (s.inner, s.outer), strict=True)):
         across, along = (1e-3 * float(k) for k in pair)
         difference = (along - across) / (along + across)
-        e.number(f"sum_{name}", across + along, as_printed=now.sums[i])
-        e.number(f"F_{name}", difference, as_printed=now.differences[i] if name == "i" else None)
-        e.number(f"delta_{name}", contact_parameters(difference)[0], as_printed=now.delta[i])
-        e.number(f"K_{name}", float(h.C) ** -1.5 * 1e-3**1.5, as_printed=now.race[i])
-    e.number("K_n", float(s.inner.C + s.outer.C) ** -1.5 * 1e-3**1.5, as_printed=now.stiffness)
-    e.number("alpha", degrees(angle), as_printed=degrees(now.angle))
-    e.number("alpha_rad", angle, as_printed=now.angle)
-    e.number("delta_a", float(s.displacement) / INCH, as_printed=now.deflection / 25.4)
+        e.number(f"sum_{name}", across + along, as_printed=source.sums[i])
+        e.number(f"F_{name}", difference, as_printed=source.differences[i] if name == "i" else None)
+        e.number(f"delta_{name}", contact_parameters(difference)[0], as_printed=source.delta[i])
+        e.number(f"K_{name}", float(h.C) ** -1.5 * 1e-3**1.5, as_printed=source.race[i])
+    e.number("K_n", float(s.inner.C + s.outer.C) ** -1.5 * 1e-3**1.5, as_printed=source.stiffness)
+    e.number("alpha", degrees(angle), as_printed=degrees(source.angle))
+    e.number("alpha_rad", angle, as_printed=source.angle)
+    e.number("delta_a", float(s.displacement) / INCH, as_printed=source.deflection / 25.4)
     inner, outer = (float(a) / INCH**2 for a in s.areas())
     words = f"pi a b: inner {inner:.6f}, outer {outer:.6f} in2; printed {e.printed('area') / inner:.1f} times"
     e.number("area", inner, words)
@@ -231,18 +231,18 @@ def section_2_3(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every t
     s = state(BALL_TORQUE_LOAD)
     (across, along), _ = curvatures(b, s.angle)
     rating = static_rating(1, b.balls, b.ball_diameter, float(s.angle), float(across), float(along))
-    own = load_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, rating).torque / INCH_POUND
+    loaded = load_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, rating).torque / INCH_POUND
     whole = load_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, rating, axial_factor=1.0).torque / INCH_POUND
     three = load_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, 3.0 * rating).torque / INCH_POUND
-    words = f"one row {own:.2f} in-lb, with three rows in C_0 {three:.2f}, with P_0 = F_a {whole:.2f}"
-    e.number("M_1", own, words)
-    words = f"computed: {viscous:.2f} + {own:.2f} = {viscous + own:.2f} in-lb"
+    words = f"one row {loaded:.2f} in-lb, with three rows in C_0 {three:.2f}, with P_0 = F_a {whole:.2f}"
+    e.number("M_1", loaded, words)
+    words = f"computed: {viscous:.2f} + {loaded:.2f} = {viscous + loaded:.2f} in-lb"
     e.number("M", e.printed("M_0") + e.printed("M_1"), words)
     test = e.printed("M_test")
-    e.number("M_test", viscous + own)
+    e.number("M_test", viscous + loaded)
     e.number("M_test_3", 3.0 * test)
     percent = float(error_percent(e.printed("M"), test))
-    off = float(error_percent(viscous + own, test))
+    off = float(error_percent(viscous + loaded, test))
     words = f"{e.printed('M'):g} is {percent:+.0f} % off {test:g} in-lb, the computed sum {off:+.0f} %"
     e.claim("fair", abs(percent) <= 10.0, words)
     return e.evidence()

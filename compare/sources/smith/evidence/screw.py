@@ -73,11 +73,11 @@ def _ends(tensile: float) -> dict[str, float]:
 
 def printed_loads(kind: str, end: str, state: str, preload: tuple[float, ...]) -> list[float]:
     """Loads [lbf] of the rows by the source's sharing from its preload [lbf]: half the stretch an end, all of it a side."""
-    now = as_printed.shared_loads(preload, DIRECTIONS[kind][end], 0.5 * round(pull() / POUND, -1))
+    loads = as_printed.shared_loads(preload, DIRECTIONS[kind][end], 0.5 * round(pull() / POUND, -1))
     if state == "applied":
         sign = -1.0 if end == "left" else 1.0
-        now = as_printed.shared_loads(list(now), DIRECTIONS[kind][end], sign * 0.5 * APPLIED / POUND)
-    return [float(v) for v in now]
+        loads = as_printed.shared_loads(list(loads), DIRECTIONS[kind][end], sign * 0.5 * APPLIED / POUND)
+    return [float(v) for v in loads]
 
 
 # --- sections
@@ -123,10 +123,10 @@ def section_4_2(study: Study) -> tuple[Evidence, ...]:
     _total(e, "ball", layouts.words(study, layouts.TRIPLEX))
     _total(e, "taper", layouts.words(study, layouts.TAPERED))
     places = np.linspace(0.0, a.length, 53)[1:-1]
-    both, one = shaft_stiffness(a, places), shaft_stiffness(axis(right=0.0), places)
-    at = float(places[int(np.argmin(both))] / a.length)
+    both_ends, one = shaft_stiffness(a, places), shaft_stiffness(axis(right=0.0), places)
+    at = float(places[int(np.argmin(both_ends))] / a.length)
     e.claim("middle", abs(at - 0.5) < 0.01, f"least at {at:.2f} L")
-    ratio = both / one
+    ratio = both_ends / one
     middle = float(ratio[ratio.size // 2])
     scenes = [layouts.by_scene(study, x, 0.5).stiffness for x in (layouts.TRIPLEX, layouts.SUPPORTED)]
     words = f"ratio {ratio.min():.2f} to {ratio.max():.0f}, {middle:.1f} in the middle"
@@ -159,15 +159,15 @@ def topology(supports: float) -> float:
     return float(axis_stiffness(a, 0.5 * a.length, NUT))
 
 
-def _total(e: Entries, kind: str, more: str) -> None:
+def _total(e: Entries, kind: str, as_scenes: str) -> None:
     """Stiffness of the axis as printed, and in the right topology with the printed and with our bearings."""
     package, screw, nut = (e.printed(k) for k in (f"package_{kind}", "screw", "nut"))
     printed = as_printed.series_stiffness((package, package), screw, nut)
     right = topology(1e6 * package * POUND_PER_INCH) / POUND_PER_INCH / 1e6
-    own = topology(end_state(kind, "left", "stretch").stiffness) / POUND_PER_INCH / 1e6
+    ours = topology(end_state(kind, "left", "stretch").stiffness) / POUND_PER_INCH / 1e6
     off = float(error_percent(printed, right))
-    words = f"right topology, printed parts {right:.3f}, our bearings {own:.3f}; the sum in series {off:+.0f} %"
-    e.number(f"total_{kind}", right, f"{words}; {more}", as_printed=printed)
+    words = f"right topology, printed parts {right:.3f}, our bearings {ours:.3f}; the sum in series {off:+.0f} %"
+    e.number(f"total_{kind}", right, f"{words}; {as_scenes}", as_printed=printed)
 
 
 def section_4_3(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study

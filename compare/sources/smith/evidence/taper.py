@@ -114,10 +114,10 @@ def _sheet(e: Entries) -> None:
         }
     )
     zone = zone_of_load(SHEET_LOAD, RADIAL, b.cup_angle, EXPONENT)
-    own = load_zone(e.printed("eps"), EXPONENT)
+    exact = load_zone(e.printed("eps"), EXPONENT)
     ratio = e.printed("J_r") / e.printed("J_a")
     words = f"printed J_r/J_a = {ratio:.6g}, Z = {e.printed('Z'):.6g}; "
-    words += f"exact at the printed eps: {own.axial:.6f}, {own.radial:.6g}"
+    words += f"exact at the printed eps: {exact.axial:.6f}, {exact.radial:.6g}"
     e.number("J_a", zone.axial, words)
     e.number("J_r", zone.radial, words)
     e.number("eps", zone.eps, words)

@@ -105,8 +105,8 @@ def unseating_load(preload: float) -> float:
 
     The end must be pulled inwards beyond the tension by what its set still holds; half of a load in the middle goes to it.
     """
-    part = support_loads(axis(), 0.5 * axis().length, 1.0)[0]
-    return (lift_off_force(bearing_set("taper", "left", preload)) - pull()) / part
+    share = support_loads(axis(), 0.5 * axis().length, 1.0)[0]
+    return (lift_off_force(bearing_set("taper", "left", preload)) - pull()) / share
 
 
 def _reduced(e: Entries) -> None:

@@ -110,23 +110,23 @@ def unbalanced(scene: Scene, result: StaticResult) -> str:
     load = result.load
     if not np.isfinite(load).all() or (load < 0.0).any():
         return "loads are not finite, or negative"
-    own, (centre, _) = forces(scene, result), frames(scene)
+    force, (centre, _) = forces(scene, result), frames(scene)
     applied = wrench_of_loads(scene)
     size = max(float(load.max()), float(np.abs(applied).max()))
     if size == 0.0:
         return ""
     felt = nothing(result) if float(load.max()) <= nothing(result) else 0.0
     of_ball, of_all = round_off(scene, result)
-    if float(np.linalg.norm(own.sum(axis=1), axis=1).max()) > max(EXACT * size, of_ball, felt):
-        return f"ball {int(np.linalg.norm(own.sum(axis=1), axis=1).argmax()) + 1} is not in balance"
+    if float(np.linalg.norm(force.sum(axis=1), axis=1).max()) > max(EXACT * size, of_ball, felt):
+        return f"ball {int(np.linalg.norm(force.sum(axis=1), axis=1).argmax()) + 1} is not in balance"
     middle = np.array([0.0, 0.0, scene.nut.position])
     total = applied.copy()
     for s in (0, 1):
-        total[:3] += own[:, s].sum(axis=0)
-        total[3:] += np.cross(result.contact_point[:, s] - middle, own[:, s]).sum(axis=0) / scene.track.pitch_radius
+        total[:3] += force[:, s].sum(axis=0)
+        total[3:] += np.cross(result.contact_point[:, s] - middle, force[:, s]).sum(axis=0) / scene.track.pitch_radius
     # what no support can carry must vanish; a free motion along the helix is held by a pin, which the result states
     free = free_of(scene)
-    largest = max(size, float(np.abs(own[:, :2].sum(axis=(0, 1))).max()), float(load.sum()) * 1e-3)
+    largest = max(size, float(np.abs(force[:, :2].sum(axis=(0, 1))).max()), float(load.sum()) * 1e-3)
     none = max(of_all, strained(scene), felt)
     arm = max(1.0, float(np.abs(centre[:, 2] - scene.nut.position).max()) / scene.track.pitch_radius)
     if neutral(scene, free).size:
@@ -268,8 +268,7 @@ def brute_force(scene: Scene, result: StaticResult) -> float | None:
                 lambda x: tuple(v / stored for v in energy(x)), start, jac=True, method="BFGS", options={"gtol": 1e-9}
             )
             start, best = found.x, min(best, float(found.fun) * stored)
-    own = float((0.4 * result.load ** (5.0 / 3.0) * C).sum()) - _work(scene, result, applied)
-    return (own - best) / stored
+    return (stored - _work(scene, result, applied) - best) / stored
 
 
 def _work(scene: Scene, result: StaticResult, applied: Array) -> float:

@@ -92,13 +92,13 @@ def faults(assembly: Assembly, result: AxisResult) -> str:
     Where a free motion is held at one place, that place may take a share, unless the loads drive a motion that no contact
     resists; nor may such a motion go far.
     """
-    said, free = unbalanced(assembly, result, 0.0), any(HELD in words for words in result.left_out)
+    fault, free = unbalanced(assembly, result, 0.0), any(HELD in words for words in result.left_out)
     motions = np.concatenate([result.centreline, *(h.motion[None] for h in result.housings)])
     far = float((np.abs(motions) / np.repeat([pitch_of(assembly), 1.0], 3)).max()) > FAR
-    if not far and not (said and free):
-        return said
+    if not far and not (fault and free):
+        return fault
     if proven(assembly, False) or (any(s.preload for s in assembly.sets) and proven(assembly, True)):
-        return said or "a motion that nothing resists goes far"
+        return fault or "a motion that nothing resists goes far"
     return unbalanced(assembly, result, PIN * size_of(assembly, result) * free)
 
 
@@ -127,8 +127,8 @@ def unbalanced(assembly: Assembly, result: AxisResult, pinned: float) -> str:
             if fault:
                 return fault
             slack, couple = slack + felt, np.zeros(6)
-            own = forces(s.of.parts, s.balls)
-            at, push = ([x[:, h].reshape(-1, 3) for h in (slice(2), slice(2, 4))] for x in (s.balls.contact_point, own))
+            force = forces(s.of.parts, s.balls)
+            at, push = ([x[:, h].reshape(-1, 3) for h in (slice(2), slice(2, 4))] for x in (s.balls.contact_point, force))
             station = contact_stations(s.of.parts, ball_layout(s.of.parts)).ravel()
         for end, name in enumerate((s.of.carrier, s.of.housing)):
             if name is not None:

@@ -60,10 +60,10 @@ def _path(rng: np.random.Generator, ring: bool, ball: float, count: int) -> tupl
         pitch = max(count * spacing / (2.0 * pi), 2.2 * ball) * rng.uniform(1.0, 1.5)
         return pitch, 0.0, 1, 1.0, 0.0
     starts = int(rng.choice([1, 1, 2, 3]))
-    own = max(1, count // starts)
+    per_start = max(1, count // starts)
     pitch = ball * log_uniform(rng, 3.0, 25.0)
     lead = starts * 2.0 * ball * rng.uniform(1.15, 4.0)
-    turns = own * spacing / float(np.hypot(2.0 * pi * pitch, lead))
+    turns = per_start * spacing / float(np.hypot(2.0 * pi * pitch, lead))
     return pitch, lead, starts, turns, turns * lead + lead
 
 

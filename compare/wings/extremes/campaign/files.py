@@ -100,9 +100,9 @@ def scenes(seed: int, count: int) -> Iterator[FileOutcome]:
             try:
                 scene_file.read(scene_file.read_text(path), str(path))
             except SceneError as error:
-                said = str(error)
-                good = "\n" not in said and error.key != "" and error.value != "" and "mutated.toml" in said
-                yield FileOutcome("scene", REFUSED, good, said)
+                message = str(error)
+                good = "\n" not in message and error.key != "" and error.value != "" and "mutated.toml" in message
+                yield FileOutcome("scene", REFUSED, good, message)
             except Exception as error:  # what the campaign looks for
                 yield FileOutcome("scene", CRASHED, False, _last(error))
             else:

@@ -27,18 +27,18 @@ def run_campaign(
     mutated: int,
     kills: int,
     progress: Callable[[int, int, str], None] | None = None,
-    part: Part | None = None,
+    interrupted: Part | None = None,
     command: Command | None = None,
     axes: bool = False,
 ) -> Record:
     """A campaign of ``count`` scenes of one set, or of several on one shaft (``axes``), ``mutated`` scene files and half as
     many stored ones, and ``kills``.
 
-    JSON-ready: command, day, counts by verdict, all bad outcomes, seconds of the scenes (median and largest). part: what an
-    interrupted one has left, and where this one leaves its outcomes; command: the command line, through which every scene
-    goes too, as text and as JSON.
+    JSON-ready: command, day, counts by verdict, all bad outcomes, seconds of the scenes (median and largest). interrupted:
+    the outcomes of one that was cut short, and where this one writes its own; command: the command line, through which
+    every scene goes too, as text and as JSON.
     """
-    known, keep = (None, None) if part is None else (part.outcomes, part.add)
+    known, keep = (None, None) if interrupted is None else (interrupted.outcomes, interrupted.add)
     outcomes = scenes.judge_scenes(seed, count, model, progress, known, keep, command, axis_text if axes else scene_text)
     broken = [*files.scenes(seed, mutated), *files.stored(seed, mutated // 2), *files.kills(seed, kills)]
     seconds = sorted(o.seconds for o in outcomes)

@@ -116,25 +116,25 @@ def _turned(scene: Scene) -> float:
 
 def compared(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
     """Status of the runs of a scene and of it with its loads raised; its loads and the models' errors, where it has any."""
-    run, more = runs
+    run, raised_run = runs
     state = {
         "status": run.status,
-        "raised_status": more.status,
-        "rest_N": max(run.moving, more.moving),
+        "raised_status": raised_run.status,
+        "rest_N": max(run.moving, raised_run.moving),
         "load_seconds": round(run.solve_seconds, 2),
     }
-    if not (run.answers and more.answers and run.load.any()):
+    if not (run.answers and raised_run.answers and run.load.any()):
         return state
     mean = float(run.load[run.load > 0.0].mean())
     sums = run.load.sum(axis=0)
     first, second = max(sums[0], sums[1]), min(sums[0], sums[1])
     answers = {name: [run_model(one, name, Options(discretisation=False)) for one in (scene, raised)] for name in MODELS}
     points = {
-        name: point(f"survey {scene.name.rpartition('-')[2]}", scene, first, run, (raised, second, more))
+        name: point(f"survey {scene.name.rpartition('-')[2]}", scene, first, run, (raised, second, raised_run))
         for name, (first, second) in answers.items()
         if first.converged and second.converged
     }
-    section = SectionAnswer.of_run(scene, run), SectionAnswer.of_run(raised, more)
+    section = SectionAnswer.of_run(scene, run), SectionAnswer.of_run(raised, raised_run)
     state |= {
         "contacts": int((run.load > 0.0).sum()),
         "mean_N": round(mean, 4),
@@ -142,9 +142,9 @@ def compared(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
         "preload_over_load": round(float(second / first), 4),
         "displacement_um": round(1e6 * section[0].moved, 5),
         "rigidity_N_per_um": _rounded(rigidity(section), 1e-6),
-        "models": {name: _model(scene, answers[name][0], run, own) for name, own in points.items()},
+        "models": {name: _model(scene, answers[name][0], run, p) for name, p in points.items()},
         "places": {d.name: round(d.of(scene), 4) for d in DESCRIPTORS},
-        "points": [asdict(own) for own in points.values()],
+        "points": [asdict(p) for p in points.values()],
     }
     return state
 

@@ -89,9 +89,9 @@ def summary(records: Sequence[Record]) -> list[dict[str, Any]]:
     for model in MODELS:
         for error in ERRORS:
             sizes = [
-                abs(own[error])
+                abs(errors[error])
                 for r in records
-                if (own := r.get("models", {}).get(model, {})).get(error) is not None and r["status"] == ANSWERED
+                if (errors := r.get("models", {}).get(model, {})).get(error) is not None and r["status"] == ANSWERED
             ]
             if sizes:
                 median, high = np.percentile(sizes, [50, 95])

@@ -29,12 +29,12 @@ def solve_with_pivots(K: Array, x: Array, half: int) -> float:
         if K[c, half] < 0.0:
             sign = -sign
         for r in range(c + 1, low):
-            part = K[r, half + c - r] / K[c, half]
-            if part != 0.0:
+            ratio = K[r, half + c - r] / K[c, half]
+            if ratio != 0.0:
                 for j in range(c + 1, right):
-                    K[r, half + j - r] -= part * K[c, half + j - c]
+                    K[r, half + j - r] -= ratio * K[c, half + j - c]
                 for q in range(x.shape[1]):
-                    x[r, q] -= part * x[c, q]
+                    x[r, q] -= ratio * x[c, q]
     for c in range(n - 1, -1, -1):
         for q in range(x.shape[1]):
             for j in range(c + 1, min(n, c + 2 * half + 1)):

@@ -53,9 +53,9 @@ def rd_and_slope(x: float, y: float, z: float) -> tuple[float, float]:
         ty, tz = 0.5 * dy / sy, 0.5 * dz / sz
         shift = sx * (sy + sz) + sy * sz
         d_shift = tx * (sy + sz) + sx * (ty + tz) + ty * sz + sy * tz
-        part = scale / (sz * (z + shift))
-        total += part
-        d_total -= part * (tz / sz + (dz + d_shift) / (z + shift))
+        term = scale / (sz * (z + shift))
+        total += term
+        d_total -= term * (tz / sz + (dz + d_shift) / (z + shift))
         scale *= 0.25
         x, y, z = 0.25 * (x + shift), 0.25 * (y + shift), 0.25 * (z + shift)
         dx, dy, dz = 0.25 * (dx + d_shift), 0.25 * (dy + d_shift), 0.25 * (dz + d_shift)

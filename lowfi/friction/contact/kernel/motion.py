@@ -70,15 +70,15 @@ def slip_only(shape: Array, rest: Array) -> Array:
 def free_motion(slipping: Array, maps: Array, drives: Array, push: Array, basis: Array, q: Array, reach: float) -> int:
     """Minimise without regularisation over q + span of the rows of ``basis`` (f, n); overwrites q (n,); steps."""
     m, n, f = maps.shape[0], maps.shape[2], basis.shape[0]
-    part, pull, y = np.zeros((m, 3, f)), np.zeros(f), np.zeros(f)
+    reduced, pull, y = np.zeros((m, 3, f)), np.zeros(f), np.zeros(f)
     for k in range(f):
         for j in range(n):
             pull[k] += basis[k, j] * push[j]
             for i in range(m):
                 for r in range(3):
-                    part[i, r, k] += maps[i, r, j] * basis[k, j]
+                    reduced[i, r, k] += maps[i, r, j] * basis[k, j]
     motion, _ = speeds_at(slipping, maps, drives, q)
-    _, _, _, count = descend(slipping, part, motion, pull, 0.0, y, 1e-13, int(np.int64(60)), reach)
+    _, _, _, count = descend(slipping, reduced, motion, pull, 0.0, y, 1e-13, int(np.int64(60)), reach)
     for k in range(f):
         for j in range(n):
             q[j] += basis[k, j] * y[k]
@@ -211,33 +211,33 @@ def least_dissipation(
         q[:] = rolling_start(shape, maps, drives)
     n = q.shape[0]
     grad, hess = np.empty(n), np.empty((n, n))
-    part, count, balance, near = 0.1, 0, 0.0, start == NEAR
+    ratio, count, balance, near = 0.1, 0, 0.0, start == NEAR
     if near:
-        part = 1e-6
-    while part > 1e-10:
-        at_end = part <= 1.0001e-6
+        ratio = 1e-6
+    while ratio > 1e-10:
+        at_end = ratio <= 1.0001e-6
         goal = 1e-11 if at_end else 1e-3
         limit = int(np.int64(20 if near else 200))
-        value, excess, balance, steps = descend(shape, maps, drives, push, part * top, q, goal, limit, 1e9 * top)
+        value, excess, balance, steps = descend(shape, maps, drives, push, ratio * top, q, goal, limit, 1e9 * top)
         count += steps
         if near and balance > goal * np.sum(shape[:, 2]):
-            part, near = 0.1, False
+            ratio, near = 0.1, False
             q[:] = rolling_start(shape, maps, drives)
             continue
         near = False
         if at_end:
             bounds[0] = value - excess
             motion, _ = speeds_at(shape, maps, drives, q)
-            friction_of(shape, motion, part * top, forces)
+            friction_of(shape, motion, ratio * top, forces)
             exact_q, exact_forces = q.copy(), forces.copy()
-            good, left, steps = lock(shape, maps, drives, push, exact_q, exact_forces, rest, 100.0 * part * top)
+            good, left, steps = lock(shape, maps, drives, push, exact_q, exact_forces, rest, 100.0 * ratio * top)
             count += steps
             if good:
                 q[:] = exact_q
                 forces[:] = exact_forces
                 bounds[1], _ = evaluate(shape, maps, drives, push, 0.0, q, grad, hess)
                 return EXACT, left, count
-        part *= 0.1
+        ratio *= 0.1
     rest[:] = 0.0
     bounds[1], _ = evaluate(shape, maps, drives, push, 0.0, q, grad, hess)
     return REGULARISED, balance, count

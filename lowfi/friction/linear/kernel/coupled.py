@@ -46,7 +46,7 @@ def _add_rubbing(eps: float, bound: float, slope: float, k: int, pair: Array, K:
 def assemble(chain: ChainArrays, point: ChainPoint, law: Smoothing, K: Array, g: Array) -> None:
     """Forces out of balance and gaps' equations g ``(4N,)``, and their Jacobian K ``(4N, 11)``."""
     slip, pair, drift, z = point
-    eps, part, smooth, spring = law
+    eps, share, smooth, spring = law
     closed, mu, hold = chain.closed, chain.mu, chain.hold
     K[:] = 0.0
     for j in range(drift.shape[0]):
@@ -74,8 +74,8 @@ def assemble(chain: ChainArrays, point: ChainPoint, law: Smoothing, K: Array, g:
         K[i, HALF - 3] = scale * stiff
         K[i, HALF + 1] = -scale * stiff
         K[i, HALF] = scale * (slope - 1.0)
-        if part * mu > 0.0:
-            _add_rubbing(eps, mu * part * force, mu * part * slope, k, pair, K, g)
+        if share * mu > 0.0:
+            _add_rubbing(eps, mu * share * force, mu * share * slope, k, pair, K, g)
 
 
 @kernel

@@ -32,11 +32,11 @@ def slide_and_spin(s: float, w: float, shape: Array, nodes: Array) -> tuple[floa
         y2, weight = nodes[0, i], nodes[1, i]
         top, bottom = 1.0 - k2 * y2, 1.0 - flat * k2 * y2
         ratio = sqrt(top / bottom)
-        part = weight * (1.0 - y2)
-        force += part * ratio
-        part *= ratio / (top * bottom)
-        moment += part * (1.0 - y2)
-        bend += part * y2
+        term = weight * (1.0 - y2)
+        force += term * ratio
+        term *= ratio / (top * bottom)
+        moment += term * (1.0 - y2)
+        bend += term * y2
     f = sign_s * 1.5 * force
     m = sign_s * kappa * 0.375 * shape[0] * moment
     return f, m, s * f + w * m, 1.5 * shape[0] * bend / size_s, 1.0

@@ -59,14 +59,14 @@ def _direction(work: Work) -> float:
         slope = _dot(g, step)
         if slope < 0.0:
             break
-        more = max(1e-15 * top, 100.0 * damping) - damping
-        damping += more
+        added = max(1e-15 * top, 100.0 * damping) - damping
+        damping += added
         for i in range(g.shape[0]):
             if i % 4 != 3:
-                K[i, HALF] += more
-    part = _reach(step)
-    step *= part
-    return slope * part
+                K[i, HALF] += added
+    fraction = _reach(step)
+    step *= fraction
+    return slope * fraction
 
 
 @kernel

@@ -35,11 +35,11 @@ def contact_map(groove: GrooveArrays, n_x: float, n_z: float, out: Array) -> Non
 @kernel
 def seen(groove: GrooveArrays, i: int, rows: Array, x: Array) -> tuple[float, float, float]:
     """Motion (vx, vz, spin) of contact i with the map ``rows`` (3, 4) in the ball's motion x (4,)."""
-    own = x[0] - groove.ride[i]
+    orbit = x[0] - groove.ride[i]
     return (
-        rows[0, 0] * own + rows[0, 1] * x[1] + rows[0, 2] * x[2] + rows[0, 3] * x[3],
-        rows[1, 0] * own + rows[1, 1] * x[1] + rows[1, 2] * x[2] + rows[1, 3] * x[3],
-        rows[2, 0] * own + rows[2, 1] * x[1] + rows[2, 2] * x[2] + rows[2, 3] * x[3],
+        rows[0, 0] * orbit + rows[0, 1] * x[1] + rows[0, 2] * x[2] + rows[0, 3] * x[3],
+        rows[1, 0] * orbit + rows[1, 1] * x[1] + rows[1, 2] * x[2] + rows[1, 3] * x[3],
+        rows[2, 0] * orbit + rows[2, 1] * x[1] + rows[2, 2] * x[2] + rows[2, 3] * x[3],
     )
 
 

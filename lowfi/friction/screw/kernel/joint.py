@@ -13,7 +13,7 @@ from rollbench.lowfi.jit import kernel
 
 from .balance import REACH, couple, opening, room
 from .contacts import rubbing, solve_with_pivots
-from .place import OWN_COLUMNS, OWN_ROWS, own
+from .place import OWN_COLUMNS, OWN_ROWS, ball_rows
 
 #: Unknowns of a ball, half bandwidth.
 SIZE, HALF = 7, 12
@@ -22,7 +22,7 @@ LONGEST_STEP = 0.1
 
 
 @kernel
-def _together(system: JointSystem, at: Place, k: int, part: float, eps: float, start: int, matrix: JointMatrix) -> None:
+def _together(system: JointSystem, at: Place, k: int, share: float, eps: float, start: int, matrix: JointMatrix) -> None:
     """Adds what ball k and the next do to each other."""
     groove, balls = system.groove, system.balls
     first, second, closing = groove.first, groove.second, groove.closing
@@ -44,9 +44,9 @@ def _together(system: JointSystem, at: Place, k: int, part: float, eps: float, s
     side[row + 6], slopes[k, 0] = f[k], 1.0
     if balls.allowed[k] > 0.0:
         left = room(groove, balls, x, k)
-        both = max(sqrt(f[k] * f[k] + left * left), 1e-300)
-        side[row + 6] = f[k] + left - both
-        slopes[k, 0], slopes[k, 1] = 1.0 - f[k] / both, 1.0 - left / both
+        root = max(sqrt(f[k] * f[k] + left * left), 1e-300)
+        side[row + 6] = f[k] + left - root
+        slopes[k, 0], slopes[k, 1] = 1.0 - f[k] / root, 1.0 - left / root
     couple(groove, balls, x, f, slopes, eps, k, blocks)
     for i in range(5):
         for j in range(5):
@@ -56,7 +56,7 @@ def _together(system: JointSystem, at: Place, k: int, part: float, eps: float, s
                 K[row + 2 + i, HALF + SIZE + j - i] += blocks[1, i, j]
                 K[other + 2 + i, HALF - SIZE + j - i] += blocks[2, i, j]
     for which in range(2):
-        _pushed(system, which, row, other, (u, v, size), f[k], mu, part, matrix)
+        _pushed(system, which, row, other, (u, v, size), f[k], mu, share, matrix)
 
 
 @kernel
@@ -68,7 +68,7 @@ def _pushed(
     rub: tuple[float, float, float],
     f: float,
     mu: float,
-    part: float,
+    share: float,
     matrix: JointMatrix,
 ) -> None:
     """Adds the force in the groove's plane on the first or second ball of a pair; rub: sliding, direction and size."""
@@ -80,23 +80,23 @@ def _pushed(
         at, sign = (row + c, -1.0) if which == 0 else (other + c, 1.0)
         s_u, s_v = sign * slide[which, 0, c], sign * slide[which, 1, c]
         along = s_u * u + s_v * v
-        side[at] -= part * (f * push[which, c] + bite * along)
+        side[at] -= share * (f * push[which, c] + bite * along)
         if which == 0 or joined:
-            K[at, HALF + row + 6 - at] -= part * (push[which, c] + sliding * along)
+            K[at, HALF + row + 6 - at] -= share * (push[which, c] + sliding * along)
         for j in range(4):
             one = s_u * first[0, j] + s_v * first[1, j] - along * (u * first[0, j] + v * first[1, j])
             two = s_u * second[0, j] + s_v * second[1, j] - along * (u * second[0, j] + v * second[1, j])
             if which == 0 or joined:
-                K[at, HALF + row + 2 + j - at] -= part * bite / size * one
+                K[at, HALF + row + 2 + j - at] -= share * bite / size * one
             if which == 1 or joined:
-                K[at, HALF + other + 2 + j - at] += part * bite / size * two
+                K[at, HALF + other + 2 + j - at] += share * bite / size * two
 
 
 @kernel
-def assemble(system: JointSystem, at: Place, part: float, eps: float, start: int, matrix: JointMatrix) -> float:
+def assemble(system: JointSystem, at: Place, share: float, eps: float, start: int, matrix: JointMatrix) -> float:
     """Writes residual and Jacobian with ball ``start`` first, a closed track cut open before it; root of the squares.
 
-    part: of the friction that moves balls and screw; the screw's forces besides friction are those of the cell.
+    share: of the friction that moves balls and screw; the screw's forces besides friction are those of the cell.
     """
     cell, unit, length, rows = system.cell, system.unit, system.length, system.rows
     hold, nominal = system.balls.hold, system.groove.nominal
@@ -113,7 +113,7 @@ def assemble(system: JointSystem, at: Place, part: float, eps: float, start: int
             shift[c] = offset[k, c]
             for q in range(m):
                 shift[c] += section[k, c, q] * u[q]
-        own(system, k, p[k], shift, x[k], part, eps, out, by)
+        ball_rows(system, k, p[k], shift, x[k], share, eps, out, by)
         for i in range(6):
             side[row + i] += out[i] / unit
             for j in range(6):
@@ -133,7 +133,7 @@ def assemble(system: JointSystem, at: Place, part: float, eps: float, start: int
                     for o in range(m):
                         corner[q, o] -= rows[k, r, q] * by[6 + r, 6 + c] * section[k, c, o] * length / unit
     for k in range(n):
-        _together(system, at, k, part, eps, start, matrix)
+        _together(system, at, k, share, eps, start, matrix)
     return float(sqrt(np.sum(side * side) + np.sum(side_u * side_u)))
 
 
@@ -172,7 +172,7 @@ def step(matrix: JointMatrix, start: int, length: float, d: Place) -> None:
 
 
 @kernel
-def newton_joint(system: JointSystem, at: Place, part: float, eps: float, goal: float, limit: int) -> tuple[float, int]:
+def newton_joint(system: JointSystem, at: Place, share: float, eps: float, goal: float, limit: int) -> tuple[float, int]:
     """Newton from ``at``, overwritten, steps halved until the residual falls; what is left and the steps.
 
     Ends at ``goal``, after ``limit`` steps, or where no step lets the residual fall.
@@ -189,7 +189,7 @@ def newton_joint(system: JointSystem, at: Place, part: float, eps: float, goal: 
     )
     d = Place(np.empty_like(p), np.empty_like(u), np.empty_like(x), np.empty_like(f))
     start = opening(system.groove, system.balls, x, f)
-    size = assemble(system, at, part, eps, start, matrix)
+    size = assemble(system, at, share, eps, start, matrix)
     for count in range(limit):
         if size <= goal:
             return size, count
@@ -200,7 +200,7 @@ def newton_joint(system: JointSystem, at: Place, part: float, eps: float, goal: 
         for _ in range(30):
             trial = Place(p + part_of * d.ball, u + part_of * d.screw, x + part_of * d.motion, f + part_of * d.ball_force)
             start = opening(system.groove, system.balls, trial.motion, trial.ball_force)
-            new = assemble(system, trial, part, eps, start, matrix)
+            new = assemble(system, trial, share, eps, start, matrix)
             if new < (1.0 - 0.1 * part_of) * size:
                 better = True
                 break

@@ -35,17 +35,17 @@ def _law(groove: GrooveArrays, i: int, f: float, rows: Array, x: Array, eps: flo
 
 @kernel
 def _add_force(
-    f: float, bound: float, n_x: float, n_z: float, rows: Array, g: Array, speed: float, part: float, on: bool, out: Array
+    f: float, bound: float, n_x: float, n_z: float, rows: Array, g: Array, speed: float, share: float, on: bool, out: Array
 ) -> None:
-    """Adds one contact to the ball's rows ``out`` (9,), see ``own``."""
-    out[0] += f * n_x + part * bound * g[0] * n_z
-    out[1] += f * n_z - part * bound * g[0] * n_x
+    """Adds one contact to the ball's rows ``out`` (9,), see ``ball_rows``."""
+    out[0] += f * n_x + share * bound * g[0] * n_z
+    out[1] += f * n_z - share * bound * g[0] * n_x
     for j in range(4):
         out[2 + j] += bound * (rows[0, j] * g[0] + rows[1, j] * g[1] + rows[2, j] * g[2]) / speed
     if on:
-        out[6] += f * n_x + part * bound * g[0] * n_z
-        out[7] += part * bound * g[1]
-        out[8] += f * n_z - part * bound * g[0] * n_x
+        out[6] += f * n_x + share * bound * g[0] * n_z
+        out[7] += share * bound * g[1]
+        out[8] += f * n_z - share * bound * g[0] * n_x
 
 
 @kernel
@@ -60,7 +60,7 @@ def _by_load(
     x: Array,
     g: Array,
     h: Array,
-    part: float,
+    share: float,
     by: Array,
 ) -> None:
     """Writes the derivatives (9, 3) of a contact's rows by its force and by n_x and n_z, taken apart."""
@@ -70,42 +70,42 @@ def _by_load(
         move = affine[1 + c] @ x - affine[1 + c, :, 0] * groove.ride[i]
         turned[c] = bound * (h[:3] @ move)
         own_turn[c] = bound * (g @ affine[1 + c])
-    by[0, 0], by[1, 0] = n_x + part * mu * h[3, 0] * n_z, n_z - part * mu * h[3, 0] * n_x
-    by[0, 1], by[1, 1] = f + part * turned[0, 0] * n_z, -part * (turned[0, 0] * n_x + bound * g[0])
-    by[0, 2], by[1, 2] = part * (turned[1, 0] * n_z + bound * g[0]), f - part * turned[1, 0] * n_x
+    by[0, 0], by[1, 0] = n_x + share * mu * h[3, 0] * n_z, n_z - share * mu * h[3, 0] * n_x
+    by[0, 1], by[1, 1] = f + share * turned[0, 0] * n_z, -share * (turned[0, 0] * n_x + bound * g[0])
+    by[0, 2], by[1, 2] = share * (turned[1, 0] * n_z + bound * g[0]), f - share * turned[1, 0] * n_x
     for j in range(4):
         by[2 + j, 0] = mu * (rows[0, j] * h[3, 0] + rows[1, j] * h[3, 1] + rows[2, j] * h[3, 2]) / speed
         for c in range(2):
             through = rows[0, j] * turned[c, 0] + rows[1, j] * turned[c, 1] + rows[2, j] * turned[c, 2]
             by[2 + j, 1 + c] = (through + own_turn[c, j]) / speed
     by[6], by[8] = by[0], by[1]
-    by[7, 0], by[7, 1], by[7, 2] = part * mu * h[3, 1], part * turned[0, 1], part * turned[1, 1]
+    by[7, 0], by[7, 1], by[7, 2] = share * mu * h[3, 1], share * turned[0, 1], share * turned[1, 1]
 
 
 @kernel
 def _by_motion(
-    bound: float, n_x: float, n_z: float, rows: Array, h: Array, speed: float, part: float, on: bool, by: Array
+    bound: float, n_x: float, n_z: float, rows: Array, h: Array, speed: float, share: float, on: bool, by: Array
 ) -> None:
     """Adds the derivatives of a contact's rows by the ball's motion."""
     bent = bound * (h[:3] @ rows)
     for j in range(4):
-        by[0, 2 + j] += part * bent[0, j] * n_z
-        by[1, 2 + j] -= part * bent[0, j] * n_x
+        by[0, 2 + j] += share * bent[0, j] * n_z
+        by[1, 2 + j] -= share * bent[0, j] * n_x
         for q in range(4):
             by[2 + q, 2 + j] += (rows[0, q] * bent[0, j] + rows[1, q] * bent[1, j] + rows[2, q] * bent[2, j]) / speed
         if on:
-            by[6, 2 + j] += part * bent[0, j] * n_z
-            by[7, 2 + j] += part * bent[1, j]
-            by[8, 2 + j] -= part * bent[0, j] * n_x
+            by[6, 2 + j] += share * bent[0, j] * n_z
+            by[7, 2 + j] += share * bent[1, j]
+            by[8, 2 + j] -= share * bent[0, j] * n_x
 
 
 @kernel
-def own(
-    system: JointSystem, k: int, p: Array, shift: Array, x: Array, part: float, eps: float, out: Array, by: Array
+def ball_rows(
+    system: JointSystem, k: int, p: Array, shift: Array, x: Array, share: float, eps: float, out: Array, by: Array
 ) -> None:
     """Writes out (9,) and its derivatives (9, 8) for ball k at p (2,) [m], motion x (4,), screw shifted by shift (2,).
 
-    Rows: force out of balance in x3, z3 with ``part`` of the friction, the grooves' gradient by the motion, force of
+    Rows: force out of balance in x3, z3 with ``share`` of the friction, the grooves' gradient by the motion, force of
     the ball on the screw in x3, y3, z3.
     """
     cell, groove, balls = system.cell, system.groove, system.balls
@@ -125,9 +125,9 @@ def own(
         h[:] = 0.0
         if np.max(balls.force[k]) > 0.0:  # others count as unloaded
             _law(groove, i, f, rows, x, eps, g, h)
-        _add_force(f, mu * f, n_x, n_z, rows, g, speed, part, on, out)
-        _by_load(groove, i, f, mu, n_x, n_z, rows, x, g, h, part, load)
-        _by_motion(mu * f, n_x, n_z, rows, h, speed, part, on, by)
+        _add_force(f, mu * f, n_x, n_z, rows, g, speed, share, on, out)
+        _by_load(groove, i, f, mu, n_x, n_z, rows, x, g, h, share, load)
+        _by_motion(mu * f, n_x, n_z, rows, h, speed, share, on, by)
         k_n = 1.5 * sqrt(d) / C[i]
         for r in range(OWN_ROWS if on else 6):
             along = (load[r, 2] * n_x - load[r, 1] * n_z) / size  # by a turn of the normal

@@ -31,8 +31,8 @@ def test_what_was_inferred_is_listed():
 
 
 def test_catalogue_over_the_three_rigidities():
-    own = {"contacts": 1000.0, "bodies": 900.0, "unequal": 800.0, "printed": 600.0}
-    (row,) = stages_table(Study(stores=()), [("a", 5000.0, own)], ()).rows
+    rigidities = {"contacts": 1000.0, "bodies": 900.0, "unequal": 800.0, "printed": 600.0}
+    (row,) = stages_table(Study(stores=()), [("a", 5000.0, rigidities)], ()).rows
     shares = [row[f"share_{key}"] for key in ("contacts", "bodies", "unequal")]
     assert np.allclose(shares, [0.6, 2.0 / 3.0, 0.75])
 
@@ -40,8 +40,8 @@ def test_catalogue_over_the_three_rigidities():
 def test_u_val_says_what_an_error_is_worth():
     small = Validated("s", "refined", "contact loads", 0.5, 0.1, 0.3, 1.0, 1.05, 1.0, 0.8, (1.0,), "lin-case1")
     large = Validated("s", "lin", "contact loads", -6.0, 0.1, 0.3, 1.0, 1.05, 0.5, 0.2, (0.9,), "lin-case1")
-    told = [row["says"] for row in u_val_table([small, large]).rows]
-    assert told == ["not told from u_val", "E ± u_val is the model's"]
+    says = [row["says"] for row in u_val_table([small, large]).rows]
+    assert says == ["not told from u_val", "E ± u_val is the model's"]
 
 
 def test_bias_and_scatter_are_drawn():

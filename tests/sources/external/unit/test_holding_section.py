@@ -50,9 +50,9 @@ def test_a_model_with_a_rigid_nut_sees_no_difference(monkeypatch: pytest.MonkeyP
 
 def stored_ways() -> list[dict[str, Any]]:
     """Ways of a size made up: on bolts every other ball carries twice the load, and the nut is half as stiff."""
-    own = {"scene": scene_name("bnf-4010-5"), "level": 1, "status": "converged"}
+    common = {"scene": scene_name("bnf-4010-5"), "level": 1, "status": "converged"}
     return [
-        {**own, "held": held, "rigidity": 4e8 / k, "load": dict.fromkeys(("SL", "NR"), 51 * [60.0 * k, 20.0])}
+        {**common, "held": held, "rigidity": 4e8 / k, "load": dict.fromkeys(("SL", "NR"), 51 * [60.0 * k, 20.0])}
         for held, k in ((holding.BOLTED, 2), (holding.WHOLE, 1), ("left face", 1))
     ]
 
@@ -78,7 +78,7 @@ def finer(rows: list[dict[str, Any]], moved: float) -> list[dict[str, Any]]:
     out = []
     for row in rows:
         share = moved if row["held"] == holding.WHOLE else 0.0
-        load = {side: [own[0] * (1.0 + share), *own[1:]] for side, own in row["load"].items()}
+        load = {side: [loads[0] * (1.0 + share), *loads[1:]] for side, loads in row["load"].items()}
         out.append({**row, "level": 2, "rigidity": row["rigidity"] * (1.0 + share), "load": load})
     return out
 

@@ -69,8 +69,8 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
     monkeypatch.setattr(rolling, "fields", lambda: (field,))
     beyond = Change("lin-pair-a", "grid", "finer", 0.5, 0.4)
     monkeypatch.setattr(rolling, "changes", lambda *_: (beyond, replace(beyond, change=0.3)))
-    made = rolling.section(Study(), lambda _: None)
-    tables = {item.name: item for item in made.items if hasattr(item, "rows")}
+    section = rolling.section(Study(), lambda _: None)
+    tables = {item.name: item for item in section.items if hasattr(item, "rows")}
     assert tables["rolling-verification"].rows[0]["verdict"] == "reached"
     forces = {row["scene"]: row for row in tables["rolling-pairs"].rows if row["quantity"] == "force 1-2"}
     assert forces["lin-pair-a"]["printed"] == 4.01
@@ -81,11 +81,11 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
     assert states == {name: "inferred" if "inferred" in name else "plain" for name in LOW if "screw" in name}
     assert forces["lin-pair-a"]["state"] is None
     assert {row["scene"] for row in tables["rolling-ring"].rows} == {"lin-rotary-1", "lin-rotary-2", "lin-rotary-3"}
-    words = [line for item in made.items if isinstance(item, Text) for line in item.paragraphs]
+    words = [line for item in section.items if isinstance(item, Text) for line in item.paragraphs]
     assert any("agree to 10 %" in line for line in words)
     assert any("grid alone is 1.5 %" in line and "leaves 0.05 %" in line and "within 0.02 %" in line for line in words)
     assert [row["verdict"] for row in tables["rolling-choices"].rows] == ["beyond", "within"]
-    assert made.conclusion
+    assert section.conclusion
     finite = {row["scene"]: row for row in tables["rolling-bodies"].rows if row["quantity"] in ("force 1-2", "torque")}
     assert set(finite) == set(LOW)
     assert finite["lin-pair-a"]["change"] == pytest.approx(-0.21, abs=0.03)
@@ -93,7 +93,7 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
     assert all(abs(row["change"] or 0.0) < 0.25 for row in finite.values())
     grids = {row["scene"] for row in tables["rolling-grids"].rows if row["level"] == "source's size"}
     assert grids == {name for name in LOW if "pair" in name}
-    maps = {item.name: item for item in made.items if isinstance(item, PressureMap)}
+    maps = {item.name: item for item in section.items if isinstance(item, PressureMap)}
     assert "sticks" in draw_map(maps["rolling-traction"])
     assert max(maps["rolling-slip"].panels[0].values) == 1.0
 
@@ -116,9 +116,9 @@ def test_a_known_exceedance_that_is_none_fails(monkeypatch):
 @pytest.mark.parametrize("name", SCENES)
 def test_no_choice_behind_finite_bodies_moves_an_answer_by_more_than_its_uncertainty(name):
     kept = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))["variants"]
-    own = [v["values"] for v in kept if variants()[v["choice"]][0] == name and "half spaces" not in v["choice"]]
+    tried = [v["values"] for v in kept if variants()[v["choice"]][0] == name and "half spaces" not in v["choice"]]
     rows = {f"{row.quantity} {row.unit}": row for row in rolling_rows.stored_rows(name, (shipped_store(),), FINITE)}
-    first, others = own[0], own[1:]
+    first, others = tried[0], tried[1:]
     assert len(others) >= 2
     for quantity in NAMES[:3]:
         share = rows[quantity].uncertainty / abs(rows[quantity].reference)
@@ -131,7 +131,7 @@ def test_no_grid_step_or_path_moves_an_answer_by_more_than_its_uncertainty(monke
     """A grid less fine than the report's, but finer than all of a run; the two longest of its steps from rest."""
     monkeypatch.setattr(rolling_changes, "BEYOND", BEYOND)
     monkeypatch.setattr(rolling_from_rest, "STEPS", rolling_from_rest.STEPS[:2])
-    assert all(own > most for own, most in zip(BEYOND, LEVELS[max(LEVELS)], strict=True))
+    assert all(cells > most for cells, most in zip(BEYOND, LEVELS[max(LEVELS)], strict=True))
     kept = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))["variants"]
     series = from_rest.__wrapped__()
     found = changes((shipped_store(),), series, [Variant(**row) for row in kept])

@@ -66,11 +66,11 @@ def test_the_defaults_contradict_the_ratio_and_two_readings_meet_it(study):
 
 
 def test_what_comes_out_and_what_does_not(study):
-    own = {p.key: p for p in predicted(study, "own")}
-    assert [key for key in ERRORS if own[key].comes_out] == ["case1_max_error", "case2_max_error", "case2_rms_error"]
-    assert all(p.meshed_low < p.low <= p.nearest <= p.high < p.meshed_high for p in own.values())
+    errors = {p.key: p for p in predicted(study, "own")}
+    assert [key for key in ERRORS if errors[key].comes_out] == ["case1_max_error", "case2_max_error", "case2_rms_error"]
+    assert all(p.meshed_low < p.low <= p.nearest <= p.high < p.meshed_high for p in errors.values())
     verdicts = {e.printed.key: judge(e)[0] for e in evidence(study, "lin-2.4.1")}
-    assert [key for key in ERRORS if verdicts[key] == "inferred"] == [key for key in ERRORS if own[key].comes_out]
+    assert [key for key in ERRORS if verdicts[key] == "inferred"] == [key for key in ERRORS if errors[key].comes_out]
     assert verdicts["case1_rms_error"] == "not identifiable"
 
 
@@ -83,8 +83,8 @@ def test_a_number_that_readings_miss_is_not_inferred(study):
 def test_the_page_answers_first(study):
     text = first_paragraph(study)
     assert text.startswith("Where does 5.38 % come from? It comes out at 5.36 %")
-    more = second_paragraph(study, study.once(combinations))
-    assert "within 1 % no combinations; within 3 % " in more
+    second = second_paragraph(study, study.once(combinations))
+    assert "within 1 % no combinations; within 3 % " in second
 
 
 def test_scatter_of_the_mesh_is_what_is_measured():
@@ -98,8 +98,8 @@ def test_scatter_of_the_mesh_is_what_is_measured():
 def test_drawn_errors_are_those_of_the_loads_without_scatter(study):
     best = meeting(study.once(combinations))[0]
     loads = low_loads(study, best.low), solid_loads(study, best.solid)
-    for own, definition in ((True, "own"), (False, "mean")):
-        still = scatter.drawn_errors(*loads, 0.0, own=own)
+    for of_load, definition in ((True, "own"), (False, "mean")):
+        still = scatter.drawn_errors(*loads, 0.0, of_load=of_load)
         assert np.ptp(still, axis=0) == pytest.approx(0.0, abs=1e-9)
         assert still[0] == pytest.approx(best.errors[definition], rel=2e-3)
     drawn = scatter.drawn_errors(*loads, 1.0)
@@ -135,7 +135,7 @@ def test_the_table_of_combinations_has_every_pair_once_and_says_which_meet_the_r
     assert len(pairs) == len(set(pairs)) == len(found)
     near = {pair for pair, row in zip(pairs, rows, strict=True) if row["meets the ratio"] == "yes"}
     ratios = {pair: (row["low_ratio"], row["solid_ratio"]) for pair, row in zip(pairs, rows, strict=True)}
-    assert near == {pair for pair, own in ratios.items() if all(abs(x / 1.34 - 1.0) <= 0.015 for x in own)}
+    assert near == {pair for pair, two in ratios.items() if all(abs(x / 1.34 - 1.0) <= 0.015 for x in two)}
     allowed = {pair for pair, row in zip(pairs, rows, strict=True) if row["text"] == "silent"}
     assert near & allowed == {(row["low order"], row["3D"]) for row in met_table(found).rows}
     assert near - allowed
@@ -209,9 +209,9 @@ def test_friction_of_sliding_grooves_bears_its_part_of_the_axial_force(study, ke
         force, angle = run.load[:, 0], np.radians(run.angle[:, 0])
         axial = np.cos(alpha) * (force * (np.sin(angle) + sense * MU * np.cos(angle))).sum()
         assert axial == pytest.approx(5000.0, rel=1e-5)
-        own = catalogue.scene(name)
-        turned = replace(own, track=replace(own.track, contact_angle=own.track.contact_angle + sense * np.arctan(MU)))
-        low, base = (study.solve(s, "lin").load[:, 0].mean() for s in (turned, own))
+        case = catalogue.scene(name)
+        turned = replace(case, track=replace(case.track, contact_angle=case.track.contact_angle + sense * np.arctan(MU)))
+        low, base = (study.solve(s, "lin").load[:, 0].mean() for s in (turned, case))
         solid = solid_loads(study, ())[CASES.index(name)][:, 0].mean()
         assert force.mean() / solid - 1.0 == pytest.approx(low / base - 1.0, rel=0.05)
 

@@ -25,9 +25,9 @@ def test_forces_on_the_nodes_have_the_friction_of_each_contact_for_resultant(mu:
     case.mu, case.zones = mu, [SimpleNamespace(parts=(slice(0, n), slice(n, 2 * n)))]
     case.sets = [SimpleNamespace(setup=SimpleNamespace(map=SimpleNamespace(alpha=alpha)))]
     across = case.across(SimpleNamespace(forces=[forces], directions=[normals]))
-    for ball, part in ((0, slice(0, n)), (0, slice(n, 2 * n)), (1, slice(0, n))):
-        load = forces[ball, part] @ normals[ball, part]
-        friction = across[ball, part] @ normals[ball, part]
+    for ball, nodes in ((0, slice(0, n)), (0, slice(n, 2 * n)), (1, slice(0, n))):
+        load = forces[ball, nodes] @ normals[ball, nodes]
+        friction = across[ball, nodes] @ normals[ball, nodes]
         assert np.linalg.norm(friction) == pytest.approx(0.01 * np.linalg.norm(load))
         assert friction @ load == pytest.approx(0.0, abs=1e-12)
         assert friction @ [0.0, np.cos(alpha), np.sin(alpha)] == pytest.approx(0.0, abs=1e-12)

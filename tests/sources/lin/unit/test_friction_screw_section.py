@@ -34,7 +34,7 @@ UNUSED = {"outer_diameter", "inner_diameter", "thickness_4p"}
 
 
 @pytest.fixture(scope="module")
-def made() -> Section:
+def section() -> Section:
     """The section, with the first 15 of the 200 steps by the source's rule of contact, which take most of its time."""
     steps: list[str] = []
     with pytest.MonkeyPatch.context() as patch:
@@ -68,10 +68,10 @@ def records() -> list[Record]:
         return friction_stability.rows()
 
 
-def test_name_and_unique_items(made):
-    assert made.name == "friction-screw"
-    assert made.title == "Friction in a ball screw: two balls, a whole screw, and bearings in pairs"
-    names = [item.name for item in made.items if not isinstance(item, Text)]
+def test_name_and_unique_items(section):
+    assert section.name == "friction-screw"
+    assert section.title == "Friction in a ball screw: two balls, a whole screw, and bearings in pairs"
+    names = [item.name for item in section.items if not isinstance(item, Text)]
     assert len(names) == len(set(names)) == 12
 
 
@@ -90,17 +90,17 @@ def test_verdicts_are_those_of_the_literature_tests(found):
             assert judge(f)[0] in good, (f.printed.key, f.value, f.holds)
 
 
-def test_shown_rows_are_the_entries(made):
-    shown = tables(made)
+def test_shown_rows_are_the_entries(section):
+    shown = tables(section)
     for name in friction_screw.TABLES:
         table = shown[f"friction-{name}"]
         shows_entries(table, name)
         assert all(row["remark"] for row in table.rows)
 
 
-def test_both_readings_stand_side_by_side(made):
+def test_both_readings_stand_side_by_side(section):
     """Errors belong to the plain reading; the inferred one is labelled and has its own."""
-    rows = {p.key: r for p, r in zip(load_table("lin-3.7"), tables(made)["friction-lin-3.7"].rows, strict=True)}
+    rows = {p.key: r for p, r in zip(load_table("lin-3.7"), tables(section)["friction-lin-3.7"].rows, strict=True)}
     expected = {
         "force_a": (0.98316, 1.9615),
         "force_b": (1.29143, 2.9468),
@@ -112,23 +112,23 @@ def test_both_readings_stand_side_by_side(made):
     assert rows["force_a"]["error"] == pytest.approx(-48.8, abs=0.1)
     assert rows["force_a"]["reading_error"] == pytest.approx(2.2, abs=0.1)
     assert "does not give it" in rows["force_a"]["remark"]
-    labels = {c.key: c.label for c in tables(made)["friction-lin-3.7"].columns}
+    labels = {c.key: c.label for c in tables(section)["friction-lin-3.7"].columns}
     assert "inferred" in labels["reading"]
     assert "plain" in labels["right"]
 
 
-def test_readings_and_their_labels(made):
-    rows = tables(made)["friction-readings"].rows
+def test_readings_and_their_labels(section):
+    rows = tables(section)["friction-readings"].rows
     kinds = Counter(r["kind"] for r in rows)
     assert kinds["plain"] == kinds["inferred"] == 1
     assert len(rows) == 14
     assert all(r["status"] == "converged" for r in rows)
-    own = {r["kind"]: r for r in rows}
-    assert own["plain"]["load_a"] < 0.6 * own["inferred"]["load_a"]
+    by_kind = {r["kind"]: r for r in rows}
+    assert by_kind["plain"]["load_a"] < 0.6 * by_kind["inferred"]["load_a"]
 
 
-def test_whole_runs(made):
-    rows = tables(made)["friction-run-sensitivity"].rows
+def test_whole_runs(section):
+    rows = tables(section)["friction-run-sensitivity"].rows
     assert {"theta", "axial force", "oversize", "phase of theta", "time step"} <= {r["assumption"] for r in rows}
     for r in rows:
         done, total = r["steps"].split(" of ")
@@ -146,27 +146,27 @@ def test_first_step_makes_most_of_the_variation_without_oversize(found):
     assert "37%" in text
 
 
-def test_bearings_and_onset(made):
-    rows = tables(made)["friction-bearings"].rows
+def test_bearings_and_onset(section):
+    rows = tables(section)["friction-bearings"].rows
     assert all(r["status"] == "converged" for r in rows)
     four = [r["to_18"] for r in rows if r["bearing"] == "four-point" and r["assumption"] != "tilt held"]
     double = [r["to_18"] for r in rows if r["bearing"] == "double row"]
     assert min(four) > 3.0 * max(double)
-    first = {(r["errors"], r["idle"]): r["first"] for r in tables(made)["friction-onset"].rows}
+    first = {(r["errors"], r["idle"]): r["first"] for r in tables(section)["friction-onset"].rows}
     assert len(first) == 12
     assert first["roundness", 0.0] == pytest.approx(5.85, abs=0.05)
     assert first["roundness", 0.9] < 0.01 * first["pitch", 0.9]
     assert first["roundness", 1.0] > 3600.0
 
 
-def test_figures_have_data_and_can_be_drawn(made):
-    assert [f.name for f in figures(made)] == ["friction-pair-maps", "friction-run", "friction-load-angle"]
-    assert all(len(f.caption) > 60 for f in figures(made))
-    drawn(figures(made))
+def test_figures_have_data_and_can_be_drawn(section):
+    assert [f.name for f in figures(section)] == ["friction-pair-maps", "friction-run", "friction-load-angle"]
+    assert all(len(f.caption) > 60 for f in figures(section))
+    drawn(figures(section))
 
 
-def test_torque_parts_add_up(made):
-    figure = next(item for item in made.items if isinstance(item, Figure) and item.name == "friction-run")
+def test_torque_parts_add_up(section):
+    figure = next(item for item in section.items if isinstance(item, Figure) and item.name == "friction-run")
     split = [p for p in figure.panels if p.title.startswith("torque")]
     assert len(split) == 3
     for panel in split:

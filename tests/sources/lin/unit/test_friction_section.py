@@ -22,7 +22,7 @@ pytestmark = pytest.mark.xdist_group(GROUP)
 
 
 @pytest.fixture(scope="module")
-def made() -> Section:
+def section() -> Section:
     steps: list[str] = []
     section = friction.section(STUDY, steps.append)
     assert len(steps) == 4
@@ -67,8 +67,8 @@ def test_right_values_stand_beside_what_comes_out_by_a_fault_alone():
         assert f.printed.tolerance <= 0.025
 
 
-def test_rows_show_class_verdict_and_both_values(made):
-    shown = tables(made)
+def test_rows_show_class_verdict_and_both_values(section):
+    shown = tables(section)
     for name in friction.TABLES:
         shows_entries(shown[f"friction-{name}"], name)
     assert "remark 1" in [row["remark"] for row in shown["friction-lin-3.2"].rows]
@@ -88,8 +88,8 @@ def test_misprinted_exponents_are_far_off():
     assert "0.017 N" in text
 
 
-def test_balance_of_power_and_its_fault(made):
-    rows = {(r["case"], r["model"]): r for r in tables(made)["friction-balance"].rows}
+def test_balance_of_power_and_its_fault(section):
+    rows = {(r["case"], r["model"]): r for r in tables(section)["friction-balance"].rows}
     assert len(rows) == 9
     for (case, model), row in rows.items():
         limit = {"III": 0.2, "II": 1e-3}.get(case, 1e-8) if model == "as printed" else 1e-8
@@ -98,8 +98,8 @@ def test_balance_of_power_and_its_fault(made):
     assert abs(rows["III", "as printed"]["balance"]) > 0.19
 
 
-def test_sensitivity_to_the_load_assumption(made):
-    rows = {(r["loads"], r["mu"]): r for r in tables(made)["friction-sensitivity"].rows}
+def test_sensitivity_to_the_load_assumption(section):
+    rows = {(r["loads"], r["mu"]): r for r in tables(section)["friction-sensitivity"].rows}
     assert len(rows) == 6
     force = {key: row["force"] for key, row in rows.items()}
     assert force["diagonal", 0.1] == pytest.approx(3.98, abs=5e-3)
@@ -110,31 +110,31 @@ def test_sensitivity_to_the_load_assumption(made):
     assert all(row["status"] == "converged" for row in rows.values())
 
 
-def test_extremes_are_solved_from_every_start(made):
-    for row in tables(made)["friction-stability"].rows:
+def test_extremes_are_solved_from_every_start(section):
+    for row in tables(section)["friction-stability"].rows:
         solved, total = (int(x) for x in str(row["solved"]).split(" of "))
         assert solved == total == 3 * row["cases"]
         assert row["energy"] < 1e-8
         assert row["spread"] < 1e-8
 
 
-def test_least_dissipation_comes_from_every_start_and_root_finding_does_not(made):
-    rows = tables(made)["friction-roots"].rows
+def test_least_dissipation_comes_from_every_start_and_root_finding_does_not(section):
+    rows = tables(section)["friction-roots"].rows
     assert all(row["ours"] == "8 of 8" for row in rows)
     lost = [row for row in rows if row["case"] != "III" and row["far"] != "8 of 8"]
     assert len(lost) == 6
 
 
-def test_figures_have_data_and_can_be_drawn(made):
+def test_figures_have_data_and_can_be_drawn(section):
     names = ["friction-torque", "friction-velocity", "friction-difference", "friction-force"]
-    assert [f.name for f in figures(made)] == names
-    assert all(len(f.caption) > 60 for f in figures(made))
-    drawn(figures(made), finite=0.8)
+    assert [f.name for f in figures(section)] == names
+    assert all(len(f.caption) > 60 for f in figures(section))
+    drawn(figures(section), finite=0.8)
 
 
-def test_curves_pass_through_the_printed_cases(made):
+def test_curves_pass_through_the_printed_cases(section):
     """As printed, the torque's curve meets Table 3.2 where the table's cases lie."""
-    figure = next(item for item in made.items if isinstance(item, Figure) and item.name == "friction-torque")
+    figure = next(item for item in section.items if isinstance(item, Figure) and item.name == "friction-torque")
     panel = next(p for p in figure.panels if p.title == "friction torque")
     curve, dots = panel.series[1], panel.series[2]
     good = np.isfinite(curve.y)
@@ -142,8 +142,8 @@ def test_curves_pass_through_the_printed_cases(made):
         assert np.interp(x, np.array(curve.x)[good], np.array(curve.y)[good]) == pytest.approx(y, rel=0.02)
 
 
-def test_formula_and_difference_add_up(made):
-    figure = next(item for item in made.items if isinstance(item, Figure) and item.name == "friction-force")
+def test_formula_and_difference_add_up(section):
+    figure = next(item for item in section.items if isinstance(item, Figure) and item.name == "friction-force")
     for k in (0, 3):
         ours, formula, off = (panel.series for panel in figure.panels[k : k + 3])
         for a, b, c in zip(ours, formula, off, strict=True):

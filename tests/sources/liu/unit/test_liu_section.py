@@ -11,20 +11,20 @@ pytestmark = pytest.mark.xdist_group(GROUP)
 
 
 @pytest.fixture(scope="module")
-def made():
+def section():
     return liu.section(STUDY, lambda _: None)
 
 
-def test_tables_show_every_entry(made):
-    shown = tables(made)
+def test_tables_show_every_entry(section):
+    shown = tables(section)
     solid = ["liu-solid"] if STUDY.references(bodies.SOLID) else []
     assert list(shown) == [*liu.TITLES, "liu-bodies", *solid]
     for name in liu.TITLES:
         shows_entries(shown[name], name)
 
 
-def test_figure_can_be_drawn(made):
-    (figure,) = figures(made)
+def test_figure_can_be_drawn(section):
+    (figure,) = figures(section)
     drawn([figure])
     counts = next(s for s in figure.panels[0].series if s.label == "printed")
     # loaded at 1000 N: 78 less the printed 16, 17 and 35

@@ -34,11 +34,11 @@ def test_sets_of_equal_gaps_at_a_constant_angle() -> None:
 
 @pytest.mark.parametrize(("quantity", "number", "bias", "scatter"), [("preload", 80, 0.5, 1.0), ("rigidity", 77, 1.0, 2.0)])
 def test_nsk_sets_follow_from_their_pairs(quantity: str, number: int, bias: float, scatter: float) -> None:
-    own = [x for x in bearings.sets() if x.quantity == quantity and not x.item.endswith(" DB")]
-    found = standing(own)
+    values = [x for x in bearings.sets() if x.quantity == quantity and not x.item.endswith(" DB")]
+    found = standing(values)
     assert found is not None
     assert (found.number, abs(found.bias) < bias, found.scatter < scatter) == (number, True, True)
-    wrong = [x.item for x in own if x.left == "a misprint"]
+    wrong = [x.item for x in values if x.left == "a misprint"]
     assert wrong == ([f"{bore}TAC47B C9 DBD" for bore in (15, 17, 20)] if quantity == "rigidity" else [])
 
 
@@ -95,9 +95,9 @@ def test_formulas_in_disguise_are_computed_and_not_judged() -> None:
 
 
 def test_four_fifths_of_the_computed_rigidity_is_what_makers_print() -> None:
-    own = [x for x in nuts.nut_rigidity() if not x.left]
-    errors = np.array([(x.practice or 0.0) / x.value - 1.0 for x in own])
-    assert len(own) == 472
+    judged = [x for x in nuts.nut_rigidity() if not x.left]
+    errors = np.array([(x.practice or 0.0) / x.value - 1.0 for x in judged])
+    assert len(judged) == 472
     assert abs(float(np.median(errors))) < 0.1
     assert float((np.abs(errors) < 0.2).mean()) > 0.85
     growth = standing([x for x in nuts.preloaded_nuts() if x.law == "growth with preload"])
@@ -146,9 +146,9 @@ def test_all_values_and_their_table() -> None:
 
 
 def test_section_says_its_conclusion_first() -> None:
-    made = section.section(STUDY, lambda _: None)
-    assert made.conclusion.startswith("Of 36")
-    shown = made.items[1]
+    found = section.section(STUDY, lambda _: None)
+    assert found.conclusion.startswith("Of 36")
+    shown = found.items[1]
     assert isinstance(shown, records.Table)
     assert "1020: a formula in disguise" in shown.note
 

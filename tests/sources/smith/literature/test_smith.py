@@ -59,11 +59,11 @@ def test_table_2_1_is_right_to_four_parts_in_ten_thousand_but_for_one_entry() ->
 
 def test_everything_after_one_cell_of_figure_2_10_hangs_on_it() -> None:
     """With F(p)_o of the geometry the sheet would have given 58.30 deg and 0.000746 in."""
-    faulty, own = ball.sheet(2040.0), ball.sheet(2040.0, None)
-    assert own.differences[1] == pytest.approx(0.88444, abs=1e-5)
+    faulty, right = ball.sheet(2040.0), ball.sheet(2040.0, None)
+    assert right.differences[1] == pytest.approx(0.88444, abs=1e-5)
     assert np.degrees(faulty.angle) == pytest.approx(58.27003, abs=2e-3)
-    assert own.deflection / 25.4 == pytest.approx(0.000746, abs=1e-6)
-    assert own.stiffness / faulty.stiffness == pytest.approx(0.970, abs=5e-3)
+    assert right.deflection / 25.4 == pytest.approx(0.000746, abs=1e-6)
+    assert right.stiffness / faulty.stiffness == pytest.approx(0.970, abs=5e-3)
 
 
 @pytest.mark.parametrize("difference", [0.70, 0.80, 0.90, 0.96])

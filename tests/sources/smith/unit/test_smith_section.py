@@ -17,12 +17,12 @@ pytestmark = pytest.mark.xdist_group(GROUP)
 
 
 @pytest.fixture(scope="module")
-def made():
+def section():
     return smith.section(STUDY, lambda _: None)
 
 
-def test_tables_show_every_entry(made):
-    shown = tables(made)
+def test_tables_show_every_entry(section):
+    shown = tables(section)
     assert list(shown) == [*smith.TITLES, "smith-layouts"]
     for name in smith.TITLES:
         shows_entries(shown[name], name)
@@ -31,8 +31,8 @@ def test_tables_show_every_entry(made):
     assert (ball["as_printed"], ball["right"]) == pytest.approx((1.4883, 1.9149), abs=1e-4)
 
 
-def test_figure_can_be_drawn(made):
-    (figure,) = figures(made)
+def test_figure_can_be_drawn(section):
+    (figure,) = figures(section)
     drawn([figure])
     lines = {s.label: s.y for s in figure.panels[1].series}
     assert lines["ball, fixed-fixed"] == pytest.approx(lines["ball, fixed-fixed"][::-1])
