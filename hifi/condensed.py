@@ -1,4 +1,4 @@
-"""What a prepared geometry tells a low-order model: compliance of its bodies along the contact normals.
+"""What a low-order model takes from a prepared geometry: compliance of its bodies along the contact normals.
 
 Every contact's force is spread like Hertz's pressure over its nodes, and the matrices are for one force. What a contact's
 own approach has beside them and Hertz's law is sampled over the forces that its patch can carry: the fine patches of

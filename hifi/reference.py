@@ -327,7 +327,7 @@ def reporting(name: str, begin: float, step: Callable[[str], None]) -> Callable[
 
 
 def left_over(loads: Sequence[Array]) -> float:
-    """What the rounds to come would still change at most of any load, by the loads of the last three: the rest of a
+    """Most that the rounds to come would change of any load, by the loads of the last three: the rest of a
     geometric series, last change x ratio / (1 - ratio); by two the slowest series, by one infinite."""
     changes = [float(np.abs(b - a).max()) for a, b in pairwise(loads[-3:])]
     if not changes:

@@ -41,7 +41,7 @@ class Warned(str):
         return warned
 
     def __getnewargs__(self) -> tuple[Kind, str, str]:  # type: ignore[override]
-        """What a copy is made of, in another process too."""
+        """Arguments that a copy is made of, in another process too."""
         return self.kind, str(self), self.brief
 
     def of(self, name: str) -> Warned:

@@ -238,7 +238,7 @@ def write_mesh(
 
 @dataclass(frozen=True, eq=False)
 class _Plain:
-    """What all formats are written from: points, cells in VTK's node order by meshio's names, fields, place of every cell's
+    """Data of all formats: points, cells in VTK's node order by meshio's names, fields, place of every cell's
     region (-1 for none), names of the regions, nodes of the boundaries, corners of their faces."""
 
     points: Array

@@ -91,7 +91,7 @@ class Cache:
         self.fault = ""
 
     def get(self, build: Callable[..., T], arguments: tuple[object, ...], type_: type[T]) -> T:
-        """What a function makes of its arguments: from its file, else built, and kept.
+        """Result of a function of these arguments: from its file, else built, and kept.
 
         build: a function of a module, whose result depends on its arguments alone; type_: class of the result. Raises
         TypeError for a result that is no `type_`, and for arguments or functions that no key can be made of.
@@ -191,7 +191,7 @@ def key_of(build: Callable[..., object], arguments: tuple[object, ...], type_: t
 
 
 def _package(module: str) -> str:
-    """What a module counts to: rollbench.hifi of rollbench.hifi.setup, else the first name."""
+    """Package of a module: rollbench.hifi of rollbench.hifi.setup, else the first name."""
     parts = module.split(".")
     return ".".join(parts[: 2 if parts[0] == "rollbench" else 1])
 

@@ -149,7 +149,7 @@ def cells_of(mesh: Mesh) -> Index:
 
 
 class Meshed:
-    """What records of a body have that hold its mesh."""
+    """Properties of records that hold the mesh of a body."""
 
     mesh: Mesh
 

@@ -99,14 +99,14 @@ def stages_of(name: str, level: int) -> dict[str, Any]:
     before = {"all": process_time()}
 
     def heard(text: str) -> None:
-        now = {"all": process_time(), **spent}
-        own = {kind: round(value - before.get(kind, 0.0), 2) for kind, value in now.items()}
-        stages[text.split(":")[0]] = {kind: value for kind, value in own.items() if value}
-        before.update(now)
+        total = {"all": process_time(), **spent}
+        spent_here = {kind: round(value - before.get(kind, 0.0), 2) for kind, value in total.items()}
+        stages[text.split(":")[0]] = {kind: value for kind, value in spent_here.items() if value}
+        before.update(total)
 
     with timed(spent):
-        made = setup.prepare(scene, wanted, settings_of([scene], level), heard, cache=Cache(None))
-        found = solve_reference(made, scene)
+        whole = setup.prepare(scene, wanted, settings_of([scene], level), heard, cache=Cache(None))
+        found = solve_reference(whole, scene)
     heard("contact loads:")
     return {"scene": name, "level": level, "contacts": int((found.load > 0.0).sum()), "stages": stages}
 
@@ -115,13 +115,13 @@ def ways_of(name: str) -> list[dict[str, Any]]:
     """Cheaper shafts and patches of a scene on level 1: processor time that they save [s], largest change of a load [% of
     the mean load]."""
     scene = scene_of(name)
-    choices, wanted, raw, own, spent = settings_of([scene], 1), needed_sides(scene), [], [], []
+    choices, wanted, raw, A_s, spent = settings_of([scene], 1), needed_sides(scene), [], [], []
     kept, finished = sides.own_compliance, setup._as_the_section
 
     def watched(*given: Any) -> Array:
-        own.append(kept(*given))
+        A_s.append(kept(*given))
         spent.append(process_time() - begun[-1])
-        return own[-1]
+        return A_s[-1]
 
     begun: list[float] = []
     fine = sides.fine_compliance
@@ -129,8 +129,8 @@ def ways_of(name: str) -> list[dict[str, Any]]:
         put.setattr(sides, "fine_compliance", lambda *given: begun.append(process_time()) or fine(*given))
         put.setattr(sides, "own_compliance", watched)  # of groove and ball of one side after the other
         put.setattr(setup, "_as_the_section", lambda *given: raw.append(given) or finished(*given))
-        made = setup.prepare(scene, wanted, choices, cache=Cache(None))
-    load = solve_reference(made, scene).load
+        base = setup.prepare(scene, wanted, choices, cache=Cache(None))
+    load = solve_reference(base, scene).load
 
     def row(way: str, changed: setup.Setup, saved: float) -> dict[str, Any]:
         moved = np.abs(solve_reference(changed, scene).load - load).max() / load[load > 0.0].mean()
@@ -138,17 +138,17 @@ def ways_of(name: str) -> list[dict[str, Any]]:
         return {"scene": name, "way": way, "saved": round(saved, 2), "moved": round(100.0 * float(moved), 4)}
 
     def with_own(side: int, value: Array) -> setup.Setup:
-        patches = {**made.patches, side: replace(made.patches[side], local=value)}
+        patches = {**base.patches, side: replace(base.patches[side], local=value)}
         if len(wanted) == 4:
             patches[side + 1] = turned(patches[side])
-        return replace(made, patches=patches)
+        return replace(base, patches=patches)
 
     one, other = (s for s in wanted if len(wanted) == 2 or s % 2 == 0)
-    like = own[1] if one % 2 == other % 2 else turned(replace(made.patches[one], local=own[1])).local
-    out = [row("one ball's patch for screw and nut", with_own(other, made.patches[other].local - own[3] + like), spent[3])]
+    like = A_s[1] if one % 2 == other % 2 else turned(replace(base.patches[one], local=A_s[1])).local
+    out = [row("one ball's patch for screw and nut", with_own(other, base.patches[other].local - A_s[3] + like), spent[3])]
     between = np.mean([_own_of(scene, share, choices, wanted) for share in BETWEEN], axis=0)
     out.append(row("screw's patch from a library", with_own(one, between), spent[0] + spent[1]))
-    return out + _shafts(scene, made, raw[0], choices, row)
+    return out + _shafts(scene, base, raw[0], choices, row)
 
 
 def _own_of(scene: Scene, share: float, choices: Settings, wanted: tuple[int, ...]) -> Array:
@@ -162,17 +162,17 @@ def _own_of(scene: Scene, share: float, choices: Settings, wanted: tuple[int, ..
     return condense_side(*side_of(near, m, dims, meshes, wanted[0], choices)).local
 
 
-def _shafts(scene: Scene, made: setup.Setup, raw: Any, choices: Settings, row: Callable[..., Any]) -> list[dict[str, Any]]:
+def _shafts(scene: Scene, base: setup.Setup, raw: Any, choices: Settings, row: Callable[..., Any]) -> list[dict[str, Any]]:
     """What other meshes, and another length, of the shafts do that say what a cut does."""
     screw, _, *rest = raw
-    m, e, bore = made.map, scene.screw.material, scene.screw.bore / 2.0
+    m, e, bore = base.map, scene.screw.material, scene.screw.bore / 2.0
     section = helical_stiffness(m, scene.screw.outer_diameter / 2.0, bore, e)
 
     def shafts(cells: float, lengths: Sequence[float]) -> tuple[setup.Setup, float]:
-        begin, radii = process_time(), (scene.screw.outer_diameter / 2.0, made.dims.hole)
+        begin, radii = process_time(), (scene.screw.outer_diameter / 2.0, base.dims.hole)
         meshed = [cell.meshed_shaft(m, *radii, e, cells * choices.cell, length) for length in lengths]
         spent, found = process_time() - begin, cell.homogenise(m, bore, e, section, meshed)
-        return replace(made, screw=setup._as_the_section(screw, Shaft(found.section, found), *rest)), spent
+        return replace(base, screw=setup._as_the_section(screw, Shaft(found.section, found), *rest)), spent
 
     whole = cell.lengths(m)
     lead = 2.0 * np.pi * abs(m.rg)

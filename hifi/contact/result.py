@@ -1,4 +1,4 @@
-"""What a solved contact is; `hifi.contact.balls` solves it.
+"""Record of a solved contact; `hifi.contact.balls` solves it.
 
 Contact pairs i carry forces lambda_i >= 0 [N], pressing the bodies apart, and have gaps g_i >= 0 [m]:
 

@@ -124,7 +124,7 @@ def _fronts(matrix: sp.csc_matrix) -> Callable[[Array], Array]:
 
 
 def _positive(eliminate: Callable[[], T]) -> T:
-    """What an elimination gives; its breakdown as a FactorError."""
+    """Result of an elimination; its breakdown as a FactorError."""
     try:
         return eliminate()
     except ArithmeticError as error:

@@ -58,7 +58,7 @@ class Meshes:
     widths: tuple[float, float]
 
     def sockets(self, side: int) -> Sockets:
-        """What the patches of a side fit."""
+        """Sockets of the patches of a side."""
         body = self.screw if side < 2 else self.nut
         return Sockets(body.sockets[side], self.ball.sockets[side], self.size, self.zone, self.widths)
 

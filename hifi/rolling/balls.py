@@ -194,7 +194,7 @@ def touching(scene: Rolling) -> list[tuple[int, int, Touch]]:
 
 
 def contacts_of(scene: Rolling, choices: Choices) -> list[Contact]:
-    """What friction sees of every loaded contact."""
+    """Every loaded contact as friction needs it."""
     return [
         ball_contact(
             t,

@@ -161,7 +161,7 @@ class Place:
 
 
 def _parts(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -> list[partial[Any]]:
-    """What makes the kernels of which a contact's is the sum: ball and bar, or both patches at once."""
+    """Calls for the kernels whose sum is a contact's: ball and bar, or both patches at once."""
     zone, common = at.zone(load, young, poisson, sizes), (at.bends, young, poisson, sizes.degree)
     if sizes.patches and at.curve is not None:
         curve, radii = Curve(*at.curve), (at.ball, at.arc)
@@ -211,7 +211,7 @@ def make_kernels(
 
 
 def _anew(call: partial[Any]) -> tuple[Any, float]:
-    """What is not to be kept by the process that makes it, and its processor time [s]."""
+    """Result of a call, not kept by the process that makes it, and its processor time [s]."""
     begin = process_time()
     return call.func.__wrapped__(*call.args, **call.keywords), process_time() - begin  # type: ignore[attr-defined]
 

@@ -41,7 +41,7 @@ LOST = 1e4
 
 @dataclass(frozen=True)
 class Contact:
-    """What friction sees of a contact: bound g ``(n,)`` [N]; M ``(2 n, 2 n)`` [m/s/N]; J ``(2 n, m)`` of the motions
+    """A contact as friction needs it: bound g ``(n,)`` [N]; M ``(2 n, 2 n)`` [m/s/N]; J ``(2 n, m)`` of the motions
     ``columns`` ``(m,)`` of y; w ``(2 n,)`` [m/s]."""
 
     bound: Array

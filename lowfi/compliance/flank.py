@@ -66,7 +66,7 @@ def curvatures(flank: Flank) -> tuple[float, float]:
 
 
 def size_slope(flank: Flank) -> float:
-    """What `at_size` changes by the logarithm of a contact's size [m/N]: by the flank's mean curvature."""
+    """Change of `at_size` with the logarithm of a contact's size [m/N]: by the flank's mean curvature."""
     a, b = expansion(flank.material.poissons_ratio)
     return float(-(a + 2.0 * b) / (16.0 * np.pi * flank.material.shear_modulus) * sum(curvatures(flank)))
 

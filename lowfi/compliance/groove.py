@@ -1,4 +1,4 @@
-"""What the smooth body of revolution does not know of the groove: its equivalent surface, and each contact's own flank.
+"""Corrections of the smooth body of revolution for its groove: the equivalent surface, and each contact's own flank.
 
 A contact moves by its own load as the smooth body with a wide patch says, plus the difference of the true flank with a
 narrow patch and the smooth body with the wide one, both on half a lead and held alike, less a half space under the narrow

@@ -95,7 +95,7 @@ class Condensed:
         return BallCompliance(alone - 2.0 * abs(across), 0.0, float(np.sqrt(abs(across))), float(np.sign(across)))
 
     def describe(self) -> str:
-        """What it is, for the record."""
+        """Words for the record."""
         names = ", ".join(SIDES[int(s)] for s in self.bodies.sides)
         level = self.bodies.level
         bodies = " and ".join(self.parts) if self.parts != PARTS else "screw, nut and balls"

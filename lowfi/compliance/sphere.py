@@ -59,7 +59,7 @@ def sphere_compliance(cosine: float, radius: float, material: Material) -> float
 
 
 def own_slope(radius: float, material: Material) -> float:
-    """What `own_compliance` changes by the logarithm of a contact's size [m/N]."""
+    """Change of `own_compliance` with the logarithm of a contact's size [m/N]."""
     a, b = expansion(material.poissons_ratio)
     return float(-(a + 2.0 * b) / (8.0 * np.pi * material.shear_modulus * radius))
 

@@ -72,7 +72,7 @@ class Chain:
 
     @property
     def parameters(self) -> Array:
-        """What the kernels take: K, A, sine and cosine of the free contact angle, cosine of the lead angle."""
+        """Arguments of the kernels: K, A, sine and cosine of the free contact angle, cosine of the lead angle."""
         a = self.contact_angle
         return np.array([self.stiffness, self.groove_distance, np.sin(a), np.cos(a), np.cos(self.lead_angle)])
 

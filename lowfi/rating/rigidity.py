@@ -54,7 +54,7 @@ class Rigidities:
 
     @property
     def practice(self) -> float | None:
-        """What makers advise to take, four fifths of contacts and bodies; None for rings."""
+        """Rigidity that makers advise to take, four fifths of contacts and bodies; None for rings."""
         return None if self.bodies is None else PRACTICE * self.bodies
 
 

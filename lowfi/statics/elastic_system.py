@@ -237,7 +237,7 @@ class Rebuild:
         return ready(problem, self.backend, self.engine, self.layout, self.condensed, self.whole)
 
     def pinned(self, problem: Problem) -> tuple[Rebuild, Elastic]:
-        """What builds the problem anew with the freedoms held that ``problem`` holds, and ``problem`` itself, ready."""
+        """This, with the freedoms held that ``problem`` holds, and ``problem`` itself, ready."""
         held = replace(self, held=(problem.fixed, problem.prescribed, problem.pins))
         return held, ready(problem, self.backend, self.engine, self.layout, self.condensed, self.whole)
 

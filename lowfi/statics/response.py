@@ -81,7 +81,7 @@ class Compliance:
 
     @cached_property
     def lacks(self) -> Array:
-        """What it lacks along the normals ``(n,)`` [m/N] by its negative eigenvalues."""
+        """Compliance that it lacks along the normals ``(n,)`` [m/N], by its negative eigenvalues."""
         negative = negative_part(self.G)[0].reshape(len(self.normals), 2, -1, 2)
         missing = np.einsum("ia,iajb,jb->ij", self.normals, negative, self.normals)
         return np.asarray(np.abs(missing).sum(axis=1))

@@ -36,7 +36,7 @@ class Status(str):
         return status
 
     def __getnewargs__(self) -> tuple[Ended, str, Cause]:  # type: ignore[override]
-        """What a copy is made of, in another process too."""
+        """Arguments that a copy is made of, in another process too."""
         return self.kind, self.reason, self.cause
 
 

@@ -81,7 +81,7 @@ def pick_engine(engine: Engine, balls: int, uneven: bool = False) -> ModuleType:
 
 
 class Scale(NamedTuple):
-    """What forces and stiffnesses of a problem are measured by.
+    """Scales of the forces and stiffnesses of a problem.
 
     force [N]: of a typical loaded contact, from loads, interference, or else an approach of a micrometre; stiffness [N/m]:
     its secant; floor [N]: the least that residuals are measured by: the largest load, moments over the arm, or the force by
@@ -274,7 +274,7 @@ def solve_static(
 
 
 def solved_state(prepared: Prepared) -> SolvedState:
-    """What the kernels have left in their arrays, with the reactions: the gradient at the held freedoms."""
+    """State in the kernels' arrays, with the reactions: the gradient at the held freedoms."""
     problem, (q, _, p, _) = prepared.problem, prepared.state
     motion, centre, force, normal = (np.array(x) for x in (q, p, prepared.force, prepared.normal))
     gradient = np.zeros(motion.shape)

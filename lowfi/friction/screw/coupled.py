@@ -38,7 +38,7 @@ class CoupledChain:
 
 @dataclass(frozen=True)
 class Guess:
-    """Where rounds begin: push on balls (N, 2) and drag on the screw (m,) [N] as in ``Cell``, and a motion.
+    """Start of the rounds: push on balls (N, 2) and drag on the screw (m,) [N] as in ``Cell``, and a motion.
 
     q (N, 4) [rad/s], ball_force (N,) [N] between neighbours; drag counts only where the screw keeps its freedoms.
     """

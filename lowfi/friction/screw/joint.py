@@ -89,7 +89,7 @@ def system_of(cell: Cell, search: Search) -> JointSystem:
 
 
 class _Path:
-    """Where the search is; ``follow`` moves it."""
+    """State of the search; ``follow`` moves it."""
 
     def __init__(self, cell: Cell, slack: Array, start: tuple[Array, Array], fast: bool) -> None:
         """Begin at positions, with the motion at the loads there."""

@@ -61,7 +61,7 @@ class Instant:
 
 
 class Setting(Protocol):
-    """What stays the same over a run."""
+    """Constants of a run."""
 
     @property
     def grooves(self) -> HelicalMotion:
@@ -80,7 +80,7 @@ class Setting(Protocol):
         """Numbers (N,) of the balls in the scene, -1 for those that begin in the return."""
 
     def begin(self) -> Place:
-        """Where the balls are at the start."""
+        """Places of the balls at the start."""
 
     def to_end(self, azimuth: Array, omega: Array, time: float) -> float:
         """Time [s] until a ball at azimuths (N,) passes an end of its loaded arc at speeds omega (N,); inf for none."""
@@ -342,7 +342,7 @@ def resolved(
 
 
 def _moved(setting: Setting, place: Place, instant: Instant, piece: float) -> Place:
-    """Where the balls are after a piece with the speeds found."""
+    """Places of the balls after a piece with the speeds of an instant."""
     gap = np.empty_like(place.gap)
     for track in setting.tracks:
         omega = instant.omega[track.balls]

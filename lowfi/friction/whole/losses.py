@@ -143,7 +143,7 @@ def shares(friction: Friction) -> tuple[Array, float]:
 
 
 def rubs_of(scene: Scene, at: StaticContacts, share: Array, drive: Drive) -> Rubs:
-    """What friction sees of contacts, with the coefficients ``share`` (4,); axes x along the long semi-axis."""
+    """Contacts as friction needs them, with the coefficients ``share`` (4,); axes x along the long semi-axis."""
     maps, drives = ball_path(scene, drive, scene.balls.radius).maps(at.normals, at.ball_radius)
     for rows in (maps, drives):
         rows[~at.across] = _quarter(rows[~at.across])

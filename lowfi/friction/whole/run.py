@@ -40,7 +40,7 @@ class Memory(NamedTuple):
 
 @dataclass(frozen=True)
 class Setting:
-    """What stays the same over a run: parts, coefficients, motion, errors, balls, static model, kernels. A setting of
+    """Constants of a run: parts, coefficients, motion, errors, balls, static model, kernels. A setting of
     ``travel``, azimuths in the nut's frame."""
 
     scene: Scene

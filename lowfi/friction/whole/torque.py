@@ -31,7 +31,7 @@ ROUND_OFF = 1e-6
 
 @dataclass(frozen=True)
 class ScrewTorque:
-    """What the friction of all balls sums up to; SI, everything along +z.
+    """Sums of the friction of all balls; SI, everything along +z.
 
     speed: of the screw against the nut; ratio: advance per angle, lead / (2 pi), signed by the hand; load: external axial
     load on the screw that the contacts carry; power: lost in the contacts; pull: axial force of friction on the screw,

@@ -113,7 +113,7 @@ def settle(elastic: ElasticAxis, backend: Backend) -> tuple[ElasticAxis, Outcome
 
 
 def rigid_rings(assembly: Assembly) -> tuple[str, ...]:
-    """What rows of rollers and inner rings on housings leave out, a sentence each."""
+    """A sentence each on what rows of rollers and inner rings on housings leave out."""
     rollers = tuple(f"{s.name}: {RIGID_RINGS}" for s in assembly.sets if isinstance(s.parts, RollerRow))
     return rollers + tuple(f"{s.name}: {RIGID_INNER}" for s in assembly.sets if s.carrier is not None)
 

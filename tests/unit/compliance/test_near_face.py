@@ -43,9 +43,9 @@ def test_a_cut_is_a_body_of_its_own(name, held):
     short = Grid(grid.r[: cuts[k] + 1], grid.z[: cuts[k] + 1])
     fixed = np.zeros((*short.shape, 3), dtype=bool)
     fixed[[0, -1] if held else 0] = True
-    own = loads[:, :, k, : cuts[k] + 1].reshape(2 * len(loads), -1)[:, ~fixed.ravel()].T
+    forces = loads[:, :, k, : cuts[k] + 1].reshape(2 * len(loads), -1)[:, ~fixed.ravel()].T
     body = Body(short, flank.material.youngs_modulus, flank.material.poissons_ratio)
-    alone = (own[:, :4].T @ solved(body.bands(~fixed.ravel()), n, own)).reshape(2, 2, -1, 2)
+    alone = (forces[:, :4].T @ solved(body.bands(~fixed.ravel()), n, forces)).reshape(2, 2, -1, 2)
     share = np.exp(-((n * width / flank.contact()[0]) ** 2))
     assert found[int(held), n, ..., k] == pytest.approx(share * alone, rel=1e-8, abs=1e-8 * np.abs(alone).max())
 
@@ -64,8 +64,8 @@ def test_a_lip_is_soft_and_a_clamp_is_stiff(case):
     """3D own compliance of case 1's nut (level 4): the last two right contacts, 2.05 and 2.50 ball radii from the free
     face towards which they are pressed, move 1.756 and 1.352 um/kN more than a middle one; a held face takes motion."""
     parts, flank, _ = case
-    own = np.einsum("ii->i", whole(scene("lin-case1"))[1, :, 1])
-    assert own[[-1, -2]] - own[16] == pytest.approx([1.756, 1.352], rel=0.04)
+    compliance = np.einsum("ii->i", whole(scene("lin-case1"))[1, :, 1])
+    assert compliance[[-1, -2]] - compliance[16] == pytest.approx([1.756, 1.352], rel=0.04)
     found = kept_near_face(parts, False, REFINED)
     distance = np.array([2.05, 2.50]) * flank.map.ball + found.beside
     assert (found.by_face(True, np.zeros(2), distance)[:, 0, 0, 0, 0] < 0.0).all()
@@ -87,14 +87,14 @@ def test_a_force_across_is_a_contact_further_along_the_arc(case, monkeypatch):
 
     across = moved(2)
     normal = m.signs[side] * np.array([np.cos(m.beta), np.sin(m.beta)])
-    own = []
+    turned = []
     for angle in (d, -d):
         along = np.cos(angle) * normal + np.sin(angle) * faces.turned(normal)
         _, zeta, _ = m.unroll(*(m.centre[side] + m.radius[side] * along))
         monkeypatch.setattr(faces, "pressed", lambda *_, z=float(zeta), a=along: (np.array([z]), a[None]))
-        own.append(float(moved(1)[0, 0]))
+        turned.append(float(moved(1)[0, 0]))
     assert across[0, 1] == pytest.approx(across[1, 0], rel=1e-9)
-    assert (own[0] - own[1]) / (4.0 * d) == pytest.approx(across[0, 1], rel=0.04)
+    assert (turned[0] - turned[1]) / (4.0 * d) == pytest.approx(across[0, 1], rel=0.04)
     assert across[1, 1] > across[0, 1] ** 2 / across[0, 0]
 
 
@@ -150,9 +150,9 @@ def test_short_lands_are_softer():
     cell = own_motion(flank, flank.grid(), equal_loads(flank, flank.grid(), width), width)
     beam = nut_beam(parts, ball_layout(parts)).reshape(2, -1, 2, 2, ball_layout(parts).z.size, 2)[1, middle, :, 1, middle]
     normal = flank.map.signs[3] * np.array([np.cos(flank.map.beta), np.sin(flank.map.beta)])
-    own = kept_near_face(geometry_only(parts), False, REFINED).alone + half_space(width, flank.material) - cell
+    softer = kept_near_face(geometry_only(parts), False, REFINED).alone + half_space(width, flank.material) - cell
     beyond = whole(parts)[1, middle, 1, middle] - 1e9 * normal @ beam @ normal
-    assert beyond + own * 1e9 == pytest.approx(0.96, abs=0.04)
+    assert beyond + softer * 1e9 == pytest.approx(0.96, abs=0.04)
 
 
 def test_a_land_between_two_contacts():
@@ -192,13 +192,13 @@ def test_beside_a_face_a_contact_is_as_small_as_it_is(monkeypatch):
     """Own compliance of a nut 32x10 held at both faces, its first ball 1.03 radii from one: 3D (free mesh twice as fine as
     level 1, 20 modes) has 1.63 um/kN less than at a middle ball, 1.80 on level 1; a patch of 0.18 radii 1.10."""
     parts = scene_file.loads(scene_text(SEED, 2), "drawn.toml")
-    own = np.einsum("ii->i", whole(parts)[0, :, 0])
-    assert own[0] - own[15] == pytest.approx(-1.63, abs=0.12)
+    compliance = np.einsum("ii->i", whole(parts)[0, :, 0])
+    assert compliance[0] - compliance[15] == pytest.approx(-1.63, abs=0.12)
     monkeypatch.setattr(faces, "BESIDE_FACE", faces.BESIDE_FACE._replace(highest=16.0, mesh=(12, 8)))
     forget()
     finer = np.einsum("ii->i", whole(parts)[0, :, 0])
     forget()
-    assert own[0] - own[15] == pytest.approx(finer[0] - finer[15], abs=0.05)
+    assert compliance[0] - compliance[15] == pytest.approx(finer[0] - finer[15], abs=0.05)
 
 
 def test_corner_of_bands():

@@ -55,14 +55,14 @@ def test_the_shaft_is_kept_whatever_nut_and_stations_are():
 def test_a_set_up_in_two_processes_is_the_same(small, small_cache, tmp_path):
     source_s_mesh = replace(SMALL, element="P1", tet=0.35e-3, modes=16, ball_modes=16)
     here = setup.prepare(small.scene, small.sides, source_s_mesh, cache=Cache(small_cache.root))
-    made = setup.prepare(small.scene, small.sides, source_s_mesh, cache=Cache(tmp_path), processes=2)
-    assert made.others_MB > 100.0
-    assert list(made.seconds) == list(here.seconds)
+    shared = setup.prepare(small.scene, small.sides, source_s_mesh, cache=Cache(tmp_path), processes=2)
+    assert shared.others_MB > 100.0
+    assert list(shared.seconds) == list(here.seconds)
     for s in small.sides:
-        np.testing.assert_array_equal(made.patches[s].local, here.patches[s].local)
-    assert made.nut is not None
-    np.testing.assert_array_equal(made.nut.G, here.nut.G)
-    np.testing.assert_array_equal(made.screw.stretch.F, here.screw.stretch.F)
+        np.testing.assert_array_equal(shared.patches[s].local, here.patches[s].local)
+    assert shared.nut is not None
+    np.testing.assert_array_equal(shared.nut.G, here.nut.G)
+    np.testing.assert_array_equal(shared.screw.stretch.F, here.screw.stretch.F)
     again = Cache(tmp_path)
     setup.prepare(small.scene, small.sides, source_s_mesh, cache=again)
     assert again.misses == 0

@@ -45,11 +45,11 @@ def test_a_right_flank_is_the_left_one_turned(flanks, right):
     m, meshes, found = flanks
     assert congruent(m, right)
     assert not congruent(m, right - 1)
-    made, direct = turned(found[right - 1]), found[right]
+    mirrored, direct = turned(found[right - 1]), found[right]
     body = meshes.screw if right < 2 else meshes.nut
     np.testing.assert_array_equal(body.sockets[right].xi, body.sockets[right - 1].xi * AZIMUTH_TURNED)
     for part in ("groove", "ball"):
-        a, b = getattr(made, part), getattr(direct, part)
+        a, b = getattr(mirrored, part), getattr(direct, part)
         for name in ("A", "H", "S", "normals", "areas"):
             assert relative(getattr(a, name), getattr(b, name)) < 1e-8, (part, name)
         np.testing.assert_allclose(a.points, b.points, rtol=0, atol=1e-12)
@@ -57,7 +57,7 @@ def test_a_right_flank_is_the_left_one_turned(flanks, right):
         np.testing.assert_array_equal(a.rim, b.rim)
         assert a.shape == b.shape
         assert sp.linalg.norm(a.weights - b.weights) < 1e-9 * sp.linalg.norm(b.weights)
-    assert relative(made.local, direct.local) < 5e-3
+    assert relative(mirrored.local, direct.local) < 5e-3
     assert relative(found[right - 1].local, direct.local) > 1e-2  # not turned, nodes stand for others
 
 

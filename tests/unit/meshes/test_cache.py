@@ -273,8 +273,8 @@ def test_a_full_disc_is_reported_and_harmless(tmp_path: Path, capsys):
 def test_processes_side_by_side_report_a_folder_once(tmp_path: Path, capfd):
     (tmp_path / "file").write_text("")
     parts = [Job(str(k), record, (k,), Record) for k in range(4)]
-    made = make(parts, Cache(tmp_path / "file" / "cache"), 2)
-    assert len({one.process for one in made} - {os.getpid()}) >= 1
+    built = make(parts, Cache(tmp_path / "file" / "cache"), 2)
+    assert len({one.process for one in built} - {os.getpid()}) >= 1
     error = capfd.readouterr().err
     assert error.count("going on without it") == error.count("\n") == 1
 
