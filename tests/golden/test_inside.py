@@ -1,9 +1,9 @@
-"""What each function of physics returns on the way to golden answers: numbers that no answer shows guard against change too.
+"""What each function of physics returns on the way to golden answers: a guard against change of numbers that none shows.
 
-All functions of the low-order models, of the 3D reference and of comparisons are watched in a process of its own, with empty
-caches and kernels as plain Python. Of each function one number is kept: of its first calls, everything that it returns and all
-arrays that it was given, as they are then. What round-off moves is left out, found by moduli that differ by `SHIFT`.
-A function that is no more is no fault. Whoever changes numbers on purpose writes them anew with
+The functions of the low-order models, the 3D reference and comparisons are watched in a process of its own, with empty
+caches and kernels as plain Python. One number is kept for each: a sum over its first calls, of all that it returns and of
+the arrays that it was given, as it leaves them. What round-off moves is left out, found by moduli that differ by `SHIFT`.
+A function that is gone is no fault. Whoever changes numbers on purpose writes them anew with
 ``python -m tests.golden.test_inside [GROUP ...]`` and says why in the commit.
 """
 
@@ -30,7 +30,7 @@ from tests.golden.means import leaves
 from tests.mutants.draw import modules
 
 RECORD = Path(__file__).parent / "inside.json"
-#: Share of the moduli by which they differ for the choice of what is kept; what it may move, and a test's tolerance, per call.
+#: Share by which the moduli differ for the choice of what is kept; by how much that may move; tolerance of the tests.
 SHIFT, STEADY, TOLERANCE = 1e-11, 1e-8, 1e-7
 #: Calls of a function that are watched in one item and in all, and numbers of an array that are looked at.
 IN_ITEM, IN_ALL, MOST = 3, 60, 20_000
@@ -50,15 +50,26 @@ DRAWN: dict[str, dict[str, Iterable[int]]] = {
         "members": range(2),
         "pressed": range(20),
     },
-    "axes": {"axes": (0, 2, 3, *range(7, 11), *range(12, 16), 17, 19, 20), "axes, refined": range(6), "axes, commands": range(3)},
-    "friction": {"friction of extremes": (0, 1, 2, *range(4, 16)), "friction of axes": (1, 2, 3), "friction of kinds": range(31)},
+    "axes": {
+        "axes": (0, 2, 3, *range(7, 11), *range(12, 16), 17, 19, 20),
+        "axes, refined": range(6),
+        "axes, commands": range(3),
+    },
+    "friction": {
+        "friction of extremes": (0, 1, 2, *range(4, 16)),
+        "friction of axes": (1, 2, 3),
+        "friction of kinds": range(31),
+    },
     "reference": {"parts": range(12), "shafts": range(30), "rolled": range(10), "judged": (2, 5, 6, 11, 16)},
 }
 ANSWERS: dict[str, tuple[str, ...]] = {
-    "statics": ("solve bearing-9-preload", "solve liu-drawn --model mei"),
-    "axes": ("solve double-nut --model lin",),
+    "statics": ("solve bearing-9-preload", "solve liu-drawn --model mei", "solve lin-random --members 4 --model lin"),
+    "axes": ("solve double-nut --model lin", "solve smith-axis-taper --model lin"),
+    "friction": ("friction lin-chain-10",),
     "reference": ("compare lin-pair-a", "mesh-study lin-case2 --levels 4", "check lin-case2 --no-compute"),
 }
+#: Functions of `test_studies`.
+STUDIES = ("references", "grids", "mesh_studies", "choices", "uncertainties", "faces", "exact", "verdicts")
 
 
 class Watch:
@@ -100,7 +111,7 @@ class Watch:
     def _fold(self, name: str, value: Any, frame: FrameType) -> None:
         given = frame.f_locals
         count = frame.f_code.co_argcount + frame.f_code.co_kwonlyargcount
-        arrays = {own: given[own] for own in frame.f_code.co_varnames[:count] if isinstance(given.get(own), np.ndarray)}
+        arrays = {key: given[key] for key in frame.f_code.co_varnames[:count] if isinstance(given.get(key), np.ndarray)}
         weight = 1.3 + np.cos(self._calls[name])
         for place, number in contributions({"": value, "given": arrays}):
             self.sums[name][place] += weight * number
@@ -108,7 +119,7 @@ class Watch:
 
 def contributions(value: Any) -> Iterator[tuple[str, float]]:
     """Names below a value, and what each leaf adds: the share and the place of its numbers' signs and sizes."""
-    for place, (name, leaf) in enumerate(found(value)):
+    for place, (name, leaf) in enumerate(leaves_and_words(value)):
         if isinstance(leaf, str):
             yield name, zlib.crc32(leaf.encode()) / 2.0**32
             continue
@@ -122,7 +133,7 @@ def contributions(value: Any) -> Iterator[tuple[str, float]]:
             yield name, (1.0 + 0.3 * np.cos(place)) * (shape + np.log10(size))
 
 
-def found(value: Any) -> Iterator[tuple[str, Any]]:
+def leaves_and_words(value: Any) -> Iterator[tuple[str, Any]]:
     """Leaves of a value: numbers, and words that name no file or digest."""
     yield from leaves(value, LEFT_OUT.search)
     below = [("", value)]
@@ -138,13 +149,15 @@ def found(value: Any) -> Iterator[tuple[str, Any]]:
 
 def items(group: str, shift: float) -> Iterator[Callable[[], Any]]:
     """What is watched."""
-    from tests.golden import test_answers, test_drawn, test_reference  # noqa: PLC0415 - scenes are read where they are watched
+    from tests.golden import test_answers, test_drawn, test_reference, test_studies
 
     for kind, numbers in DRAWN.get(group, {}).items():
         for number in numbers:
             yield lambda kind=kind, number=number: test_drawn.MAKERS[kind][0](number, shift)
     for command in ANSWERS.get(group, ()):
         yield lambda command=command: test_answers.kept(command)
+    for name in STUDIES if group == "reference" else ():
+        yield getattr(test_studies, name)
     if group == "3D":
         yield test_reference.set_up
 
@@ -165,7 +178,12 @@ def watch(group: str, shift: float) -> dict[str, dict[str, float]]:
 def watched(group: str, shift: float) -> dict[str, dict[str, float]]:
     """Sums of a group's functions, in a process of its own."""
     with tempfile.TemporaryDirectory() as folder:
-        alone = {"ROLLBENCH_CACHE": folder, "NUMBA_DISABLE_JIT": "1", "PYTHONHASHSEED": "0", "PYTHONPATH": str(ROOT / ".import")}
+        alone = {
+            "ROLLBENCH_CACHE": folder,
+            "NUMBA_DISABLE_JIT": "1",
+            "PYTHONHASHSEED": "0",
+            "PYTHONPATH": str(ROOT / ".import"),
+        }
         out = Path(folder) / "sums.json"
         command = [sys.executable, "-m", "tests.golden.test_inside", "--watch", group, str(shift), str(out)]
         done = subprocess.run(command, cwd=ROOT, env=os.environ | alone, capture_output=True, text=True, check=False)
