@@ -18,7 +18,7 @@ WORDS = {"COLUMNS": "96", "NO_COLOR": "1", "TERM": "dumb"}
 
 
 def output_of(*arguments: str) -> str:
-    """What ``rollbench ARGUMENTS`` prints."""
+    """Output of ``rollbench ARGUMENTS``."""
     command = [sys.executable, "-m", "rollbench", *arguments]
     return subprocess.run(command, check=True, capture_output=True, text=True, env={**os.environ, **WORDS}).stdout
 

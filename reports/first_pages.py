@@ -45,7 +45,7 @@ def write_first_pages(report: Report, summary: Summary, figure: str, folder: Pat
 
 
 def _data(report: Report, summary: Summary) -> dict[str, Any]:
-    """What the template shows."""
+    """Data of the template."""
     table = summary.table or Table("", "", (), ())
     columns, _ = filled(table)
     facts = report.provenance

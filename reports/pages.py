@@ -119,7 +119,7 @@ def _write(path: Path, text: str) -> None:
 
 
 def _page(page: Page, number: int, total: int, writer: _Writer) -> dict[str, Any]:
-    """What the templates need of a page; writes the files of its items."""
+    """A page's data for the templates; writes the files of its items."""
     writer.say(f"report: {number}/{total} {page.title}")
     file = f"{page.name}.html"
     sections = [_section(section, file, page.whole, writer) for section in page.sections]
@@ -128,7 +128,7 @@ def _page(page: Page, number: int, total: int, writer: _Writer) -> dict[str, Any
 
 
 def _section(section: Section, file: str, whole: bool, writer: _Writer) -> dict[str, Any]:
-    """What the templates need of a section; writes the files of its items."""
+    """A section's data for the templates; writes the files of its items."""
     items = [_item(item, file, whole, writer) for item in section.items]
     words = [p for item in section.items if isinstance(item, Text) for p in item.paragraphs]
     writer.entries.append(_entry(section.title, f"{file}#section-{section.name}", "section", " ".join(words)))
@@ -171,7 +171,7 @@ def _summary(report: Report, summary: Summary, writer: _Writer) -> dict[str, Any
 
 
 def _item(item: Item, page: str, whole: bool, writer: _Writer) -> dict[str, Any]:
-    """What the templates need of one item of a page; writes the item's file."""
+    """An item's data for the templates; writes the item's file."""
     if isinstance(item, Text):
         return {"kind": "text", "text": item}
     if isinstance(item, Table):

@@ -121,7 +121,7 @@ def _scale(picture: LoadedScrew) -> str:
 
 
 def _pointer(picture: LoadedScrew) -> str:
-    """What shows the load of the ball under the pointer."""
+    """Label with the load of the ball under the pointer."""
     middle = np.array([0.0, 0.0, picture.nut_position])
     centres = 1e3 * (np.asarray(picture.ball_radii_centres, float).reshape(-1, 3) - middle)
     data = {
@@ -133,7 +133,7 @@ def _pointer(picture: LoadedScrew) -> str:
 
 @dataclass(frozen=True)
 class _Exported:
-    """A scene as trimesh's viewer asks for one: its glTF is there already, and has a camera."""
+    """A scene for trimesh's viewer, with its glTF and camera made."""
 
     gltf: bytes
     camera: None = None

@@ -203,7 +203,7 @@ def _range(bars: Sequence[float]) -> str:
 
 
 def coverage(scenes: Mapping[str, Scene], found: Mapping[str, Reference]) -> list[str]:
-    """What the scenes span, as statements."""
+    """Ranges that the scenes span, as statements."""
     if not scenes:
         return []
     every = list(scenes.values())

@@ -53,7 +53,7 @@ def _modelling(study: Study) -> dict[str, Modelling]:
 
 
 def answer(study: Study, name: str, model: str) -> Loads:
-    """What a low-order model says of a scene, without seconds."""
+    """Answer of a low-order model for a scene, without times."""
     return from_result(study.solve(name, model))
 
 

@@ -248,7 +248,7 @@ def assembly_ways(study: Study) -> Sequence[AssemblyCost]:
 
 
 def level_table(levels: Sequence[ColdLevel]) -> Table:
-    """What somebody waits for who asks for a level of the 3D reference of a new scene."""
+    """Waiting time for a level of the 3D reference of a new scene."""
     rows: list[Row] = [
         {
             "scene": c.scene,

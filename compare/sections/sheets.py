@@ -99,7 +99,7 @@ def verdict(study: Study, name: str, reference: Reference, judged: Judged) -> st
 
 
 def trust(reference: Reference, bounds: Validated) -> str:
-    """What the errors of a sheet are known to."""
+    """Uncertainty of the errors of a sheet."""
     levels = ", ".join(str(run.level) for run in reference.runs)
     parts = [("mesh", bounds.grid), ("modelling choices", bounds.choices), ("input tolerances", bounds.inputs)]
     known = ", ".join(f"{name} {value:.2f}" for name, value in parts if np.isfinite(value))

@@ -80,7 +80,7 @@ def _held(scene: Scene, low: float, high: float) -> tuple[list[tuple[float, floa
 
 
 def _support(fixed: tuple[tuple[str, float], ...]) -> Iterator[str]:
-    """What a support holds, and what it displaces."""
+    """Freedoms that a support holds, and its prescribed displacements."""
     held = " ".join(freedom for freedom, value in fixed if value == 0.0)
     if held:
         yield f"holds {held}"

@@ -116,7 +116,7 @@ STAGES = {"mesh": "meshing"}
 
 
 def mesh_row(one: Level) -> Row:
-    """What a row on a mesh begins with."""
+    """First cells of a row on a mesh."""
     return {"job": one.run.job, "mesh": one.label, Quantity("b_over_h", "b/h", "", ".1f"): one.run.b_over_h}
 
 

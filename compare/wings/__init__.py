@@ -1,1 +1,1 @@
-"""Wings: what a user may leave out. Each folder holds one, with its registration in ``wing.py``."""
+"""Wings: what a user may leave out. Each folder holds one, with its ``registration.py``."""

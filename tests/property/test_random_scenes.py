@@ -48,9 +48,9 @@ def supports(draw):
 
 
 def all_moduli(scene, factor):
-    def scaled(part):
-        m = part.material
-        return replace(part, material=replace(m, youngs_modulus=factor * m.youngs_modulus))
+    def scaled(body):
+        m = body.material
+        return replace(body, material=replace(m, youngs_modulus=factor * m.youngs_modulus))
 
     return replace(scene, screw=scaled(scene.screw), nut=scaled(scene.nut), balls=scaled(scene.balls))
 

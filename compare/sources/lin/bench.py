@@ -149,7 +149,7 @@ def against_source(
 
 
 def worded(ratio: float | None, how: str) -> str:
-    """What a ratio is of, or why there is none."""
+    """Basis of a ratio, or why there is none."""
     return f"{'no ratio' if ratio is None else 'ratio'}: {how}"
 
 

@@ -45,7 +45,7 @@ def conclusion(found: Sequence[Outside]) -> str:
 
 
 def clearances(found: Sequence[Outside]) -> str:
-    """What NSK's clearances and rigidities are, from what comes out."""
+    """How NSK's clearances and rigidities are defined, as far as computed values show."""
     stiff = _of(found, "rigidity", "bearing whose angle turns")
     of_clear = [x for x in found if not x.left and x.quantity == "displacement" and x.unit == "um" and x.scale]
     off = np.array([x.computed.value - x.value for x in of_clear])
@@ -81,7 +81,7 @@ def why_softer(found: Sequence[Outside]) -> str:
 
 
 def balls_counted(found: Sequence[Outside]) -> str:
-    """What the ratings say on the number of balls."""
+    """Number of loaded balls that the ratings imply."""
     shares = dict[str, list[tuple[float, float]]]()
     for source in tables("nuts-"):
         for row in source.rows:

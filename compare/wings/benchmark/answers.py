@@ -61,14 +61,14 @@ Answers = Mapping[str, Contact]
 
 @dataclass(frozen=True)
 class Key:
-    """What the answers of a problem rest on: digest of the problem, files of the runs."""
+    """Basis of the answers of a problem: digest of the problem, files of the runs."""
 
     problem: str
     runs: tuple[str, ...]
 
 
 def computed(one: Problem) -> tuple[dict[str, Contact], Key]:
-    """Answers of a problem from its stored runs, and what they rest on. Raises InputError where there are none."""
+    """Answers of a problem from its stored runs, and their key. Raises InputError where there are none."""
     found = reference_of(one)
     out: dict[str, Contact] = {}
     described = one.described

@@ -93,7 +93,7 @@ def reference_of(one: Problem) -> list[Referenced]:
 
 
 def key_of(described: Solvable) -> str:
-    """Digest of what a problem says: answers of another state of it do not count."""
+    """Digest of a problem's content: stored answers count for this content only."""
     bare = meant(described, UNSAID) if isinstance(described, Assembly) else replace(described, **UNSAID)
     return digest(NAME, bare)[:16]
 

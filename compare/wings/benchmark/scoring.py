@@ -32,7 +32,7 @@ NAMED = 5
 
 @dataclass(frozen=True)
 class Given:
-    """What a file says of a contact: its load [N], and what stands beside it by column."""
+    """A contact in a scored file: its load [N], and its other values by column."""
 
     load: float
     beside: Mapping[str, float]

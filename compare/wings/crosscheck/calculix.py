@@ -36,7 +36,7 @@ class ContactForce:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What CalculiX made of a deck: contact forces, displacements of the printed sets' nodes by set and node (deck's unit),
+    """Results of CalculiX: contact forces, displacements of the printed sets' nodes by set and node (deck's unit),
     iterations, last correction of the displacements over the largest [%], seconds of processor time, date, version."""
 
     contacts: tuple[ContactForce, ...]
@@ -70,7 +70,7 @@ def ccx_version(program: str) -> str:
 
 
 def digest(text: str) -> str:
-    """What a deck says, without comments and how the solver is to iterate, as 16 hexadecimal digits."""
+    """Digest of a deck without its comments and solver controls, 16 hexadecimal digits."""
     content, control = [], False
     for line in text.splitlines():
         if line.startswith("*") and not line.startswith("**"):

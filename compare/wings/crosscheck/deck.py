@@ -155,7 +155,7 @@ def expected(scene: Scene) -> StaticResult:
 def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
     """Mesh a scene's whole bodies and put its deck together.
 
-    Raises InputError for a scene that is too large, that has what a deck cannot say, or that cannot be meshed.
+    Raises InputError for a scene that is too large, that a deck cannot describe, or that cannot be meshed.
     """
     options = options or DeckOptions()
     refuse_large(scene)
@@ -346,7 +346,7 @@ def _sections(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
 def _heading(
     scene: Scene, dims: Dimensions, found: StaticResult, fine: float, count: int, options: DeckOptions
 ) -> tuple[str, ...]:
-    """Lines of comment: what it is, its choices, and the loads to expect."""
+    """Comment lines of a deck: scene, choices, expected loads."""
     load = found.load
     mean = float(load[load > 0.0].mean())
     return (

@@ -83,7 +83,7 @@ def softness(runs: Sequence[CrossRun]) -> Array | None:
 
 
 def mesh_of(run: CrossRun) -> tuple[float, float, bool, bool]:
-    """What tells a run's mesh from those of other runs: elements across, growth, half, equal balls."""
+    """Identity of a run's mesh: elements across, growth, half, equal balls."""
     return run.b_over_h, run.growth, run.half, run.alike
 
 

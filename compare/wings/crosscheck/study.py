@@ -63,7 +63,7 @@ def label(options: DeckOptions) -> str:
 
 
 def scene_key(name: str) -> str:
-    """Digest of what a shipped scene says, its remarks left out: results of another state of it do not count."""
+    """Digest of a shipped scene's content without its remarks: stored results count for this content only."""
     content = {k: v for k, v in tomllib.loads(catalogue.scene_text(name)).items() if k not in ("source", "assumed")}
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
 

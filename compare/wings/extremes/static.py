@@ -317,7 +317,7 @@ def _attempt(case: Case, formulation: str, status: str, **found: Any) -> Attempt
 
 
 def _fault(result: StaticResult) -> str:
-    """What contradicts a solver's claim of convergence (nothing: an empty string)."""
+    """Contradiction to a solver's claim of convergence; empty if there is none."""
     if not result.converged:
         return ""
     s, balance = result.solver, result.equilibrium

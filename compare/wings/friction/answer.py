@@ -56,7 +56,7 @@ class FrictionAnswer:
 
 
 def head(scene: KindScene, status: str, converged: bool, coupling: str | None = None) -> dict[str, Any]:
-    """What every answer of a kind holds; coupling: of friction to loads, of a screw."""
+    """Entries that every answer of a kind has; coupling: of friction to loads, of a screw."""
     named = {"scene": scene.name, "title": scene.title, "kind": scene.kind}
     return named | {
         "status": status,
@@ -123,7 +123,7 @@ def by_contact(power: float, loss: float, apart: float, balls: float, bound: flo
 
 
 def solver_line(solver: dict[str, Any], suffix: str = "") -> Line:
-    """What loads and friction are out of balance by [N]."""
+    """Imbalance of loads and of friction [N]."""
     loads, friction = solver["load_imbalance_N"], solver["friction_imbalance_N"]
     return "solver", f"loads out of balance by {loads:.1e} N, friction by {friction:.1e} N{suffix}"
 

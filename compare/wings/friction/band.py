@@ -97,7 +97,7 @@ def _range(values: list[float | None]) -> str:
 
 
 def states_no_play(scene: Scene) -> bool:
-    """Whether a screw's file says nothing of how its balls fit: neither their sizes nor a preload."""
+    """Whether a screw's file states neither the sizes of its balls nor a preload."""
     return scene.track.lead > 0.0 and scene.errors.balls == BallErrors() and not scene.errors.lead_offset
 
 
@@ -118,7 +118,7 @@ def play(solved: Solved, state: FrictionState) -> dict[str, Any] | None:
 
 
 def play_warning(data: dict[str, Any]) -> Warned:
-    """What to say of a play that nobody stated."""
+    """Warning where neither play nor preload is stated."""
     value = data["friction_torque_Nmm"]
     other = "none found" if value is None else f"{value:.4g} N mm"
     text = (
@@ -130,7 +130,7 @@ def play_warning(data: dict[str, Any]) -> Warned:
 
 
 def feedback_warnings(state: FrictionState) -> list[Warned]:
-    """What to say where friction that moves the balls raises the torque much."""
+    """Warning where friction that moves the balls raises the torque much."""
     alone, found = state.bare.friction, state.torque.friction
     if not state.coupled or not alone > 0.0 or found <= FED_BACK * alone:
         return []

@@ -73,5 +73,5 @@ _OF_KIND = {
 
 
 def left_out_of_kind(kind: str, coupling: str | None = None) -> list[str]:
-    """What the result of a scene of a kind does not hold; coupling: of friction to loads, of a screw."""
+    """Effects that the result of a scene of a kind leaves out; coupling: of friction to loads, of a screw."""
     return [*_OF_KIND[kind], *(_COUPLING[coupling] if coupling else ()), *_KINDS]

@@ -144,7 +144,7 @@ def second_json(near: ChainResult, second: ChainResult) -> dict[str, Any]:
 
 
 def second_words(chain: Chain, second: ChainResult | None) -> str:
-    """What is known of a second state of the chain."""
+    """Sentence on a second state of the chain."""
     if not may_jam(chain):
         return "one only: no balls in reach of each other, or no friction between them"
     if second is None:
@@ -157,7 +157,7 @@ def second_words(chain: Chain, second: ChainResult | None) -> str:
 
 
 def jam_warnings(near: ChainResult, second: ChainResult | None) -> list[Warned]:
-    """What to say where balls may also stand in another, jammed state."""
+    """Warning where the balls may also settle in a second, jammed state."""
     if second is None:
         return []
     most, base = second.ball_force.max(), near.ball_force.max()

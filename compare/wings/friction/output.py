@@ -26,12 +26,12 @@ from rollbench.meshes.parts import SIDES, Friction, Motion, Scene
 
 
 def left_out(friction: Friction) -> list[str]:
-    """What the result for a scene's instant does not hold."""
+    """Effects that the result for one instant leaves out."""
     return [*WHOLE, *BESIDES[friction.feedback, friction.neighbours]]
 
 
 def jam_words(state: FrictionState) -> str:
-    """What is known of second, jammed states of balls at a high coefficient of friction."""
+    """Sentence on second, jammed states of balls at a high coefficient of friction."""
     start = "at this coefficient of friction a ball may have a second, jammed state"
     if state.second is None:
         along = "without lead friction runs along the grooves and moves no ball across them"
@@ -44,12 +44,12 @@ def jam_words(state: FrictionState) -> str:
 
 
 def slip_warnings(share: float) -> list[Warned]:
-    """What to say where Heathcote slip, left out, would add much to the losses."""
+    """Warning where Heathcote slip, which is left out, would add much to the losses."""
     return [Warned("slip", f"the contacts are so wide that {slip_words(share)}")] if share > WIDE else []
 
 
 def slip_words(share: float) -> str:
-    """What Heathcote slip, left out, would add to the losses."""
+    """Clause on the losses that Heathcote slip, which is left out, would add."""
     return f"their curvature (Heathcote slip, left out) would raise friction by {100.0 * share:.2g} %"
 
 

@@ -159,7 +159,7 @@ def run_data(run: Run) -> dict[str, Any]:
 
 
 def error_data(e: StepError, goal: float) -> dict[str, Any]:
-    """The estimates of the errors of the steps, and what they are made of."""
+    """Estimated errors of the time steps, and their parts."""
     found = e.quantities
     percent = {name: number(100.0 * found[name].error) if name in found else None for name in QUANTITIES}
     return {

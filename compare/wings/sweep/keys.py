@@ -173,7 +173,7 @@ def displaced(raw: dict[str, Any], keys: Sequence[Vary]) -> list[tuple[str, str]
 
 
 def _synonyms(path: str) -> Iterator[str]:
-    """Other keys that say what ``path`` says, of the same set where there are several."""
+    """Other keys for the same quantity as ``path``, of the same set where there are several."""
     prefix, key = re.fullmatch(r"(sets\[\d+\]\.)?(.*)", path).groups(default="")  # type: ignore[union-attr]
     for group in _SAME:
         if key in group:
@@ -215,7 +215,7 @@ def _put(raw: dict[str, Any], key: str, value: Any) -> None:
 
 
 def _check_entry(node: Any, step: str | int, key: str) -> None:
-    """Refuse what cannot be reached: an entry that a list does not have, a key of what is no table."""
+    """Refuse a step that leads nowhere: an entry that a list does not have, a key of something other than a table."""
     if isinstance(node, list) and isinstance(step, int):
         if step < len(node):
             return

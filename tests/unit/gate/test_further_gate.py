@@ -245,7 +245,7 @@ def test_an_unknown_column_is_a_warning_and_with_strict_an_error(command, tmp_pa
 
 
 @pytest.mark.parametrize(
-    ("heads", "cells", "part"),
+    ("heads", "cells", "words"),
     [
         ("newton,angle_deg", "100,", "no angle of ball 1 SL"),
         ("newton,load_kN", "100,0.1", "each quantity once"),
@@ -253,6 +253,6 @@ def test_an_unknown_column_is_a_warning_and_with_strict_an_error(command, tmp_pa
         ("newton,pressure_MPa", "100,inf", "from 0"),
     ],
 )
-def test_faulty_columns(tmp_path: Path, heads: str, cells: str, part: str) -> None:
-    with pytest.raises(InputError, match=part):
+def test_faulty_columns(tmp_path: Path, heads: str, cells: str, words: str) -> None:
+    with pytest.raises(InputError, match=words):
         read_loads(table(tmp_path / "a.csv", heads, lambda *_: cells), 32)

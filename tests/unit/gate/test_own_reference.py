@@ -75,7 +75,7 @@ def test_uncertainty_by_column_by_note_or_zero(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("notes", "change", "part"),
+    ("notes", "change", "words"),
     [
         (("# uncertainty: lots",), ("", ""), "0.5 %"),
         (("# uncertainty: -1 %",), ("", ""), "0.5 %"),
@@ -83,10 +83,10 @@ def test_uncertainty_by_column_by_note_or_zero(tmp_path: Path) -> None:
         ((), ("newton", "uncertainty_N"), "a column newton"),
     ],
 )
-def test_faulty_references_are_refused(tmp_path: Path, notes: tuple[str, ...], change: tuple[str, str], part: str) -> None:
+def test_faulty_references_are_refused(tmp_path: Path, notes: tuple[str, ...], change: tuple[str, str], words: str) -> None:
     file = written(tmp_path / "a.csv", *notes)
     file.write_text(file.read_text(encoding="utf-8").replace(*change), encoding="utf-8")
-    with pytest.raises(InputError, match=part):
+    with pytest.raises(InputError, match=words):
         read_reference(file, scene())
 
 

@@ -130,7 +130,7 @@ def test_rows_that_are_not_there_are_one_line(command, tmp_path: Path, change: t
 
 
 @pytest.mark.parametrize(
-    ("more", "words"),
+    ("table", "words"),
     [
         ('[[cases.housings]]\nname = "table"\n', "cases[2].housings[0].name"),
         ('[[cases.loads]]\nat = "900 mm"\n', "cases[2].loads[0].at"),
@@ -138,8 +138,8 @@ def test_rows_that_are_not_there_are_one_line(command, tmp_path: Path, change: t
         ('[[cases]]\nname = "rapid"\nshare = 0\n', "cases[3].name"),
     ],
 )
-def test_what_a_case_of_several_sets_cannot_have_is_one_line(command, tmp_path: Path, more: str, words: str) -> None:
-    assert words in command.refused("solve", written(tmp_path, PARTS + CASES + more))
+def test_what_a_case_of_several_sets_cannot_have_is_one_line(command, tmp_path: Path, table: str, words: str) -> None:
+    assert words in command.refused("solve", written(tmp_path, PARTS + CASES + table))
 
 
 def test_friction_report_and_sweep(command, tmp_path: Path) -> None:

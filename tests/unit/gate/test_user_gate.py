@@ -125,7 +125,7 @@ def test_spreadsheets_as_they_are_saved(tmp_path: Path, text: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "key", "part"),
+    ("old", "new", "key", "words"),
     [
         ("ball,", "index,", "line 1", "a column ball"),
         ("1,SL,100", "3,SL,100", "line 2: ball", "1 to 2"),
@@ -141,12 +141,12 @@ def test_spreadsheets_as_they_are_saved(tmp_path: Path, text: str) -> None:
         (GOOD, "ball,flank,newton\n", "file", "no loads"),
     ],
 )
-def test_faulty_loads_are_refused_by_line(tmp_path: Path, old: str, new: str, key: str, part: str) -> None:
+def test_faulty_loads_are_refused_by_line(tmp_path: Path, old: str, new: str, key: str, words: str) -> None:
     (tmp_path / "a.csv").write_text(GOOD.replace(old, new), encoding="utf-8")
     with pytest.raises(InputError) as caught:
         read_loads(tmp_path / "a.csv", 2)
     assert caught.value.key == key
-    assert part in str(caught.value)
+    assert words in str(caught.value)
 
 
 GREEN = Outcome(True, "pass", "mine", "a|b", "largest error", 8.5, 1.0, 7.0, "%", 2, "NR")

@@ -66,9 +66,9 @@ def test_no_worker_outlives_the_process_that_started_it(program, number, code):
 
 @pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="looks for processes in /proc")
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGKILL, -9), (signal.SIGTERM, 143), (signal.SIGINT, 130)])
-@pytest.mark.parametrize("own", [120.0, 0.0], ids=["at its own part", "waiting for the other"])
-def test_nobody_waits_for_the_parts_of_a_set_up_that_is_ended(own, number, code):
-    program = SET_UP.replace("OWN", str(own))
+@pytest.mark.parametrize("seconds", [120.0, 0.0], ids=["at its own part", "waiting for the other"])
+def test_nobody_waits_for_the_parts_of_a_set_up_that_is_ended(seconds, number, code):
+    program = SET_UP.replace("OWN", str(seconds))
     _ended(program if number == signal.SIGKILL else command(program), number, code, stopped=False)
 
 

@@ -46,7 +46,7 @@ def test_a_missing_key_is_not_told_beside_the_unknown_one_that_stands_for_it() -
 
 
 @pytest.mark.parametrize(
-    ("change", "key", "part"),
+    ("change", "key", "advice"),
     [
         (("[screw]", '[screw]\npitch_diameter = "33 mm"'), "screw.pitch_diameter", "under [track]"),
         (("[nut]", "[nut]\ncircuits = 3"), "nut.circuits", "circuits = 3 with circuit_gap = 0.5 under [balls]"),
@@ -59,10 +59,10 @@ def test_a_missing_key_is_not_told_beside_the_unknown_one_that_stands_for_it() -
         (("[screw]", '[screw]\ndiameter = "32 mm"'), "screw.diameter", "did you mean outer_diameter?"),
     ],
 )
-def test_hints_in_a_user_s_words(change: tuple[str, str], key: str, part: str) -> None:
+def test_hints_in_a_user_s_words(change: tuple[str, str], key: str, advice: str) -> None:
     error = faults(change)
     assert error.key == key
-    assert part in error.advice
+    assert advice in error.advice
 
 
 def test_every_word_leads_to_a_key_that_there_is() -> None:

@@ -68,8 +68,8 @@ def test_broken_scene(name, tmp_path):
     case = CASES[name]
     file, changes = case["file"], case.get("changes", ())
     text = broken(dict(changes), BASES[file]) if file in BASES else changed(file, *changes)
-    more = refused(tmp_path, text + case.get("end", ""), case["key"], case["value"], case["advice"]).more
-    assert more == case.get("more", more)
+    further = refused(tmp_path, text + case.get("end", ""), case["key"], case["value"], case["advice"]).more
+    assert further == case.get("more", further)
 
 
 @pytest.mark.parametrize("name", HUGE)

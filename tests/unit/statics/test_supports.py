@@ -21,17 +21,17 @@ from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Load, Support
 
 
-def shipped(name, *changes, more=""):
+def shipped(name, *changes, extra=""):
     text = catalogue.scene_text(name)
     for old, new in changes:
         assert old in text
         text = text.replace(old, new)
-    return loads(text + more, f"{name}.toml")
+    return loads(text + extra, f"{name}.toml")
 
 
 def test_rigid_screw_with_contradictory_supports_is_refused():
     with pytest.raises(SceneError) as error:
-        shipped("lin-case3-offset", more='\n[ingredients]\nscrew = "rigid"\n')
+        shipped("lin-case3-offset", extra='\n[ingredients]\nscrew = "rigid"\n')
     text = str(error.value)
     assert "supports[1].displace.ux" in text
     assert "ux = 300 um at 800 mm" in text
@@ -41,7 +41,7 @@ def test_rigid_screw_with_contradictory_supports_is_refused():
 
 def test_rigid_screw_with_supports_that_agree_is_solved():
     turned = ('fix = ["ux", "uy", "rx", "ry", "rz"]', 'fix = ["ux", "uy", "rx", "rz"]\ndisplace = { ry = "0.375 mrad" }')
-    scene = shipped("lin-case3-offset", turned, more='\n[ingredients]\nscrew = "rigid"\n')
+    scene = shipped("lin-case3-offset", turned, extra='\n[ingredients]\nscrew = "rigid"\n')
     result = solve_static(scene)
     assert result.converged
     assert result.centreline[-1, 0] == pytest.approx(300e-6, rel=1e-9)
@@ -85,13 +85,13 @@ def test_one_freedom_held_twice_within_ten_micrometres_is_refused(apart, refused
     change = ('at = "800 mm"\n', 'at = "799.95 mm"\n')
     if refused:
         with pytest.raises(SceneError, match=r"supports\[2\].fix: .*stations up to 10 um apart are one.*supports\[1\]"):
-            shipped("lin-case3", change, more=second)
+            shipped("lin-case3", change, extra=second)
         scene = shipped("lin-case3", change)
         twice = replace(scene, supports=(*scene.supports, Support(0.79995 + 1e-6 * apart, (("ux", 1e-4),))))
         with pytest.raises(ValueError, match="two supports hold ux"):
             solve_static(twice)
     else:
-        assert len(shipped("lin-case3", change, more=second).supports) == 3
+        assert len(shipped("lin-case3", change, extra=second).supports) == 3
 
 
 @pytest.mark.parametrize("solve", [solve_static, solve_elastic])

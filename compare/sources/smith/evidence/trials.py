@@ -1,4 +1,4 @@
-"""Smith, chapter 5: measurements on the axis, what is claimed of them, and the reduced preload of 5.3."""
+"""Smith, chapter 5: measurements on the axis, claims about them, and the reduced preload of 5.3."""
 
 from __future__ import annotations
 

@@ -106,7 +106,7 @@ def round_off(scene: Scene, result: StaticResult) -> tuple[float, float]:
 
 
 def unbalanced(scene: Scene, result: StaticResult) -> str:
-    """What is out of balance in a converged result, in words; empty where nothing is."""
+    """Imbalance of a converged result in words; empty if it is in balance."""
     load = result.load
     if not np.isfinite(load).all() or (load < 0.0).any():
         return "loads are not finite, or negative"
@@ -176,7 +176,7 @@ def off_the_law(scene: Scene, result: StaticResult) -> str:
 
 
 def wrench_of_pin(scene: Scene, result: StaticResult) -> Array:
-    """What a pin takes by the result, about the nut's centre (moments over the pitch radius) ``(6,)`` [N]."""
+    """Wrench that the pin takes in the result, about the nut's centre (moments over the pitch radius) ``(6,)`` [N]."""
     balance = result.equilibrium
     if balance is None:
         return np.zeros(6)

@@ -87,7 +87,7 @@ def size_of(assembly: Assembly, result: AxisResult) -> float:
 
 
 def faults(assembly: Assembly, result: AxisResult) -> str:
-    """What is wrong in a state of the model lin, in words; empty where nothing is.
+    """Faults of a state of the model lin in words; empty if there are none.
 
     Where a free motion is held at one place, that place may take a share, unless the loads drive a motion that no contact
     resists; nor may such a motion go far.

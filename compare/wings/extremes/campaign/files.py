@@ -56,7 +56,7 @@ while True:
 
 @dataclass(frozen=True)
 class FileOutcome:
-    """What became of one mutated file or kill: what it was, the verdict, whether that is good, in words."""
+    """Outcome of one mutated file or kill: its kind, the verdict, whether that is good, message."""
 
     kind: str
     verdict: str

@@ -77,7 +77,7 @@ def _raised(load: Any) -> Any:
 
 
 def described(scene: Scene) -> Record:
-    """What decides how far off a model may be, without a solution."""
+    """Features that decide a model's error, known without a solution."""
     z, half, r = ball_layout(scene).z - scene.nut.position, scene.nut.length / 2.0, scene.balls.radius
     given: dict[str, float] = {}
     for support in scene.supports:
