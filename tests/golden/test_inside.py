@@ -196,7 +196,7 @@ def watched(group: str, shift: float, **environment: str) -> dict[str, dict[str,
 
 
 def written(group: str) -> dict[str, Any]:
-    """The record of a group: of each function its number, and the names that round-off, chance or what was in memory moves."""
+    """The record of a group: each function's number, and the names that round-off, chance or old memory moves."""
     first, again, other = watched(group, 0.0), watched(group, 0.0, MALLOC_PERTURB_="99"), watched(group, SHIFT)
     record = {}
     for name, sums in sorted(first.items()):
