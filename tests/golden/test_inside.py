@@ -1,0 +1,247 @@
+"""What each function of physics returns on the way to golden answers: a guard against change of numbers that none shows.
+
+The functions of the low-order models, the 3D reference and comparisons are watched in a process of its own, with empty
+caches and kernels as plain Python. One number is kept for each: a sum over its first calls, of all that it returns and of
+the arrays that it was given, as it leaves them. What round-off moves is left out, found by moduli that differ by `SHIFT`.
+A function that is gone is no fault. Whoever changes numbers on purpose writes them anew with
+``python -m tests.golden.test_inside [GROUP ...]`` and says why in the commit.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import zlib
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable, Iterator
+from importlib.metadata import version
+from pathlib import Path
+from types import CodeType, FrameType
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.copies import ROOT
+from tests.golden.means import leaves
+from tests.mutants.draw import modules
+
+RECORD = Path(__file__).parent / "inside.json"
+#: Share by which the moduli differ for the choice of what is kept; by how much that may move; tolerance of the tests.
+SHIFT, STEADY, TOLERANCE = 1e-11, 1e-8, 1e-7
+#: Calls of a function that are watched in one item and in all, and numbers of an array that are looked at.
+IN_ITEM, IN_ALL, MOST = 3, 60, 20_000
+#: How many functions may be gone before the record has to be made anew.
+GONE = 0.1
+#: What machines, versions and round-off decide.
+LEFT_OUT = re.compile(r"second|memory|MB|version|residual|iteration|balance|round_off|imbalance|digest|\bkey\b|path|folder")
+NO_WORDS = re.compile(r"[0-9a-f]{12}|/")
+#: Functions whose arrays hold nothing yet.
+NOT_FILLED = re.compile(r"room|__hash__")
+#: Numbers of items of each kind of drawn scenes, see `test_drawn`: those that plain Python solves in few seconds.
+DRAWN: dict[str, dict[str, Iterable[int]]] = {
+    "statics": {
+        "extreme": range(24),
+        "extreme, other models": range(28),
+        "usual": range(1, 8),
+        "usual, refined": range(1),
+        "cases": range(1),
+        "members": range(2),
+        "pressed": range(20),
+    },
+    "axes": {
+        "axes": (0, 2, 3, *range(7, 11), *range(12, 16), 17, 19, 20),
+        "axes, refined": range(6),
+        "axes, commands": range(3),
+    },
+    "friction": {
+        "friction of extremes": (0, 1, 2, *range(4, 16)),
+        "friction of axes": (1, 2, 3),
+        "friction of kinds": range(31),
+    },
+    "reference": {"parts": range(12), "shafts": range(30), "rolled": range(10), "judged": (2, 5, 6, 11, 16)},
+}
+ANSWERS: dict[str, tuple[str, ...]] = {
+    "statics": ("solve bearing-9-preload", "solve liu-drawn --model mei", "solve lin-random --members 4 --model lin"),
+    "axes": ("solve double-nut --model lin", "solve smith-axis-taper --model lin"),
+    "friction": ("friction lin-chain-10",),
+    "reference": ("compare lin-pair-a", "mesh-study lin-case2 --levels 4", "check lin-case2 --no-compute"),
+}
+#: Functions of `test_studies`.
+STUDIES = ("references", "grids", "mesh_studies", "choices", "uncertainties", "faces", "exact", "verdicts")
+
+
+class Watch:
+    """Folds what functions return into numbers: of each function and each name below its answers a sum."""
+
+    def __init__(self) -> None:
+        physics = {str(path) for path in modules()}
+        names = {path: path.removeprefix(f"{ROOT}/") for path in physics}
+        self._file = {path: names[path] for path in physics}
+        self._code: dict[CodeType, str] = {}
+        self._in_item: Counter[CodeType] = Counter()
+        self._calls: Counter[str] = Counter()
+        self.sums: dict[str, dict[str, float]] = defaultdict(lambda: defaultdict(float))
+
+    def next_item(self) -> None:
+        """Watch first calls again."""
+        self._in_item.clear()
+
+    def __call__(self, frame: FrameType, event: str, value: Any) -> None:
+        """As `sys.setprofile` wants it."""
+        if event != "return":
+            return
+        code = frame.f_code
+        name = self._code.get(code)
+        if name is None:
+            file = self._file.get(os.path.realpath(code.co_filename), "")
+            watched = file and not code.co_name.startswith("<") and not NOT_FILLED.search(code.co_name)
+            name = self._code[code] = f"{file}:{code.co_qualname}" if watched else ""
+        if not name or self._in_item[code] >= IN_ITEM or self._calls[name] >= IN_ALL:
+            return
+        self._in_item[code] += 1
+        self._calls[name] += 1
+        sys.setprofile(None)
+        try:
+            self._fold(name, value, frame)
+        finally:
+            sys.setprofile(self)
+
+    def _fold(self, name: str, value: Any, frame: FrameType) -> None:
+        given = frame.f_locals
+        count = frame.f_code.co_argcount + frame.f_code.co_kwonlyargcount
+        arrays = {key: given[key] for key in frame.f_code.co_varnames[:count] if isinstance(given.get(key), np.ndarray)}
+        weight = 1.3 + np.cos(self._calls[name])
+        for place, number in contributions({"": value, "given": arrays}):
+            self.sums[name][place] += weight * number
+
+
+def contributions(value: Any) -> Iterator[tuple[str, float]]:
+    """Names below a value, and what each leaf adds: the share and the place of its numbers' signs and sizes."""
+    for place, (name, leaf) in enumerate(leaves_and_words(value)):
+        if isinstance(leaf, str):
+            yield name, zlib.crc32(leaf.encode()) / 2.0**32
+            continue
+        x = np.asarray(leaf, dtype=float).ravel()
+        x = x[:: 1 + x.size // MOST]
+        x = x[np.isfinite(x)]
+        size = float(np.abs(x).sum())
+        yield name, 0.01 * x.size
+        if size > 0.0:
+            shape = float((x * np.cos(1.0 + np.arange(x.size))).sum()) / size
+            yield name, (1.0 + 0.3 * np.cos(place)) * (shape + np.log10(size))
+
+
+def leaves_and_words(value: Any) -> Iterator[tuple[str, Any]]:
+    """Leaves of a value: numbers, and words that name no file or digest."""
+    yield from leaves(value, LEFT_OUT.search)
+    below = [("", value)]
+    while below:
+        name, one = below.pop()
+        if isinstance(one, str) and len(one) < 400 and not NO_WORDS.search(one):
+            yield f"{name} in words", one
+        elif isinstance(one, dict):
+            below += [(f"{name}.{key}", each) for key, each in one.items() if not LEFT_OUT.search(str(key))]
+        elif isinstance(one, list | tuple):
+            below += [(name, each) for each in one[:50]]
+
+
+def items(group: str, shift: float) -> Iterator[Callable[[], Any]]:
+    """What is watched."""
+    from tests.golden import test_answers, test_drawn, test_reference, test_studies
+
+    for kind, numbers in DRAWN.get(group, {}).items():
+        for number in numbers:
+            yield lambda kind=kind, number=number: test_drawn.MAKERS[kind][0](number, shift)
+    for command in ANSWERS.get(group, ()):
+        yield lambda command=command: test_answers.kept(command)
+    for name in STUDIES if group == "reference" else ():
+        yield getattr(test_studies, name)
+    if group == "3D":
+        yield test_reference.set_up
+
+
+def watch(group: str, shift: float) -> dict[str, dict[str, float]]:
+    """Sums of a group's functions, in this process."""
+    watch = Watch()
+    for item in items(group, shift):
+        watch.next_item()
+        sys.setprofile(watch)
+        try:
+            item()
+        finally:
+            sys.setprofile(None)
+    return watch.sums
+
+
+def watched(group: str, shift: float, **environment: str) -> dict[str, dict[str, float]]:
+    """Sums of a group's functions, in a process of its own."""
+    with tempfile.TemporaryDirectory() as folder:
+        alone = {
+            "ROLLBENCH_CACHE": folder,
+            "NUMBA_DISABLE_JIT": "1",
+            "PYTHONHASHSEED": "0",
+            "PYTHONPATH": str(ROOT / ".import"),
+        }
+        out = Path(folder) / "sums.json"
+        command = [sys.executable, "-m", "tests.golden.test_inside", "--watch", group, str(shift), str(out)]
+        done = subprocess.run(
+            command, cwd=ROOT, env=os.environ | alone | environment, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, done.stderr[-3000:]
+        return json.loads(out.read_text(encoding="utf-8"))
+
+
+def written(group: str) -> dict[str, Any]:
+    """The record of a group: each function's number, and the names that round-off, chance or old memory moves."""
+    first, again, other = watched(group, 0.0), watched(group, 0.0, MALLOC_PERTURB_="99"), watched(group, SHIFT)
+    record = {}
+    for name, sums in sorted(first.items()):
+        moving = sorted(
+            place
+            for place in sums.keys() | again.get(name, {}).keys() | other.get(name, {}).keys()
+            if len({place in each.get(name, {}) for each in (first, again, other)}) > 1
+            or max(abs(sums[place] - each[name][place]) for each in (again, other)) > STEADY
+        )
+        if sums.keys() - set(moving):
+            record[name] = [total(sums, moving), moving] if moving else [total(sums, moving)]
+    return record
+
+
+def total(sums: dict[str, float], moving: list[str]) -> float:
+    """What is kept of a function."""
+    names = sorted(sums.keys() - set(moving))
+    return float(f"{sum(sums[place] * (1.0 + 0.1 * np.sin(k)) for k, place in enumerate(names)):.9g}")
+
+
+GROUPS = (*DRAWN, "3D")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("group", GROUPS)
+def test_nothing_moves_inside(group):
+    record = json.loads(RECORD.read_text(encoding="utf-8"))
+    if group == "3D" and record["gmsh"] != version("gmsh"):
+        pytest.skip("the record's meshes are another gmsh's")
+    sums, kept = watched(group, 0.0), record[group]
+    assert len(kept.keys() - sums.keys()) <= GONE * len(kept)
+    moved = {
+        name: (total(sums[name], moving[0] if moving else []), number)
+        for name, (number, *moving) in kept.items()
+        if name in sums
+    }
+    assert {name: pair for name, pair in moved.items() if abs(pair[0] - pair[1]) > TOLERANCE * max(1.0, abs(pair[1]))} == {}
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["--watch"]:
+        group, shift, out = sys.argv[2:]
+        Path(out).write_text(json.dumps(watch(group, float(shift))), encoding="utf-8")
+        sys.exit()
+    old = json.loads(RECORD.read_text(encoding="utf-8")) if sys.argv[1:] else {}
+    record = {"gmsh": version("gmsh")} | {g: written(g) if g in (sys.argv[1:] or GROUPS) else old[g] for g in GROUPS}
+    text = json.dumps(record, separators=(",", ":"))
+    RECORD.write_text(re.sub(r',("[^"]+\.py:)', r",\n\1", text) + "\n", encoding="utf-8")
