@@ -6,9 +6,11 @@ import sys
 import tomllib
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from rollbench.comparison.errors import InputError
 from rollbench.comparison.gate.pytest_plugin import Rollbench
 from rollbench.comparison.scenes.catalogue import scene_text
 
@@ -24,6 +26,21 @@ def test_a_scene_that_passes_and_one_that_does_not(tmp_path: Path) -> None:
         here.check("two-balls.toml", max_error=0.4, compute=False)
     with pytest.raises(pytest.fail.Exception, match=r"none\.toml: file: got no such file"):
         here.check("none.toml", compute=False)
+
+
+def test_files_are_sought_in_the_folder_of_the_test(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    given: dict[str, Any] = {}
+
+    def asked(**keywords: Any) -> None:
+        given.update(keywords)
+        raise InputError("two-balls", "nothing", "none", "any", "")
+
+    monkeypatch.setattr("rollbench.comparison.gate.user.asked", asked)
+    names = ("loads", "values", "reference", "stored", "store")
+    with pytest.raises(pytest.fail.Exception, match="nothing"):
+        Rollbench(tmp_path).check("two-balls", limits={"life": 3.0}, **{name: f"{name}-here" for name in names})
+    assert {name: given[name] for name in names} == {name: tmp_path / f"{name}-here" for name in names}
+    assert given["limits"] == ["life=3.0"]
 
 
 def test_the_entry_point_names_the_plug_in() -> None:
