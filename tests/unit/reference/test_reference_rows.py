@@ -61,6 +61,21 @@ def test_gate_passes_and_a_stiffness_off_by_20_per_cent_does_not(monkeypatch: py
         assert any(not row.passed for row in gate.reference_rows(Study(), 7.0))
 
 
+def test_the_gate_deducts_the_reference_s_uncertainty(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(gate, "UNSEEN", ())
+    monkeypatch.setattr(gate, "REFERENCED", ("lin-case1",))
+
+    def row(tight: float) -> gate.GateRow:
+        monkeypatch.setattr(gate, "TIGHT", tight)
+        (found,) = (row for row in gate.reference_rows(Study(), 7.0) if row.kind == "3D reference, tight")
+        return found
+
+    error, bar = row(1.0).error_percent, row(1.0).uncertainty_percent
+    assert error > 3.0 * bar > 0.0
+    assert row(error - 0.9 * bar).passed
+    assert not row(error - 1.1 * bar).passed
+
+
 def _found(name: str) -> Reference:
     found = reference(catalogue.scene(name))
     assert found is not None
