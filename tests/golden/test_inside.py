@@ -83,9 +83,7 @@ class Watch:
     """Folds what functions return into numbers: of each function and each name below its answers a sum."""
 
     def __init__(self) -> None:
-        physics = {str(path) for path in modules()}
-        names = {path: path.removeprefix(f"{ROOT}/") for path in physics}
-        self._file = {path: names[path] for path in physics}
+        self._file = {str(path): path.relative_to(ROOT).as_posix() for path in modules()}
         self._code: dict[CodeType, str] = {}
         self._in_item: Counter[CodeType] = Counter()
         self._calls: Counter[str] = Counter()
@@ -184,6 +182,8 @@ def watched(group: str, shift: float, **environment: str) -> dict[str, dict[str,
             "ROLLBENCH_CACHE": folder,
             "NUMBA_DISABLE_JIT": "1",
             "PYTHONHASHSEED": "0",
+            "OMP_NUM_THREADS": "1",
+            "OPENBLAS_NUM_THREADS": "1",
             "PYTHONPATH": str(ROOT / ".import"),
         }
         out = Path(folder) / "sums.json"
@@ -197,7 +197,7 @@ def watched(group: str, shift: float, **environment: str) -> dict[str, dict[str,
 
 def written(group: str) -> dict[str, Any]:
     """The record of a group: each function's number, and the names that round-off, threads or old memory moves."""
-    again = watched(group, 0.0, MALLOC_PERTURB_="99", OPENBLAS_NUM_THREADS="2")
+    again = watched(group, 0.0, MALLOC_PERTURB_="99", OMP_NUM_THREADS="2", OPENBLAS_NUM_THREADS="2")
     first, other = watched(group, 0.0), watched(group, SHIFT)
     record = {}
     for name, sums in sorted(first.items()):
