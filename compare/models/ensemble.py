@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
 from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.statics.mechanism import free_motions
-from rollbench.lowfi.statics.pressed import Pressed, pressed
 from rollbench.lowfi.statics.problem import Problem, build, distances, hertz_C, lever_arms
 from rollbench.lowfi.statics.records import MemberArrays, MemberStates
 from rollbench.lowfi.statics.result import StaticResult
@@ -39,7 +39,7 @@ ENOUGH = 1e-11
 #: Members tried first with fewer sides; the rest only if at least half of them pass.
 TRIAL = 32
 #: Members per call of the kernels, which let other threads run: so few that the memory of a call is not given back in
-#: between, and whole rows of those that are solved side by side.
+#: between.
 CHUNK = 96
 BATCH_PATH = "one system, members in a batch"
 GENERAL_PATH = "member by member"
@@ -201,15 +201,7 @@ class _Batch:
             return
         prepared = self._system(problem)
         near = None if np.all(problem.use) else _Nearness(prepared, self.layout)
-        seen = [] if near is None else [near.rows]
-        quick = pressed(prepared, np.concatenate([*seen, prepared.beam.load.reshape(1, -1)]))
-
-        def some(chunk: NDArray[np.int64]) -> None:
-            if quick is not None:
-                chunk = chunk[self._press(quick, near, chunk)]
-            if chunk.size:
-                self._follow(prepared, near, chunk)
-
+        some = partial(self._follow, prepared, near)
         trial, rest = members[:TRIAL], [members[k : k + CHUNK] for k in range(TRIAL, members.size, CHUNK)]
         some(trial)
         if near is not None and 2 * np.count_nonzero(self.solved[trial]) < trial.size:
@@ -217,25 +209,8 @@ class _Batch:
         with ThreadPoolExecutor(self.threads) as pool:
             list((map if self.threads == 1 else pool.map)(some, rest))
 
-    def _keep(
-        self, members: NDArray[np.int64], good: NDArray[np.bool_], loads: Array, residuals: Array, works: Array
-    ) -> None:
-        kept = members[good]
-        self.loads[kept], self.residuals[kept], self.works[kept] = loads[good], residuals[good], works[good]
-        self.solved[kept] = True
-
-    def _press(self, quick: Pressed, near: _Nearness | None, members: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Solve members on the motions of their flanks alone; returns which of them remain unsolved."""
-        arrays = self._arrays(quick.prepared.problem, members)
-        states = quick.solve(arrays, self._of(members).centre)
-        done = states.status == 0
-        motions = quick.functions(states.pull)
-        good = done if near is None else done & near.clear(motions[:, :-1], states.p, arrays.geometry, states.force)
-        self._keep(members, good, states.force, states.residual, motions[:, -1])
-        return np.asarray(~done)
-
     def _follow(self, prepared: Prepared, near: _Nearness | None, members: NDArray[np.int64]) -> None:
-        """Solve members by the equations of the whole screw, in the compiled kernel."""
+        """Solve members in the compiled kernel."""
         state, k = prepared.state, members.size
         arrays = self._arrays(prepared.problem, members)
         forces, status, residual = np.empty(arrays.geometry.shape[:3]), np.empty(k, dtype=np.int64), np.empty(k)
@@ -245,7 +220,9 @@ class _Batch:
         if near is not None:
             shift = states.q.reshape(k, -1) @ near.rows.T
             good &= near.clear(shift, states.p, arrays.geometry, states.force)
-        self._keep(members, good, states.force, states.residual, np.tensordot(states.q, prepared.beam.load, axes=2))
+        kept, works = members[good], np.tensordot(states.q, prepared.beam.load, axes=2)
+        self.loads[kept], self.residuals[kept], self.works[kept] = states.force[good], states.residual[good], works[good]
+        self.solved[kept] = True
 
     def _arrays(self, problem: Problem, members: NDArray[np.int64]) -> MemberArrays:
         """Arrays of members for the kernels."""

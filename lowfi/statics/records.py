@@ -83,51 +83,6 @@ class MemberStates(NamedTuple):
     p: Array
 
 
-class FlankCommon(NamedTuple):
-    """Balls between flanks in the common start of many specimens, see `lowfi.statics.kernel.flanks`: six motions a ball, of
-    SL along x3, z3, of SR, and their turns about the track times the length that makes forces of moments."""
-
-    #: Motions (6 N, 6 N) by unit forces, at the stiffness of the start [m/N], and in the start (N, 6) [m].
-    reach: Array
-    motion: Array
-    #: Forces of the balls on the screw's flanks (N, 4) [N], stiffness (N, 4, 4) [N/m], centres (N, 2) [m] in the start.
-    force: Array
-    stiffness: Array
-    centre: Array
-    #: Soft modes (6 N, k) of these motions.
-    soft: Array
-    #: As in `BeamContacts`.
-    profile: Array
-    tiny: float
-    #: Least force that residuals are measured by [N].
-    least: float
-    #: Largest component of the nodes' residual by forces of one newton at all flanks, moments over the arm.
-    spread: float
-
-
-class FlankMembers(NamedTuple):
-    """Specimens m of such a screw: as `MemberArrays`, and lever (m, N, 2, 2): groove centres of the screw beside those of
-    the start over the length that makes forces of moments."""
-
-    geometry: Array
-    closure: Array
-    r_ball: Array
-    lever: Array
-
-
-class FlankStates(NamedTuple):
-    """Solutions of specimens m of such a screw."""
-
-    #: Contact forces (m, N, 4) [N].
-    force: Array
-    #: How each ended (m,), and a bound of its relative residual (m,).
-    status: Array
-    residual: Array
-    #: Forces (m, 6 N) [N] that at the stiffness of the start would move the screw as it has moved; ball centres (m, N, 2).
-    pull: Array
-    p: Array
-
-
 class BeamSlopes(NamedTuple):
     """Derivatives of the energy of beam and balls."""
 

@@ -114,7 +114,7 @@ def _is_positive(G: Array) -> bool:
 
 
 def normals_of(geometry: Array) -> Array:
-    """Unit vectors of contacts ``(..., 2)`` from the geometry of flanks (`lowfi.statics.kernel.flanks`)."""
+    """Unit vectors of contacts ``(..., 2)`` from the geometry of flanks (`lowfi.statics.kernel.ball`)."""
     return np.asarray(geometry[..., :2] / np.maximum(geometry[..., 2:3], 1e-30))
 
 

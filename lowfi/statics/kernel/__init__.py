@@ -16,8 +16,7 @@ KERNELS = {
     "beam": ("assemble_beam",),
     "elastic": ("solve_forces", "start_forces"),
     "elastic_balls": ("ball_rows", "contact_law", "evaluate_balls", "rest"),
-    "flanks": ("flank_members",),
-    "members": ("answers", "ensemble"),
+    "members": ("ensemble",),
     "newton": ("evaluate", "solve_beam", "start_and_solve"),
     "rollers": ("roller_forces",),
 }

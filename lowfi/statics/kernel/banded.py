@@ -46,29 +46,6 @@ def ldl_substitute(band: Array, b: Array) -> None:
         b[j] = x
 
 
-@kernel
-def take(y: Array, x: Array, f: float) -> None:
-    """Take f x from y."""
-    for i in range(y.size):
-        y[i] -= f * x[i]
-
-
-@kernel
-def ldl_substitute_columns(band: Array, Y: Array) -> None:
-    """``ldl_substitute`` of the columns of Y (n, k), side by side."""
-    n, width = band.shape
-    for j in range(n):
-        for i in range(1, min(width, n - j)):
-            if band[j, i] != 0.0:
-                take(Y[j + i], Y[j], band[j, i])
-    for j in range(n - 1, -1, -1):
-        for k in range(Y.shape[1]):
-            Y[j, k] *= band[j, 0]
-        for i in range(1, min(width, n - j)):
-            if band[j, i] != 0.0:
-                take(Y[j], Y[j + i], band[j, i])
-
-
 def _blocks(band: Array) -> tuple[Array, Array]:
     """The matrix of a band (n, w) as blocks of w - 1 freedoms: those on the diagonal (m, b, b), lower triangle, and those
     below them (m, b, b), upper triangle; filled up to m b freedoms by a unit matrix."""
@@ -128,4 +105,3 @@ def _block_substitute(band: Array, b: Array) -> None:
 
 factor_band = ldl_factor if is_compiled(__name__) else _block_factor
 substitute_band = ldl_substitute if is_compiled(__name__) else _block_substitute
-substitute_columns = ldl_substitute_columns if is_compiled(__name__) else _block_substitute

@@ -1,54 +1,12 @@
-"""Many specimens of one screw: the answers of their common start to forces, and Newton's method from it for those that are
-not solved on their flanks alone (``flanks``): too many balls, too far off."""
+"""Many specimens of one screw: Newton's method from the solution of the screw without random errors."""
 
 import numpy as np
 
 from rollbench.lowfi.jit import kernel
-from rollbench.lowfi.statics.records import (
-    Array,
-    BeamArrays,
-    BeamContacts,
-    BeamSlopes,
-    BeamState,
-    MemberArrays,
-    MemberStates,
-    Options,
-)
+from rollbench.lowfi.statics.records import BeamArrays, BeamContacts, BeamState, MemberArrays, MemberStates, Options
 
 from .ball import FORCE
-from .banded import factor_band, substitute_columns, take
-from .newton import ROUND_OFF, assemble, evaluate, solve_beam
-
-
-@kernel
-def answers(
-    beam: BeamArrays,
-    contacts: BeamContacts,
-    state: BeamState,
-    options: Options,
-    rows: tuple[Array, Array],
-    out: tuple[Array, Array, Array],
-) -> bool:
-    """Answers to unit forces at the stiffness of a state. rows: functions of the motions of the nodes, their coefficients
-    (c, m), and the freedoms (c,) from which on these are; out: motions of the nodes (6 n, c) by the force of each, the
-    functions (c, c) by these, and the contacts' part of the stiffness (N, 4, 4). False where that stiffness is not positive
-    definite."""
-    n, (arms, first), (motions, reach, hessians) = state.q.shape[0], rows, out
-    band = np.empty(beam.band.shape)
-    evaluate(beam, contacts, state, BeamSlopes(np.empty((n, 6)), hessians))
-    assemble(band, beam, contacts, hessians, ROUND_OFF * max(0.0, beam.band[:, 0].max()), options.arm)
-    if not factor_band(band):
-        return False
-    motions[:, :], reach[:, :] = 0.0, 0.0
-    for a in range(arms.shape[0]):
-        for k in range(arms.shape[1]):
-            j = first[a] + k
-            motions[j, a] = 0.0 if beam.fixed[j // 6, j % 6] else arms[a, k]
-    substitute_columns(band, motions)
-    for a in range(arms.shape[0]):
-        for k in range(arms.shape[1]):
-            take(reach[a], motions[first[a] + k], -arms[a, k])
-    return True
+from .newton import solve_beam
 
 
 @kernel
