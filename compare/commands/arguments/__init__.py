@@ -13,7 +13,6 @@ CORE = {
     "scenes": ("list", "schema", "new", "solve", "condense"),
     "reference": ("mesh-study", "compare", "export"),
     "validation": ("report", "verify", "check"),
-    "many": ("audit",),
     "machine": ("doctor", "completion"),
 }
 #: Commands that tell of all others.

@@ -10,6 +10,7 @@ from cyclopts import Parameter
 from rollbench.comparison.commands.arguments.terminal import Flag, Json, Word, app, cache_folder
 from rollbench.comparison.commands.printing import Answer, print_answer, print_json
 from rollbench.comparison.errors import InputError
+from rollbench.comparison.registration import needed
 
 
 @app.command(name="list")
@@ -26,7 +27,11 @@ def list_(*, trace: Flag = False, table: Word = "", as_json: Json = False) -> No
     """
     from rollbench.comparison.commands import listing
 
-    print_answer(listing.traced(table) if trace or table else listing.shipped(), as_json)
+    if trace or table:
+        traced = needed("traces", "command line", *(("--table", table) if table else ("--trace", "given")))
+        print_answer(traced(table), as_json)
+    else:
+        print_answer(listing.shipped(), as_json)
 
 
 @app.command

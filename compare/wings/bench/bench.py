@@ -18,10 +18,10 @@ from statistics import median
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from rollbench.comparison.costs.timing import Job, launch, timed
 from rollbench.comparison.models.ensemble import ENOUGH, run_ensemble
 from rollbench.comparison.models.study import with_balls
 from rollbench.comparison.scenes.catalogue import scene as shipped
+from rollbench.comparison.wings.bench.costs.timing import Job, launch, timed
 from rollbench.comparison.wings.bench.prepared import TOLERANCE, Energy, Refined, Source
 from rollbench.comparison.wings.bench.startup import command_line_job, startup_jobs
 from rollbench.lowfi.as_source import static as lin

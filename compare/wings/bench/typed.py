@@ -13,14 +13,14 @@ from time import process_time
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from rollbench.comparison.costs.run_times import today
-from rollbench.comparison.costs.timing import Job, launch
 from rollbench.comparison.models.members import run_members
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.models.study import Study, with_balls
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.scenes.catalogue import scene as shipped
 from rollbench.comparison.system import machine
+from rollbench.comparison.wings.bench.costs.run_times import today
+from rollbench.comparison.wings.bench.costs.timing import Job, launch
 from rollbench.comparison.writing import replace_file
 from rollbench.lowfi.statics.elastic_system import LARGEST
 from rollbench.meshes.kept import made_anew

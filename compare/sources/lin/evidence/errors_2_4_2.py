@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from rollbench.comparison.evidence.record import Evidence, Sheet, count_of
 from rollbench.comparison.measure import load_error
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.sources.lin.evidence.loads_2_4_1 import two_point
+from rollbench.comparison.wings.evidence.record import Evidence, Sheet, count_of
 from rollbench.meshes.section import groove_section
 
 #: Change of a load, in per cent of the mean load, from which a distribution counts as significantly changed: twice the

@@ -10,9 +10,9 @@ from rollbench.comparison.measure import load_error
 from rollbench.comparison.models.ensemble import EnsembleResult
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.sections.curves import load_panel, loads
-from rollbench.comparison.sections.finding_table import printed_table
 from rollbench.comparison.sources.lin.evidence.errors_2_4_2 import section_2_4_2
 from rollbench.comparison.sources.lin.evidence.loads_2_4_1 import ratio
+from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
 from rollbench.meshes.parts import SIDES
 from rollbench.reports.records import Figure, Quantity, Row, Section, Series, Table
 
