@@ -29,6 +29,7 @@ ROWS: tuple[tuple[str, ...], ...] = (
 _SOURCES = (*ROWS[1], *ROWS[0])
 _WINGS = (*ROWS[4], *ROWS[3][:-1], "rolling", "sweep", "extremes")
 _WIDE = 456 / len(_WINGS)
+_UPPER = {name: 120 + 35 * row for row in (2, 3, 4) for name in ROWS[row]}
 #: Left edge, upper edge, width and height of each box [pt].
 _BOXES: dict[str, tuple[float, float, float, float]] = {
     **{name: (12 + 76 * k, 12 if name in ROWS[0] else 66, 70, 38) for k, name in enumerate(_SOURCES)},

@@ -21,7 +21,7 @@ MODEL = """
     ),
 """
 #: Written so, or this module would be one that imports a wing.
-EVIDENCE = "rollbench.comparison.wings.evidence"
+EVIDENCE, ENTRIES = "rollbench.comparison.wings.evidence", "tests.sources.entries"
 PAPER = {
     "compare/sources/acme/__init__.py": "",
     "compare/sources/acme/registration.py": """
@@ -72,7 +72,7 @@ def section(study, step):
 ''',
     "tests/sources/acme/literature/test_acme.py": """
 import pytest
-from tests.sources.entries import check, keys
+from ENTRIES import check, keys
 
 
 @pytest.mark.parametrize("key", keys("acme-1"))
@@ -156,7 +156,7 @@ def test_a_paper_takes_two_folders(tree, tmp_path):
     """Its folder in compare/sources, its tests in tests/sources: traced, judged, in the report, tested."""
     for name, text in PAPER.items():
         (tree / name).parent.mkdir(parents=True, exist_ok=True)
-        (tree / name).write_text(text.replace("EVIDENCE", EVIDENCE), encoding="utf-8")
+        (tree / name).write_text(text.replace("EVIDENCE", EVIDENCE).replace("ENTRIES", ENTRIES), encoding="utf-8")
     verdicts = tree / "compare/sources/acme/verdicts.json"
     audit = "audit", "--only", "acme-1", "--json"
     judged = found(rollbench(tree, *audit, cwd=tmp_path), 1)
