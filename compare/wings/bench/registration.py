@@ -3,6 +3,7 @@
 from rollbench.comparison.registration import Part, Registration
 
 REGISTRATION = Registration(
+    needs=("members",),
     commands={"bench": "wings.bench.arguments"},
     parts=(
         Part("overview", "wings.bench.sections.overview", quick=True, runs=True, beside=True, page="accuracy"),

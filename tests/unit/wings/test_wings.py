@@ -22,6 +22,7 @@ COMMANDS = {
     "benchmark": {"benchmark"},
     "crosscheck": {"crosscheck"},
     "evidence": {"audit"},
+    "members": {"bench"},
     "extremes": {"stability"},
     "friction": {"friction"},
 }
