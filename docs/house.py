@@ -21,7 +21,7 @@ ROWS: tuple[tuple[str, ...], ...] = (
     ("liu", "smith", "makers", "lin", "external"),
     ("rolling", "extremes"),
     ("benchmark", "random_errors", "bearings", "crosscheck", "friction", "sweep"),
-    ("evidence", "bench"),
+    ("doctor", "evidence", "bench", "export"),
     ("members",),
     ("comparison",),
     ("lowfi", "hifi", "reports"),
