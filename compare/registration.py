@@ -87,6 +87,7 @@ HOOKS = {
     "gate of what is printed": "(study, largest error): its first rows",
     "outside": "(study): number of outside values, bias and scatter as cells of columns, by quantity",
     "members": "(scene, model, count, file of rows, seed, engine, balls): the answer of rollbench solve --members",
+    "mesh study": "(scene, levels, spread, store): what rollbench.mesh_study returns: JSON-ready, what is shown, lines",
     "other program": "(): (its name, loads (n, 4) [N] by scene) of another program's runs",
     "references": "(fresh): names of scenes and mesh levels whose runs the report shows",
     "rolling compare": "(names, levels, store, engine, fresh, bodies): the answer of rollbench compare on rolling balls",

@@ -21,7 +21,7 @@ ROWS: tuple[tuple[str, ...], ...] = (
     ("liu", "smith", "makers", "lin", "external"),
     ("rolling", "extremes"),
     ("benchmark", "random_errors", "bearings", "crosscheck", "friction", "sweep"),
-    ("doctor", "evidence", "bench", "export"),
+    ("doctor", "evidence", "bench", "export", "mesh_study"),
     ("members",),
     ("comparison",),
     ("lowfi", "hifi", "reports"),

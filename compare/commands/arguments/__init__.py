@@ -11,7 +11,7 @@ from rollbench.comparison.registration import registered
 #: Modules of this folder and the commands of the core that they add.
 CORE = {
     "scenes": ("list", "schema", "new", "solve", "condense"),
-    "reference": ("mesh-study", "compare"),
+    "reference": ("compare",),
     "validation": ("report", "verify", "check"),
     "machine": ("completion",),
 }

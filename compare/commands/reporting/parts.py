@@ -41,7 +41,6 @@ CORE = (
     Part("reference", "sections.reference", quick=True, runs=True, meshes=True, beside=True, page="cases"),
     Part("ladder", "sections.ladder", quick=True, runs=True, meshes=True, beside=True, page="accuracy"),
     Part("u-val", "sections.u_val", quick=True, runs=True, meshes=True, beside=True, page="accuracy"),
-    Part("reference-mesh", "sections.reference_mesh", quick=True, runs=True, beside=True, page="reference"),
     Part("pictures", "sections.pictures", meshes=True, beside=True, page="reference"),
     Part("verification", "sections.verification", meshes=True, beside=True, page="reference"),
     Part("fit", "sections.fit", quick=True, page="trust"),

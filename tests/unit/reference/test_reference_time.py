@@ -11,7 +11,6 @@ from rollbench.comparison.models.ladder import UNSEEN
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.reference.levels import LEVELS
-from rollbench.comparison.sections import reference_mesh
 from rollbench.comparison.sections.reference import LABELS as NAMES
 from rollbench.comparison.wings.bench.costs.assembly_bench import OURS, VECTOR, WAYS, assembly_costs, meshes
 from rollbench.comparison.wings.bench.sections import reference_time
@@ -23,6 +22,7 @@ from rollbench.comparison.wings.bench.sections.reference_time import (
     time_panel,
     time_table,
 )
+from rollbench.comparison.wings.mesh_study import section as reference_mesh
 from rollbench.reports.figures import draw
 from rollbench.reports.records import Figure, Panel, Series
 

@@ -25,6 +25,7 @@ COMMANDS = {
     "evidence": {"audit"},
     "export": {"export", "benchmark"},
     "members": {"bench"},
+    "mesh_study": {"mesh-study"},
     "extremes": {"stability"},
     "friction": {"friction"},
 }
