@@ -9,9 +9,7 @@ import numpy as np
 
 from rollbench.comparison.measure import error_percent, load_error
 from rollbench.comparison.models.comparison import REFERENCED
-from rollbench.comparison.models.grid_coverage import MANY, Held, coverage, share_of
 from rollbench.comparison.models.ladder import UNSEEN
-from rollbench.comparison.models.mesh_study import closing, studied, study_table
 from rollbench.comparison.models.modelling import REFINED, VARIED, varied
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.models.total_uncertainty import SHARED, beside_face
@@ -20,8 +18,10 @@ from rollbench.comparison.reference.grid_summary import uncertainty_percent
 from rollbench.comparison.reference.levels import LEVELS, SOURCE_LEVEL, SOURCE_MESH
 from rollbench.comparison.reference.store import Run, load
 from rollbench.comparison.reference.variants import NOT_VARIED, VARIANTS
+from rollbench.comparison.sections.grid_coverage import MANY, Held, coverage, share_of
 from rollbench.comparison.sections.reference import case_studies, modelling
-from rollbench.comparison.sections.study_figure import study_figure
+from rollbench.comparison.wings.mesh_study.figure import study_figure
+from rollbench.comparison.wings.mesh_study.table import closing, studied, study_table
 from rollbench.reports.records import Cell, Figure, Quantity, Row, Section, Table, Text
 
 References = Mapping[str, Reference]

@@ -9,10 +9,10 @@ from typing import Any
 from rollbench.comparison.commands.printing import Answer, cell
 from rollbench.comparison.commands.tables import ruled
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.evidence.audit import APART, VERDICTS, Audited, as_stored, audit, changes, counts, trust
-from rollbench.comparison.evidence.left_out import left_out, misprints
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import tables
+from rollbench.comparison.wings.evidence.audit import APART, VERDICTS, Audited, as_stored, audit, changes, counts, trust
+from rollbench.comparison.wings.evidence.left_out import left_out, misprints
 from rollbench.comparison.writing import replace_file
 
 

@@ -7,8 +7,6 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from rollbench.comparison import __version__
-from rollbench.comparison.costs.history import NAMES, QUANTITIES, Release, added, load, save
-from rollbench.comparison.costs.run_times import today
 from rollbench.comparison.models.comparison import REFERENCED
 from rollbench.comparison.models.registry import MODELS
 from rollbench.comparison.models.study import Study
@@ -16,7 +14,9 @@ from rollbench.comparison.provenance import commit
 from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.reference.grid_summary import uncertainty_percent
 from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.sections.reference_time import TimePoint, all_points
+from rollbench.comparison.wings.bench.costs.history import NAMES, QUANTITIES, Release, added, load, save
+from rollbench.comparison.wings.bench.costs.run_times import today
+from rollbench.comparison.wings.bench.sections.reference_time import TimePoint, all_points
 from rollbench.reports.records import Cell, Figure, Panel, Quantity, Section, Series, Table, Text
 
 #: How a report names its own numbers.

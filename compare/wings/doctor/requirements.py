@@ -6,9 +6,9 @@ import re
 from importlib import metadata
 
 from rollbench.comparison import __version__
-from rollbench.comparison.commands.doctor import requirements
 from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.errors import InputError
+from rollbench.comparison.wings.doctor.command import requirements
 from rollbench.meshes.libraries import EXTRAS, NEEDED_BY, ONLY_FOR, PAGES, version
 
 

@@ -17,7 +17,7 @@ from pathlib import Path
 from time import time
 from typing import Any
 
-from rollbench.comparison.costs.timing import SINGLE_THREAD
+from rollbench.comparison.wings.bench.costs.timing import SINGLE_THREAD
 
 #: Longest wait for a process [s].
 PATIENCE = 600.0

@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.member_blocks import Block, contact_loads, places, solve_block, without_random_errors
 from rollbench.comparison.models.registry import MODELS, Options, default_model, random_errors, run_model
 from rollbench.comparison.reference import parallel
 from rollbench.comparison.reference.jobs import Engine, first_here
+from rollbench.comparison.wings.members.blocks import Block, contact_loads, places, solve_block, without_random_errors
 from rollbench.lowfi.jit import STATICS, cached
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly

@@ -9,10 +9,10 @@ from fnmatch import fnmatchcase
 from functools import cache
 from typing import Any
 
-from rollbench.comparison.evidence.record import Evidence
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import KINDS, Printed, load_table, tables
 from rollbench.comparison.registration import load, registered, source_files
+from rollbench.comparison.wings.evidence.record import Evidence
 
 #: Scenes, or why there is none; empty where the kind of the entry says so (an input, arithmetic on printed numbers).
 Behind = tuple[str, ...] | str

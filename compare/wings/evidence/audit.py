@@ -12,11 +12,11 @@ from functools import cache
 from typing import Any, Literal
 
 from rollbench.comparison import data
-from rollbench.comparison.evidence.record import Evidence, sentences
-from rollbench.comparison.evidence.registry import by_table, evidence, not_computed
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import Printed, load_table, tables
 from rollbench.comparison.registration import registered, source_files
+from rollbench.comparison.wings.evidence.record import Evidence, sentences
+from rollbench.comparison.wings.evidence.registry import by_table, evidence, not_computed
 
 Verdict = Literal[
     "reproduced", "only as printed", "band", "inferred", "contradicted", "not identifiable", "input", "identity"

@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from rollbench.comparison.costs.assembly_bench import AssemblyCost
-from rollbench.comparison.costs.cold import Cold, ColdLevel, measure
+from rollbench.comparison.wings.bench.costs.assembly_bench import AssemblyCost
+from rollbench.comparison.wings.bench.costs.cold import Cold, ColdLevel, measure
 from rollbench.comparison.writing import replace_file
 
 #: File of a store that holds them.

@@ -28,6 +28,6 @@ def audit(
         File to write the list of verdicts to, as compare/printed/audit/verdicts.json holds it, or with --only the
         verdicts.json of a source's folder.
     """
-    from rollbench.comparison.commands.audit import run_audit
+    from rollbench.comparison.wings.evidence.command import run_audit
 
     return print_answer(run_audit(only or (), write=write), as_json)

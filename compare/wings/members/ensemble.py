@@ -13,6 +13,7 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
+from rollbench.comparison.models.study import Study
 from rollbench.lowfi.statics.mechanism import free_motions
 from rollbench.lowfi.statics.pressed import Pressed, pressed
 from rollbench.lowfi.statics.problem import Problem, build, distances, hertz_C, lever_arms
@@ -294,3 +295,12 @@ def _flank_motion(problem: Problem, layout: BallLayout, side: int) -> Array:
     for i, (j, row) in enumerate(zip(first, rows @ matrices, strict=True)):
         out[i, :, 6 * j : 6 * j + 12] = row
     return out
+
+
+def of_study(study: Study, name: str) -> EnsembleResult:
+    """Drawn screws of a shipped scene with random errors, as many as the study says."""
+    return study.once(_drawn, name)
+
+
+def _drawn(study: Study, name: str) -> EnsembleResult:
+    return run_ensemble(study.scene(name), study.members)

@@ -16,8 +16,8 @@ from rollbench.comparison.models.u_val import scatter
 from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.reference.grid_summary import uncertainty_percent
 from rollbench.comparison.registration import offered
-from rollbench.comparison.sections.reference_time import FLOOR, TimePoint, all_points, when_measured
 from rollbench.comparison.sections.u_val import rows_of
+from rollbench.comparison.wings.bench.sections.reference_time import FLOOR, TimePoint, all_points, when_measured
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Summary, Table, Text
 

@@ -14,9 +14,9 @@ from functools import lru_cache
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from rollbench.comparison.models.ensemble import run_ensemble, work_of
 from rollbench.comparison.models.loading import scaled
 from rollbench.comparison.models.registry import Options, run_model
+from rollbench.comparison.wings.members.ensemble import run_ensemble, work_of
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.jit import STATICS, kernels
 from rollbench.lowfi.statics.elastic_members import ElasticMembers, shared

@@ -10,13 +10,6 @@ from typing import Literal, cast
 
 import numpy as np
 
-from rollbench.comparison.costs.assembly_bench import OURS, REPEATS, AssemblyCost, assembly_costs
-from rollbench.comparison.costs.cold import Cold, ColdLevel, measure, measure_level
-from rollbench.comparison.costs.run_times import Kept, RunTime, live, today
-from rollbench.comparison.costs.run_times import load as load_times
-from rollbench.comparison.costs.run_times import save as save_times
-from rollbench.comparison.costs.set_up_costs import Costs
-from rollbench.comparison.costs.set_up_costs import load as load_costs
 from rollbench.comparison.measure import error_percent, load_error
 from rollbench.comparison.models.comparison import REFERENCED, finest_bodies, suited
 from rollbench.comparison.models.ladder import UNSEEN, Rung, ladder
@@ -27,6 +20,13 @@ from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.reference.levels import SOURCE_LEVEL, STUDIED
 from rollbench.comparison.reference.store import load, shipped_store
 from rollbench.comparison.system import machine
+from rollbench.comparison.wings.bench.costs.assembly_bench import OURS, REPEATS, AssemblyCost, assembly_costs
+from rollbench.comparison.wings.bench.costs.cold import Cold, ColdLevel, measure, measure_level
+from rollbench.comparison.wings.bench.costs.run_times import Kept, RunTime, live, today
+from rollbench.comparison.wings.bench.costs.run_times import load as load_times
+from rollbench.comparison.wings.bench.costs.run_times import save as save_times
+from rollbench.comparison.wings.bench.costs.set_up_costs import Costs
+from rollbench.comparison.wings.bench.costs.set_up_costs import load as load_costs
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from rollbench.comparison.evidence.audit import APART, VERDICTS, Audited, audit, counts, trust
-from rollbench.comparison.evidence.left_out import left_out, misprints
 from rollbench.comparison.models.study import Study
+from rollbench.comparison.wings.evidence.audit import APART, VERDICTS, Audited, audit, counts, trust
+from rollbench.comparison.wings.evidence.left_out import left_out, misprints
 from rollbench.reports.records import Quantity, Section, Table, Text
 
 

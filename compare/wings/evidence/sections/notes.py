@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from rollbench.comparison.evidence.audit import judge
-from rollbench.comparison.evidence.record import Evidence
-from rollbench.comparison.evidence.registry import evidence
 from rollbench.comparison.models.study import Study
+from rollbench.comparison.wings.evidence.audit import judge
+from rollbench.comparison.wings.evidence.record import Evidence
+from rollbench.comparison.wings.evidence.registry import evidence
 from rollbench.lowfi.statics.summary import MODEL_ASSUMPTIONS
 from rollbench.reports.records import Cell, Quantity, Row, Section, Table, Text
 

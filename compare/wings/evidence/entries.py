@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from rollbench.comparison.evidence.record import Sheet
 from rollbench.comparison.printed.printed_data import load_table
+from rollbench.comparison.wings.evidence.record import Sheet
 
 
 class Entries(Sheet):
