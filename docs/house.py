@@ -20,19 +20,26 @@ ROWS: tuple[tuple[str, ...], ...] = (
     ("kalker",),
     ("liu", "smith", "makers", "lin", "external"),
     ("rolling", "extremes"),
-    ("benchmark", "bench", "random_errors", "bearings", "crosscheck", "friction", "sweep"),
+    ("benchmark", "random_errors", "bearings", "crosscheck", "friction", "sweep"),
+    ("doctor", "evidence", "bench", "export", "mesh_study"),
+    ("members",),
     ("comparison",),
     ("lowfi", "hifi", "reports"),
     ("meshes",),
 )
 _SOURCES = (*ROWS[1], *ROWS[0])
-_WINGS = (*ROWS[3][:6], "rolling", "sweep", "extremes")
+_WINGS = (*ROWS[5], *ROWS[4], *ROWS[3][:-1], "rolling", "sweep", "extremes")
+_WIDE = 456 / len(_WINGS)
+_UPPER = {name: 130 + 29 * row for row in (2, 3, 4, 5) for name in ROWS[row]}
 #: Left edge, upper edge, width and height of each box [pt].
 _BOXES: dict[str, tuple[float, float, float, float]] = {
     **{name: (12 + 76 * k, 12 if name in ROWS[0] else 66, 70, 38) for k, name in enumerate(_SOURCES)},
-    **{name: (10 + 51 * k, 205 if name in ROWS[2] else 245, 42, 138) for k, name in enumerate(_WINGS)},
+    **{
+        name: (10 + _WIDE * k, 190 if name in ROWS[2] else 225 if name in ROWS[3] else 260, _WIDE - 9, 126)
+        for k, name in enumerate(_WINGS)
+    },
     "comparison": (14, 462, 492, 36),
-    **{name: (14 + 145 * k, 532, 130, 36) for k, name in enumerate(ROWS[5])},
+    **{name: (14 + 145 * k, 532, 130, 36) for k, name in enumerate(ROWS[7])},
     "meshes": (14, 602, 492, 36),
 }
 _FRAMES = {"sources": (4, 4, 512, 110), "wings": (4, 178, 466, 215), "core": (4, 436, 512, 212)}
@@ -76,12 +83,13 @@ def _ends(start: str, end: str, arriving: list[str]) -> tuple[tuple[float, float
     if end == "core":
         return foot, (foot[0], 436)
     if start in CORE and end in CORE:  # straight down, beside the middle row where it is passed
-        down = x + width / 2 if start in ROWS[5] else 480 if end == "meshes" else _BOXES[end][0] + _BOXES[end][2] / 2
+        down = x + width / 2 if start in ROWS[7] else 480 if end == "meshes" else _BOXES[end][0] + _BOXES[end][2] / 2
         return (down, y + height), (down, _BOXES[end][1])
     left, upper, broad, _ = _BOXES[end]
-    if start in ROWS[2]:  # a wing on another
+    if start in _WINGS:  # a wing on another
         foot = (x, y + 12)
-    return foot, (left + broad / 2 + 9 * (arriving.index(start) - (len(arriving) - 1) / 2), upper)
+    apart = min(9, broad / len(arriving))
+    return foot, (left + broad / 2 + apart * (arriving.index(start) - (len(arriving) - 1) / 2), upper)
 
 
 def draw(path: Path) -> None:

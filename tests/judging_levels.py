@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.comparison.models.applicability import SURVEY
-from rollbench.comparison.models.grid_coverage import JUDGES
 from rollbench.comparison.reference.computing import compute
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.reference.tasks import Task
 from rollbench.comparison.scenes import scene_file
+from rollbench.comparison.sections.grid_coverage import JUDGES
 from rollbench.comparison.wings.extremes.survey.draw import SEED, TUBES, scene_text
 
 LEVELS = (1, 2, 3)

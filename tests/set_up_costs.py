@@ -16,12 +16,12 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_limits
 
-from rollbench.comparison.costs.run_times import today
-from rollbench.comparison.costs.set_up_costs import FILE
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.reference.tasks import needed_sides, settings_of
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.system import machine
+from rollbench.comparison.wings.bench.costs.run_times import today
+from rollbench.comparison.wings.bench.costs.set_up_costs import FILE
 from rollbench.comparison.wings.extremes.survey.draw import SEED, scene_text
 from rollbench.hifi import setup
 from rollbench.hifi.bodies import patch

@@ -215,26 +215,9 @@ def mesh_study(
     that are not printed are varied too, on the coarsest level; store: folder of the runs, where those that are missing are
     computed. Raises InputError, Refusal where no run converged.
     """
-    from rollbench.comparison.commands.comparing.study import compute_study, levels_of, named, table_of
-    from rollbench.comparison.commands.printing import on_terminal
-    from rollbench.comparison.models.mesh_study import closing, level_rows
-    from rollbench.comparison.reference.jobs import Engine
-    from rollbench.comparison.reference.store import shipped_store
-    from rollbench.meshes.cache import default_root
-
     described = _described(scene)
-    target, stores = solvable(described, described.name), (Path(store), shipped_store())
-    engine = Engine(cache=default_root())
-    wanted = levels_of(levels)
-    references = compute_study([target], wanted, stores, engine, on_terminal, spread=spread)
-    results = [
-        {"scene": target.name, "levels": level_rows(x.found), "quantities": table_of(x, stores, wanted)} | named(x)
-        for x in references
-    ]
-    lines = tuple(closing(one.found) for one in references)
-    if isinstance(target, Scene):
-        return Result(results[0], "levels", lines)
-    return Result({"scene": target.name, "sets": results}, "sets", lines)
+    study = needed("mesh study", "mesh_study", "scene", described.name)
+    return Result(*study(solvable(described, described.name), levels, spread=spread, store=Path(store)))
 
 
 def sweep(

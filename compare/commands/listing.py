@@ -1,10 +1,9 @@
-"""The command ``rollbench list``: what is shipped, and where every printed number comes from."""
+"""The command ``rollbench list``: what is shipped."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.models.registry import AXIS_MODELS, MODELS
@@ -12,11 +11,6 @@ from rollbench.comparison.printed import printed_data
 from rollbench.comparison.registration import kinds
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.scenes.names import AXIS, WHOLE
-
-if TYPE_CHECKING:
-    from rich.table import Table
-
-    from rollbench.comparison.evidence.registry import Trace
 
 
 def shipped() -> Answer:
@@ -45,24 +39,3 @@ def _lines(data: Mapping[str, Any]) -> Iterator[str]:
         yield group.replace("_", " ")
         for name, text in entries.items():
             yield f"  {name:{width}}  {f'{text} rows' if group == 'printed_tables' else text}"
-
-
-def traced(table: str = "") -> Answer:
-    """Every printed entry of one table, or of all: table, key, as printed, class, scenes or why none, computation
-    (``module:function``), test. Raises InputError for an unknown table."""
-    from rollbench.comparison.evidence.registry import traces
-
-    entries = list(traces(table))
-    return Answer([asdict(trace) for trace in entries], _trace_tables(entries))
-
-
-def _trace_tables(traces: Sequence[Trace]) -> Iterator[Table]:
-    from rich.table import Table
-
-    out = Table(title="every printed number: scenes, computation, test", title_justify="left")
-    for heading in ("table", "key", "printed", "class", "scenes, or why none", "computed by", "test"):
-        out.add_column(heading, overflow="ellipsis" if heading == "printed" else "fold")
-    for t in traces:
-        test = t.test.removeprefix("tests/sources/")
-        out.add_row(t.table, t.key, t.printed, t.cls, ", ".join(t.scenes) or t.no_scene, t.computation, test or "–")
-    yield out

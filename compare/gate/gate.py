@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from rollbench.comparison.evidence.record import Evidence
-from rollbench.comparison.evidence.registry import evidence
 from rollbench.comparison.gate import closed_forms
 from rollbench.comparison.measure import error_percent, load_error
 from rollbench.comparison.models.comparison import REFERENCED, gate_points, known_exceedances
@@ -65,29 +63,6 @@ def number_row(name: str, kind: str, value: float, reference: float, limit: floa
     """Row of a number against a reference with a limit in per cent."""
     error = float(error_percent(value, reference))
     return GateRow(name, kind, value, reference, error, limit, abs(error) <= limit)
-
-
-def evidence_row(entry: Evidence, max_error: float) -> GateRow:
-    """Row of a printed entry: its own printed digits are the limit, and ``max_error`` on top."""
-    p = entry.printed
-    if p.value is None:
-        return GateRow(
-            f"{p.place}: {p.claim}", f"claim, {p.cls}", None, None, None, None, entry.agrees is not False, entry.words
-        )
-    label = f"{p.place}: {p.label}"
-    kind = f"printed, {p.cls}" if p.cls != "input" else "input, held by its scene"
-    if p.value == 0.0:  # no per cent of it: within its own tolerance or not
-        return GateRow(label, kind, entry.compared, 0.0, None, None, entry.agrees is True)
-    error = entry.error_percent
-    limit = min(max_error, abs(float(error_percent(p.value + p.tolerance, p.value))))
-    passed = bool(entry.agrees) and error is not None and abs(error) <= max_error
-    return GateRow(label, kind, entry.compared, p.value, error, limit, passed)
-
-
-def printed_rows(study: Study, max_error: float) -> list[GateRow]:
-    """Every hard or as-printed entry and every input of the printed tables."""
-    gated = [e for e in evidence(study) if e.printed.cls in ("hard", "as-printed", "input") and e.agrees is not None]
-    return [evidence_row(e, max_error) for e in gated]
 
 
 def closed_form_rows(study: Study, max_error: float) -> list[GateRow]:
@@ -224,7 +199,7 @@ def source_rows(study: Study, max_error: float) -> list[GateRow]:
 def run_gate(study: Study, max_error: float) -> list[GateRow]:
     """All rows of the gate."""
     return [
-        *printed_rows(study, max_error),
+        *(row for rows in offered("gate of what is printed") for row in rows(study, max_error)),
         *closed_form_rows(study, max_error),
         *solver_rows(study, max_error),
         *reference_rows(study, max_error),

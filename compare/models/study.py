@@ -8,7 +8,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
-from rollbench.comparison.models.ensemble import EnsembleResult, run_ensemble
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.reference.estimate import Reference, reference
 from rollbench.comparison.scenes import catalogue
@@ -87,10 +86,6 @@ class Study:
             self.computed[key] = make(self, *args)
         return cast(T, self.computed[key])
 
-    def ensemble(self, name: str) -> EnsembleResult:
-        """Drawn screws of a shipped scene with random errors."""
-        return self.once(_ensemble, name)
-
     def reference(self, name: str) -> Reference | None:
         """Stored 3D reference of a shipped scene with its grid convergence; None where no store has a converged run."""
         return self.once(_reference, name)
@@ -99,10 +94,6 @@ class Study:
         """Stored 3D references of those of the scenes that have one."""
         references = {name: self.reference(name) for name in names}
         return {name: ref for name, ref in references.items() if ref is not None}
-
-
-def _ensemble(study: Study, name: str) -> EnsembleResult:
-    return run_ensemble(study.scene(name), study.members)
 
 
 def _reference(study: Study, name: str) -> Reference | None:

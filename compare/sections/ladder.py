@@ -6,11 +6,11 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from rollbench.comparison.models.choices import VARIED, choices_of
 from rollbench.comparison.models.comparison import REFERENCED
 from rollbench.comparison.models.ladder import RUNGS, UNSEEN, Rung, ladder, left_out_one, shares
 from rollbench.comparison.models.model_form import SHARE
 from rollbench.comparison.models.study import Study
+from rollbench.comparison.sections.choices import VARIED, choices_of
 from rollbench.lowfi.compliance.imported import PARTS
 from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 

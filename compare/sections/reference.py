@@ -28,8 +28,8 @@ from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.reference.grid_summary import uncertainty_percent
 from rollbench.comparison.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
 from rollbench.comparison.reference.store import Run, load
+from rollbench.comparison.registration import offered
 from rollbench.comparison.sections.curves import lateral
-from rollbench.comparison.sections.reference_time import time_items
 from rollbench.meshes.parts import SIDES
 from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
@@ -293,5 +293,5 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     items: list[Any] = [Text(tuple(text)), error_table(study, found)]
     items += [over] if over.rows else []
     items += [*load_figures(study, found), *load_tables(study, found), line_figure(study, found), line_table(study, found)]
-    items += time_items(study, step)
+    items += [item for items_of in offered("run times") for item in items_of(study, step)]
     return Section("reference", title, tuple(items))

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from rollbench.comparison.models.comparison import from_result
-from rollbench.comparison.models.grid_coverage import coverage
 from rollbench.comparison.models.ladder import RUNGS, Rung, ladder, left_out_one
 from rollbench.comparison.models.registry import DEFAULT
 from rollbench.comparison.models.study import Study
@@ -21,6 +20,7 @@ from rollbench.comparison.models.u_val import (
 )
 from rollbench.comparison.reference.levels import LEVELS
 from rollbench.comparison.sections.applicability import items_of
+from rollbench.comparison.sections.grid_coverage import coverage
 from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 #: Models whose rows are shown scene by scene; bias and scatter are of every one on the ladder.

@@ -2,7 +2,7 @@
 
 The functions of the low-order models, the 3D reference and comparisons are watched in a process of its own, with empty
 caches and kernels as plain Python. One number is kept for each: a sum over its first calls, of all that it returns and of
-the arrays that it was given, as it leaves them. What round-off moves is left out, found by moduli that differ by `SHIFT`.
+what it was given, as it leaves that. What round-off moves is left out, found by moduli that differ by `SHIFT`.
 A function that is gone is no fault. Whoever changes numbers on purpose writes them anew with
 ``python -m tests.golden.test_inside [GROUP ...]`` and says why in the commit.
 """
@@ -15,9 +15,11 @@ import re
 import subprocess
 import sys
 import tempfile
+import time
 import zlib
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import is_dataclass
 from importlib.metadata import version
 from pathlib import Path
 from types import CodeType, FrameType
@@ -27,6 +29,7 @@ import numpy as np
 import pytest
 from tests.copies import ROOT
 from tests.golden.means import leaves
+from tests.golden.otherwise import PATIENCE, WAYS, Call, Late
 from tests.golden.test_answers import kept as answered
 from tests.golden.test_drawn import MAKERS
 from tests.golden.test_reference import set_up
@@ -38,6 +41,11 @@ RECORD = Path(__file__).parent / "inside.json"
 SHIFT, STEADY, TOLERANCE = 1e-11, 1e-8, 1e-7
 #: Calls of a function that are watched in one item and in all, and numbers of an array that are looked at.
 IN_ITEM, IN_ALL, MOST = 3, 60, 20_000
+#: Calls of a function with other numbers, what is said of it then; seconds of the longest, and when it is ended at once.
+IN_ALL_OTHERWISE, OTHERWISE, LONG, LATE = 18, " with other numbers", 0.015, 0.5
+#: Files whose functions are not called with other numbers: meshes are made in other processes or by libraries that do not end.
+MESHED = re.compile(r"meshes/(?!parts|errors|helix|surface|section|partition|roots|one_arc|near)|gmsh|side_by_side|threads|meshing/")
+ENDED = ("late", "MemoryError", "RecursionError")
 #: How many functions may be gone before the record has to be made anew.
 GONE = 0.1
 #: What machines, versions and round-off decide.
@@ -80,13 +88,19 @@ STUDIES = (references, grids, mesh_studies, choices, uncertainties, faces, exact
 
 
 class Watch:
-    """Folds what functions return into numbers: of each function and each name below its answers a sum."""
+    """Folds what functions return into numbers: of each function and each name below its answers a sum.
 
-    def __init__(self) -> None:
+    slow: functions that are not called with other numbers, whose calls take more than `LONG`; found where it is None.
+    """
+
+    def __init__(self, slow: Iterable[str] | None) -> None:
         self._file = {str(path): path.relative_to(ROOT).as_posix() for path in modules()}
         self._code: dict[CodeType, str] = {}
         self._in_item: Counter[CodeType] = Counter()
         self._calls: Counter[str] = Counter()
+        self._begins: dict[CodeType, int] = {}
+        self._search = slow is None
+        self.slow = set(slow or ())
         self.sums: dict[str, dict[str, float]] = defaultdict(lambda: defaultdict(float))
 
     def next_item(self) -> None:
@@ -95,7 +109,7 @@ class Watch:
 
     def __call__(self, frame: FrameType, event: str, value: Any) -> None:
         """As `sys.setprofile` wants it."""
-        if event != "return":
+        if event not in ("call", "return"):
             return
         code = frame.f_code
         name = self._code.get(code)
@@ -105,21 +119,51 @@ class Watch:
             name = self._code[code] = f"{file}:{code.co_qualname}" if watched else ""
         if not name or self._in_item[code] >= IN_ITEM or self._calls[name] >= IN_ALL:
             return
-        self._in_item[code] += 1
-        self._calls[name] += 1
         sys.setprofile(None)
         try:
-            self._fold(name, value, frame)
+            if event == "call":
+                self._otherwise(name, frame)
+            else:
+                self._in_item[code] += 1
+                self._calls[name] += 1
+                count = code.co_argcount + code.co_kwonlyargcount
+                given = {key: frame.f_locals[key] for key in code.co_varnames[:count] if key in frame.f_locals}
+                self._fold(name, {"": value, "given": given}, self._calls[name])
         finally:
             sys.setprofile(self)
 
-    def _fold(self, name: str, value: Any, frame: FrameType) -> None:
-        given = frame.f_locals
-        count = frame.f_code.co_argcount + frame.f_code.co_kwonlyargcount
-        arrays = {key: given[key] for key in frame.f_code.co_varnames[:count] if isinstance(given.get(key), np.ndarray)}
-        weight = 1.3 + np.cos(self._calls[name])
-        for place, number in contributions({"": value, "given": arrays}):
-            self.sums[name][place] += weight * number
+    def _otherwise(self, name: str, frame: FrameType) -> None:
+        """Call a function that is about to begin with other numbers."""
+        code, also = frame.f_code, f"{name}{OTHERWISE}"
+        begins = self._begins.setdefault(code, frame.f_lasti) == frame.f_lasti  # no generator that goes on
+        left_out = MESHED.search(name) or name in self.slow
+        if not begins or left_out or self._in_item[code] or self._calls[also] >= IN_ALL_OTHERWISE:
+            return
+        call = Call(frame)
+        for way in range(WAYS):
+            self._calls[also] += 1
+            started = time.process_time()
+            try:
+                answer = call.again(code, way, LATE if self._search else PATIENCE)
+            except Late:
+                answer = {"": "late"}
+            self._fold(also, answer, self._calls[also])
+            ended = isinstance(answer[""], str) and answer[""] in ENDED
+            if self._search and (ended or time.process_time() - started > LONG):
+                self.slow.add(name)
+                return
+
+    def _fold(self, name: str, answer: dict[str, Any], number: int) -> None:
+        weight = 1.3 + np.cos(number)
+        answer = {"": held(answer[""]), "given": {key: held(value) for key, value in answer.get("given", {}).items()}}
+        for place, share in contributions(answer):
+            self.sums[name][place] += weight * share
+
+
+def held(value: Any) -> Any:
+    """What an object holds; of others, the same."""
+    ours = type(value).__module__.startswith("rollbench.") and not is_dataclass(value)
+    return vars(value) if ours and hasattr(value, "__dict__") else value
 
 
 def contributions(value: Any) -> Iterator[tuple[str, float]]:
@@ -162,9 +206,9 @@ def items(group: str, shift: float) -> Iterator[Callable[[], Any]]:
     yield from {"reference": STUDIES, "3D": (set_up,)}.get(group, ())
 
 
-def watch(group: str, shift: float) -> dict[str, dict[str, float]]:
-    """Sums of a group's functions, in this process."""
-    watch = Watch()
+def watch(group: str, shift: float, slow: list[str] | None) -> tuple[dict[str, dict[str, float]], list[str]]:
+    """Sums of a group's functions, in this process, and those that are slow."""
+    watch = Watch(slow)
     for item in items(group, shift):
         watch.next_item()
         sys.setprofile(watch)
@@ -172,11 +216,13 @@ def watch(group: str, shift: float) -> dict[str, dict[str, float]]:
             item()
         finally:
             sys.setprofile(None)
-    return watch.sums
+    return watch.sums, sorted(watch.slow)
 
 
-def watched(group: str, shift: float, **environment: str) -> dict[str, dict[str, float]]:
-    """Sums of a group's functions, in a process of its own."""
+def watched(
+    group: str, shift: float, slow: list[str] | None, **environment: str
+) -> tuple[dict[str, dict[str, float]], list[str]]:
+    """The same in a process of its own."""
     with tempfile.TemporaryDirectory() as folder:
         alone = {
             "ROLLBENCH_CACHE": folder,
@@ -187,6 +233,7 @@ def watched(group: str, shift: float, **environment: str) -> dict[str, dict[str,
             "PYTHONPATH": str(ROOT / ".import"),
         }
         out = Path(folder) / "sums.json"
+        out.write_text(json.dumps(slow), encoding="utf-8")
         command = [sys.executable, "-m", "tests.golden.test_inside", "--watch", group, str(shift), str(out)]
         done = subprocess.run(
             command, cwd=ROOT, env=os.environ | alone | environment, capture_output=True, text=True, check=False
@@ -197,9 +244,10 @@ def watched(group: str, shift: float, **environment: str) -> dict[str, dict[str,
 
 def written(group: str) -> dict[str, Any]:
     """The record of a group: each function's number, and the names that round-off, threads or old memory moves."""
-    again = watched(group, 0.0, MALLOC_PERTURB_="99", OMP_NUM_THREADS="2", OPENBLAS_NUM_THREADS="2")
-    first, other = watched(group, 0.0), watched(group, SHIFT)
-    record = {}
+    _, slow = watched(group, 0.0, None)
+    again, _ = watched(group, 0.0, slow, MALLOC_PERTURB_="99", OMP_NUM_THREADS="2", OPENBLAS_NUM_THREADS="2")
+    (first, _), (other, _) = watched(group, 0.0, slow), watched(group, SHIFT, slow)
+    record: dict[str, Any] = {"slow": slow}
     for name, sums in sorted(first.items()):
         moving = sorted(
             place
@@ -235,7 +283,8 @@ def test_nothing_moves_inside(group):
     record = json.loads(RECORD.read_text(encoding="utf-8"))
     if group == "3D" and record["gmsh"] != version("gmsh"):
         pytest.skip("the record's meshes are another gmsh's")
-    sums, kept = watched(group, 0.0), record[group]
+    kept = record[group]
+    sums, _ = watched(group, 0.0, kept.pop("slow"))
     assert len(kept.keys() - sums.keys()) <= GONE * len(kept)
     moved = {
         name: (total(sums[name], moving[0] if moving else []), number)
@@ -247,8 +296,8 @@ def test_nothing_moves_inside(group):
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["--watch"]:
-        group, shift, out = sys.argv[2:]
-        Path(out).write_text(json.dumps(watch(group, float(shift))), encoding="utf-8")
+        group, shift, out = sys.argv[2], float(sys.argv[3]), Path(sys.argv[4])
+        out.write_text(json.dumps(watch(group, shift, json.loads(out.read_text(encoding="utf-8")))), encoding="utf-8")
         sys.exit()
     old = json.loads(RECORD.read_text(encoding="utf-8")) if sys.argv[1:] else {}
     record = {"gmsh": version("gmsh")} | {g: written(g) if g in (sys.argv[1:] or GROUPS) else old[g] for g in GROUPS}

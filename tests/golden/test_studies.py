@@ -20,7 +20,6 @@ from rollbench.comparison.models import (
     applicability,
     compared_point,
     loading,
-    mesh_study,
     model_form,
     modelling,
     total_uncertainty,
@@ -31,6 +30,7 @@ from rollbench.comparison.models.registry import MODELS, Options, run_model
 from rollbench.comparison.models.study import Study, with_balls, with_groove
 from rollbench.comparison.reference import convergence, grid_fits, levels, near_face, sets, tasks, variants
 from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.wings.mesh_study import table as mesh_study
 
 RECORD = Path(__file__).parent / "studies.json"
 STUDY = cache(Study)

@@ -57,6 +57,12 @@ __import__("builtins")._note = _note
 """
 EXAMPLES = "tests/unit/commands/test_doctests.py::test_examples[{}]"
 PHYSICS = ("lowfi", "hifi", "meshes", "compare/models", "compare/reference", "compare/gate", "compare/wings/rolling")
+#: And single modules of folders that hold more than physics.
+SINGLE = (
+    *(f"compare/wings/members/{name}.py" for name in ("blocks", "ensemble", "members")),
+    "compare/wings/mesh_study/table.py",
+    *(f"compare/sections/{name}.py" for name in ("choices", "grid_coverage")),
+)
 #: What is no physics there: files, processes, stores, text.
 OTHERS = re.compile(
     r"__init__|jit|leftovers|libraries|private|packed|cache|workers|memory|canonical|frozen|bridge|records|store|sealing|jobs"
@@ -70,7 +76,7 @@ _OPERATOR = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"} | {
 
 def modules() -> list[Path]:
     """All modules of physics."""
-    found = sorted(path for folder in PHYSICS for path in (ROOT / folder).rglob("*.py"))
+    found = sorted((*(path for folder in PHYSICS for path in (ROOT / folder).rglob("*.py")), *(ROOT / x for x in SINGLE)))
     return [path for path in found if not OTHERS.search(path.stem)]
 
 

@@ -2,10 +2,10 @@
 
 from tests.evidence_study import STUDY
 
-from rollbench.comparison.evidence.audit import data_digest, judge, stored
-from rollbench.comparison.evidence.record import Evidence
-from rollbench.comparison.evidence.registry import evidence
 from rollbench.comparison.printed.printed_data import load_table
+from rollbench.comparison.wings.evidence.audit import data_digest, judge, stored
+from rollbench.comparison.wings.evidence.record import Evidence
+from rollbench.comparison.wings.evidence.registry import evidence
 
 
 def keys(*tables: str) -> list[str]:

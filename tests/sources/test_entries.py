@@ -5,11 +5,11 @@ from collections import Counter
 import pytest
 from tests.evidence_study import GROUP, STUDY
 
-from rollbench.comparison.evidence.audit import judge
-from rollbench.comparison.evidence.left_out import misprints
-from rollbench.comparison.evidence.registry import evidence
-from rollbench.comparison.gate.gate import evidence_row
 from rollbench.comparison.printed.printed_data import load_table, tables
+from rollbench.comparison.wings.evidence.audit import judge
+from rollbench.comparison.wings.evidence.gate import evidence_row
+from rollbench.comparison.wings.evidence.left_out import misprints
+from rollbench.comparison.wings.evidence.registry import evidence
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

@@ -11,10 +11,9 @@ from rollbench.comparison.registration import registered
 #: Modules of this folder and the commands of the core that they add.
 CORE = {
     "scenes": ("list", "schema", "new", "solve", "condense"),
-    "reference": ("mesh-study", "compare", "export"),
+    "reference": ("compare",),
     "validation": ("report", "verify", "check"),
-    "many": ("audit",),
-    "machine": ("doctor", "completion"),
+    "machine": ("completion",),
 }
 #: Commands that tell of all others.
 OF_ALL = ("completion",)

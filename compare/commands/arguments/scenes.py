@@ -10,6 +10,7 @@ from cyclopts import Parameter
 from rollbench.comparison.commands.arguments.terminal import Flag, Json, Word, app, cache_folder
 from rollbench.comparison.commands.printing import Answer, print_answer, print_json
 from rollbench.comparison.errors import InputError
+from rollbench.comparison.registration import needed
 
 
 @app.command(name="list")
@@ -26,7 +27,11 @@ def list_(*, trace: Flag = False, table: Word = "", as_json: Json = False) -> No
     """
     from rollbench.comparison.commands import listing
 
-    print_answer(listing.traced(table) if trace or table else listing.shipped(), as_json)
+    if trace or table:
+        traced = needed("traces", "command line", *(("--table", table) if table else ("--trace", "given")))
+        print_answer(traced(table), as_json)
+    else:
+        print_answer(listing.shipped(), as_json)
 
 
 @app.command
@@ -140,14 +145,15 @@ def solve(
     from rollbench.comparison.commands.solving.solve_choices import Choices
 
     if members is not None:
-        from rollbench.comparison.commands.solving import members as ensembles
         from rollbench.comparison.reference.jobs import Engine
+
+        members_of = needed("members", "command line", "--members", str(members))
 
         if stiffness_at or strict or any(file is not None for file in (matrix, curve, loads_csv)):
             named = "--stiffness-at, --matrix, --curve, --loads-csv, --strict"
             raise InputError("command line", named, "given", "without --members", "they are of one member: --member K")
         how = Engine(workers=workers)
-        return print_answer(ensembles.run(scene, model, members, csv_out=csv, seed=seed, engine=how, balls=balls), as_json)
+        return print_answer(members_of(scene, model, members, csv_out=csv, seed=seed, engine=how, balls=balls), as_json)
     if csv is not None or seed is not None or workers is not None:
         raise InputError("command line", "--csv, --seed, --workers", "given", "with --members", "add --members N")
     choices = Choices(

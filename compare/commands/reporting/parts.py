@@ -39,20 +39,25 @@ CORE = (
     Part("how-to-read", "sections.how_to_read", quick=True, runs=True, beside=True, page="reading"),
     Part("sheets", "sections.sheets", quick=True, runs=True, beside=True, page="cases"),
     Part("reference", "sections.reference", quick=True, runs=True, meshes=True, beside=True, page="cases"),
-    Part("overview", "sections.overview", quick=True, runs=True, beside=True, page="accuracy"),
     Part("ladder", "sections.ladder", quick=True, runs=True, meshes=True, beside=True, page="accuracy"),
     Part("u-val", "sections.u_val", quick=True, runs=True, meshes=True, beside=True, page="accuracy"),
-    Part("reference-mesh", "sections.reference_mesh", quick=True, runs=True, beside=True, page="reference"),
     Part("pictures", "sections.pictures", meshes=True, beside=True, page="reference"),
     Part("verification", "sections.verification", meshes=True, beside=True, page="reference"),
     Part("fit", "sections.fit", quick=True, page="trust"),
-    Part("notes", "sections.notes", quick=True, runs=True, page="trust"),
-    Part("history", "sections.history", quick=True, runs=True, beside=True, page="trust"),
-    Part("verdicts", "sections.verdicts", runs=True, page="entries"),
-    Part("audit", "sections.audit", runs=True, page="entries"),
 )
 #: Sections that stand before others of their page.
-FIRST = ("overview", "sheets", "reference", "reference-mesh", "stability", "tolerances", "friction", "outside", "fit")
+FIRST = (
+    "overview",
+    "sheets",
+    "reference",
+    "reference-mesh",
+    "stability",
+    "tolerances",
+    "friction",
+    "outside",
+    "fit",
+    "notes",
+)
 
 
 def _place(part: Part) -> tuple[int, int]:

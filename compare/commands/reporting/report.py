@@ -107,10 +107,10 @@ def keep_experience(stores: Sequence[Path]) -> None:
     """Write what all compared scenes tell of one another into the first store: parts of the discretisation that a scene's
     own levels do not show, and the modelling choices."""
     from rollbench.comparison.models import total_uncertainty
-    from rollbench.comparison.models.grid_coverage import experience
     from rollbench.comparison.models.modelling import VARIED, combined, varied
     from rollbench.comparison.models.study import Study
     from rollbench.comparison.reference import grid_parts
+    from rollbench.comparison.sections.grid_coverage import experience
 
     study = Study(stores)
     known = experience(study)

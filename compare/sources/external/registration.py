@@ -4,6 +4,7 @@ from rollbench.comparison.registration import Part, Registration
 
 REGISTRATION = Registration(
     title="other programs, makers, textbooks",
+    needs=("evidence",),
     parts=(
         Part("external", "sources.external.section", runs=True, needs=("bearings", "friction", "rolling"), page="outside"),
         Part("holding", "sources.external.holding", runs=True, beside=True, page="outside"),

@@ -7,17 +7,17 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from rollbench.comparison.evidence.audit import judge
-from rollbench.comparison.evidence.record import Evidence
-from rollbench.comparison.evidence.registry import by_table, evidence
 from rollbench.comparison.models.ladder import UNSEEN
 from rollbench.comparison.models.registry import DEFAULT
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import entry
-from rollbench.comparison.sections.finding_table import printed_table
 from rollbench.comparison.sources.external.evidence import bearings, screws
 from rollbench.comparison.sources.external.evidence.case import PREFIX, assumptions
 from rollbench.comparison.sources.external.rigidity_stages import stages_table
+from rollbench.comparison.wings.evidence.audit import judge
+from rollbench.comparison.wings.evidence.record import Evidence
+from rollbench.comparison.wings.evidence.registry import by_table, evidence
+from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 from rollbench.reports.records import Cell, Figure, Panel, Quantity, Section, Series, Table, Text

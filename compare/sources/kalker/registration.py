@@ -4,7 +4,7 @@ from rollbench.comparison.registration import Part, Registration
 
 REGISTRATION = Registration(
     title="Kalker (1990)",
-    needs=("rolling",),
+    needs=("evidence", "rolling"),
     parts=(
         Part(
             "rolling",

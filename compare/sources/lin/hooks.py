@@ -4,16 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import asdict
+from typing import TYPE_CHECKING
 
-from rollbench.comparison.costs.timing import Job
 from rollbench.comparison.registration import registered
 from rollbench.reports.records import Cell, Quantity, Table, Text
+
+if TYPE_CHECKING:
+    from rollbench.comparison.wings.bench.costs.timing import Job
 
 
 def bench_jobs() -> Iterator[Job]:
     """Friction and ball motion as jobs of ``rollbench bench``."""
     if "friction" in registered():
         from rollbench.comparison.sources.lin.bench import jobs
+        from rollbench.comparison.wings.bench.costs.timing import Job
 
         for row in jobs(5):
             text = f"{row.note}; target {row.target:g} s"

@@ -4,6 +4,7 @@ from rollbench.comparison.registration import Part, Registration
 
 REGISTRATION = Registration(
     title="Lin (2019)",
+    needs=("evidence", "members"),
     parts=(
         Part("hertz", "sources.lin.sections.hertz", page="reference"),
         Part("cases", "sources.lin.sections.cases", quick=True, runs=True, page="cases"),

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from threadpoolctl import threadpool_limits
 
-from rollbench.comparison.costs.timing import Job, timed
 from rollbench.comparison.sources.liu.evidence import case
+from rollbench.comparison.wings.bench.costs.timing import Job, timed
 from rollbench.lowfi.random_errors.chain import LAWS, Chain
 from rollbench.lowfi.random_errors.elimination import solve_by_elimination
 from rollbench.lowfi.random_errors.ensemble import draw_errors, solve_ensemble

@@ -4,7 +4,7 @@ from rollbench.comparison.registration import Part, Registration
 
 REGISTRATION = Registration(
     title="Liu et al. (2025)",
-    needs=("random_errors",),
+    needs=("evidence", "random_errors"),
     parts=(Part("liu", "sources.liu.section", page="sources"),),
     functions={
         "bench": "sources.liu.bench:jobs",

@@ -3,7 +3,7 @@
 from rollbench.comparison.registration import Part, Registration
 
 REGISTRATION = Registration(
-    needs=("bearings", "friction"),
+    needs=("bearings", "evidence", "friction"),
     parts=(Part("outside", "sources.makers.section", page="outside"),),
     functions={"outside": "sources.makers.values:first_page"},
 )

@@ -3,5 +3,5 @@
 from rollbench.comparison.registration import Part, Registration
 
 REGISTRATION = Registration(
-    title="Smith (1994)", needs=("bearings",), parts=(Part("smith", "sources.smith.section", page="sources"),)
+    title="Smith (1994)", needs=("bearings", "evidence"), parts=(Part("smith", "sources.smith.section", page="sources"),)
 )

@@ -18,12 +18,12 @@ from statistics import median
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from rollbench.comparison.costs.timing import Job, launch, timed
-from rollbench.comparison.models.ensemble import ENOUGH, run_ensemble
 from rollbench.comparison.models.study import with_balls
 from rollbench.comparison.scenes.catalogue import scene as shipped
+from rollbench.comparison.wings.bench.costs.timing import Job, launch, timed
 from rollbench.comparison.wings.bench.prepared import TOLERANCE, Energy, Refined, Source
 from rollbench.comparison.wings.bench.startup import command_line_job, startup_jobs
+from rollbench.comparison.wings.members.ensemble import ENOUGH, run_ensemble
 from rollbench.lowfi.as_source import static as lin
 from rollbench.lowfi.statics.response import forget
 from rollbench.lowfi.statics.static import solve_static

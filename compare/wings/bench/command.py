@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 from rollbench.comparison.commands.printing import Answer, cell, on_terminal
 from rollbench.comparison.commands.tables import ruled
-from rollbench.comparison.costs.timing import Job
 from rollbench.comparison.registration import offered
 from rollbench.comparison.wings.bench.axis_bench import jobs as axis_jobs
 from rollbench.comparison.wings.bench.bench import run_bench
+from rollbench.comparison.wings.bench.costs.timing import Job
 from rollbench.comparison.wings.bench.long import long_jobs
 from rollbench.comparison.wings.bench.typed import as_typed
 

@@ -15,11 +15,11 @@ from time import perf_counter, time_ns
 from typing import Literal
 
 from rollbench.comparison import __version__
-from rollbench.comparison.costs.run_times import today
-from rollbench.comparison.costs.timing import Job, launch, single_threaded
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.scenes.catalogue import scene_text
 from rollbench.comparison.system import machine
+from rollbench.comparison.wings.bench.costs.run_times import today
+from rollbench.comparison.wings.bench.costs.timing import Job, launch, single_threaded
 from rollbench.comparison.wings.bench.typed import BASE, COMPILED, cpu_seconds
 from rollbench.comparison.writing import replace_file
 

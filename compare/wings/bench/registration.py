@@ -3,6 +3,12 @@
 from rollbench.comparison.registration import Part, Registration
 
 REGISTRATION = Registration(
+    needs=("members",),
     commands={"bench": "wings.bench.arguments"},
-    parts=(Part("timing", "wings.bench.section", alone=True, page="robustness"),),
+    parts=(
+        Part("overview", "wings.bench.sections.overview", quick=True, runs=True, beside=True, page="accuracy"),
+        Part("history", "wings.bench.sections.history", quick=True, runs=True, beside=True, page="trust"),
+        Part("timing", "wings.bench.section", alone=True, page="robustness"),
+    ),
+    functions={"run times": "wings.bench.sections.reference_time:time_items"},
 )

@@ -7,13 +7,13 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, replace
 from typing import Any
 
-from rollbench.comparison.costs.timing import Job
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import entry, load_table
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.registration import offered
 from rollbench.comparison.wings.bench.axis_bench import jobs as axis_jobs
 from rollbench.comparison.wings.bench.bench import run_bench
+from rollbench.comparison.wings.bench.costs.timing import Job
 from rollbench.comparison.wings.bench.long import kept, now_and_here, save
 from rollbench.comparison.wings.bench.typed import as_typed, scaling, spent_table
 from rollbench.reports.records import Quantity, Row, Section, Table, Text

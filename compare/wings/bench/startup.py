@@ -7,7 +7,7 @@ import subprocess
 import tempfile
 from collections.abc import Iterator
 
-from rollbench.comparison.costs.timing import Job, launch
+from rollbench.comparison.wings.bench.costs.timing import Job, launch
 
 
 def command_line_job() -> Job:

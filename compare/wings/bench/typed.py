@@ -13,14 +13,14 @@ from time import process_time
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from rollbench.comparison.costs.run_times import today
-from rollbench.comparison.costs.timing import Job, launch
-from rollbench.comparison.models.members import run_members
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.models.study import Study, with_balls
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.scenes.catalogue import scene as shipped
 from rollbench.comparison.system import machine
+from rollbench.comparison.wings.bench.costs.run_times import today
+from rollbench.comparison.wings.bench.costs.timing import Job, launch
+from rollbench.comparison.wings.members.members import run_members
 from rollbench.comparison.writing import replace_file
 from rollbench.lowfi.statics.elastic_system import LARGEST
 from rollbench.meshes.kept import made_anew
@@ -57,10 +57,10 @@ TYPED = (
     Typed("solve lin-case1", BASE, _SOLVE, 0.6),
     Typed("solve lin-case1 --model lin", BASE, _SOLVE, 0.4),
     Typed("friction lin-case1", BASE, "wings.friction.whole", 0.6),
-    Typed("solve lin-random --members 100 --model lin", COMPILED, "commands.solving.members", 1.0),
-    Typed("solve lin-random --members 10000 --model lin", COMPILED, "commands.solving.members", 3.0, 2),
-    Typed("solve lin-random --members 20", COMPILED, "commands.solving.members", 1.0),
-    Typed("solve lin-random --members 1000", COMPILED, "commands.solving.members", 2.0, 2),
+    Typed("solve lin-random --members 100 --model lin", COMPILED, "wings.members.command", 1.0),
+    Typed("solve lin-random --members 10000 --model lin", COMPILED, "wings.members.command", 3.0, 2),
+    Typed("solve lin-random --members 20", COMPILED, "wings.members.command", 1.0),
+    Typed("solve lin-random --members 1000", COMPILED, "wings.members.command", 2.0, 2),
 )
 #: File of a store that holds time and memory over size.
 GROWTH = "growth.json"

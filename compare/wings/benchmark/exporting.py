@@ -11,7 +11,6 @@ from string import Template
 from typing import Any
 
 from rollbench.comparison import __version__
-from rollbench.comparison.commands.export import BODIES, part_mesh
 from rollbench.comparison.models.total_uncertainty import SHARED
 from rollbench.comparison.system import need_gmsh, need_packages
 from rollbench.comparison.wings.benchmark import scoring
@@ -19,6 +18,7 @@ from rollbench.comparison.wings.benchmark.answers import FILE, Answers, mean_loa
 from rollbench.comparison.wings.benchmark.neutral import described
 from rollbench.comparison.wings.benchmark.problems import HERE, JUNCTION, NAME, PROBLEMS, Problem, fixed_text
 from rollbench.comparison.wings.benchmark.schema import schema
+from rollbench.comparison.wings.export.command import BODIES, part_mesh
 from rollbench.comparison.writing import replace_file
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.bridge import write_mesh

@@ -9,10 +9,10 @@ import numpy as np
 from joblib.externals.loky import get_reusable_executor
 from threadpoolctl import threadpool_limits
 
-from rollbench.comparison.costs.timing import Job, timed
 from rollbench.comparison.scenes.catalogue import shipped
 from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.system import cores
+from rollbench.comparison.wings.bench.costs.timing import Job, timed
 from rollbench.comparison.wings.rolling.cases import case_of
 from rollbench.comparison.wings.rolling.from_rest import DURATION, GAP
 from rollbench.comparison.wings.rolling.low_order import low_order

@@ -8,9 +8,9 @@ from itertools import count
 
 from threadpoolctl import threadpool_limits
 
-from rollbench.comparison.costs.timing import Job, timed
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.scenes.catalogue import scene, scene_text
+from rollbench.comparison.wings.bench.costs.timing import Job, timed
 from rollbench.comparison.wings.sweep.keys import Vary, read_vary
 from rollbench.comparison.wings.sweep.sample import solve_sample
 

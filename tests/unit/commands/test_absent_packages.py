@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from rollbench.comparison.commands.doctor import requirements
+from rollbench.comparison.wings.doctor.command import requirements
 from rollbench.lowfi import jit
 from rollbench.meshes import libraries
 

@@ -12,8 +12,6 @@ import numpy as np
 import pytest
 
 from rollbench.comparison import __version__
-from rollbench.comparison.costs import timing
-from rollbench.comparison.costs.timing import Job, timed
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.scenes.catalogue import scene as shipped
@@ -22,6 +20,8 @@ from rollbench.comparison.sources.liu import bench as chain_bench
 from rollbench.comparison.wings.bench import bench, long, startup, typed
 from rollbench.comparison.wings.bench.arguments import bench as bench_command
 from rollbench.comparison.wings.bench.bench import run_bench
+from rollbench.comparison.wings.bench.costs import timing
+from rollbench.comparison.wings.bench.costs.timing import Job, timed
 from rollbench.comparison.wings.bench.prepared import Energy, Source
 from rollbench.comparison.wings.bench.startup import command_line_job
 from rollbench.lowfi.jit import code_folder

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from rollbench.comparison import system
-from rollbench.comparison.commands import doctor
+from rollbench.comparison.wings.doctor import command as doctor
 from rollbench.meshes import libraries
 from rollbench.meshes.libraries import MESHING, PICTURES, install, missing
 from rollbench.reports import offscreen

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.models.ensemble import BATCH_PATH, GENERAL_PATH, one_pass, run_ensemble, work_of
 from rollbench.comparison.scenes.catalogue import scene as shipped
+from rollbench.comparison.wings.members.ensemble import BATCH_PATH, GENERAL_PATH, one_pass, run_ensemble, work_of
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.errors import specimen, specimens
 from rollbench.meshes.generators import generators

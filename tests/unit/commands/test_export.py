@@ -14,12 +14,12 @@ from scipy.sparse.linalg import spsolve
 from skfem.quadrature import get_quadrature
 from tests.fe_meshes import boundary_faces, jacobians, nodal_areas
 
-from rollbench.comparison.commands import export as export_command
-from rollbench.comparison.commands.export import parts_of, run_export
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.reference.levels import LEVELS
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.wings.crosscheck.calculix import run_calculix
+from rollbench.comparison.wings.export import command as export_command
+from rollbench.comparison.wings.export.command import parts_of, run_export
 from rollbench.hifi.bodies import submodel
 from rollbench.hifi.elements import assembly
 from rollbench.hifi.elements.assembly import assemble

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 from hatchling.builders.wheel import WheelBuilder
 
-from rollbench.comparison.commands import requirements as module
-from rollbench.comparison.commands.requirements import closure, run_requirements
 from rollbench.comparison.errors import InputError
+from rollbench.comparison.wings.doctor import requirements as module
+from rollbench.comparison.wings.doctor.requirements import closure, run_requirements
 from rollbench.meshes.libraries import NEEDED_BY, ONLY_FOR, version
 
 ROOT = Path(__file__).parents[3]

@@ -119,7 +119,7 @@ def test_no_code_comes_from_the_working_folder(tmp_path):
         "import sys, runpy; from rollbench.reports import offscreen\n"
         "try: offscreen.draw_in_child('rollbench.reports.nowhere', None, 'x.png')\n"
         "except RuntimeError as error: print(error)\n"
-        "from rollbench.comparison.costs.timing import launch\n"
+        "from rollbench.comparison.wings.bench.costs.timing import launch\n"
         "print(launch(['-c', 'import numpy; print(numpy.__file__)'])[1].stdout)\n"
     )
     root = str(Path(__file__).parents[3] / ".import")

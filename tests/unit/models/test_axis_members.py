@@ -8,10 +8,10 @@ import pytest
 from tests.axes import double_nut, fixed_axis
 
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.models.member_blocks import columns, contact_loads, life_sum, with_seed
-from rollbench.comparison.models.members import run_members
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.wings.members.blocks import columns, contact_loads, life_sum, with_seed
+from rollbench.comparison.wings.members.members import run_members
 from rollbench.lowfi.statics.axis.system import placed
 from rollbench.meshes.parts import BallErrors
 

@@ -9,7 +9,14 @@ from tests.judging_levels import COUNT, chosen, name_of
 
 from rollbench.comparison.models import total_uncertainty
 from rollbench.comparison.models.answers import load_answers
-from rollbench.comparison.models.grid_coverage import (
+from rollbench.comparison.models.modelling import VARIED, combined, varied
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.reference.convergence import observe
+from rollbench.comparison.reference.grid_parts import both_flanks, moving, read
+from rollbench.comparison.reference.levels import ADVISED, LEVELS
+from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison.scenes import scene_file
+from rollbench.comparison.sections.grid_coverage import (
     MANY,
     Held,
     coverage,
@@ -19,18 +26,11 @@ from rollbench.comparison.models.grid_coverage import (
     levelled,
     share_of,
 )
-from rollbench.comparison.models.mesh_study import study_table
-from rollbench.comparison.models.modelling import VARIED, combined, varied
-from rollbench.comparison.models.study import Study
-from rollbench.comparison.reference.convergence import observe
-from rollbench.comparison.reference.grid_parts import both_flanks, moving, read
-from rollbench.comparison.reference.levels import ADVISED, LEVELS
-from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.scenes import scene_file
-from rollbench.comparison.sections.reference_mesh import coverage_table, shared_text
 from rollbench.comparison.wings.crosscheck.data import load, shipped
 from rollbench.comparison.wings.crosscheck.fit import extrapolate
 from rollbench.comparison.wings.extremes.survey.draw import SEED, scene_text
+from rollbench.comparison.wings.mesh_study.section import coverage_table, shared_text
+from rollbench.comparison.wings.mesh_study.table import study_table
 from rollbench.meshes.loads import mean_load
 
 pytestmark = pytest.mark.xdist_group("grid_coverage")

@@ -11,12 +11,12 @@ from scipy.special import bdtr
 from scipy.stats import binom, norm
 
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.models import members
-from rollbench.comparison.models.member_blocks import KEPT, STEP, life_sum
-from rollbench.comparison.models.members import LEVELS, _binomial_quantile, run_members, statistics
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.reference.jobs import Engine
 from rollbench.comparison.scenes.catalogue import scene as shipped
+from rollbench.comparison.wings.members import members
+from rollbench.comparison.wings.members.blocks import KEPT, STEP, life_sum
+from rollbench.comparison.wings.members.members import LEVELS, _binomial_quantile, run_members, statistics
 from rollbench.meshes.errors import without_draws
 from rollbench.meshes.parts import BallErrors, FourierTerm, SideErrors
 

@@ -3,10 +3,10 @@
 import pytest
 
 from rollbench.comparison.measure import load_error
-from rollbench.comparison.models.grid_coverage import judges, levelled
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison.sections.grid_coverage import judges, levelled
 from rollbench.lowfi.statics.nominal import nominal_contacts
 
 pytestmark = pytest.mark.xdist_group("grid_coverage")

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from rollbench.comparison.evidence import audit
-from rollbench.comparison.evidence.left_out import left_out, misprints
-from rollbench.comparison.evidence.record import Evidence
 from rollbench.comparison.printed.printed_data import Printed, load_table, tables
+from rollbench.comparison.wings.evidence import audit
+from rollbench.comparison.wings.evidence.left_out import left_out, misprints
+from rollbench.comparison.wings.evidence.record import Evidence
 
 ROOT = Path(__file__).resolve().parents[3]
 ENTRIES = [row for name in tables() for row in load_table(name)]

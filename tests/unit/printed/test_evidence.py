@@ -2,12 +2,12 @@
 
 import pytest
 
-from rollbench.comparison.evidence.audit import judge
-from rollbench.comparison.evidence.record import Evidence, Sheet
-from rollbench.comparison.evidence.registry import by_table, evidence
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import entry, load_table
-from rollbench.comparison.sections.finding_table import FAULTS, printed_table
+from rollbench.comparison.wings.evidence.audit import judge
+from rollbench.comparison.wings.evidence.record import Evidence, Sheet
+from rollbench.comparison.wings.evidence.registry import by_table, evidence
+from rollbench.comparison.wings.evidence.sections.finding_table import FAULTS, printed_table
 
 
 def test_sheet_keeps_the_order_of_the_table_and_leaves_the_rest_open():

@@ -7,12 +7,12 @@ from pathlib import Path
 import pytest
 
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.evidence.audit import VERDICTS, Audited, judge
-from rollbench.comparison.evidence.audit import counts as audit_counts
-from rollbench.comparison.evidence.record import Evidence, sentences
 from rollbench.comparison.printed import printed_data
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.sections import verdicts
+from rollbench.comparison.wings.evidence.audit import VERDICTS, Audited, judge
+from rollbench.comparison.wings.evidence.audit import counts as audit_counts
+from rollbench.comparison.wings.evidence.record import Evidence, sentences
+from rollbench.comparison.wings.evidence.sections import verdicts
 from rollbench.lowfi.friction.screw.run import Run
 
 TABLES = printed_data.tables()

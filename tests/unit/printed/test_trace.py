@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from rollbench.comparison.evidence.registry import by_table, evidence, not_computed, traces
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import load_table, tables
 from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.wings.evidence.registry import by_table, evidence, not_computed, traces
 
 #: The sources' modules are imported by the names that their registrations give.
 pytestmark = pytest.mark.wing

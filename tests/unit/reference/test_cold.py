@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from rollbench.comparison.costs import cold
-from rollbench.comparison.costs.cold import ColdLevel, measure, measure_level
-from rollbench.comparison.costs.run_times import Kept, load, save
-from rollbench.comparison.sections.reference_time import level_table
+from rollbench.comparison.wings.bench.costs import cold
+from rollbench.comparison.wings.bench.costs.cold import ColdLevel, measure, measure_level
+from rollbench.comparison.wings.bench.costs.run_times import Kept, load, save
+from rollbench.comparison.wings.bench.sections.reference_time import level_table
 
 
 def test_a_new_process_pays_for_imports_and_first_solve() -> None:

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rollbench.comparison.costs import run_times
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.reference import expected as module
 from rollbench.comparison.reference import jobs
@@ -18,6 +17,7 @@ from rollbench.comparison.reference.store import load, shipped_store
 from rollbench.comparison.reference.tasks import Task
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.watch import reader_gone
+from rollbench.comparison.wings.bench.costs import run_times
 from rollbench.comparison.writing import replace_file
 from rollbench.hifi.setup import TOGETHER
 from rollbench.meshes.cache import StageDone

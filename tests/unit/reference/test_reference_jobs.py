@@ -24,6 +24,7 @@ from rollbench.comparison.reference.store import Run, bodies_path, load, path_in
 from rollbench.comparison.reference.tasks import Task
 from rollbench.comparison.reference.variants import VARIANTS
 from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.wings.mesh_study.command import run_mesh_study
 from rollbench.meshes.condensed import CondensedBodies
 
 
@@ -109,7 +110,7 @@ def test_commands_print_the_coarsest_level_first(
     if command == "compare":
         study.run_compare(("lin-case1",), (), (1, 2), tmp_path, engine, fresh=True)
     else:
-        study.run_mesh_study(("lin-case1",), 2, tmp_path, engine, fresh=True, spread=False, source=False)
+        run_mesh_study(("lin-case1",), 2, tmp_path, engine, fresh=True, spread=False, source=False)
     said = capsys.readouterr().err
     assert said.index("[1/2] lin-case1: level 1") < said.index("lin-case1, by level 1 alone:") < said.index("[2/2]")
     assert {"compare": "refined is off by", "mesh-study": "largest load, SL"}[command] in said

@@ -10,7 +10,6 @@ from tests.reference_records import run_of
 from rollbench.comparison.gate import gate
 from rollbench.comparison.models import comparison
 from rollbench.comparison.models.comparison import from_result, gate_points, reference_answers, rows, solved
-from rollbench.comparison.models.mesh_study import CLEARLY, SCATTERS, closing, level_rows, studied, study_table
 from rollbench.comparison.models.registry import MODELS
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.estimate import Reference, reference, reference_of
@@ -19,7 +18,8 @@ from rollbench.comparison.reference.levels import LEVELS, STUDIED
 from rollbench.comparison.reference.near_face import left_out
 from rollbench.comparison.reference.store import save, shipped_store
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.sections.study_figure import study_figure
+from rollbench.comparison.wings.mesh_study.figure import study_figure
+from rollbench.comparison.wings.mesh_study.table import CLEARLY, SCATTERS, closing, level_rows, studied, study_table
 from rollbench.meshes.parts import SIDES
 
 

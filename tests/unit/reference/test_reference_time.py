@@ -6,15 +6,23 @@ from functools import cache
 import numpy as np
 import pytest
 
-from rollbench.comparison.costs.assembly_bench import OURS, VECTOR, WAYS, assembly_costs, meshes
 from rollbench.comparison.models.comparison import REFERENCED
 from rollbench.comparison.models.ladder import UNSEEN
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.reference.levels import LEVELS
-from rollbench.comparison.sections import reference_mesh, reference_time
 from rollbench.comparison.sections.reference import LABELS as NAMES
-from rollbench.comparison.sections.reference_time import FLOOR, TimePoint, error_range, time_figures, time_panel, time_table
+from rollbench.comparison.wings.bench.costs.assembly_bench import OURS, VECTOR, WAYS, assembly_costs, meshes
+from rollbench.comparison.wings.bench.sections import reference_time
+from rollbench.comparison.wings.bench.sections.reference_time import (
+    FLOOR,
+    TimePoint,
+    error_range,
+    time_figures,
+    time_panel,
+    time_table,
+)
+from rollbench.comparison.wings.mesh_study import section as reference_mesh
 from rollbench.reports.figures import draw
 from rollbench.reports.records import Figure, Panel, Series
 

@@ -4,10 +4,10 @@ import json
 from dataclasses import asdict, replace
 from pathlib import Path
 
-from rollbench.comparison.costs.set_up_costs import FILE, Costs, Job, Way, load
 from rollbench.comparison.reference.expected import STAGES
 from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.sections.reference_time import cost_tables
+from rollbench.comparison.wings.bench.costs.set_up_costs import FILE, Costs, Job, Way, load
+from rollbench.comparison.wings.bench.sections.reference_time import cost_tables
 
 JOB = Job("a screw", 1, 64, {"nut": {"all": 3.0, "elimination": 2.0, "dense": 1.0}, "meshes": {"all": 1.0, "meshing": 0.5}})
 COSTS = Costs("a machine", "a day", [JOB], [Way("a screw", "coarser", 2.0, 0.01)])

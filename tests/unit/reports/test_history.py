@@ -1,12 +1,12 @@
 """Rows of the releases: kept once, read off this report, drawn."""
 
 from rollbench.comparison import __version__
-from rollbench.comparison.costs.history import NAMES, QUANTITIES, Release, added, load, save
 from rollbench.comparison.models.registry import MODELS
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.sections import history
-from rollbench.comparison.sections.reference_time import TimePoint, all_points
+from rollbench.comparison.wings.bench.costs.history import NAMES, QUANTITIES, Release, added, load, save
+from rollbench.comparison.wings.bench.sections import history
+from rollbench.comparison.wings.bench.sections.reference_time import TimePoint, all_points
 
 ONE = Release("0.1", "a day", "abc", {"error": {"lin": 6.0}, "cold": {"lin": None}}, "a remark")
 

@@ -11,9 +11,9 @@ from rollbench.comparison.models.comparison import from_result, rows
 from rollbench.comparison.models.registry import MODELS
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.sections.ladder import ladder_table
-from rollbench.comparison.sections.overview import standing_table, standings
 from rollbench.comparison.sections.reference import error_table, exceedance_table
-from rollbench.comparison.sections.reference_time import time_points, time_table
+from rollbench.comparison.wings.bench.sections.overview import standing_table, standings
+from rollbench.comparison.wings.bench.sections.reference_time import time_points, time_table
 
 NAME = "unseen-thin-nut"
 STUDY = Study()

@@ -6,7 +6,7 @@ import pytest
 
 from rollbench.comparison.models.registry import MODELS
 from rollbench.comparison.models.study import Study
-from rollbench.comparison.sections.overview import (
+from rollbench.comparison.wings.bench.sections.overview import (
     KINDS,
     answer,
     coverage,
@@ -17,7 +17,7 @@ from rollbench.comparison.sections.overview import (
     standings,
     time_figure,
 )
-from rollbench.comparison.sections.reference_time import TimePoint
+from rollbench.comparison.wings.bench.sections.reference_time import TimePoint
 from rollbench.reports.panels import draw_parts
 
 

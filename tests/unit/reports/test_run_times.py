@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from rollbench.comparison.costs import run_times
-from rollbench.comparison.costs.assembly_bench import AssemblyCost
-from rollbench.comparison.costs.cold import Cold
-from rollbench.comparison.costs.run_times import Kept, RunTime
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.sections import reference_time
+from rollbench.comparison.wings.bench.costs import run_times
+from rollbench.comparison.wings.bench.costs.assembly_bench import AssemblyCost
+from rollbench.comparison.wings.bench.costs.cold import Cold
+from rollbench.comparison.wings.bench.costs.run_times import Kept, RunTime
+from rollbench.comparison.wings.bench.sections import reference_time
 
 KEPT = Kept(
     "a machine",

@@ -20,12 +20,16 @@ MODEL = """
         ingredients=(("screw", "rigid"),),
     ),
 """
+#: Written so, or this module would be one that imports a wing.
+EVIDENCE, ENTRIES = "rollbench.comparison.wings.evidence", "tests.sources.entries"
 PAPER = {
     "compare/sources/acme/__init__.py": "",
     "compare/sources/acme/registration.py": """
 from rollbench.comparison.registration import Part, Registration
 
-REGISTRATION = Registration(title="Acme (1901)", parts=(Part("acme", "sources.acme.section", page="sources"),))
+REGISTRATION = Registration(
+    title="Acme (1901)", needs=("evidence",), parts=(Part("acme", "sources.acme.section", page="sources"),)
+)
 """,
     "compare/sources/acme/printed/acme-1.toml": """
 title = "Contact modulus of steel on steel"
@@ -46,7 +50,7 @@ test = "tests/sources/acme/literature/test_acme.py"
 behind = { "*" = "one contact, in closed form" }
 """,
     "compare/sources/acme/evidence.py": '''
-from rollbench.comparison.evidence.record import Sheet
+from EVIDENCE.record import Sheet
 from rollbench.lowfi.hertz import contact_modulus
 
 
@@ -57,8 +61,8 @@ def table_1(study):
     return sheet.evidence()
 ''',
     "compare/sources/acme/section.py": '''
-from rollbench.comparison.evidence.registry import evidence
-from rollbench.comparison.sections.finding_table import printed_table
+from EVIDENCE.registry import evidence
+from EVIDENCE.sections.finding_table import printed_table
 from rollbench.reports.records import Section
 
 
@@ -68,7 +72,7 @@ def section(study, step):
 ''',
     "tests/sources/acme/literature/test_acme.py": """
 import pytest
-from tests.sources.entries import check, keys
+from ENTRIES import check, keys
 
 
 @pytest.mark.parametrize("key", keys("acme-1"))
@@ -152,7 +156,7 @@ def test_a_paper_takes_two_folders(tree, tmp_path):
     """Its folder in compare/sources, its tests in tests/sources: traced, judged, in the report, tested."""
     for name, text in PAPER.items():
         (tree / name).parent.mkdir(parents=True, exist_ok=True)
-        (tree / name).write_text(text, encoding="utf-8")
+        (tree / name).write_text(text.replace("EVIDENCE", EVIDENCE).replace("ENTRIES", ENTRIES), encoding="utf-8")
     verdicts = tree / "compare/sources/acme/verdicts.json"
     audit = "audit", "--only", "acme-1", "--json"
     judged = found(rollbench(tree, *audit, cwd=tmp_path), 1)

@@ -7,12 +7,12 @@ from functools import cache
 
 import numpy as np
 
-from rollbench.comparison.evidence.record import Evidence, Sheet
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import entry, load_table
 from rollbench.comparison.scenes.units import parse
 from rollbench.comparison.sources.external.evidence.case import assembly, given, inputs, solved
+from rollbench.comparison.wings.evidence.record import Evidence, Sheet
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, of_angle, thrust_state
 from rollbench.lowfi.bearings.load_zone import load_zone
 from rollbench.lowfi.bearings.sets import BearingSet, equilibrium, lift_off_force, preloaded

@@ -8,10 +8,10 @@ from functools import lru_cache
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from rollbench.comparison.evidence.record import Evidence, Sheet
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import load_table
 from rollbench.comparison.sources.external.evidence.case import assembly, given, inputs
+from rollbench.comparison.wings.evidence.record import Evidence, Sheet
 from rollbench.hifi.rolling.patch import hertz_patch
 from rollbench.hifi.rolling.verification import Creep, Onset, onset, steady, steady_by_cells
 from rollbench.lowfi.bearings.angular_contact import curvatures, of_angle

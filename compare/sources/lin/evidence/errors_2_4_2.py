@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from rollbench.comparison.evidence.record import Evidence, Sheet, count_of
 from rollbench.comparison.measure import load_error
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.sources.lin.evidence.loads_2_4_1 import two_point
+from rollbench.comparison.wings.evidence.record import Evidence, Sheet, count_of
+from rollbench.comparison.wings.members.ensemble import of_study
 from rollbench.meshes.section import groove_section
 
 #: Change of a load, in per cent of the mean load, from which a distribution counts as significantly changed: twice the
@@ -49,7 +50,7 @@ def _single_errors(study: Study, sheet: Sheet) -> None:
 
 def _drawn_errors(study: Study, sheet: Sheet) -> None:
     base = study.solve("lin-case1").load
-    random, combined = (study.ensemble(name).loads for name in ("lin-random", "lin-combined"))
+    random, combined = (of_study(study, name).loads for name in ("lin-random", "lin-combined"))
     kept = np.array([two_point(load) for load in random])
     sheet.claim("random_two_point", bool(kept.mean() > SEEN), f"holds in {count_of(kept)} drawn screws")
     changed = np.array([load_error(load, base).max_percent for load in random])

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from rollbench.comparison.evidence.record import Evidence, Sheet
 from rollbench.comparison.models.study import Study, with_groove
+from rollbench.comparison.wings.evidence.record import Evidence, Sheet
 from rollbench.lowfi.statics.problem import nominal_hertz, printed_sides
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rollbench.comparison.evidence.record import Evidence, Sheet, count_of
 from rollbench.comparison.measure import error_percent, load_error
 from rollbench.comparison.models.comparison import PRINTED
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import entry
 from rollbench.comparison.sources.lin.reconstruction.combined import predicted
+from rollbench.comparison.wings.evidence.record import Evidence, Sheet, count_of
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.partition import fixed_partition
 

@@ -9,11 +9,11 @@ from math import degrees
 
 import numpy as np
 
-from rollbench.comparison.evidence.record import Evidence, Sheet
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import entry, load_table
 from rollbench.comparison.sources.lin.evidence import source_cases
+from rollbench.comparison.wings.evidence.record import Evidence, Sheet
 from rollbench.lowfi.friction.bearing.rotary import SIDES, Mode, Solution, solve_ball, solve_ball_as_printed, source_law
 from rollbench.lowfi.friction.contact.ellipse import cubic_factor, linear_error, linear_factor
 from rollbench.lowfi.friction.linear.analytic import velocity_deviation

@@ -9,7 +9,6 @@ from typing import Literal
 
 import numpy as np
 
-from rollbench.comparison.evidence.record import Evidence, Sheet
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import entry
@@ -24,6 +23,7 @@ from rollbench.comparison.sources.lin.evidence.source_cases import (
     plain,
     table_3_6,
 )
+from rollbench.comparison.wings.evidence.record import Evidence, Sheet
 from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewPairScene
 from rollbench.lowfi.friction.bearing.pairs import TorqueCurve, torque_curve
 from rollbench.lowfi.friction.screw.errors import Onset, contact_onset

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from rollbench.comparison.evidence.record import Evidence, Sheet
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.sources.lin.evidence.lash_4_2_1 import TURNS, lash
+from rollbench.comparison.wings.evidence.record import Evidence, Sheet
 from rollbench.lowfi.statics.result import AxisResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly

@@ -9,11 +9,11 @@ import numpy as np
 
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.sections.curves import lateral, load_panel, loads
-from rollbench.comparison.sections.finding_table import printed_table
 from rollbench.comparison.sections.loaded_screw import loaded_screw
 from rollbench.comparison.sources.lin.evidence.choices_2_4_1 import Choice, choices
 from rollbench.comparison.sources.lin.evidence.loads_2_4_1 import CASES, READINGS, ratio, section_2_4_1, spread_of_choices
 from rollbench.comparison.sources.lin.sections.case3 import readings_table
+from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.reports.records import Figure, LoadedScrew, Panel, Quantity, Row, Section, Series, Table, Text

@@ -7,12 +7,12 @@ from collections.abc import Callable
 import numpy as np
 
 from rollbench.comparison.measure import load_error
-from rollbench.comparison.models.ensemble import EnsembleResult
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.sections.curves import load_panel, loads
-from rollbench.comparison.sections.finding_table import printed_table
 from rollbench.comparison.sources.lin.evidence.errors_2_4_2 import section_2_4_2
 from rollbench.comparison.sources.lin.evidence.loads_2_4_1 import ratio
+from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
+from rollbench.comparison.wings.members.ensemble import EnsembleResult, of_study
 from rollbench.meshes.parts import SIDES
 from rollbench.reports.records import Figure, Quantity, Row, Section, Series, Table
 
@@ -31,7 +31,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     ensembles = {}
     for name in ("lin-random", "lin-combined"):
         step(f"{study.scene(name).members} drawn screws of {name}")
-        ensembles[name] = study.ensemble(name)
+        ensembles[name] = of_study(study, name)
     random, combined = ensembles["lin-random"], ensembles["lin-combined"]
     one, all_three = study.solve("lin-random"), study.solve("lin-combined")
     left = load_panel(

@@ -8,12 +8,10 @@ from math import degrees
 
 import numpy as np
 
-from rollbench.comparison.evidence.registry import evidence
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import entry
 from rollbench.comparison.sections.curves import numbers
-from rollbench.comparison.sections.finding_table import printed_table
 from rollbench.comparison.sources.lin.evidence.assumptions_3 import balance_rows, sensitivity_rows
 from rollbench.comparison.sources.lin.evidence.rotary_linear import (
     AXIAL,
@@ -27,6 +25,8 @@ from rollbench.comparison.sources.lin.evidence.rotary_linear import (
     right,
 )
 from rollbench.comparison.sources.lin.extremes.printed_cases import pair_rows, root_rows
+from rollbench.comparison.wings.evidence.registry import evidence
+from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
 from rollbench.lowfi.friction.bearing.rotary import SIDES, Solution, Sweep, sweep
 from rollbench.lowfi.friction.linear.pair import PairMaps, maps
 from rollbench.meshes.arrays import Array

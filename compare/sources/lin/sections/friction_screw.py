@@ -6,10 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from rollbench.comparison.evidence.registry import evidence
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import entry
-from rollbench.comparison.sections.finding_table import printed_table
 from rollbench.comparison.sources.lin.evidence.assumptions_3_4 import (
     AS_CASE,
     AS_TEXT,
@@ -26,6 +24,8 @@ from rollbench.comparison.sources.lin.evidence.assumptions_3_4 import (
 from rollbench.comparison.sources.lin.evidence.screw import AMPLITUDES, THETA
 from rollbench.comparison.sources.lin.evidence.source_cases import four_point, lin_3_4_4, plain
 from rollbench.comparison.sources.lin.sections.friction_screw_figures import bearing_figure, map_figure, run_figure
+from rollbench.comparison.wings.evidence.registry import evidence
+from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
 from rollbench.reports.records import Section, Table, Text
 
 # --- tables

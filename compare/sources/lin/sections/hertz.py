@@ -6,11 +6,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from rollbench.comparison.evidence.audit import judge
-from rollbench.comparison.evidence.record import Evidence
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study, with_groove
 from rollbench.comparison.sources.lin.evidence.hertz_b1 import TABLE_CONFORMITY, table_b_1
+from rollbench.comparison.wings.evidence.audit import judge
+from rollbench.comparison.wings.evidence.record import Evidence
 from rollbench.lowfi.statics.problem import nominal_hertz, printed_sides
 from rollbench.reports.records import Quantity, Row, Section, Table, Text
 

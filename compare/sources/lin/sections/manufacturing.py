@@ -10,8 +10,8 @@ import numpy as np
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import entry
 from rollbench.comparison.sections.curves import loads
-from rollbench.comparison.sections.finding_table import printed_table
 from rollbench.comparison.sources.lin.evidence.errors_4_3_2 import SCREWS, readings, section_4_3_2, spread, unloaded
+from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import Errors, Scene
 from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text

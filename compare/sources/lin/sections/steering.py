@@ -8,10 +8,10 @@ import numpy as np
 
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import entry
-from rollbench.comparison.sections.finding_table import printed_table
 from rollbench.comparison.sources.lin.evidence import lash_4_2_1 as tests
 from rollbench.comparison.sources.lin.evidence import steering_maps as maps
 from rollbench.comparison.sources.lin.evidence.steering_4_2 import RACK, REACH, SCREW, rack, section_4_2
+from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
 from rollbench.meshes.parts import Scene
 from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from rollbench.comparison.evidence.entries import Entries
-from rollbench.comparison.evidence.record import Evidence
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.sources.liu.evidence import case
+from rollbench.comparison.wings.evidence.entries import Entries
+from rollbench.comparison.wings.evidence.record import Evidence
 from rollbench.lowfi.random_errors.chain import solve_chain
 from rollbench.lowfi.random_errors.ensemble import Quantity
 from rollbench.meshes.arrays import Array

@@ -7,10 +7,10 @@ from math import cos, degrees, sin
 
 import numpy as np
 
-from rollbench.comparison.evidence.entries import Entries
-from rollbench.comparison.evidence.record import Evidence
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.sources.liu.evidence import case
+from rollbench.comparison.wings.evidence.entries import Entries
+from rollbench.comparison.wings.evidence.record import Evidence
 from rollbench.lowfi.random_errors.chain import Chain, end_ratio, solve_chain
 from rollbench.lowfi.random_errors.elimination import solve_by_elimination
 from rollbench.lowfi.random_errors.ensemble import draw_errors

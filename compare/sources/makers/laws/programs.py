@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rollbench.comparison.evidence.registry import by_table, evidence
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.registration import registered
 from rollbench.comparison.sources.makers.outside import MAKER, PROGRAM, Band, Outside
+from rollbench.comparison.wings.evidence.registry import by_table, evidence
 
 #: Tables of the external sources that are judged here: who, and of which class. Those of THK stand among the nuts.
 PRINTED = {

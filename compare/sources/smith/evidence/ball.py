@@ -7,8 +7,6 @@ from math import degrees
 
 import numpy as np
 
-from rollbench.comparison.evidence.entries import Entries
-from rollbench.comparison.evidence.record import Evidence
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import load_table
@@ -26,6 +24,8 @@ from rollbench.comparison.sources.smith.evidence.case import (
     ball_bearing,
     bearing_set,
 )
+from rollbench.comparison.wings.evidence.entries import Entries
+from rollbench.comparison.wings.evidence.record import Evidence
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.angular_contact import ThrustState, contact_parameters, curvatures, displacement, thrust_state
 from rollbench.lowfi.bearings.sets import equilibrium

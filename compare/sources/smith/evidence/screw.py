@@ -6,8 +6,6 @@ from functools import cache
 
 import numpy as np
 
-from rollbench.comparison.evidence.entries import Entries
-from rollbench.comparison.evidence.record import Evidence
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.scenes.units import parse
@@ -28,6 +26,8 @@ from rollbench.comparison.sources.smith.evidence.case import (
     axis,
     bearing_set,
 )
+from rollbench.comparison.wings.evidence.entries import Entries
+from rollbench.comparison.wings.evidence.record import Evidence
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.axis import (
     TorqueBudget,

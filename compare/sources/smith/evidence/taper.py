@@ -8,8 +8,6 @@ from itertools import product
 
 import numpy as np
 
-from rollbench.comparison.evidence.entries import Entries
-from rollbench.comparison.evidence.record import Evidence
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.sources.smith.evidence.ball import state
@@ -28,6 +26,8 @@ from rollbench.comparison.sources.smith.evidence.case import (
     ball_bearing,
     taper_bearing,
 )
+from rollbench.comparison.wings.evidence.entries import Entries
+from rollbench.comparison.wings.evidence.record import Evidence
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.combined_load import CombinedState, combined
 from rollbench.lowfi.bearings.load_zone import load_zone, zone_of_load

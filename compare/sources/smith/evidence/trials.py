@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from rollbench.comparison.evidence.entries import Entries
-from rollbench.comparison.evidence.record import Evidence
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.sources.smith.evidence.case import (
@@ -30,6 +28,8 @@ from rollbench.comparison.sources.smith.evidence.screw import (
     pull,
     topology,
 )
+from rollbench.comparison.wings.evidence.entries import Entries
+from rollbench.comparison.wings.evidence.record import Evidence
 from rollbench.lowfi.bearings.axis import angular_speed, support_loads, unloading_warming
 from rollbench.lowfi.bearings.sets import lift_off_force
 

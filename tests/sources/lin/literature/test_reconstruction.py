@@ -5,8 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.comparison.evidence.audit import judge
-from rollbench.comparison.evidence.registry import evidence
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.store import load
 from rollbench.comparison.scenes import catalogue
@@ -32,6 +30,8 @@ from rollbench.comparison.sources.lin.sections.reconstruction import (
     met_table,
     second_paragraph,
 )
+from rollbench.comparison.wings.evidence.audit import judge
+from rollbench.comparison.wings.evidence.registry import evidence
 
 pytestmark = pytest.mark.xdist_group("reconstruction")
 

@@ -11,8 +11,6 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.section_items import drawn, figures, shows_entries, tables
 
-from rollbench.comparison.evidence.audit import judge
-from rollbench.comparison.evidence.registry import evidence
 from rollbench.comparison.printed.printed_data import load_table
 from rollbench.comparison.sources.lin import bench as friction_bench
 from rollbench.comparison.sources.lin.evidence import assumptions_3_4, screw
@@ -22,6 +20,8 @@ from rollbench.comparison.sources.lin.extremes import chains as friction_chains
 from rollbench.comparison.sources.lin.extremes import items as friction_stability
 from rollbench.comparison.sources.lin.extremes.tally import BALLS, Record, Tally
 from rollbench.comparison.sources.lin.sections import friction_screw
+from rollbench.comparison.wings.evidence.audit import judge
+from rollbench.comparison.wings.evidence.registry import evidence
 from rollbench.lowfi.friction.as_source.run import simulate_by_root
 from rollbench.lowfi.friction.linear.chain import solve_linear_chain
 from rollbench.lowfi.friction.screw.chain import solve_chain

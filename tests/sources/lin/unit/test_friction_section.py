@@ -7,15 +7,15 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.section_items import drawn, figures, shows_entries, tables
 
-from rollbench.comparison.evidence.audit import judge
-from rollbench.comparison.evidence.registry import evidence
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import load_table
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.scenes.scene_file import scene_hash
-from rollbench.comparison.sections.notes import assumptions
 from rollbench.comparison.sources.lin.evidence import rotary_linear
 from rollbench.comparison.sources.lin.sections import friction
+from rollbench.comparison.wings.evidence.audit import judge
+from rollbench.comparison.wings.evidence.registry import evidence
+from rollbench.comparison.wings.evidence.sections.notes import assumptions
 from rollbench.reports.records import Figure, Section
 
 pytestmark = pytest.mark.xdist_group(GROUP)

@@ -7,10 +7,10 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import check, keys
 
-from rollbench.comparison.evidence.record import Evidence
-from rollbench.comparison.evidence.registry import evidence
 from rollbench.comparison.printed.printed_data import load_table
 from rollbench.comparison.sources.liu.evidence import case, drawn, single_error
+from rollbench.comparison.wings.evidence.record import Evidence
+from rollbench.comparison.wings.evidence.registry import evidence
 from rollbench.lowfi.random_errors.chain import calibrated, end_ratio, solve_chain
 from rollbench.lowfi.random_errors.ensemble import percentile, solve_ensemble
 

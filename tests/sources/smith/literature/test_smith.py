@@ -5,10 +5,10 @@ import pytest
 from tests.evidence_study import GROUP
 from tests.sources.entries import check, found, keys
 
-from rollbench.comparison.evidence.audit import judge
-from rollbench.comparison.evidence.entries import Entries
 from rollbench.comparison.printed.printed_data import load_table
 from rollbench.comparison.sources.smith.evidence import ball, case, screw, taper, trials
+from rollbench.comparison.wings.evidence.audit import judge
+from rollbench.comparison.wings.evidence.entries import Entries
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.angular_contact import contact_parameters
 

@@ -7,11 +7,11 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.section_items import drawn, figures, shows_entries, tables
 
-from rollbench.comparison.evidence.entries import Entries
 from rollbench.comparison.printed.printed_data import load_table
 from rollbench.comparison.scenes import units
 from rollbench.comparison.sources.smith import section as smith
 from rollbench.comparison.sources.smith.evidence import case
+from rollbench.comparison.wings.evidence.entries import Entries
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 

@@ -1,0 +1,357 @@
+"""The first screen: how far low-order models can be trusted, by their errors and run times against the 3D reference."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rollbench.comparison.models.comparison import REFERENCED
+from rollbench.comparison.models.ladder import UNSEEN, ladder
+from rollbench.comparison.models.registry import DEFAULT
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.models.total_uncertainty import total
+from rollbench.comparison.models.u_val import scatter
+from rollbench.comparison.reference.estimate import Reference
+from rollbench.comparison.reference.grid_summary import uncertainty_percent
+from rollbench.comparison.registration import offered
+from rollbench.comparison.sections.u_val import rows_of
+from rollbench.comparison.wings.bench.sections.reference_time import FLOOR, TimePoint, all_points, when_measured
+from rollbench.meshes.parts import SIDES, Scene
+from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Summary, Table, Text
+
+QUESTION = "How far can a low-order model of a ball screw be trusted, and what does a better answer cost?"
+TITLE = "Error against run time of every model and mesh"
+#: Line [% of the mean load] below which scenes are counted.
+LINE = 7.0
+#: Families that share a colour, by models: the refined one, the source's and steps from it, axial bars, condensed bodies.
+FAMILIES = (
+    ("refined", ("refined",)),
+    (
+        "the source's model and steps from it",
+        ("lin", "lin-source-partition", "lin-printed-hertz", "lin-cell", "lin-nut", "source"),
+    ),
+    ("axial bars", ("mei", "mei-nut")),
+    ("bodies from 3D", ("condensed",)),
+)
+SOLID = "3D reference"
+#: Models that stand for their kind, as the answer names them.
+BIAS, SCATTER = Quantity("bias", "bias", "%", "+.2f"), Quantity("scatter", "scatter", "%", ".2f")
+KINDS = {DEFAULT: "refined", "lin": "lin"}
+
+
+@dataclass(frozen=True)
+class Standing:
+    """A model or mesh over all scenes on which it was compared: short name, label, family, number of scenes, largest error
+    [% of the mean load] and its scene, medians of the largest and RMS errors and of the ends of the error bar, largest RMS
+    error, median cold seconds, scenes within `LINE`.
+
+    The error of a level that is itself the finest is its grid uncertainty.
+    """
+
+    name: str
+    label: str
+    family: str
+    scenes: int
+    worst: float
+    worst_scene: str
+    median: float
+    low: float | None
+    high: float | None
+    rms: float
+    worst_rms: float
+    cold: float
+    within: int
+
+
+def family_of(point: TimePoint) -> str:
+    """Family of a model or mesh."""
+    if point.kind != "model":
+        return SOLID
+    return next((family for family, names in FAMILIES if point.name in names), point.label)
+
+
+def off(point: TimePoint) -> float:
+    """Largest error [% of the mean load] of a point; the grid uncertainty of a level that is the finest itself."""
+    return point.high if point.error == 0.0 and point.high is not None else point.error
+
+
+def standings(points: Mapping[str, Sequence[TimePoint]]) -> list[Standing]:
+    """Every model and mesh over its scenes, from the largest median error to the smallest."""
+    found: dict[str, list[tuple[str, TimePoint]]] = {}
+    for scene, several in points.items():
+        for point in several:
+            if point.status == "converged" and off(point) > 0.0:
+                found.setdefault(point.label, []).append((scene, point))
+    return sorted((_standing(label, group) for label, group in found.items()), key=lambda s: -s.median)
+
+
+def _standing(label: str, group: Sequence[tuple[str, TimePoint]]) -> Standing:
+    first = group[0][1]
+    errors = [off(p) for _, p in group]
+    k = int(np.argmax(errors))
+    ends = [(p.low, p.high) for _, p in group if p.low is not None and p.high is not None]
+    low, high = np.median(np.array(ends), axis=0).tolist() if len(ends) == len(group) else (None, None)
+    return Standing(
+        name=first.name,
+        label=label,
+        family=family_of(first),
+        scenes=len(group),
+        worst=errors[k],
+        worst_scene=group[k][0],
+        median=float(np.median(errors)),
+        low=low,
+        high=high,
+        rms=float(np.median([p.rms for _, p in group])),
+        worst_rms=max(p.rms for _, p in group),
+        cold=float(np.median([p.cold for _, p in group])),
+        within=sum(error <= LINE for error in errors),
+    )
+
+
+def front(found: Sequence[Standing]) -> list[Standing]:
+    """Those that no other one beats in both median error and median time, fastest first."""
+    best: list[Standing] = []
+    for one in sorted(found, key=lambda s: (s.cold, s.median)):
+        if not best or one.median < best[-1].median:
+            best.append(one)
+    return best
+
+
+def time_figure(
+    points: Mapping[str, Sequence[TimePoint]], name: str, size: tuple[float, float], *, all_names: bool = True
+) -> Figure:
+    """All scenes as light points, the median of each model and mesh with its error bar and name, the Pareto front; a
+    narrow figure names the levels, one model of each family and those of the front alone."""
+    cold = _time_panel(points, standings(points), "run time of a cold start / s", all_names=all_names)
+    warm = {name: [replace(p, cold=p.warm) for p in several if p.warm is not None] for name, several in points.items()}
+    solve = _time_panel(warm, standings(warm), "time of a further solve / s", all_names=all_names)
+    caption = (
+        f"Light points: {len(points)} scenes. Markers: medians; bars: the range left by the reference's grid "
+        "uncertainty. A cold start is a new process with empty caches, Python's imports included. The "
+        "finest level itself is drawn at its uncertainty. The condensed model reads bodies from a 3D run, "
+        "whose time is not included."
+    )
+    return Figure(name, TITLE, (cold, solve), caption, columns=2 if all_names else 1, size=size, same_y=True)
+
+
+def _time_panel(
+    points: Mapping[str, Sequence[TimePoint]], found: Sequence[Standing], label: str, *, all_names: bool
+) -> Panel:
+    families = [family for family, _ in FAMILIES] + [SOLID]
+    series = []
+    for family in families:
+        shown = [(scene, p) for scene, several in points.items() for p in several if _shown(p, family)]
+        series.append(
+            Series(
+                family,
+                [p.cold for _, p in shown],
+                [max(off(p), FLOOR) for _, p in shown],
+                "markers",
+                light=True,
+                names=[f"{p.name}, {scene}" for scene, p in shown],
+            )
+        )
+    edge = front(found)
+    line = ([s.cold for s in edge], [max(s.median, FLOOR) for s in edge])
+    series.append(Series("Pareto front of the medians", *line, "line", names=[s.name for s in edge]))
+    for family in families:
+        mids = [s for s in found if s.family == family]
+        bars = ([max(s.low or 0.0, FLOOR) for s in mids], [max(s.high or s.median, FLOOR) for s in mids])
+        known = all(s.low is not None for s in mids)
+        series.append(
+            Series(
+                family,
+                [s.cold for s in mids],
+                [max(s.median, FLOOR) for s in mids],
+                "markers",
+                emphasis=True,
+                bars=bars if known else None,
+                texts=[s.name if all_names or s in edge or s.name in KINDS else "" for s in mids],
+                names=[f"{s.name}, median of {s.scenes} scenes" for s in mids],
+            )
+        )
+    series = [s for s in series if len(s.x)]
+    times = [p.cold for several in points.values() for p in several]
+    series.append(Series(f"{LINE:g} %", [min(times), max(times)], [LINE, LINE], "line"))
+    return Panel("", label, "largest error / % of the mean load", tuple(series), log="xy")
+
+
+def _shown(point: TimePoint, family: str) -> bool:
+    return point.status == "converged" and off(point) > 0.0 and family_of(point) == family
+
+
+def answer(points: Mapping[str, Sequence[TimePoint]], bars: Sequence[float], total: float | None = None) -> str:
+    """At most 40 words: largest error of the models that stand for their kind, and how well the reference is known; total:
+    its largest total uncertainty [%], modelling choices and input included."""
+    found = {s.name: s for s in standings(points)}
+    words = [f"{found[name].worst:.1f} % ({label})" for name, label in KINDS.items() if name in found]
+    several = f"{len(points)} screws and bearings" if len(points) > 1 else "one scene"
+    whole = "" if total is None else f", {total:.1f} % with unprinted choices and tolerances"
+    return (
+        f"On {several} the contact loads are wrong by at most {' or '.join(words)} of the mean load. Uncertainty of the "
+        f"3D reference: {_range(bars)}{whole}."
+    )
+
+
+def _range(bars: Sequence[float]) -> str:
+    if not bars:
+        return "unknown (one mesh level only)"
+    low, high = f"{min(bars):.1f}", f"{max(bars):.1f}"
+    return f"{low} %" if low == high else f"{low} to {high} %"
+
+
+def coverage(scenes: Mapping[str, Scene], found: Mapping[str, Reference]) -> list[str]:
+    """Ranges that the scenes span, as statements."""
+    if not scenes:
+        return []
+    every = list(scenes.values())
+
+    def span(values: Sequence[float], unit: str) -> str:
+        low, high = f"{min(values):.4g}", f"{max(values):.4g}"
+        return f"{low} {unit}" if low == high else f"{low} to {high} {unit}"
+
+    cases, unseen = sum(name in REFERENCED for name in scenes), sum(name in UNSEEN for name in scenes)
+    contacts = [int((ref.load > 0.0).sum()) for ref in found.values()]
+    screws = [s for s in every if s.track.lead != 0.0]
+    fixed = (
+        f", and {unseen} screws and bearings fixed before any of them was solved in 3D. Only the refined "
+        "model's corrections for nut faces and short lands were developed with their errors known"
+    )
+    leads = f"{len(screws)} screws of lead {span([1e3 * abs(s.track.lead) for s in screws], 'mm')}" if screws else ""
+    bearings = f"bearings: {len(every) - len(screws)}" if len(every) > len(screws) else ""
+    return [
+        f"{cases} case studies of the source{fixed if unseen else ''}.",
+        f"{', '.join(filter(None, [leads, bearings]))}; "
+        f"pitch diameters {span([2e3 * s.track.pitch_radius for s in every], 'mm')}, "
+        f"{span([s.ball_count for s in every], 'balls')}, {span(contacts, 'loaded contacts')}.",
+        (
+            "Friction, ball motion, support bearings, ball chains and several sets on one shaft are compared "
+            "with printed numbers, closed forms and second solvers on their own pages."
+        ),
+    ]
+
+
+LIMITS = (
+    (
+        "The reference is linear elastic, frictionless, and nominal in shape apart from the errors of a scene. "
+        "Its uncertainty is that of its mesh; the effect of unprinted dimensions and idealisations is stated "
+        'separately (page "How good the reference is").'
+    ),
+    ("For a screw outside this range the models still answer, and the result says that its error is not covered."),
+    (
+        "A cold start is a new process with empty caches, library imports included; a further solve costs a "
+        "small part of it."
+    ),
+)
+
+
+def standing_table(found: Sequence[Standing]) -> Table:
+    """Every model and mesh over its scenes."""
+    rows: list[Row] = [
+        {
+            "name": s.name,
+            Quantity("label", "model or mesh", "", "s"): s.label,
+            "scenes": s.scenes,
+            Quantity("median", "largest error, median", "% of mean", ".2f"): s.median,
+            Quantity("worst", "largest of all", "% of mean", ".2f"): s.worst,
+            Quantity("at", "on", "", "s"): s.worst_scene,
+            Quantity("rms", "RMS error, median", "% of mean", ".2f"): s.rms,
+            Quantity("worst_rms", "largest RMS error", "% of mean", ".2f"): s.worst_rms,
+            Quantity("within", f"scenes within {LINE:g} %", "", "s"): s.within,
+            Quantity("cold", "cold start, median", "s", "g3"): s.cold,
+        }
+        for s in found
+    ]
+    note = (
+        "Against the finest level of the 3D reference of each scene; the table of error against run time "
+        "has every point. The error of the finest level itself is its grid uncertainty, and its RMS error "
+        "is zero by definition."
+    )
+    return Table.of("overview-models", "Models and meshes over all scenes", rows, note, shown=None)
+
+
+def section(study: Study, step: Callable[[str], None]) -> Section:
+    """Section of the report, with its first screen."""
+    step("error against run time, every model and mesh on every scene")
+    points = study.once(all_points, step)
+    title = "Models and meshes over all scenes"
+    if not points:
+        return Section("overview", title, (Text(("No run of the 3D reference was found.",)),))
+    found = study.references(tuple(points))
+    bars = [uncertainty_percent(ref) for ref in found.values()]
+    wide = time_figure(points, "error-time", (11.0, 4.1))
+    narrow = time_figure(points, "error-time-narrow", (3.75, 6.6), all_names=False)
+    covered = coverage({name: study.scene(name) for name in points}, found)
+    sentence, limits = answer(points, bars, largest_total(study, found)), (*LIMITS, study.once(when_measured, step))
+    table = standing_table(standings(points))
+    step("every model on every quantity")
+    items = (quantity_table(study), contact_figure(study, found))
+    summary = Summary(QUESTION, sentence, wide, narrow, covered, limits, table, items)
+    return Section("overview", title, (table,), conclusion=sentence, summary=summary)
+
+
+def largest_total(study: Study, found: Mapping[str, Reference]) -> float | None:
+    """Largest total uncertainty [%] of the scenes: discretisation, modelling choices, input."""
+    totals = [total(study.scene(name), ref).percent for name, ref in found.items() if name in REFERENCED]
+    return max(totals, default=None)
+
+
+def quantity_table(study: Study) -> Table:
+    """Bias, scatter and largest error of the models by quantity, and what others print and measure."""
+    rungs = study.once(ladder)
+    rows = rows_of(study, rungs)
+    outside = {quantity: row for added in offered("outside") for quantity, row in added(study).items()}
+    cells: list[Row] = []
+    for s in scatter(rows):
+        if s.model not in KINDS:
+            continue
+        worst = [abs(row.error) for row in rows if (row.model, row.quantity) == (s.model, s.quantity)]
+        within = sum(error <= LINE for error in worst)
+        cells.append(
+            {
+                "quantity": s.quantity,
+                "model": s.model,
+                BIAS: s.bias,
+                SCATTER: s.scatter,
+                Quantity("largest", "largest error", "%", ".1f"): max(worst),
+                "scenes": s.scenes,
+                Quantity("within", f"within {LINE:g} %", "", "s"): f"{within} of {len(worst)}",
+                "verdict": "yes" if within == len(worst) else "no",
+            }
+        )
+    columns = {q.label: q for q in (BIAS, SCATTER)}
+    for quantity, row in outside.items():
+        known: Row = {
+            columns.get(column.label, Quantity("values", "outside values", "", "s")): v for column, v in row.items()
+        }
+        cells.append({"quantity": quantity, "model": "against outside values", **known})
+    note = (
+        "Upper rows: against the finest level of the 3D reference of each scene, loads in per cent of the "
+        "mean load. Last rows: against values that others print or measure (section outside)."
+    )
+    return Table.of("quantities", "Every quantity and model", cells, note, shown=None)
+
+
+def contact_figure(study: Study, found: Mapping[str, Reference]) -> Figure:
+    """Computed against reference for every contact of every scene, both over the scene's mean load."""
+    series = []
+    for model in ("lin", DEFAULT):
+        x, y, names = [], [], []
+        for rung in study.once(ladder):
+            if rung.model == model and rung.scene in found:
+                ref = found[rung.scene]
+                value, truth = rung.result.load / ref.mean, ref.load / ref.mean
+                at = np.argwhere((value > 0.0) | (truth > 0.0))
+                x += [float(truth[i, s]) for i, s in at]
+                y += [float(value[i, s]) for i, s in at]
+                names += [f"{rung.scene}, {i + 1} {SIDES[s]}" for i, s in at]
+        series.append(Series(model, x, y, "markers", light=model == "lin", names=names))
+    end = max((max(s.x, default=1.0) for s in series), default=1.0)
+    low, high = (1.0 - LINE / 100.0) * end, (1.0 + LINE / 100.0) * end
+    series.append(Series("equal", [0.0, end], [0.0, end], "line"))
+    series.append(Series(f"±{LINE:g} %", [0.0, end, end, 0.0, end], [0.0, low, np.nan, 0.0, high], "line"))
+    panel = Panel("", "3D reference / mean load", "computed / mean load", tuple(series))
+    caption = f"{len(series[0].x)} contacts of {len(found)} scenes. Lines: {LINE:g} % of the load; small dots: lin."
+    return Figure("contacts", "Computed against reference, every contact", (panel,), caption, columns=1, size=(7.0, 5.0))

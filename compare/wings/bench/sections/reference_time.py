@@ -1,0 +1,461 @@
+"""Error against run time: every model, mesh and scene by one definition of error, error bar, cold and warm time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Literal, cast
+
+import numpy as np
+
+from rollbench.comparison.measure import error_percent, load_error
+from rollbench.comparison.models.comparison import REFERENCED, finest_bodies, suited
+from rollbench.comparison.models.ladder import UNSEEN, Rung, ladder
+from rollbench.comparison.models.registry import MODELS, Model, Options, run_model
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import entry
+from rollbench.comparison.reference.estimate import Reference
+from rollbench.comparison.reference.levels import SOURCE_LEVEL, STUDIED
+from rollbench.comparison.reference.store import load, shipped_store
+from rollbench.comparison.system import machine
+from rollbench.comparison.wings.bench.costs.assembly_bench import OURS, REPEATS, AssemblyCost, assembly_costs
+from rollbench.comparison.wings.bench.costs.cold import Cold, ColdLevel, measure, measure_level
+from rollbench.comparison.wings.bench.costs.run_times import Kept, RunTime, live, today
+from rollbench.comparison.wings.bench.costs.run_times import load as load_times
+from rollbench.comparison.wings.bench.costs.run_times import save as save_times
+from rollbench.comparison.wings.bench.costs.set_up_costs import Costs
+from rollbench.comparison.wings.bench.costs.set_up_costs import load as load_costs
+from rollbench.lowfi.statics.result import StaticResult
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import Scene
+from rollbench.reports.records import Figure, Panel, Quantity, Row, Series, Table
+
+Step = Callable[[str], None]
+#: Lower edge of the figures [% of the mean load].
+FLOOR = 1e-2
+#: Calls whose median is the warm time.
+WARM_CALLS = 10
+#: Scene whose first process is timed with and without compiling.
+FIRST = "lin-case1"
+#: Preloaded screws of many contacts whose coarsest level is timed too.
+LARGE = (("unseen-40x10", 1), ("unseen-25x5", 1))
+#: Stages of a set-up that are told.
+DEAREST = 3
+#: Kinds of work of a set-up.
+WORK = ("all", "meshing", "assembly", "elimination", "dense")
+#: Models whose cold time is measured there even where times are kept.
+SAMPLE = ("lin", "refined")
+#: Panels of one figure.
+PANELS = 6
+
+
+@dataclass(frozen=True)
+class TimePoint:
+    """One model or mesh of a scene against the reference's finest level: largest and RMS error [% of the mean load],
+    lowest and highest largest error that the grid uncertainty of every contact allows (None with one level); seconds
+    cold and warm, unknowns, peak memory [MB] (None: not measured), kind, short name, and the status where it is no
+    solution."""
+
+    label: str
+    kind: Literal["model", "level", "source mesh"]
+    error: float
+    rms: float
+    low: float | None
+    high: float | None
+    cold: float
+    warm: float | None
+    unknowns: int
+    memory: float | None
+    name: str
+    status: str = "converged"
+
+
+def error_range(value: Array, found: Reference) -> tuple[float, float, float | None, float | None]:
+    """Largest and RMS error of loads (n, 4) [N] against the reference's finest level, and the ends of the largest's bar.
+
+    With each contact's error e and uncertainty U, the true largest error lies between max(|e| - U) and max(|e| + U). Errors
+    are per cent of its mean load.
+    """
+    e = load_error(value, found.load, found.contacts)
+    mean = found.mean
+    off = np.abs(error_percent(value, found.load, mean))
+    bar = np.abs(error_percent(found.uncertainty, 0.0, mean))
+    return e.max_percent, e.rms_percent, max(0.0, float((off - bar).max())), float((off + bar).max())
+
+
+def warm_seconds(model: Model, scene: Scene, options: Options) -> float:
+    """Seconds of a further solve, bodies known and kernels compiled: the median of some calls."""
+    spent = []
+    for _ in range(WARM_CALLS + 1):
+        start = perf_counter()
+        run_model(scene, model.name, options)
+        spent.append(perf_counter() - start)
+    return float(np.median(spent[1:]))
+
+
+def time_points(name: str, found: Reference, study: Study, step: Step) -> list[TimePoint]:
+    """All models and meshes of a scene; times of models as kept, unless the study is timed or they are not kept."""
+    scene, out = study.scene(name), []
+    bodies, kept = finest_bodies(scene, found, study.stores), study.once(_kept)
+    further = [m for m in MODELS.values() if not m.compared and m.suits(scene)]
+    for model in (*suited(scene), *further):
+        if model.name == "condensed" and bodies is None:
+            continue
+        known = None if study.timed or kept is None else kept.times.get((name, model.name))
+        if known is None:
+            step(f"{name}, {model.label}: cold and warm")
+        out.append(_model_point(name, model, found, study, bodies if model.name == "condensed" else None, known))
+    runs = [(f"3D reference, level {r.level}", f"3D level {r.level}", r) for r in found.runs]
+    source = load(scene, SOURCE_LEVEL, stores=study.stores)
+    if source is not None:
+        runs.insert(0, ("3D reference, the source's mesh", "3D, source's mesh", source))
+    for label, short, run in runs:
+        out.append(
+            TimePoint(
+                label,
+                "source mesh" if run.level == SOURCE_LEVEL else "level",
+                *error_range(run.load, found),
+                run.setup_seconds + run.solve_seconds,
+                run.solve_seconds,
+                run.unknowns,
+                run.peak_MB,
+                short,
+                run.status,
+            )
+        )
+    return out
+
+
+def _kept(study: Study) -> Kept | None:
+    return load_times((*(study.stores or ()), shipped_store()))
+
+
+def _model_point(
+    name: str, model: Model, found: Reference, study: Study, bodies: Path | None, known: RunTime | None
+) -> TimePoint:
+    scene = study.scene(name)
+    result = _solved(name, model, study, bodies)
+    if known is None:
+        options = Options(discretisation=False, engine="compiled", condensed=bodies)
+        cold = measure(name, model.name, condensed=bodies, repeats=1)
+        known = RunTime(cold.process, warm_seconds(model, scene, options), cold.memory)
+    return TimePoint(
+        model.label,
+        "model",
+        *error_range(result.load, found),
+        known.cold,
+        known.warm,
+        result.solver.unknowns,
+        known.memory,
+        model.name,
+        result.status,
+    )
+
+
+def _solved(name: str, model: Model, study: Study, bodies: Path | None) -> StaticResult:
+    """Result of a model on a scene; with condensed bodies from a file, that of the ladder where it has been climbed."""
+    if bodies is None:
+        return study.solve(name, model.name)
+    for rung in study.computed.get((ladder,), ()):
+        if (rung.scene, rung.model) == (name, model.name):
+            return cast(Rung, rung).result
+    return run_model(study.scene(name), model.name, Options(discretisation=False, condensed=bodies))
+
+
+def time_table(points: Mapping[str, Sequence[TimePoint]], measured: str = "") -> Table:
+    """Every point of every scene; measured: a sentence on where and when times were measured."""
+    rows: list[Row] = [
+        {
+            "scene": scene,
+            "model": p.label,
+            Quantity("error", "largest error", "% of mean", ".2f"): p.error,
+            Quantity("low", "at least", "% of mean", ".2f"): p.low,
+            Quantity("high", "at most", "% of mean", ".2f"): p.high,
+            Quantity("rms", "RMS error", "% of mean", ".2f"): p.rms,
+            Quantity("cold", "cold", "s", "g3"): p.cold,
+            Quantity("warm", "warm", "s", "g3"): p.warm,
+            "unknowns": p.unknowns,
+            Quantity("memory", "peak memory", "MB", ".0f"): p.memory if p.memory is not None else "not measured",
+            Quantity("status", "unless converged", "", "s"): "" if p.status == "converged" else p.status,
+        }
+        for scene, several in points.items()
+        for p in several
+    ]
+    note = (
+        "Errors of all models and meshes are against the finest level of the reference, whose own difference is zero by "
+        "definition. At least and at most: what the grid uncertainty of every contact leaves of the largest error. Cold: "
+        "for low-order models a new process with empty caches, from the start of the interpreter to the first solve, "
+        "interpreted; for the 3D reference set-up and load case as stored with the run. Warm: bodies of the geometry "
+        "known, kernels compiled; of the 3D reference a further load case. Peak memory is each run's own (of several "
+        "processes: the sum of their peaks), interpreter and libraries included. Unknowns of the 3D reference are those of "
+        "the monolithic mesh that its condensed parts are equal to." + (f" {measured}" if measured else "")
+    )
+    return Table.of("reference-time", "Error against run time", rows, note)
+
+
+def first_processes(study: Study, step: Step) -> Mapping[tuple[str, str], Cold]:
+    """Times of the first process by model and engine: as kept, unless the study is timed or none are kept."""
+    kept = None if study.timed else study.once(_kept)
+    if kept is not None and kept.first:
+        return kept.first
+    found = {}
+    for name in ("lin", "refined"):
+        for engine in ("interpreted", "compiled"):
+            step(f"{FIRST}, {name} {engine}: first process")
+            found[name, engine] = measure(FIRST, name, engine=engine)
+    return found
+
+
+def compile_table(first: Mapping[tuple[str, str], Cold]) -> Table:
+    """The first process on a machine: with and without compiling the kernels."""
+    rows: list[Row] = [
+        {
+            "model": MODELS[name].label,
+            Quantity("engine", "kernels", "", "s"): engine,
+            Quantity("process", "new process, empty caches", "s", "g3"): cold.process,
+            Quantity("first", "its first solve", "s", "g3"): cold.first,
+            Quantity("warm", "a further solve", "s", "g3"): cold.warm,
+            Quantity("memory", "peak memory", "MB", ".0f"): cold.memory,
+        }
+        for (name, engine), cold in first.items()
+    ]
+    note = (
+        "Kernels are compiled once per machine and kept in the user's cache; the command line solves single "
+        "scenes interpreted. Each row is a process of its own; the first solve of the refined model also "
+        "prepares the bodies of the geometry."
+    )
+    return Table.of("reference-cold", f"{FIRST}: first process, with and without compiling", rows, note)
+
+
+def cold_levels(study: Study, step: Step) -> Sequence[ColdLevel]:
+    """Cold times of the levels: as kept, unless the study is timed or none are kept."""
+    kept = None if study.timed else study.once(_kept)
+    if kept is not None and kept.levels:
+        return kept.levels
+    out = []
+    for name, level in (*((FIRST, level) for level in STUDIED), *LARGE):
+        step(f"{name}, level {level} of the 3D reference, cold")
+        out.append(measure_level(name, level))
+    return out
+
+
+def assembly_ways(study: Study) -> Sequence[AssemblyCost]:
+    """Times of ways to assemble: as kept, unless the study is timed or none are kept."""
+    kept = None if study.timed else study.once(_kept)
+    return kept.assembly if kept is not None and kept.assembly else assembly_costs()
+
+
+def level_table(levels: Sequence[ColdLevel]) -> Table:
+    """Waiting time for a level of the 3D reference of a new scene."""
+    rows: list[Row] = [
+        {
+            "scene": c.scene,
+            "contacts": c.contacts,
+            "level": c.level,
+            Quantity("cold", "new process, empty caches", "s", "g3"): c.process,
+            Quantity("cpu", "CPU time of all processes", "s", "g3"): c.cpu,
+            Quantity("load_case", "of it a load case", "s", "g3"): c.load_case,
+            Quantity("stages", "of it the set-up's dearest stages", "", "s"): _dearest(c),
+            Quantity("memory", "peak memory", "MB", ".0f"): c.memory,
+            "status": c.status,
+        }
+        for c in levels
+    ]
+    note = (
+        "Each level in a process of its own on all cores, from the start of the interpreter to the loads, "
+        "with no mesh, part or run known before. Peak memory: sum of the peaks of all processes of one "
+        "set-up. Targets were 12 s for level 1 of a screw with 64 contacts, 40 s for its levels 1 to 3, and "
+        "50 s of processor time for level 1 with 200 contacts. Where they are missed, the tables "
+        "reference-set-up-costs and reference-set-up-ways say what bounds them."
+    )
+    return Table.of("reference-levels-cold", "Levels of the 3D reference, cold", rows, note)
+
+
+def cost_tables(costs: Costs) -> list[Table]:
+    """Where the processor time of cold set-ups goes, and what cheaper ones would save and move."""
+    measured = f"Measured on {costs.machine}, {costs.date}, by tests/set_up_costs.py."
+    rows: list[Row] = [
+        {
+            "scene": job.scene,
+            "level": job.level,
+            "contacts": job.contacts,
+            "stage": stage,
+            Quantity("all", "CPU time", "s", ".2f"): spent["all"],
+            **{
+                Quantity(kind, f"of it {words}", "s", ".2f"): spent.get(kind, 0.0)
+                for kind, words in (("meshing", "meshing"), ("assembly", "assembly"), ("elimination", "elimination"))
+            },
+            Quantity("dense", "its dense algebra", "s", ".2f"): spent.get("dense", 0.0),
+        }
+        for job in costs.jobs
+        for stage, spent in (*job.stages.items(), ("all", {kind: job.of(kind) for kind in WORK}))
+    ]
+    floors = ", ".join(f"{job.of('all') / 2.0:.1f} s ({job.scene}, level {job.level})" for job in costs.jobs)
+    note = (
+        "One process of one thread, without start and imports. Elimination is what the meshes ask for: its dense algebra "
+        f"runs in LAPACK. Two cores that never wait for one another need at least {floors}. {measured}"
+    )
+    ways: list[Row] = [
+        {
+            "scene": way.scene,
+            "way": way.way,
+            Quantity("saved", "CPU time saved", "s", ".2f"): way.saved,
+            Quantity("moved", "moves a load by", "% of mean", ".4f"): way.moved,
+        }
+        for way in costs.ways
+    ]
+    tried = (
+        "Ways that were tried on level 1 and not taken. A load may move by 0.001 % of the mean load, or stored runs "
+        "would be of another reference. The library has one flank's patch, as the mean of those of pitch radii 5 % "
+        "smaller and larger; one for any screw has five such parameters (two conformities, contact angle, lead angle, "
+        f"ball over pitch radius), and with ten places of each 100,000 patches. {measured}"
+    )
+    return [
+        Table.of("reference-set-up-costs", "Processor time of a cold set-up, by stage and work", rows, note),
+        Table.of("reference-set-up-ways", "Cheaper set-ups, and what they do to loads", ways, tried),
+    ]
+
+
+def _dearest(level: ColdLevel) -> str:
+    """The stages that most of a set-up's time goes to, in words."""
+    if level.stages is None:
+        return "not measured"
+    stages = sorted(level.stages.items(), key=lambda stage: -stage[1])
+    return ", ".join(f"{name} {seconds:.1f} s" for name, seconds in stages[:DEAREST])
+
+
+def assembly_table(costs: Sequence[AssemblyCost]) -> Table:
+    """What the assembly beside scikit-fem's forms, and the map beside its own, buy."""
+    ours = {cost.mesh: cost.seconds for cost in costs if cost.way == OURS}
+    rows: list[Row] = [
+        {
+            "mesh": cost.mesh,
+            "cells": cost.cells,
+            Quantity("way", "stiffness by", "", "s"): cost.way,
+            Quantity("seconds", "CPU time", "s", "g3"): cost.seconds,
+            Quantity("ratio", "over ours", "", ".1f"): cost.seconds / ours[cost.mesh],
+            Quantity("difference", "difference / largest entry", "", ".1e"): cost.difference,
+        }
+        for cost in costs
+    ]
+    note = (
+        "The same stiffness of curved cells at the same quadrature points, computed in two ways in turn; "
+        f"median of {REPEATS}. Six scalar forms: integrals of products of two derivatives, combined by "
+        "Hooke's law."
+    )
+    return Table.of("reference-assembly", "Assembly: ours and scikit-fem's own", rows, note)
+
+
+def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
+    """Speed ratio of the finest level to the source's low-order model, scene by scene."""
+    rows: list[Row] = []
+    for scene, several in points.items():
+        low = next(p for p in several if p.name == "lin")
+        best = [p for p in several if p.kind == "level"][-1]
+        if low.warm and best.warm:
+            rows.append(
+                {
+                    "scene": scene,
+                    Quantity("low", "low-order, cold", "s", "g3"): low.cold,
+                    Quantity("low_warm", "low-order, warm", "s", "g3"): low.warm,
+                    Quantity("ref", "3D reference, cold", "s", ".1f"): best.cold,
+                    Quantity("ref_warm", "3D reference, load case alone", "s", ".2f"): best.warm,
+                    Quantity("cold", "ratio, cold", "", ".0f"): best.cold / low.cold,
+                    Quantity("warm", "load case alone : warm", "", ".0f"): best.warm / low.warm,
+                    Quantity("both", "cold : warm", "", ".0f"): best.cold / low.warm,
+                }
+            )
+    printed = entry("lin-2.4.1", "speed_ratio").printed
+    title = f"Speed ratio, 3D reference : the source's model (the source: over {printed}, ANSYS : its model)"
+    return Table.of("reference-speed", title, rows)
+
+
+def time_panel(scene: str, of_scene: Sequence[TimePoint]) -> Panel:
+    """Error over cold run time of one scene, each point with its error bar; the levels cost more from one to the next."""
+
+    def series(label: str, points: Sequence[TimePoint], style: str, *, emphasis: bool = False) -> Series:
+        low = [max(p.low, FLOOR) for p in points if p.low is not None]
+        high = [max(p.high, FLOOR) for p in points if p.high is not None]
+        bars = (low, high) if len(low) == len(high) == len(points) else None
+        errors = [max(p.error, FLOOR) for p in points]
+        return Series(label, [p.cold for p in points], errors, style, emphasis=emphasis, bars=bars)
+
+    good = [p for p in of_scene if p.status == "converged"]
+    drawn = [series(p.label, [p], "markers") for p in good if p.kind == "model"]
+    drawn += [series(p.label, [p], "markers") for p in good if p.kind == "source mesh"]
+    levels = [p for p in good if p.kind == "level"]
+    if levels:
+        drawn.append(series("3D reference, its levels", levels, "markers", emphasis=True))
+    return Panel(scene, "run time, cold / s", "largest error / % of the mean load", tuple(drawn), log="xy")
+
+
+def time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
+    """Case studies without and with preload, and the screws that no model was made with."""
+    caption = (
+        "All points are errors against the finest level, with what its grid "
+        f"uncertainty leaves of them as bars; what is below {FLOOR:g} % is drawn at the lower edge."
+    )
+    plain = [n for n in REFERENCED if n in points and any(p.name == "mei" for p in points[n])]
+    groups = {
+        "": plain,
+        "-preload": [n for n in REFERENCED if n in points and n not in plain],
+        "-unseen": [n for n in UNSEEN if n in points][:PANELS],
+    }
+    return [
+        Figure(f"reference-time{tail}", "Error against run time", tuple(time_panel(n, points[n]) for n in names), caption)
+        for tail, names in groups.items()
+        if names
+    ]
+
+
+def all_points(study: Study, step: Step) -> dict[str, list[TimePoint]]:
+    """Points of all scenes with a reference; of the case studies alone in a quick study."""
+    found = study.references(REFERENCED if study.quick else (*REFERENCED, *UNSEEN))
+    study.once(ladder)  # times every new geometry, so it goes first; its results serve here
+    return {name: time_points(name, ref, study, step) for name, ref in found.items()}
+
+
+def when_measured(study: Study, step: Step) -> str:
+    """Where and when the models' run times were measured; kept ones beside a sample that is measured now."""
+    kept = None if study.timed else study.once(_kept)
+    if kept is None:
+        return "Run times of the models were measured for this report."
+    step(f"{FIRST}: cold times beside those kept")
+    sample = live(FIRST, SAMPLE, kept)
+    return f"Run times of the models are kept, of {kept.date} on {kept.machine}; {sample}."
+
+
+def kept_now(
+    points: Mapping[str, Sequence[TimePoint]],
+    first: Mapping[tuple[str, str], Cold],
+    levels: Sequence[ColdLevel] = (),
+    assembly: Sequence[AssemblyCost] = (),
+) -> Kept:
+    """The times of these points, first processes, levels and ways to assemble, to be kept for reports to come."""
+    times = {
+        (scene, p.name): RunTime(p.cold, p.warm, p.memory)
+        for scene, several in points.items()
+        for p in several
+        if p.kind == "model" and p.warm is not None
+    }
+    return Kept(machine(), today(), times, first, levels, assembly)
+
+
+def cold_tables(study: Study, step: Step, points: Mapping[str, Sequence[TimePoint]]) -> list[Table]:
+    """Tables of first processes, levels, ways to assemble and stages of a set-up; a timed study keeps what it measures."""
+    first, levels, assembly = first_processes(study, step), cold_levels(study, step), assembly_ways(study)
+    if study.timed and study.stores:
+        save_times(study.stores[0], kept_now(points, first, levels, assembly))
+    costs = load_costs((*(study.stores or ()), shipped_store()))
+    tables = [compile_table(first), level_table(levels), assembly_table(assembly)]
+    return tables + (cost_tables(costs) if costs is not None else [])
+
+
+def time_items(study: Study, step: Step) -> list[Table | Figure]:
+    """Tables and figures of all scenes with a reference; a quick study measures no process and no assembly. What a timed
+    study measures is kept in its first store."""
+    points = study.once(all_points, step)
+    tables = [] if study.quick else cold_tables(study, step, points)
+    return [time_table(points, study.once(when_measured, step)), *tables, speed_table(points), *time_figures(points)]

@@ -1,0 +1,58 @@
+"""The command ``rollbench audit``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from rollbench.comparison.commands.printing import Answer, cell
+from rollbench.comparison.commands.tables import ruled
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.printed.printed_data import tables
+from rollbench.comparison.wings.evidence.audit import APART, VERDICTS, Audited, as_stored, audit, changes, counts, trust
+from rollbench.comparison.wings.evidence.left_out import left_out, misprints
+from rollbench.comparison.writing import replace_file
+
+
+def run_audit(only: Sequence[str], *, write: Path | None) -> Answer:
+    """Judge every printed entry: counts, entries, misprints, what is left out; exit code 1 where a verdict differs from
+    the stored list. Raises InputError for an unknown table."""
+    unknown = [name for name in only if name not in tables()]
+    if unknown:
+        raise InputError("command line", "--only", unknown[0], ", ".join(tables()), "see: rollbench list")
+    rows = audit(Study(), *only)
+    if write is not None:
+        replace_file(write, as_stored(rows))
+    changed = changes(rows)
+    return Answer(as_json(rows, changed), as_table(rows, changed), 1 if changed else 0)
+
+
+def as_json(rows: Sequence[Audited], changed: Sequence[str]) -> dict[str, Any]:
+    """JSON-ready."""
+    return {
+        "counts": counts(rows),
+        "entries": [row.as_json() for row in rows],
+        "misprints": misprints(),
+        "left_out": left_out(),
+        "changed_verdicts": list(changed),
+    }
+
+
+def as_table(rows: Sequence[Audited], changed: Sequence[str]) -> list[Any]:
+    """The same for the terminal; misprints and what is left out as counts."""
+    from rich.table import Table
+
+    headings = [name + (" (apart)" if name in APART else "") for name in ("source", *VERDICTS, "judged", "all")]
+    table = ruled("printed entries by verdict", headings, (map(str, row.values()) for row in counts(rows)))
+    entries = Table(title="entries", title_justify="left")
+    for heading in ("entry", "printed", "as printed", "right", "3D", "error %", "verdict", "reason"):
+        entries.add_column(heading, overflow="fold")
+    for one in rows:
+        data = one.as_json()
+        numbers = (cell(data[k], ".5g") for k in ("as_printed", "right", "reference_3d", "error_percent"))
+        entries.add_row(one.name, f"{data['printed']} {data['unit']}".rstrip(), *numbers, one.verdict, one.reason)
+    lines = [trust(row) for row in counts(rows)]
+    lines.append(f"{len(misprints())} misprints with a command and a test each, {len(left_out())} groups left out: --json")
+    return [table, *lines, entries, *(f"changed: {line}" for line in changed)]

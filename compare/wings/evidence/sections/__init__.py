@@ -1,0 +1,1 @@
+"""Sections of the report: every printed entry with its verdict, and what does not reproduce."""

@@ -1,0 +1,5 @@
+"""What the wing of exports to other programs adds."""
+
+from rollbench.comparison.registration import Registration
+
+REGISTRATION = Registration(commands={"export": "wings.export.arguments"})

@@ -1,0 +1,172 @@
+"""``rollbench solve SCENE --members N``: bands and distributions of a scene with random errors."""
+
+from __future__ import annotations
+
+import csv
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rollbench.comparison.commands.printing import Answer, on_terminal
+from rollbench.comparison.commands.tables import ruled
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.models.registry import default_model
+from rollbench.comparison.quantities import number
+from rollbench.comparison.reference.jobs import Engine
+from rollbench.comparison.scenes import catalogue
+from rollbench.comparison.scenes.duty_cycle import DutyCycle
+from rollbench.comparison.scenes.scene_file import each_case
+from rollbench.comparison.wings.members.blocks import KEPT, OF_SET, WHOLE, columns, with_seed
+from rollbench.comparison.wings.members.members import Bands, Members, run_members, statistics
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import SIDES, Scene
+
+
+def run(
+    name: str, model: str, count: int, *, csv_out: Path | None, seed: int | None, engine: Engine, balls: bool = False
+) -> Answer:
+    """Solve, write one CSV row a member as they come (balls: show the bands of every ball too); exit code 1 where none
+    converged. Raises InputError."""
+    described = catalogue.any_scene(name)
+    if seed is not None and not 0 <= seed < 2**62:
+        raise InputError("command line", "--seed", str(seed), f"0 to {2**62 - 1}", "leave it out for the scene's")
+    cases = [case.name for case in described.cases] if isinstance(described, DutyCycle) else []
+    scenes = [scene if seed is None else with_seed(scene, seed) for scene in each_case(described, name)]
+    each: list[Members] = []
+    with _rows(csv_out, [*(["case"] if cases else []), "member", "status", *columns(scenes[0])]) as write:
+        for scene, head in zip(scenes, [[case] for case in cases] or [[]], strict=True):
+            row = partial(_row, write, head)
+            each.append(run_members(scene, model or default_model(scene), count, engine, on_terminal, row))
+    shown = [x for batch in each for x in as_table(batch, balls=balls)] + [f"{csv_out}: one row a member"] * bool(csv_out)
+    data = [as_json(batch) for batch in each]
+    whole = (
+        {"scene": described.name, "cases": [{"case": c} | x for c, x in zip(cases, data, strict=True)]}
+        if cases
+        else data[0]
+    )
+    return Answer(whole, shown, 0 if all(len(batch.failed) < count for batch in each) else 1)
+
+
+def _row(write: Callable[[list[Any]], None], head: Sequence[str], member: int, status: str, kept: Array) -> None:
+    write([*head, member, status, *("" if np.isnan(v) else repr(float(v)) for v in kept)])
+
+
+@contextmanager
+def _rows(path: Path | None, names: Sequence[str]) -> Iterator[Callable[[list[Any]], None]]:
+    """A writer of rows to the file, which gets its name only when it is complete."""
+    if path is None:
+        yield lambda *_: None
+        return
+    unfinished = path.with_name(f".{path.name}.part")
+    try:
+        with unfinished.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.writer(file)
+            writer.writerow(names)
+            yield writer.writerow
+        os.replace(unfinished, path)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(str(path), "--csv", reason, "a file that can be written", "check the path") from None
+    finally:
+        unfinished.unlink(missing_ok=True)
+
+
+def as_json(members: Members) -> dict[str, Any]:
+    """JSON-ready: statistics of what is kept, failures, bands of every contact that any member loads. Of several sets,
+    their statistics stand in ``sets``, and rows of ``balls`` begin with their set."""
+    counts: dict[str, Any] = {"members": len(members.kept), "converged": len(members.kept) - len(members.failed)}
+    counts["failed"] = [{"member": m, "status": s} for m, s in sorted(members.failed.items())]
+    rows = _balls(members.bands)
+    several = isinstance(members.scene, Assembly)
+    seed = _seeds(members.scene) if isinstance(members.scene, Assembly) else members.scene.errors.seed
+    head = {"scene": members.scene.name, "model": members.model, "seed": seed}
+    kept = {"statistics": {key: statistics(members.kept[:, k]) for k, key in enumerate(WHOLE if several else KEPT)}}
+    balls = [x for one in rows for x in one]
+    if isinstance(members.scene, Assembly):
+        counts["sets"] = _sets(members, members.scene)
+        balls = [
+            {"set": i + 1, **x, "index": x["index"] - place.start}
+            for i, place in enumerate(members.balls)
+            if place is not None
+            for one in rows[place]
+            for x in one
+        ]
+    return {**head, **counts, **kept, "band_resolution_N": number(members.bands.width), "balls": balls}
+
+
+def _seeds(assembly: Assembly) -> list[int | None]:
+    return [s.parts.errors.seed if isinstance(s.parts, Scene) else None for s in assembly.sets]
+
+
+def _sets(members: Members, assembly: Assembly) -> list[dict[str, Any]]:
+    """Statistics of each set."""
+    by_set = np.split(members.kept[:, len(WHOLE) :], len(assembly.sets), axis=1)
+    return [
+        {"set": i + 1, "name": s.name, "statistics": {key: statistics(kept[:, k]) for k, key in enumerate(OF_SET)}}
+        for i, (s, kept) in enumerate(zip(assembly.sets, by_set, strict=True))
+    ]
+
+
+def _balls(bands: Bands) -> list[list[dict[str, Any]]]:
+    """Rows of the loaded contacts of every ball."""
+    quantiles = {level: bands.quantile(level) for level in (0.05, 0.5, 0.95)}
+    return [
+        [
+            {
+                "index": i + 1,
+                "side": side,
+                "without_random_errors_N": number(bands.nominal[i, s]),
+                "mean_N": number(bands.mean[i, s]),
+                "standard_deviation_N": number(bands.deviation[i, s]),
+                "smallest_N": number(bands.smallest[i, s]),
+                **{f"quantile_{level:g}_N": number(q[i, s]) for level, q in quantiles.items()},
+                "largest_N": number(bands.largest[i, s]),
+                "loaded_share": number(bands.loaded[i, s]),
+            }
+            for s, side in enumerate(SIDES)
+            if bands.largest[i, s] > 0.0
+        ]
+        for i in range(bands.nominal.shape[0])
+    ]
+
+
+def _statistics(title: str, headings: Mapping[str, str], rows: Mapping[str, dict[str, Any] | None]) -> Any:
+    table = []
+    for key, stats in rows.items():
+        if stats is None:
+            continue
+        q = {row["level"]: f"{row['value']:.4g} ({row['low']:.4g} to {row['high']:.4g})" for row in stats["quantiles"]}
+        first = (f"{stats[k]:.4g}" for k in ("mean", "standard_error", "standard_deviation", "smallest"))
+        table.append([headings[key], *first, q[0.05], q[0.5], q[0.95], q[0.99], f"{stats['largest']:.4g}"])
+    heads = ("", "mean", "standard error", "deviation", "smallest", "5 %", "median", "95 %", "99 %", "largest")
+    return ruled(title, heads, table, ("",))
+
+
+def as_table(members: Members, *, balls: bool = False) -> list[Any]:
+    """The same for the terminal: statistics, and, where asked for, the bands of every ball."""
+    data = as_json(members)
+    several = isinstance(members.scene, Assembly)
+    parts: list[Any] = [
+        f"{data['scene']}, model {data['model']}, seed {data['seed']}: {data['members']} members, {data['converged']} "
+        f"converged, {1e3 * members.seconds / data['members']:.3g} ms a member"
+    ]
+    parts += [f"member {row['member']}: {row['status']}" for row in data["failed"][:5]]
+    headings = WHOLE if several else KEPT
+    tables = [_statistics("members (in brackets: 95 % interval of the quantile)", headings, data["statistics"])]
+    tables += [_statistics(f"set {s['set']}, {s['name']}", OF_SET, s["statistics"]) for s in data.get("sets", [])]
+    stiffness = "in equilibrium, where it is asked for" if several else "tangent, by 0.1 % more load"
+    parts += [*tables, f"life: ISO/TS 16281 equivalent loads, raceways equally strong; stiffness: {stiffness}"]
+    return [*parts, _bands(data, members.bands.width) if balls else "bands of every ball: --balls"]
+
+
+def _bands(data: dict[str, Any], width: float) -> Any:
+    keys = [key for key in (data["balls"][0] if data["balls"] else ()) if key != "quantile_0.5_N"]
+    rows = ([v if isinstance(v := row[key], str) else f"{v:.4g}" for key in keys] for row in data["balls"])
+    headings = (key.removesuffix("_N").replace("_", " ") for key in keys)
+    return ruled(f"bands of the contact loads / N (to {width:.2g} N)", headings, rows)

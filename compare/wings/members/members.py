@@ -1,0 +1,223 @@
+"""Many screws of one scene with random errors, by any model: what is kept of each, bands per ball, sampling errors.
+
+Members are solved in blocks that may run side by side. What a member is depends on the scene's seed and its number alone,
+and blocks are put together in their order, so the numbers are the same whatever the number of workers. Memory: a block of
+loads in each process, six numbers a member, and one histogram a contact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rollbench.comparison.errors import InputError
+from rollbench.comparison.models.registry import MODELS, Options, default_model, random_errors, run_model
+from rollbench.comparison.reference import parallel
+from rollbench.comparison.reference.jobs import Engine, first_here
+from rollbench.comparison.wings.members.blocks import Block, contact_loads, places, solve_block, without_random_errors
+from rollbench.lowfi.jit import STATICS, cached
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import Assembly
+from rollbench.meshes.parts import Scene
+
+#: Members of a block: the most, and the least of one set, as it takes as long to prepare some; from how many on kernels are
+#: compiled, and are used where they have been.
+BLOCK, LEAST, COMPILE_FROM, USE_FROM = 500, 50, 200, 10
+#: Bins of the histogram of a contact's load, and its end over the largest load without random errors.
+BINS, END = 2000, 10.0
+LEVELS = (0.01, 0.05, 0.5, 0.95, 0.99)
+MOST = 10_000_000
+
+
+@dataclass(frozen=True)
+class Bands:
+    """Contacts over the members. nominal: loads (N, 4) [N] without random errors; mean, deviation, smallest, largest (N, 4)
+    [N], loaded (N, 4): share of members in which a contact carries, counts (N, 4, `BINS` + 2): histogram of the loads of
+    width ``width`` [N], the first of loads of zero, the last of those beyond its end."""
+
+    nominal: Array
+    mean: Array
+    deviation: Array
+    smallest: Array
+    largest: Array
+    loaded: Array
+    counts: NDArray[np.int64]
+    width: float
+
+    def quantile(self, level: float) -> Array:
+        """Quantile of each contact's load (N, 4) [N], to ``width``."""
+        below = np.cumsum(self.counts, axis=-1)
+        place = (below < level * below[..., -1:]).sum(axis=-1)
+        return np.asarray(np.where(place == 0, 0.0, (place - 0.5) * self.width))
+
+
+@dataclass(frozen=True)
+class Members:
+    """Members of a scene. kept (M, k): numbers named by `member_blocks.columns` (nan where there is no equilibrium);
+    statuses of those that did not converge, by number; bands: of the contacts of all sets of balls, one set after the
+    other; balls: the place of each set in them, None for rollers; seconds of wall clock."""
+
+    scene: Scene | Assembly
+    model: str
+    kept: Array
+    failed: dict[int, str]
+    bands: Bands
+    balls: tuple[slice | None, ...]
+    seconds: float
+
+
+def run_members(
+    scene: Scene | Assembly,
+    model: str,
+    count: int,
+    engine: Engine | None = None,
+    step: Callable[[str], None] = lambda _: None,
+    row: Callable[[int, str, Array], None] = lambda *_: None,
+) -> Members:
+    """Solve members 0 to ``count`` - 1 of a scene; ``row`` hears of each, in order: number, status, numbers (k,).
+
+    Raises InputError for an unknown model, a count out of range, a scene without random errors, or one that has no
+    equilibrium without them.
+    """
+    _check(scene, model, count)
+    start, model = perf_counter(), model or default_model(scene)
+    kernels = "compiled" if count >= COMPILE_FROM or (count >= USE_FROM and cached(STATICS)) else "interpreted"
+    bare = run_model(without_random_errors(scene), model, Options(engine=kernels, discretisation=False))
+    nominal = contact_loads(bare)
+    if not bare.converged or not nominal.max(initial=0.0) > 0.0:
+        reason = bare.status if not bare.converged else "no contact carries load without random errors"
+        what = "screw" if isinstance(scene, Scene) else "sets"
+        advice = f"load or preload the {what}"
+        raise InputError(scene.name, "scene", reason, "loaded contacts without random errors", advice)
+    arguments = (scene, model, kernels, nominal)
+    bands, kept, failed = gathered(solve_block, arguments, nominal, count, engine or Engine(), step, row)
+    return Members(scene, model, kept, failed, bands, places(scene), perf_counter() - start)
+
+
+def gathered(
+    solve: Callable[..., Block],
+    arguments: tuple[Any, ...],
+    nominal: Array,
+    count: int,
+    engine: Engine,
+    step: Callable[[str], None],
+    row: Callable[[int, str, Array], None],
+) -> tuple[Bands, Array, dict[int, str]]:
+    """Bands, numbers (M, ...) and failures of members that ``solve`` finds block by block: (arguments, first, count).
+
+    nominal: loads (N, 4) [N] without random errors.
+    """
+    sums = _Sums(nominal, END * float(nominal.max()) / BINS)
+    rows: list[Array] = []
+    failed: dict[int, str] = {}
+    start, done = perf_counter(), 0
+    for first, block in _blocks(solve, arguments, count, engine, step):
+        sums.add(block.loads)
+        rows.append(block.kept)
+        for k, status in enumerate(block.statuses):
+            row(first + k, status, block.kept[k])
+            if status != "converged":
+                failed[first + k] = status
+        done += len(block.kept)
+        spent = perf_counter() - start
+        step(f"[{done}/{count}] {len(failed)} failed: {spent:.0f} s, about {spent * (count - done) / done:.0f} s left")
+    return sums.bands(), np.concatenate(rows), failed
+
+
+def _check(scene: Scene | Assembly, model: str, count: int) -> None:
+    single = isinstance(scene, Scene)
+    if single and (model not in MODELS or model == "condensed"):
+        allowed = ", ".join(name for name in MODELS if name != "condensed")
+        raise InputError("command line", "--model", model, allowed, "see: rollbench list")
+    if not 2 <= count <= MOST:
+        raise InputError("command line", "--members", str(count), f"2 to {MOST}", "a thousand give a band of some per cent")
+    if not random_errors(scene):
+        where, advice = ("errors", "") if single else ("sets[].errors", " of a set")
+        advice = f"give a sigma to balls, pitch, roundness or profile{advice}"
+        raise InputError(scene.name, where, "nothing random", "at least one sigma above zero", advice)
+
+
+def _blocks(
+    solve: Callable[..., Block], arguments: tuple[Any, ...], count: int, engine: Engine, step: Callable[[str], None]
+) -> Iterator[tuple[int, Block]]:
+    """Blocks in order, whatever the order they come in."""
+    least = LEAST if isinstance(arguments[0], Scene) else 1
+    size = max(least, min(BLOCK, count // 16))  # by the count alone: how members are cut into blocks shows in round-off
+    jobs: list[parallel.Job] = [(solve, (*arguments, first, min(size, count - first))) for first in range(0, count, size)]
+    waiting: dict[int, Block] = {}
+    following = 0
+    for number, block in first_here(jobs, engine, "members", step):
+        waiting[number] = block
+        while following in waiting:
+            yield following * size, waiting.pop(following)
+            following += 1
+
+
+class _Sums:
+    """Running sums over the members of each contact's load, about its load without random errors."""
+
+    def __init__(self, nominal: Array, width: float) -> None:
+        self.nominal, self.width = nominal, width
+        self.first, self.second = np.zeros(nominal.shape), np.zeros(nominal.shape)
+        self.low, self.high = np.full(nominal.shape, np.inf), np.zeros(nominal.shape)
+        self.counts = np.zeros((nominal.size, BINS + 2), dtype=np.int64)
+
+    def add(self, loads: Array) -> None:
+        """Loads (k, N, 4) of a block; members without equilibrium are left out. Member by member, in order: the sums do
+        not depend on how the members are cut into blocks."""
+        place = np.arange(self.nominal.size)
+        for load in loads[~np.isnan(loads[:, 0, 0])]:
+            off = load - self.nominal
+            self.first += off
+            self.second += off * off
+            np.minimum(self.low, load, out=self.low)
+            np.maximum(self.high, load, out=self.high)
+            bins = np.where(load > 0.0, 1 + np.minimum(load / self.width, BINS), 0).astype(np.int64)
+            self.counts[place, bins.ravel()] += 1
+
+    def bands(self) -> Bands:
+        """The bands by the sums."""
+        n = int(self.counts[0].sum())
+        mean = self.first / max(n, 1)
+        deviation = np.sqrt(np.maximum(self.second - n * mean**2, 0.0) / max(n - 1, 1))
+        counts = self.counts.reshape(*self.nominal.shape, -1)
+        shares = 1.0 - counts[..., 0] / max(n, 1)
+        low = np.where(np.isfinite(self.low), self.low, 0.0)
+        return Bands(self.nominal, self.nominal + mean, deviation, low, self.high, shares, counts, self.width)
+
+
+def _binomial_quantile(p: float, trials: int, chance: float) -> int:
+    """Least count that a binomial variable stays below or at with a probability of ``p``.
+
+    Sums the probabilities within fifteen deviations of the mean; scipy.special has this too, but takes long to import.
+    """
+    mean, reach = trials * chance, 15.0 * (1.0 + np.sqrt(trials * chance * (1.0 - chance)))
+    first = max(0, int(mean - reach))
+    k = np.arange(first, min(trials, int(mean + reach)))
+    grown = np.append(0.0, np.cumsum(np.log((trials - k) / (k + 1.0) * chance / (1.0 - chance))))
+    below = np.cumsum(np.exp(grown - grown.max()))
+    return first + int(np.searchsorted(below, (1.0 - 1e-12) * p * below[-1]))  # less the round-off of the sum
+
+
+def statistics(values: Array) -> dict[str, Any] | None:
+    """Mean with its standard error, deviation, extremes, and quantiles with their 95 % intervals, of the finite ones of
+    values (M,); None of less than two.
+
+    The interval of a quantile lies between order statistics, by the binomial distribution of how many values are below it.
+    """
+    y = np.sort(values[np.isfinite(values)])
+    if y.size < 2:
+        return None
+    sd = float(y.std(ddof=1))
+    out: dict[str, Any] = {"members": int(y.size), "mean": float(y.mean()), "standard_error": sd / float(np.sqrt(y.size))}
+    out |= {"standard_deviation": sd, "smallest": float(y[0]), "largest": float(y[-1]), "quantiles": []}
+    for level in LEVELS:
+        low, high = (_binomial_quantile(p, y.size, level) for p in (0.025, 0.975))
+        ends = float(y[max(low - 1, 0)]), float(y[min(high, y.size - 1)])
+        out["quantiles"].append({"level": level, "value": float(np.quantile(y, level)), "low": ends[0], "high": ends[1]})
+    return out

@@ -1,0 +1,9 @@
+"""What the wing of mesh studies adds."""
+
+from rollbench.comparison.registration import Part, Registration
+
+REGISTRATION = Registration(
+    commands={"mesh-study": "wings.mesh_study.arguments"},
+    parts=(Part("reference-mesh", "wings.mesh_study.section", quick=True, runs=True, beside=True, page="reference"),),
+    functions={"mesh study": "wings.mesh_study.command:library"},
+)

@@ -1,0 +1,425 @@
+"""How good the 3D reference is: mesh levels and their cost, mesh study, modelling spread, what each ingredient changes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from rollbench.comparison.measure import error_percent, load_error
+from rollbench.comparison.models.comparison import REFERENCED
+from rollbench.comparison.models.ladder import UNSEEN
+from rollbench.comparison.models.modelling import REFINED, VARIED, varied
+from rollbench.comparison.models.study import Study
+from rollbench.comparison.models.total_uncertainty import SHARED, beside_face
+from rollbench.comparison.reference.estimate import Reference
+from rollbench.comparison.reference.grid_summary import uncertainty_percent
+from rollbench.comparison.reference.levels import LEVELS, SOURCE_LEVEL, SOURCE_MESH
+from rollbench.comparison.reference.store import Run, load
+from rollbench.comparison.reference.variants import NOT_VARIED, VARIANTS
+from rollbench.comparison.sections.grid_coverage import MANY, Held, coverage, share_of
+from rollbench.comparison.sections.reference import case_studies, modelling
+from rollbench.comparison.wings.mesh_study.figure import study_figure
+from rollbench.comparison.wings.mesh_study.table import closing, studied, study_table
+from rollbench.reports.records import Cell, Figure, Quantity, Row, Section, Table, Text
+
+References = Mapping[str, Reference]
+
+
+def level_table(study: Study, found: References) -> Table:
+    """Mesh levels of every scene: size, own cost, change to the next level, quality, residuals."""
+    rows: list[Row] = []
+    for name, ref in found.items():
+        source = load(study.scene(name), SOURCE_LEVEL, stores=study.stores)
+        runs = ([source] if source else []) + list(ref.runs)
+        for number, run in enumerate(runs):
+            frozen = load_error(run.frozen, run.load, ref.contacts)
+            following = runs[number + 1] if number + 1 < len(runs) and run.level != SOURCE_LEVEL else None
+            step = None if following is None else load_error(run.load, following.load, ref.contacts)
+            largest, rms = (None, None) if step is None else (step.max_percent, step.rms_percent)
+            change = None if following is None else float(error_percent(run.load.sum(), following.load.sum()))
+            best = load_error(run.load, ref.load, ref.contacts)
+            jacobian = min(run.quality[k] for k in ("screw", "nut", "ball"))
+            rows.append(
+                {
+                    "scene": name,
+                    "level": "source" if run.level == SOURCE_LEVEL else str(run.level),
+                    Quantity("across", "elements across 2b", "", ".1f"): run.quality["elements across 2b"],
+                    Quantity("sides", "sides meshed", "", "s"): len(run.sides),
+                    Quantity("unknowns", "unknowns, equivalent monolithic mesh", "", "s"): run.unknowns,
+                    Quantity("setup", "set-up", "s", ".1f"): run.setup_seconds,
+                    Quantity("solve", "load case", "s", ".1f"): run.solve_seconds,
+                    Quantity("memory", "peak memory", "MB", ".0f"): "not measured" if run.peak_MB is None else run.peak_MB,
+                    Quantity("change", "difference from the next level: largest", "% of mean", ".2f"): largest,
+                    Quantity("rms", "RMS", "% of mean", ".2f"): rms,
+                    Quantity("sum", "of the sum", "%", "+.2f"): change,
+                    Quantity("best", "difference from the finest level", "% of mean", ".2f"): best.max_percent,
+                    Quantity("frozen", "effect of moving normals", "% of mean", ".2f"): frozen.max_percent,
+                    Quantity("balance", "balance of balls and screw", "", "g2"): max(run.balance, run.screw_balance),
+                    Quantity("along", "force along the groove", "", "g2"): run.along_groove,
+                    Quantity("jacobian", "smallest scaled Jacobian", "", ".2f"): jacobian,
+                    Quantity("deviation", "coarse bodies off the exact groove", "um", "g2"): 1e6 * run.quality["deviation"],
+                }
+            )
+    note = (
+        "Elements across the short axis 2b of the contact ellipse, as expected in the least loaded scene of "
+        "the geometry. Balances are relative to the largest contact load. Seconds and peak memory are each "
+        "run's own; scenes of one geometry share set-up and memory."
+    )
+    return Table.of("reference-levels", "Mesh levels of the 3D reference", rows, note)
+
+
+def convergence_table(found: References) -> Table:
+    """What the mesh leaves uncertain in every scene's contact loads, part by part."""
+    rows: list[Row] = []
+    for name, ref in found.items():
+        p = ref.parts
+        rows.append(
+            {
+                "scene": name,
+                "levels": len(ref.runs),
+                Quantity("contact", "contact's cells", "% of mean", ".3f"): p.contact,
+                Quantity("bodies", "bodies' cells", "% of mean", ".3f"): p.bodies,
+                Quantity("sockets", "coarse sockets", "% of mean", ".3f"): p.sockets,
+                Quantity("common", "common to all contacts", "% of mean", ".3f"): p.common,
+                Quantity("bar", "uncertainty (95 %), RMS", "% of mean", ".3f"): p.bar,
+                Quantity("beside", "beside a free face of the nut, largest", "% of mean", ".3f"): beside_face(ref)[0],
+                Quantity("largest", "largest", "% of mean", ".3f"): uncertainty_percent(ref),
+                Quantity("from", "taken from", "", "s"): "other scenes"
+                if p.by_experience
+                else "its levels and other scenes",
+            }
+        )
+    note = (
+        "Standard deviations of the difference between the finest level and the next finer one, RMS over "
+        "the contacts; the uncertainty is twice the root of the sum of their squares. Parts of bodies and "
+        "sockets are distributed over the contacts by stiffness, the cube root of the load. From level to "
+        "level, contact cells are refined by 4/3, body cells by 1.15, and the cut of the coarse sockets not "
+        "at all; no two levels share a cell, so loads scatter between levels and show no order. The first "
+        "two parts come from changes between the scene's own levels and fall with the square of the cell "
+        "size; the part of the sockets is half the variance caused by a different cut; the common part "
+        "comes from the mean changes of all scenes in which equilibrium does not fix the sum of loads. "
+        "Beside a free nut face, the compliance of the lip that the cells miss is added where it exceeds "
+        "all other parts (measured on nuts solved alone with ever finer bodies)."
+    )
+    return Table.of("reference-convergence", "Discretisation's part in the contact loads", rows, note)
+
+
+def coverage_table(study: Study) -> Table | None:
+    """Bars of coarser levels against what finer ones find; None where runs are missing."""
+    found = coverage(study)
+    if not found:
+        return None
+    levels = sorted({h.level for h in found})
+    groups = {name: [h for h in found if h.scene == name] for name in dict.fromkeys(h.scene for h in found)}
+    several = [h for h in found if h.level > min(LEVELS)]
+    rows: list[dict[str, Cell]] = [_coverage_row(name, group) for name, group in groups.items()]
+    rows.append(_coverage_row("all shipped scenes", [h for h in found if not h.drawn]))
+    if any(h.drawn for h in found):
+        rows.append(_coverage_row("all drawn screws", [h for h in found if h.drawn]))
+    rows.append(_coverage_row("all", found))
+    columns = [Quantity("scene", "scene", "", "s"), Quantity("contacts", "contacts", "", "s")]
+    columns.append(Quantity("judge", "judged by level", "", "s"))
+    for k in levels:
+        words = f"level {k} alone (experience)" if k == min(LEVELS) else f"levels up to {k}"
+        columns.append(Quantity(f"bar {k}", f"{words}: bar", "% of mean", ".3f"))
+        columns.append(Quantity(f"held {k}", f"held by level {k}'s bar", "%", ".1f"))
+    worst = min((h for h in several if h.contacts >= MANY), key=lambda h: h.share)
+    note = (
+        f"{100.0 * share_of(several):.1f} % of {sum(h.contacts for h in several)} loads with bars from two levels "
+        f"or more lie within them; in the worst scene with {MANY} contacts or more, "
+        f"{100.0 * worst.share:.1f} % ({worst.scene}, levels up to {worst.level}). Bars are meant to cover "
+        "95 %. The finest level, which judges a bar, is not used to make it, nor is experience from scenes "
+        "that share its parts; rows for several scenes give medians. Errors common to all meshes are not "
+        "covered here."
+    )
+    return Table("reference-coverage", "Bars of 95 % against a finer level", tuple(columns), rows, note)
+
+
+def _coverage_row(name: str, group: Sequence[Held]) -> dict[str, Cell]:
+    """A row of `coverage_table`, of one scene or of several."""
+    row: dict[str, Cell] = {"scene": name, "contacts": sum(h.contacts for h in group if h.level == min(LEVELS))}
+    row["judge"] = ", ".join(map(str, sorted({h.judge for h in group})))
+    for k in sorted({h.level for h in group}):
+        of_level = [h for h in group if h.level == k]
+        row |= {f"bar {k}": float(np.median([h.bar for h in of_level])), f"held {k}": 100.0 * share_of(of_level)}
+    return row
+
+
+def shared_text(study: Study) -> str:
+    """What all contacts have in common and no bar holds, with its evidence."""
+    low, high = SHARED
+    moves = [
+        f"{e.choice} {float(e.change[e.change != 0.0].mean()):+.3f} %"
+        for e in varied(study.scene(REFINED), study.stores)
+        if e.variant in VARIANTS and VARIANTS[e.variant].refined
+    ]
+    finer = f" On {REFINED}, refining one choice at a time moves the mean load by: {', '.join(moves)}." if moves else ""
+    return (
+        "Common to all contacts and contained in no bar: independent 3D programs, CalculiX among them "
+        f"(section crosscheck), give a sum of loads of preloaded screws that is {low:g} to {high:g} % larger "
+        f"than the reference's, always with this sign.{finer} No mesh of the reference shows it."
+    )
+
+
+def stage_table(found: References) -> Table:
+    """Where the time of the finest run goes."""
+    rows: list[dict[str, Cell]] = []
+    for name, ref in found.items():
+        cells: dict[str, Cell] = {"scene": name, "contact": ref.best.solve_seconds}
+        rows.append(cells | dict(ref.best.stages))
+    names = list(dict.fromkeys(k for row in rows for k in row if k not in ("scene", "contact")))
+    columns = [Quantity("scene", "scene", "", "s"), *(Quantity(k, k, "s", ".1f") for k in names)]
+    columns.append(Quantity("contact", "load case", "s", ".1f"))
+    note = "Scenes of one geometry share all stages but the last."
+    return Table("reference-stages", "Stages of the finest runs", columns, rows, note)
+
+
+def study_items(study: Study, found: References) -> list[Table | Figure]:
+    """Mesh study of every scene with two levels or more: extremes and centreline; ``mesh-study`` writes every ball."""
+    out: list[Table | Figure] = []
+    for name in found:
+        ref = studied(study.scene(name), study.stores)
+        if ref is None or len(ref.runs) < 2:
+            continue
+        table = study_table(study.scene(name), study.stores)
+        rows = [dict(r) for r in table if "load of ball" not in r["quantity"]]
+        keys = [f"level {r.level}" for r in ref.runs]
+        columns = [Quantity("quantity", "quantity", "", "s"), Quantity("unit", "unit", "", "s")]
+        columns += [Quantity(k, k, "", "g5") for k in keys]
+        columns += [
+            Quantity("order", "observed order", "", ".2f"),
+            Quantity("extrapolated", "extrapolated", "", "g5"),
+            Quantity("uncertainty", "uncertainty", "", "g2"),
+            Quantity("uncertainty_percent", "relative uncertainty", "%", ".2f"),
+            Quantity("kind", "order or why none", "", "s"),
+        ]
+        if any(row.get("modelling_spread") is not None for row in rows):
+            columns.append(Quantity("modelling_spread", "modelling uncertainty", "", "g2"))
+            columns.append(Quantity("scene_choices", "the scene's own choices, largest", "", "g2"))
+        out.append(Table(f"mesh-study-{name}", f"{name}: mesh study", columns, rows, closing(ref)))
+        figure = study_figure(name, table, ref)
+        if figure is not None:
+            out.append(figure)
+    return out
+
+
+KINDS = {"modelling": "modelling", "numerical": "numerical", "scene": "the scene's own"}
+
+
+def spread_table(study: Study) -> Table | None:
+    """What moves the reference besides its mesh, without and with preload, on the coarsest level."""
+    rows: list[Row] = []
+    for name in VARIED:
+        scene = study.scene(name)
+        low = study.solve(name, "lin")
+        for e in varied(scene, study.stores):
+            if e.variant in VARIANTS and VARIANTS[e.variant].refined:
+                continue
+            run = load(scene, min(LEVELS), e.variant, study.stores)
+            model = None if run is None else load_error(low.load, run.load)
+            largest, rms = (None, None) if model is None else (model.max_percent, model.rms_percent)
+            ratio = e.ratio if np.isfinite(e.ratio) else None
+            rows.append(
+                {
+                    "scene": name,
+                    "choice": e.choice,
+                    Quantity("variant", "varied", "", "s"): e.label,
+                    "kind": KINDS[e.kind],
+                    Quantity("max", "largest change of a load", "% of mean", ".2f"): e.error.max_percent,
+                    Quantity("rms", "RMS change", "% of mean", ".2f"): e.error.rms_percent,
+                    Quantity("at", "at ball", "", "s"): f"{e.error.ball} {e.error.side}",
+                    Quantity("ratio", "change of largest : smallest, SL", "%", "+.2f"): ratio,
+                    Quantity("model", "low-order model against this variant: largest", "% of mean", ".2f"): largest,
+                    Quantity("model_rms", "RMS", "% of mean", ".2f"): rms,
+                }
+            )
+    note = (
+        "One choice at a time on level 1, against the unchanged scene on the same level. Only choices "
+        "marked modelling are part of the modelling uncertainty; where the nut is held and where the "
+        "screw's groove ends are choices of the scene. The coupling that beams neglect is bounded here and "
+        "included in the refined model."
+    )
+    title = "What moves the reference besides its mesh (level 1)"
+    return Table.of("reference-spread", title, rows, note) if rows else None
+
+
+def single_choice_table(study: Study) -> Table | None:
+    """Every numerical choice of the finest level refined alone, against the uncertainty that is printed for it."""
+    rows: list[Row] = []
+    for name in (REFINED,):
+        scene = study.scene(name)
+        found = study.reference(name)
+        if found is None:
+            continue
+        grid = np.abs(error_percent(found.uncertainty, 0.0, found.mean))
+        for e in varied(scene, study.stores):
+            if e.variant not in VARIANTS or not VARIANTS[e.variant].refined:
+                continue
+            at = np.unravel_index(int(np.abs(e.change).argmax()), e.change.shape)
+            beyond = int((np.abs(e.change) > grid + 1e-9).sum())
+            rows.append(
+                {
+                    "scene": name,
+                    "choice": e.choice,
+                    Quantity("variant", "refined alone", "", "s"): e.label,
+                    Quantity("max", "largest change of a load", "% of mean", ".3f"): e.error.max_percent,
+                    Quantity("rms", "RMS change", "% of mean", ".3f"): e.error.rms_percent,
+                    Quantity("at", "at ball", "", "s"): f"{e.error.ball} {e.error.side}",
+                    Quantity("grid", "grid uncertainty of that load", "% of mean", ".3f"): float(grid[at]),
+                    Quantity("largest", "largest grid uncertainty", "% of mean", ".3f"): float(grid.max()),
+                    Quantity("beyond", "contacts that change by more than their uncertainty", "", "s"): beyond,
+                }
+            )
+    note = (
+        "One choice at a time, refined beyond the finest level, against the unchanged scene on the finest "
+        "level. The uncertainty is the printed one of the discretisation, all parts included."
+    )
+    return Table.of("reference-choices", "Every numerical choice refined alone", rows, note) if rows else None
+
+
+def modelling_table(study: Study) -> Table | None:
+    """Modelling uncertainty: choice by choice, together, and what it does not hold."""
+    rows: list[dict[str, Cell]] = []
+    columns = [Quantity("choice", "choice", "", "s")]
+    found = modelling(study)
+    if not found:
+        return None
+    choices = dict.fromkeys(c for m in found.values() for c in m.choices)
+    missing = dict.fromkeys(v.choice for v in VARIANTS.values() if v.kind == "modelling" and v.choice not in choices)
+    table: dict[str, dict[str, Cell]] = {c: {"choice": c} for c in choices}
+    together: dict[str, dict[str, Cell]] = {
+        "largest": {"choice": "together, root of squares: largest contact"},
+        "rms": {"choice": "together: RMS of the contacts"},
+        "ratio": {"choice": "together: largest : smallest load, SL"},
+    }
+    for name, m in found.items():
+        columns.append(Quantity(name, f"{name}, largest change of a load", "% of mean", ".2f"))
+        for choice, value in m.choices.items():
+            table[choice][name] = value
+        together["largest"][name], together["rms"][name], together["ratio"][name] = m.largest, m.rms, m.ratio
+    rows = [*table.values(), *together.values()]
+    rows += [{"choice": f"{c}: not varied", "why": "no run of it in this store"} for c in missing]
+    rows += [{"choice": f"{n.choice}: not varied", "why": n.reason} for n in NOT_VARIED]
+    columns.append(Quantity("why", "why not", "", "s"))
+    note = (
+        "Choices are independent and have no known sign, so they are added contact by contact as the root "
+        "of the sum of squares; of several variants of one choice, each contact takes the largest. The RMS "
+        "value is what a typical contact may be wrong by; the largest is quoted with the grid uncertainty. "
+        "This is an estimate from one typical variation of each choice, not a bound."
+    )
+    return Table("reference-modelling", "Modelling uncertainty of the 3D reference", columns, rows, note)
+
+
+SAVES = {
+    "elastic nut": ("nut",),
+    "3D shaft": ("screw",),
+    "finite ball": ("ball",),
+    "patch coupling": ("screw", "nut"),
+    "moving normals": (),
+}
+MEANING = {
+    "elastic nut": "the nut rigid beyond the local response of each contact",
+    "3D shaft": "the screw a Timoshenko beam of the homogenised section, with the local response of each contact",
+    "finite ball": "the ball rigid beyond its contact patches",
+    "patch coupling": "nut rigid, screw a beam, ball rigid beyond the local response of each contact",
+    "moving normals": "directions and gaps frozen in the nominal state",
+}
+
+
+def ablation_table(study: Study) -> Table | None:
+    """What each ingredient of the reference changes, in per cent and seconds."""
+    rows: list[Row] = []
+    for name in case_studies(study):
+        scene = study.scene(name)
+        run = load(scene, min(LEVELS), stores=study.stores)
+        if run is None or not run.without:
+            continue
+        low = study.solve(name, "lin")
+        full = load_error(low.load, run.load).max_percent
+        for ingredient, loads in run.without.items():
+            e, model = load_error(loads, run.load), load_error(low.load, loads)
+            saved = sum(run.stages.get(k, 0.0) for k in SAVES[ingredient])
+            saved += run.solve_seconds - run.without_seconds[ingredient]
+            rows.append(
+                {
+                    "scene": name,
+                    Quantity("without", "left out", "", "s"): ingredient,
+                    Quantity("meaning", "what stands in", "", "s"): MEANING[ingredient],
+                    Quantity("max", "largest change of a load", "% of mean", ".2f"): e.max_percent,
+                    Quantity("rms", "RMS change", "% of mean", ".2f"): e.rms_percent,
+                    Quantity("at", "at ball", "", "s"): f"{e.ball} {e.side}",
+                    Quantity("seconds", "seconds it takes", "s", "+.1f"): saved,
+                    Quantity("before", "low-order error against the full reference", "% of mean", ".2f"): full,
+                    Quantity("model", "against this one", "% of mean", ".2f"): model.max_percent,
+                }
+            )
+    note = "On the coarsest level. A scene may leave out what changes less than it needs to know."
+    title = "What each ingredient of the reference changes"
+    return Table.of("reference-ablation", title, rows, note) if rows else None
+
+
+def ablation_text(study: Study) -> str:
+    """Sentence on the cause of the low-order error, from the data."""
+    parts = []
+    for name in case_studies(study):
+        scene = study.scene(name)
+        run: Run | None = load(scene, min(LEVELS), stores=study.stores)
+        if run is None or "elastic nut" not in run.without:
+            continue
+        low = study.solve(name, "lin")
+        before, after = load_error(low.load, run.load), load_error(low.load, run.without["elastic nut"])
+        parts.append(f"{name} from {before.max_percent:.2f} % to {after.max_percent:.2f} %")
+    if not parts:
+        return ""
+    return (
+        "With the nut rigid in the reference too, the largest error of the low-order model (in per cent of "
+        f"the mean load) goes: {'; '.join(parts)}. The remainder is due to beam, section and contact law "
+        "together."
+    )
+
+
+def conclusion(found: References) -> str:
+    """How well the finest levels are known."""
+    bars = [uncertainty_percent(ref) for ref in found.values()]
+    if not bars:
+        return ""
+    return (
+        f"The largest contact load of the reference is known to {min(bars):.2f} to {max(bars):.2f} % as far "
+        f"as its mesh is concerned (95 %, {len(bars)} scenes). Choices that no mesh shows matter more, above "
+        "all where the nut is held."
+    )
+
+
+def section(study: Study, step: Callable[[str], None]) -> Section:
+    """Section of the report on the reference's own quality."""
+    step("mesh levels, mesh study, modelling spread, ablation")
+    found = case_studies(study)
+    items: list[Any] = []
+    text = [
+        (
+            "From level to level all cells are refined, those of the contacts by a third, except the cut of the "
+            f"coarse sockets. The source's mesh has first-order tetrahedra, {1000.0 * SOURCE_MESH['tet']:g} mm "
+            f"around every contact and {1000.0 * SOURCE_MESH['cell']:g} mm elsewhere, condensed by the same "
+            "method."
+        )
+    ]
+    assumed = list(dict.fromkeys(a for ref in found.values() for a in ref.best.assumed))
+    if assumed:
+        text.append("Assumed where the source prints nothing: " + " ".join(assumed))
+    cause = ablation_text(study)
+    items.append(Text(tuple(text)))
+    everything = study.references((*REFERENCED, *UNSEEN))
+    if everything:
+        items += [convergence_table(everything), Text((shared_text(study),))]
+        items += [t for t in (coverage_table(study),) if t is not None]
+        items.append(level_table(study, everything))
+    if found:
+        items += [stage_table(found), *study_items(study, found)]
+    ablation = ablation_table(study)
+    tables = (single_choice_table(study), modelling_table(study), spread_table(study))
+    items += [t for t in tables if t is not None]
+    if ablation:
+        items += [Text((cause,)), ablation] if cause else [ablation]
+    return Section("reference-mesh", "How good the reference is", tuple(items), conclusion=conclusion(everything))
