@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 
 #: Largest number of balls: compliance between all contacts is formed whole, so memory and set-up grow as its square.
 LARGEST = 1000
-#: Number of balls from which on the bodies' soft modes serve the solution, instead of a dense factor.
-MODES_FROM = 24
 
 
 @dataclass(frozen=True)
@@ -37,10 +35,10 @@ class Flanks:
     """How the flanks of all balls move, ball by ball: four flanks each (d = 8 motions), or one pair's relative motion (2).
 
     first, second: compliance [m/N] of screw and nut ``(4 N, 4 N)``, or of both together ``(2 N, 2 N)`` and nothing;
-    modes: of both, the soft ones (`soft_modes`); R ``(N, d, k)`` by the free motions, v0 ``(N, d)`` [m] by loads and
-    prescribed displacements, work ``(k,)`` of the loads; e ``(N, 4)`` [m/N] and h ``(N, 4)`` [m/N^(4/3)] beside Hertz;
-    clipped: largest negative compliance cut away over a contact's own. kept: what the flanks' motions are found from again:
-    compliance of screw and of nut on the built sides, v0 ``(N, 2, 2)`` and R ``(N, 2, 2, k)`` of the screw's flanks;
+    R ``(N, d, k)`` by the free motions, v0 ``(N, d)`` [m] by loads and prescribed displacements, work ``(k,)`` of
+    loads; e ``(N, 4)`` [m/N] and h ``(N, 4)`` [m/N^(4/3)] beside Hertz; clipped: largest negative compliance cut away
+    over a contact's own. kept: what the flanks' motions are found from again: compliance of screw and of nut on the
+    built sides, v0 ``(N, 2, 2)`` and R ``(N, 2, 2, k)`` of the screw's flanks;
     squeeze: what is in them of the shaft's section forces, where it carries anything above the contacts. slope ``(4,)``
     [m/N]: what e gains by the logarithm of the cube root of the typical force, which h has over that root; lent [m/N]: the
     most that a contact lent to the bodies (`positive`).
@@ -48,7 +46,6 @@ class Flanks:
 
     first: Array
     second: Array
-    modes: tuple[Array, Array]
     R: Array
     v0: Array
     work: Array
@@ -124,11 +121,9 @@ def flanks_of(problem: Problem, force: float, shaft: Shaft, response: Response) 
         clipped, most_lent = max(low, high), float(max(on_screw.max(initial=0.0), on_nut.max(initial=0.0)))
         start, free = np.zeros((N, 4, 2)), np.zeros((N, 4, 2, shaft.work.size))
         start[:, :2], free[:, :2] = v0, response.R
-    modes = [body.soft_modes(tangent) if N >= MODES_FROM else np.zeros((0, 0)) for body in (first, second)]
     return Flanks(
         first.G,
         second.G,
-        (modes[0], modes[1]),
         np.ascontiguousarray(free.reshape(N, start[0].size, -1)),
         np.ascontiguousarray(start.reshape(N, -1)),
         shaft.work,
@@ -176,7 +171,7 @@ def ready(
     if pair is not None:  # one diagonal alone: nothing to couple with
         local[..., 0] += 2.0 * ball.g**2
         rows = pair_data(problem, pair, local[..., 0], flanks.h)
-    bodies = Bodies(flanks.first, flanks.second, flanks.R, flanks.v0, flanks.work, *flanks.modes)
+    bodies = Bodies(flanks.first, flanks.second, flanks.R, flanks.v0, flanks.work)
     profile = np.repeat(problem.drawn.profile[None], N, axis=0)
     contacts = BallContacts(
         problem.geometry, problem.closure, local, problem.drawn.ball_radius, profile, rows, NO_ROLLERS, scale.none

@@ -261,9 +261,6 @@ class Bodies(NamedTuple):
     v0: Array
     #: Work of the loads on the free motions (k,) [N, N m].
     work: Array
-    #: Modes of both bodies that are softer than a contact, empty where few balls are factored whole; G = U U^T + rest.
-    soft_first: Array
-    soft_second: Array
 
 
 class RollerContacts(NamedTuple):
@@ -346,16 +343,6 @@ class BallRows(NamedTuple):
     starts: Array
 
 
-class Factors(NamedTuple):
-    """Factors of I + S G S^T, q rows in all."""
-
-    #: The whole factor (q, q), flat; empty where conjugate gradients serve.
-    whole: Array
-    #: W (q, r) = S U by the r soft modes, and the Cholesky factor (r, r) of I + W^T W.
-    W: Array
-    C: Array
-
-
 class BodySystem(NamedTuple):
     """Elastic bodies with all rolling elements; arms (k,): see `lowfi.statics.shaft`."""
 
@@ -374,7 +361,6 @@ class BodyRoom(NamedTuple):
     step: ForceStep
     begin: SearchStart
     rows: BallRows
-    factors: Factors
 
 
 class Trial(NamedTuple):

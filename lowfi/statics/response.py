@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from rollbench.lowfi.compliance.bodies import BallCompliance, WholeBody, ball_compliance, body_compliance, whole_body
 from rollbench.lowfi.compliance.ends import forget as forget_bodies
-from rollbench.lowfi.compliance.modes import WHOLE, negative_part, soft_modes, softer
+from rollbench.lowfi.compliance.modes import negative_part
 from rollbench.lowfi.compliance.parts import Backend, with_balls
 from rollbench.lowfi.statics.conformity import oblique_term
 from rollbench.lowfi.statics.problem import Problem, nominal_hertz
@@ -63,16 +63,6 @@ class Compliance:
     def __init__(self, G: Array, normals: Array) -> None:
         """Nothing is found yet."""
         self.G, self.normals = np.ascontiguousarray(G), normals
-
-    @cached_property
-    def spectrum(self) -> tuple[Array, Array]:
-        """Eigenvalues ``(2 n,)`` and eigenvectors ``(2 n, 2 n)``."""
-        values, vectors = np.linalg.eigh(self.G)
-        return values, vectors
-
-    def soft_modes(self, contact: float) -> Array:
-        """`lowfi.compliance.modes.soft_modes`, of a small one by its whole spectrum."""
-        return softer(self.spectrum, contact) if len(self.G) <= WHOLE else soft_modes(self.G, contact)
 
     @cached_property
     def is_positive(self) -> bool:

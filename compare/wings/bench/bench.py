@@ -166,8 +166,6 @@ def _refined(repeats: int) -> Iterator[Job]:
         fast = timed(model.cold, 5 * repeats)
         seconds.append(fast)
         note = "two flanks a ball"
-        modes = model.elastic.bodies.soft_first.shape[1]
-        note += f", {modes} soft modes exactly, the rest by iteration" if modes else ", bodies factored whole"
         done = counts[: len(seconds)]
         if len(done) >= min(len(counts), 4):
             note += f"; from {done[0]} to {done[-1]} balls time grows as balls^{_power(done, seconds):.2f}"

@@ -15,14 +15,13 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag, cho_factor, cho_solve, qr
 
 from rollbench.lowfi.compliance.bodies import ball_compliance, body_compliance
-from rollbench.lowfi.compliance.modes import soft_modes
 from rollbench.lowfi.compliance.parts import Backend, geometry_only, grooved_section
 from rollbench.lowfi.statics.axis.rollers import RollerElements, roller_elements, roller_springs
 from rollbench.lowfi.statics.axis.structure import Structure, threaded
 from rollbench.lowfi.statics.axis.system import BallSet, System, widened
 from rollbench.lowfi.statics.axis.typical import typical, typical_force
 from rollbench.lowfi.statics.conformity import oblique_term
-from rollbench.lowfi.statics.elastic_system import LARGEST, MODES_FROM, contact_compliance, spring_rows
+from rollbench.lowfi.statics.elastic_system import LARGEST, contact_compliance, spring_rows
 from rollbench.lowfi.statics.problem import Problem, nominal_hertz
 from rollbench.lowfi.statics.records import BallContacts, Bodies, BodyState, Options
 from rollbench.lowfi.statics.response import by_ball, normals_of, positive, typical_axes
@@ -241,9 +240,8 @@ def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticAxis:
     for b, p in zip(system.balls, parts, strict=True):
         local[b.balls, :, 0], local[b.balls, :, 2], local[b.balls, :, 1] = p[1], p[2], p[3]
     local[..., 0] -= np.concatenate([on_inner.reshape(N, 2), on_outer.reshape(N, 2)], axis=1)[:balls]
-    modes = [soft_modes(G, compliance) if N >= MODES_FROM else np.zeros((0, 0)) for G in (first, second)]
     work = np.concatenate([shaft.work, housings.work])
-    bodies = Bodies(first, second, R.reshape(N, 8, -1), v0.reshape(N, 8), work, modes[0], modes[1])
+    bodies = Bodies(first, second, R.reshape(N, 8, -1), v0.reshape(N, 8), work)
     force, stiffness, floor = typical(system)
     used = system.contacts.geometry[..., 5] > 0.0
     springs = np.concatenate(

@@ -184,16 +184,7 @@ def energy_at(given: AxisSystem, state: AxisState, room: AxisRoom) -> tuple[floa
 
 
 @kernel
-def find_step(
-    given: AxisSystem,
-    state: AxisState,
-    options: Options,
-    room: AxisRoom,
-    shift: float,
-    residual: float,
-    fresh: bool,
-    stuck: int,
-) -> bool:
+def find_step(given: AxisSystem, state: AxisState, options: Options, room: AxisRoom, shift: float, fresh: bool) -> bool:
     """Newton's step."""
     diagonal = np.full(6, shift)
     diagonal[3:] *= options.arm * options.arm

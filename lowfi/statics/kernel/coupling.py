@@ -3,7 +3,7 @@
 import numpy as np
 
 from rollbench.lowfi.jit import kernel
-from rollbench.lowfi.statics.records import Array, Bodies
+from rollbench.lowfi.statics.records import Array, BallRows, Bodies
 
 
 @kernel
@@ -20,51 +20,27 @@ def body_motion(bodies: Bodies, phi: Array, out: Array) -> None:
 
 
 @kernel
-def couple(bodies: Bodies, S: Array, counts: Array, starts: Array, M: Array) -> None:
-    """Lower triangle of M (q, q) = I + S G S^T."""
-    first, second = bodies.first, bodies.second
-    balls, _, d = S.shape
-    if d == 2:
-        couple_pairs(first, S, counts, starts, M)
-        return
-    h = d if second.shape[0] == 0 else d // 2
-    product = np.empty((S.shape[1], d))
-    for i in range(balls):
-        for j in range(i + 1):
-            for p in range(counts[i]):
-                for b in range(h):
-                    total = 0.0
-                    for a in range(h):
-                        total += S[i, p, a] * first[h * i + a, h * j + b]
-                    product[p, b] = total
-                for b in range(d - h):
-                    total = 0.0
-                    for a in range(h):
-                        total += S[i, p, h + a] * second[h * i + a, h * j + b]
-                    product[p, h + b] = total
-            for p in range(counts[i]):
-                for r in range(counts[j]):
-                    total = 0.0
-                    for b in range(d):
-                        total += product[p, b] * S[j, r, b]
-                    M[starts[i] + p, starts[j] + r] = total
-    for k in range(M.shape[0]):
-        M[k, k] += 1.0
+def couple(bodies: Bodies, rows: BallRows, M: Array) -> None:
+    """M (q, q) = I + S G S^T."""
+    half = rows.S.shape[2] // (2 if bodies.second.shape[0] else 1)
+    M[:] = np.eye(M.shape[0])
+    add_body(bodies.first, rows, 0, half, M)
+    if bodies.second.shape[0]:
+        add_body(bodies.second, rows, half, half, M)
 
 
 @kernel
-def couple_pairs(G: Array, S: Array, counts: Array, starts: Array, M: Array) -> None:
-    """The same for balls between two flanks: up to two rows of two entries each."""
+def add_body(G: Array, rows: BallRows, first: int, width: int, M: Array) -> None:
+    """Add S G S^T of a body whose flanks' motions are ``width`` of each ball's, from ``first`` on."""
+    S, counts, starts = rows
+    moved = np.empty((M.shape[0], G.shape[0]))
     for i in range(S.shape[0]):
-        for p in range(counts[i]):
-            row = starts[i] + p
-            a, b = S[i, p, 0], S[i, p, 1]
-            for j in range(i + 1):
-                x = a * G[2 * i, 2 * j] + b * G[2 * i + 1, 2 * j]
-                z = a * G[2 * i, 2 * j + 1] + b * G[2 * i + 1, 2 * j + 1]
-                for r in range(counts[j]):
-                    M[row, starts[j] + r] = x * S[j, r, 0] + z * S[j, r, 1]
-            M[row, row] += 1.0
+        of_ball = np.ascontiguousarray(S[i, : counts[i], first : first + width])
+        moved[starts[i] : starts[i] + counts[i]] = np.dot(of_ball, G[width * i : width * (i + 1)])
+    for i in range(S.shape[0]):
+        of_ball = np.ascontiguousarray(S[i, : counts[i], first : first + width].T)
+        by_ball = np.ascontiguousarray(moved[:, width * i : width * (i + 1)])
+        M[:, starts[i] : starts[i] + counts[i]] += np.dot(by_ball, of_ball)
 
 
 @kernel
@@ -80,43 +56,33 @@ def cholesky_lower(M: Array) -> bool:
 @kernel
 def triangular(M: Array, b: Array) -> None:
     """Overwrite b by (L L^T)^-1 b, L in the lower triangle of M."""
-    n = b.shape[0]
-    for j in range(n):
-        v = b[j]
-        for k in range(j):
-            v -= M[j, k] * b[k]
-        b[j] = v / M[j, j]
-    for j in range(n - 1, -1, -1):
+    for j in range(b.shape[0]):
+        b[j] = (b[j] - np.sum(M[j, :j] * b[:j])) / M[j, j]
+    for j in range(b.shape[0] - 1, -1, -1):
         b[j] /= M[j, j]
-        v = b[j]
-        for k in range(j):
-            b[k] -= v * M[j, k]
+        b[:j] -= b[j] * M[j, :j]
 
 
 @kernel
-def apply_rows(S: Array, counts: Array, starts: Array, x: Array, out: Array) -> None:
+def apply_rows(rows: BallRows, x: Array, out: Array) -> None:
     """out (q,) = S x for motions x (N, d)."""
+    S, counts, starts = rows
     for i in range(S.shape[0]):
         for p in range(counts[i]):
-            total = 0.0
-            for a in range(S.shape[2]):
-                total += S[i, p, a] * x[i, a]
-            out[starts[i] + p] = total
+            out[starts[i] + p] = np.sum(S[i, p] * x[i])
 
 
 @kernel
-def forces_of_rows(S: Array, counts: Array, starts: Array, u: Array, out: Array) -> None:
+def forces_of_rows(rows: BallRows, u: Array, out: Array) -> None:
     """out (N, d) -= S^T u."""
+    S, counts, starts = rows
     for i in range(S.shape[0]):
         for p in range(counts[i]):
-            for a in range(S.shape[2]):
-                out[i, a] -= S[i, p, a] * u[starts[i] + p]
+            out[i] -= S[i, p] * u[starts[i] + p]
 
 
 @kernel
-def border(
-    R: Array, S: Array, counts: Array, starts: Array, L: Array, u: Array, target: Array, hold: float, out: Array
-) -> bool:
+def border(R: Array, rows: BallRows, L: Array, u: Array, target: Array, hold: float, out: Array) -> bool:
     """Amplitudes a (k,) of the free motions R (N, d, k) with (S R)^T u = target (k,), and u (q,) with them.
 
     u holds M^-1 b on entry and M^-1 (b + S R a) on return, L the factor of M; hold [N/m]: stiffness added to the free
@@ -124,21 +90,14 @@ def border(
     """
     k, total = R.shape[2], u.shape[0]
     plain, Z = np.empty((k, total)), np.empty((k, total))
-    schur, rhs = np.zeros((k, k)), np.empty(k)
     for c in range(k):
-        apply_rows(S, counts, starts, R[:, :, c], plain[c])
+        apply_rows(rows, R[:, :, c], plain[c])
         Z[c] = plain[c]
         triangular(L, Z[c])
-        rhs[c] = target[c] - np.sum(plain[c] * u)
-    for c in range(k):
-        for e in range(k):
-            schur[c, e] = np.sum(plain[c] * Z[e])
-        schur[c, c] += hold
+    schur = np.dot(plain, Z.T) + hold * np.eye(k)
     if not cholesky_lower(schur):
         return False
-    triangular(schur, rhs)
-    for c in range(k):
-        out[c] = rhs[c]
-        for i in range(total):
-            u[i] += rhs[c] * Z[c, i]
+    out[:] = target - np.dot(plain, u)
+    triangular(schur, out)
+    u += np.dot(out, Z)
     return True

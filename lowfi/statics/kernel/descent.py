@@ -61,7 +61,7 @@ def minimise(given: Any, state: Any, options: Options, history: Array, room: Any
         solved = False
         for _ in range(SHIFTS):
             shift = amount * options.stiffness * min(1.0, residual)
-            solved = find_step(given, state, options, room, shift, residual, fresh, progress.stuck)
+            solved = find_step(given, state, options, room, shift, fresh)
             if solved:
                 break
             amount, fresh = 100.0 * amount, True

@@ -3,8 +3,7 @@
 The flanks move by v = v_0 + G phi + R a: G the compliance of the bodies, R motions that nothing but the contacts resists.
 Every ball takes the forces f(v) on its flanks; at the solution phi = f(v). With the stiffness S^T S of all balls, factored
 ball by ball, a step solves (I + S G S^T) u = S (G (f - phi) + R da), R^T (f - S^T u) + work = 0: Newton on the convex
-energy phi G phi/2 - work a + balls(v), whose unknowns never are the beam's nodes. Few balls are factored whole; many take
-the modes of the bodies that are softer than a contact exactly and iterate on the rest (``modes``).
+energy phi G phi/2 - work a + balls(v), whose unknowns never are the beam's nodes.
 """
 
 from collections.abc import Callable
@@ -20,7 +19,6 @@ from rollbench.lowfi.statics.records import (
     BodyRoom,
     BodyState,
     BodySystem,
-    Factors,
     ForceStep,
     Options,
     Outcome,
@@ -30,134 +28,69 @@ from rollbench.lowfi.statics.records import (
 from .ball import ball_mismatch
 from .coupling import apply_rows, body_motion, border, cholesky_lower, couple, forces_of_rows, triangular
 from .elastic_balls import ball_rows, evaluate_balls
-from .modes import gradients, soft_factor
 
-#: Residual asked of the linear equations, as a fraction of that of the contact forces: a tenth keeps Newton's own order.
-FORCING = 0.1
-STRICT = 1e-8  # of it, once a search has found nothing: a step that is not exact may not go down
-#: See ``descent``: under a contact that vanishes, rows and factors of a step before are too stiff.
-KEPT = 0.5
+#: See ``descent``: under a contact that vanishes, rows of a step before are too stiff.
+KEPT = 0.0
 
 
 @kernel
-def solve_rows(
-    bodies: Bodies,
-    S: Array,
-    counts: Array,
-    starts: Array,
-    factors: Factors,
-    fresh: bool,
-    target: Array,
-    hold: float,
-    wanted: float,
-    u: Array,
-    a: Array,
-) -> bool:
-    """Solve (I + S G S^T) u - S R a = u (given), (S R)^T u + hold a = target; False where the matrix is not positive.
-
-    Where the bodies' modes are given, W and C of the factors serve conjugate gradients (to ``wanted``), else the whole
-    factor does. fresh: factor anew.
-    """
-    M, W, C = factors
-    total, R = u.shape[0], bodies.R
-    given = u
-    if bodies.soft_first.shape[0]:
-        modes = (bodies.soft_first, bodies.soft_second)
-        soft = W[:total]
-        if fresh and not soft_factor(modes, S, counts, starts, soft, C):
-            return False
-        given = u.copy()
-        if gradients(bodies, S, counts, starts, (soft, C), target, hold, wanted, u, a) >= 0:
-            return True
-        u[:] = given
-    whole = M[: total * total].reshape(total, total) if M.size else np.empty((total, total))
-    if fresh or not M.size:
-        couple(bodies, S, counts, starts, whole)
-        if not cholesky_lower(whole):
-            return False
-    triangular(whole, u)
-    return R.shape[2] == 0 or border(R, S, counts, starts, whole, u, target, hold, a)
+def solve_rows(bodies: Bodies, rows: BallRows, target: Array, hold: float, u: Array, a: Array) -> bool:
+    """Solve (I + S G S^T) u - S R a = u (given), (S R)^T u + hold a = target; False where the matrix is not positive."""
+    M = np.empty((u.shape[0], u.shape[0]))
+    couple(bodies, rows, M)
+    if not cholesky_lower(M):
+        return False
+    triangular(M, u)
+    return bodies.R.shape[2] == 0 or border(bodies.R, rows, M, u, target, hold, a)
 
 
 @kernel
 def newton_forces(
-    bodies: Bodies,
-    contacts: BallContacts,
-    state: BodyState,
-    f: Array,
-    hold: float,
-    wanted: float,
-    fresh: bool,
-    rows: BallRows,
-    factors: Factors,
-    out: ForceStep,
+    bodies: Bodies, contacts: BallContacts, state: BodyState, f: Array, hold: float, rows: BallRows, out: ForceStep
 ) -> bool:
     """Step of forces and free motions, written to ``out``; False where the matrix is not positive.
 
-    hold [N/m]: stiffness that keeps free motions from running away where no contact holds them; wanted: relative residual
-    of the linear equations; fresh: find rows and factors anew, else those given serve.
+    hold [N/m]: stiffness that keeps free motions from running away where no contact holds them.
     """
-    R, phi = bodies.R, state.phi
+    R, counts, starts = bodies.R, rows.counts, rows.starts
     dphi, dv, da = out
-    S, counts, starts = rows
-    k = R.shape[2]
-    if fresh:
-        ball_rows(contacts, state.contact, S, counts)
-        first = 0
-        for i in range(S.shape[0]):
-            starts[i] = first
-            first += counts[i]
-    total = starts[-1] + counts[-1]
-    for i in range(phi.shape[0]):
-        for a in range(phi.shape[1]):
-            dphi[i, a] = f[i, a] - phi[i, a]
+    ball_rows(contacts, state.contact, rows.S, counts)
+    starts[1:] = np.cumsum(counts)[:-1]
+    dphi[:] = f - state.phi
     body_motion(bodies, dphi, dv)
-    u = np.empty(total)
-    apply_rows(S, counts, starts, dv, u)
+    u = np.empty(starts[-1] + counts[-1])
+    apply_rows(rows, dv, u)
     target = bodies.work.copy()
-    for c in range(k):
-        for i in range(f.shape[0]):
-            for a in range(f.shape[1]):
-                target[c] += R[i, a, c] * f[i, a]
-    if not solve_rows(bodies, S, counts, starts, factors, fresh, target, hold, wanted, u, da):
+    for c in range(R.shape[2]):
+        target[c] += np.sum(R[:, :, c] * f)
+    if not solve_rows(bodies, rows, target, hold, u, da):
         return False
-    forces_of_rows(S, counts, starts, u, dphi)
+    forces_of_rows(rows, u, dphi)
     body_motion(bodies, dphi, dv)
-    for i in range(dv.shape[0]):
-        for a in range(dv.shape[1]):
-            for c in range(k):
-                dv[i, a] += R[i, a, c] * da[c]
+    add_free(R, da, dv)
     return True
+
+
+@kernel
+def add_free(R: Array, a: Array, out: Array) -> None:
+    """Add R a, the motions of the flanks by free motions a (k,), to ``out`` (N, d)."""
+    for c in range(a.shape[0]):
+        out += a[c] * R[:, :, c]
 
 
 @kernel
 def mismatch(bodies: Bodies, phi: Array, f: Array, arms: Array, scale: float) -> float:
     """Largest difference of assumed and true flank forces, and unbalanced load on a free motion, over ``scale`` [N]."""
-    R, work = bodies.R, bodies.work
-    worst = 0.0
-    for i in range(f.shape[0]):
-        for a in range(f.shape[1]):
-            worst = max(worst, abs(f[i, a] - phi[i, a]))
-    for c in range(R.shape[2]):
-        total = work[c]
-        for i in range(f.shape[0]):
-            for a in range(f.shape[1]):
-                total += R[i, a, c] * f[i, a]
-        worst = max(worst, abs(total) * arms[c])
+    worst = float(np.max(np.abs(f - phi)))
+    for c in range(arms.shape[0]):
+        worst = max(worst, abs(bodies.work[c] + np.sum(bodies.R[:, :, c] * f)) * arms[c])
     return worst / scale if scale > 0.0 else worst
 
 
 @kernel
 def slope_of(bodies: Bodies, f: Array, g: Array, step: ForceStep) -> float:
     """Directional derivative of the energy at forces f of the balls and body motions g = G phi."""
-    dphi, dv, da = step
-    total = 0.0
-    for i in range(f.shape[0]):
-        for a in range(f.shape[1]):
-            total += dphi[i, a] * g[i, a] - f[i, a] * dv[i, a]
-    for c in range(da.shape[0]):
-        total -= bodies.work[c] * da[c]
-    return total
+    return float(np.sum(step.dphi * g) - np.sum(f * step.dv) - np.sum(bodies.work * step.da))
 
 
 @kernel
@@ -165,65 +98,31 @@ def shift_state(
     bodies: Bodies, state: BodyState, begin: SearchStart, step: ForceStep, t: float, g: Array, v: Array
 ) -> None:
     """State, body motions g and flank motions v at ``begin`` plus t times the step."""
-    dphi, dv, da = step
-    R, phi, amplitude = bodies.R, state.phi, state.a
-    for c in range(da.shape[0]):
-        amplitude[c] = begin.a[c] + t * da[c]
-    for i in range(dv.shape[0]):
-        for a in range(dv.shape[1]):
-            phi[i, a] = begin.phi[i, a] + t * dphi[i, a]
-            v[i, a] = begin.v[i, a] + t * dv[i, a]
-            by_bodies = dv[i, a]
-            for c in range(da.shape[0]):
-                by_bodies -= R[i, a, c] * da[c]
-            g[i, a] = begin.g[i, a] + t * by_bodies
+    state.phi[:], state.a[:] = begin.phi + t * step.dphi, begin.a + t * step.da
+    v[:], g[:] = begin.v + t * step.dv, begin.g + t * step.dv
+    add_free(bodies.R, -t * step.da, g)
 
 
 @kernel
 def stored(bodies: Bodies, state: BodyState, g: Array) -> float:
     """Energy of the bodies less the work of the loads on the free motions."""
-    phi, amplitude = state.phi, state.a
-    total = 0.0
-    for i in range(phi.shape[0]):
-        for a in range(phi.shape[1]):
-            total += 0.5 * phi[i, a] * g[i, a]
-    for c in range(amplitude.shape[0]):
-        total -= bodies.work[c] * amplitude[c]
-    return total
+    return float(0.5 * np.sum(state.phi * g) - np.sum(bodies.work * state.a))
 
 
 @kernel
 def place_flanks(bodies: Bodies, state: BodyState, g: Array, v: Array) -> None:
     """Fill g = G phi and v = v0 + g + R a from the state."""
-    R, v0 = bodies.R, bodies.v0
     body_motion(bodies, state.phi, g)
-    for i in range(v.shape[0]):
-        for a in range(v.shape[1]):
-            v[i, a] = v0[i, a] + g[i, a]
-            for c in range(R.shape[2]):
-                v[i, a] += R[i, a, c] * state.a[c]
+    v[:] = bodies.v0 + g
+    add_free(bodies.R, state.a, v)
 
 
 @kernel
 def apart(v: Array) -> float:
     """Largest motion [m] of a flank of the first body against that of the second; v (N, d): of the flanks, d = 2 where it
     is of both against one another."""
-    largest, half = 0.0, v.shape[1] // 2
-    for i in range(v.shape[0]):
-        if half == 1:
-            largest = max(largest, abs(v[i, 0]), abs(v[i, 1]))
-        else:
-            for a in range(half):
-                largest = max(largest, abs(v[i, a] - v[i, half + a]))
-    return largest
-
-
-@kernel
-def room_for_factors(bodies: Bodies, rows: int) -> Factors:
-    """Room for the factors of that many rows: the whole one, or those of the soft modes where they are given."""
-    soft = bodies.soft_first.shape[1] + bodies.soft_second.shape[1]
-    whole = rows**2 if bodies.soft_first.shape[0] == 0 else 0
-    return Factors(np.empty(whole), np.empty((rows, soft)), np.empty((soft, soft)))
+    half = v.shape[1] // 2
+    return float(np.max(np.abs(v)) if half == 1 else np.max(np.abs(v[:, :half] - v[:, half:])))
 
 
 @kernel
@@ -240,20 +139,9 @@ def energy_at(given: BodySystem, state: BodyState, room: BodyRoom) -> tuple[floa
 
 
 @kernel
-def find_step(
-    given: BodySystem,
-    state: BodyState,
-    options: Options,
-    room: BodyRoom,
-    shift: float,
-    residual: float,
-    fresh: bool,
-    stuck: int,
-) -> bool:
-    """Newton's step, its linear equations as exact as the residual wants it."""
-    wanted = max(FORCING * min(0.1, residual), 0.01 * options.tolerance / residual) * (STRICT if stuck else 1.0)
-    bodies, contacts = given.bodies, given.contacts
-    return newton_forces(bodies, contacts, state, room.f, shift, wanted, fresh, room.rows, room.factors, room.step)
+def find_step(given: BodySystem, state: BodyState, options: Options, room: BodyRoom, shift: float, fresh: bool) -> bool:
+    """Newton's step."""
+    return newton_forces(given.bodies, given.contacts, state, room.f, shift, room.rows, room.step)
 
 
 @kernel
@@ -302,10 +190,7 @@ def least_force(given: BodySystem, state: BodyState, options: Options) -> float:
 @kernel
 def furthest(given: BodySystem, state: BodyState) -> float:
     """Furthest free motion [m]."""
-    moved = 0.0
-    for c in range(state.a.shape[0]):
-        moved = max(moved, abs(state.a[c]) / given.arms[c])
-    return moved
+    return float(np.max(np.abs(state.a) / given.arms)) if state.a.size else 0.0
 
 
 minimise: Callable[..., Outcome] = driver_of(__name__, "descent").minimise
@@ -319,10 +204,10 @@ def solve_forces(
     balls, d = state.phi.shape
     width, shape = 2 if d == 2 else 6, state.phi.shape
     counts, starts = np.zeros(balls, dtype=np.int64), np.zeros(balls, dtype=np.int64)
-    rows, factors = BallRows(np.zeros((balls, width, d)), counts, starts), room_for_factors(bodies, width * balls)
+    rows = BallRows(np.zeros((balls, width, d)), counts, starts)
     step = ForceStep(np.empty(shape), np.empty(shape), np.zeros(state.a.shape[0]))
     begin = SearchStart(np.empty(shape), np.empty(state.a.shape[0]), np.empty(shape), np.empty(shape))
-    room = BodyRoom(np.empty(shape), np.empty(shape), np.empty(shape), step, begin, rows, factors)
+    room = BodyRoom(np.empty(shape), np.empty(shape), np.empty(shape), step, begin, rows)
     place_flanks(bodies, state, room.g, room.v)
     return minimise(BodySystem(bodies, contacts, arms), state, options, history, room)
 
@@ -337,23 +222,17 @@ def start_forces(bodies: Bodies, state: BodyState, springs: Array, options: Opti
     """
     phi, amplitude = state.phi, state.a
     balls, width = springs.shape[0], springs.shape[1]
-    v0, work = bodies.v0, bodies.work
-    counts, starts = np.full(balls, width, dtype=np.int64), np.zeros(balls, dtype=np.int64)
-    for i in range(balls):
-        starts[i] = width * i
-    factors = room_for_factors(bodies, width * balls)
+    rows = BallRows(springs, np.full(balls, width, dtype=np.int64), width * np.arange(balls))
     u = np.empty(width * balls)
-    apply_rows(springs, counts, starts, v0, u)
-    if not solve_rows(
-        bodies, springs, counts, starts, factors, bool(np.bool_(True)), work, 1e-9 * options.stiffness, 0.01, u, amplitude
-    ):
+    apply_rows(rows, bodies.v0, u)
+    if not solve_rows(bodies, rows, bodies.work, 1e-9 * options.stiffness, u, amplitude):
         return False
     phi[:, :] = 0.0
-    forces_of_rows(springs, counts, starts, u, phi)
+    forces_of_rows(rows, u, phi)
     g, v = np.empty(phi.shape), np.empty(phi.shape)
     place_flanks(bodies, state, g, v)
-    if apart(v) > options.furthest and apart(v0) <= options.furthest:
-        reach = max(apart(v - v0), options.furthest)
+    if apart(v) > options.furthest and apart(bodies.v0) <= options.furthest:
+        reach = max(apart(v - bodies.v0), options.furthest)
         phi *= options.furthest / reach
         amplitude *= options.furthest / reach
     return True

@@ -204,16 +204,7 @@ def energy_at(given: BeamSystem, state: BeamState, room: BeamRoom) -> tuple[floa
 
 
 @kernel
-def find_step(
-    given: BeamSystem,
-    state: BeamState,
-    options: Options,
-    room: BeamRoom,
-    shift: float,
-    residual: float,
-    fresh: bool,
-    stuck: int,
-) -> bool:
+def find_step(given: BeamSystem, state: BeamState, options: Options, room: BeamRoom, shift: float, fresh: bool) -> bool:
     """Newton's step, by the factor of the stiffness in the room or, ``fresh``, a new one."""
     beam, band, step = given.shaft, room.band, room.step
     if fresh:
