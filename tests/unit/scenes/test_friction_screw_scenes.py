@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.shipped_texts import changed
 
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.sources.lin.evidence.source_cases import double_row, four_point, inferred, lin_3_4_4, plain
@@ -37,14 +38,6 @@ FEW = (
     (', "4 deg", "6 deg", "8 deg", "10 deg", "12 deg", "14 deg",\n', ",\n"),
     ('"18 deg", "20 deg", "22 deg", "24 deg", "26 deg", "28 deg", "30 deg"', '"18 deg"'),
 )
-
-
-def changed(name, *changes):
-    out = catalogue.scene_text(name)
-    for old, new in changes:
-        assert old in out, f"{name} has no {old}"
-        out = out.replace(old, new, 1)
-    return out
 
 
 def loaded(name, *changes):
