@@ -49,9 +49,12 @@ def pytest_itemcollected(item: pytest.Item) -> None:
 
 def begun(item: pytest.Item) -> tuple[float, bool]:
     """Place of a test: those that compile kernels first, the longest before, each worker others, so that one loads what
-    another compiled; then the slow ones, so that none is left at the end with one worker waiting for the other."""
+    another compiled; then the slow ones, so that none is left at the end with one worker waiting for the other. Those
+    of every run are not among them: they take seconds once their kernels are compiled, and would compile them again."""
     compiles = item.get_closest_marker("compiles")
-    return -compiles.args[0] if compiles else 0.0, item.get_closest_marker("slow") is None
+    return -compiles.args[0] if compiles else 0.0, not item.get_closest_marker("slow") or bool(
+        item.get_closest_marker("every_run")
+    )
 
 
 def keep_group(item: pytest.Item) -> None:

@@ -85,7 +85,12 @@ def kept(command):
     return means(json.loads(said.getvalue()), LEFT_OUT.search)
 
 
-@pytest.mark.parametrize("command", ANSWERS)
+def marked(command):
+    """A command with its mark: friction is a wing's."""
+    return pytest.param(command, marks=pytest.mark.wing if command.startswith("friction") else ())
+
+
+@pytest.mark.parametrize("command", [marked(command) for command in ANSWERS])
 def test_no_number_of_an_answer_moves(command):
     expected = json.loads(RECORD.read_text(encoding="utf-8"))[command]
     same(kept(command), expected)

@@ -27,8 +27,13 @@ def scene(name):
     return scene_file.read(own_text(name), name)
 
 
-@pytest.mark.compiles(30)
-@pytest.mark.parametrize("model", ["lin", "refined"])
+@pytest.mark.parametrize(
+    "model",
+    [  # each a group of its own, for a worker of its own: their kernels are most of what tests of the core compile
+        pytest.param("lin", marks=[pytest.mark.compiles(37), pytest.mark.xdist_group("kernels of axes")]),
+        pytest.param("refined", marks=[pytest.mark.compiles(80), pytest.mark.xdist_group("kernels of bodies")]),
+    ],
+)
 def test_a_row_that_carries_nothing_is_not_crossed(model):
     """Its balls carry 1e-11 of 14 kN at an angle below zero; contacts alone hold the shaft, metres away without."""
     found = run_model(scene("axis-crossed-by-nothing"), model, Options(engine="compiled"))

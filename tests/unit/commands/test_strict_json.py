@@ -62,6 +62,7 @@ def test_solve(command, name):
     assert strict(command, "solve", name, "--model", "lin")["scene"] == name
 
 
+@pytest.mark.wing
 @pytest.mark.parametrize("name", [*WHOLE, *FRICTION_ONLY])
 def test_friction(command, tmp_path, name):
     scene = name

@@ -200,17 +200,24 @@ print(draw(Figure("f", "t", [Panel("p", "x", "y", [Series("a", [0.0, 1.0], [0.0,
     assert drawn[0].stdout == drawn[1].stdout
 
 
-def test_escape_characters_of_names_are_not_printed_raw(tmp_path, monkeypatch, command):
+@pytest.mark.parametrize(
+    "words",
+    [
+        pytest.param(["compare"], marks=pytest.mark.slow),  # its hint names bodies that it condenses from nothing
+        ["solve", "--loads-csv", "b\x1b.csv"],
+    ],
+)
+def test_escape_characters_of_names_are_not_printed_raw(words, tmp_path, monkeypatch, command):
     name = "a\x1b[31mred\x07.toml"
     (tmp_path / name).write_text(catalogue.scene_text("two-balls"), encoding="utf-8")
     monkeypatch.chdir(tmp_path)
-    for words in (["compare", name], ["solve", name, "--loads-csv", "b\x1b.csv"], ["new", "c\x1b.toml", "--like", "40x10"]):
-        _, out, err = command(*words)
-        said = out + err
-        assert "\x1b" not in said, words
-        assert "\\x1b" in said, words
-    line = Checked("x\x1b]0;title", "changed", "\x1b", "").line
-    assert line.isprintable()
+    for said in (command(*words, name), command("new", "c\x1b.toml", "--like", "40x10")):
+        assert "\x1b" not in said.out + said.err
+        assert "\\x1b" in said.out + said.err
+
+
+def test_escape_characters_of_a_report_s_files_are_not_printed_raw():
+    assert Checked("x\x1b]0;title", "changed", "\x1b", "").line.isprintable()
 
 
 @pytest.mark.parametrize("words", [["list"], ["solve", "no-such-scene"]])

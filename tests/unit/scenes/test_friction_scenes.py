@@ -208,39 +208,25 @@ def test_a_screw_whose_friction_moves_all_leaves_no_feedback_out():
         assert sum("friction in the balance of loads" in line for line in lines) == count
 
 
-def run(name, as_json):
+@pytest.mark.parametrize(
+    ("name", "table"), [("lin-rotary-2", "per contact"), ("lin-pair-a", "per ball"), ("lin-chain-10", "per ball")]
+)
+def test_json_is_finite_and_the_table_shows_result_energy_and_assumptions(name, table):
     found = run_friction(name, Choices(), details=True)
-    return (found.code, [], [found.data]) if as_json else (found.code, found.parts, [])
-
-
-@pytest.mark.parametrize("name", ["lin-rotary-2", "lin-pair-a", "lin-chain-10"])
-def test_json_is_one_object_with_finite_numbers(name):
-    code, shown, printed = run(name, True)
-    assert (code, shown, len(printed)) == (0, [], 1)
-    data = json.loads(json.dumps(printed[0], allow_nan=False))
-    assert data["scene"] == name
-    assert data["converged"] is True
+    data = json.loads(json.dumps(found.data, allow_nan=False))
+    assert (found.code, data["scene"], data["converged"]) == (0, name, True)
     assert set(data["energy"]) == {"input_power_W", "loss_W", "balance_W", "balance_percent"}
-
-
-@pytest.mark.parametrize("name", ["lin-rotary-2", "lin-pair-a"])
-def test_table_shows_result_energy_and_assumptions(name):
-    code, shown, printed = run(name, False)
-    lines = [part for part in shown if isinstance(part, str)]
-    assert (code, printed) == (0, [])
+    lines = [part for part in found.parts if isinstance(part, str)]
     for word in (name, "energy    ", "put in and", "assumed: ", "left out: lubricant", "solver: ", "law: coulomb"):
         assert any(word in line for line in lines), word
-    tables = [part for part in shown if not isinstance(part, str)]
-    assert next(t.title for t in tables) in ("per contact", "per ball")
+    tables = [part for part in found.parts if not isinstance(part, str)]
+    assert tables[0].title == table
     assert all(t.row_count for t in tables)
 
 
 def test_exit_code_of_a_scene_without_solution(tmp_path):
     path = tmp_path / "loose.toml"
     path.write_text(changed("lin-rotary-1", ('"100 N"', '"0 N"')), encoding="utf-8")
-    code, shown, _ = run(str(path), False)
-    assert code == 1
-    assert "no contact" in shown[0]
-    code, _, printed = run(str(path), True)
-    assert code == 1
-    assert printed[0]["converged"] is False
+    found = run_friction(str(path), Choices(), details=True)
+    assert (found.code, found.data["converged"]) == (1, False)
+    assert "no contact" in found.parts[0]

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.shipped_texts import changed
 
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.sources.lin.evidence.source_cases import double_row, four_point, inferred, lin_3_4_4, plain
@@ -37,14 +38,6 @@ FEW = (
     (', "4 deg", "6 deg", "8 deg", "10 deg", "12 deg", "14 deg",\n', ",\n"),
     ('"18 deg", "20 deg", "22 deg", "24 deg", "26 deg", "28 deg", "30 deg"', '"18 deg"'),
 )
-
-
-def changed(name, *changes):
-    out = catalogue.scene_text(name)
-    for old, new in changes:
-        assert old in out, f"{name} has no {old}"
-        out = out.replace(old, new, 1)
-    return out
 
 
 def loaded(name, *changes):
@@ -257,27 +250,19 @@ def test_rows_face_to_face_are_turned_round():
 # --- printing
 
 
-def run(path, as_json):
-    found = run_friction(str(path), Choices(), details=True)
-    return (found.code, [], [found.data]) if as_json else (found.code, found.parts, [])
-
-
 @pytest.mark.parametrize(("name", "changes"), [(PAIRS[0], ()), ("lin-screw-run", SHORT), ("lin-bearing-pairs", FEW)])
 def test_table_and_json(tmp_path, name, changes):
     path = tmp_path / f"{name}.toml"
     path.write_text(changed(name, *changes), encoding="utf-8")
-    code, shown, printed = run(path, True)
-    assert (code, shown, len(printed)) == (0, [], 1)
-    data = json.loads(json.dumps(printed[0], allow_nan=False))
-    assert (data["scene"], data["converged"], data["status"]) == (name, True, "converged")
+    found = run_friction(str(path), Choices(), details=True)
+    data = json.loads(json.dumps(found.data, allow_nan=False))
+    assert (found.code, data["scene"], data["converged"], data["status"]) == (0, name, True, "converged")
     assert set(data["energy"]) >= {"input_power_W", "loss_W", "balance_percent"}
     assert ("series" in data) == (name == "lin-screw-run")
-    code, shown, printed = run(path, False)
-    lines = [part for part in shown if isinstance(part, str)]
-    assert (code, printed) == (0, [])
+    lines = [part for part in found.parts if isinstance(part, str)]
     for word in (name, "energy    ", "put in and", "assumed: ", "left out: lubricant", "solver: ", "law: coulomb"):
         assert any(word in line for line in lines), word
-    tables = [part for part in shown if not isinstance(part, str)]
+    tables = [part for part in found.parts if not isinstance(part, str)]
     assert tables
     assert all(t.row_count for t in tables)
 
@@ -285,11 +270,10 @@ def test_table_and_json(tmp_path, name, changes):
 def test_exit_code_of_a_bearing_that_one_ball_cannot_hold(tmp_path):
     path = tmp_path / "one.toml"
     path.write_text(changed("lin-bearing-pairs", *FEW, ("count = 9", "count = 1")), encoding="utf-8")
-    code, _, printed = run(path, True)
-    assert code == 1
-    assert printed[0]["converged"] is False
-    assert printed[0]["status"].startswith(
+    found = run_friction(str(path), Choices(), details=True)
+    assert (found.code, found.data["converged"]) == (1, False)
+    assert found.data["status"].startswith(
         "no equilibrium: four-point bearing, load at 0 deg: rigid motion of the inner ring"
     )
-    assert "uz, ry" in printed[0]["status"]
-    assert "four_point" not in printed[0], "no table of torques out of balance"
+    assert "uz, ry" in found.data["status"]
+    assert "four_point" not in found.data, "no table of torques out of balance"
