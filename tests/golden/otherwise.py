@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-#: Ways in which numbers are others: some other shares of them; some zero, some with the other sign; within a decade up or down.
+#: Ways in which numbers are others: by some share; some zero and some with the other sign; within a decade up or down.
 WAYS = 3
 #: Seconds after which a call is ended, and values of a generator that are looked at.
 PATIENCE, VALUES = 60.0, 2000
@@ -57,7 +57,7 @@ def other(value: Any, way: int, places: Iterator[int], seen: dict[int, Any]) -> 
     record = is_dataclass(value) and not isinstance(value, type)
     if not record and not (type(value).__module__.startswith("rollbench.") and hasattr(value, "__dict__")):
         return value
-    if isinstance(value, type) or callable(value) and not record:
+    if isinstance(value, type) or (callable(value) and not record):
         return value
     if id(value) not in seen:
         seen[id(value)] = (new, _) = (copy(value), value)

@@ -42,9 +42,11 @@ SHIFT, STEADY, TOLERANCE = 1e-11, 1e-8, 1e-7
 #: Calls of a function that are watched in one item and in all, and numbers of an array that are looked at.
 IN_ITEM, IN_ALL, MOST = 3, 60, 20_000
 #: Calls of a function with other numbers, what is said of it then; seconds of the longest, and when it is ended at once.
-IN_ALL_OTHERWISE, OTHERWISE, LONG, LATE = 18, " with other numbers", 0.015, 0.5
-#: Files whose functions are not called with other numbers: meshes are made in other processes or by libraries that do not end.
-MESHED = re.compile(r"meshes/(?!parts|errors|helix|surface|section|partition|roots|one_arc|near)|gmsh|side_by_side|threads|meshing/")
+IN_ALL_OTHERWISE, OTHERWISE, LONG, LATE = 12, " with other numbers", 0.015, 0.5
+#: Files whose functions are not called with other numbers: meshes are made in other processes, or by what does not end.
+MESHED = re.compile(
+    r"meshes/(?!parts|errors|helix|surface|section|partition|roots|one_arc|near)|gmsh|side_by_side|threads|meshing/"
+)
 ENDED = ("late", "MemoryError", "RecursionError")
 #: How many functions may be gone before the record has to be made anew.
 GONE = 0.1
