@@ -21,6 +21,7 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import is_dataclass
 from importlib.metadata import version
+from inspect import CO_OPTIMIZED
 from pathlib import Path
 from types import CodeType, FrameType
 from typing import Any
@@ -117,7 +118,7 @@ class Watch:
         name = self._code.get(code)
         if name is None:
             file = self._file.get(os.path.realpath(code.co_filename), "")
-            watched = file and not code.co_name.startswith("<") and not NOT_FILLED.search(code.co_name)
+            watched = file and code.co_flags & CO_OPTIMIZED and not re.search(rf"^<|{NOT_FILLED.pattern}", code.co_name)
             name = self._code[code] = f"{file}:{code.co_qualname}" if watched else ""
         if not name or self._in_item[code] >= IN_ITEM or self._calls[name] >= IN_ALL:
             return
@@ -157,9 +158,15 @@ class Watch:
 
     def _fold(self, name: str, answer: dict[str, Any], number: int) -> None:
         weight = 1.3 + np.cos(number)
-        answer = {"": held(answer[""]), "given": {key: held(value) for key, value in answer.get("given", {}).items()}}
+        given = answer.get("given", {}).items()
+        answer = {"": held(answer[""]), "given": {key: held(value) for key, value in given if may_change(value)}}
         for place, share in contributions(answer):
             self.sums[name][place] += weight * share
+
+
+def may_change(value: Any) -> bool:
+    """Whether a call may leave other numbers in an argument."""
+    return not is_dataclass(value) or isinstance(value, type) or not type(value).__dataclass_params__.frozen
 
 
 def held(value: Any) -> Any:
