@@ -56,6 +56,8 @@ LEFT_OUT = re.compile(r"second|memory|MB|version|residual|iteration|balance|roun
 #: What round-off decides on one machine and not on another.
 DECIDED = re.compile(r"equilibrium|evaluations|ball$|worst|engine|slack|upwind|remainder|rounds|goal|change$|_error$")
 NO_WORDS = re.compile(r"[0-9a-f]{12}|/")
+#: Where a key of a mapping says which object it is.
+ADDRESS = re.compile(r" at 0x[0-9a-f]+")
 #: Functions whose arrays hold nothing yet.
 NOT_FILLED = re.compile(r"room|__hash__")
 #: Numbers of items of each kind of drawn scenes, see `test_drawn`: those that plain Python solves in few seconds.
@@ -178,6 +180,7 @@ def held(value: Any) -> Any:
 def contributions(value: Any) -> Iterator[tuple[str, float]]:
     """Names below a value, and what each leaf adds: the share and the place of its numbers' signs and sizes."""
     for place, (name, leaf) in enumerate(leaves_and_words(value)):
+        name = ADDRESS.sub("", name)
         if isinstance(leaf, str):
             yield name, zlib.crc32(leaf.encode()) / 2.0**32
             continue
