@@ -57,7 +57,7 @@ def other(value: Any, way: int, places: Iterator[int], seen: dict[int, Any]) -> 
     record = is_dataclass(value) and not isinstance(value, type)
     if not record and not (type(value).__module__.startswith("rollbench.") and hasattr(value, "__dict__")):
         return value
-    if isinstance(value, type) or (callable(value) and not record):
+    if isinstance(value, type | str) or (callable(value) and not record):
         return value
     if id(value) not in seen:
         seen[id(value)] = (new, _) = (copy(value), value)

@@ -9,6 +9,7 @@ A function that is gone is no fault. Whoever changes numbers on purpose writes t
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import re
@@ -51,6 +52,14 @@ MESHED = re.compile(
 ENDED = ("late", "MemoryError", "RecursionError")
 #: How many functions may be gone before the record has to be made anew.
 GONE = 0.1
+#: Old memory is no zeros, two threads, processors without wide vectors.
+OTHER_MACHINE = {
+    "MALLOC_PERTURB_": "99",
+    "OMP_NUM_THREADS": "2",
+    "OPENBLAS_NUM_THREADS": "2",
+    "OPENBLAS_CORETYPE": "Nehalem",
+    "NPY_DISABLE_CPU_FEATURES": "X86_V3 X86_V4 AVX512_ICL",
+}
 #: What machines, versions and round-off decide.
 LEFT_OUT = re.compile(r"second|memory|MB|version|residual|iteration|balance|round_off|imbalance|digest|\bkey\b|path|folder")
 #: What round-off decides on one machine and not on another.
@@ -88,6 +97,85 @@ ANSWERS: dict[str, tuple[str, ...]] = {
     "axes": ("solve double-nut --model lin", "solve smith-axis-taper --model lin"),
     "friction": ("friction lin-chain-10",),
     "reference": ("compare lin-pair-a", "mesh-study lin-case2 --levels 4", "check lin-case2 --no-compute"),
+    "wings": (
+        *(f"audit --only smith-{table}" for table in ("2.1", "2.2", "3", "4.1", "4.2", "4.3", "5")),
+        *(f"audit --only external-{table}" for table in ("contact", "equivalent", "harris", "nsk")),
+        *(
+            f"audit --only {table}"
+            for table in ("kalker-E3", "liu-4.1", "liu-4.2", "lin-4.2", "lin-G", "lin-3.2", "lin-3.3")
+        ),
+        *(f"audit --only {table}" for table in ("lin-3.5", "lin-3.7")),
+        "friction lin-bearing-pairs",
+        "friction lin-rotary-3",
+        "friction lin-pair-worst",
+        "mesh-study lin-screw-pair-a",
+        "compare lin-screw-pair-a",
+        "compare lin-case1",
+        "compare two-balls",
+        "check lin-case3-offset --no-compute",
+        "solve lin-case3-tolerances --members 20 --model lin",
+        "solve lin-random --members 4",
+        "solve double-nut",
+        "check double-nut --no-compute",
+    ),
+}
+#: And tests on whose way functions are watched that no answer above needs.
+TESTS: dict[str, tuple[str, ...]] = {
+    "bodies": (
+        "convergence/test_elasticity_orders.py",
+        "convergence/test_hertz_convergence.py",
+        "convergence/test_rolling_contacts.py",
+        "unit/compliance/test_grooved_cell.py",
+        "unit/hifi/test_cut.py",
+        "unit/hifi/test_enlarged_patches.py",
+        "unit/hifi/test_fields.py",
+        "unit/hifi/test_forms.py",
+        "unit/hifi/test_mounting.py",
+        "unit/hifi/test_patch.py",
+        "unit/hifi/test_reference_rounds.py",
+        "unit/hifi/test_rolling_bodies.py",
+        "unit/hifi/test_rolling_time.py",
+        "unit/meshes/test_flanged_nut.py",
+        "unit/meshes/test_groove_end.py",
+        "unit/meshes/test_half_bodies.py",
+        "unit/meshes/test_sockets.py",
+    ),
+    "wings": (
+        "unit/axis/test_arrangements.py",
+        "unit/bearings/test_angular_contact.py",
+        "unit/bearings/test_tapered_roller.py",
+        "unit/friction/test_jammed_chain.py",
+        "unit/friction/test_kept_state.py",
+        "unit/friction/test_run_steps.py",
+        "unit/friction/test_screw_coupled.py::test_a_contact_past_the_apex_keeps_its_sign",
+        "unit/friction/test_screw_coupled.py::test_mixed_rounds_settle_where_plain_ones_run_away_and_keep_their_history",
+        "unit/friction/test_screw_coupled.py::test_one_system_gives_what_rounds_give",
+        "unit/friction/test_screw_kernels.py",
+        "unit/friction/test_screw_pair.py::test_chain_jacobian_against_differences",
+        "unit/friction/test_screw_pair.py::test_frictionless_chain_is_a_constrained_least_dissipation",
+        "unit/friction/test_screw_pair.py::test_pair_in_equilibrium",
+        "unit/friction/test_screw_pair.py::test_two_point_chain_with_unloaded_balls_converges",
+        "unit/friction/test_screw_run.py::test_groups",
+        "unit/friction/test_screw_run.py::test_recirculation_folds_balls_into_the_nut",
+        "unit/friction/test_screw_run.py::test_without_deviation_nothing_touches",
+        "unit/friction/test_source_screw.py",
+        "unit/friction/test_travelling.py",
+        "unit/friction/test_whole_feedback.py",
+        "unit/friction/test_whole_run.py::test_a_tiny_run_is_the_state_at_the_instant",
+        "unit/friction/test_whole_run.py::test_balls_leave_and_enter_and_bear_load_on_the_loaded_arc_alone",
+        "unit/friction/test_whole_run.py::test_balls_of_unlike_sizes_touch_where_their_radii_meet",
+        "unit/friction/test_whole_run.py::test_friction_that_moves_balls_is_that_of_the_instant",
+        "unit/friction/test_whole_run.py::test_left_hand_is_the_mirrored_right_hand",
+        "unit/models/test_changed_scenes.py",
+        "unit/models/test_displacement_place.py",
+        "unit/models/test_total_uncertainty.py",
+        "unit/models/test_u_val.py",
+        "unit/random_errors/test_chain.py",
+        "unit/random_errors/test_elimination.py",
+        "unit/random_errors/test_ensemble.py::test_every_member_as_solved_alone",
+        "unit/random_errors/test_ensemble.py::test_same_numbers_whatever_the_chunk",
+        "unit/reference/test_reference_jobs.py",
+    ),
 }
 STUDIES = (references, grids, mesh_studies, choices, uncertainties, faces, exact, verdicts)
 
@@ -119,7 +207,7 @@ class Watch:
         code = frame.f_code
         name = self._code.get(code)
         if name is None:
-            file = self._file.get(os.path.realpath(code.co_filename), "")
+            file = self._file.get(path_of(os.path.realpath(code.co_filename)), "")
             watched = file and code.co_flags & CO_OPTIMIZED and not re.search(rf"^<|{NOT_FILLED.pattern}", code.co_name)
             name = self._code[code] = f"{file}:{code.co_qualname}" if watched else ""
         if not name or self._in_item[code] >= IN_ITEM or self._calls[name] >= IN_ALL:
@@ -164,6 +252,13 @@ class Watch:
         answer = {"": held(answer[""]), "given": {key: held(value) for key, value in given if may_change(value)}}
         for place, share in contributions(answer):
             self.sums[name][place] += weight * share
+
+
+def path_of(file: str) -> str:
+    """Path of a source; of a copy that kernels are compiled from, see `lowfi.jit`, that of its source."""
+    package, name = os.path.split(file)
+    words = os.path.basename(package).split(".")
+    return str(ROOT.joinpath(*words[1:], name)) if words[0] == "rollbench" and len(words) > 1 else file
 
 
 def may_change(value: Any) -> bool:
@@ -215,7 +310,17 @@ def items(group: str, shift: float) -> Iterator[Callable[[], Any]]:
             yield lambda kind=kind, number=number: MAKERS[kind][0](number, shift)
     for command in ANSWERS.get(group, ()):
         yield lambda command=command: answered(command)
+    for name in TESTS.get(group, ()):
+        yield lambda name=name: tested(f"{ROOT}/tests/{name}")
     yield from {"reference": STUDIES, "3D": (set_up,)}.get(group, ())
+
+
+def tested(name: str) -> None:
+    """Run tests, of a file or one, that need no compiled kernels, in this process."""
+    plain = "-n0 --timeout=0 -p no:cacheprovider --assert=plain -o filterwarnings="
+    marks = "not compiles and not survey and not slow"
+    with contextlib.redirect_stdout(sys.stderr):
+        assert pytest.main([*plain.split(), "-m", marks, name]) == pytest.ExitCode.OK, name
 
 
 def watch(group: str, shift: float, slow: list[str] | None) -> tuple[dict[str, dict[str, float]], list[str]]:
@@ -257,7 +362,7 @@ def watched(
 def written(group: str) -> dict[str, Any]:
     """The record of a group: each function's number, and the names that round-off, threads or old memory moves."""
     _, slow = watched(group, 0.0, None)
-    again, _ = watched(group, 0.0, slow, MALLOC_PERTURB_="99", OMP_NUM_THREADS="2", OPENBLAS_NUM_THREADS="2")
+    again, _ = watched(group, 0.0, slow, **OTHER_MACHINE)
     (first, _), (other, _) = watched(group, 0.0, slow), watched(group, SHIFT, slow)
     record: dict[str, Any] = {"slow": slow}
     for name, sums in sorted(first.items()):
@@ -286,14 +391,14 @@ def steady(sums: dict[str, float], moving: list[str]) -> list[str]:
     return sorted(place for place in sums.keys() - set(moving) if not DECIDED.search(place))
 
 
-GROUPS = (*DRAWN, "3D")
+GROUPS = (*DRAWN, "3D", *TESTS)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("group", GROUPS)
 def test_nothing_moves_inside(group):
     record = json.loads(RECORD.read_text(encoding="utf-8"))
-    if group == "3D" and record["gmsh"] != version("gmsh"):
+    if group in ("3D", "bodies") and record["gmsh"] != version("gmsh"):
         pytest.skip("the record's meshes are another gmsh's")
     kept = record[group]
     sums, _ = watched(group, 0.0, kept.pop("slow"))
