@@ -36,7 +36,7 @@ PATIENCE, COMPILING, PLAIN = 900.0, 3600.0, 120.0
 #: Environment variable of the folder of machine code, see `lowfi.jit`.
 CODE = "NUMBA_CACHE_DIR"
 #: Options for the tests that need no compiled kernels.
-SHORT = ("-m", "not survey and not wings and not installs and not compiles and not slow")
+SHORT = ("-m", "not survey and not each_wing and not installs and not compiles and not slow")
 #: Most files of nearest tests, those that name the module most often.
 NEAREST = 6
 #: How many of the quickest tests are run before the rest.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import builtins
 import json
+import re
 import tomllib
 from dataclasses import replace
 from pathlib import Path
@@ -18,9 +19,11 @@ from tests.mutants import draw
 from rollbench.comparison.gate import closed_forms
 from rollbench.comparison.scenes.catalogue import scene as shipped
 from rollbench.comparison.scenes.catalogue import shipped as any_shipped
+from rollbench.comparison.wings.members.ensemble import ENGINE, run_ensemble, work_of
 from rollbench.comparison.wings.rolling import runs
 from rollbench.comparison.wings.rolling.changes import PATHS
 from rollbench.hifi.rolling import friction
+from rollbench.lowfi.friction.whole.state import FrictionState
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout, layout_at
@@ -30,6 +33,12 @@ from rollbench.meshes.sockets import groove_lines, track_gaps
 
 ROOT = Path(__file__).parents[2]
 MUTANTS = tomllib.loads((Path(__file__).parent / "mutants.toml").read_text(encoding="utf-8"))["mutant"]
+
+
+def test_marks_by_which_kernels_are_tried_are_known():
+    settings = tomllib.loads((draw.ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    known = {re.split(r"\W", line)[0] for line in settings["tool"]["pytest"]["ini_options"]["markers"]}
+    assert set(re.findall(r"\w+", draw.SHORT[1])) <= known | {"not", "and"}
 
 
 def test_reactions_turn_the_screw_about_the_origin():
@@ -254,3 +263,17 @@ def test_the_kept_record_of_drawn_mutants_reaches_the_goal():
         w for w in found if w.startswith("equivalent: ")
     }
     assert draw.rate(found)[1] >= draw.GOAL
+
+
+def test_a_state_bears_load_however_small_it_is():
+    loaded = [FrictionState.loaded.fget(SimpleNamespace(at=SimpleNamespace(force=np.array([[x]])))) for x in (0.0, 1e-9)]
+    assert loaded == [False, True]
+
+
+def test_members_that_no_batch_solves_say_their_residuals_and_works():
+    scene = shipped("lin-random")
+    actual = replace(scene, ingredients=replace(scene.ingredients, hertz="actual"))
+    found = run_ensemble(actual, 2)
+    for m in range(2):
+        alone = solve_static(actual, engine=ENGINE, member=m)
+        assert (found.residuals[m], found.works[m]) == (alone.solver.residual, work_of(actual, alone))

@@ -37,6 +37,9 @@ def test_what_changed_is_said(tmp_path: Path) -> None:
         "mine: torque: new, pass",
     ]
     assert changes(tmp_path / "old.csv", [*before, row("pass", 2, "life")]) == []
+    tighter = replace(before[0], word="fail", good=False, limit=3.0)
+    (change,) = changes(tmp_path / "old.csv", [tighter, *before[1:], row("pass", 2, "life")])
+    assert change.as_json()["limit"] == "3"  # that of today
 
 
 @pytest.mark.parametrize("text", ["", "a,b\n1,2\n", "{}", '{"verdicts": 3}', ",".join(HEADS) + "\nx\n", "[" * 99])

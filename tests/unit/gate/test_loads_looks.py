@@ -24,8 +24,9 @@ def test_units_are_those_of_their_definitions():
 @pytest.mark.parametrize("unit", UNITS)
 @pytest.mark.parametrize(("share", "seen"), [(1.0 - 0.99 * NEAR, True), (1.0 + 1.01 * NEAR, False)])
 def test_a_sum_near_that_in_another_unit_is_told(unit, share, seen):
-    said = looks(share * loads() / NEWTONS[unit], loads(), FLANKS, 7.0)
-    assert (f"look like {unit}: in newtons they are {NEWTONS[unit]:g} times as large" in said) is seen
+    for size in (1.0, 1e-5):
+        said = looks(size * share * loads() / NEWTONS[unit], size * loads(), FLANKS, 7.0)
+        assert (f"look like {unit}: in newtons they are {NEWTONS[unit]:g} times as large" in said) is seen
 
 
 def test_other_balls_and_other_flanks_are_told_and_what_is_within_the_limit_is_not():
