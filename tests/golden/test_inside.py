@@ -313,11 +313,11 @@ def items(group: str, shift: float) -> Iterator[Callable[[], Any]]:
     for command in ANSWERS.get(group, ()):
         yield lambda command=command: answered(command)
     for name in TESTS.get(group, ()):
-        yield lambda name=name: tested(f"{ROOT}/tests/{name}")
+        yield lambda name=name: run_tests(f"{ROOT}/tests/{name}")
     yield from {"reference": STUDIES, "3D": (set_up,)}.get(group, ())
 
 
-def tested(name: str) -> None:
+def run_tests(name: str) -> None:
     """Run tests, of a file or one, that need no compiled kernels, in this process."""
     plain = "-n0 --timeout=0 -p no:cacheprovider --assert=plain -o filterwarnings="
     marks = "not compiles and not survey"
@@ -399,6 +399,7 @@ GROUPS = (*DRAWN, "3D", *TESTS)
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(1800)
 @pytest.mark.parametrize("group", GROUPS)
 def test_nothing_moves_inside(group):
     record = json.loads(RECORD.read_text(encoding="utf-8"))
