@@ -87,7 +87,7 @@ class Factor(NamedTuple):
     I + R^T G R; outer: LU factor of what is left for the motions.
     """
 
-    traces: list[tuple[Indices, Array]]
+    traces: list[tuple[slice, Array]]
     starts: list[int]
     loads: Array
     inner: Array
@@ -137,42 +137,41 @@ class _System:
 
     def __init__(self, C: Compliance, gap: Array, N: sp.csr_matrix, f: Array, balls: list[Ball] | None) -> None:
         self.C, self.f = C, f
-        starts = C.starts
-        self.parts = [slice(int(a), int(b)) for a, b in pairwise(starts)]
-        self.gaps = [gap[p] for p in self.parts]
-        self.N = N.tocsr()
+        self.gaps = [gap[pairs] for pairs in C.pairs]
         self.rows = []
-        for p in self.parts:
-            block = self.N[p]
+        for pairs in C.pairs:
+            block = N[pairs]
             columns = np.unique(block.indices)
             self.rows.append((columns, block[:, columns].toarray()))
         self.balls = list(balls or (Ball(np.zeros(g.size), g < np.quantile(g, 0.2), None, 0.0) for g in self.gaps))
 
     def evaluate(self, w: Array, y: Array) -> tuple[float, Array, Array]:
         """Phi, U^T lambda - w, and f - N^T lambda; the balls' states are kept."""
+        phi = 0.5 * float(w @ (self.C.coupling @ w)) - float(self.f @ y)
+        for i, gap in enumerate(self.between(w, y)):
+            self.balls[i] = press(self.C.blocks[i], gap, self.balls[i])
+            phi += self.balls[i].energy
+        return phi, *self.left(w)
+
+    def between(self, w: Array, y: Array) -> list[Array]:
+        """Gaps ``(n_i,)`` [m] of each ball by the amplitudes of all and the motions, but for its own compliance."""
         z = self.C.coupling @ w
-        phi = 0.5 * float(w @ z) - float(self.f @ y)
-        back, balance = -w.copy(), self.f.copy()
-        for i, g in enumerate(self.gaps):
-            columns, n = self.rows[i]
-            total = g + self.C.modes[i] @ z[self.C.columns[i]] - n @ y[columns]
-            ball = press(self.C.blocks[i], total, self.balls[i])
-            self.balls[i] = ball
-            phi += ball.energy
-            back[self.C.columns[i]] += self.C.modes[i].T @ ball.forces
+        each = zip(self.gaps, self.C.modes, self.C.columns, self.rows, strict=True)
+        return [gap + U @ z[c] - n @ y[columns] for gap, U, c, (columns, n) in each]
+
+    def left(self, w: Array) -> tuple[Array, Array]:
+        """U^T lambda - w and f - N^T lambda of the balls' forces."""
+        balance = self.f.copy()
+        for ball, (columns, n) in zip(self.balls, self.rows, strict=True):
             balance[columns] -= n.T @ ball.forces
-        return phi, back, balance
+        return self.C.amplitude(np.concatenate([ball.forces for ball in self.balls])) - w, balance
 
     def in_touch(self, touching: Sequence[Flags]) -> tuple[Array, Array]:
         """Amplitudes and motions if these pairs of each ball touch, pull where they must, and no other does."""
-        back, balance = np.zeros(self.C.coupling.shape[0]), self.f.copy()
         for i, (gap, active) in enumerate(zip(self.gaps, touching, strict=True)):
             factor = self.C.blocks[i].factor(active)
-            forces = factor.solve(-gap)
-            self.balls[i] = Ball(forces, active, factor, 0.0)
-            back[self.C.columns[i]] += self.C.modes[i].T @ forces
-            columns, n = self.rows[i]
-            balance[columns] -= n.T @ forces
+            self.balls[i] = Ball(factor.solve(-gap), active, factor, 0.0)
+        back, balance = self.left(np.zeros(len(self.C.coupling)))
         return self.factor(HOLD).step(back, self.C.coupling @ back, balance)
 
     def factor(self, shift: float) -> Factor:
@@ -193,13 +192,13 @@ class _System:
             if ball.factor is None or not ball.active.any():
                 continue
             d, n = self.rows[i]
-            U, c = self.C.modes[i], self.C.columns[i]
-            columns = np.hstack([U, n])
+            c, r = self.C.columns[i], self.C.modes[i].shape[1]
+            columns = np.hstack([self.C.modes[i], n])
             M = columns.T @ ball.factor.solve(columns)  # zero on the open pairs
-            R, T_ball = roots(M[: c.size, : c.size], M[: c.size, c.size :], size[c])
+            R, T_ball = roots(M[:r, :r], M[:r, r:], size[c])
             T = np.zeros((len(T_ball), self.f.size))
             T[:, d] = T_ball
-            outer[np.ix_(d, d)] += M[c.size :, c.size :]
+            outer[np.ix_(d, d)] += M[r:, r:]
             traces.append((c, R))
             answers.append(G[c].T @ R)
             loads.append(T)
@@ -268,16 +267,7 @@ def solve_balls(
             break
     if not status:
         status = f"not converged after {MOST} iterations (relative residual {residual:.1e})"
-    forces = np.concatenate([b.forces for b in system.balls])
-    z = C.coupling @ w
-    slack = np.concatenate(
-        [
-            g
-            + C.blocks[i].apply(system.balls[i].forces)
-            + C.modes[i] @ z[C.columns[i]]
-            - system.rows[i][1] @ y[system.rows[i][0]]
-            for i, g in enumerate(system.gaps)
-        ]
-    )
-    result = ContactResult(forces, slack, y, iteration, status, residual)
+    forces = [ball.forces for ball in system.balls]
+    gaps = [between + block.apply(f) for between, block, f in zip(system.between(w, y), C.blocks, forces, strict=True)]
+    result = ContactResult(np.concatenate(forces), np.concatenate(gaps), y, iteration, status, residual)
     return result, State(w, y, system.balls, factor)
