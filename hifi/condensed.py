@@ -8,18 +8,21 @@ The grid's wave is taken out as everywhere in the reference (`hifi.bodies.grid_w
 
 from __future__ import annotations
 
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.linalg import block_diag
 
-from rollbench.hifi.bodies.grid_wave import contact_frame, mean_approaches, relative_radii, resolved_forces, unit_hertz
+from rollbench.hifi.bodies.grid_wave import mean_approaches, relative_radii, resolved_forces, unit_hertz
 from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.elements.pressures import mean_weights
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.ball_body import directions
 from rollbench.meshes.condensed import CondensedBodies, geometry_digest
 
 if TYPE_CHECKING:
+    from rollbench.hifi.condensation.responses import NutResponse, ScrewResponse
     from rollbench.hifi.setup import Setup
 
 
@@ -47,7 +50,7 @@ def spread(setup: Setup, side: int, load: float) -> Array:
     """Forces on a side's contact nodes ``(c,)`` like Hertz's pressure under ``load`` [N], of unit resultant."""
     m, material = setup.map, setup.scene.balls.material
     ellipse = hertz(load, *relative_radii(m, side), material.youngs_modulus, material.poissons_ratio)
-    normal, tangent, forward = contact_frame(m, side)
+    normal, tangent, forward = directions(m, side)
     groove = setup.patches[side].groove
     x = groove.points - np.array([m.R, 0.0, 0.0]) - m.ball * normal
     force = ellipse.pressure(x @ tangent, x @ forward) * groove.areas
@@ -56,15 +59,12 @@ def spread(setup: Setup, side: int, load: float) -> Array:
 
 def body_motion(setup: Setup, side: int, force: Array) -> float:
     """Motion [m/N] of a contact by its own ``force`` on its nodes through the body, mean over all balls."""
-    if side >= 2 and setup.nut is None:
+    body = setup.body(side)
+    if body is None:
         return 0.0
-    G = setup.screw.stretch.F if side < 2 or setup.nut is None else setup.nut.G
-    body = setup.screw if side < 2 or setup.nut is None else setup.nut
-    sides = [s for s in setup.sides if s in body.modes]
-    counts = [body.modes[s].shape[1] for s in sides]
-    first, amplitude = sum(counts[: sides.index(side)]), body.modes[side].T @ force
-    starts = first + sum(counts) * np.arange(setup.layout.z.size)
-    return float(np.mean([amplitude @ G[a : a + amplitude.size, a : a + amplitude.size] @ amplitude for a in starts]))
+    z = body.modes[side].T @ force
+    own = [np.ix_(rows, rows) for rows in (body.rows(side, i) for i in range(setup.layout.z.size))]
+    return float(np.mean([z @ body.G[block] @ z for block in own]))
 
 
 def ball_matrix(setup: Setup, spreads: dict[int, Array]) -> Array:
@@ -100,19 +100,12 @@ def own_terms(setup: Setup, spreads: dict[int, Array]) -> tuple[Array, Array]:
     return extra, loads
 
 
-def body_matrix(setup: Setup, G: Array, modes: dict[int, Array], spreads: dict[int, Array]) -> Array:
+def body_matrix(balls: int, body: ScrewResponse | NutResponse, spreads: dict[int, Array]) -> Array:
     """Compliance between the contacts of a body, ball after ball, from that of their modes."""
-    sides = [s for s in setup.sides if s in modes]
-    amplitudes = {s: modes[s].T @ spreads[s] for s in sides}
-    per = sum(amplitudes[s].size for s in sides)
-    N = setup.layout.z.size
-    rows = np.zeros((N * len(sides), N * per))
-    for i in range(N):
-        start = i * per
-        for k, s in enumerate(sides):
-            rows[i * len(sides) + k, start : start + amplitudes[s].size] = amplitudes[s]
-            start += amplitudes[s].size
-    return np.asarray(rows @ G[: N * per, : N * per] @ rows.T)
+    z = np.zeros((balls * len(body.modes), len(body.G)))
+    for row, (i, s) in zip(z, product(range(balls), body.modes), strict=True):
+        row[body.rows(s, i)] = body.modes[s].T @ spreads[s]
+    return np.asarray(z @ body.G @ z.T)
 
 
 def condensed_bodies(setup: Setup, level: int) -> CondensedBodies:
@@ -120,16 +113,15 @@ def condensed_bodies(setup: Setup, level: int) -> CondensedBodies:
     spreads = {s: spread(setup, s, float(np.median(forces_of(setup, s)))) for s in setup.sides}
     local, forces = own_terms(setup, spreads)
     N = setup.layout.z.size
-    screw = body_matrix(setup, setup.screw.stretch.F, setup.screw.modes, spreads)
     nut = np.zeros((N * sum(s >= 2 for s in setup.sides),) * 2)
     if setup.nut is not None:
-        nut = body_matrix(setup, setup.nut.G, setup.nut.modes, spreads)
+        nut = body_matrix(N, setup.nut, spreads)
     return CondensedBodies(
         geometry_digest(setup.scene),
         level,
         np.array(setup.sides, dtype=float),
         setup.screw.stretch.base,
-        screw,
+        body_matrix(N, setup.screw, spreads),
         nut,
         ball_matrix(setup, spreads),
         local,

@@ -4,31 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 from scipy.linalg import block_diag
 
+from rollbench.hifi.condensation.responses import Modal
 from rollbench.hifi.contact.compliance import BallBlock, Compliance, coupled
 from rollbench.hifi.setup import Setup
 from rollbench.hifi.shaft.mounting import Mounted, beam_stretch, mount
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.parts import Scene
-
-
-@dataclass(frozen=True)
-class Zones:
-    """Contact nodes of one ball, side after side: sides, their slices, number."""
-
-    sides: tuple[int, ...]
-    parts: tuple[slice, ...]
-    size: int
-
-
-def zones_of(setup: Setup, sides: tuple[int, ...]) -> Zones:
-    """Contact nodes of one ball on these sides."""
-    ends = np.cumsum([0] + [len(setup.patches[s].groove.A) for s in sides])
-    return Zones(sides, tuple(slice(int(a), int(b)) for a, b in pairwise(ends)), int(ends[-1]))
 
 
 @dataclass(frozen=True)
@@ -49,62 +36,47 @@ class PlacedSet:
         """Number of balls."""
         return self.setup.layout.z.size
 
+    @cached_property
+    def zones(self) -> tuple[tuple[slice, int], ...]:
+        """Contact nodes of one ball, side after side: their slice, and the side."""
+        ends = np.cumsum([0] + [len(self.setup.patches[s].groove.A) for s in self.sides]).tolist()
+        return tuple((slice(a, b), s) for (a, b), s in zip(pairwise(ends), self.sides, strict=True))
+
+    @property
+    def nodes(self) -> int:
+        """Number of the contact nodes of one ball."""
+        return int(self.zones[-1][0].stop)
+
 
 def compliance_of(
     sets: Sequence[PlacedSet], mounted: Mounted, leave_out: frozenset[str] = frozenset()
 ) -> tuple[Compliance, Index]:
     """Compliance of all contact nodes, set after set, ball after ball, side after side; of each of its modes the row among
     those of all bodies: screws and carried nuts as they are mounted, then the nuts that are held."""
-    held = [p.setup for p in sets if p.setup.nut is not None and p.housing is None]
-    G = block_diag(mounted.G, *(_nut_coupling(setup, leave_out) for setup in held))
-    screw = 0
-    carried = sum(p.setup.screw.stretch.modes for p in sets)
-    after = len(mounted.G)
-    blocks: list[BallBlock] = []
-    modes: list[Array] = []
-    rows: list[Index] = []
+    screw, carried, held = 0, sum(p.setup.screw.stretch.modes for p in sets), len(mounted.G)
+    couplings, blocks, modes, rows = [mounted.G], list[BallBlock](), list[Array](), list[Index]()
     for p in sets:
-        setup, zones = p.setup, zones_of(p.setup, p.sides)
-        nut = after if p.housing is None else carried
-        block = ball_block(setup, p.sides, rigid=bool(leave_out & {"finite ball", "patch coupling"}))
+        nut = p.setup.nut
+        first = (screw, held if p.housing is None else carried)
+        block = ball_block(p.setup, p.sides, rigid=bool(leave_out & {"finite ball", "patch coupling"}))
         for i in range(p.count):
             pieces = []
-            for nodes, s in zip(zones.parts, p.sides, strict=True):
-                body = setup.screw if s < 2 else setup.nut
-                if body is None:
-                    continue
-                V = np.zeros((zones.size, body.modes[s].shape[1]))
-                V[nodes] = body.modes[s]
-                pieces.append(V)
-                rows.append((screw if s < 2 else nut) + _first(setup, s, i) + np.arange(V.shape[1]))
+            for nodes, s in p.zones:
+                if (body := p.setup.body(s)) is not None:
+                    V = np.zeros((p.nodes, body.modes[s].shape[1]))
+                    V[nodes] = body.modes[s]
+                    pieces.append(V)
+                    rows.append(first[s >= 2] + body.rows(s, i))
             blocks.append(block)
             modes.append(np.hstack(pieces))
-        screw += setup.screw.stretch.modes
-        size = 0 if setup.nut is None else len(setup.nut.G)
-        carried, after = (carried, after + size) if p.housing is None else (carried + size, after)
+        screw += p.setup.screw.stretch.modes
+        if nut is not None and p.housing is None:
+            couplings.append(local_only(nut.G, nut) if leave_out & {"elastic nut", "patch coupling"} else nut.G)
+            held += len(nut.G)
+        elif nut is not None:
+            carried += len(nut.G)
     pick = np.concatenate(rows)
-    return coupled(blocks, modes, G[np.ix_(pick, pick)]), pick
-
-
-def _nut_coupling(setup: Setup, leave_out: frozenset[str]) -> Array:
-    """Coupling of the modes of an elastic nut [m/N]; rigid at large where that ingredient is left out."""
-    assert setup.nut is not None
-    if leave_out & {"elastic nut", "patch coupling"}:
-        return local_only(setup.nut.G, _mode_counts(setup, False))
-    return setup.nut.G
-
-
-def _first(setup: Setup, side: int, ball: int) -> int:
-    """First row of a contact's modes in the coupling of its body."""
-    counts = _mode_counts(setup, side < 2)
-    body_sides = [s for s in setup.sides if (s < 2) == (side < 2)]
-    return ball * sum(counts) + sum(counts[: body_sides.index(side)])
-
-
-def _mode_counts(setup: Setup, screw: bool) -> list[int]:
-    body = setup.screw if screw else setup.nut
-    assert body is not None
-    return [body.modes[s].shape[1] for s in setup.sides if (s < 2) == screw]
+    return coupled(blocks, modes, block_diag(*couplings)[np.ix_(pick, pick)]), pick
 
 
 def ball_block(setup: Setup, sides: tuple[int, ...], *, rigid: bool) -> BallBlock:
@@ -113,35 +85,31 @@ def ball_block(setup: Setup, sides: tuple[int, ...], *, rigid: bool) -> BallBloc
     ball = setup.ball
     if rigid:
         return BallBlock(local, tuple(np.zeros((len(a), 0)) for a in local), np.zeros((0, 0)))
-    ends = np.cumsum([0] + [ball.modes[s].shape[1] for s in setup.sides])
-    pick = np.concatenate([np.arange(ends[k], ends[k + 1]) for k, s in enumerate(setup.sides) if s in sides])
+    pick = np.concatenate([ball.rows(s) for s in sides])
     return BallBlock(local, tuple(ball.modes[s] for s in sides), ball.G[np.ix_(pick, pick)])
 
 
-def local_only(G: Array, counts: Sequence[int]) -> Array:
-    """Coupling of a body that is rigid at large: every contact keeps the mean self response of its side, nothing else."""
+def local_only(G: Array, body: Modal) -> Array:
+    """Coupling G of the modes of a body that is rigid at large: every contact keeps the mean self response of its side,
+    nothing else."""
     out = np.zeros_like(G)
-    period = sum(counts)
-    starts = np.concatenate([[0], np.cumsum(counts)])
-    balls = G.shape[0] // period
-    for a, b in pairwise(starts):
-        mean = np.mean([G[i * period + a : i * period + b, i * period + a : i * period + b] for i in range(balls)], axis=0)
-        for i in range(balls):
-            out[i * period + a : i * period + b, i * period + a : i * period + b] = mean
+    for s in body.modes:
+        own = [np.ix_(rows, rows) for rows in (body.rows(s, i) for i in range(len(G) // body.per_ball))]
+        mean = np.mean([G[block] for block in own], axis=0)
+        for block in own:
+            out[block] = mean
     return out
 
 
 def mounted_screw(setup: Setup, scene: Scene, leave_out: frozenset[str] = frozenset()) -> Mounted:
     """The screw under a scene's supports and loads; without the 3D shaft it is a beam with the same local response."""
-    full = setup.screw.stretch
+    full, m = setup.screw.stretch, setup.screw.stretch.modes
     if not leave_out & {"3D shaft", "patch coupling"} or full.rigid:
         return mount(full, scene, setup.section)
-    counts = _mode_counts(setup, True)
-    stations = np.repeat(setup.layout.z, len(counts))
+    stations = np.repeat(setup.layout.z, len(setup.screw.modes))
     beam = beam_stretch(setup.screw.rigid, stations, full, setup.section)
-    m = full.modes
     F = beam.F.copy()
-    F[:m, :m] += local_only(full.F[:m, :m] - beam.F[:m, :m], counts)
+    F[:m, :m] += local_only(full.F[:m, :m] - beam.F[:m, :m], setup.screw)
     return mount(replace(beam, F=F), scene, setup.section)
 
 

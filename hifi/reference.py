@@ -7,7 +7,7 @@ exact distances from the ball's centre; directions and gaps follow the motion of
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from time import perf_counter
@@ -22,14 +22,13 @@ from rollbench.hifi.contact_kinematics import (
     along_track,
     directions_matrix,
     expected_touch,
-    groove_errors,
+    node_arms,
     over_hats,
     relative_motion,
     rigid_rows,
-    tangent,
     wave_gaps,
 )
-from rollbench.hifi.coupling import PlacedSet, Zones, compliance_of, modal_motion, mounted_screw, zones_of
+from rollbench.hifi.coupling import PlacedSet, compliance_of, modal_motion, mounted_screw
 from rollbench.hifi.linear_algebra.response import transport
 from rollbench.hifi.setup import Setup
 from rollbench.hifi.shaft.frame import Frame
@@ -50,32 +49,39 @@ AT_RIM = "a contact reaches the rim of its patch: the expected semi-axes are too
 SLOW = 5.0
 #: Ingredients of the reference that can be left out, to see what they change.
 INGREDIENTS = ("elastic nut", "3D shaft", "finite ball", "patch coupling", "moving normals")
+#: Motion of balls and grooves that stay in their nominal places (`relative_motion`).
+_NOWHERE = np.zeros((1, 1, 3)), np.zeros((1, 1))
 
 
 @dataclass(frozen=True)
 class ReferenceResult:
-    """Loads ``(n, 4)`` [N], contact angles ``(n, 4)`` [rad], centreline: stations ``(s,)`` [m] and motions ``(s, 6)``,
-    contact record, residuals, unknowns (of the equivalent monolithic mesh), seconds by stage,
-    updates of directions and gaps, status; moving: what more of them may still change of any load [N] where these did not
-    settle, else 0; frozen: loads with directions and gaps frozen at the nominal state ``(n, 4)`` [N], where they were asked
-    for."""
+    """Status; of all balls, set after set: loads ``(n, 4)`` [N], contact angles ``(n, 4)`` [rad], loads with directions and
+    gaps frozen at the nominal state ``(n, 4)`` [N] (None: not asked for); centreline: stations ``(s,)`` [m] and motions
+    ``(s, 6)``; motions of housings that can move ``(h, 6)``; of each set force on the shaft and moment about its nut's
+    centre ``(6,)`` [N, N m], and shift of its nut [m]; contact record, sides and normals ``(balls, n, 3)`` of each set;
+    worst balance of a ball, along its groove, and of shaft and housings where they are free, over the largest load;
+    unknowns (of the equivalent monolithic mesh), seconds, updates of directions and gaps; moving: what more of them may
+    still change of any load [N] where these did not settle, else 0."""
 
     status: str
     load: Array
     contact_angle: Array
+    frozen: Array | None
     stations: Array
     centreline: Array
-    sides: tuple[int, ...]
-    directions: Array
+    housings: Array
+    on_shaft: tuple[Array, ...]
+    offsets: tuple[float, ...]
     contact: ContactResult
+    sides: tuple[int, ...]
+    directions: tuple[Array, ...]
     balance: float
     along_groove: float
     screw_balance: float
     unknowns: int
-    seconds: dict[str, float]
+    seconds: float
     updates: int
     moving: float
-    frozen: Array | None = None
 
 
 def solve_reference(
@@ -101,25 +107,7 @@ def solve_reference(
     placed = PlacedSet(setup, scene, tuple(s for s in setup.sides if sides is None or s in sides))
     with threadpool_limits(1):  # many small factors: the threads of two BLAS libraries only wait for one another
         case = Case((placed,), Frame.of(scene), mounted_screw(setup, scene, leave_out), leave_out)
-        ended = end(case, updates or ROUNDS, reporting(scene.name, begin, step), moving=moving, frozen=frozen)
-        last = ended.last
-        stations, line, _ = case.centreline(last)
-        return ReferenceResult(
-            ended.status,
-            last.load,
-            last.angle,
-            stations,
-            line,
-            placed.sides,
-            last.directions[0],
-            last.result,
-            *case.unbalanced(last),
-            setup.unknowns,
-            {**setup.seconds, "contact": ended.seconds},
-            ended.updates,
-            ended.moving,
-            ended.frozen,
-        )
+        return case.result(end(case, updates or ROUNDS, reporting(scene.name, begin, step), moving=moving, frozen=frozen))
 
 
 class Round(NamedTuple):
@@ -146,39 +134,31 @@ class Case:
     ) -> None:
         """A case of sets that are mounted on a shaft; leave_out: see `solve_reference`."""
         self.sets, self.frame, self.mounted = sets, frame, mounted
-        self.zones = [zones_of(p.setup, p.sides) for p in sets]
         self.C, self.rows = compliance_of(sets, mounted, leave_out)
         self.on_mounted = self.rows < len(mounted.G)
         self.at_rest = np.zeros(self.rows.size)
         self.at_rest[self.on_mounted] = mounted.loads[self.rows[self.on_mounted]]
         drawn = [specimen(p.scene, p.setup.layout) for p in sets]
         self.radii = [d.ball_radius for d in drawn]
-        self.arms = [_nominal(p)[None] + groove_errors(p.setup, d, p.sides) for p, d in zip(sets, drawn, strict=True)]
-        for p, arms, zones in zip(sets, self.arms, self.zones, strict=True):
-            arms += _offsets(p, zones)
-        self.along = [along_track(p.setup, p.sides) for p in sets]
+        self.arms = [node_arms(p, d) for p, d in zip(sets, drawn, strict=True)]
+        self.along = [along_track(p) for p in sets]
         self.load_motion = modal_motion(self.C, self.at_rest)
         self.balls = sum(p.count for p in sets)
-        ends = np.cumsum([0] + [p.count * z.size for p, z in zip(sets, self.zones, strict=True)])
-        self.parts = [slice(int(i), int(j)) for i, j in pairwise(ends)]
 
     def first(self) -> Round:
         """Contacts with balls and grooves in their nominal places."""
-        none = [np.zeros((1, 1)) for _ in self.sets]
-        return self._round([np.zeros((1, 1, 3)) for _ in self.sets], none, none, None)
+        return self._round([_NOWHERE for _ in self.sets], [np.zeros((1, 1)) for _ in self.sets], None)
 
     def after(self, last: Round, *, moving: bool) -> Round:
         """Contacts in the places of the last round; moving: whether normals follow, or only the grid's wave."""
-        shift, slid = [np.zeros((1, 1, 3)) for _ in self.sets], [np.zeros((1, 1)) for _ in self.sets]
+        moved = [_NOWHERE for _ in self.sets]
         if moving:
             z = self.C.coupling @ self.C.amplitude(last.result.forces) + self.at_rest
-            along = modal_motion(self.C, z) + last.by_rigid @ self.rigid(last)
-            each = zip(self.sets, self.split(along), self.ball_motions(last), last.directions, self.zones, strict=True)
-            moved = [relative_motion(p.setup, y, a, d, zones) for p, a, y, d, zones in each]
-            shift, slid = [m[0] for m in moved], [m[1] for m in moved]
-        each_wave = zip(self.sets, self.zones, last.forces, last.directions, strict=True)
-        level = [wave_gaps(p.setup, zones, f, d) for p, zones, f, d in each_wave]
-        return self._round(shift, slid, level, last.state)
+            along = self.split(modal_motion(self.C, z) + last.by_rigid @ self.rigid(last))
+            each = zip(self.sets, self.ball_motions(last), along, last.directions, strict=True)
+            moved = [relative_motion(*of_set) for of_set in each]
+        level = [wave_gaps(*of_set) for of_set in zip(self.sets, last.forces, last.directions, strict=True)]
+        return self._round(moved, level, last.state)
 
     def rigid(self, last: Round) -> Array:
         """Amplitudes ``(k,)`` of the unheld rigid motions."""
@@ -191,42 +171,42 @@ class Case:
 
     def split(self, pairs: Array) -> list[Array]:
         """Values ``(balls, n)`` of each set from those of all pairs."""
-        return [pairs[rows].reshape(p.count, -1) for p, rows in zip(self.sets, self.parts, strict=True)]
+        ends = np.cumsum([p.count * p.nodes for p in self.sets])[:-1]
+        return [of_set.reshape(p.count, -1) for p, of_set in zip(self.sets, np.split(pairs, ends), strict=True)]
 
-    def _round(self, shifts: Sequence[Array], slid: Sequence[Array], level: Sequence[Array], start: State | None) -> Round:
+    def _round(self, moved: Iterable[tuple[Array, Array]], level: Sequence[Array], start: State | None) -> Round:
         """Contacts for motions of the balls from their grooves (`relative_motion`) and changes of the gaps [m]."""
-        directions, rigid_rows, rests, touching = [], [], [], []
-        for k, (p, zones) in enumerate(zip(self.sets, self.zones, strict=True)):
-            arms = self.arms[k] - shifts[k]
+        directions, by_rigid, rests, touching = [], [], [], []
+        for k, (p, (shift, slid)) in enumerate(zip(self.sets, moved, strict=True)):
+            arms = self.arms[k] - shift
             length = np.linalg.norm(arms, axis=2)
             normals = arms / length[..., None]
-            back = shifts[k] + slid[k][..., None] * self.along[k]  # the solver's gaps lose it again
+            back = shift + slid[..., None] * self.along[k]  # the solver's gaps lose it again
             gap = length - self.radii[k][:, None] + np.einsum("ink,ink->in", normals, np.broadcast_to(back, arms.shape))
-            rigid_rows.append(over_hats(p.setup, zones, self._rigid_rows(p, normals, zones)))
-            gap, normals = over_hats(p.setup, zones, gap), over_hats(p.setup, zones, normals)
-            directions.append(normals)
+            by_rigid.append(over_hats(p, self._rigid_rows(p, normals)))
+            gap = over_hats(p, gap)
+            directions.append(over_hats(p, normals))
             rests.append((gap + level[k]).ravel())
-            touching += list(expected_touch(gap, zones)) if start is None else []
+            touching += list(expected_touch(p, gap)) if start is None else []
         motions = self.mounted.motions
-        moved = np.concatenate([rows.reshape(-1, len(motions)) for rows in rigid_rows]) @ motions
+        unheld = np.concatenate([rows.reshape(-1, len(motions)) for rows in by_rigid]) @ motions
         f = np.concatenate([np.zeros(3 * self.balls), self.mounted.work])
-        N = directions_matrix(directions, moved)
+        N = directions_matrix(directions, unheld)
         result, state = solve_balls(
             self.C, np.concatenate(rests) + self.load_motion, N, f, start=start, touching=tuple(touching)
         )
         forces = self.split(result.forces)
-        each = zip(self.sets, forces, directions, self.zones, strict=True)
-        resultants = [_loads(p.setup, force[..., None] * normals, zones) for p, force, normals, zones in each]
+        resultants = [_loads(*of_set) for of_set in zip(self.sets, forces, directions, strict=True)]
         load, angle = (np.concatenate(x) for x in zip(*resultants, strict=True))
-        return Round(result, state, directions, rigid_rows, moved, forces, load, angle)
+        return Round(result, state, directions, by_rigid, unheld, forces, load, angle)
 
-    def _rigid_rows(self, p: PlacedSet, normals: Array, zones: Zones) -> Array:
+    def _rigid_rows(self, p: PlacedSet, normals: Array) -> Array:
         """Motion ``(balls, n, 6 (1 + h))`` of a set's nodes along their normals by rigid motions of shaft and housings."""
         out = np.zeros((*normals.shape[:2], len(self.mounted.motions)))
-        out[..., :6] = rigid_rows(p.setup, normals, zones, self.mounted.origin - p.shift, screw=True)
+        out[..., :6] = rigid_rows(p, normals, self.mounted.origin, screw=True)
         if p.housing is not None:
             first, at = 6 + 6 * p.housing, self.frame.housings[p.housing].at
-            out[..., first : first + 6] = rigid_rows(p.setup, normals, zones, at - p.shift, screw=False)
+            out[..., first : first + 6] = rigid_rows(p, normals, at, screw=False)
         return out
 
     def settled(self, last: Round, most: int, step: Callable[[int], None], *, moving: bool) -> tuple[Round, int, float]:
@@ -245,8 +225,7 @@ class Case:
         """Status, and the most that further updates may change a load [N] where the loads did not settle."""
         if not last.result.converged:
             return last.result.status, 0.0
-        each = zip(self.sets, last.forces, self.zones, strict=True)
-        if any(_at_rim(p.setup, forces, zones) for p, forces, zones in each):
+        if any(_at_rim(p, forces) for p, forces in zip(self.sets, last.forces, strict=True)):
             return AT_RIM, 0.0
         if left > SETTLED * _mean(last.load):
             words = f"loads may still move by {left:.2g} N after {updates} updates of directions and gaps"
@@ -269,27 +248,38 @@ class Case:
         """Largest unbalanced force on a ball, that along its groove, and that on shaft and housings by their unheld rigid
         motions, over the largest load."""
         nets = [(f[..., None] * d).sum(axis=1) for f, d in zip(last.forces, last.directions, strict=True)]
-        along = [net @ tangent(p.setup) for p, net in zip(self.sets, nets, strict=True)]
+        along = [net @ p.setup.map.axes[1] for p, net in zip(self.sets, nets, strict=True)]
         rigid = last.by_rigid.T @ last.result.forces + self.mounted.work
         a, b, c = (float(np.abs(np.concatenate(x)).max(initial=0.0)) for x in (nets, along, [rigid]))
         largest = max(float(last.load.max()), 1e-300)
         return a / largest, b / largest, c / largest
 
+    def on_shaft(self, last: Round) -> tuple[Array, ...]:
+        """Force of each set on the shaft and its moment about the nut's centre ``(6,)`` [N, N m]."""
+        arms = [self.mounted.origin - p.shift - p.setup.scene.nut.position for p in self.sets]
+        each = zip(arms, last.rigid_rows, last.forces, strict=True)
+        return tuple(transport(arm).T @ np.einsum("ink,in->k", rows[..., :6], f) for arm, rows, f in each)
 
-def _nominal(p: PlacedSet) -> Array:
-    """Places ``(n, 3)`` [m] of the nodes of a ball's grooves from its centre, in the ball's frame."""
-    centre = np.array([p.setup.map.R, 0.0, 0.0])
-    return np.concatenate([p.setup.patches[s].groove.points - centre for s in p.sides])
-
-
-def _offsets(p: PlacedSet, zones: Zones) -> Array:
-    """Displacement ``(n, 3)`` [m] of the nodes by the nut's shift: along its own track a groove is the same everywhere."""
-    alpha = p.setup.map.alpha
-    out = np.zeros((zones.size, 3))
-    for nodes, s in zip(zones.parts, p.sides, strict=True):
-        if s >= 2:
-            out[nodes] = p.offset * np.cos(alpha) * np.array([0.0, -np.sin(alpha), np.cos(alpha)])
-    return out
+    def result(self, ended: Ended) -> ReferenceResult:
+        """The record of a case that has ended."""
+        last = ended.last
+        return ReferenceResult(
+            ended.status,
+            last.load,
+            last.angle,
+            ended.frozen,
+            *self.centreline(last),
+            self.on_shaft(last),
+            tuple(p.offset for p in self.sets),
+            last.result,
+            tuple(sorted({s for p in self.sets for s in p.sides})),
+            tuple(last.directions),
+            *self.unbalanced(last),
+            sum(p.setup.unknowns for p in self.sets),
+            ended.seconds,
+            ended.updates,
+            ended.moving,
+        )
 
 
 class Ended(NamedTuple):
@@ -341,21 +331,19 @@ def _mean(load: Array) -> float:
     return float(load[load > 0.0].mean()) if load.any() else 0.0
 
 
-def _loads(setup: Setup, vectors: Array, zones: Zones) -> tuple[Array, Array]:
-    """Resultant load and contact angle of every contact, ``(balls, 4)`` each."""
-    m, count = setup.map, len(vectors)
-    load, angle = np.zeros((count, 4)), np.full((count, 4), np.nan)
-    z3 = np.array([0.0, -np.sin(m.alpha), np.cos(m.alpha)])
-    for nodes, s in zip(zones.parts, zones.sides, strict=True):
-        total = vectors[:, nodes].sum(axis=1)
+def _loads(p: PlacedSet, forces: Array, normals: Array) -> tuple[Array, Array]:
+    """Resultant load and contact angle of every contact of a set, ``(balls, 4)`` each."""
+    x3, _, z3 = p.setup.map.axes
+    load, angle = np.zeros((p.count, 4)), np.full((p.count, 4), np.nan)
+    for nodes, s in p.zones:
+        total = (forces[:, nodes, None] * normals[:, nodes]).sum(axis=1)
         load[:, s] = np.linalg.norm(total, axis=1)
-        unit = total / np.maximum(load[:, s], 1e-300)[:, None]
-        sx, sz = m.signs[s]
-        angle[:, s] = np.where(load[:, s] > 0, np.arctan2(sz * (unit @ z3), sx * unit[:, 0]), np.nan)
+        sx, sz = p.setup.map.signs[s]
+        angle[:, s] = np.where(load[:, s] > 0.0, np.arctan2(sz * (total @ z3), sx * (total @ x3)), np.nan)
     return load, angle
 
 
-def _at_rim(setup: Setup, forces: Array, zones: Zones) -> bool:
-    """Whether any ball presses on the outermost nodes of a contact zone."""
-    rim = np.concatenate([setup.patches[s].groove.rim for s in zones.sides])
+def _at_rim(p: PlacedSet, forces: Array) -> bool:
+    """Whether any ball of a set presses on the outermost nodes of a contact zone."""
+    rim = np.concatenate([p.setup.patches[s].groove.rim for s in p.sides])
     return bool((forces[:, rim] > 0.0).any())

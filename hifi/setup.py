@@ -70,6 +70,10 @@ class Setup:
     seconds: dict[str, float] = field(default_factory=dict)
     others_MB: float = 0.0
 
+    def body(self, side: int) -> ScrewResponse | NutResponse | None:
+        """The body whose grooves a side is on; None: rigid."""
+        return self.screw if side < 2 else self.nut
+
 
 class _Stages:
     """Makes the parts of a set-up, stage by stage: seconds of each, memory of the processes that helped."""

@@ -18,7 +18,7 @@ from threadpoolctl import threadpool_limits
 from rollbench.hifi.coupling import PlacedSet
 from rollbench.hifi.linear_algebra.response import transport
 from rollbench.hifi.meshing.expected import closing
-from rollbench.hifi.reference import ROUNDS, Case, Ended, Round, end, reporting
+from rollbench.hifi.reference import ROUNDS, Case, ReferenceResult, end, reporting
 from rollbench.hifi.setup import Setup
 from rollbench.hifi.shaft.beam import ShaftSection, tube
 from rollbench.hifi.shaft.frame import Frame
@@ -104,66 +104,21 @@ def _bodies(parts: Scene, assembly: Assembly, room: float, stations: set[float],
     return SetBodies(replace(scene, errors=Errors()), scene, shift)
 
 
-@dataclass(frozen=True)
-class SetLoads:
-    """What the contacts of a set carry: loads and contact angles ``(n, 4)`` [N, rad], loads with directions and gaps frozen
-    ``(n, 4)`` [N] (None: not asked for), force on the shaft and its moment about the axis at the nut's centre ``(6,)``
-    [N, N m]."""
-
-    load: Array
-    angle: Array
-    frozen: Array | None
-    on_shaft: Array
-
-
-@dataclass(frozen=True)
-class AxisReference:
-    """Result of all sets: status, loads of each; stations ``(s,)`` [m] and motions ``(s, 6)`` of the centreline, motions
-    ``(h, 6)`` of the housings that can move; shifts [m] of the nuts, those that meet preloads by force among them; worst
-    balance of a ball, along its groove, of shaft and housings where they are free, over the largest load; updates, what
-    they may still change of a load [N], seconds."""
-
-    status: str
-    sets: tuple[SetLoads, ...]
-    stations: Array
-    centreline: Array
-    housings: Array
-    offsets: Array
-    balance: float
-    along_groove: float
-    shaft_balance: float
-    updates: int
-    moving: float
-    seconds: float
-
-
 def solve_sets(
-    assembly: Assembly,
-    setups: Sequence[Setup],
-    sides: Sequence[tuple[int, ...]],
-    *,
-    frozen: bool = False,
-    step: Callable[[str], None] = lambda _: None,
-) -> AxisReference:
-    """Loads of an assembly; setups: of the bodies of each set (`bodies_of`), in order; sides: of each set that may touch;
-    frozen, step: as `rollbench.hifi.reference.solve_reference`. Raises ValueError as `bodies_of`."""
+    assembly: Assembly, setups: Sequence[Setup], *, frozen: bool = False, step: Callable[[str], None] = lambda _: None
+) -> ReferenceResult:
+    """Loads of an assembly; setups: of the bodies of each set (`bodies_of`), in order; frozen, step: as
+    `rollbench.hifi.reference.solve_reference`. Raises ValueError as `bodies_of`."""
     with threadpool_limits(1):
-        begin = perf_counter()
-        placed = _placed(assembly, setups, sides)
-        frame, report = Frame.of(assembly), reporting(assembly.name, begin, step)
+        begin, frame = perf_counter(), Frame.of(assembly)
+        each = zip(assembly.sets, bodies_of(assembly), setups, strict=True)
+        placed = tuple(PlacedSet(up, b.parts, up.sides, b.shift, frame.number(s.housing), s.offset) for s, b, up in each)
         mounted = _mounted(assembly, placed, frame)
         placed, unmet = _preloaded(assembly, placed, frame)
         case = Case(placed, frame, mounted)
-        ended = end(case, ROUNDS, report, moving=True, frozen=frozen)
-        return _result(case, ended, unmet, perf_counter() - begin)
-
-
-def _placed(assembly: Assembly, setups: Sequence[Setup], sides: Sequence[tuple[int, ...]]) -> tuple[PlacedSet, ...]:
-    frame = Frame.of(assembly)
-    return tuple(
-        PlacedSet(setup, b.parts, may_touch, b.shift, frame.number(s.housing), s.offset)
-        for s, b, setup, may_touch in zip(assembly.sets, bodies_of(assembly), setups, sides, strict=True)
-    )
+        found = case.result(end(case, ROUNDS, reporting(assembly.name, begin, step), moving=True, frozen=frozen))
+        status = f"not converged: {unmet}" if unmet and found.status == "converged" else found.status
+        return replace(found, status=status, seconds=perf_counter() - begin)
 
 
 def _mounted(assembly: Assembly, placed: Sequence[PlacedSet], frame: Frame) -> Mounted:
@@ -215,7 +170,7 @@ def _preloaded(assembly: Assembly, placed: tuple[PlacedSet, ...], frame: Frame) 
     def excess(depth: Array) -> Array:
         case = Case(shifted(depth), bare, mounted)
         last = end(case, ROUNDS, lambda _: None, moving=True, frozen=False).last
-        force = np.abs([wrench[2] for wrench in _on_shaft(case, last)])[preloaded]
+        force = np.abs([wrench[2] for wrench in case.on_shaft(last)])[preloaded]
         return np.asarray(np.log(np.maximum(force, 1e-300)) - goal)
 
     depth = np.log([closing(placed[k].scene, assembly.sets[k].preload) for k in preloaded])
@@ -232,30 +187,3 @@ def _preloaded(assembly: Assembly, placed: tuple[PlacedSet, ...], frame: Frame) 
         depth, value = depth + move, new
     worst = float(np.abs(value).max())
     return shifted(depth), "" if worst <= MET else f"preloads by force are not met, off by {100.0 * worst:.2g} %"
-
-
-def _on_shaft(case: Case, last: Round) -> list[Array]:
-    """Force of each set on the shaft and its moment about the nut's centre ``(6,)`` [N, N m]."""
-    each = zip(case.sets, last.rigid_rows, last.forces, strict=True)
-    arms = [case.mounted.origin - p.shift - p.setup.scene.nut.position for p in case.sets]
-    return [transport(a).T @ np.einsum("ink,in->k", rows[..., :6], f) for (_, rows, f), a in zip(each, arms, strict=True)]
-
-
-def _result(case: Case, ended: Ended, unmet: str, seconds: float) -> AxisReference:
-    last = ended.last
-    stations, line, housings = case.centreline(last)
-    ends = np.cumsum([p.count for p in case.sets])[:-1]
-    frozen = [None] * len(case.sets) if ended.frozen is None else np.split(ended.frozen, ends)
-    each = zip(np.split(last.load, ends), np.split(last.angle, ends), frozen, _on_shaft(case, last), strict=True)
-    return AxisReference(
-        f"not converged: {unmet}" if unmet and ended.status == "converged" else ended.status,
-        tuple(SetLoads(*loads) for loads in each),
-        stations,
-        line,
-        housings,
-        np.array([p.offset for p in case.sets]),
-        *case.unbalanced(last),
-        ended.updates,
-        ended.moving,
-        seconds,
-    )

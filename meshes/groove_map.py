@@ -73,6 +73,12 @@ class GrooveMap:
         """Whether each groove is one arc, which the sides SL and NR stand for (`meshes.one_arc`)."""
         return self.rg == 0.0 and near_apex(float(self.radius.min()), self.beta, self.ball)
 
+    @property
+    def axes(self) -> Array:
+        """Rows: radial, along the track, and across it in the groove's section, at azimuth 0, ``(3, 3)``."""
+        c, s = cos(self.alpha), sin(self.alpha)
+        return np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]])
+
     def section(self, side: int, gamma: Array, rho: Array) -> tuple[Array, Array]:
         """Section coordinates (x3, z3) [m] at angle gamma and distance rho from the centre of a side's arc."""
         sx, sz = self.signs[side]

@@ -16,9 +16,8 @@ from rollbench.comparison.models.loading import scaled
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.reference.estimate import FITTED, Reference, reference_of
 from rollbench.comparison.reference.levels import LEVELS
-from rollbench.comparison.reference.sets import balls_of
 from rollbench.comparison.reference.store import Run, load
-from rollbench.comparison.reference.tasks import Solvable
+from rollbench.comparison.reference.tasks import Solvable, balls_of
 from rollbench.lowfi.statics.nominal import nominal, nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.axis import Assembly

@@ -11,13 +11,21 @@ import numpy as np
 
 from rollbench.comparison import __version__
 from rollbench.comparison.reference.levels import LEVELS
-from rollbench.comparison.reference.sets import SetUp, recorded, refused, set_ups
 from rollbench.comparison.reference.store import Run, versions
-from rollbench.comparison.reference.tasks import Task, needed_sides, settings_of
+from rollbench.comparison.reference.tasks import (
+    SetUp,
+    Solvable,
+    Task,
+    balls_of,
+    needed_sides,
+    recorded,
+    refused,
+    set_ups,
+    stations,
+)
 from rollbench.comparison.reference.variants import VARIANTS
 from rollbench.comparison.system import need_reference, out_of_memory
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.axis import Assembly
 from rollbench.meshes.cache import StageDone
 from rollbench.meshes.condensed import CondensedBodies
 from rollbench.meshes.memory import peak_MB
@@ -25,8 +33,8 @@ from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
     from rollbench.hifi.meshing.settings import Settings
+    from rollbench.hifi.reference import ReferenceResult
     from rollbench.hifi.setup import Setup
-    from rollbench.hifi.several_sets import AxisReference
 
 Step = Callable[[str], None]
 
@@ -51,107 +59,104 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
     need_reference()
     from rollbench.hifi.condensed import condensed_bodies
     from rollbench.hifi.reference import AT_RIM
+
+    change = VARIANTS[task.variant].change if task.variant else lambda scene: scene
+    scenes = [change(scene) if isinstance(scene, Scene) else scene for scene in task.scenes]
+    ups, balls = set_ups(scenes, task.level, task.variant), balls_of(scenes[0])
+    ups = tuple(replace(up, settings=replace(up.settings, cell=task.cut_cells * up.settings.cell)) for up in ups)
+    for attempt in range(ENLARGE + 1):
+        setups = _prepared(task, scenes, ups, step)
+        results = [_solved(scene, setups, step) for scene in scenes]
+        full = [(result.load, result.contact_angle) for result in results if result.status == AT_RIM]
+        if not full:
+            break
+        larger = []
+        for up in ups:
+            contacts = [(load[balls[k]], angle[balls[k]]) for load, angle in full for k in up.sets]
+            settings, why = enlarged(setups[up.sets[0]], contacts, max(0, ENLARGE - 1 - attempt))
+            larger.append(up if settings is None else replace(up, settings=settings))
+        words = "a contact reaches the rim of its patch"
+        if tuple(larger) == ups or attempt == ENLARGE:
+            results = [replace(r, status=f"{words}: {why}") if r.status == AT_RIM else r for r in results]
+            break
+        ups = tuple(larger)
+        step(f"{words}, larger patches: {why}")
+    runs = [_run(task, k, scene, results[k], setups, ups) for k, scene in enumerate(scenes)]
+    good = with_bodies(task) and all(run.answers for run in runs)
+    return runs, condensed_bodies(setups[0], task.level) if good else None
+
+
+def _prepared(task: Task, scenes: Sequence[Solvable], ups: Sequence[SetUp], step: Step) -> list[Setup]:
+    """The set-up of each set, shared by equal ones. Raises InputError where a mesh cannot be built, or memory runs out."""
     from rollbench.hifi.setup import prepare
     from rollbench.meshes.cache import Cache
 
-    if task.assemblies:
-        return _compute_sets(task, task.assemblies, step), None
-    scenes = task.single
-    if task.variant:
-        scenes = tuple(VARIANTS[task.variant].change(scene) for scene in scenes)
-    settings = settings_of(scenes, task.level, task.variant)
-    settings = replace(settings, cell=task.cut_cells * settings.cell)
-    sides = tuple(sorted({s for scene in scenes for s in needed_sides(scene)}))
-    for attempt in range(ENLARGE + 1):
+    by_set: dict[int, Setup] = {}
+    for up in ups:
+        if not isinstance(scenes[0], Scene):
+            step(f"bodies of {', '.join(scenes[0].sets[k].name for k in up.sets)}")
+        more = [scene for scene in scenes[1:] if isinstance(scene, Scene)]
         try:
-            setup = prepare(scenes[0], sides, settings, step, scenes[1:], cache=Cache(task.cache), processes=task.processes)
+            setup = prepare(up.bodies, up.sides, up.settings, step, more, cache=Cache(task.cache), processes=task.processes)
         except MemoryError as error:
             raise out_of_memory(error) from error
         except ValueError as error:
             raise refused(scenes[0], error) from error
-        runs = [_one(task, number, scene, setup, needed_sides(scene), step) for number, scene in enumerate(scenes)]
-        full = [k for k, run in enumerate(runs) if run.status == AT_RIM]
-        if not full:
-            break
-        left = max(0, ENLARGE - 1 - attempt)
-        larger, why = enlarged(setup, [(runs[k].load, np.radians(runs[k].angle)) for k in full], left)
-        if larger is None or attempt == ENLARGE:
-            for k in full:
-                runs[k] = replace(runs[k], status=f"a contact reaches the rim of its patch: {why}")
-            break
-        settings = larger
-        step(f"a contact reaches the rim of its patch, larger patches: {why}")
-    good = all(run.answers for run in runs)
-    return runs, condensed_bodies(setup, task.level) if good and with_bodies(task) else None
+        by_set |= dict.fromkeys(up.sets, setup)
+    return [by_set[k] for k in sorted(by_set)]
 
 
-def _compute_sets(task: Task, assemblies: Sequence[Assembly], step: Step) -> list[Run]:
-    """The runs of load cases of several sets on one shaft; patches are enlarged as for one set, those of all sets together.
-    Raises Refusal and InputError as `compute_with_bodies`."""
-    from rollbench.hifi.reference import AT_RIM
-    from rollbench.hifi.setup import prepare
+def _solved(scene: Solvable, setups: Sequence[Setup], step: Step) -> ReferenceResult:
+    """Loads of one load case. Raises Refusal for what a set-up cannot take."""
+    from rollbench.hifi.reference import solve_reference
     from rollbench.hifi.several_sets import solve_sets
-    from rollbench.meshes.cache import Cache
 
-    ups, names = set_ups(assemblies, task.level), [s.name for s in assemblies[0].sets]
-    for attempt in range(ENLARGE + 1):
-        by_set: dict[int, Setup] = {}
-        try:
-            for up in ups:
-                step(f"bodies of {', '.join(names[k] for k in up.sets)}")
-                setup = prepare(up.bodies, up.sides, up.settings, step, cache=Cache(task.cache), processes=task.processes)
-                by_set |= dict.fromkeys(up.sets, setup)
-            setups = [by_set[k] for k in range(len(names))]
-            sides = [s.sides for s in setups]
-            results = [solve_sets(assembly, setups, sides, frozen=True, step=step) for assembly in assemblies]
-        except MemoryError as error:
-            raise out_of_memory(error) from error
-        except ValueError as error:
-            raise refused(assemblies[0], error) from error
-        full = [result for result in results if result.status == AT_RIM]
-        if not full or attempt == ENLARGE:
-            break
-        larger = []
-        for up in ups:
-            loads = [result.sets[k] for result in full for k in up.sets]
-            settings, why = enlarged(by_set[up.sets[0]], [(s.load, s.angle) for s in loads], max(0, ENLARGE - 1 - attempt))
-            larger.append(up if settings is None else replace(up, settings=settings))
-        if tuple(larger) == ups:
-            results = [replace(r, status=f"{AT_RIM}: {why}") if r.status == AT_RIM else r for r in results]
-            break
-        ups = tuple(larger)
-        step("a contact reaches the rim of its patch, larger patches")
-    return [_run_of_sets(task, *pair, setups, ups, step) for pair in zip(assemblies, results, strict=True)]
+    try:
+        if isinstance(scene, Scene):
+            result = solve_reference(setups[0], scene, sides=needed_sides(scene), frozen=True, step=step)
+        else:
+            result = solve_sets(scene, setups, frozen=True, step=step)
+    except ValueError as error:
+        raise refused(scene, error) from error
+    step(StageDone("contact loads", f"{result.seconds:.1f} s, {scene.name} {result.status}"))
+    return result
 
 
-def _run_of_sets(
-    task: Task, assembly: Assembly, result: AxisReference, setups: Sequence[Setup], ups: Sequence[SetUp], step: Step
+def _run(
+    task: Task, number: int, scene: Solvable, result: ReferenceResult, setups: Sequence[Setup], ups: Sequence[SetUp]
 ) -> Run:
-    """The run of one load case of several sets."""
-    step(StageDone("contact loads", f"{result.seconds:.1f} s, {assembly.name} {result.status}"))
+    """The run of one load case; it carries the name of the task's own scene."""
+    from rollbench.hifi.reference import INGREDIENTS, solve_reference
+
+    without = {}
+    if task.ablate and isinstance(scene, Scene):
+        for name in INGREDIENTS:
+            without[name] = solve_reference(setups[0], scene, sides=needed_sides(scene), leave_out=frozenset([name]))
     shared = list({id(s): s for s in setups}.values())
+    settings = recorded(ups) if not task.single else asdict(ups[0].settings) | {"stations": stations(*task.scenes)}
+    assert result.frozen is not None
     return Run(
-        scene=assembly.name,
+        scene=task.scenes[number].name,
         level=task.level,
         variant=task.variant,
         status=result.status,
         moving=result.moving,
-        load=np.concatenate([s.load for s in result.sets]),
-        angle=np.degrees(np.concatenate([s.angle for s in result.sets])),
-        frozen=np.concatenate([s.load if s.frozen is None else s.frozen for s in result.sets]),
+        load=result.load,
+        angle=np.degrees(result.contact_angle),
+        frozen=result.frozen,
         centreline=np.column_stack([result.stations, result.centreline[:, :3]]),
-        without={},
-        without_seconds={},
+        without={name: ablated.load for name, ablated in without.items()},
+        without_seconds={name: ablated.seconds for name, ablated in without.items()},
         sides=tuple(sorted({side for s in setups for side in s.sides})),
-        unknowns=sum(s.unknowns for s in setups),
+        unknowns=result.unknowns,
         stages={name: sum(s.seconds.get(name, 0.0) for s in shared) for name in shared[0].seconds},
         solve_seconds=result.seconds,
         peak_MB=None if (peak := peak_MB()) is None else peak + max(s.others_MB for s in shared),
         balance=result.balance,
         along_groove=result.along_groove,
-        screw_balance=result.shaft_balance,
+        screw_balance=result.screw_balance,
         quality=shared[0].quality | {name: min(s.quality[name] for s in shared) for name in ("screw", "nut", "ball")},
-        settings=recorded(ups),
+        settings=settings,
         assumed=tuple(dict.fromkeys(line for s in shared for line in s.dims.assumed)),
         versions={"rollbench": __version__, **versions()},
         date=datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"),
@@ -211,49 +216,4 @@ def enlarged(setup: Setup, contacts: Sequence[tuple[Array, Array]], left: int) -
 
 def with_bodies(task: Task) -> bool:
     """Whether a task also stores its bodies, condensed to the contacts: one set, base variant on a regular mesh level."""
-    return not task.assemblies and not task.variant and task.level in LEVELS
-
-
-def _one(task: Task, number: int, scene: Scene, setup: Setup, sides: tuple[int, ...], step: Step) -> Run:
-    """One load case of a prepared geometry; the run carries the name of the task's own scene."""
-    from rollbench.hifi.reference import INGREDIENTS, solve_reference
-
-    result = solve_reference(setup, scene, sides=sides, frozen=True, step=step)
-    assert result.frozen is not None
-    without, seconds = {}, {}
-    if task.ablate:
-        for name in INGREDIENTS:
-            ablated = solve_reference(setup, scene, sides=sides, leave_out=frozenset([name]))
-            without[name], seconds[name] = ablated.load, ablated.seconds["contact"]
-    step(StageDone("contact loads", f"{result.seconds['contact']:.1f} s, {scene.name} {result.status}"))
-    return Run(
-        scene=task.scenes[number].name,
-        level=task.level,
-        variant=task.variant,
-        status=result.status,
-        moving=result.moving,
-        load=result.load,
-        angle=np.degrees(result.contact_angle),
-        frozen=result.frozen,
-        centreline=np.column_stack([result.stations, result.centreline[:, :3]]),
-        without=without,
-        without_seconds=seconds,
-        sides=setup.sides,
-        unknowns=result.unknowns,
-        stages=setup.seconds,
-        solve_seconds=result.seconds["contact"],
-        peak_MB=None if (peak := peak_MB()) is None else peak + setup.others_MB,
-        balance=result.balance,
-        along_groove=result.along_groove,
-        screw_balance=result.screw_balance,
-        quality=setup.quality,
-        settings=asdict(setup.settings) | {"stations": _stations(task.single)},
-        assumed=setup.dims.assumed,
-        versions={"rollbench": __version__, **versions()},
-        date=datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"),
-    )
-
-
-def _stations(scenes: Sequence[Scene]) -> tuple[float, ...]:
-    """Stations of supports and loads [m] of all scenes that share a set-up: its shaft has freedoms there."""
-    return tuple(sorted({z for scene in scenes for z in scene.stations}))
+    return bool(task.single) and not task.variant and task.level in LEVELS

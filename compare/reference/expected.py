@@ -11,8 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rollbench.comparison.errors import InputError
-from rollbench.comparison.reference.sets import set_ups
-from rollbench.comparison.reference.tasks import Task, needed_sides
+from rollbench.comparison.reference.tasks import Task, set_ups
 from rollbench.comparison.system import available_GB
 from rollbench.meshes.cache import StageDone
 
@@ -47,10 +46,7 @@ class Expected:
 
 def expected(task: Task) -> Expected:
     """Seconds and memory that a task will take."""
-    if not task.assemblies:
-        by_bodies = [len({s for scene in task.single for s in needed_sides(scene)}) * task.scenes[0].ball_count]
-    else:
-        by_bodies = [len(up.sides) * up.bodies.ball_count for up in set_ups(task.assemblies, task.level)]
+    by_bodies = [len(up.sides) * up.bodies.ball_count for up in set_ups(task.scenes, task.level)]
     contacts = sum(by_bodies)
     times = len(task.scenes) * (6 if task.ablate else 1)
     stages = {name: GROWTH[task.level] * A_CONTACT.get(name, 0.0) * contacts for name in STAGES}

@@ -14,8 +14,7 @@ import numpy as np
 
 from rollbench.comparison import data
 from rollbench.comparison.reference.sealing import sealed, unsealed
-from rollbench.comparison.reference.sets import meant
-from rollbench.comparison.reference.tasks import Solvable, plain, serves
+from rollbench.comparison.reference.tasks import Solvable, meant, plain, serves
 from rollbench.comparison.writing import replace_file
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly

@@ -24,6 +24,7 @@ from rollbench.hifi.contact.compliance import picked_factor
 from rollbench.hifi.contact.hertz import HertzSolution, hertz
 from rollbench.hifi.elements.pressures import mean_weights
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.ball_body import directions
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Material
 
@@ -49,16 +50,6 @@ def relative_radii(m: GrooveMap, side: int) -> tuple[float, float]:
     return 1.0 / (1.0 / m.ball - 1.0 / float(m.radius[side])), 1.0 / (1.0 / m.ball - along)
 
 
-def contact_frame(m: GrooveMap, side: int) -> tuple[Array, Array, Array]:
-    """Nominal normal (ball to groove), tangent across the groove, direction along it."""
-    radial = np.array([1.0, 0.0, 0.0])
-    binormal = np.array([0.0, -np.sin(m.alpha), np.cos(m.alpha)])
-    forward = np.array([0.0, np.cos(m.alpha), np.sin(m.alpha)])
-    sx, sz = m.signs[side]
-    normal = sx * np.cos(m.beta) * radial + sz * np.sin(m.beta) * binormal
-    return normal, -sx * np.sin(m.beta) * radial + sz * np.cos(m.beta) * binormal, forward
-
-
 def unit_hertz(m: GrooveMap, side: int, material: Material) -> HertzSolution:
     """Hertz's contact of a side under 1 N; approach as F^(2/3), semi-axes across and along the groove as F^(1/3)."""
     return hertz(1.0, *relative_radii(m, side), material.youngs_modulus, material.poissons_ratio)
@@ -68,7 +59,7 @@ def cell_sizes(m: GrooveMap, side: int, patch: CondensedPatch) -> Array:
     """Sizes ``(2,)`` [m] of the cells of a contact's grid across and along the groove. ValueError without a grid."""
     if patch.shape is None:
         raise ValueError("only a patch of hexahedra has a grid")
-    _, tangent, forward = contact_frame(m, side)
+    _, tangent, forward = directions(m, side)
     n, k = (count // 2 for count in patch.shape)
     x = patch.points.reshape(*patch.shape, 3)
     return np.array([(x[n + 1, k] - x[n - 1, k]) @ tangent, (x[n, k + 1] - x[n, k - 1]) @ forward])
@@ -103,7 +94,7 @@ def approaches_at(
     means: over the patch's hats, where they are known.
     """
     W = mean_weights(patch.weights) if means is None else means
-    normal, tangent, forward = contact_frame(m, side)
+    normal, tangent, forward = directions(m, side)
     x = patch.points - np.array([m.R, 0.0, 0.0])
     # the ball's centre moved by t: the gap is least t times (relative radius / r) beside the nominal contact
     scale = m.ball / np.array(relative_radii(m, side))
@@ -240,5 +231,5 @@ def grid_wave(m: GrooveMap, side: int, patch: CondensedPatch, C: Array, material
     table = PeriodicApproach.of(m, side, patch, C, loads).table(ACROSS, ALONG)
     assert patch.shape is not None
     middle = patch.points.reshape(*patch.shape, 3)[patch.shape[0] // 2, patch.shape[1] // 2]
-    directions = np.array(contact_frame(m, side)[1:])
-    return GridWave(loads, smooth(loads, table.mean(axis=(0, 1))) - table, cell_sizes(m, side, patch), middle, directions)
+    correction = smooth(loads, table.mean(axis=(0, 1))) - table
+    return GridWave(loads, correction, cell_sizes(m, side, patch), middle, directions(m, side)[1:])

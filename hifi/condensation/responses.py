@@ -36,7 +36,7 @@ from rollbench.hifi.shaft.beam import ShaftSection, round_section, tube
 from rollbench.hifi.shaft.cell import Homogenised, homogenise, lengths, meshed_shaft
 from rollbench.hifi.shaft.helical_section import helical_stiffness
 from rollbench.hifi.shaft.mounting import Stretch
-from rollbench.meshes.arrays import Array
+from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import BallBody
 from rollbench.meshes.fem import nodes_on, points_of
 from rollbench.meshes.groove_map import GrooveMap
@@ -59,8 +59,24 @@ FIT = " and centring"
 SLICE, LEAST = 0.25, 30
 
 
+class Modal:
+    """A body condensed to the modes V ``(c, k)`` of its contacts, by side: ball after ball, side after side."""
+
+    modes: dict[int, Array]
+
+    @property
+    def per_ball(self) -> int:
+        """Number of the modes of one ball's contacts."""
+        return sum(V.shape[1] for V in self.modes.values())
+
+    def rows(self, side: int, ball: int = 0) -> Index:
+        """Rows of a contact's modes in the coupling of the body."""
+        before = sum(V.shape[1] for V in list(self.modes.values())[: list(self.modes).index(side)])
+        return np.asarray(ball * self.per_ball + before + np.arange(self.modes[side].shape[1]))
+
+
 @dataclass(frozen=True)
-class ScrewResponse:
+class ScrewResponse(Modal):
     """3D stretch of the screw (that of a `Setup` is free of its cut ends), modes V of each side's patches, rigid rows
     ``(contacts, k, 6)`` of every contact's modes about its own station, unknowns."""
 
@@ -69,9 +85,14 @@ class ScrewResponse:
     rigid: Array
     unknowns: int
 
+    @property
+    def G(self) -> Array:
+        """Coupling of the modes of all contacts [m/N]."""
+        return self.stretch.F[: self.stretch.modes, : self.stretch.modes]
+
 
 @dataclass(frozen=True)
-class NutResponse:
+class NutResponse(Modal):
     """Coupling G of the modes of all contacts, modes V of each side's patches, unknowns; rigid: motion ``(k, 6)`` of the
     modes with the nut as a rigid body, about the station zero."""
 
@@ -82,7 +103,7 @@ class NutResponse:
 
 
 @dataclass(frozen=True)
-class BallResponse:
+class BallResponse(Modal):
     """How one ball couples its contacts: response G of the modes V of its sides, side after side, rigid motions held
     isostatically; unknowns."""
 

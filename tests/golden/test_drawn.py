@@ -31,7 +31,7 @@ from rollbench.comparison.models.answers import gather
 from rollbench.comparison.models.comparison import REFERENCED, from_result
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.models.study import Study
-from rollbench.comparison.reference import sets, tasks
+from rollbench.comparison.reference import tasks
 from rollbench.comparison.registration import kinds
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.wings.extremes.campaign import draw as extreme
@@ -212,7 +212,7 @@ def shafts(number: int, shift: float) -> Any:
     mounted = mount_all((stretch,), frame, lambda _: section)
     level = 1 + number % 3
     if isinstance(found, Assembly):
-        return (mounted, sets.recorded(sets.set_ups([found], level))) if number % 2 else mounted
+        return (mounted, tasks.recorded(tasks.set_ups([found], level))) if number % 2 else mounted
     return mounted, tasks.settings_of([found], level)
 
 

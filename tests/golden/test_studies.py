@@ -28,7 +28,7 @@ from rollbench.comparison.models import (
 from rollbench.comparison.models.comparison import REFERENCED, from_result
 from rollbench.comparison.models.registry import MODELS, Options, run_model
 from rollbench.comparison.models.study import Study, with_balls, with_groove
-from rollbench.comparison.reference import convergence, grid_fits, levels, near_face, sets, tasks, variants
+from rollbench.comparison.reference import convergence, grid_fits, levels, near_face, tasks, variants
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.wings.mesh_study import table as mesh_study
 
@@ -139,9 +139,9 @@ def varied():
 def shafts():
     """Set-ups of several sets, all of a shaft and each alone."""
     found = [
-        sets.set_ups([catalogue.shipped(name)], level) for name in ("double-nut", "axis-fixed-fixed") for level in (1, 3)
+        tasks.set_ups([catalogue.shipped(name)], level) for name in ("double-nut", "axis-fixed-fixed") for level in (1, 3)
     ]
-    return [sets.recorded(ups) for every in found for ups in (every, *([one] for one in every))]
+    return [tasks.recorded(ups) for every in found for ups in (every, *([one] for one in every))]
 
 
 def verdicts():

@@ -11,9 +11,8 @@ from pathlib import Path
 
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.referenced import Referenced, referenced
-from rollbench.comparison.reference.sets import meant
 from rollbench.comparison.reference.store import UNSAID, shipped_store
-from rollbench.comparison.reference.tasks import Solvable
+from rollbench.comparison.reference.tasks import Solvable, meant
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.canonical import digest

@@ -7,8 +7,8 @@ import pytest
 
 from rollbench.comparison.models import referenced as references
 from rollbench.comparison.models.referenced import referenced
-from rollbench.comparison.reference.sets import balls_of
 from rollbench.comparison.reference.store import load, shipped_store
+from rollbench.comparison.reference.tasks import balls_of
 from rollbench.comparison.scenes import catalogue
 from rollbench.meshes.loads import BARELY
 

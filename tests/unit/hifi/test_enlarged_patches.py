@@ -1,6 +1,6 @@
 """Contacts at the rim of their patch: patches grow to what was found, only where that changes them, or say both numbers."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,7 +8,6 @@ import pytest
 
 from rollbench.comparison.reference import computing
 from rollbench.comparison.reference.computing import BEYOND, ENLARGE, compute_with_bodies, enlarged
-from rollbench.comparison.reference.store import Run
 from rollbench.comparison.reference.tasks import Task, settings_of
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.wings.extremes.survey.draw import SEED, scene_text
@@ -20,6 +19,19 @@ from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.solid import dimensions
 
 CASE = catalogue.scene("lin-case1")
+
+
+@dataclass(frozen=True)
+class Ended:
+    """What is read of a load case that was solved."""
+
+    status: str
+    load: np.ndarray
+    contact_angle: np.ndarray
+
+    @property
+    def answers(self):
+        return self.status == "converged"
 
 
 def prepared(scene=CASE, **changes):
@@ -109,36 +121,13 @@ def test_set_ups_are_built_again_only_where_a_contact_is_at_the_rim(monkeypatch,
         reaches.append(settings.reach)
         return prepared(reach=settings.reach)
 
-    def one(_task, _number, scene, _setup, _sides, _step):
+    def solved(*_):
         load, angle = found(1.0)
-        return Run(
-            scene.name,
-            1,
-            "",
-            AT_RIM if len(reaches) <= rim else "converged",
-            load,
-            np.degrees(angle),
-            load,
-            load,
-            {},
-            {},
-            (0, 3),
-            0,
-            {},
-            0.0,
-            0.0,
-            0.0,
-            0.0,
-            0.0,
-            {},
-            {},
-            (),
-            {},
-            "",
-        )
+        return Ended(AT_RIM if len(reaches) <= rim else "converged", load, angle)
 
     monkeypatch.setattr("rollbench.hifi.setup.prepare", prepare)
-    monkeypatch.setattr(computing, "_one", one)
+    monkeypatch.setattr(computing, "_solved", solved)
+    monkeypatch.setattr(computing, "_run", lambda _task, _number, _scene, result, *_: result)
     monkeypatch.setattr("rollbench.hifi.condensed.condensed_bodies", lambda *_: "bodies")
     said = []
     (run,), bodies = compute_with_bodies(Task((CASE,), 1), said.append)

@@ -22,6 +22,7 @@ from rollbench.hifi.linear_algebra.response import compliance
 from rollbench.hifi.meshing import part_meshes
 from rollbench.hifi.meshing.fit import ball_place
 from rollbench.hifi.meshing.part_meshes import placed
+from rollbench.meshes import ball_body
 from rollbench.meshes.sockets import local_points
 
 pytestmark = pytest.mark.xdist_group("helped by processes")
@@ -125,7 +126,8 @@ def test_contact_loads_are_those_of_the_whole_mesh(small, meshes):
     sides = (0, 3)
     mounted = coupling.mounted_screw(small, small.scene)
     m = small.screw.stretch.modes
-    C, rows = coupling.compliance_of((coupling.PlacedSet(small, small.scene, sides),), mounted)
+    placed_set = coupling.PlacedSet(small, small.scene, sides)
+    C, rows = coupling.compliance_of((placed_set,), mounted)
     pick = np.flatnonzero(rows < m)
     # the beam to the support is not meshed: its share of the screw's compliance comes on top
     beam = np.zeros((C.coupling.shape[0],) * 2)
@@ -144,8 +146,7 @@ def test_contact_loads_are_those_of_the_whole_mesh(small, meshes):
     mean = sp.block_diag([mean_weights(small.patches[s].groove.weights) for s in sides])
     gap = np.tile(mean @ (length - small.map.ball), 2)
     directions = np.broadcast_to(normals / length[:, None], (2, sum(n), 3))
-    zones = coupling.zones_of(small, sides)
-    by_screw = contact_kinematics.rigid_rows(small, directions, zones, mounted.origin, screw=True).reshape(-1, 6)
+    by_screw = contact_kinematics.rigid_rows(placed_set, directions, mounted.origin, screw=True).reshape(-1, 6)
     by_screw = sp.block_diag([mean, mean]) @ by_screw
     directions = np.stack([mean @ d for d in directions])
     N = contact_kinematics.directions_matrix([directions], by_screw @ mounted.motions)
@@ -172,7 +173,7 @@ def test_own_approaches_of_condensed_bodies(small, monkeypatch):
     for s, f in spreads.items():
         groove = small.patches[s].groove
         nodal = mean_weights(groove.weights).T @ f
-        assert nodal @ (groove.normals @ grid_wave.contact_frame(small.map, s)[0]) == pytest.approx(1.0, rel=1e-12)
+        assert nodal @ (groove.normals @ ball_body.directions(small.map, s)[0]) == pytest.approx(1.0, rel=1e-12)
     found = condensed.condensed_bodies(small, 1)
     middle = np.array([float(np.median(f)) for f in forces.values()])
     again = {s: condensed.spread(small, s, x) for s, x in zip(small.sides, middle, strict=True)}

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rollbench.comparison.reference.tasks import balls_of
 from rollbench.comparison.scenes import catalogue
 from rollbench.hifi.bodies import submodel
 from rollbench.hifi.meshing.expected import expected_by_set, expected_contacts
@@ -62,7 +63,7 @@ ROLLERS = RollerRow(9, 8e-3, 1e-2, 0.3, 0.03, 1e-2, PARTS.nut.material)
 
 @pytest.fixture(scope="module")
 def prepared(tmp_path_factory):
-    """Set-ups and sides of an assembly on a coarse mesh; parts that were made are kept."""
+    """Set-ups of an assembly on a coarse mesh; parts that were made are kept."""
     kept, cache = {}, Cache(tmp_path_factory.mktemp("several"))
 
     def set_ups(assembly):
@@ -73,7 +74,7 @@ def prepared(tmp_path_factory):
                 sizes = Settings(semi=rounded(found.semi()), reach=rounded(found.reach()), **COARSE)
                 kept[of_set.bodies, sides] = prepare(of_set.bodies, sides, sizes, cache=cache)
             setups.append(kept[of_set.bodies, sides])
-        return setups, [s.sides for s in setups]
+        return setups
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(submodel, "REALISATIONS", 1)
@@ -86,45 +87,45 @@ def test_each_set_carries_what_it_carries_alone(prepared):
     first, _ = bodies_of(PAIR)
     middle = first.shift + first.bodies.screw.length
     held = replace(PAIR, supports=(Support(middle, BUT_UZ),), loads=(Load(middle, (0.0, 0.0, 300.0)),))
-    setups, sides = prepared(PAIR)
-    found = solve_sets(held, setups, sides)
+    setups = prepared(PAIR)
+    found = solve_sets(held, setups)
     assert found.status == "converged"
-    assert max(found.balance, found.along_groove, found.shaft_balance) < 1e-9
-    assert sum(s.on_shaft[2] for s in found.sets) == pytest.approx(-300.0, rel=1e-9)
-    for of_set, setup, allowed, loads in zip(bodies_of(held), setups, sides, found.sets, strict=True):
+    assert max(found.balance, found.along_groove, found.screw_balance) < 1e-9
+    assert found.unknowns == sum(setup.unknowns for setup in setups)
+    assert sum(wrench[2] for wrench in found.on_shaft) == pytest.approx(-300.0, rel=1e-9)
+    for of_set, setup, balls, wrench in zip(bodies_of(held), setups, balls_of(held), found.on_shaft, strict=True):
         at = middle - of_set.shift
-        pull = (Load(at, (0.0, 0.0, -loads.on_shaft[2])),)
-        one = solve_reference(setup, replace(of_set.parts, supports=(Support(at, BUT_UZ),), loads=pull), sides=allowed)
-        np.testing.assert_allclose(loads.load, one.load, rtol=0.0, atol=2e-5 * one.load.max())
+        pull = (Load(at, (0.0, 0.0, -wrench[2])),)
+        one = solve_reference(setup, replace(of_set.parts, supports=(Support(at, BUT_UZ),), loads=pull))
+        np.testing.assert_allclose(found.load[balls], one.load, rtol=0.0, atol=2e-5 * one.load.max())
 
 
 @pytest.mark.slow
 def test_an_assembly_of_one_set_is_the_scene_of_it(prepared):
     one = replace(PAIR, sets=(ball_nut("alone", 0.2, 0.0),))
-    (setup,), (sides,) = prepared(one)
+    (setup,) = prepared(one)
     (of_set,) = bodies_of(one)
     supports, loads = (Support(0.16 - of_set.shift, BUT_UZ),), (Load(0.16 - of_set.shift, (0.0, 0.0, 300.0)),)
     wanted = solve_reference(setup, replace(of_set.parts, supports=supports, loads=loads))
-    found = solve_sets(one, [setup], [sides])
-    np.testing.assert_allclose(found.sets[0].load, wanted.load, rtol=0.0, atol=1e-12 * wanted.load.max())
+    found = solve_sets(one, [setup])
+    np.testing.assert_allclose(found.load, wanted.load, rtol=0.0, atol=1e-12 * wanted.load.max())
     np.testing.assert_allclose(found.centreline, wanted.centreline, rtol=0.0, atol=1e-15)
 
 
 @pytest.mark.slow
 def test_nuts_on_housings(prepared):
     """A carriage on very stiff springs holds its nuts; one that is pulled while the shaft is held moves the other way."""
-    setups, sides = prepared(PAIR)
-    wanted = solve_sets(PAIR, setups, sides)
+    setups = prepared(PAIR)
+    wanted = solve_sets(PAIR, setups)
     on = replace(PAIR, sets=tuple(replace(s, housing="carriage") for s in PAIR.sets))
     springs = diagonal((1e14,) * 3 + (1e12,) * 3)
     stiff = replace(on, housings=(Housing("carriage", 0.21, stiffness=springs),))
     slides = Housing("carriage", 0.21, fixed=BUT_UZ, force=(0.0, 0.0, -300.0))
     pulled = replace(on, housings=(slides,), supports=(Support(0.16, (*BUT_UZ, ("uz", 0.0))),), loads=())
     for case, close in ((stiff, 1e-6), (pulled, 1e-9)):
-        found = solve_sets(case, setups, sides)
-        assert found.shaft_balance < 1e-9
-        for a, b in zip(found.sets, wanted.sets, strict=True):
-            np.testing.assert_allclose(a.load, b.load, rtol=0.0, atol=close * wanted.sets[0].load.max())
+        found = solve_sets(case, setups)
+        assert found.screw_balance < 1e-9
+        np.testing.assert_allclose(found.load, wanted.load, rtol=0.0, atol=close * wanted.load.max())
     assert found.housings[0, 2] == pytest.approx(-wanted.centreline[0, 2], rel=1e-9)
 
 
@@ -132,8 +133,8 @@ def test_nuts_on_housings(prepared):
 def test_preload_by_force_is_met_without_loads(prepared):
     thrusts = zip(PAIR.sets, ("+z", "-z"), strict=True)
     forced = replace(PAIR, sets=tuple(replace(s, offset=0.0, preload=200.0, thrust=t) for s, t in thrusts), loads=())
-    found = solve_sets(forced, *prepared(forced))
-    np.testing.assert_allclose([s.on_shaft[2] for s in found.sets], [-200.0, 200.0], rtol=1e-4)
+    found = solve_sets(forced, prepared(forced))
+    np.testing.assert_allclose([wrench[2] for wrench in found.on_shaft], [-200.0, 200.0], rtol=1e-4)
     assert found.offsets[0] == pytest.approx(-found.offsets[1], rel=1e-4)
 
 
@@ -157,9 +158,8 @@ def test_half_a_turn_about_a_diameter_changes_nothing_but_names(prepared):
         supports=(Support(LENGTH - 0.16, BUT_UZ),),
         loads=(Load(LENGTH - 0.16, (0.0, 0.0, -300.0)),),
     )
-    found, same = (solve_sets(x, *prepared(x)) for x in (PAIR, other))
-    for a, b in zip(found.sets, same.sets, strict=True):
-        np.testing.assert_allclose(a.load, b.load[:, [1, 0, 3, 2]], rtol=0.0, atol=2e-3 * a.load.max())
+    found, same = (solve_sets(x, prepared(x)) for x in (PAIR, other))
+    np.testing.assert_allclose(found.load, same.load[:, [1, 0, 3, 2]], rtol=0.0, atol=2e-3 * found.load.max())
 
 
 def test_equal_nuts_have_equal_bodies():

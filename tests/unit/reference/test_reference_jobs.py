@@ -42,19 +42,18 @@ def test_a_run_of_several_sets_adds_up_what_they_took(monkeypatch: pytest.Monkey
     monkeypatch.setattr(computing, "peak_MB", lambda: 100.0)
     monkeypatch.setattr(computing, "recorded", lambda _: {})
 
-    def setup(unknowns: int, helpers: float, quality: float) -> SimpleNamespace:
+    def setup(helpers: float, quality: float) -> SimpleNamespace:
         found = dict.fromkeys(("screw", "nut", "ball"), quality)
         seconds, dims = {"meshes": 2.0, "bodies": 3.0}, SimpleNamespace(assumed=("a wall",))
-        return SimpleNamespace(
-            sides=(0, 3), unknowns=unknowns, seconds=seconds, others_MB=helpers, quality=found, dims=dims
-        )
+        return SimpleNamespace(sides=(0, 3), seconds=seconds, others_MB=helpers, quality=found, dims=dims)
 
-    one, two = setup(1000, 30.0, 0.4), setup(500, 50.0, 0.3)
-    of_set = SimpleNamespace(load=np.ones((2, 4)), angle=np.full((2, 4), np.pi / 4.0), frozen=None)
-    sums = {"seconds": 1.0, "status": "converged", "moving": 0.0, "balance": 0.0, "along_groove": 0.0, "shaft_balance": 0.0}
-    found = SimpleNamespace(sets=[of_set] * 3, stations=np.zeros(4), centreline=np.zeros((4, 6)), **sums)
-    task, assembly = SimpleNamespace(level=1, variant=""), SimpleNamespace(name="three")
-    run = computing._run_of_sets(task, assembly, found, (one, one, two), (), lambda _: None)
+    one, two = setup(30.0, 0.4), setup(50.0, 0.3)
+    arrays = {"load": np.ones((6, 4)), "contact_angle": np.full((6, 4), np.pi / 4.0), "frozen": np.ones((6, 4))}
+    sums = {"seconds": 1.0, "status": "converged", "moving": 0.0, "balance": 0.0, "along_groove": 0.0, "screw_balance": 0.0}
+    found = SimpleNamespace(**arrays, stations=np.zeros(4), centreline=np.zeros((4, 6)), unknowns=2500, **sums)
+    assembly = SimpleNamespace(name="three")
+    task = SimpleNamespace(level=1, variant="", ablate=False, single=(), scenes=(assembly,))
+    run = computing._run(task, 0, assembly, found, (one, one, two), ())
     assert (run.unknowns, run.peak_MB) == (2500, 150.0)
     assert run.stages == {"meshes": 4.0, "bodies": 6.0}
     assert (run.load.shape, run.angle[0, 0], run.quality["ball"], run.assumed) == ((6, 4), 45.0, 0.3, ("a wall",))

@@ -43,11 +43,10 @@ class Dragging(Case):
 
     def across(self, last: Round) -> Array:
         """Forces ``(balls, n)`` [N] along the nodes' normals whose resultants are the contacts' friction."""
-        (forces,), (normals,), (zones,) = last.forces, last.directions, self.zones
-        alpha = self.sets[0].setup.map.alpha
-        section = np.array([[1.0, 0.0, 0.0], [0.0, -np.sin(alpha), np.cos(alpha)]])
+        (forces,), (normals,), (placed,) = last.forces, last.directions, self.sets
+        section = placed.setup.map.axes[[0, 2]]
         out = np.zeros_like(forces)
-        for nodes in zones.parts:
+        for nodes, _ in placed.zones:
             for k in np.flatnonzero(forces[:, nodes].any(axis=1)):
                 load, n = forces[k, nodes], normals[k, nodes] @ section.T
                 x, z = load @ n
