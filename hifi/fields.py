@@ -146,7 +146,7 @@ def _answer(setup: Setup, mesh: GroovedBody, forces: dict[int, Array], T: sp.csc
         for i in range(setup.layout.z.size)
         for s in patches
     ]
-    q = factor((T.T @ K @ T).tocsc()).solve(T.T @ (Q.T @ np.concatenate(amplitude)))
+    q = factor((T.T @ K @ T).tocsc())(T.T @ (Q.T @ np.concatenate(amplitude)))
     return np.asarray(T @ q).reshape(-1, 3)
 
 
@@ -209,7 +209,7 @@ def ball_fields(setup: Setup, meshes: Meshes, ball: int, forces: dict[int, Array
         if s in forces:
             np.add.at(load, freedoms(mesh.socket_nodes[s]), patch.H.T @ forces[s][ball])
     u = np.zeros(K.shape[0])
-    u[free] = factor(condense(K, D=held, expand=False)).solve(load[free])
+    u[free] = factor(condense(K, D=held, expand=False))(load[free])
     u = u.reshape(-1, 3)
     by_side: dict[int | None, SolidField] = {
         None: SolidField(mesh.points, cells_of(body), kind, u, nodal_stress(body, u, material))

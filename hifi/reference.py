@@ -29,7 +29,7 @@ from rollbench.hifi.contact_kinematics import (
     wave_gaps,
 )
 from rollbench.hifi.coupling import PlacedSet, compliance_of, modal_motion, mounted_screw
-from rollbench.hifi.linear_algebra.response import transport
+from rollbench.hifi.elements.rigid import transport
 from rollbench.hifi.setup import Setup
 from rollbench.hifi.shaft.frame import Frame
 from rollbench.hifi.shaft.mounting import Mounted

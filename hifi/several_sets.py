@@ -16,7 +16,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from rollbench.hifi.coupling import PlacedSet
-from rollbench.hifi.linear_algebra.response import transport
+from rollbench.hifi.elements.rigid import transport
 from rollbench.hifi.meshing.expected import closing
 from rollbench.hifi.reference import ROUNDS, Case, ReferenceResult, end, reporting
 from rollbench.hifi.setup import Setup

@@ -29,7 +29,7 @@ from rollbench.hifi.condensation import sides
 from rollbench.hifi.condensation.responses import Shaft
 from rollbench.hifi.condensation.sides import condense_side, side_of, turned
 from rollbench.hifi.elements import assembly
-from rollbench.hifi.linear_algebra import fronts, response
+from rollbench.hifi.linear_algebra import fronts, solvers
 from rollbench.hifi.meshing.part_meshes import mesh_parts
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.reference import solve_reference
@@ -48,7 +48,7 @@ from rollbench.meshes.solid import dimensions
 WORK = {
     "meshing": ("best_of", (ball_body, grooved_body)),
     "assembly": ("assemble", (assembly, cell, patch)),
-    "elimination": ("gram", (response,)),
+    "elimination": ("gram", (solvers,)),
     "dense": ("_eliminate", (fronts,)),
 }
 #: Jobs whose stages are measured: scene and level.

@@ -21,8 +21,7 @@ from skfem import ElementLineP2, Mesh, condense
 from rollbench.hifi.elements.assembly import CurvedMap, assemble
 from rollbench.hifi.elements.forms import elasticity
 from rollbench.hifi.elements.pressures import contact_weights, mean_weights
-from rollbench.hifi.linear_algebra.response import compliance
-from rollbench.hifi.linear_algebra.solvers import factor
+from rollbench.hifi.linear_algebra.solvers import compliance, factor
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.fem import cells_of, freedoms_on, kind_of, mesh_of, moved, named, points_of, tensor_grid
 from rollbench.meshes.sockets import SocketMesh
@@ -367,6 +366,6 @@ def field(mesh: PatchMesh, normals: Array, young: float, poisson: float, forces:
     """
     blocks = _partition(mesh, normals, young, poisson)
     u = np.empty(mesh.mesh.doflocs.size)
-    u[blocks.inner] = factor(blocks.inner_stiffness).solve(blocks.forces @ forces - blocks.coupling @ trace)
+    u[blocks.inner] = factor(blocks.inner_stiffness)(blocks.forces @ forces - blocks.coupling @ trace)
     u[(3 * mesh.interface[:, None] + np.arange(3)).ravel()] = blocks.tie @ trace
     return u.reshape(-1, 3)

@@ -29,7 +29,7 @@ from rollbench.hifi.bodies.patch import CondensedPatch, PatchMesh, hat_rows
 from rollbench.hifi.elements import assembly
 from rollbench.hifi.elements.forms import elasticity
 from rollbench.hifi.elements.rigid import rigid_modes
-from rollbench.hifi.linear_algebra.response import compliance
+from rollbench.hifi.linear_algebra.solvers import compliance
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.fem import freedoms_on, points_of
 

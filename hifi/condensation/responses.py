@@ -28,8 +28,8 @@ from rollbench.hifi.bodies.patch import CondensedPatch
 from rollbench.hifi.condensation.side_by_side import Job
 from rollbench.hifi.condensation.sides import SidePatches
 from rollbench.hifi.elements.assembly import cells
-from rollbench.hifi.elements.rigid import rigid_modes
-from rollbench.hifi.linear_algebra.response import compliance, transport
+from rollbench.hifi.elements.rigid import rigid_modes, transport
+from rollbench.hifi.linear_algebra.solvers import compliance
 from rollbench.hifi.meshing.part_meshes import body_kind, placed, sockets_of
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.shaft.beam import ShaftSection, round_section, tube

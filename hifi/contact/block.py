@@ -113,13 +113,13 @@ def surface_compliance(mesh: BlockMesh, reach: tuple[float, float], young: float
     unit = sp.csr_matrix((np.ones(len(nodes)), (3 * nodes + 2, np.arange(len(nodes)))), (matrix.shape[0], len(nodes)))
     unit = unit[free].tocsc()
     assembled = perf_counter()
-    solver = factor(matrix[free][:, free].tocsc())
+    solve = factor(matrix[free][:, free].tocsc())
     factored = perf_counter()
     rows = matrix[cut][:, free]
     held, reactions = np.empty((len(nodes), len(nodes))), np.empty((len(cut), len(nodes)))
     for first in range(0, len(nodes), CHUNK):
         chunk = slice(first, first + CHUNK)
-        answer = solver.solve(unit[:, chunk].toarray())
+        answer = solve(unit[:, chunk].toarray())
         held[:, chunk], reactions[:, chunk] = unit.T @ answer, rows @ answer
     full = held - reactions.T @ _far_field(mesh, mesh.points[nodes, :2], young, poisson)
     seconds = {"assembly": assembled - start, "factor": factored - assembled, "solve": perf_counter() - factored}

@@ -1,4 +1,4 @@
-"""Rigid motions of nodes, which strain nothing."""
+"""Rigid motions of nodes and sections, which strain nothing."""
 
 from __future__ import annotations
 
@@ -15,3 +15,10 @@ def rigid_modes(points: Array, centre: Array | None = None) -> Array:
     for k, axis in enumerate(np.eye(3)):
         modes[:, :, 3 + k] = np.cross(axis, x)
     return modes.reshape(-1, 6)
+
+
+def transport(arm: float) -> Array:
+    """Motion (6, 6) of the point at z + arm when the section at z moves rigidly by (u, rotation)."""
+    t = np.eye(6)
+    t[0, 4], t[1, 3] = arm, -arm
+    return t

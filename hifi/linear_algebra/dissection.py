@@ -21,8 +21,6 @@ from rollbench.meshes.arrays import Index
 
 #: Vertices of a subtree that is eliminated at once, as dense as it then is.
 LEAF = 32
-#: Columns of a matrix that are looked at together.
-CHUNK = 20_000
 
 
 class Supernodes(NamedTuple):
@@ -64,15 +62,9 @@ def vertices(K: sp.csc_matrix) -> tuple[sp.csr_matrix, Index]:
     """
     size, pointers = K.shape[0], K.indptr
     weights = np.random.default_rng(0).random(size)
-    signature = np.empty(size)  # equal columns, equal sums
-    for low in range(0, size, CHUNK):
-        chunk = slice(low, min(low + CHUNK, size))
-        begin, end = pointers[chunk.start], pointers[chunk.stop]
-        columns = (np.ones(end - begin), K.indices[begin:end], pointers[chunk.start : chunk.stop + 1] - begin)
-        signature[chunk] = sp.csr_matrix(columns, shape=(chunk.stop - low, size)) @ weights
-    _, first, group = np.unique(signature, return_index=True, return_inverse=True)
-    count = len(first)
     pattern = sp.csr_matrix((np.ones(K.nnz, dtype=np.int8), K.indices, pointers), shape=K.shape)
+    _, first, group = np.unique(pattern @ weights, return_index=True, return_inverse=True)  # equal columns, equal sums
+    count = len(first)
     compressed = pattern[first]  # one row for each vertex
     rows = np.repeat(np.arange(count), np.diff(compressed.indptr))
     one_sided = sp.csr_matrix((np.ones(len(rows)), (rows, group[compressed.indices])), shape=(count, count))

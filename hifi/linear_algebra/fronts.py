@@ -20,6 +20,7 @@ from scipy.linalg.lapack import dpotrf
 from rollbench.hifi.linear_algebra.dissection import Supernodes
 from rollbench.meshes.arrays import Array, Index
 
+
 #: Columns of a front that are added at once: of what lies above the diagonal, half this many rows are added in vain.
 WIDTH = 64
 
@@ -58,7 +59,7 @@ def gram_by_fronts(K: sp.csc_matrix, B: sp.csr_matrix, nodes: Supernodes) -> Arr
 
 
 def factor_by_fronts(K: sp.csc_matrix, nodes: Supernodes) -> Callable[[Array], Array]:
-    """Solutions K^-1 rhs, ``(n, k)``, for symmetric positive definite K ``(n, n)``, stored whole; L is held.
+    """Solutions K^-1 rhs, ``(n,)`` or ``(n, k)``, for symmetric positive definite K ``(n, n)``, stored whole; L is held.
 
     Raises ArithmeticError where K is not positive definite.
     """
@@ -66,7 +67,7 @@ def factor_by_fronts(K: sp.csc_matrix, nodes: Supernodes) -> Callable[[Array], A
     fronts = list(_eliminated(K, sp.csr_matrix((size, 0)), nodes))
 
     def solve(rhs: Array) -> Array:
-        x = rhs[nodes.order]
+        x = rhs[nodes.order].reshape(size, -1)
         for rows, _, L, below, _ in fronts:
             pivots, later = slice(rows[0], rows[0] + len(L)), rows[len(L) :]
             x[pivots] = dtrsm(1.0, L, x[pivots], lower=1)
@@ -76,7 +77,7 @@ def factor_by_fronts(K: sp.csc_matrix, nodes: Supernodes) -> Callable[[Array], A
             x[pivots] = dtrsm(1.0, L, x[pivots] - below.T @ x[later], lower=1, trans_a=1)
         out = np.empty_like(x)
         out[nodes.order] = x
-        return out
+        return out.reshape(rhs.shape)
 
     return solve
 

@@ -1,25 +1,25 @@
-"""Solvers for symmetric positive definite matrices behind one interface, chosen by size.
+"""Solvers for symmetric positive definite matrices, chosen by size, and what an elastic body answers to loads.
 
-`fronts`: Cholesky factor by dense blocks (`hifi.linear_algebra.fronts`) in a nested-dissection order
-(`hifi.linear_algebra.dissection`). `splu`: SuperLU of scipy, for small matrices.
+Larger ones: Cholesky factor by dense blocks (`hifi.linear_algebra.fronts`) in a nested-dissection order
+(`hifi.linear_algebra.dissection`). Small ones: SuperLU of scipy.
 """
 
 from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.sparse.linalg import splu
 
 from rollbench.hifi.linear_algebra.dissection import supernodes
 from rollbench.hifi.linear_algebra.fronts import factor_by_fronts, gram_by_fronts
 from rollbench.meshes.arrays import Array
 
 T = TypeVar("T")
-METHODS = ("auto", "fronts", "splu")
+Solve = Callable[[Array], Array]
 SMALL = 3_000
 """Freedoms below which SuperLU is as fast as anything for one right-hand side."""
 FEW = 100_000
@@ -34,44 +34,27 @@ class FactorError(ArithmeticError):
     """The matrix cannot be factored: not positive definite, or singular to working precision."""
 
 
-@dataclass(frozen=True)
-class Factor:
-    """A solver prepared for one matrix.
+def factor(K: sp.spmatrix) -> Solve:
+    """Solution of K x = rhs, rhs (n,) or (n, k), for symmetric positive definite K, shape (n, n); only symmetry is taken on
+    trust.
 
-    method: 'fronts' or 'splu'; size: number of freedoms n.
+    Raises FactorError for a matrix that is not positive definite or singular (a body that nothing holds).
     """
-
-    method: str
-    size: int
-    _apply: Callable[[Array], Array]
-
-    def solve(self, rhs: Array) -> Array:
-        """Solution of K x = rhs, of the shape of rhs, (n,) or (n, k); raises ValueError for another shape."""
-        rhs = np.asarray(rhs, dtype=float)
-        if rhs.ndim not in (1, 2) or len(rhs) != self.size:
-            raise ValueError(f"right-hand side has shape {rhs.shape}, expected ({self.size},) or ({self.size}, k)")
-        if rhs.size == 0:
-            return rhs.copy()
-        return self._apply(rhs.reshape(self.size, -1)).reshape(rhs.shape)
-
-
-def factor(K: sp.spmatrix, *, method: str = "auto") -> Factor:
-    """Prepare the solution of K x = b for symmetric positive definite K, shape (n, n); only symmetry is taken on trust.
-
-    method: one of `METHODS`. Raises FactorError for a matrix that is not positive definite or singular (a body that nothing
-    holds), ValueError for an unknown method or a matrix that is not square.
-    """
-    if method not in METHODS:
-        raise ValueError(f"method {method!r}: one of {', '.join(METHODS)}")
-    if K.shape[0] != K.shape[1]:
-        raise ValueError(f"matrix has shape {K.shape}, expected a square one")
     matrix = sp.csc_matrix(K)
-    size = matrix.shape[0]
     diagonal = _diagonal(matrix)
-    chosen = ("splu" if size <= SMALL else "fronts") if method == "auto" else method
-    apply = _fronts(matrix) if chosen == "fronts" else _splu(matrix)
-    _check_response(apply, diagonal)
-    return Factor(chosen, size, apply)
+    by_fronts = matrix.shape[0] > SMALL
+    solve = _positive(lambda: factor_by_fronts(matrix, supernodes(matrix))) if by_fronts else _splu(matrix)
+    _check_response(solve, diagonal)
+    return solve
+
+
+def compliance(K: sp.spmatrix, rows: sp.spmatrix) -> Array:
+    """F ``(m, m)`` = rows K^-1 rows^T for sparse ``rows`` ``(m, n)`` of loads on the held stiffness K ``(n, n)``.
+
+    Raises FactorError for a body that is not held, and where the factorisation fails for another reason.
+    """
+    F = gram(K, sp.csr_matrix(rows).T) if rows.shape[0] else np.zeros((0, 0))
+    return np.asarray(0.5 * (F + F.T))
 
 
 def gram(K: sp.spmatrix, B: sp.spmatrix) -> Array:
@@ -95,8 +78,7 @@ def gram(K: sp.spmatrix, B: sp.spmatrix) -> Array:
         missed = f"a known answer is missed by {off / np.linalg.norm(answer):.1g} front by front"
         message = f"{missed}; the factor is held whole, in several times the memory and time"
         warnings.warn(message, RuntimeWarning, stacklevel=3)
-    solver = factor(inner)
-    return np.asarray(columns.T @ solver.solve(columns.toarray()))
+    return np.asarray(columns.T @ factor(inner)(columns.toarray()))
 
 
 def _diagonal(matrix: sp.csc_matrix) -> Array:
@@ -108,19 +90,15 @@ def _diagonal(matrix: sp.csc_matrix) -> Array:
     return diagonal
 
 
-def _check_response(apply: Callable[[Array], Array], diagonal: Array) -> None:
+def _check_response(solve: Solve, diagonal: Array) -> None:
     """Raise FactorError when the factor belongs to a matrix that is singular to working precision."""
     root = np.sqrt(diagonal)
     load = np.random.default_rng(1).standard_normal(len(root))
     with np.errstate(all="ignore"):
-        response = root * apply((root * load)[:, None])[:, 0]
+        response = root * solve(root * load)
         ratio = float(np.linalg.norm(response) / np.linalg.norm(load))
     if not ratio < SINGULAR:
         raise FactorError(f"singular to working precision (response {ratio:.1e} to a unit load): is every body held?")
-
-
-def _fronts(matrix: sp.csc_matrix) -> Callable[[Array], Array]:
-    return _positive(lambda: factor_by_fronts(matrix, supernodes(matrix)))
 
 
 def _positive(eliminate: Callable[[], T]) -> T:
@@ -131,19 +109,11 @@ def _positive(eliminate: Callable[[], T]) -> T:
         raise FactorError(f"not positive definite: elimination breaks down at column {error.args[0]}") from error
 
 
-def _splu(matrix: sp.csc_matrix) -> Callable[[Array], Array]:
-    from scipy.sparse.linalg import splu
-
-    options = {"SymmetricMode": True}
+def _splu(matrix: sp.csc_matrix) -> Solve:
     try:
-        lu = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
+        lu = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     except RuntimeError as error:
         raise FactorError(f"not positive definite: SuperLU says {error}") from error
     if not (np.array_equal(lu.perm_r, lu.perm_c) and np.all(lu.U.diagonal() > 0.0)):
         raise FactorError("not positive definite: SuperLU met a pivot that is not positive")
-
-    def apply(rhs: Array) -> Array:
-        solution: Array = lu.solve(rhs)
-        return solution
-
-    return apply
+    return lambda rhs: np.asarray(lu.solve(rhs))

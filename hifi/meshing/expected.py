@@ -20,7 +20,7 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 
 from rollbench.hifi.contact.hertz import HertzSolution, hertz
-from rollbench.hifi.linear_algebra.response import transport
+from rollbench.hifi.elements.rigid import transport
 from rollbench.hifi.shaft.beam import beam_stiffness, round_section
 from rollbench.hifi.shaft.frame import Frame
 from rollbench.meshes.arrays import Array

@@ -9,7 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.spatial import KDTree
 
-from rollbench.hifi.linear_algebra.response import compliance
+from rollbench.hifi.linear_algebra.solvers import compliance
 from rollbench.meshes.arrays import Array, Index
 
 #: Distance of mirror images over the body's size, and parts of loads and forces that are of the other kind, that are

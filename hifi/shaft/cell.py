@@ -17,7 +17,7 @@ import scipy.sparse as sp
 from rollbench.hifi.bodies.coarse import end_transform
 from rollbench.hifi.elements.assembly import assemble
 from rollbench.hifi.elements.forms import elasticity
-from rollbench.hifi.linear_algebra.response import compliance
+from rollbench.hifi.linear_algebra.solvers import compliance
 from rollbench.hifi.shaft.beam import ShaftSection, round_section
 from rollbench.hifi.shaft.cut import cut_flexibility
 from rollbench.meshes.arrays import Array

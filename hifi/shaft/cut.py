@@ -23,7 +23,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rollbench.hifi.linear_algebra.response import transport
+from rollbench.hifi.elements.rigid import transport
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rollbench.hifi.linear_algebra.response import transport
+from rollbench.hifi.elements.rigid import transport
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing, Joint
 from rollbench.meshes.parts import Load, Scene, Support

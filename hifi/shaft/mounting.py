@@ -24,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import block_diag, cho_factor, cho_solve, qr
 
-from rollbench.hifi.linear_algebra.response import transport
+from rollbench.hifi.elements.rigid import transport
 from rollbench.hifi.shaft.beam import ShaftSection, beam_stiffness
 from rollbench.hifi.shaft.cut import at_high, at_low
 from rollbench.hifi.shaft.frame import Frame

@@ -11,7 +11,7 @@ from tests.helpers import relative
 
 from rollbench.hifi.elements.assembly import assemble, faces
 from rollbench.hifi.elements.forms import elasticity
-from rollbench.hifi.linear_algebra.response import compliance
+from rollbench.hifi.linear_algebra.solvers import compliance
 from rollbench.lowfi.compliance.tube import Points, Tube, contact_compliance, tube_compliance
 from rollbench.meshes.fem import cells_of, freedoms_on, mesh_of, tensor_grid
 from rollbench.meshes.parts import Material

@@ -102,7 +102,7 @@ def linear_motions(decks: list[Deck]) -> Array:
     count = 6 * len(sections)
     for k, deck in enumerate(decks):
         loads[-count:, k] = np.concatenate([s.load for s in deck.sections])
-    moved = factor((C.T @ K @ C).tocsc()).solve(loads)[-count:]
+    moved = factor((C.T @ K @ C).tocsc())(loads)[-count:]
     return np.asarray(moved.reshape(len(sections), 6, len(decks)).transpose(2, 0, 1)[:, :, :3])
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rollbench.comparison.scenes import catalogue
-from rollbench.hifi.linear_algebra.response import transport
+from rollbench.hifi.elements.rigid import transport
 from rollbench.hifi.shaft import cell
 from rollbench.hifi.shaft.beam import ShaftSection, round_section, tube
 from rollbench.hifi.shaft.cut import HALF_TURN, at_high, at_low, cut_flexibility, groove_azimuth, turned, uniform_cantilever

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from rollbench.comparison.scenes import catalogue
-from rollbench.hifi.linear_algebra.response import transport
+from rollbench.hifi.elements.rigid import transport
 from rollbench.hifi.shaft.beam import beam_stiffness, round_section
 from rollbench.hifi.shaft.cut import at_high, at_low
 from rollbench.hifi.shaft.frame import Frame

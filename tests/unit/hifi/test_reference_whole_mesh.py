@@ -18,7 +18,7 @@ from rollbench.hifi.contact.compliance import uncoupled
 from rollbench.hifi.elements.assembly import assemble
 from rollbench.hifi.elements.forms import elasticity
 from rollbench.hifi.elements.pressures import mean_weights
-from rollbench.hifi.linear_algebra.response import compliance
+from rollbench.hifi.linear_algebra.solvers import compliance
 from rollbench.hifi.meshing import part_meshes
 from rollbench.hifi.meshing.fit import ball_place
 from rollbench.hifi.meshing.part_meshes import placed

@@ -13,7 +13,7 @@ from tests.rolling_scenes import linear_pair
 from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.elements.assembly import assemble
 from rollbench.hifi.elements.forms import elasticity
-from rollbench.hifi.linear_algebra.response import compliance
+from rollbench.hifi.linear_algebra.solvers import compliance
 from rollbench.hifi.rolling import bodies, halves, static_patches, verification
 from rollbench.hifi.rolling.answers import beside, free_answer, half_space_answer, tractions
 from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, kernel_of, prepare_bodies, solve_rolling, touching

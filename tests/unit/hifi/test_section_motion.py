@@ -9,7 +9,7 @@ from rollbench.hifi.condensation.responses import section_motion
 from rollbench.hifi.elements.assembly import assemble
 from rollbench.hifi.elements.forms import elasticity
 from rollbench.hifi.elements.rigid import rigid_modes
-from rollbench.hifi.linear_algebra.response import compliance
+from rollbench.hifi.linear_algebra.solvers import compliance
 from rollbench.hifi.shaft.helical_section import helical_stiffness
 from rollbench.meshes.fem import points_of
 from rollbench.meshes.groove import BodySpec
