@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.linalg import block_diag
 
-from rollbench.hifi.bodies.grid_wave import mean_approaches, relative_radii, resolved_forces, unit_hertz
+from rollbench.hifi.bodies.grid_wave import mean_approaches, resolved_forces, unit_hertz
 from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.elements.pressures import mean_weights
 from rollbench.meshes.arrays import Array
@@ -49,7 +49,7 @@ def patch_approaches(setup: Setup, side: int, loads: Array) -> Array:
 def spread(setup: Setup, side: int, load: float) -> Array:
     """Forces on a side's contact nodes ``(c,)`` like Hertz's pressure under ``load`` [N], of unit resultant."""
     m, material = setup.map, setup.scene.balls.material
-    ellipse = hertz(load, *relative_radii(m, side), material.youngs_modulus, material.poissons_ratio)
+    ellipse = hertz(load, *m.relative_radii(side, m.beta), material.youngs_modulus, material.poissons_ratio)
     normal, tangent, forward = directions(m, side)
     groove = setup.patches[side].groove
     x = groove.points - np.array([m.R, 0.0, 0.0]) - m.ball * normal

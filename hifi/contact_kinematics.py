@@ -54,7 +54,7 @@ def node_arms(p: PlacedSet, drawn: Specimen) -> Array:
     """Places of the nodes of the grooves from their ball's centre, ``(balls, n, 3)`` [m] in the ball's frame: nominal ones,
     with each groove's geometric errors, and the nut's shift (along its own track a groove is the same everywhere)."""
     m = p.setup.map
-    x3, _, z3 = m.axes
+    x3, _, z3 = m.axes()
     nominal_centres, radii = nominal_groove_centres(p.setup.scene), groove_radii(p.setup.scene)
     rows = []
     for s in p.sides:
@@ -110,7 +110,7 @@ def relative_motion(p: PlacedSet, balls: Array, along: Array, directions: Array)
     for k, (nodes, _) in enumerate(p.zones):
         for i in range(len(balls)):
             motion[i, k] = balls[i] - np.linalg.lstsq(directions[i, nodes], along[i, nodes], rcond=1e-6)[0]
-    y3 = p.setup.map.axes[1]
+    y3 = p.setup.map.axes()[1]
     slid = motion @ y3
     shift = motion - slid[..., None] * y3
     sizes = [nodes.stop - nodes.start for nodes, _ in p.zones]

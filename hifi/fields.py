@@ -46,7 +46,7 @@ from rollbench.meshes.fem import cells_of, moved
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import GroovedBody
 from rollbench.meshes.helix import BallLayout, ball_layout
-from rollbench.meshes.parts import SIDE_SIGNS, Material, Scene
+from rollbench.meshes.parts import Material, Scene
 from rollbench.meshes.sockets import local_points
 from rollbench.meshes.solid import Dimensions, dimensions
 
@@ -238,22 +238,6 @@ class ContactPressure:
     shape: tuple[int, int] | None
 
 
-def contact_radii(scene: Scene, side: int, angle: float) -> tuple[float, float]:
-    """Relative radii of curvature [m] across and along the groove at a contact of ``angle`` [rad]; as
-    `hifi.meshing.fit.expected_semi_axes`, for any side: along the groove the screw is convex, the nut hollow.
-
-    Source: normal curvature of the tube around a helix, cos(angle) cos^2(lead angle) / r at radius r.
-    """
-    track, ball = scene.track, scene.balls.radius
-    groove = (scene.screw if side < 2 else scene.nut).groove_radius
-    sense = SIDE_SIGNS[side][0]  # -1 on the screw
-    alpha = np.arctan2(track.lead / (2.0 * np.pi), track.pitch_radius)
-    reach = track.pitch_radius + sense * ball * np.cos(angle)
-    across = 1.0 / ball - 1.0 / groove
-    along = 1.0 / ball - sense * np.cos(angle) * np.cos(alpha) ** 2 / reach
-    return float(1.0 / across), float(1.0 / along)
-
-
 def contact_pressure(scene: Scene, m: GrooveMap, side: int, patch: CondensedPatch, forces: Array) -> ContactPressure:
     """Pressure of one contact from the forces ``(c,)`` [N] of the hats on the groove's patch: force over area.
 
@@ -270,7 +254,7 @@ def contact_pressure(scene: Scene, m: GrooveMap, side: int, patch: CondensedPatc
     angle = m.beta + float(np.arctan2(resultant @ t1, resultant @ n))
     centre = np.array([nodal @ across, nodal @ along]) / nodal.sum()
     material = scene.balls.material
-    closed = hertz(load, *contact_radii(scene, side, angle), material.youngs_modulus, material.poissons_ratio)
+    closed = hertz(load, *m.relative_radii(side, angle), material.youngs_modulus, material.poissons_ratio)
     return ContactPressure(across, along, forces / patch.areas, centre, load, closed, patch.areas, patch.shape)
 
 
@@ -291,7 +275,7 @@ def pressed_ball(scene: Scene, settings: Settings, ball: int, loads: Array, angl
     patches = {s: condense_side(*side_of(scene, m, dims, meshes, s, settings)) for s in sides}
     whole_ball = ball_compliance(scene.balls.material, meshes.ball, patches, settings)
     block = BallBlock(tuple(patches[s].local for s in sides), tuple(whole_ball.modes[s] for s in sides), whole_ball.G)
-    x3, z3 = np.array([1.0, 0.0, 0.0]), np.array([0.0, -np.sin(m.alpha), np.cos(m.alpha)])
+    x3, _, z3 = m.axes()
     gaps, N, f, start = [], np.zeros((len(block), 3 * len(sides))), np.zeros(3 * len(sides)), 0
     for k, s in enumerate(sides):
         groove = patches[s].groove

@@ -248,7 +248,7 @@ class Case:
         """Largest unbalanced force on a ball, that along its groove, and that on shaft and housings by their unheld rigid
         motions, over the largest load."""
         nets = [(f[..., None] * d).sum(axis=1) for f, d in zip(last.forces, last.directions, strict=True)]
-        along = [net @ p.setup.map.axes[1] for p, net in zip(self.sets, nets, strict=True)]
+        along = [net @ p.setup.map.axes()[1] for p, net in zip(self.sets, nets, strict=True)]
         rigid = last.by_rigid.T @ last.result.forces + self.mounted.work
         a, b, c = (float(np.abs(np.concatenate(x)).max(initial=0.0)) for x in (nets, along, [rigid]))
         largest = max(float(last.load.max()), 1e-300)
@@ -333,7 +333,7 @@ def _mean(load: Array) -> float:
 
 def _loads(p: PlacedSet, forces: Array, normals: Array) -> tuple[Array, Array]:
     """Resultant load and contact angle of every contact of a set, ``(balls, 4)`` each."""
-    x3, _, z3 = p.setup.map.axes
+    x3, _, z3 = p.setup.map.axes()
     load, angle = np.zeros((p.count, 4)), np.full((p.count, 4), np.nan)
     for nodes, s in p.zones:
         total = (forces[:, nodes, None] * normals[:, nodes]).sum(axis=1)

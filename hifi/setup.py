@@ -10,6 +10,7 @@ import os
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from time import perf_counter
 from typing import Any
 
@@ -19,19 +20,17 @@ from rollbench.hifi.condensation.responses import (
     BallResponse,
     NutResponse,
     ScrewResponse,
-    Shaft,
     ball_compliance,
     nut_response,
     screw_response,
-    shaft_jobs,
-    shaft_of,
 )
 from rollbench.hifi.condensation.side_by_side import Job, Made, make
 from rollbench.hifi.condensation.sides import SidePatches, condense_side, congruent, side_of, turned
 from rollbench.hifi.meshing.part_meshes import Meshes, mesh_recipes
 from rollbench.hifi.meshing.settings import Settings
-from rollbench.hifi.shaft.beam import ShaftSection
-from rollbench.hifi.shaft.cell import Homogenised
+from rollbench.hifi.shaft.beam import ShaftSection, round_section, tube
+from rollbench.hifi.shaft.cell import Homogenised, homogenise, lengths, meshed_shaft
+from rollbench.hifi.shaft.helical_section import helical_stiffness
 from rollbench.hifi.shaft.mounting import as_stiff_as, without_cuts
 from rollbench.meshes.cache import Cache, StageDone
 from rollbench.meshes.groove_map import GrooveMap
@@ -83,11 +82,6 @@ class _Stages:
         self.seconds: dict[str, float] = {}
         self.others: dict[int, float] = {}
 
-    def report_stage(self, stage: str, spent: float, cached: Sequence[bool]) -> None:
-        """Report the seconds that a stage took, and whether its records came from the cache."""
-        origin = "" if not any(cached) else ", from the cache" if all(cached) else ", partly from the cache"
-        self.step(StageDone(stage, f"{spent:.1f} s{origin}", cached=bool(cached) and all(cached)))
-
     def run(self, jobs: Sequence[Job], processes: int) -> list[Any]:
         """Records of the jobs. A stage is reported with the seconds of its jobs when the last is done; `seconds` keeps its
         share of the time that all took."""
@@ -96,11 +90,13 @@ class _Stages:
         wanted = Counter(job.stage for job in jobs)
 
         def on_done(k: int, record: Made[Any]) -> None:
-            stage = jobs[k].stage
-            records = by_stage[stage]
+            records = by_stage[jobs[k].stage]
             records.append(record)
-            if len(records) == wanted[stage]:
-                self.report_stage(stage, sum(x.seconds for x in records), [x.cached for x in records])
+            if len(records) == wanted[jobs[k].stage]:
+                cached = [x.cached for x in records]
+                origin = "" if not any(cached) else ", from the cache" if all(cached) else ", partly from the cache"
+                spent = sum(x.seconds for x in records)
+                self.step(StageDone(jobs[k].stage, f"{spent:.1f} s{origin}", cached=all(cached)))
 
         done = make(jobs, self.cache, processes, on_done)
         share = (perf_counter() - start) / max(sum(record.seconds for record in done), 1e-9)
@@ -138,13 +134,14 @@ def prepare(
     records = stages.run([*jobs.values(), *_shaft_jobs(scene, m, dims, settings, stations)], processes)
     condensed = dict(zip(jobs, records, strict=False))
     patches = {s: condensed[s] if s in condensed else turned(condensed[s - 1]) for s in sides}
-    shaft = shaft_of(scene.screw.material, m, scene.screw.bore / 2.0, records[len(jobs) :])
+    section, *meshed = records[len(jobs) :]
+    homogenised = homogenise(m, scene.screw.bore / 2.0, scene.screw.material, section, meshed) if meshed else None
 
     bodies = _body_jobs(scene, layout, dims, meshes, sides, settings, patches, stations)
     together = processes if layout.z.size * len(sides) <= TOGETHER else 1
     screw, *nuts, ball = stages.run(bodies, together)
     nut: NutResponse | None = nuts[0] if nuts else None
-    screw = _as_the_section(screw, shaft, m, layout, sides, stations)
+    screw = _as_the_section(screw, homogenised, m, layout, sides, stations)
     unknowns = screw.unknowns + (nut.unknowns if nut else 0) + ball.unknowns * layout.z.size
     unknowns += sum(p.groove.unknowns + p.ball.unknowns for p in patches.values()) * layout.z.size
     return Setup(
@@ -158,8 +155,8 @@ def prepare(
         screw,
         nut,
         ball,
-        shaft.section,
-        shaft.homogenised,
+        homogenised.section if homogenised else section,
+        homogenised,
         unknowns,
         _quality(meshes, settings),
         stages.seconds,
@@ -180,12 +177,20 @@ def _patch_jobs(
 
 
 def _shaft_jobs(scene: Scene, m: GrooveMap, dims: Dimensions, settings: Settings, stations: tuple[float, ...]) -> list[Job]:
-    """Jobs of the shaft beyond the 3D stretch; stations of supports and loads [m]."""
-    screw, ends = scene.screw, dims.ends(scene)
-    beyond = dims.screw_held != "bore" and not all(ends[0] <= z <= ends[1] for z in stations)
-    size = settings.cell if beyond else None
-    radii = (screw.outer_diameter / 2.0, screw.bore / 2.0, dims.shaft_radius, dims.hole)
-    return shaft_jobs(screw.material, m, *radii, size)
+    """Jobs of the shaft beyond the 3D stretch; stations of supports and loads [m]: its section, or stiffnesses of the
+    helical section and three meshed shafts for `homogenise`, by what they depend on alone, so that other nuts and loads
+    find them in the cache. Where no station lies beyond the stretch any section will do."""
+    screw, e, (low, high) = scene.screw, scene.screw.material, dims.ends(scene)
+    outer, bore = screw.outer_diameter / 2.0, screw.bore / 2.0
+    section_job = partial(Job, "shaft section")
+    beyond = dims.screw_held != "bore" and not all(low <= z <= high for z in stations)
+    plain = dims.shaft_radius if beyond else outer
+    if plain is not None:
+        return [section_job(round_section, (plain, e.youngs_modulus, e.poissons_ratio), ShaftSection)]
+    if m.rg == 0.0:
+        return [section_job(tube, (outer, bore, e), ShaftSection)]
+    meshed = [section_job(meshed_shaft, (m, outer, dims.hole, e, settings.cell, x), tuple) for x in lengths(m)]
+    return [section_job(helical_stiffness, (m, outer, bore, e), tuple), *meshed]
 
 
 def _body_jobs(
@@ -215,18 +220,18 @@ def _body_jobs(
 
 def _as_the_section(
     screw: ScrewResponse,
-    shaft: Shaft,
+    homogenised: Homogenised | None,
     m: GrooveMap,
     layout: BallLayout,
     sides: tuple[int, ...],
     stations: tuple[float, ...],
 ) -> ScrewResponse:
     """The screw with a 3D stretch as stiff as the shaft's section, free of its cut ends."""
-    if shaft.homogenised is None:
+    if homogenised is None:
         return screw
     along = np.repeat(layout.z, sum(s < 2 for s in sides))
-    stretch = as_stiff_as(screw.stretch, screw.rigid, along, shaft.section, shaft.homogenised.cut, m)
-    return replace(screw, stretch=without_cuts(stretch, shaft.homogenised.cut, m, stations))
+    stretch = as_stiff_as(screw.stretch, screw.rigid, along, homogenised.section, homogenised.cut, m)
+    return replace(screw, stretch=without_cuts(stretch, homogenised.cut, m, stations))
 
 
 def _quality(meshes: Meshes, settings: Settings) -> dict[str, float]:

@@ -57,7 +57,7 @@ class BallBody(Meshed):
 def directions(m: GrooveMap, side: int) -> Array:
     """Rows: contact direction, direction of growing gamma, direction of growing azimuth, at azimuth 0, ``(3, 3)``."""
     sx, sz = m.signs[side]
-    x3, y3, z3 = m.axes
+    x3, y3, z3 = m.axes()
     c, s = cos(m.beta), sin(m.beta)
     return np.stack([sx * c * x3 + sz * s * z3, -sx * s * x3 + sz * c * z3, y3])
 

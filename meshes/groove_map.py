@@ -73,11 +73,20 @@ class GrooveMap:
         """Whether each groove is one arc, which the sides SL and NR stand for (`meshes.one_arc`)."""
         return self.rg == 0.0 and near_apex(float(self.radius.min()), self.beta, self.ball)
 
-    @property
     def axes(self) -> Array:
         """Rows: radial, along the track, and across it in the groove's section, at azimuth 0, ``(3, 3)``."""
         c, s = cos(self.alpha), sin(self.alpha)
         return np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]])
+
+    def relative_radii(self, side: int, angle: float) -> tuple[float, float]:
+        """Relative radii [m] of ball and groove across and along it at a contact angle [rad]: along the groove the screw is
+        convex, the nut hollow.
+
+        Source: normal curvature of the tube around a helix, cos(angle) cos^2(lead angle) / r at radius r.
+        """
+        outward = float(self.signs[side, 0] * np.cos(angle))  # below 0 on the screw
+        along = outward * cos(self.alpha) ** 2 / (self.R + outward * self.ball)
+        return 1.0 / (1.0 / self.ball - 1.0 / float(self.radius[side])), 1.0 / (1.0 / self.ball - along)
 
     def section(self, side: int, gamma: Array, rho: Array) -> tuple[Array, Array]:
         """Section coordinates (x3, z3) [m] at angle gamma and distance rho from the centre of a side's arc."""

@@ -26,7 +26,6 @@ from rollbench.comparison.wings.extremes.survey.draw import SEED, scene_text
 from rollbench.hifi import setup
 from rollbench.hifi.bodies import patch
 from rollbench.hifi.condensation import sides
-from rollbench.hifi.condensation.responses import Shaft
 from rollbench.hifi.condensation.sides import condense_side, side_of, turned
 from rollbench.hifi.elements import assembly
 from rollbench.hifi.linear_algebra import fronts, solvers
@@ -172,7 +171,7 @@ def _shafts(scene: Scene, base: setup.Setup, raw: Any, choices: Settings, row: C
         begin, radii = process_time(), (scene.screw.outer_diameter / 2.0, base.dims.hole)
         meshed = [cell.meshed_shaft(m, *radii, e, cells * choices.cell, length) for length in lengths]
         spent, found = process_time() - begin, cell.homogenise(m, bore, e, section, meshed)
-        return replace(base, screw=setup._as_the_section(screw, Shaft(found.section, found), *rest)), spent
+        return replace(base, screw=setup._as_the_section(screw, found, *rest)), spent
 
     whole = cell.lengths(m)
     lead = 2.0 * np.pi * abs(m.rg)

@@ -14,7 +14,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.linalg.lapack import dpotrs
@@ -43,16 +42,9 @@ POWERS = (-2.0 / 3.0, 0.0, 1.0 / 3.0, 2.0 / 3.0)
 FILLED, COARSEST, LEAST = 0.85, 1.0, 0.6
 
 
-def relative_radii(m: GrooveMap, side: int) -> tuple[float, float]:
-    """Relative radii [m] of ball and groove across and along it, by the normal curvatures of the helical groove."""
-    outward = m.signs[side, 0] * np.cos(m.beta)
-    along = outward * np.cos(m.alpha) ** 2 / (m.R + outward * m.ball)
-    return 1.0 / (1.0 / m.ball - 1.0 / float(m.radius[side])), 1.0 / (1.0 / m.ball - along)
-
-
 def unit_hertz(m: GrooveMap, side: int, material: Material) -> HertzSolution:
     """Hertz's contact of a side under 1 N; approach as F^(2/3), semi-axes across and along the groove as F^(1/3)."""
-    return hertz(1.0, *relative_radii(m, side), material.youngs_modulus, material.poissons_ratio)
+    return hertz(1.0, *m.relative_radii(side, m.beta), material.youngs_modulus, material.poissons_ratio)
 
 
 def cell_sizes(m: GrooveMap, side: int, patch: CondensedPatch) -> Array:
@@ -85,19 +77,17 @@ def approaches_at(
     loads: Array,
     place: tuple[float, float],
     start: Flags | None = None,
-    means: sp.csr_matrix | None = None,
 ) -> tuple[Array, Flags]:
     """Approaches ``(f,)`` [m] under ``loads`` ``(f,)`` [N] of a contact of own compliance ``(c, c)``, pressed straight in
     along the normal at its place, and its closed pairs ``(f, c)``.
 
-    place: of the contact beside the nominal one, across and along, in cells; start: closed pairs of a neighbouring place;
-    means: over the patch's hats, where they are known.
+    place: of the contact beside the nominal one, across and along, in cells; start: closed pairs of a neighbouring place.
     """
-    W = mean_weights(patch.weights) if means is None else means
+    W = mean_weights(patch.weights)
     normal, tangent, forward = directions(m, side)
     x = patch.points - np.array([m.R, 0.0, 0.0])
     # the ball's centre moved by t: the gap is least t times (relative radius / r) beside the nominal contact
-    scale = m.ball / np.array(relative_radii(m, side))
+    scale = m.ball / np.array(m.relative_radii(side, m.beta))
     beside = cell_sizes(m, side, patch) * np.array(place)
     t = scale * beside
     gap = np.linalg.norm(x - t[0] * tangent - t[1] * forward, axis=1) - m.ball
@@ -143,54 +133,35 @@ def smooth(loads: Array, approach: Array) -> Array:
     return np.asarray(approach * (basis @ np.linalg.lstsq(basis, np.ones(loads.size), rcond=None)[0]))
 
 
-@dataclass(frozen=True)
-class PeriodicApproach:
-    """Approach of a contact over its place on the grid, without what changes from cell to cell: away from the middle of its
-    zone a contact finds another compliance beneath it, which is physics and no wave.
+def periodic_approaches(
+    m: GrooveMap, side: int, patch: CondensedPatch, C: Array, loads: Array, counts: tuple[int, int]
+) -> tuple[Array, Array]:
+    """Approaches ``(across, along, f)`` [m] of a contact of compliance ``(c, c)`` [m/N] under ``loads`` ``(f,)`` [N] at
+    even places in a cell, from the middle of the zone on; ``counts`` of places, both even.
 
-    loads ``(f,)`` [N]; trend ``(2, f)`` [m]: by the place across and along, in cells, from places half a cell away on
-    either side; closed: pairs ``(f, c)`` of the contact in the middle; means: over the patch's hats.
+    They are without what changes from cell to cell: away from the middle of its zone a contact finds another compliance
+    beneath it, which is physics and no wave. That is the trend ``(2, f)`` [m] by the place across and along, in cells, from
+    places half a cell away on either side, which comes second.
     """
 
-    m: GrooveMap
-    side: int
-    patch: CondensedPatch
-    C: Array
-    loads: Array
-    trend: Array
-    closed: Flags
-    means: sp.csr_matrix
+    def at(x: float, y: float, start: Flags | None) -> tuple[Array, Flags]:
+        return approaches_at(m, side, patch, C, loads, (x, y), start)
 
-    @classmethod
-    def of(cls, m: GrooveMap, side: int, patch: CondensedPatch, C: Array, loads: Array) -> PeriodicApproach:
-        """Of a contact of compliance ``(c, c)`` [m/N] under ``loads`` ``(f,)`` [N]."""
-        W = mean_weights(patch.weights)
-        _, closed = approaches_at(m, side, patch, C, loads, (0.0, 0.0), means=W)
-        left, right, back, ahead = (
-            approaches_at(m, side, patch, C, loads, place, closed, W)[0]
-            for place in ((-0.5, 0.0), (0.5, 0.0), (0.0, -0.5), (0.0, 0.5))
-        )
-        return cls(m, side, patch, C, loads, np.array([right - left, ahead - back]), closed, W)
-
-    def table(self, across: int, along: int) -> Array:
-        """Approaches ``(across, along, f)`` [m] less the trend, at places in a cell, from the middle of the zone on; both
-        counts even."""
-        out = np.empty((across, along, self.loads.size))
-        first = self.closed
-        for i, x in enumerate(np.arange(across) / across - 0.5):
-            near = first
-            for k, y in enumerate(np.arange(along) / along - 0.5):
-                place = float(x), float(y)
-                arguments = self.m, self.side, self.patch, self.C, self.loads, place, near, self.means
-                approach, near = approaches_at(*arguments)
-                out[i, k] = approach - np.array([x, y]) @ self.trend
-                first = near if k == 0 else first
-        return np.asarray(np.fft.ifftshift(out, axes=(0, 1)))
+    first = at(0.0, 0.0, None)[1]
+    left, right, back, ahead = (at(*place, first)[0] for place in ((-0.5, 0.0), (0.5, 0.0), (0.0, -0.5), (0.0, 0.5)))
+    trend, table = np.array([right - left, ahead - back]), np.empty((*counts, loads.size))
+    for i, x in enumerate(np.arange(counts[0]) / counts[0] - 0.5):
+        near = first
+        for k, y in enumerate(np.arange(counts[1]) / counts[1] - 0.5):
+            approach, near = at(float(x), float(y), near)
+            table[i, k] = approach - np.array([x, y]) @ trend
+            first = near if k == 0 else first
+    return np.asarray(np.fft.ifftshift(table, axes=(0, 1))), trend
 
 
 def mean_approaches(m: GrooveMap, side: int, patch: CondensedPatch, compliance: Array, loads: Array) -> Array:
     """Approaches ``(f,)`` [m] of a contact in the middle of its zone without the grid's wave: mean over a cell."""
-    return np.asarray(PeriodicApproach.of(m, side, patch, compliance, loads).table(*MEAN).mean(axis=(0, 1)))
+    return np.asarray(periodic_approaches(m, side, patch, compliance, loads, MEAN)[0].mean(axis=(0, 1)))
 
 
 @dataclass(frozen=True)
@@ -228,7 +199,7 @@ def _periodic(values: Array, place: Array) -> Array:
 def grid_wave(m: GrooveMap, side: int, patch: CondensedPatch, C: Array, material: Material) -> GridWave:
     """Table of the smooth law less the approach at a contact's own place."""
     loads = resolved_forces(m, side, patch, material, FORCES)
-    table = PeriodicApproach.of(m, side, patch, C, loads).table(ACROSS, ALONG)
+    table = periodic_approaches(m, side, patch, C, loads, (ACROSS, ALONG))[0]
     assert patch.shape is not None
     middle = patch.points.reshape(*patch.shape, 3)[patch.shape[0] // 2, patch.shape[1] // 2]
     correction = smooth(loads, table.mean(axis=(0, 1))) - table

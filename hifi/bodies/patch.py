@@ -104,14 +104,8 @@ class CondensedPatch:
 def graded(inner: float, step: float, growth: float) -> Array:
     """Boundaries on [-1, 1]: equal steps over [-inner, inner], growing by about ``growth`` towards the ends."""
     cells = max(1, round(2.0 * inner / step))
-    core = np.linspace(-inner, inner, cells + 1)
-    return np.concatenate(
-        [
-            -growing(inner, 1.0, 2.0 * inner / cells, growth)[:0:-1],
-            core,
-            growing(inner, 1.0, 2.0 * inner / cells, growth)[1:],
-        ]
-    )
+    beyond = growing(inner, 1.0, 2.0 * inner / cells, growth)[1:]
+    return np.concatenate([-beyond[::-1], np.linspace(-inner, inner, cells + 1), beyond])
 
 
 def growing(start: float, end: float, first: float, ratio: float) -> Array:
@@ -284,16 +278,7 @@ def tie_matrix(xi: Array, socket: SocketMesh, *, linear: bool = False) -> sp.csr
 
 def _quadratic_shape(w: Array) -> Array:
     """Shape functions ``(n, 6)`` of a second-order triangle at barycentric coordinates ``(n, 3)``."""
-    return np.column_stack(
-        [
-            w[:, 0] * (2 * w[:, 0] - 1),
-            w[:, 1] * (2 * w[:, 1] - 1),
-            w[:, 2] * (2 * w[:, 2] - 1),
-            4 * w[:, 0] * w[:, 1],
-            4 * w[:, 1] * w[:, 2],
-            4 * w[:, 2] * w[:, 0],
-        ]
-    )
+    return np.hstack([w * (2 * w - 1), 4 * w * w[:, [1, 2, 0]]])
 
 
 def _linear_shape(w: Array) -> Array:

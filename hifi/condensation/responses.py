@@ -5,8 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
-from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -25,21 +23,16 @@ from rollbench.hifi.bodies.coarse import (
     patch_modes,
 )
 from rollbench.hifi.bodies.patch import CondensedPatch
-from rollbench.hifi.condensation.side_by_side import Job
 from rollbench.hifi.condensation.sides import SidePatches
 from rollbench.hifi.elements.assembly import cells
 from rollbench.hifi.elements.rigid import rigid_modes, transport
 from rollbench.hifi.linear_algebra.solvers import compliance
 from rollbench.hifi.meshing.part_meshes import body_kind, placed, sockets_of
 from rollbench.hifi.meshing.settings import Settings
-from rollbench.hifi.shaft.beam import ShaftSection, round_section, tube
-from rollbench.hifi.shaft.cell import Homogenised, homogenise, lengths, meshed_shaft
-from rollbench.hifi.shaft.helical_section import helical_stiffness
 from rollbench.hifi.shaft.mounting import Stretch
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import BallBody
 from rollbench.meshes.fem import nodes_on, points_of
-from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import GroovedBody
 from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import Material, Nut
@@ -112,14 +105,6 @@ class BallResponse(Modal):
     unknowns: int
 
 
-@dataclass(frozen=True)
-class Shaft:
-    """Section of the shaft beyond the 3D stretch, and where it comes from."""
-
-    section: ShaftSection
-    homogenised: Homogenised | None
-
-
 def with_modes(
     material: Material,
     mesh: Mesh,
@@ -145,35 +130,6 @@ def ball_compliance(
     free = np.setdiff1d(np.arange(K.shape[0]), held)
     G = compliance(condense(K, D=held, expand=False), rows[:, free])
     return BallResponse(G, {s: k[0] for s, k in kept.items()}, int(free.size))
-
-
-def shaft_jobs(
-    e: Material, m: GrooveMap, outer: float, bore: float, radius: float | None, hole: float, size: float | None
-) -> list[Job]:
-    """Jobs whose records `shaft_of` takes for the shaft beyond the 3D stretch: its section, or stiffnesses of the helical
-    section and meshed shafts, by what they depend on alone, so that other nuts and loads find them in the cache.
-
-    outer, bore: radii of the shaft's lands and bore [m]; radius: of a plain shaft in its place [m], if the scene has one;
-    hole: radius of the bore of 3D meshes [m]; size: of their elements [m], or None where no station of supports or loads
-    lies beyond the stretch, so that any section will do.
-    """
-    section_job = partial(Job, "shaft section")
-    plain = outer if size is None else radius
-    if plain is not None:
-        return [section_job(round_section, (plain, e.youngs_modulus, e.poissons_ratio), ShaftSection)]
-    if m.rg == 0.0:
-        return [section_job(tube, (outer, bore, e), ShaftSection)]
-    meshed = [section_job(meshed_shaft, (m, outer, hole, e, size, length), tuple) for length in lengths(m)]
-    return [section_job(helical_stiffness, (m, outer, bore, e), tuple), *meshed]
-
-
-def shaft_of(e: Material, m: GrooveMap, bore: float, records: Sequence[Any]) -> Shaft:
-    """Shaft beyond the 3D stretch from the records of its `shaft_jobs`; bore: its radius [m]."""
-    section, *meshed = records
-    if not meshed:
-        return Shaft(section, None)
-    homogenised = homogenise(m, bore, e, section, meshed)
-    return Shaft(homogenised.section, homogenised)
 
 
 def screw_response(

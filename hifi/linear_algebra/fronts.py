@@ -20,7 +20,6 @@ from scipy.linalg.lapack import dpotrf
 from rollbench.hifi.linear_algebra.dissection import Supernodes
 from rollbench.meshes.arrays import Array, Index
 
-
 #: Columns of a front that are added at once: of what lies above the diagonal, half this many rows are added in vain.
 WIDTH = 64
 

@@ -26,9 +26,10 @@ from rollbench.hifi.shaft.frame import Frame
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Thrust
 from rollbench.meshes.errors import specimen
+from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout, groove_radii, lead_angle
 from rollbench.meshes.one_arc import is_one_arc
-from rollbench.meshes.parts import FREEDOMS, SIDE_SIGNS, Material, Scene
+from rollbench.meshes.parts import SIDE_SIGNS, Material, Scene
 from rollbench.meshes.solid import dimensions
 
 #: Newton steps at most, and the imbalance over the largest force at which they end.
@@ -66,10 +67,9 @@ class ExpectedContacts:
         scale = np.cbrt(float(largest[ball].mean()) / largest[ball])
         return float((self.across[ball, side] * scale).mean()), float((self.along[ball, side] * scale).mean())
 
-    def reach(self, sides: tuple[int, ...] = (0, 1, 2, 3)) -> tuple[float, float]:
+    def reach(self) -> tuple[float, float]:
         """How far contacts reach from their nominal middle across and along the groove [m], the farthest of all."""
-        columns = list(sides)
-        return float((self.across + np.abs(self.shift))[:, columns].max()), float(self.along[:, columns].max())
+        return float((self.across + np.abs(self.shift)).max()), float(self.along.max())
 
     def sides(self) -> tuple[int, ...]:
         """Sides (0 to 3) that touch, or nearly: with a gap of less than a fifth of the largest approach."""
@@ -168,13 +168,9 @@ def _expected(sets: tuple[_Set, ...], frame: Frame) -> tuple[ExpectedContacts, .
 
 def hertz_units(scene: Scene) -> tuple[HertzSolution, ...]:
     """Hertz's contact under 1 N of each side: x across the groove, y along it, with the normal curvatures of its helix."""
-    track, r = scene.track, scene.balls.radius
-    beta, alpha = track.contact_angle, lead_angle(track)
-    units = []
-    for part, sign in ((scene.screw, -1.0), (scene.nut, 1.0)):
-        hollow = sign * np.cos(beta) * np.cos(alpha) ** 2 / (track.pitch_radius + sign * r * np.cos(beta))
-        radii = 1.0 / (1.0 / r - 1.0 / part.groove_radius), 1.0 / (1.0 / r - hollow)
-        units += [hertz(1.0, *radii, 2.0 * _modulus(scene.balls.material, part.material), 0.0)] * 2
+    m, units = GrooveMap.of(scene), []
+    for side, part in ((0, scene.screw), (2, scene.nut)):
+        units += [hertz(1.0, *m.relative_radii(side, m.beta), 2.0 * _modulus(scene.balls.material, part.material), 0.0)] * 2
     return tuple(units)
 
 
@@ -187,7 +183,7 @@ def _model(sets: tuple[_Set, ...], frame: Frame) -> _Model:
     layouts, count = [ball_layout(s.scene) for s in sets], len(frame.housings)
     first, n = sets[0].scene, sum(x.z.size for x in layouts)
     rigid = any(s.scene.ingredients.screw == "rigid" or dimensions(s.scene).screw_held == "bore" for s in sets)
-    acted = {x.at for x in frame.supports} | {x.at for x in frame.loads}
+    acted = frame.stations
     nodes = [first.nut.position] if rigid else sorted({round(z, 9) for x in layouts for z in acted | set(x.z.tolist())})
     thread, e = next((s.scene for s in sets if s.scene.track.lead > 0.0), first), first.screw.material
     mean = 0.5 * (thread.screw.outer_diameter / 2.0 + thread.track.pitch_radius - thread.balls.radius)  # of land and groove
@@ -199,40 +195,31 @@ def _model(sets: tuple[_Set, ...], frame: Frame) -> _Model:
     for spring, stiff in frame.springs():
         K[shaft:, shaft:] += spring.T @ stiff @ spring
 
-    def motion(z: float) -> sp.csr_matrix:
-        """Motion ``(6, size)`` of a station by the screw's freedoms."""
-        k = 0 if rigid else nodes.index(round(z, 9))
+    def motion(body: int, z: float) -> sp.csr_matrix:
+        """Motion ``(6, size)`` of a station of the screw (body 0), or of a nut in a housing, by the freedoms."""
+        if body:
+            first, at = shaft + 6 * (body - 1), frame.housings[body - 1].at
+        else:
+            k = 0 if rigid else nodes.index(round(z, 9))
+            first, at = 6 * k, nodes[k]
         out = sp.lil_matrix((6, K.shape[0]))
-        out[:, 6 * k : 6 * k + 6] = transport(z - nodes[k])
+        out[:, first : first + 6] = transport(z - at)
         return out.tocsr()
 
-    def carried(housing: int, z: float) -> sp.csr_matrix:
-        """The same of a station of a nut by its housing's."""
-        out, at = sp.lil_matrix((6, K.shape[0])), shaft + 6 * housing
-        out[:, at : at + 6] = transport(z - frame.housings[housing].at)
-        return out.tocsr()
-
-    share = sum(float(np.linalg.norm(x.force)) + float(np.linalg.norm(x.moment)) / frame.arm for x in frame.loads)
-    share += sum(float(np.linalg.norm(h.force)) + float(np.linalg.norm(h.moment)) / frame.arm for h in frame.housings)
+    wrenches = frame.wrenches()
+    share = sum(float(np.linalg.norm(w[:3])) + float(np.linalg.norm(w[3:])) / frame.arm for *_, w in wrenches)
     hertz_constants = [np.array([unit.approach for unit in hertz_units(s.scene)]) ** -1.5 for s in sets]
     for s, constants in zip(sets, hertz_constants, strict=True):
         constants[~np.array(s.sides)] = 0.0
     constant = np.concatenate([np.tile(k, (x.z.size, 1)) for k, x in zip(hertz_constants, layouts, strict=True)])
     stiffness = 1.5 * float(constant.max()) ** (2.0 / 3.0) * max(share / n, 1.0) ** (1.0 / 3.0)
     P, held = np.zeros(K.shape[0]), sp.csr_matrix(K.shape)
-    for load in frame.loads:
-        P += motion(load.at).T @ np.concatenate([load.force, load.moment])
-    for k, housing in enumerate(frame.housings):
-        P[shaft + 6 * k : shaft + 6 * k + 6] += [*housing.force, *housing.moment]
-    size = np.array([1.0, 1.0, 1.0, *[frame.arm] * 3])
-    holds = [(motion(x.at), x.fixed) for x in frame.supports]
-    holds += [(carried(k, housing.at), housing.fixed) for k, housing in enumerate(frame.housings)]
-    for at, fixed in holds:
-        for name, value in fixed:
-            row = at[FREEDOMS.index(name)]
-            spring = HELD * n * stiffness * size[FREEDOMS.index(name)] ** 2
-            held = held + spring * (row.T @ row)
-            P += spring * value * row.toarray()[0]
+    for body, at, wrench in wrenches:
+        P += motion(body, at).T @ wrench
+    for body, at, k, value in frame.holds():
+        row, spring = motion(body, at)[k], HELD * n * stiffness * frame.lengths[k] ** 2
+        held = held + spring * (row.T @ row)
+        P += spring * value * row.toarray()[0]
     blocks, arms, touch = [], [], []
     for s, layout in zip(sets, layouts, strict=True):
         drawn, track = specimen(s.scene, layout), s.scene.track
@@ -241,16 +228,16 @@ def _model(sets: tuple[_Set, ...], frame: Frame) -> _Model:
             arm = layout.centre[i] - np.array([0.0, 0.0, z])
             turn = np.array([[0.0, arm[2], -arm[1]], [-arm[2], 0.0, arm[0]], [arm[1], -arm[0], 0.0]])
             rows = -sp.csr_matrix(np.hstack([section_frame, section_frame @ turn]))
-            screw, nut = rows @ motion(z), sp.csr_matrix((4, K.shape[0]))
+            screw, nut = rows @ motion(0, z), sp.csr_matrix((4, K.shape[0]))
             if s.housing is not None:
-                nut = sp.vstack([rows @ carried(s.housing, z)] * 2)
+                nut = sp.vstack([rows @ motion(1 + s.housing, z)] * 2)
             blocks.append(sp.vstack([screw, screw, nut]))
         inward = [np.polynomial.Polynomial(p if p.size else [0.0])(track.contact_angle) for p in drawn.profile]
         arms.append(-drawn.centre)
         arms[-1][:, 2:, 1] -= s.offset * np.cos(lead_angle(track))
         touch.append((drawn.radius - np.array(inward))[None, :] - drawn.ball_radius[:, None])
     A = sp.hstack([sp.vstack(blocks), sp.kron(sp.identity(n), np.tile(np.eye(2), (4, 1)))]).tocsr()
-    arm = np.concatenate([np.tile(size, len(nodes) + count), np.ones(2 * n)])
+    arm = np.concatenate([np.tile(frame.lengths, len(nodes) + count), np.ones(2 * n)])
     soft = SOFT * stiffness * arm**2
     K_all = sp.block_diag([K.tocsr() + held, sp.csr_matrix((2 * n, 2 * n))]) + sp.diags(soft)
     P = np.append(P, np.zeros(2 * n))

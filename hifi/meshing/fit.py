@@ -50,18 +50,8 @@ def socket_size(
     nut, position = scene.nut, scene.nut.position
     low, high = dims.ends(scene)
     ends = (max(position - nut.length / 2.0, low), min(position + nut.length / 2.0, high))
-    size = fitted_socket(
-        m,
-        layout,
-        sides,
-        scene.screw.outer_diameter / 2.0,
-        dims.hole,
-        dims.land,
-        nut.outer_diameter / 2.0,
-        ends,
-        settings.reach,
-    )
-    return replace(size, cuts=settings.cuts)
+    radii = (scene.screw.outer_diameter / 2.0, dims.hole, dims.land, nut.outer_diameter / 2.0)
+    return replace(fitted_socket(m, layout, sides, *radii, ends, settings.reach), cuts=settings.cuts)
 
 
 def reach_along(m: GrooveMap, side: int, angle: Array, across: Array, along: Array) -> float:

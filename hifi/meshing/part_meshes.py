@@ -85,31 +85,13 @@ def mesh_recipes(
     size = socket_size(scene, m, layout, sides, dims, settings)
     widths = (size.gamma * float(m.radius.mean()), size.phi * m.R)
     _, zone = patch_lines(settings, widths, size.depth)
-    low, high = dims.ends(scene)
-    nut, position = scene.nut, scene.nut.position
-    screw_spec = BodySpec(
-        dims.hole,
-        scene.screw.outer_diameter / 2.0,
-        low,
-        high,
-        True,
-        sockets_of(layout, sides, True),
-        size,
-        settings.fine,
-        settings.coarse,
-    )
+    nut, middle = scene.nut, scene.nut.position
+    ends = (middle - nut.length / 2.0, middle + nut.length / 2.0)
+    on_screw, on_nut = (sockets_of(layout, sides, screw) for screw in (True, False))
+    cells = (settings.fine, settings.coarse)
+    screw_spec = BodySpec(dims.hole, scene.screw.outer_diameter / 2.0, *dims.ends(scene), True, on_screw, size, *cells)
     nut_spec = BodySpec(
-        dims.land,
-        nut.outer_diameter / 2.0,
-        position - nut.length / 2.0,
-        position + nut.length / 2.0,
-        False,
-        sockets_of(layout, sides, False),
-        size,
-        settings.fine,
-        settings.coarse,
-        dims.groove_ends,
-        nut.flange,
+        dims.land, nut.outer_diameter / 2.0, *ends, False, on_nut, size, *cells, dims.groove_ends, nut.flange
     )
     sockets = tuple(ball_place(m, size, s, zone)[0] for s in sides)
     bodies: list[Recipe] = [(build_body, (m, spec), GroovedBody) for spec in (screw_spec, nut_spec)]

@@ -6,9 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rollbench.hifi.meshing.expected import expected_contacts
-from rollbench.meshes.parts import Scene
-
 #: Expected semi-axes are rounded to this length [m], so that like scenes share their patches.
 ROUNDING = 5e-6
 
@@ -44,19 +41,6 @@ class Settings:
     ball_modes: int = 24
     element: str = "Q2"
     tet: float = 0.08e-3
-
-
-def expected_semi_axes(scene: Scene) -> tuple[float, float]:
-    """Semi-axes (a, b) [m] of a typical contact of a scene, rounded up. Raises ValueError as `expected_contacts`."""
-    return rounded(expected_contacts(scene).semi())
-
-
-def expected_reach(scene: Scene) -> tuple[float, float]:
-    """How far contacts of a scene reach on any side from their nominal middle, across and along the groove [m], rounded up.
-
-    Raises ValueError as `expected_contacts`.
-    """
-    return rounded(expected_contacts(scene).reach((0, 1, 2, 3)))
 
 
 def rounded(lengths: tuple[float, float]) -> tuple[float, float]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rollbench.hifi.elements.rigid import transport
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Material
 
@@ -18,6 +19,12 @@ class ShaftSection:
     EI: float
     GJ: float
     kGA: float
+
+    @property
+    def per_length(self) -> Array:
+        """Flexibility ``(6, 6)`` of a metre."""
+        yielding = [self.kGA, self.kGA, self.EA, self.EI, self.EI, self.GJ]
+        return np.asarray(np.diag(1.0 / np.array(yielding)))
 
 
 def round_section(radius: float, young: float, poisson: float, bore: float = 0.0) -> ShaftSection:
@@ -34,21 +41,14 @@ def tube(radius: float, bore: float, material: Material) -> ShaftSection:
     return round_section(radius, material.youngs_modulus, material.poissons_ratio, bore)
 
 
+def uniform_cantilever(length: float, per_length: Array) -> Array:
+    """Flexibility ``(6, 6)`` of the end of a cantilever along z from that of a metre ``(6, 6)``."""
+    t = transport(1.0) - np.eye(6)
+    first = t @ per_length
+    return np.asarray(length * per_length + length**2 / 2.0 * (first + first.T) + length**3 / 3.0 * first @ t.T)
+
+
 def beam_stiffness(length: float, section: ShaftSection) -> Array:
     """Stiffness ``(12, 12)`` of a uniform shaft along z from the flexibility of its cantilever (equilibrium transport)."""
-    f = np.zeros((6, 6))
-    bend = length**3 / (3.0 * section.EI) + length / section.kGA
-    f[0, 0] = f[1, 1] = bend
-    f[0, 4] = f[4, 0] = length**2 / (2.0 * section.EI)
-    f[1, 3] = f[3, 1] = -(length**2) / (2.0 * section.EI)
-    f[3, 3] = f[4, 4] = length / section.EI
-    f[2, 2], f[5, 5] = length / section.EA, length / section.GJ
-    end = np.linalg.inv(f)
-    transport = np.eye(6)
-    transport[0, 4], transport[1, 3] = length, -length
-    full = np.zeros((12, 12))
-    full[6:, 6:] = end
-    full[:6, 6:] = -transport.T @ end
-    full[6:, :6] = full[:6, 6:].T
-    full[:6, :6] = transport.T @ end @ transport
-    return full
+    end, T = np.linalg.inv(uniform_cantilever(length, section.per_length)), transport(length)
+    return np.block([[T.T @ end @ T, -T.T @ end], [-end @ T, end]])

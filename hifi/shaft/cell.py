@@ -77,8 +77,7 @@ def homogenise(
     bend = 0.5 * (per_length[3, 3] + per_length[4, 4])
     uniform = np.diag([1.0 / kGA, 1.0 / kGA, per_length[2, 2], bend, bend, per_length[5, 5]])
     uniform[2, 5] = uniform[5, 2] = per_length[2, 5]
-    cut = cut_flexibility(m, shafts, uniform)
-    return Homogenised(ShaftSection(EA, EI, GJ, kGA), radii, coupling, cut)
+    return Homogenised(ShaftSection(EA, EI, GJ, kGA), radii, coupling, cut_flexibility(m, shafts, uniform))
 
 
 def meshed_shaft(

@@ -24,12 +24,16 @@ from collections.abc import Sequence
 import numpy as np
 
 from rollbench.hifi.elements.rigid import transport
+from rollbench.hifi.shaft.beam import uniform_cantilever
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
 
 #: Half a turn about x of motions and wrenches.
 HALF_TURN = np.diag([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])
 _UPPER = np.triu_indices(6)
+#: Symmetric matrices ``(21, 6, 6)`` of one entry each.
+_UNITS = np.zeros((21, 6, 6))
+_UNITS[(np.arange(21), *_UPPER)] = _UNITS[(np.arange(21), *_UPPER[::-1])] = 1.0
 
 
 def groove_azimuth(m: GrooveMap, z: float) -> float:
@@ -62,36 +66,19 @@ def cut_flexibility(m: GrooveMap, flexibilities: Sequence[tuple[float, Array]], 
     given: another one is the same as another meaning of the beam's rotation, and E makes up for it.
     """
     unit = np.array([m.R, m.R, m.R, 1.0, 1.0, 1.0])
+    scale = np.outer(unit, unit)
     chiral = np.zeros((6, 6))
     chiral[[0, 1, 3, 4], [3, 4, 0, 1]] = m.R
     columns, wanted = [], []
     for length, F in flexibilities:
-        rows = [_ends(m, length, e * np.outer(unit, unit)) for e in _units()]
-        rows.append(uniform_cantilever(length, chiral))
-        columns.append(np.array([(x / np.outer(unit, unit))[_UPPER] for x in rows]).T)
-        wanted.append(((F - uniform_cantilever(length, per_length)) / np.outer(unit, unit))[_UPPER])
+        rows = [*(_ends(m, length, e * scale) for e in _UNITS), uniform_cantilever(length, chiral)]
+        columns.append(np.array([(x / scale)[_UPPER] for x in rows]).T)
+        wanted.append(((F - uniform_cantilever(length, per_length)) / scale)[_UPPER])
     coefficients = np.linalg.lstsq(np.concatenate(columns), np.concatenate(wanted))[0]
-    return np.asarray(np.tensordot(coefficients[:-1], np.array(_units()), 1) * np.outer(unit, unit))
-
-
-def uniform_cantilever(length: float, per_length: Array) -> Array:
-    """Flexibility ``(6, 6)`` of the end of a cantilever along z from that of a metre ``(6, 6)``."""
-    t = transport(1.0) - np.eye(6)
-    first = t @ per_length
-    return np.asarray(length * per_length + length**2 / 2.0 * (first + first.T) + length**3 / 3.0 * first @ t.T)
+    return np.asarray(np.tensordot(coefficients[:-1], _UNITS, 1) * scale)
 
 
 def _ends(m: GrooveMap, length: float, cut: Array) -> Array:
     """Motion ``(6, 6)`` of the upper end of a shaft by what both of its cuts do."""
     T, half = transport(length), length / 2.0
     return np.asarray(T @ at_low(cut, m, m.z0 - half) @ T.T + at_high(cut, m, m.z0 + half))
-
-
-def _units() -> list[Array]:
-    """Symmetric matrices ``(6, 6)`` of one entry each."""
-    out = []
-    for i, j in zip(*_UPPER, strict=True):
-        e = np.zeros((6, 6))
-        e[i, j] = e[j, i] = 1.0
-        out.append(e)
-    return out

@@ -9,7 +9,7 @@ import numpy as np
 from rollbench.hifi.elements.rigid import transport
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing, Joint
-from rollbench.meshes.parts import Load, Scene, Support
+from rollbench.meshes.parts import FREEDOMS, Load, Scene, Support
 
 
 @dataclass(frozen=True)
@@ -35,6 +35,27 @@ class Frame:
     def number(self, housing: str | None) -> int | None:
         """Number of a housing by its name; None for one that stands, and for none."""
         return next((k for k, h in enumerate(self.housings) if h.name == housing), None)
+
+    @property
+    def stations(self) -> set[float]:
+        """Stations [m] of supports and loads."""
+        return {x.at for x in self.supports} | {x.at for x in self.loads}
+
+    def holds(self) -> list[tuple[int, float, int, float]]:
+        """Freedoms that are held: body (0: the shaft, then the housings), station [m], number of the freedom, value."""
+        bodies = [(0, x.at, x.fixed) for x in self.supports]
+        bodies += [(k, housing.at, housing.fixed) for k, housing in enumerate(self.housings, 1)]
+        return [(body, at, FREEDOMS.index(name), value) for body, at, fixed in bodies for name, value in fixed]
+
+    def wrenches(self) -> list[tuple[int, float, Array]]:
+        """Loads: body as of `holds`, station [m], force and moment ``(6,)`` [N, N m]."""
+        bodies = [(0, x) for x in self.loads] + [*enumerate(self.housings, 1)]
+        return [(body, x.at, np.array([*x.force, *x.moment])) for body, x in bodies]
+
+    @property
+    def lengths(self) -> Array:
+        """What makes lengths of the six motions of a body, ``(6,)``: 1, and the arm."""
+        return np.array([1.0] * 3 + [self.arm] * 3)
 
     def springs(self) -> list[tuple[Array, Array]]:
         """Rows ``(6, 6 h)`` by which the housings move the ends of each spring apart, and its stiffness ``(6, 6)``."""

@@ -30,7 +30,7 @@ from rollbench.hifi.shaft.cut import at_high, at_low
 from rollbench.hifi.shaft.frame import Frame
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.parts import FREEDOMS, Scene
+from rollbench.meshes.parts import Scene
 from rollbench.meshes.solid import SAME
 
 #: Stiffness of a spring's softest direction over its stiffest one that counts as none.
@@ -152,13 +152,13 @@ def mount_all(
     rigid = stretches[0].rigid
     if any(s.rigid != rigid for s in stretches):
         raise ValueError("the bore of one ring moves as a rigid shaft, and that of another set does not")
-    acted = sorted({x.at for x in frame.supports} | {x.at for x in frame.loads})
+    acted = frame.stations
     ends = {z for s in stretches for z in (s.base, *s.ports)}
     low, high = min((*acted, *ends)), max((*acted, *ends))
     between = {z for z in steps if low < z < high and not any(s.holds(z) for s in stretches)}
     nodes = _apart(sorted({*ends, *acted, *between}))
     place = _Places(nodes)
-    for z in acted:
+    for z in sorted(acted):
         if not rigid and any(s.lacks(z) for s in stretches):
             raise ValueError(f"the station at {1e3 * z:.4g} mm lies inside the 3D stretch and has no port there")
     n = 6 * len(nodes)
@@ -184,19 +184,23 @@ def mount_all(
     T = np.eye(len(K))
     if rigid:
         T = block_diag(np.concatenate([transport(z - stretches[0].base) for z in nodes]), np.eye(len(K) - n))
+
+    def freedom(body: int, at: float) -> int:
+        """First freedom of the shaft at a station, or of a housing."""
+        return place[at] if body == 0 else n + 6 * (body - 1)
+
     P = np.zeros(len(K))
-    for load in frame.loads:
-        P[place[load.at] : place[load.at] + 6] += [*load.force, *load.moment]
-    for k, housing in enumerate(frame.housings):
-        P[n + 6 * k : n + 6 * k + 6] = [*housing.force, *housing.moment]
-    held, values = _held(frame, place, n)
+    for body, at, wrench in frame.wrenches():
+        P[freedom(body, at) : freedom(body, at) + 6] += wrench
+    held = [freedom(body, at) + k for body, at, k, _ in frame.holds()]
+    values = [value for *_, value in frame.holds()]
     motions = unheld(frame, nodes[0])
     pins = [place[nodes[0]] + k if k < 6 else n + k - 6 for k in pin_freedoms(motions)]
     # U = T W, constraints R U = r: a basis of what is free, and one state that meets them
     rows = np.zeros((len(held) + len(pins), len(K)))
     rows[np.arange(len(rows)), held + pins] = 1.0
-    prescribed = np.concatenate([values, np.zeros(len(pins))])
-    length = np.tile(np.r_[np.ones(3), np.full(3, 1.0 / frame.arm)], T.shape[1] // 6)
+    prescribed = np.array(values + [0.0] * len(pins))
+    length = np.tile(1.0 / frame.lengths, T.shape[1] // 6)
     R = rows @ T * length
     if len(rows):
         _, sizes, vt = np.linalg.svd(R)
@@ -279,28 +283,16 @@ def _apart(stations: Sequence[float]) -> list[float]:
     return [z for k, z in enumerate(stations) if k == 0 or z - stations[k - 1] > SAME]
 
 
-def _held(frame: Frame, place: _Places, first: int) -> tuple[list[int], Array]:
-    """Freedoms that are held, and their values; first: freedom of the first housing."""
-    fixed = [(place[x.at] + FREEDOMS.index(name), value) for x in frame.supports for name, value in x.fixed]
-    fixed += [
-        (first + 6 * k + FREEDOMS.index(name), value) for k, h in enumerate(frame.housings) for name, value in h.fixed
-    ]
-    return [k for k, _ in fixed], np.array([v for _, v in fixed], dtype=float)
-
-
 def unheld(frame: Frame, origin: float) -> Array:
     """Rigid motions of the screw about ``origin`` and of each housing about its own station that neither supports nor
     springs hold, ``(6 (1 + h), k)``."""
-    scale = np.tile([1.0, 1.0, 1.0, 1.0 / frame.arm, 1.0 / frame.arm, 1.0 / frame.arm], 1 + len(frame.housings))
-
-    def row(body: int, values: Array) -> Array:
-        out = np.zeros(scale.size)
-        out[6 * body : 6 * body + 6] = values
-        return np.asarray(out * scale)
-
-    rows = [row(0, transport(x.at - origin)[FREEDOMS.index(name)]) for x in frame.supports for name, _ in x.fixed]
-    rows += [row(1 + k, np.eye(6)[FREEDOMS.index(name)]) for k, h in enumerate(frame.housings) for name, _ in h.fixed]
-    size = np.diag([1.0, 1.0, 1.0, frame.arm, frame.arm, frame.arm])
+    scale = np.tile(1.0 / frame.lengths, 1 + len(frame.housings))
+    rows = []
+    for body, at, k, _ in frame.holds():
+        row = np.zeros(scale.size)
+        row[6 * body : 6 * body + 6] = transport(at - origin if body == 0 else 0.0)[k]
+        rows.append(row * scale)
+    size = np.diag(frame.lengths)
     for moved, stiffness in frame.springs():
         value, vector = np.linalg.eigh(np.linalg.inv(size) @ stiffness @ np.linalg.inv(size))
         stiff = vector[:, value > SLACK * value.max(initial=0.0)].T @ size @ moved
@@ -321,14 +313,10 @@ def pin_freedoms(motions: Array) -> list[int]:
 
 
 def _work(frame: Frame, motions: Array, origin: float) -> Array:
-    wrench = np.zeros(len(motions))
-    for load in frame.loads:
-        force, moment = np.array(load.force), np.array(load.moment)
-        wrench[:3] += force
-        wrench[3:6] += moment + np.cross([0.0, 0.0, load.at - origin], force)
-    for k, housing in enumerate(frame.housings):
-        wrench[6 * k + 6 : 6 * k + 12] = [*housing.force, *housing.moment]
-    return np.asarray(motions.T @ wrench)
+    total = np.zeros(len(motions))
+    for body, at, wrench in frame.wrenches():
+        total[6 * body : 6 * body + 6] += transport(at - origin if body == 0 else 0.0).T @ wrench
+    return np.asarray(motions.T @ total)
 
 
 def beam_stretch(rows: Array, stations: Array, stretch: Stretch, section: ShaftSection) -> Stretch:

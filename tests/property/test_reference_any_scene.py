@@ -16,9 +16,10 @@ from rollbench.comparison.reference.levels import BALL
 from rollbench.comparison.reference.tasks import Task, needed_sides, settings_of
 from rollbench.comparison.scenes import catalogue
 from rollbench.hifi.bodies import submodel
+from rollbench.hifi.meshing.expected import expected_contacts
 from rollbench.hifi.meshing.fit import ball_place, patch_lines, socket_size
 from rollbench.hifi.meshing.part_meshes import mesh_parts, patch_mesh, patch_normals
-from rollbench.hifi.meshing.settings import Settings, expected_reach, expected_semi_axes
+from rollbench.hifi.meshing.settings import Settings, rounded
 from rollbench.hifi.reference import solve_reference
 from rollbench.hifi.setup import prepare
 from rollbench.meshes.cache import Cache
@@ -96,8 +97,8 @@ def test_any_scene_converges_in_balance_and_near_the_low_order_model(name, cache
     ratio = scene.balls.radius / BALL
     settings = Settings(
         b_over_h=0.8,
-        semi=expected_semi_axes(scene),
-        reach=expected_reach(scene),
+        semi=rounded(expected_contacts(scene).semi()),
+        reach=rounded(expected_contacts(scene).reach()),
         fine=3e-3 * ratio,
         coarse=12e-3 * ratio,
         ball_fine=1e-3 * ratio,

@@ -18,7 +18,6 @@ from rollbench.hifi.fields import (
     coarse_field,
     contact_forces,
     contact_pressure,
-    contact_radii,
     groove_patch,
     groove_patch_field,
     hertz_von_mises,
@@ -28,12 +27,14 @@ from rollbench.hifi.fields import (
     screw_displacement,
     von_mises,
 )
+from rollbench.hifi.meshing.expected import expected_contacts
 from rollbench.hifi.meshing.part_meshes import mesh_parts
-from rollbench.hifi.meshing.settings import Settings, expected_reach, expected_semi_axes
+from rollbench.hifi.meshing.settings import Settings, rounded
 from rollbench.hifi.reference import solve_reference
 from rollbench.hifi.setup import prepare
 from rollbench.meshes.cache import Cache
 from rollbench.meshes.fem import cells_of, mesh_of, points_of
+from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Material, Solid
 
 pytestmark = [pytest.mark.xdist_group("recovered fields"), pytest.mark.slow]
@@ -55,11 +56,11 @@ def case(tmp_path_factory):
     across a short semi-axis, as on level 1, is 10 to 17 % too large by where the contact falls between them."""
     scene = small_screw(2, 0.2, force=(0.0, 0.0, 330.0), load_at=0.0)
     scene = replace(scene, nut=replace(scene.nut, length=16e-3), solid=Solid(shaft=6e-3, shaft_diameter=30e-3))
-    semi = expected_semi_axes(scene)
+    expected = expected_contacts(scene)
     settings = Settings(
         b_over_h=2.1,
-        semi=semi,
-        reach=expected_reach(scene),
+        semi=rounded(expected.semi()),
+        reach=rounded(expected.reach()),
         fine=4e-3,
         coarse=10e-3,
         ball_fine=1e-3,
@@ -194,9 +195,10 @@ class TestPressure:
 
     def test_curvatures_are_those_of_the_grid_on_the_screw(self):
         scene = small_screw()
-        across, along = contact_radii(scene, 0, scene.track.contact_angle)
+        m = GrooveMap.of(scene)
+        across, along = m.relative_radii(0, m.beta)
         assert across == pytest.approx(1.0 / (1.0 / 2.778e-3 - 1.0 / 3.254e-3))
-        assert along < scene.balls.radius < contact_radii(scene, 3, scene.track.contact_angle)[1]
+        assert along < scene.balls.radius < m.relative_radii(3, m.beta)[1]
 
     def test_ball_pressed_on_two_sides_as_in_the_whole_model(self, case):
         """On cells that grow faster outside the contact zone, of fewer modes."""

@@ -1,17 +1,12 @@
 """The law of the force that takes the place of an approach that waves."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
-import scipy.sparse as sp
 
 from rollbench.hifi.bodies import grid_wave
 from rollbench.hifi.bodies.grid_wave import POWERS, smooth
 
 LOADS = np.geomspace(20.0, 600.0, 64)
-#: Of one node: what is made up here looks at no more of a patch.
-PATCH = SimpleNamespace(weights=sp.identity(1, format="csr"))
 
 
 def law(loads):
@@ -42,14 +37,12 @@ def test_what_changes_from_cell_to_cell_is_no_wave(monkeypatch):
         return 1e-3 * np.cos(2.0 * np.pi * x) + 5e-4 * np.cos(4.0 * np.pi * y) * np.cos(2.0 * np.pi * x)
 
     def approach(*given, **_):
-        loads, (x, y), start = (*given[4:], None)[:3]
+        loads, (x, y), start = given[4:]
         begun.append((start, (x, y)))
         return loads ** (2.0 / 3.0) * (1.0 + 4e-3 * x - 1e-3 * y + wave(x, y)), (x, y)
 
     monkeypatch.setattr(grid_wave, "approaches_at", approach)
-    found = grid_wave.PeriodicApproach.of(None, 0, PATCH, None, LOADS)
-    hertz = LOADS ** (2.0 / 3.0)
-    table = found.table(4, 8) / hertz
+    table = grid_wave.periodic_approaches(None, 0, None, None, LOADS, (4, 8))[0] / LOADS ** (2.0 / 3.0)
     x, y = np.meshgrid(np.arange(4) / 4, np.arange(8) / 8, indexing="ij")
     np.testing.assert_allclose(table, (1.0 + wave(x, y))[..., None] * np.ones(LOADS.size), rtol=0, atol=1e-12)
     assert table.mean(axis=(0, 1)) == pytest.approx(np.ones(LOADS.size), abs=1e-12)
@@ -60,4 +53,4 @@ def test_what_changes_from_cell_to_cell_is_no_wave(monkeypatch):
 def test_the_mean_over_a_cell_takes_the_wave_out(monkeypatch):
     waving = lambda *given, **_: (np.sqrt(given[4]) * (2.0 + np.cos(2.0 * np.pi * sum(given[5]))), None)  # noqa: E731
     monkeypatch.setattr(grid_wave, "approaches_at", waving)
-    assert grid_wave.mean_approaches(None, 0, PATCH, None, LOADS) == pytest.approx(2.0 * np.sqrt(LOADS), rel=1e-12)
+    assert grid_wave.mean_approaches(None, 0, None, None, LOADS) == pytest.approx(2.0 * np.sqrt(LOADS), rel=1e-12)

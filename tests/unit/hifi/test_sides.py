@@ -11,7 +11,7 @@ from tests.two_balls import SMALL, two_balls
 
 from rollbench.hifi.bodies import submodel
 from rollbench.hifi.bodies.coarse import patch_modes
-from rollbench.hifi.bodies.grid_wave import PeriodicApproach, approaches_at, grid_wave, resolved_forces
+from rollbench.hifi.bodies.grid_wave import approaches_at, grid_wave, periodic_approaches, resolved_forces
 from rollbench.hifi.bodies.patch import condense_patch
 from rollbench.hifi.condensation import sides
 from rollbench.hifi.condensation.sides import condense_side, congruent, side_of, turned
@@ -118,7 +118,7 @@ def test_the_wave_of_a_grid_is_taken_out_across_and_along(flanks, side):
     groove = condense_patch(mesh, normals, 0.5 * steel.youngs_modulus, steel.poissons_ratio)
     wave = grid_wave(m, side, groove, groove.A, steel)
     loads = resolved_forces(m, side, groove, steel, 5)[1:]
-    trend = PeriodicApproach.of(m, side, groove, groove.A, loads).trend
+    trend = periodic_approaches(m, side, groove, groove.A, loads, (2, 2))[1]
     places = np.random.default_rng(4).uniform(-0.5, 0.5, (20, 2))
     approach = np.array([approaches_at(m, side, groove, groove.A, loads, tuple(x))[0] - x @ trend for x in places])
     centres = wave.middle + (places * wave.cell) @ wave.directions

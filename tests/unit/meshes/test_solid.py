@@ -7,7 +7,7 @@ import pytest
 import scipy.sparse as sp
 
 from rollbench.comparison.scenes import catalogue
-from rollbench.hifi.linear_algebra import response
+from rollbench.hifi.linear_algebra.solvers import compliance
 from rollbench.meshes.parts import Solid
 from rollbench.meshes.solid import dimensions
 
@@ -54,8 +54,8 @@ def test_compliance_of_many_rows():
     K = (A @ A.T).tocsc()
     rows = sp.random(12, n, 0.3, random_state=rng).tocsr()
     wanted = rows @ np.linalg.solve(K.toarray(), rows.toarray().T)
-    np.testing.assert_allclose(response.compliance(K, rows), wanted, rtol=0, atol=1e-12 * np.abs(wanted).max())
-    assert response.compliance(K, rows[:0]).shape == (0, 0)
+    np.testing.assert_allclose(compliance(K, rows), wanted, rtol=0, atol=1e-12 * np.abs(wanted).max())
+    assert compliance(K, rows[:0]).shape == (0, 0)
 
 
 def test_a_station_at_an_end_is_the_end():

@@ -44,7 +44,7 @@ class Dragging(Case):
     def across(self, last: Round) -> Array:
         """Forces ``(balls, n)`` [N] along the nodes' normals whose resultants are the contacts' friction."""
         (forces,), (normals,), (placed,) = last.forces, last.directions, self.sets
-        section = placed.setup.map.axes[[0, 2]]
+        section = placed.setup.map.axes()[[0, 2]]
         out = np.zeros_like(forces)
         for nodes, _ in placed.zones:
             for k in np.flatnonzero(forces[:, nodes].any(axis=1)):
