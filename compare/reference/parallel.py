@@ -11,9 +11,10 @@ import sys
 import threading
 import traceback
 import warnings
+from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import CancelledError
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from typing import Any
 
 from rollbench.comparison import __version__
@@ -23,6 +24,8 @@ from rollbench.meshes.workers import local
 #: A job: a function without arguments, or a function and its arguments. What leaves this process must be picklable.
 Job = Callable[[], Any] | tuple[Callable[..., Any], Sequence[Any]]
 Step = Callable[[str], None]
+#: What is asked of a worker: the job's number, the version that asks, function and arguments.
+Asked = tuple[int, str, Callable[..., Any], Sequence[Any]]
 #: What comes back from a worker: the job's number, whether it went well, its pickled result or exception.
 Answer = tuple[int, bool, bytes]
 
@@ -69,10 +72,9 @@ def _elsewhere(
     calls: list[tuple[Callable[..., Any], Sequence[Any]]], backend: str, scheduler: str | None, workers: int
 ) -> Generator[tuple[int, Any], None, None]:
     """Numbers and results of jobs in other processes."""
-    from joblib import delayed
-
-    tasks = [delayed(_call)(number, __version__, *call) for number, call in enumerate(calls)]
-    with _answers(tasks, backend, scheduler, workers) as answers:
+    asked = [(number, __version__, *call) for number, call in enumerate(calls)]
+    answers = _on_cluster(asked, scheduler, workers) if backend == "dask" else _in_processes(asked, workers)
+    with closing(answers):
         for number, good, packed in answers:
             value = pickle.loads(packed)
             if not good:
@@ -105,50 +107,80 @@ def _call(number: int, version: str, function: Callable[..., Any], arguments: Se
             return number, False, packed
 
 
-@contextmanager
-def _answers(tasks: list[Any], backend: str, scheduler: str | None, workers: int) -> Iterator[Iterator[Answer]]:
-    """Answers of the workers as they come; jobs that have not begun when the context is left are dropped."""
-    from joblib import Parallel, cpu_count, parallel_config
+def _in_processes(asked: Sequence[Asked], workers: int) -> Generator[Answer, None, None]:
+    """Answers of processes of this machine as they come; jobs that have not begun when it is closed are dropped."""
+    from joblib import Parallel, cpu_count, delayed
     from joblib.externals.loky.process_executor import BrokenProcessPool
 
-    lost: tuple[type[Exception], ...] = (BrokenProcessPool,)
-    options: dict[str, Any] = {"batch_size": 1, "return_as": "generator_unordered"}
-    with ExitStack() as stack:
-        if backend == "dask":
-            client, count = stack.enter_context(_cluster(scheduler, workers))
-            from distributed import KilledWorker
-
-            lost = (KilledWorker, CancelledError, ClusterLost)
-            options |= {"pre_dispatch": count}
-            stack.enter_context(parallel_config(backend=_dask_backend(client, scheduler or "a cluster on this machine")))
-        else:
-            options |= {"n_jobs": workers, "pre_dispatch": workers, "max_nbytes": None}  # no read-only arguments
-            threads = max(1, cpu_count() // workers)
-            stack.enter_context(local(threads))
-        answers = Parallel(**options)(tasks)
+    many = Parallel(workers, return_as="generator_unordered", pre_dispatch=workers, batch_size=1, max_nbytes=None)
+    with local(max(1, cpu_count() // workers)):  # max_nbytes: no read-only arguments
+        answers = many(delayed(_call)(*one) for one in asked)
         try:
-            yield answers
-        except ClusterLost as error:
-            raise InputError("command line", "--scheduler", str(error), "a scheduler with workers", AGAIN) from error
-        except lost as error:
-            if isinstance(error, CancelledError) and scheduler is not None and not _alive(scheduler):
-                reason = f"{scheduler}: the scheduler does not answer any more"
-                raise InputError("command line", "--scheduler", reason, "a scheduler with workers", AGAIN) from error
-            raise InputError(
-                "command line",
-                "--workers",
-                f"a worker that died ({type(error).__name__})",
-                "as many as there is memory for",
-                "use fewer workers, those whose memory runs out are killed",
-            ) from error
+            for answer in answers:  # noqa: UP028 - closed below, where its warning is not heard
+                yield answer
+        except BrokenProcessPool as error:
+            raise _died(error) from error
         finally:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # joblib tells how many jobs it drops
                 answers.close()
 
 
-class ClusterLost(Exception):
-    """The scheduler does not answer any more, or its last worker is gone and none comes."""
+def _on_cluster(asked: Sequence[Asked], scheduler: str | None, workers: int) -> Generator[Answer, None, None]:
+    """Answers of the workers of a cluster as they come; jobs that have not begun when it is closed are dropped."""
+    with _cluster(scheduler, workers) as (client, count):
+        from distributed import KilledWorker, wait
+
+        left, running, look = deque(asked), set[Any](), _looks(client, scheduler or "a cluster on this machine")
+        try:
+            while left or running:
+                while left and len(running) < count:
+                    running.add(client.submit(_call, *left.popleft(), pure=False))
+                try:
+                    with client.as_current():
+                        done = wait(running, timeout=LOOK, return_when="FIRST_COMPLETED").done
+                except TimeoutError:
+                    next(look)
+                    continue
+                running -= done
+                for future in done:
+                    yield future.result()
+        except (KilledWorker, CancelledError) as error:
+            if isinstance(error, CancelledError) and scheduler is not None and not _alive(scheduler):
+                raise _lost(f"{scheduler}: the scheduler does not answer any more") from error
+            raise _died(error) from error
+
+
+def _looks(client: Any, place: str) -> Iterator[None]:
+    """Looks at a cluster, one for each that is asked for. Raises InputError where nobody is left to do the jobs: its last
+    worker is gone and none comes, or its scheduler does not answer any more."""
+    alone = silent = 0.0
+    while True:
+        try:
+            workers = len(client.sync(client.scheduler.identity, callback_timeout=PATIENCE)["workers"])
+            silent = 0.0
+        except TimeoutError as error:  # busy, it may be
+            silent += PATIENCE
+            if silent > SILENCE:
+                raise _lost(f"{place}: the scheduler has not answered for {SILENCE:g} s") from error
+        except Exception as error:  # whatever a connection that is gone raises
+            raise _lost(f"{place}: the scheduler does not answer any more ({type(error).__name__})") from error
+        else:
+            if workers == 0 and alone == 0.0:
+                sys.stderr.write(f"rollbench: {place}: the last worker is lost; waiting {LONELY:g} s for another\n")
+            alone = 0.0 if workers else alone + LOOK
+            if alone > LONELY:
+                raise _lost(f"{place}: the last worker is lost, and none came in {LONELY:g} s")
+        yield
+
+
+def _lost(reason: str) -> InputError:
+    return InputError("command line", "--scheduler", reason, "a scheduler with workers", AGAIN)
+
+
+def _died(error: BaseException) -> InputError:
+    allowed, advice = "as many as there is memory for", "use fewer workers, those whose memory runs out are killed"
+    return InputError("command line", "--workers", f"a worker that died ({type(error).__name__})", allowed, advice)
 
 
 def use_tls(ca: str | None, cert: str | None, key: str | None) -> None:
@@ -249,56 +281,3 @@ async def _greet(scheduler: str) -> None:
 
 def _version() -> str:
     return __version__
-
-
-def _dask_backend(client: Any, place: str) -> Any:
-    """joblib's backend for Dask that also hears of jobs whose worker died, of a last worker that is lost and of a scheduler
-    that is gone; joblib 1.6's own waits for them forever."""
-    from joblib._dask import DaskDistributedBackend
-
-    class Backend(DaskDistributedBackend):  # type: ignore[misc]
-        def effective_n_jobs(self, n_jobs: int) -> int:
-            return max(2, int(super().effective_n_jobs(n_jobs)))  # joblib runs the jobs of a single worker here
-
-        async def _collect(self) -> None:
-            while self._continue:
-                async for future, result in self.waiting_futures:
-                    del self._results[future]
-                    self._callbacks.pop(future)(result[1] if future.status == "error" else result)
-                await asyncio.sleep(0.01)
-
-        def start_call(self) -> None:
-            super().start_call()
-            self.client.loop.add_callback(self._look)
-
-        async def _look(self) -> None:
-            """Give all jobs up where nobody is left to do them."""
-            alone = silent = 0.0
-            while self._continue:
-                try:
-                    identity = await asyncio.wait_for(self.client.scheduler.identity(), PATIENCE)
-                    workers, silent = len(identity["workers"]), 0.0
-                except TimeoutError:  # busy, it may be
-                    silent += PATIENCE
-                    if silent > SILENCE:
-                        self._give_up(f"{place}: the scheduler has not answered for {SILENCE:g} s")
-                        return
-                    continue
-                except Exception as error:  # whatever a connection that is gone raises
-                    if self._continue:
-                        self._give_up(f"{place}: the scheduler does not answer any more ({type(error).__name__})")
-                    return
-                if workers == 0 and alone == 0.0:
-                    sys.stderr.write(f"rollbench: {place}: the last worker is lost; waiting {LONELY:g} s for another\n")
-                alone = 0.0 if workers else alone + LOOK
-                if alone > LONELY:
-                    self._give_up(f"{place}: the last worker is lost, and none came in {LONELY:g} s")
-                    return
-                await asyncio.sleep(LOOK)
-
-        def _give_up(self, reason: str) -> None:
-            for future in list(self._callbacks):
-                self._results.pop(future, None)
-                self._callbacks.pop(future)(ClusterLost(reason))
-
-    return Backend(client=client)
