@@ -107,7 +107,7 @@ def solve_reference(
     placed = PlacedSet(setup, scene, tuple(s for s in setup.sides if sides is None or s in sides))
     with threadpool_limits(1):  # many small factors: the threads of two BLAS libraries only wait for one another
         case = Case((placed,), Frame.of(scene), mounted_screw(setup, scene, leave_out), leave_out)
-        return case.result(end(case, updates or ROUNDS, reporting(scene.name, begin, step), moving=moving, frozen=frozen))
+        return case.end(updates or ROUNDS, reporting(scene.name, begin, step), moving=moving, frozen=frozen)
 
 
 class Round(NamedTuple):
@@ -260,14 +260,22 @@ class Case:
         each = zip(arms, last.rigid_rows, last.forces, strict=True)
         return tuple(transport(arm).T @ np.einsum("ink,in->k", rows[..., :6], f) for arm, rows, f in each)
 
-    def result(self, ended: Ended) -> ReferenceResult:
-        """The record of a case that has ended."""
-        last = ended.last
+    def end(
+        self, most: int, report: Callable[[int], None] = lambda _: None, *, moving: bool = True, frozen: bool = False
+    ) -> ReferenceResult:
+        """Solve the case until its loads stand still, after ``most`` updates at most; frozen: its frozen loads too."""
+        begin = perf_counter()
+        report(1)
+        first = self.first()
+        last, done, left = self.settled(first, most, report, moving=moving)
+        seconds = perf_counter() - begin
+        still = self.settled(first, ROUNDS, report, moving=False)[0] if frozen and moving else last
+        status, may_move = self.verdict(last, done, left)
         return ReferenceResult(
-            ended.status,
+            status,
             last.load,
             last.angle,
-            ended.frozen,
+            still.load if frozen else None,
             *self.centreline(last),
             self.on_shaft(last),
             tuple(p.offset for p in self.sets),
@@ -276,34 +284,10 @@ class Case:
             tuple(last.directions),
             *self.unbalanced(last),
             sum(p.setup.unknowns for p in self.sets),
-            ended.seconds,
-            ended.updates,
-            ended.moving,
+            seconds,
+            done,
+            may_move,
         )
-
-
-class Ended(NamedTuple):
-    """The last round of a case, status, updates until then, what more may change of a load [N], loads with directions and
-    gaps frozen ``(balls, 4)`` [N] (None: not asked for), seconds."""
-
-    last: Round
-    status: str
-    updates: int
-    moving: float
-    frozen: Array | None
-    seconds: float
-
-
-def end(case: Case, most: int, report: Callable[[int], None], *, moving: bool, frozen: bool) -> Ended:
-    """Solve a case until its loads stand still, after ``most`` updates at most; frozen: its frozen loads too."""
-    begin = perf_counter()
-    report(1)
-    first = case.first()
-    last, done, left = case.settled(first, most, report, moving=moving)
-    seconds = perf_counter() - begin
-    still = case.settled(first, ROUNDS, report, moving=False)[0] if frozen and moving else last
-    status, may_move = case.verdict(last, done, left)
-    return Ended(last, status, done, may_move, still.load if frozen else None, seconds)
 
 
 def reporting(name: str, begin: float, step: Callable[[str], None]) -> Callable[[int], None]:

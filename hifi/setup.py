@@ -86,10 +86,10 @@ class _Stages:
         """Records of the jobs. A stage is reported with the seconds of its jobs when the last is done; `seconds` keeps its
         share of the time that all took."""
         start = perf_counter()
-        by_stage: dict[str, list[Made[Any]]] = {job.stage: [] for job in jobs}
+        by_stage: dict[str, list[Made]] = {job.stage: [] for job in jobs}
         wanted = Counter(job.stage for job in jobs)
 
-        def on_done(k: int, record: Made[Any]) -> None:
+        def on_done(k: int, record: Made) -> None:
             records = by_stage[jobs[k].stage]
             records.append(record)
             if len(records) == wanted[jobs[k].stage]:

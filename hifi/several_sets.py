@@ -18,7 +18,7 @@ from threadpoolctl import threadpool_limits
 from rollbench.hifi.coupling import PlacedSet
 from rollbench.hifi.elements.rigid import transport
 from rollbench.hifi.meshing.expected import closing
-from rollbench.hifi.reference import ROUNDS, Case, ReferenceResult, end, reporting
+from rollbench.hifi.reference import ROUNDS, Case, ReferenceResult, reporting
 from rollbench.hifi.setup import Setup
 from rollbench.hifi.shaft.beam import ShaftSection, tube
 from rollbench.hifi.shaft.frame import Frame
@@ -115,8 +115,7 @@ def solve_sets(
         placed = tuple(PlacedSet(up, b.parts, up.sides, b.shift, frame.number(s.housing), s.offset) for s, b, up in each)
         mounted = _mounted(assembly, placed, frame)
         placed, unmet = _preloaded(assembly, placed, frame)
-        case = Case(placed, frame, mounted)
-        found = case.result(end(case, ROUNDS, reporting(assembly.name, begin, step), moving=True, frozen=frozen))
+        found = Case(placed, frame, mounted).end(ROUNDS, reporting(assembly.name, begin, step), frozen=frozen)
         status = f"not converged: {unmet}" if unmet and found.status == "converged" else found.status
         return replace(found, status=status, seconds=perf_counter() - begin)
 
@@ -168,9 +167,8 @@ def _preloaded(assembly: Assembly, placed: tuple[PlacedSet, ...], frame: Frame) 
         return tuple(out)
 
     def excess(depth: Array) -> Array:
-        case = Case(shifted(depth), bare, mounted)
-        last = end(case, ROUNDS, lambda _: None, moving=True, frozen=False).last
-        force = np.abs([wrench[2] for wrench in case.on_shaft(last)])[preloaded]
+        found = Case(shifted(depth), bare, mounted).end(ROUNDS)
+        force = np.abs([wrench[2] for wrench in found.on_shaft])[preloaded]
         return np.asarray(np.log(np.maximum(force, 1e-300)) - goal)
 
     depth = np.log([closing(placed[k].scene, assembly.sets[k].preload) for k in preloaded])

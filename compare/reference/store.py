@@ -149,13 +149,10 @@ def _meshed(
 
 
 def path_in(store: Path, scene: Solvable, run: Run) -> Path:
-    """File of a run of a scene in a store."""
-    return store / f"{_stem(scene, run.level, run.variant)}{_key(scene, run)}.json"
-
-
-def _key(scene: Solvable, run: Run) -> str:
-    """The key of a run by the versions that it names: it may be read where others, or none, are installed."""
-    return key_of(scene, run.variant, run.settings, run.sides, run.versions)
+    """File of a run of a scene in a store; by the versions that it names, as it may be read where others, or none, are
+    installed."""
+    key = key_of(scene, run.variant, run.settings, run.sides, run.versions)
+    return store / f"{_stem(scene, run.level, run.variant)}{key}.json"
 
 
 def bodies_path(store: Path, scene: Scene, run: Run) -> Path:

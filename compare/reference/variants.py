@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -85,10 +86,14 @@ def held_ring(half: Literal["inner", "outer"]) -> Change:
     return change
 
 
+def plain_shaft(scene: Scene) -> Scene:
+    """Beyond the 3D stretch the shaft is plain, of the lands' diameter."""
+    return solid(shaft_diameter=scene.screw.outer_diameter)(scene)
+
+
 def ends_in_plain_shaft(scene: Scene) -> Scene:
     """The screw's groove ends where half the 3D stretch does; beyond, the shaft is plain."""
-    short = scaled("shaft", lambda d: d.shaft, 0.5)(scene)
-    return solid(shaft_diameter=scene.screw.outer_diameter)(short)
+    return plain_shaft(scaled("shaft", lambda d: d.shaft, 0.5)(scene))
 
 
 def twisted(scene: Scene) -> Scene:
@@ -115,65 +120,41 @@ FILLED = "ends of the nut's groove, return gap"
 BEYOND, TWIST = "where the screw's groove ends", "axial-torsional coupling of the shaft beyond"
 SIDES, MODES, FIXING = "set-up shared with other scenes", "modes per patch", "where the nut is held"
 
+
+def finer(label: str, choice: str, *refined: str) -> Variant:
+    """A choice of the mesh refined alone on the finest level, by the settings named."""
+    return Variant(label, choice, "numerical", same, refined)
+
+
+_shaft, _land = partial(scaled, "shaft", lambda d: d.shaft), partial(scaled, "nut_inner_diameter", lambda d: 2.0 * d.land)
+_hole = scaled("hole_diameter", lambda d: 2.0 * d.hole, 0.5)
+_width = "nut held at the {} half of its face's width"
+_filled = "nut's groove filled from two ball diameters beyond its outermost balls on"
+_alone = "the scene alone: sockets on flanks that touch, contact grid by its own load"
+
 VARIANTS: dict[str, Variant] = {
-    "base": Variant(
-        "the scene alone: sockets on flanks that touch, contact grid by its own load", SIDES, "numerical", same
-    ),
-    "junction": Variant(
-        "3D shaft 20 mm longer on each side", LENGTH, "modelling", scaled("shaft", lambda d: d.shaft, 1.0, 20e-3)
-    ),
-    "junction-short": Variant("3D shaft of half the length", LENGTH, "modelling", scaled("shaft", lambda d: d.shaft, 0.5)),
+    "base": Variant(_alone, SIDES, "numerical", same),
+    "junction": Variant("3D shaft 20 mm longer on each side", LENGTH, "modelling", _shaft(1.0, 20e-3)),
+    "junction-short": Variant("3D shaft of half the length", LENGTH, "modelling", _shaft(0.5)),
     "junction-phase": Variant("3D shaft half a lead longer on each side", PHASE, "modelling", longer(0.5)),
-    "land": Variant(
-        "nut lands 0.6 mm narrower in diameter",
-        LANDS,
-        "modelling",
-        scaled("nut_inner_diameter", lambda d: 2.0 * d.land, 1.0, -0.6e-3),
-    ),
-    "land-wide": Variant(
-        "nut lands 0.6 mm wider in diameter",
-        LANDS,
-        "modelling",
-        scaled("nut_inner_diameter", lambda d: 2.0 * d.land, 1.0, 0.6e-3),
-    ),
-    "hole": Variant(
-        "hole along the screw of half the diameter", HOLE, "modelling", scaled("hole_diameter", lambda d: 2.0 * d.hole, 0.5)
-    ),
-    "held-outer": Variant("nut held at the outer half of its face's width", WIDTH, "modelling", held_ring("outer")),
-    "held-inner": Variant("nut held at the inner half of its face's width", WIDTH, "modelling", held_ring("inner")),
-    "nut-filled": Variant(
-        "nut's groove filled from two ball diameters beyond its outermost balls on",
-        FILLED,
-        "modelling",
-        solid(nut_groove="loaded"),
-    ),
-    "shaft-plain": Variant(
-        "shaft beyond the 3D stretch plain, of the lands' diameter",
-        BEYOND,
-        "scene",
-        lambda s: solid(shaft_diameter=s.screw.outer_diameter)(s),
-    ),
+    "land": Variant("nut lands 0.6 mm narrower in diameter", LANDS, "modelling", _land(1.0, -0.6e-3)),
+    "land-wide": Variant("nut lands 0.6 mm wider in diameter", LANDS, "modelling", _land(1.0, 0.6e-3)),
+    "hole": Variant("hole along the screw of half the diameter", HOLE, "modelling", _hole),
+    "held-outer": Variant(_width.format("outer"), WIDTH, "modelling", held_ring("outer")),
+    "held-inner": Variant(_width.format("inner"), WIDTH, "modelling", held_ring("inner")),
+    "nut-filled": Variant(_filled, FILLED, "modelling", solid(nut_groove="loaded")),
+    "shaft-plain": Variant("shaft beyond the 3D stretch plain, of the lands' diameter", BEYOND, "scene", plain_shaft),
     "runout": Variant("groove of the screw ends at half the 3D stretch", BEYOND, "scene", ends_in_plain_shaft),
-    "finer-contact": Variant(
-        "cells of the contact, 4.2 for 3.2 per semi-axis", "contact's cells", "numerical", same, ("b_over_h",)
+    "finer-contact": finer("cells of the contact, 4.2 for 3.2 per semi-axis", "contact's cells", "b_over_h"),
+    "finer-patch": finer("growth of a patch's cells, 1.5 for 1.62", "patch's cells", "growth"),
+    "finer-own": finer(
+        "sockets and cells of the submodels of one contact", "submodels", "own_cuts", "own_sizes", "own_ball_sizes"
     ),
-    "finer-patch": Variant("growth of a patch's cells, 1.5 for 1.62", "patch's cells", "numerical", same, ("growth",)),
-    "finer-own": Variant(
-        "sockets and cells of the submodels of one contact",
-        "submodels",
-        "numerical",
-        same,
-        ("own_cuts", "own_sizes", "own_ball_sizes"),
-    ),
-    "finer-bodies": Variant("cells of screw and nut", "coarse bodies", "numerical", same, ("fine", "coarse")),
-    "finer-sockets": Variant(
-        "sockets of the bodies cut 4 x 3 x 4 for 3 x 2 x 3", "coarse sockets", "numerical", same, ("cuts",)
-    ),
-    "modes": Variant("28 modes per patch for 14", MODES, "numerical", same, ("modes",)),
-    "finer-ball": Variant(
-        "cells and modes of the ball", "ball", "numerical", same, ("ball_fine", "ball_coarse", "ball_modes")
-    ),
-    "finer-cell": Variant("cells of the shaft's cut ends", "cut ends of the shaft", "numerical", same, ("cell",)),
+    "finer-bodies": finer("cells of screw and nut", "coarse bodies", "fine", "coarse"),
+    "finer-sockets": finer("sockets of the bodies cut 4 x 3 x 4 for 3 x 2 x 3", "coarse sockets", "cuts"),
+    "modes": finer("28 modes per patch for 14", MODES, "modes"),
+    "finer-ball": finer("cells and modes of the ball", "ball", "ball_fine", "ball_coarse", "ball_modes"),
+    "finer-cell": finer("cells of the shaft's cut ends", "cut ends of the shaft", "cell"),
     "nut-right": Variant("nut held at its right face", FIXING, "scene", solid(nut_held="right face")),
     "nut-outer": Variant("nut held by its outer surface", FIXING, "scene", solid(nut_held="outer surface")),
 }

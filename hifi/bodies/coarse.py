@@ -178,11 +178,10 @@ def rigid_loads(mesh: Mesh) -> Array:
     return np.asarray(loads.reshape(-1, 6).T)
 
 
-def held_transform(mesh: Mesh, *boundaries: str) -> sp.csc_matrix:
-    """C of a body whose ``boundaries`` are held: its freedoms from the free ones."""
+def free_transform(mesh: Mesh, held: Index) -> sp.csc_matrix:
+    """C of a body whose freedoms ``held`` are: its freedoms from the free ones."""
     size = mesh.doflocs.size
-    free = np.setdiff1d(np.arange(size), freedoms_on(mesh, *boundaries))
-    return sp.identity(size, format="csc")[:, free]
+    return sp.identity(size, format="csc")[:, np.setdiff1d(np.arange(size), held)]
 
 
 def end_transform(mesh: Mesh, high: float) -> sp.csc_matrix:
@@ -190,13 +189,8 @@ def end_transform(mesh: Mesh, high: float) -> sp.csc_matrix:
 
     C^T K C is the Galerkin stiffness; scikit-fem's `mpc` takes the equations of the free freedoms alone.
     """
-    size = mesh.doflocs.size
     upper = nodes_on(mesh, "high end")
     slaves = freedoms(upper)
-    free = np.setdiff1d(np.arange(size), np.concatenate([freedoms_on(mesh, "low end"), slaves]))
-    matrix = rigid_modes(points_of(mesh)[upper], np.array([0.0, 0.0, high]))
-    r, c = np.nonzero(matrix)
-    rows = np.concatenate([free, slaves[r]])
-    columns = np.concatenate([np.arange(free.size), free.size + c])
-    values = np.concatenate([np.ones(free.size), matrix[r, c]])
-    return sp.coo_matrix((values, (rows, columns)), (size, free.size + 6)).tocsc()
+    free = free_transform(mesh, np.concatenate([freedoms_on(mesh, "low end"), slaves]))
+    section = sp.csc_matrix(rigid_modes(points_of(mesh)[upper], np.array([0.0, 0.0, high])))
+    return sp.hstack([free, sp.identity(free.shape[0], format="csc")[:, slaves] @ section]).tocsc()

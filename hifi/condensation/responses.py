@@ -15,8 +15,8 @@ from rollbench.hifi.bodies.coarse import (
     Socket,
     assemble,
     end_transform,
+    free_transform,
     freedoms,
-    held_transform,
     isostatic,
     mode_rows,
     of_order,
@@ -32,7 +32,7 @@ from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.shaft.mounting import Stretch
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import BallBody
-from rollbench.meshes.fem import nodes_on, points_of
+from rollbench.meshes.fem import freedoms_on, nodes_on, points_of
 from rollbench.meshes.grooved_body import GroovedBody
 from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import Material, Nut
@@ -160,7 +160,7 @@ def screw_response(
         ports = (high, *inside)
         half = nut.length / 2.0
         observers = tuple(float(nut.position + x * half) for x in (-1.0, -0.5, 0.0, 0.5, 1.0))
-        end = sp.csr_matrix((np.ones(6), (np.arange(6), T.shape[1] - 6 + np.arange(6))), (6, T.shape[1]))
+        end = sp.identity(T.shape[1], format="csr")[-6:]
         follow = [section_motion(mesh.mesh, z) @ T for z in (*inside, *observers)]
         rows = sp.vstack([modes @ T, end, *follow]).tocsr()
     K = (T.T @ K @ T).tocsc()  # the free body's is dropped: a gigabyte with 400 contacts
@@ -194,7 +194,9 @@ def section_motion(mesh: Mesh, z: float) -> sp.csr_matrix:
 
 def screw_transform(mesh: GroovedBody, dims: Dimensions, high: float) -> sp.csc_matrix:
     """C of the screw's 3D stretch: its bore held, or its low end, the high end at ``high`` [m] then a rigid section."""
-    return held_transform(mesh.mesh, "bore") if dims.screw_held == "bore" else end_transform(mesh.mesh, high)
+    if dims.screw_held == "bore":
+        return free_transform(mesh.mesh, freedoms_on(mesh.mesh, "bore"))
+    return end_transform(mesh.mesh, high)
 
 
 def on_bolts(x: Array, y: Array, seat: tuple[float, float], count: int) -> Array:
@@ -215,8 +217,7 @@ def nut_transform(mesh: GroovedBody, dims: Dimensions) -> sp.csc_matrix:
     if bolts:
         on &= on_bolts(x, y, (low, high), int(bolts.split()[0]))
     held = freedoms(np.union1d(nodes[on], nodes_on(mesh.mesh, "centring")) if fit else nodes[on])
-    size = mesh.mesh.doflocs.size
-    return sp.identity(size, format="csc")[:, np.setdiff1d(np.arange(size), held)]
+    return free_transform(mesh.mesh, held)
 
 
 def nut_response(

@@ -9,15 +9,13 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from threading import Lock
 from time import perf_counter
-from typing import Any, Generic, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 from threadpoolctl import threadpool_limits
 
 from rollbench.meshes.cache import Cache
 from rollbench.meshes.memory import peak_MB, reset_peak
 from rollbench.meshes.workers import end_with_parent
-
-T = TypeVar("T")
 
 
 class Job(NamedTuple):
@@ -31,11 +29,11 @@ class Job(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Made(Generic[T]):
+class Made:
     """A record, seconds it took, whether it came from the cache, seconds it took when it was made; process that made it,
     and its peak of memory [MB] (None: not measured); why that process writes nothing to the cache any more."""
 
-    value: T
+    value: Any
     seconds: float
     cached: bool
     cold_seconds: float
@@ -45,8 +43,8 @@ class Made(Generic[T]):
 
 
 def make(
-    jobs: Sequence[Job], cache: Cache, processes: int, report: Callable[[int, Made[Any]], None] = lambda *_: None
-) -> list[Made[Any]]:
+    jobs: Sequence[Job], cache: Cache, processes: int, report: Callable[[int, Made], None] = lambda *_: None
+) -> list[Made]:
     """Records of independent jobs, in their order, by so many processes at once, this one among them, one thread each (a
     second thread mostly waits where fronts are small); for one process, by this one alone. report: hears of each record
     when it is made, one at a time. Raises what a job raises, and MemoryError where a process was ended from outside."""
@@ -62,9 +60,9 @@ def make(
 
     helpers = min(processes, len(jobs)) - 1
     others = get_memmapping_executor(helpers, initializer=end_with_parent, initargs=(os.getpid(),), max_nbytes=None)
-    left, done, one_at_a_time = deque(enumerate(jobs)), dict[int, Made[Any]](), Lock()
+    left, done, one_at_a_time = deque(enumerate(jobs)), dict[int, Made](), Lock()
 
-    def take(maker: Callable[[Job], Made[Any]]) -> None:
+    def take(maker: Callable[[Job], Made]) -> None:
         """Do jobs until none is left."""
         while left:
             try:
@@ -75,8 +73,8 @@ def make(
             with one_at_a_time:
                 report(k, done[k])
 
-    def helped(job: Job) -> Made[Any]:
-        found: Made[Any] = others.submit(_elsewhere, job, cache).result()
+    def helped(job: Job) -> Made:
+        found: Made = others.submit(_elsewhere, job, cache).result()
         return found
 
     with ThreadPoolExecutor(helpers) as threads, threadpool_limits(1):
@@ -100,7 +98,7 @@ def make(
     return [done[k] for k in range(len(jobs))]
 
 
-def _elsewhere(job: Job, cache: Cache) -> Made[Any]:
+def _elsewhere(job: Job, cache: Cache) -> Made:
     """In another process, whose record of memory starts anew."""
     reset_peak()
     cache.quiet = True
@@ -108,7 +106,7 @@ def _elsewhere(job: Job, cache: Cache) -> Made[Any]:
         return _make(job, cache)
 
 
-def _make(job: Job, cache: Cache) -> Made[Any]:
+def _make(job: Job, cache: Cache) -> Made:
     start, hits, cold = perf_counter(), cache.hits, cache.cold_seconds
     value = cache.get(job.build, job.arguments, job.type_)
     spent, known = perf_counter() - start, cache.cold_seconds - cold

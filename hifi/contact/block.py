@@ -26,11 +26,10 @@ import scipy.sparse as sp
 from rollbench.hifi.contact.balls import solve_balls
 from rollbench.hifi.contact.compliance import uncoupled
 from rollbench.hifi.contact.hertz import HertzSolution, hertz
-from rollbench.hifi.contact.result import ContactResult
 from rollbench.hifi.elements.assembly import assemble, nodal_areas
 from rollbench.hifi.elements.forms import elasticity
 from rollbench.hifi.linear_algebra.solvers import factor
-from rollbench.meshes.arrays import Array, Index
+from rollbench.meshes.arrays import Array
 from rollbench.meshes.block import BlockMesh, Influence, hexahedra, tetrahedra
 from rollbench.meshes.fem import freedoms_on, nodes_on
 
@@ -49,13 +48,12 @@ SOURCE_FINE, SOURCE_COARSE, SOURCE_RADIUS = 0.08e-3, 5e-3, 0.8e-3
 class SurfaceCompliance:
     """Compliance of the quarter half space's surface for normal contact forces.
 
-    nodes: (m,) nodes that carry force; places: (m, 2) their x, y [m]; areas: (m,) of the quarter's surface that each
+    places: (m, 2) x, y [m] of the nodes that carry force; areas: (m,) of the quarter's surface that each
     carries [m2], so that pressure = force / area; matrix: (m, m) [m/N], displacement into the body; held: the same with
     the cut held; asymmetry: largest difference of the matrix from its transposed over its largest entry, before the two
     were averaged; unknowns: free freedoms; seconds: of assembly, factor and solution.
     """
 
-    nodes: Index
     places: Array
     areas: Array
     matrix: Array
@@ -124,7 +122,6 @@ def surface_compliance(mesh: BlockMesh, reach: tuple[float, float], young: float
     full = held - reactions.T @ _far_field(mesh, mesh.points[nodes, :2], young, poisson)
     seconds = {"assembly": assembled - start, "factor": factored - assembled, "solve": perf_counter() - factored}
     return SurfaceCompliance(
-        nodes=nodes,
         places=mesh.points[nodes, :2],
         areas=areas[nodes],
         matrix=0.5 * (full + full.T),
@@ -262,7 +259,7 @@ def on_mesh(job: HertzJob, mesh: BlockMesh, b_over_h: float, seconds: float = 0.
     result, _ = solve_balls(uncoupled(matrix), gap, closing, np.array([0.25 * job.load]))  # a quarter
     if not result.converged:
         raise ArithmeticError(f"job {job.name}, {mesh.element}, b/h = {b_over_h:g}: {result.status}")
-    semi, pole, fitted = read_pressure(surface, result)
+    semi, pole, fitted = read_ellipse(surface.places, surface.areas, result.forces)
     return HertzRun(
         job=job.name,
         element=mesh.element,
@@ -278,11 +275,6 @@ def on_mesh(job: HertzJob, mesh: BlockMesh, b_over_h: float, seconds: float = 0.
         pole_fitted=fitted,
         exact=job.exact,
     )
-
-
-def read_pressure(surface: SurfaceCompliance, result: ContactResult) -> tuple[tuple[float, float], float, float]:
-    """Semi-axes [m], pressure at the pole and fitted pole pressure [Pa], as `HertzRun` defines them."""
-    return read_ellipse(surface.places, surface.areas, result.forces)
 
 
 def read_ellipse(places: Array, areas: Array, forces: Array) -> tuple[tuple[float, float], float, float]:

@@ -9,7 +9,7 @@ minimum over w gives the stiffnesses. (Helically symmetric bodies: Treyssede 200
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -21,8 +21,8 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Material
 
-Mean = Callable[[Array], list[Array]]
-
+#: Strains that averages bring: their component (as of `_strain`), and the power of the radius by which it goes.
+STRETCH, TWIST, CURVATURE = (2, 0), (5, 1), (2, 1)
 #: Second-order cells along the groove, along the land, and in depth.
 CELLS = (32, 12, 12)
 
@@ -37,8 +37,8 @@ def helical_stiffness(
     """
     mesh, period = _section_mesh(m, outer, bore, cells)
     basis = Basis(mesh, ElementVector(ElementQuad2(), 3), intorder=6)
-    stretch_and_twist = _stored(basis, m.rg, 0, material, period, (_stretch, _twist)) * 2.0 * np.pi / period
-    bending = _stored(basis, m.rg, 1, material, period, (_curvature,)) * np.pi / period
+    stretch_and_twist = _stored(basis, m.rg, 0, material, period, (STRETCH, TWIST)) * 2.0 * np.pi / period
+    bending = _stored(basis, m.rg, 1, material, period, (CURVATURE,)) * np.pi / period
     return stretch_and_twist, float(bending[0, 0])
 
 
@@ -77,19 +77,7 @@ def _strain(value: Any, slope: Any, r: Array, rg: float, n: int) -> list[Any]:
     return [u_r, (v_t + u) / r, w_z, u_z + w_r, (u_t - v) / r + v_r, w_t / r + v_z]
 
 
-def _stretch(r: Array) -> list[Array]:
-    return [0.0 * r, 0.0 * r, 1.0 + 0.0 * r, 0.0 * r, 0.0 * r, 0.0 * r]
-
-
-def _twist(r: Array) -> list[Array]:
-    return [0.0 * r, 0.0 * r, 0.0 * r, 0.0 * r, 0.0 * r, r]
-
-
-def _curvature(r: Array) -> list[Array]:
-    return [0.0 * r, 0.0 * r, r, 0.0 * r, 0.0 * r, 0.0 * r]
-
-
-def _stored(basis: Basis, rg: float, n: int, material: Material, period: float, means: Sequence[Mean]) -> Array:
+def _stored(basis: Basis, rg: float, n: int, material: Material, period: float, means: Sequence[tuple[int, int]]) -> Array:
     """Integrals over the section of what means and what they bring store against one another, ``(k, k)``."""
     e, nu = material.youngs_modulus, material.poissons_ratio
     shear = e / (2.0 * (1.0 + nu))
@@ -109,7 +97,7 @@ def _stored(basis: Basis, rg: float, n: int, material: Material, period: float, 
         return np.asarray((values * weight[:, None]).swapaxes(1, 2))
 
     B = by_cells([_strain(f[0], f[0].grad, r, rg, n) for f in basis.basis])
-    mean = by_cells([m(r) for m in means])
+    mean = by_cells([[r**power if k == of else 0.0 * r for k in range(6)] for of, power in means])
     nodes, size = basis.element_dofs.T, basis.N
     lines, columns = np.repeat(nodes, nodes.shape[1], axis=1).ravel(), np.tile(nodes, nodes.shape[1]).ravel()
     K = sp.csr_matrix(((B.conj() @ stress(B)).ravel(), (lines, columns)), (size, size))

@@ -28,7 +28,7 @@ from rollbench.comparison.models import (
 from rollbench.comparison.models.comparison import REFERENCED, from_result
 from rollbench.comparison.models.registry import MODELS, Options, run_model
 from rollbench.comparison.models.study import Study, with_balls, with_groove
-from rollbench.comparison.reference import convergence, grid_fits, levels, near_face, tasks, variants
+from rollbench.comparison.reference import convergence, levels, near_face, tasks, variants
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.wings.mesh_study import table as mesh_study
 
@@ -61,16 +61,16 @@ def grids():
     fits = [
         fit
         for weighted in (False, True)
-        for fit in (grid_fits.searched(y, h, weighted), grid_fits.given(y, h, 1.5, weighted))
+        for fit in (convergence.searched(y, h, weighted), convergence.given(y, h, 1.5, weighted))
     ]
-    mixed = grid_fits.fixed(y, h, both=True)
+    mixed = convergence.fixed(y, h, both=True)
     settings = [levels.scaled(level, 3e-3, refined) for level in levels.LEVELS for refined in ((), ("cuts", "fine"))]
     return {
         "own": observed,
         "pooled": pooled,
         "fits": fits,
         "mixed": mixed,
-        "allowed": grid_fits.allowed(y, h, fits[0]),
+        "allowed": convergence.allowed(y, h, fits[0]),
         "at": settings,
     }
 

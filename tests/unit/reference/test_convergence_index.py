@@ -9,11 +9,14 @@ from rollbench.comparison.reference.convergence import (
     NOT_MONOTONE,
     OUT_OF_RANGE,
     TOO_FEW,
+    allowed,
+    fixed,
+    given,
     observe,
     pool,
     representative_size,
+    searched,
 )
-from rollbench.comparison.reference.grid_fits import allowed, fixed, given, searched
 
 SIZES = {3: 1.0 / np.array([1.6, 2.2, 3.0]), 4: 1.0 / np.array([1.6, 2.2, 3.0, 4.1])}
 

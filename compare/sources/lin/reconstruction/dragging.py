@@ -11,7 +11,7 @@ import numpy as np
 from rollbench.comparison.reference.store import Run
 from rollbench.comparison.reference.tasks import settings_of
 from rollbench.hifi.coupling import PlacedSet, modal_motion, mounted_screw
-from rollbench.hifi.reference import ROUNDS, Case, Round, end
+from rollbench.hifi.reference import ROUNDS, Case, Round
 from rollbench.hifi.setup import Setup, prepare
 from rollbench.hifi.shaft.frame import Frame
 from rollbench.meshes.arrays import Array
@@ -62,8 +62,8 @@ def with_sliding(scenes: Sequence[Scene], runs: Sequence[Run], mu: float, cache:
     setup = prepare(scenes[0], runs[0].sides, settings, scenes=scenes[1:], cache=Cache(cache))
     out = []
     for scene, run in zip(scenes, runs, strict=True):
-        ended = end(Dragging(setup, scene, mu), ROUNDS, lambda _: None, moving=True, frozen=False)
+        ended = Dragging(setup, scene, mu).end(ROUNDS)
         if ended.status != "converged":
             raise ValueError(f"{scene.name}: {ended.status}")
-        out.append(replace(run, load=ended.last.load, angle=np.degrees(ended.last.angle)))
+        out.append(replace(run, load=ended.load, angle=np.degrees(ended.contact_angle)))
     return out
