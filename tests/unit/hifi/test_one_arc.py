@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.two_balls import SMALL
 from tests.unit.statics.test_one_arc import bearing
 
 from rollbench.comparison.reference.tasks import needed_sides
 from rollbench.hifi.bodies import submodel
-from rollbench.hifi.meshing.fit import Settings
 from rollbench.hifi.reference import solve_reference
 from rollbench.hifi.setup import prepare
 from rollbench.lowfi.statics.elastic import solve_elastic
@@ -16,18 +16,8 @@ from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Support
 from rollbench.meshes.sockets import flank_limits
 
-COARSE = Settings(
-    b_over_h=1.0,
-    semi=(0.9e-3, 0.2e-3),
-    reach=(1.1e-3, 0.2e-3),
-    fine=3e-3,
-    coarse=12e-3,
-    ball_fine=1.2e-3,
-    ball_coarse=2.4e-3,
-    own_cuts=(3, 2, 3),
-    own_sizes=(2e-3, 8e-3),
-    own_ball_sizes=(0.9e-3, 1.8e-3),
-)
+BALL = {"ball_fine": 1.2e-3, "ball_coarse": 2.4e-3, "ball_modes": 24}
+COARSE = replace(SMALL, b_over_h=1.0, semi=(0.9e-3, 0.2e-3), reach=(1.1e-3, 0.2e-3), modes=16, **BALL)
 
 
 @pytest.mark.slow

@@ -24,18 +24,8 @@ LENGTH = 48e-3
 
 @pytest.fixture(scope="module")
 def shaft():
-    m, size = GrooveMap.of(SCENE), 4e-3
-    spec = BodySpec(
-        dimensions(SCENE).hole,
-        SCENE.screw.outer_diameter / 2.0,
-        m.z0,
-        m.z0 + LENGTH,
-        True,
-        (),
-        SocketSize(0.3, 1e-3, 0.05),
-        size,
-        size,
-    )
+    m, radii = GrooveMap.of(SCENE), (dimensions(SCENE).hole, SCENE.screw.outer_diameter / 2.0)
+    spec = BodySpec(*radii, m.z0, m.z0 + LENGTH, True, (), SocketSize(0.3, 1e-3, 0.05), 4e-3, 4e-3)
     return m, build_body(m, spec).mesh
 
 

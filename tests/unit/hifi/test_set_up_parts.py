@@ -1,7 +1,8 @@
-"""Parts of a set-up: what the cache keeps, and what other processes make."""
+"""Parts of a set-up: what the cache keeps, what other processes make, and which are another one turned."""
 
 import os
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -92,3 +93,14 @@ def test_parts_are_made_here_and_by_others_in_their_order():
     assert os.getpid() in {one.process for one in found}
     with pytest.raises(ZeroDivisionError):
         make([*parts, Job("any", eval, ("1 / 0",), int)], Cache(None), 2)
+
+
+@pytest.mark.parametrize(
+    ("sides", "condensed"), [((0, 1, 2, 3), {0, 2}), ((0, 3), {0, 3}), ((1, 2), {1, 2}), ((0, 1), {0}), ((0, 1, 3), {0, 3})]
+)
+def test_a_right_flank_whose_left_one_is_there_is_not_made_again(sides, condensed, monkeypatch):
+    monkeypatch.setattr(setup, "_same_boxes", lambda *_: True)
+    monkeypatch.setattr(setup, "side_of", lambda *_: ())
+    m = GrooveMap.of(two_balls())
+    assert set(setup._patch_jobs(None, m, None, None, sides, SimpleNamespace(element="Q2"))) == condensed
+    assert set(setup._patch_jobs(None, m, None, None, sides, SimpleNamespace(element="P2"))) == set(sides)

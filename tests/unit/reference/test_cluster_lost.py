@@ -134,17 +134,9 @@ def own_configuration():
 @pytest.mark.timeout(300)
 @pytest.mark.usefixtures("own_configuration")
 def test_jobs_run_over_tls(certificates):
-    cert, key = certificates
-    security = distributed.Security(
-        tls_ca_file=cert,
-        tls_scheduler_cert=cert,
-        tls_scheduler_key=key,
-        tls_worker_cert=cert,
-        tls_worker_key=key,
-        tls_client_cert=cert,
-        tls_client_key=key,
-        require_encryption=True,
-    )
+    (cert, key), files = certificates, dict(zip(("cert", "key"), certificates, strict=True))
+    each = ((f"tls_{who}_{what}", file) for who in ("scheduler", "worker", "client") for what, file in files.items())
+    security = distributed.Security(tls_ca_file=cert, require_encryption=True, **dict(each))
     options = {"n_workers": 1, "threads_per_worker": 1, "processes": False, "dashboard_address": "127.0.0.1:0"}
     with (
         distributed.LocalCluster(**options, protocol="tls://", host="127.0.0.1", security=security) as local,

@@ -1,17 +1,17 @@
 """Modelling uncertainty: what each variant changes, what counts, and how choices add."""
 
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from skfem import MeshHex
+from tests.reference_records import run_of
 
 from rollbench.comparison.models.modelling import VARIED, combined, effect, modelling_percent, varied
 from rollbench.comparison.models.registry import DEFAULT, Options, run_model
-from rollbench.comparison.reference.store import Run, save
-from rollbench.comparison.reference.tasks import settings_of
+from rollbench.comparison.reference.store import save
 from rollbench.comparison.reference.variants import COUPLING, HOLE, LANDS, LENGTH, NOT_VARIED, VARIANTS, held_ring, twisted
 from rollbench.comparison.scenes import catalogue
 from rollbench.hifi.condensation.responses import nut_transform
@@ -27,34 +27,6 @@ def loads(*first: float) -> np.ndarray:
     out[:, [0, 3]] = 100.0
     out[: len(first), 0] = first
     return out
-
-
-def run_of(load: np.ndarray, variant: str, status: str = "converged") -> Run:
-    return Run(
-        scene="lin-case1",
-        level=1,
-        variant=variant,
-        status=status,
-        load=load,
-        angle=np.full(load.shape, np.nan),
-        frozen=load,
-        centreline=np.zeros((3, 4)),
-        without={},
-        without_seconds={},
-        sides=(0, 3),
-        unknowns=10,
-        stages={},
-        solve_seconds=0.5,
-        peak_MB=None,
-        balance=0.0,
-        along_groove=0.0,
-        screw_balance=0.0,
-        quality={},
-        settings=asdict(settings_of([VARIANTS[variant].change(CASE1) if variant else CASE1], 1, variant)),
-        assumed=(),
-        versions={},
-        date="2026-01-01",
-    )
 
 
 def test_variants_change_what_they_say() -> None:
@@ -157,9 +129,9 @@ def test_choices_add_by_the_root_of_squares_contact_by_contact() -> None:
 def test_what_a_store_holds(tmp_path: Path) -> None:
     assert varied(CASE1, (tmp_path,)) == []
     for variant, first in (("", 101.0), ("base", 100.0), ("junction", 102.0)):
-        save(tmp_path, CASE1, run_of(loads(first), variant))
+        save(tmp_path, CASE1, run_of("lin-case1", 1, loads(first), variant))
     with pytest.raises(ValueError, match="did not converge"):
-        save(tmp_path, CASE1, run_of(loads(110.0), "hole", "no"))
+        save(tmp_path, CASE1, replace(run_of("lin-case1", 1, loads(110.0), "hole"), status="no"))
     found = {e.variant: e for e in varied(CASE1, (tmp_path,))}
     assert set(found) == {"base", "junction", "coupling"}  # what did not converge says nothing
     assert found["junction"].error.max_percent == pytest.approx(2.0)
