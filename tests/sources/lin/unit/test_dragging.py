@@ -1,17 +1,21 @@
 """Friction of grooves that slide on balls, as forces along the nodes' normals of the 3D reference's contacts."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.sources.lin.reconstruction.dragging import Dragging
+from rollbench.meshes.groove_map import GrooveMap
 
 
 @pytest.mark.parametrize("mu", [0.01, -0.01])
 def test_forces_on_the_nodes_have_the_friction_of_each_contact_for_resultant(mu: float) -> None:
     """Across the contact's load in the section of the groove, with the axial part of that load where the screw goes on."""
     alpha, n = 0.2, 9
+    m = replace(GrooveMap.of(catalogue.scene("lin-case1")), alpha=alpha)
     section = np.array([[1.0, 0.0, 0.0], [0.0, -np.sin(alpha), np.cos(alpha)]])
     turned = np.radians(np.linspace(-8.0, 8.0, n))
     left, right = (np.stack([np.cos(0.8 + turned), s * np.sin(0.8 + turned)], axis=1) @ section for s in (1.0, -1.0))
@@ -22,8 +26,8 @@ def test_forces_on_the_nodes_have_the_friction_of_each_contact_for_resultant(mu:
     forces = rng.uniform(1.0, 2.0, (2, 2 * n))
     forces[1, n:] = 0.0
     case = Dragging.__new__(Dragging)
-    case.mu, case.zones = mu, [SimpleNamespace(parts=(slice(0, n), slice(n, 2 * n)))]
-    case.sets = [SimpleNamespace(setup=SimpleNamespace(map=SimpleNamespace(alpha=alpha)))]
+    zones = (slice(0, n), 0), (slice(n, 2 * n), 3)
+    case.mu, case.sets = mu, [SimpleNamespace(setup=SimpleNamespace(map=m), zones=zones)]
     across = case.across(SimpleNamespace(forces=[forces], directions=[normals]))
     for ball, nodes in ((0, slice(0, n)), (0, slice(n, 2 * n)), (1, slice(0, n))):
         load = forces[ball, nodes] @ normals[ball, nodes]
