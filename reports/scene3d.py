@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.meshes.arrays import Array
-from rollbench.reports.offscreen import draw_in_child
+from rollbench.reports.offscreen import draw_in_child, set_view
 from rollbench.reports.records import LoadedScrew
 
 SIZE = (1600, 900)
@@ -30,33 +30,9 @@ _SCREW_SIDE, _NUT_SIDE, _IDLE = "#d1495b", "#1b1f24", "#eeeeee"
 def draw_loaded_screw(picture: LoadedScrew, path: str | Path) -> None:
     """Write a PNG of the loaded screw, without an X server.
 
-    Args:
-        picture: the record; lengths in m, forces on the balls in N.
-        path: the file to write.
-
-    Raises:
-        ValueError: arrays of the record do not belong together.
-        RuntimeError: this machine cannot draw it; says which libraries are missing, or what else went wrong.
+    Raises RuntimeError where this machine cannot draw it: says which libraries are missing, or what else went wrong.
     """
-    _check(picture)
     draw_in_child("rollbench.reports.scene3d", picture, path)
-
-
-def _check(picture: LoadedScrew) -> None:
-    """Refuse arrays of the wrong shape before a process is started for them."""
-    name = f"picture {picture.name!r}"
-    for key in ("ball_radii_centres", "helix", "contact_points", "contact_forces"):
-        array = np.asarray(getattr(picture, key), float)
-        if array.size and (array.ndim != 2 or array.shape[1] != 3 or not np.all(np.isfinite(array))):
-            raise ValueError(f"{name}: {key} must be finite and of shape (n, 3); it has {array.shape}")
-    balls, loads = len(picture.ball_radii_centres), len(picture.ball_loads)
-    if balls != loads:
-        raise ValueError(f"{name}: {balls} balls but {loads} loads")
-    points, forces = len(picture.contact_points), len(picture.contact_forces)
-    if points != forces:
-        raise ValueError(f"{name}: {points} contact points but {forces} forces")
-    if len(picture.helix) < 2:
-        raise ValueError(f"{name}: the helix needs at least two points")
 
 
 @dataclass(frozen=True)
@@ -327,27 +303,14 @@ def _add_forces(plotter: Any, picture: LoadedScrew) -> None:
 
 
 def _set_view(plotter: Any, picture: LoadedScrew) -> None:
-    """Camera, lights, axes triad and edges without steps."""
-    import pyvista
-
-    target = np.array([0.0, 0.0, picture.nut_position * 1e3])
+    """Camera, lights and axes triad."""
     outward, upward = directions()
     extent = 1e3 * max(2.0 * picture.nut_radius, 1.6 * picture.nut_length * SIZE[1] / SIZE[0])
-    plotter.camera.focal_point = target - 0.05 * extent * upward
-    plotter.camera.position = plotter.camera.focal_point + 5.0 * extent * sight()
-    plotter.camera.up = upward
-    plotter.enable_parallel_projection()
-    plotter.camera.parallel_scale = 0.66 * extent
+    focus = np.array([0.0, 0.0, picture.nut_position * 1e3]) - 0.05 * extent * upward
     above = outward + 1.4 * upward - np.array([0.0, 0.0, 0.6])
     beside = outward - 0.3 * upward + np.array([0.0, 0.0, 2.5])
-    for direction, strength in ((above, 0.75), (sight(), 0.3), (beside, 0.3)):
-        place = target + 10.0 * extent * direction
-        light = pyvista.Light(position=place, focal_point=target, intensity=strength)
-        light.positional = False
-        plotter.add_light(light)
-    plotter.reset_camera_clipping_range()
+    set_view(plotter, focus, sight(), upward, 1.32 * extent, ((above, 0.75), (sight(), 0.3), (beside, 0.3)))
     plotter.add_axes(xlabel="x", ylabel="y", zlabel="z", line_width=4, color="black", viewport=(0.0, 0.72, 0.16, 1.0))
-    plotter.enable_anti_aliasing("ssaa")
 
 
 if __name__ == "__main__":

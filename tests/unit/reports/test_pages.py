@@ -9,7 +9,7 @@ import pytest
 from tests.report_samples import contents, figure, paged, report, screw, table
 
 from rollbench.reports import cells, figures, html, scene3d
-from rollbench.reports.pages import SEARCH
+from rollbench.reports.pages import MARKER, SEARCH
 from rollbench.reports.records import Quantity, Summary, Table, Text
 
 PNG_START = b"\x89PNG\r\n\x1a\n"
@@ -73,7 +73,7 @@ class TestPage:
         pages = {p.name: Page(p.read_text(encoding="utf-8")) for p in written.glob("*.html")}
         for name, page in pages.items():
             assert not page.open
-            assert html.MARKER in (written / name).read_text(encoding="utf-8")
+            assert MARKER in (written / name).read_text(encoding="utf-8")
             assert not {"link", "iframe", "object"} & {tag for tag, _ in page.elements}
             assert page.attributes("src") == [SEARCH]
             known = page.attributes("id")
