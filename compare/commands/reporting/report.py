@@ -7,6 +7,7 @@ import platform
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from time import perf_counter
 
@@ -14,7 +15,6 @@ from rollbench.comparison import __version__
 from rollbench.comparison.commands.printing import Answer
 from rollbench.comparison.commands.reporting import moved as report_moved
 from rollbench.comparison.commands.reporting.first import kept_parts, lacking, live_check
-from rollbench.comparison.commands.reporting.halves import build, split
 from rollbench.comparison.commands.reporting.parts import PARTS, SECTIONS, pages
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.study import Study
@@ -24,7 +24,7 @@ from rollbench.comparison.registration import Part, offered
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.system import gmsh_fault, libraries, machine, need_packages
 from rollbench.comparison.writing import need_writable
-from rollbench.reports.records import Report
+from rollbench.reports.records import Report, Section
 
 Step = Callable[[str], None]
 
@@ -142,6 +142,17 @@ def save_model_form(study: Study) -> None:
         save_places(study.stores[0])
 
 
+def make_sections(parts: Sequence[Part], announce: Step, step: Step, study: Study) -> dict[str, Section]:
+    """Sections by name, one after the other; with the ladder also what the model-form estimate rests on."""
+    sections: dict[str, Section] = {}
+    for part in parts:
+        announce(part.name)
+        sections[part.name] = import_module(f"rollbench.comparison.{part.module}").section(study, step)
+    if "ladder" in sections:
+        save_model_form(study)
+    return sections
+
+
 def make_report(
     only: Sequence[str],
     out: Path,
@@ -185,8 +196,7 @@ def make_report(
     checking = runs and meshing and not (only or stored or fresh or quick)
     timed = fresh or "timing" in only
     study = Study(source.stores, quick=quick, timed=timed, keeps=everything or fresh, cache=source.engine.cache)
-    aside, others = split(wanted, study)
-    progress = Progress(len(others) + bool(aside) + runs + checking + 1)
+    progress = Progress(len(wanted) + runs + checking + 1)
     start = perf_counter()
     if runs:
         progress.section("runs of the 3D reference")
@@ -195,7 +205,7 @@ def make_report(
     if checking:
         progress.section("one shipped run computed anew")
         checked = live_check((shipped_store(),), progress.step)
-    sections = build(aside, others, progress.section, progress.step, study, save_model_form)
+    sections = make_sections(wanted, progress.section, progress.step, study)
     progress.section("drawing and writing")
     texts = {name: catalogue.scene_text(name) for name in study.used}
     facts["computed in"] = f"{perf_counter() - start:.0f} s"

@@ -19,7 +19,7 @@ from rollbench.comparison.scenes.catalogue import scene_text
 from rollbench.comparison.writing import need_writable, replace_file
 from rollbench.lowfi import jit
 from rollbench.meshes.leftovers import temporary
-from rollbench.reports.html import harmless
+from rollbench.reports.cells import harmless
 
 COMMAND = [sys.executable, "-P", "-m", "rollbench"]
 
@@ -175,7 +175,7 @@ def test_the_tree_s_state_is_read_before_a_report_writes_into_it(tmp_path, monke
         seen.append(provenance.commit.cache_info().currsize)
         raise InputError("report", "build", "begun", "nothing", "the rest is not needed here")
 
-    monkeypatch.setattr(report, "build", build)
+    monkeypatch.setattr(report, "make_sections", build)
     with pytest.raises(InputError, match="begun"):
         report.make_report(["hertz"], tmp_path / "out", stored=True)
     assert seen == [1]
