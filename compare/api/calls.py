@@ -40,7 +40,7 @@ def solve(scene: Described | str | Path, model: str = "", *, member: int = 0) ->
     Raises InputError for what cannot be solved so; no equilibrium is no error: see ``Solution.converged``.
     """
     from rollbench.comparison.commands.solving.cases_output import cases_json
-    from rollbench.comparison.commands.solving.one_output import case_json
+    from rollbench.comparison.commands.solving.output import case_json
     from rollbench.comparison.models.load_cases import solve_any
     from rollbench.comparison.models.registry import Options, default_model
     from rollbench.comparison.models.together import together

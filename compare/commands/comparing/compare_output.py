@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.comparison.commands.printing import cell
-from rollbench.comparison.commands.solving.solve_output import expected_json
+from rollbench.comparison.commands.solving.output import expected_json
 from rollbench.comparison.commands.solving.summary import GROUPS, contacts_json, loads_json
 from rollbench.comparison.commands.tables import plain
 from rollbench.comparison.errors import Refusal

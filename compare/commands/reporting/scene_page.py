@@ -13,8 +13,8 @@ import numpy as np
 
 from rollbench.comparison import __version__
 from rollbench.comparison.commands.solving.cases_output import case_rows, cases_json, together_entries
-from rollbench.comparison.commands.solving.one_output import case_json
-from rollbench.comparison.commands.solving.summary import entries
+from rollbench.comparison.commands.solving.entries import entries
+from rollbench.comparison.commands.solving.output import case_json
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.gate.user import judged_by
 from rollbench.comparison.measure import LoadError, load_error
@@ -123,7 +123,6 @@ def _page_of_scene(
     tangent = tangent_of(scene, scene.nut.position, DEFAULT, options)
     stored = study.reference(scene.name)
     judged = [v for q in QUANTITIES if (v := validated(study, scene.name, DEFAULT, q, from_result(result))) is not None]
-    speed = None if scene.motion is None else scene.motion.speed
     text = _scene_text(name)
     sections = (
         Section("scene", "The scene", (sketch_of(scene, "sketch", SKETCH),)),
@@ -137,7 +136,7 @@ def _page_of_scene(
         scene.title,
         f"{scene.name}: contact loads, stiffness, pressure, friction and life by rollbench, model {DEFAULT}",
         verdict(answers, worth, judged, stored, None if given is None else against(given, result)),
-        entries(scene, result, answers, worth, speed),
+        entries(one),
         _picture(scene, result),
         sections,
         _provenance(name, scene, text, stored, file),
@@ -262,7 +261,7 @@ def _error(
     scene: Scene, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None, given: Against | None = None
 ) -> Section:
     """Measured error with u_val where a reference is stored, expected error, and where the scene lies."""
-    from rollbench.comparison.commands.solving.solve_output import model_form_text
+    from rollbench.comparison.commands.solving.entries import model_form_text
 
     items: list[Text | Table | Figure] = []
     if given is not None:

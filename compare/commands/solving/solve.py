@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from rollbench.comparison.commands.printing import Answer
-from rollbench.comparison.commands.solving.one_output import case_json, case_table
-from rollbench.comparison.commands.solving.solve_choices import Choices
-from rollbench.comparison.commands.solving.solve_output import stiffness_lines
+from rollbench.comparison.commands.solving.output import case_json, case_table, stiffness_lines
 from rollbench.comparison.errors import InputError, named, one_line
 from rollbench.comparison.models.answers import tangent_of
 from rollbench.comparison.models.load_cases import Solved, SolvedAxis, solve_any
@@ -26,6 +24,26 @@ from rollbench.lowfi.warned import above
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What the command line says: model, whether to leave nothing out, specimen, condensed bodies, whether to print the
+    table of balls, station of the stiffness and its file, files of the load curve and of the contact loads, seconds after
+    which to give up, whether a warning above the answers makes the exit code 1, whether to print what lies behind them."""
+
+    model: str = ""
+    everything: bool = False
+    member: int = 0
+    condensed: Path | None = None
+    balls: bool = False
+    stiffness_at: str = ""
+    matrix: Path | None = None
+    curve: Path | None = None
+    loads_csv: Path | None = None
+    time_limit: float | None = None
+    strict: bool = False
+    assumptions: bool = False
 
 
 def run_solve(name: str, choices: Choices) -> Answer:
