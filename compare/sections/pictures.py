@@ -14,7 +14,6 @@ from rollbench.comparison.models.registry import DEFAULT
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.levels import PRODUCTION
 from rollbench.comparison.reference.tasks import settings_of
-from rollbench.comparison.sections.loaded_screw import loaded_screw
 from rollbench.comparison.sections.pressures import MM, MPA, panel_of, pressure_table, profiles
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.errors import specimen
@@ -314,11 +313,13 @@ def loaded(solved: Solved) -> LoadedScrew:
         held = result.load[:, s] > 0.0
         points.append((layout.centre + ball * direction)[held])
         forces.append((-load * direction)[held])
-    return loaded_screw(
+    return LoadedScrew(
+        "loaded-screw-3d",
+        "Case 1: contact forces on the balls by the 3D reference",
         scene,
-        ("loaded-screw-3d", "Case 1: contact forces on the balls by the 3D reference"),
         result.load,
-        (np.concatenate(points), np.concatenate(forces)),
+        np.concatenate(points),
+        np.concatenate(forces),
         f"Mesh level {LEVEL}. Balls are coloured by their contact load, {result.load[:, 0].min():.0f} to "
         f"{result.load[:, 0].max():.0f} N.",
     )

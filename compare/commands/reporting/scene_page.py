@@ -7,7 +7,6 @@ import platform
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -34,7 +33,6 @@ from rollbench.comparison.registration import offered
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.scenes.duty_cycle import DutyCycle
 from rollbench.comparison.sections.applicability import range_figure, range_table
-from rollbench.comparison.sections.loaded_screw import loaded_screw
 from rollbench.comparison.sections.sketch import sketch_of
 from rollbench.comparison.system import libraries
 from rollbench.comparison.writing import need_writable, replace_file
@@ -43,7 +41,7 @@ from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 from rollbench.reports.manifest import sha256
-from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
+from rollbench.reports.records import Figure, LoadedScrew, Panel, Quantity, Row, Section, Series, Table, Text
 from rollbench.reports.scene_page import ScenePage
 
 SKETCH = "The scene, to scale about the nut; hatched: where a 3D model holds it"
@@ -307,11 +305,11 @@ def _notes(result: StaticResult, warnings: Sequence[str] = ()) -> Section:
     return Section("assumptions", "Assumptions", items)
 
 
-def _picture(scene: Scene, result: StaticResult) -> Any:
+def _picture(scene: Scene, result: StaticResult) -> LoadedScrew:
     loaded = result.load > 0.0
     arrows = result.contact_point[loaded], (result.force_direction * result.load[..., None])[loaded]
     caption = "Balls are coloured by their load; arrows are the contact forces on them."
-    return loaded_screw(scene, ("picture", "The scene under load"), result.load, arrows, caption)
+    return LoadedScrew("picture", "The scene under load", scene, result.load, *arrows, caption)
 
 
 def _scene_text(name: str) -> str:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.report_samples import screw
 
 from rollbench.comparison.commands.reporting import first as report_first
 from rollbench.comparison.commands.reporting import report
@@ -14,7 +15,6 @@ from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.store import Run, load, shipped_store
 from rollbench.comparison.reference.tasks import Task
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.sections.loaded_screw import loaded_screw
 from rollbench.comparison.sources.kalker import section as rolling
 from rollbench.reports.records import Section
 
@@ -92,9 +92,7 @@ def test_packages_of_single_files_are_named_with_what_installs_them(monkeypatch)
 def test_pictures_that_cannot_be_drawn_are_named_with_what_installs_them(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(report_first, "find_spec", lambda name: name)
     monkeypatch.setattr(report_first, "drawing_fault", lambda: "no off-screen OpenGL on this machine")
-    scene = catalogue.scene("two-balls")
-    screw = loaded_screw(scene, ("picture", "Loads"), np.ones((2, 4)), (np.zeros((1, 3)), np.ones((1, 3))), "")
-    plain, drawn = Section("a", "No picture", ()), Section("b", "One", (screw,))
+    plain, drawn = Section("a", "No picture", ()), Section("b", "One", (screw(),))
     assert report_first.lacking([plain]) == []
     (gap,) = report_first.lacking([plain, drawn])
     assert gap.line().startswith("left out: 3D pictures: no off-screen OpenGL on this machine; apt-get install libegl1")
