@@ -13,9 +13,9 @@ from time import perf_counter
 
 from rollbench.comparison import __version__
 from rollbench.comparison.commands.printing import Answer
-from rollbench.comparison.commands.reporting import moved as report_moved
 from rollbench.comparison.commands.reporting.first import kept_parts, lacking, live_check
 from rollbench.comparison.commands.reporting.parts import PARTS, SECTIONS, pages
+from rollbench.comparison.commands.reporting.verify import moved_tables, tables
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.provenance import commit, inputs
@@ -174,7 +174,7 @@ def make_report(
     section of run times is named. Raises InputError for a bad section name or folder.
     """
     need_packages("matplotlib", "scikit-fem")
-    before = None if against is None else report_moved.tables(against)
+    before = None if against is None else tables(against)
     wanted = wanted_parts(only, quick=quick)
     if fresh and stored:
         raise InputError("command line", "--fresh", "also --stored", "one of both", "leave --stored out to compute")
@@ -232,7 +232,7 @@ def make_report(
         raise _bad_folder(out, error) from None
     parts = [*([] if checked is None else [checked.line()]), *(gap.line() for gap in missed)]
     if before is not None:
-        parts += [*report_moved.moved(before, report_moved.tables(page.parent))] or ["nothing moved"]
+        parts += [*moved_tables(before, tables(page.parent))] or ["nothing moved"]
     parts.append(f"report: {page} ({perf_counter() - start:.0f} s)")
     return Answer(parts=parts, code=0 if checked is None or checked.agrees else 1)
 

@@ -12,7 +12,7 @@ from types import SimpleNamespace
 import pytest
 
 from rollbench.comparison.cli import main
-from rollbench.comparison.commands.reporting.checked import Checked
+from rollbench.comparison.commands.reporting.verify import Checked
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.scenes.catalogue import scene_text
@@ -217,7 +217,7 @@ def test_escape_characters_of_names_are_not_printed_raw(words, tmp_path, monkeyp
 
 
 def test_escape_characters_of_a_report_s_files_are_not_printed_raw():
-    assert Checked("x\x1b]0;title", "changed", "\x1b", "").line.isprintable()
+    assert Checked("x\x1b]0;title", "\x1b", "y").line.isprintable()
 
 
 @pytest.mark.parametrize("words", [["list"], ["solve", "no-such-scene"]])
