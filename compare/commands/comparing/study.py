@@ -26,6 +26,7 @@ from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.gate.user import judged_by, stored_beside
 from rollbench.comparison.models.comparison import compared_models, finest_bodies, rows, suited
 from rollbench.comparison.models.referenced import Referenced, referenced
+from rollbench.comparison.models.registry import Model
 from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.reference.jobs import Engine, ensure, plan
 from rollbench.comparison.reference.levels import ADVISED, LEVELS, SOURCE_LEVEL
@@ -50,6 +51,25 @@ def unconverged(name: str, failed: Sequence[Run]) -> Refusal:
     why = [f"level {run.level}: {run.status}" for run in failed if run.scene == name]
     reason = f"no run of the 3D reference converged ({'; '.join(why)})" if why else "no converged run of the 3D reference"
     return Refusal(name, "3D reference", reason, "change what the status names, or solve it with a low-order model")
+
+
+def each_compared(
+    scenes: Sequence[Solvable],
+    references: Sequence[Sequence[Referenced]],
+    models: Sequence[Model],
+    stores: Sequence[Path],
+    failed: Sequence[Run],
+    *,
+    own: bool,
+) -> Iterator[tuple[Referenced, Comparison]]:
+    """References, set by set, and what is compared with them, as they are asked for; models: those that suit a scene where
+    none is named; own: they are the user's, beside which stored ones stand. Raises Refusal where a scene has none."""
+    for scene, sets in zip(scenes, references, strict=True):
+        if not sets:
+            raise unconverged(scene.name, failed)
+        for one in sets:
+            ours = stored_beside(one, stores) if own else None
+            yield one, compared(one.scene, models or suited(scene), one.found, stores, one.of, ours)
 
 
 def parse_levels(text: str) -> tuple[int, ...]:
@@ -91,7 +111,10 @@ def run_compare(
     stores = (store, shipped_store())
     warnings: list[str] = []
     names_of = {name: case.case.name for name, case in cases.items()}
-    given = None if reference is None else _given(scenes, reference, levels, warnings, names_of, fresh=fresh)
+    for name, beside in (("--levels", levels is not None), ("--fresh", fresh)) if reference is not None else ():
+        if beside:
+            raise InputError("command line", name, "with --reference", "one of both", "the file is the reference")
+    given = None if reference is None else own_references(scenes, reference, names_of, warnings)
     without = [s for s in scenes if not referenced(s, stores)] if levels is None and not fresh else scenes
     without = [] if given is not None else without
     failed: list[Run] = []
@@ -110,13 +133,7 @@ def run_compare(
     references = [referenced(scene, stores) for scene in scenes] if given is None else given
 
     def each() -> Iterator[tuple[Referenced, Comparison]]:
-        """References and what is compared with them, as they are asked for."""
-        for scene, sets in zip(scenes, references, strict=True):
-            if not sets:
-                raise unconverged(scene.name, failed)
-            for one in sets:
-                ours = None if given is None else stored_beside(one, stores)
-                yield one, compared(one.scene, chosen or suited(scene), one.found, stores, one.of, ours)
+        return each_compared(scenes, references, chosen, stores, failed, own=given is not None)
 
     def heading(one: Referenced) -> dict[str, Any]:
         return named(one) | (cases[one.described].keys if one.described in cases else {})
@@ -162,20 +179,11 @@ def run_compare(
     return Answer(data, parts(), code_of(one.found for sets in references for one in sets))
 
 
-def _given(
-    scenes: Sequence[Solvable],
-    path: Path,
-    levels: tuple[int, ...] | None,
-    warnings: list[str],
-    cases: Mapping[str, str],
-    *,
-    fresh: bool,
+def own_references(
+    scenes: Sequence[Solvable], path: Path, cases: Mapping[str, str], warnings: list[str]
 ) -> list[list[Referenced]]:
     """The one scene, or its load cases, beside the user's own reference, set by set; cases: which each scene is. Raises
-    InputError for several, and for what it makes meaningless."""
-    for name, given in (("--levels", levels is not None), ("--fresh", fresh)):
-        if given:
-            raise InputError("command line", name, "with --reference", "one of both", "the file is the reference")
+    InputError for several scenes."""
     if len(scenes) != 1 and len(cases) != len(scenes):
         advice = "compare the scenes one by one, each with its file"
         raise InputError("command line", "--reference", str(path), f"one scene, not {len(scenes)}", advice)
