@@ -143,14 +143,10 @@ def test_control_characters_of_a_scene_are_escaped():
     assert scene.name == "bad\\x1bname"
 
 
-@pytest.mark.parametrize("text", ["=1+1", "+cmd", "-2+3", "@SUM(A1)", "\t=1"])
-def test_formulas_in_tables_are_neutralised(text):
-    assert harmless(text) == "'" + text
-
-
-@pytest.mark.parametrize("text", ["-3.5", "+1e-9", "plain", "", "–", "-5 um"])
-def test_numbers_and_words_in_tables_stay(text):
-    assert harmless(text) == text
+@pytest.mark.parametrize("text", ["=1+1", "+cmd", "-2+3", "@SUM(A1)", "\t=1", "-3.5", "+1e-9", "plain", "", "–", "-5 um"])
+def test_formulas_in_tables_are_neutralised_and_numbers_and_words_stay(text):
+    runs = text in ("=1+1", "+cmd", "-2+3", "@SUM(A1)", "\t=1")
+    assert harmless(text) == ("'" if runs else "") + text
 
 
 def test_a_page_whose_folder_cannot_be_made_is_refused_before_any_work(tmp_path, monkeypatch, command):
