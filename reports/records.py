@@ -122,31 +122,11 @@ class LoadedScrew:
 
 @dataclass(frozen=True)
 class Sketch:
-    """A sketch of a screw or bearing from the side; lengths in m, stations along z from the shaft's left end.
-
-    nut: stations of its faces; flange: diameter and stations of its faces; balls: (station, height above the axis, distance
-    before it); held: (station, inner and outer radius) of rings by which the nut is held, ``held_outside``: by its outer
-    surface; supports: (station, lines of words); loads: (station, (force along z, force across), words); ``shaft``,
-    ``around``: what its two parts are called.
-    """
+    """A sketch of the screw or bearing of a scene from the side, with what holds and loads it."""
 
     name: str
     title: str
-    screw_length: float
-    screw_diameter: float
-    bore: float
-    nut: tuple[float, float]
-    nut_diameter: float
-    pitch_diameter: float
-    ball_radius: float
-    balls: Sequence[tuple[float, float, float]]
-    supports: Sequence[tuple[float, Sequence[str]]] = ()
-    loads: Sequence[tuple[float, tuple[float, float], str]] = ()
-    held: Sequence[tuple[float, float, float]] = ()
-    held_outside: bool = False
-    flange: tuple[float, float, float] | None = None
-    shaft: str = "screw"
-    around: str = "nut"
+    scene: Scene
     caption: str = ""
 
 

@@ -90,8 +90,7 @@ def compare(
     reference; store: folder of the reference's runs. Raises InputError, Refusal where no run of the reference converged.
     """
     from rollbench.comparison.commands.comparing.compare_output import verdict
-    from rollbench.comparison.commands.comparing.compared_cases import together_json
-    from rollbench.comparison.commands.comparing.study import each_compared, named, own_references
+    from rollbench.comparison.commands.comparing.study import each_compared, named, own_references, together_json
     from rollbench.comparison.commands.printing import on_terminal
     from rollbench.comparison.models.comparison import compared_models
     from rollbench.comparison.models.referenced import referenced

@@ -202,7 +202,7 @@ def drawn(found: Sequence[Level]) -> Section:
         f"{1000.0 * SOURCE_FINE:g} mm within a sphere of {1000.0 * SOURCE_RADIUS:g} mm (its size is not printed) and up to "
         f"{1000.0 * SOURCE_COARSE:g} mm outside.",
     )
-    items = (
+    items: tuple[Text | Table | Figure, ...] = (
         Text(text),
         Text(verdict(found), bullets=True),
         Table.of("verification-targets", f"Production mesh ({mesh}) against the closed form", value_rows(found)),

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import datetime
 import platform
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -33,6 +34,7 @@ from rollbench.comparison.registration import offered
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.scenes.duty_cycle import DutyCycle
 from rollbench.comparison.sections.applicability import range_figure, range_table
+from rollbench.comparison.sections.curves import load_panel, loads
 from rollbench.comparison.sections.sketch import sketch_of
 from rollbench.comparison.system import libraries
 from rollbench.comparison.writing import need_writable, replace_file
@@ -41,7 +43,7 @@ from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 from rollbench.reports.manifest import sha256
-from rollbench.reports.records import Figure, LoadedScrew, Panel, Quantity, Row, Section, Series, Table, Text
+from rollbench.reports.records import Figure, LoadedScrew, Quantity, Row, Section, Table, Text
 from rollbench.reports.scene_page import ScenePage
 
 SKETCH = "The scene, to scale about the nut; hatched: where a 3D model holds it"
@@ -55,18 +57,27 @@ def make_page(name: str, out: Path, store: Path, reference: Path | None = None) 
     Raises InputError for a scene of another kind and a folder that holds what no report wrote, Refusal where
     the scene does not solve.
     """
-    from rollbench.reports.html import check_target
     from rollbench.reports.scene_page import render
 
-    try:
-        check_target(out)
-    except (ValueError, OSError) as error:
-        allowed = "a folder that is new, empty or an earlier report"
-        raise InputError(str(out), "--out", str(error), allowed, "choose another folder") from None
-    need_writable(out / "index.html")
+    with replaced(out):
+        need_writable(out / "index.html")
     page = page_of(name, (store, shipped_store()), reference)
     replace_file(out / "index.html", render(page))
     return page
+
+
+@contextmanager
+def replaced(out: Path) -> Iterator[None]:
+    """Write a report into the folder ``out`` inside. Raises InputError where it holds what no report wrote, or cannot be
+    written."""
+    from rollbench.reports.html import check_target
+
+    try:
+        check_target(out)
+        yield
+    except (ValueError, OSError) as error:
+        allowed = "a folder that is new, empty or an earlier report"
+        raise InputError(str(out), "--out", str(error), allowed, "choose another folder") from None
 
 
 def page_of(name: str, stores: Sequence[Path], file: Path | None = None) -> ScenePage:
@@ -194,18 +205,13 @@ def verdict(
 
 def _loads(scene: Scene, result: StaticResult, references: Sequence[Reference]) -> Section:
     """Figure and table of all contacts with their pressures, beside those of references."""
-    balls = [float(k + 1) for k in range(result.load.shape[0])]
     panels = []
     pressure = 1e-6 * nominal_hertz(scene).pressure(result.load)
     for s, side in enumerate(SIDES[:2]):
         if not (result.load[:, s] > 0.0).any():
             continue
-        series = [Series(DEFAULT, balls, result.load[:, s].tolist(), "line+markers", emphasis=True)]
-        for reference in references:
-            load, bar = reference.load[:, s], reference.uncertainty[:, s]
-            ends = (load - bar).tolist(), (load + bar).tolist()
-            series.append(Series(reference.label, balls, load.tolist(), "markers", bars=ends))
-        panels.append(Panel(f"screw's flank {side}", "ball", "contact load / N", tuple(series), zero=True, integer_x=True))
+        series = [loads(r.label, r, s, "markers", bar=r.uncertainty) for r in references]
+        panels.append(load_panel(f"screw's flank {side}", loads(DEFAULT, result, s, emphasis=True), *series, zero=True))
     rows: list[Row] = []
     for i, s in zip(*np.nonzero(result.load > 0.0), strict=True):
         row: Row = {

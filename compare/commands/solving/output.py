@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.comparison.commands.printing import Column, text_width
-from rollbench.comparison.commands.solving.entries import block
+from rollbench.comparison.commands.solving.entries import block, load_error
 from rollbench.comparison.commands.solving.summary import (
     answers_json,
     set_json,
@@ -67,6 +67,19 @@ SOLVER = (
     quantity("round_off_bound"),
     quantity("discretisation_percent", lambda _: None),
     quantity("notes"),
+)
+#: The error to expect.
+MODEL_FORM = (
+    quantity("covered", lambda m: m.percent is not None),
+    quantity("largest_percent_of_mean", "percent"),
+    quantity("rms_percent_of_mean", "rms_percent"),
+    quantity("displacement_percent", "displacement_percent"),
+    quantity("rigidity_percent", "rigidity_percent"),
+    quantity("pressure_percent", "pressure_percent"),
+    quantity("distance"),
+    quantity("nearest"),
+    quantity("compared"),
+    quantity("words"),
 )
 #: One set of several.
 SET = (
@@ -146,7 +159,7 @@ def case_json(one: Solved | SolvedAxis, tangent: Tangent | None = None) -> dict[
         ],
         "equilibrium": record(EQUILIBRIUM, result.equilibrium),
         "solver": (record(SOLVER, result.solver) or {}) | {"discretisation_percent": grid},
-        "model_form": _model_form(one.expected),
+        "model_form": record(MODEL_FORM, one.expected),
         "assumed": list(result.assumed),
         "left_out": list(result.left_out),
         "warning": above(result.warnings) or None,
@@ -156,21 +169,6 @@ def case_json(one: Solved | SolvedAxis, tangent: Tangent | None = None) -> dict[
 
 def _set(place: int, s: SetResult, answers: SetAnswers | None) -> dict[str, Any]:
     return {"set": place, **(record(SET, s) or {}), "summary": set_json(s, answers)}
-
-
-def _model_form(m: ModelForm | None) -> dict[str, Any] | None:
-    if m is None:
-        return None
-    return {
-        "covered": m.percent is not None,
-        "largest_percent_of_mean": None if m.percent is None else number(m.percent),
-        "rms_percent_of_mean": None if m.rms_percent is None else number(m.rms_percent),
-        **expected_json(m, "{}_percent"),
-        "distance": number(m.distance),
-        "nearest": m.nearest,
-        "compared": m.compared,
-        "words": list(m.words),
-    }
 
 
 def expected_json(m: ModelForm | None, key: str) -> dict[str, float | None]:
@@ -303,9 +301,8 @@ def _balance(e: Equilibrium, *, several: bool) -> list[str]:
 
 def _ball_tables(one: Solved) -> list[RenderableType]:
     """Every ball, and the sums of each flank; loads to the digits that their expected error leaves."""
-    result, worth = one.result, one.expected
-    error = None if worth is None or worth.percent is None else worth.percent / 100.0
-    error = error and error * mean_load(result.load, nominal_contacts(one.scene, result))
+    result = one.result
+    error = load_error(mean_load(result.load, nominal_contacts(one.scene, result)), one.expected)
     sides = [k for k in range(4) if (result.load[:, k] > 0.0).any()]
     headings, rows = ["ball", "deg", "z mm", *(x for k in sides for x in (f"{SIDES[k]} N", "angle"))], []
     for i in range(result.z.size):

@@ -149,7 +149,7 @@ def _checked(choices: Choices) -> tuple[str, float]:
     if choices.matrix is not None:
         if not choices.stiffness_at:
             raise InputError("command line", "--matrix", str(choices.matrix), "with --stiffness-at", "give a station")
-        from rollbench.comparison.commands.solving.matrix_files import check_matrix
+        from rollbench.comparison.commands.solving.files import check_matrix
 
         check_matrix(choices.matrix)
     if choices.curve is not None and choices.curve.suffix.lower() != ".csv":
@@ -176,12 +176,12 @@ def _write(one: Solved | SolvedAxis, tangent: Tangent | None, options: Options, 
         advice = "ask for a station where no freedom of the shaft is held"
         raise InputError("command line", "--matrix", str(path), "a stiffness in all six freedoms", advice)
     if path is not None and K is not None:
-        from rollbench.comparison.commands.solving.matrix_files import write_stiffness
+        from rollbench.comparison.commands.solving.files import write_stiffness
 
         write_stiffness(path, K, f"tangent stiffness of {one.scene.name}, model {one.result.model}, {where}")
         lines.append(f"wrote {path}: the matrix, symmetric, in N, m and rad")
     if choices.curve is not None:
-        from rollbench.comparison.commands.solving.load_curve import write_curve
+        from rollbench.comparison.commands.solving.files import write_curve
 
         lines += write_curve(choices.curve, one.scene, one.result.model, options)
     return lines

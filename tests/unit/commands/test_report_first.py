@@ -75,7 +75,7 @@ def test_the_live_check_compares_a_run_with_the_shipped_one(
     assert found.agrees is agrees
     largest = 100.0 * (factor - 1.0) * shipped.load.max() / shipped.load[shipped.load > 0.0].mean()
     assert found.percent == pytest.approx(largest, abs=1e-9)
-    assert ("DOES NOT AGREE" in found.line()) is not agrees
+    assert ("DOES NOT AGREE" in str(found)) is not agrees
 
 
 def test_nothing_is_checked_where_no_run_is_stored(tmp_path: Path) -> None:
@@ -86,7 +86,7 @@ def test_nothing_is_checked_where_no_run_is_stored(tmp_path: Path) -> None:
 def test_packages_of_single_files_are_named_with_what_installs_them(monkeypatch):
     monkeypatch.setattr(report_first, "find_spec", lambda name: None if name == "typst" else name)
     (gap,) = report_first.lacking([])
-    assert gap.line() == "left out: the PDF of the first pages: typst is not installed; pip install typst"
+    assert str(gap) == "the PDF of the first pages: typst is not installed; pip install typst"
 
 
 def test_pictures_that_cannot_be_drawn_are_named_with_what_installs_them(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -95,4 +95,4 @@ def test_pictures_that_cannot_be_drawn_are_named_with_what_installs_them(monkeyp
     plain, drawn = Section("a", "No picture", ()), Section("b", "One", (screw(),))
     assert report_first.lacking([plain]) == []
     (gap,) = report_first.lacking([plain, drawn])
-    assert gap.line().startswith("left out: 3D pictures: no off-screen OpenGL on this machine; apt-get install libegl1")
+    assert str(gap).startswith("3D pictures: no off-screen OpenGL on this machine; apt-get install libegl1")

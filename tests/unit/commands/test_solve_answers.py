@@ -18,7 +18,7 @@ from scipy.io import mmread
 
 from rollbench.comparison.commands.comparing.compare_output import compared
 from rollbench.comparison.commands.solving.entries import block, entries
-from rollbench.comparison.commands.solving.matrix_files import dmig, market
+from rollbench.comparison.commands.solving.files import dmig, market
 from rollbench.comparison.commands.solving.summary import answers_json
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.models.answers import Answers, gather, tangent_of
