@@ -42,8 +42,7 @@ def source_files(name: str) -> list[Path]:
 class Part:
     """A section of the report by name: its module in ``compare``; quick: stands in a quick report too; runs: shows
     runs of the 3D reference; meshes: needs gmsh; meshed: what of it needs gmsh, where the rest does not; page: on which it
-    stands, named in `commands.reporting.parts`; beside: may be made by a second process; alone: measures times, so it is
-    made last, by one process; needs: wings without which it is left out."""
+    stands, named in `commands.reporting.parts`; needs: wings without which it is left out."""
 
     name: str
     module: str
@@ -52,8 +51,6 @@ class Part:
     meshes: bool = False
     meshed: str = ""
     page: str = "outside"
-    beside: bool = False
-    alone: bool = False
     needs: tuple[str, ...] = ()
 
 

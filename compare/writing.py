@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import io
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +17,15 @@ if TYPE_CHECKING:
     from rollbench.reports.records import Figure
 
 
+@contextmanager
+def written(path: Path, allowed: str = "a folder that can be written to") -> Iterator[None]:
+    """Raise InputError where the file ``path`` cannot be written inside."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(str(path), "file", error.strerror or str(error), allowed, "check the path") from None
+
+
 def write_new(path: Path, text: str) -> None:
     """Write ``text`` to a file that must not exist yet; nothing half-written is left behind.
 
@@ -23,28 +33,21 @@ def write_new(path: Path, text: str) -> None:
     """
     if path.exists():
         raise InputError(str(path), "file", "an existing file", "a new name", "choose another name or remove it")
-    try:
+    with written(path):
         name = temporary(path)
         file = open(name, "x", encoding="utf-8")  # noqa: SIM115 - closed below
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(str(path), "file", reason, "a folder that can be written to", "check the path") from None
     try:
-        with file:
-            file.write(text)
-        os.link(name, path)
-    except FileExistsError:
-        raise InputError(str(path), "file", "an existing file", "a new name", "choose another name") from None
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(str(path), "file", reason, "a file that can be written", "check the path") from None
+        with written(path, "a file that can be written"):
+            with file:
+                file.write(text)
+            os.link(name, path)
     finally:
         os.unlink(name)
 
 
 def replace_file(path: Path, text: str) -> None:
     """Write ``text`` to a file, whole or not at all; an earlier file is replaced. Raises InputError if it cannot be."""
-    try:
+    with written(path):
         folder_for_group(path.parent)
         name = temporary(path)
         try:
@@ -54,9 +57,6 @@ def replace_file(path: Path, text: str) -> None:
             os.replace(name, path)
         finally:
             name.unlink(missing_ok=True)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(str(path), "file", reason, "a folder that can be written to", "check the path") from None
 
 
 def write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
@@ -92,11 +92,8 @@ def need_writable(path: Path) -> None:
     """Raise InputError unless a file can be written at ``path``, before anything is computed for it."""
     if path.is_dir():
         raise InputError(str(path), "file", "a folder", "a file name", "add the file's name")
-    try:
+    with written(path):
         folder_for_group(path.parent)
         probe = temporary(path)
         probe.touch(exist_ok=False)
         probe.unlink()
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(str(path), "file", reason, "a folder that can be written to", "check the path") from None

@@ -24,7 +24,7 @@ VOLUMES = {4: "P1", 11: "P2", 5: "Q1", 12: "Q2"}
 _NODES = {"P1": 4, "P2": 10, "Q1": 8, "Q2": 27}
 
 # Place k of the other program's cell holds gmsh's local node; by matching coordinates (see the tests).
-_VTK: dict[str, tuple[str, tuple[int, ...]]] = {
+VTK: dict[str, tuple[str, tuple[int, ...]]] = {
     "P1": ("tetra", tuple(range(4))),
     "P2": ("tetra10", (0, 1, 2, 3, 4, 5, 6, 7, 9, 8)),
     "Q1": ("hexahedron", tuple(range(8))),
@@ -207,7 +207,7 @@ def write_mesh(
         region[cells] = k
     nodes = {name: np.unique(faces) for name, faces in data.boundaries.items()}
     corners = {name: faces[:, : _CORNERS[faces.shape[1]]] for name, faces in data.boundaries.items()}
-    points, blocks = data.points, [(*_VTK[name], cells) for name, cells in data.cells.items()]
+    points, blocks = data.points, [(*VTK[name], cells) for name, cells in data.cells.items()]
     if reduced(data, form):
         blocks = [("hexahedron20", o[:20], c) if kind == "hexahedron27" else (kind, o, c) for kind, o, c in blocks]
     connected = [(kind, cells[:, order]) for kind, order, cells in blocks]

@@ -28,7 +28,7 @@ MARKERS = ("o", "s", "^", "D", "v", "x", "P", "*")
 DASHES: tuple[Any, ...] = ("-", (0, (5, 1.6)), (0, (1.4, 1.3)), (0, (6, 1.5, 1.4, 1.5)))
 #: Colours of fields: lightness grows with the value, in print and to the colour-blind too.
 COLOURS = "viridis"
-STYLES = ("line", "markers", "line+markers", "band")
+STYLES, SCALES = ("line", "markers", "line+markers", "band"), ("", "x", "y", "xy")
 
 MAX_PANELS = 6
 #: Fonts of the reader's machine; the layout is made with DejaVu Sans, which is wider than any of them.
@@ -93,12 +93,15 @@ def drawing(figure: Figure) -> tuple[str, Canvas]:
         one page; neither date nor version enters it.
 
     Raises:
-        ValueError: no panel or more than six; lengths of a curve that differ; an unknown style or scale.
+        ValueError: no panel or more than six; an unknown style or scale.
     """
     if not 1 <= len(figure.panels) <= MAX_PANELS:
         raise ValueError(f"figure {figure.name!r}: {len(figure.panels)} panels; it must be 1 to {MAX_PANELS}")
     for panel in figure.panels:
-        _check(figure.name, panel)
+        odd = {series.style for series in panel.series} - set(STYLES)
+        if odd or panel.log not in SCALES:
+            faults = f"styles {sorted(odd)} of {', '.join(STYLES)}; log is {panel.log!r}, of {SCALES}"
+            raise ValueError(f"figure {figure.name!r}, panel {panel.title!r}: {faults}")
     columns = max(1, min(figure.columns, len(figure.panels), 3))
     rows = math.ceil(len(figure.panels) / columns)
     with own_style(figure.name):
@@ -134,14 +137,8 @@ def drawing(figure: Figure) -> tuple[str, Canvas]:
 def draw_map(item: PressureMap) -> str:
     """Draw filled contours of one to four contacts, with the ellipse on each, to one scale.
 
-    Returns an SVG document as `draw`; the contours are an image in it. Raises ValueError for no panel or more than four,
-    or nodes and values that differ in number.
+    Returns an SVG document as `draw`; the contours are an image in it.
     """
-    if not 1 <= len(item.panels) <= 4:
-        raise ValueError(f"map {item.name!r}: {len(item.panels)} panels; it must be 1 to 4")
-    for panel in item.panels:
-        if not len(panel.x) == len(panel.y) == len(panel.values) >= 3:
-            raise ValueError(f"map {item.name!r}, panel {panel.title!r}: x, y and values must be as many, at least 3")
     columns = max(1, min(item.columns, len(item.panels)))
     rows = math.ceil(len(item.panels) / columns)
     spans = [max(float(np.ptp(getattr(p, k))) for p in item.panels) for k in ("x", "y")]
@@ -199,26 +196,6 @@ def _draw_contours(axes: Any, panel: PressurePanel, levels: Any, item: PressureM
     if panel.note:
         axes.annotate(panel.note, (0.0, 1.0), (0.0, 6.0), xycoords="axes fraction", textcoords="offset points", va="bottom")
     return filled
-
-
-def _check(name: str, panel: Panel) -> None:
-    """Refuse what cannot be drawn, with the figure, panel and curve at fault."""
-    place = f"figure {name!r}, panel {panel.title!r}"
-    if panel.log not in ("", "x", "y", "xy"):
-        raise ValueError(f"{place}: log is {panel.log!r}; it must be one of '', 'x', 'y', 'xy'")
-    for series in panel.series:
-        curve = f"{place}, curve {series.label!r}"
-        for extra, kind in ((series.texts, "texts"), (series.names, "names")):
-            if extra and len(extra) != len(series.x):
-                raise ValueError(f"{curve}: {len(extra)} {kind} for {len(series.x)} points")
-        if series.style not in STYLES:
-            raise ValueError(f"{curve}: style is {series.style!r}; it must be one of {', '.join(STYLES)}")
-        if len(series.x) != len(series.y):
-            raise ValueError(f"{curve}: {len(series.x)} x values but {len(series.y)} y values")
-        if series.style == "band" and (series.y2 is None or len(series.y2) != len(series.x)):
-            raise ValueError(f"{curve}: a band needs y2 of the same length as x")
-        if series.bars is not None and any(len(ends) != len(series.x) for ends in series.bars):
-            raise ValueError(f"{curve}: error bars need lower and upper ends of the same length as x")
 
 
 def _orders(panels: Sequence[Panel]) -> list[dict[str, int]]:

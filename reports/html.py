@@ -7,13 +7,10 @@ import shutil
 from pathlib import Path
 
 from rollbench.meshes.leftovers import temporary
-from rollbench.reports.cells import format_cell, harmless, write_csv
 from rollbench.reports.first_pages import FILE as PDF
 from rollbench.reports.manifest import FILE as MANIFEST
 from rollbench.reports.pages import MARKER, SEARCH, Progress, write_pages
 from rollbench.reports.records import Report, Table, Text
-
-__all__ = ["MARKER", "check_target", "format_cell", "harmless", "write", "write_csv"]
 
 _FOLDERS = {"tables": (".csv",), "figures": (".svg", ".png")}
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")

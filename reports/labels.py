@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import isotonic_regression
 
 from rollbench.reports.records import Series
 
@@ -28,21 +29,11 @@ def apart(heights: Sequence[float], gap: float, low: float, high: float) -> NDAr
     order = np.argsort(heights, kind="stable")
     rank = gap * np.arange(len(order))
     wanted = np.asarray(heights, float)[order] - rank
-    level = np.clip(_rising(wanted), low, max(low, high - gap * (len(order) - 1)))
+    rising = isotonic_regression(wanted).x if len(wanted) else wanted
+    level = np.clip(rising, low, max(low, high - gap * (len(order) - 1)))
     out = np.empty(len(order))
     out[order] = level + rank
     return out
-
-
-def _rising(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The nearest sequence that does not fall (pools of neighbours that would)."""
-    pools: list[list[float]] = []
-    for value in values:
-        pools.append([value])
-        while len(pools) > 1 and np.mean(pools[-2]) > np.mean(pools[-1]):
-            last = pools.pop()
-            pools[-1].extend(last)
-    return np.concatenate([np.full(len(pool), np.mean(pool)) for pool in pools]) if pools else values
 
 
 def place_texts(axes: Any, series: Sequence[Series]) -> None:

@@ -7,12 +7,18 @@ import pickle
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
+from rollbench.meshes.arrays import Array
 from rollbench.meshes.libraries import PICTURES, install
 
 TIMEOUT = 180.0  # s; two seconds are usual
 ADVICE = f"install the off-screen OpenGL libraries (Debian: {install(PICTURES)})"
+
+#: Directions of lights, and how strong they are.
+Lights = Sequence[tuple[Array, float]]
 
 
 class CannotDraw(RuntimeError):
@@ -51,6 +57,24 @@ def draw_in_child(module: str, picture: object, path: str | Path) -> None:
     if words[-1].startswith(("ImportError", "ModuleNotFoundError")):
         raise CannotDraw(f"pyvista cannot be loaded ({words[-1]})", f"install it, and {ADVICE}")
     raise CannotDraw(words[-1])
+
+
+def set_view(plotter: Any, focus: Array, sight: Array, up: Array, height: float, lights: Lights) -> None:
+    """Look at ``focus`` along parallel lines: unit vectors to the viewer and upwards, the height that is seen; lights: from
+    where, and how strong. Edges are without steps."""
+    import pyvista
+
+    plotter.camera.focal_point = focus
+    plotter.camera.position = focus + 20.0 * height * sight
+    plotter.camera.up = up
+    plotter.enable_parallel_projection()
+    plotter.camera.parallel_scale = 0.5 * height
+    for direction, strength in lights:
+        light = pyvista.Light(position=focus + 50.0 * height * direction, focal_point=focus, intensity=strength)
+        light.positional = False
+        plotter.add_light(light)
+    plotter.reset_camera_clipping_range()
+    plotter.enable_anti_aliasing("ssaa")
 
 
 def fault() -> str:

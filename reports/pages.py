@@ -70,16 +70,16 @@ class _Writer:
         return Markup(_NAMED.sub(link, str(escape(typeset(text)))))
 
 
+def templates() -> Environment:
+    """The templates of pages; texts are escaped."""
+    loader = PackageLoader("rollbench.reports")
+    return Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+
+
 def write_pages(report: Report, folder: Path, say: Progress) -> None:
     """Draw everything and write pages, tables, figures and the index of the search into ``folder``, which has the folders
     ``tables`` and ``figures``."""
-    environment = Environment(
-        loader=PackageLoader("rollbench.reports"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    environment = templates()
     writer = _Writer(folder, say, _places(report))
     environment.filters.update(typeset=typeset, linked=writer.linked)
     pages = [_page(page, number, len(report.pages), writer) for number, page in enumerate(report.pages, 1)]
@@ -188,7 +188,7 @@ def _item(item: Item, page: str, whole: bool, writer: _Writer) -> dict[str, Any]
     if isinstance(item, PressureMap | Sketch):
         svg = figures.draw_map(item) if isinstance(item, PressureMap) else sketch.draw(item)
         _write(writer.folder / f"{name}.svg", svg)
-        return {**view, "file": f"{name}.svg", "panels": [Markup(themed(_inline(svg)))]}
+        return {**view, "file": f"{name}.svg", "panels": [Markup(themed(inline(svg)))]}
     return view | _picture(item, f"{name}.png", f"{page}#figure-{item.name}", writer)
 
 
@@ -219,7 +219,7 @@ def _turned(item: LoadedScrew, back: str, writer: _Writer) -> str | None:
     return name
 
 
-def _inline(svg: str) -> str:
+def inline(svg: str) -> str:
     """An SVG document as an element of a page: without prologue, metadata and title of its own."""
     return re.sub(r"\s*<(metadata|title)>.*?</\1>", "", svg[svg.index("<svg") :], flags=re.DOTALL)
 

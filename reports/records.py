@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from rollbench.meshes.parts import Scene
 from rollbench.reports.quantity import Quantity as Quantity
 
 Cell = str | float | int | bool | None
@@ -105,61 +106,27 @@ class Figure:
 
 @dataclass(frozen=True)
 class LoadedScrew:
-    """A 3D picture of the screw, nut and balls under load; lengths in m, the screw lies along z from z = 0.
-
-    Arrays are nested sequences: ball centres ``ball_radii_centres`` (n, 3), ``ball_loads`` (n) [N], contact
-    points (m, 3) with the forces on the balls there (m, 3) [N], and ``helix`` (k, 3), the path of one start.
-    A lead of zero is a ball bearing; a groove radius of zero leaves its choice to the drawer; ``turns``: also as a page on
-    which it can be turned.
-    """
+    """A 3D picture of the screw, nut and balls of a scene under contact loads ``(n, 4)`` [N], whose largest colours a ball;
+    contact points (m, 3) [m] with the forces on the balls there (m, 3) [N], which become arrows; ``turns``: also as a page
+    on which it can be turned."""
 
     name: str
     title: str
-    screw_length: float
-    screw_radius: float
-    nut_position: float
-    nut_length: float
-    nut_radius: float
-    track_radius: float
-    ball_radius: float
-    ball_radii_centres: Sequence[Sequence[float]]
-    ball_loads: Sequence[float]
-    helix: Sequence[Sequence[float]]
-    contact_points: Sequence[Sequence[float]]
-    contact_forces: Sequence[Sequence[float]]
-    groove_radius: float = 0.0
-    lead: float = 0.0
+    scene: Scene
+    load: NDArray[np.float64]
+    contact_points: NDArray[np.float64]
+    contact_forces: NDArray[np.float64]
     caption: str = ""
     turns: bool = False
 
 
 @dataclass(frozen=True)
 class Sketch:
-    """A sketch of a screw or bearing from the side; lengths in m, stations along z from the shaft's left end.
-
-    nut: stations of its faces; flange: diameter and stations of its faces; balls: (station, height above the axis, distance
-    before it); held: (station, inner and outer radius) of rings by which the nut is held, ``held_outside``: by its outer
-    surface; supports: (station, lines of words); loads: (station, (force along z, force across), words); ``shaft``,
-    ``around``: what its two parts are called.
-    """
+    """A sketch of the screw or bearing of a scene from the side, with what holds and loads it."""
 
     name: str
     title: str
-    screw_length: float
-    screw_diameter: float
-    bore: float
-    nut: tuple[float, float]
-    nut_diameter: float
-    pitch_diameter: float
-    ball_radius: float
-    balls: Sequence[tuple[float, float, float]]
-    supports: Sequence[tuple[float, Sequence[str]]] = ()
-    loads: Sequence[tuple[float, tuple[float, float], str]] = ()
-    held: Sequence[tuple[float, float, float]] = ()
-    held_outside: bool = False
-    flange: tuple[float, float, float] | None = None
-    shaft: str = "screw"
-    around: str = "nut"
+    scene: Scene
     caption: str = ""
 
 

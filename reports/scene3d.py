@@ -16,7 +16,10 @@ from typing import Any
 import numpy as np
 
 from rollbench.meshes.arrays import Array
-from rollbench.reports.offscreen import draw_in_child
+from rollbench.meshes.errors import specimen
+from rollbench.meshes.helix import ball_layout, reduced_lead
+from rollbench.meshes.parts import Scene
+from rollbench.reports.offscreen import draw_in_child, set_view
 from rollbench.reports.records import LoadedScrew
 
 SIZE = (1600, 900)
@@ -30,33 +33,9 @@ _SCREW_SIDE, _NUT_SIDE, _IDLE = "#d1495b", "#1b1f24", "#eeeeee"
 def draw_loaded_screw(picture: LoadedScrew, path: str | Path) -> None:
     """Write a PNG of the loaded screw, without an X server.
 
-    Args:
-        picture: the record; lengths in m, forces on the balls in N.
-        path: the file to write.
-
-    Raises:
-        ValueError: arrays of the record do not belong together.
-        RuntimeError: this machine cannot draw it; says which libraries are missing, or what else went wrong.
+    Raises RuntimeError where this machine cannot draw it: says which libraries are missing, or what else went wrong.
     """
-    _check(picture)
     draw_in_child("rollbench.reports.scene3d", picture, path)
-
-
-def _check(picture: LoadedScrew) -> None:
-    """Refuse arrays of the wrong shape before a process is started for them."""
-    name = f"picture {picture.name!r}"
-    for key in ("ball_radii_centres", "helix", "contact_points", "contact_forces"):
-        array = np.asarray(getattr(picture, key), float)
-        if array.size and (array.ndim != 2 or array.shape[1] != 3 or not np.all(np.isfinite(array))):
-            raise ValueError(f"{name}: {key} must be finite and of shape (n, 3); it has {array.shape}")
-    balls, loads = len(picture.ball_radii_centres), len(picture.ball_loads)
-    if balls != loads:
-        raise ValueError(f"{name}: {balls} balls but {loads} loads")
-    points, forces = len(picture.contact_points), len(picture.contact_forces)
-    if points != forces:
-        raise ValueError(f"{name}: {points} contact points but {forces} forces")
-    if len(picture.helix) < 2:
-        raise ValueError(f"{name}: the helix needs at least two points")
 
 
 @dataclass(frozen=True)
@@ -90,26 +69,18 @@ class _Grooves:
         return np.fmax(land, self.track_radius + depth)
 
 
-def _grooves(picture: LoadedScrew) -> _Grooves:
-    """Read hand, phase and number of starts off the ball path and the balls.
+def _grooves(scene: Scene) -> _Grooves:
+    """The grooves that the balls run in. The arcs' centres stand off the track by the difference of the radii at 45
+    degrees, which makes a gothic arch."""
+    track, radius = scene.track, scene.screw.groove_radius
+    phases = track.phase + 2.0 * np.pi * np.arange(track.starts) / track.starts
+    offset = (radius - ball_radius(scene)) * np.sqrt(0.5)
+    return _Grooves(track.pitch_radius, radius, offset, reduced_lead(track), phases, track.lead, scene.nut.position)
 
-    The arcs' centres stand off the track by the difference of the radii at 45 degrees, which makes a gothic
-    arch; a groove radius of zero stands for 1.04 times the ball's.
-    """
-    helix = np.asarray(picture.helix, float)
-    phi = np.unwrap(np.arctan2(helix[:, 1], helix[:, 0]))
-    turn = (phi[-1] - phi[0]) * (helix[-1, 2] - helix[0, 2])
-    slope = float(np.sign(turn)) * picture.lead / (2.0 * np.pi)
-    level, first = float(helix[0, 2]), float(phi[0])
-    phases = np.array([first])
-    balls = np.asarray(picture.ball_radii_centres, float).reshape(-1, 3)
-    if slope and len(balls):
-        azimuth = np.arctan2(balls[:, 1], balls[:, 0])
-        start = (azimuth - (balls[:, 2] - level) / slope - first) / (2.0 * np.pi)
-        phases = first + 2.0 * np.pi * np.unique(np.round(start * 12.0) % 12.0) / 12.0
-    radius = picture.groove_radius or 1.04 * picture.ball_radius
-    offset = (radius - picture.ball_radius) * np.sqrt(0.5)
-    return _Grooves(picture.track_radius, radius, float(offset), slope, phases, picture.lead, level)
+
+def ball_radius(scene: Scene) -> float:
+    """Radius [m] that all balls are drawn with: the largest."""
+    return float(specimen(scene, ball_layout(scene)).ball_radius.max())
 
 
 def _grid(grooves: _Grooves, phi: Array, ends: tuple[float, float], step: float) -> tuple[Array, Array]:
@@ -130,16 +101,16 @@ def _sheet(radius: Array, phi: Array, z: Array) -> Any:
     return sheet.extract_geometry().triangulate().clean(tolerance=1e-9, absolute=True)
 
 
-def _shaft(picture: LoadedScrew, grooves: _Grooves, coarse: float = 1.0) -> list[Any]:
+def _shaft(scene: Scene, grooves: _Grooves, coarse: float = 1.0) -> list[Any]:
     """Surfaces of the stretch of the screw around the nut: the grooved one and both ends; lengths in mm. coarse: steps in
     multiples of those of a picture."""
-    half = 0.8 * picture.nut_length
-    low = max(0.0, picture.nut_position - half)
-    high = min(max(picture.screw_length, low + 0.1 * half), picture.nut_position + half)
+    half = 0.8 * scene.nut.length
+    low = max(0.0, scene.nut.position - half)
+    high = min(max(scene.screw.length, low + 0.1 * half), scene.nut.position + half)
     back = _VIEW + np.pi
     around = np.linspace(back, back + 2.0 * np.pi, round(360 / coarse) + 1)
-    phi, z = _grid(grooves, around, (low, high), 0.06 * coarse * picture.ball_radius)
-    radius = grooves.surface(phi, z, picture.screw_radius)
+    phi, z = _grid(grooves, around, (low, high), 0.06 * coarse * ball_radius(scene))
+    radius = grooves.surface(phi, z, scene.screw.outer_diameter / 2.0)
     sheets = [_sheet(radius * 1e3, phi, z * 1e3)]
     for column in (0, -1):
         share = np.linspace(0.0, 1.0, 12)[None, :]
@@ -149,14 +120,14 @@ def _shaft(picture: LoadedScrew, grooves: _Grooves, coarse: float = 1.0) -> list
     return sheets
 
 
-def _shell(picture: LoadedScrew, grooves: _Grooves, coarse: float = 1.0) -> tuple[list[Any], list[Any]]:
+def _shell(scene: Scene, grooves: _Grooves, coarse: float = 1.0) -> tuple[list[Any], list[Any]]:
     """Surfaces of the half of the nut behind the screw, and its two cut faces; lengths in mm. coarse: as for the shaft."""
-    bore = 2.0 * picture.track_radius - picture.screw_radius
-    ends = (picture.nut_position - 0.5 * picture.nut_length, picture.nut_position + 0.5 * picture.nut_length)
+    bore = 2.0 * scene.track.pitch_radius - scene.screw.outer_diameter / 2.0
+    ends = (scene.nut.position - 0.5 * scene.nut.length, scene.nut.position + 0.5 * scene.nut.length)
     around = np.linspace(_VIEW + 0.5 * np.pi, _VIEW + 1.5 * np.pi, round(180 / coarse) + 1)
-    phi, z = _grid(grooves, around, ends, 0.06 * coarse * picture.ball_radius)
-    inner = np.minimum(grooves.surface(phi, z, bore), 0.98 * picture.nut_radius)
-    outer = np.full_like(inner, picture.nut_radius)
+    phi, z = _grid(grooves, around, ends, 0.06 * coarse * ball_radius(scene))
+    inner = np.minimum(grooves.surface(phi, z, bore), 0.98 * scene.nut.outer_diameter / 2.0)
+    outer = np.full_like(inner, scene.nut.outer_diameter / 2.0)
     share = np.linspace(0.0, 1.0, 8)
 
     def between(index: Any) -> Any:
@@ -193,14 +164,15 @@ def bodies(picture: LoadedScrew, coarse: float) -> list[tuple[Any, str]]:
     from matplotlib import colormaps
     from matplotlib.colors import to_hex
 
-    grooves = _grooves(picture)
-    body, cuts = _shell(picture, grooves, coarse)
-    found: list[tuple[Any, str]] = [(sheet, _STEEL) for sheet in _shaft(picture, grooves, coarse)]
+    grooves = _grooves(picture.scene)
+    body, cuts = _shell(picture.scene, grooves, coarse)
+    found: list[tuple[Any, str]] = [(sheet, _STEEL) for sheet in _shaft(picture.scene, grooves, coarse)]
     found += [(sheet, _NUT) for sheet in body] + [(sheet, _CUT) for sheet in cuts]
-    loads = np.asarray(picture.ball_loads, float)
+    loads = picture.load.max(axis=1)
     low, high = load_scale(picture)
-    for centre, load in zip(np.asarray(picture.ball_radii_centres, float).reshape(-1, 3) * 1e3, loads, strict=True):
-        ball = pyvista.Sphere(radius=picture.ball_radius * 1e3, center=centre, theta_resolution=24, phi_resolution=20)
+    radius = 1e3 * ball_radius(picture.scene)
+    for centre, load in zip(1e3 * ball_layout(picture.scene).centre, loads, strict=True):
+        ball = pyvista.Sphere(radius=radius, center=centre, theta_resolution=24, phi_resolution=20)
         colour = to_hex(colormaps["viridis"]((load - low) / (high - low))) if load > 0.0 else _IDLE
         found.append((ball, colour))
     return found + list(_arrows(picture))
@@ -208,7 +180,7 @@ def bodies(picture: LoadedScrew, coarse: float) -> list[tuple[Any, str]]:
 
 def load_scale(picture: LoadedScrew) -> tuple[float, float]:
     """Ends [N] of the scale by which balls are coloured."""
-    loads = np.asarray(picture.ball_loads, float)
+    loads = picture.load.max(axis=1)
     return _round_scale(float(loads[loads > 0.0].min()), float(loads.max()))[:2] if (loads > 0.0).any() else (0.0, 1.0)
 
 
@@ -217,17 +189,17 @@ def _render(picture: LoadedScrew, path: str) -> None:
     import pyvista
 
     pyvista.OFF_SCREEN = True
-    grooves = _grooves(picture)
+    grooves = _grooves(picture.scene)
     plotter = pyvista.Plotter(off_screen=True, window_size=SIZE, lighting="none")
     plotter.set_background("white")
     steel = {"smooth_shading": True, "ambient": 0.3, "diffuse": 0.7, "specular": 0.35, "specular_power": 25}
     # In a parallel projection a shift along the line of sight leaves a body's image as it is: moved back by
     # the length of an arrow, the screw does not hide the forces that it exerts, but balls and arrows hide
     # each other as they should.
-    behind = -1e3 * _ARROW * picture.ball_radius * sight()
-    for sheet in _shaft(picture, grooves):
+    behind = -1e3 * _ARROW * ball_radius(picture.scene) * sight()
+    for sheet in _shaft(picture.scene, grooves):
         plotter.add_mesh(sheet.translate(behind), color=_STEEL, **steel)
-    body, cuts = _shell(picture, grooves)
+    body, cuts = _shell(picture.scene, grooves)
     for sheet in body:
         plotter.add_mesh(sheet, color=_NUT, **steel)
     for sheet in cuts:
@@ -254,9 +226,9 @@ def _add_balls(plotter: Any, picture: LoadedScrew) -> None:
     """Balls coloured by load, unloaded ones pale, and the scale of the colours."""
     import pyvista
 
-    centres = np.asarray(picture.ball_radii_centres, float).reshape(-1, 3) * 1e3
-    loads = np.asarray(picture.ball_loads, float)
-    ball = pyvista.Sphere(radius=picture.ball_radius * 1e3, theta_resolution=40, phi_resolution=40)
+    centres = 1e3 * ball_layout(picture.scene).centre
+    loads = picture.load.max(axis=1)
+    ball = pyvista.Sphere(radius=ball_radius(picture.scene) * 1e3, theta_resolution=40, phi_resolution=40)
     finish = {"smooth_shading": True, "ambient": 0.3, "diffuse": 0.7, "specular": 0.5, "specular_power": 30}
     idle = ~(loads > 0.0)
     if np.any(idle):
@@ -295,12 +267,12 @@ def _arrows(picture: LoadedScrew) -> Iterator[tuple[Any, str]]:
     of the forces from the screw, then from the nut; lengths in mm."""
     import pyvista
 
-    points = np.asarray(picture.contact_points, float).reshape(-1, 3) * 1e3
-    forces = np.asarray(picture.contact_forces, float).reshape(-1, 3)
+    points = 1e3 * picture.contact_points
+    forces = picture.contact_forces
     size = np.linalg.norm(forces, axis=1)
-    longest = _ARROW * picture.ball_radius * 1e3
-    facing = points[:, :2] @ np.array([np.cos(_VIEW), np.sin(_VIEW)]) > -0.02 * picture.track_radius * 1e3
-    inside = np.hypot(points[:, 0], points[:, 1]) < picture.track_radius * 1e3
+    longest = _ARROW * ball_radius(picture.scene) * 1e3
+    facing = points[:, :2] @ np.array([np.cos(_VIEW), np.sin(_VIEW)]) > -0.02 * picture.scene.track.pitch_radius * 1e3
+    inside = np.hypot(points[:, 0], points[:, 1]) < picture.scene.track.pitch_radius * 1e3
     for group, colour in ((inside, _SCREW_SIDE), (~inside, _NUT_SIDE)):
         chosen = facing & group & (size > 1e-3 * size.max(initial=0.0))
         if not np.any(chosen):
@@ -313,7 +285,7 @@ def _arrows(picture: LoadedScrew) -> Iterator[tuple[Any, str]]:
 
 def _add_forces(plotter: Any, picture: LoadedScrew) -> None:
     """The arrows, and what they stand for."""
-    size = np.linalg.norm(np.asarray(picture.contact_forces, float).reshape(-1, 3), axis=1)
+    size = np.linalg.norm(picture.contact_forces, axis=1)
     if not np.any(size > 0.0):
         return
     for mesh, colour in _arrows(picture):
@@ -327,27 +299,14 @@ def _add_forces(plotter: Any, picture: LoadedScrew) -> None:
 
 
 def _set_view(plotter: Any, picture: LoadedScrew) -> None:
-    """Camera, lights, axes triad and edges without steps."""
-    import pyvista
-
-    target = np.array([0.0, 0.0, picture.nut_position * 1e3])
+    """Camera, lights and axes triad."""
     outward, upward = directions()
-    extent = 1e3 * max(2.0 * picture.nut_radius, 1.6 * picture.nut_length * SIZE[1] / SIZE[0])
-    plotter.camera.focal_point = target - 0.05 * extent * upward
-    plotter.camera.position = plotter.camera.focal_point + 5.0 * extent * sight()
-    plotter.camera.up = upward
-    plotter.enable_parallel_projection()
-    plotter.camera.parallel_scale = 0.66 * extent
+    extent = 1e3 * max(picture.scene.nut.outer_diameter, 1.6 * picture.scene.nut.length * SIZE[1] / SIZE[0])
+    focus = np.array([0.0, 0.0, picture.scene.nut.position * 1e3]) - 0.05 * extent * upward
     above = outward + 1.4 * upward - np.array([0.0, 0.0, 0.6])
     beside = outward - 0.3 * upward + np.array([0.0, 0.0, 2.5])
-    for direction, strength in ((above, 0.75), (sight(), 0.3), (beside, 0.3)):
-        place = target + 10.0 * extent * direction
-        light = pyvista.Light(position=place, focal_point=target, intensity=strength)
-        light.positional = False
-        plotter.add_light(light)
-    plotter.reset_camera_clipping_range()
+    set_view(plotter, focus, sight(), upward, 1.32 * extent, ((above, 0.75), (sight(), 0.3), (beside, 0.3)))
     plotter.add_axes(xlabel="x", ylabel="y", zlabel="z", line_width=4, color="black", viewport=(0.0, 0.72, 0.16, 1.0))
-    plotter.enable_anti_aliasing("ssaa")
 
 
 if __name__ == "__main__":

@@ -15,13 +15,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from rollbench.reports import figures, scene3d, sketch
-from rollbench.reports.cells import typeset
-from rollbench.reports.html import MARKER, format_cell
+from rollbench.reports.cells import format_cell, typeset
 from rollbench.reports.manifest import all_texts, parsed, sha256
+from rollbench.reports.pages import MARKER, inline, templates
 from rollbench.reports.records import Figure, LoadedScrew, Section, Sketch
 
 #: Blocks of the page that hold data, by id.
@@ -66,13 +65,7 @@ def results_hash(results: Mapping[str, Any]) -> str:
 
 def render(page: ScenePage) -> str:
     """The page as HTML. Raises ValueError for a figure whose data are inconsistent."""
-    environment = Environment(
-        loader=PackageLoader("rollbench.reports"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    environment = templates()
     environment.finalize = lambda value: value if isinstance(value, Markup) else typeset(str(value))
     environment.globals["cell"] = format_cell
     environment.globals["drawn"] = _drawn
@@ -105,9 +98,7 @@ def _embedded(data: Any) -> Markup:
 
 
 def _drawn(item: Figure | Sketch) -> Markup:
-    svg = sketch.draw(item) if isinstance(item, Sketch) else figures.draw(item)
-    body = svg[svg.index("<svg") :]
-    return Markup(re.sub(r"\s*<(metadata|title)>.*?</\1>", "", body, flags=re.DOTALL))
+    return Markup(inline(sketch.draw(item) if isinstance(item, Sketch) else figures.draw(item)))
 
 
 def _picture(item: LoadedScrew | None) -> tuple[str, str]:

@@ -10,6 +10,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from html import escape
 
+from rollbench.meshes.helix import ball_layout
+from rollbench.meshes.parts import Scene
+from rollbench.meshes.solid import dimensions
 from rollbench.reports.records import Sketch
 
 #: Colours: those of `panels.THEME` follow the page, the faces of steel stay.
@@ -18,6 +21,9 @@ INK, FRAME, SHAFT, NUT, BALL, FORCE = "#222222", "#8a8f98", "#c9ced6", "#9fb4d3"
 WIDTH, TALL, END, TEXT = 520.0, 130.0, 90.0, 12.0
 #: Nut lengths of shaft to scale beyond either face of the nut, and least room [pixels] at either side.
 BEYOND, SIDE = 0.25, 44.0
+
+#: Newton and micrometre by what they are written in.
+KILO, MICRO = 1e3, 1e-6
 
 
 @dataclass(frozen=True)
@@ -56,10 +62,11 @@ class _Scale:
 
 def draw(sketch: Sketch) -> str:
     """The sketch as an SVG document, the same bytes for the same record."""
-    scale = _scale(sketch)
+    scene = sketch.scene
+    scale = _scale(scene)
     high = TALL / 2.0
     below = scale.middle + high + 26.0
-    parts = [*_shaft(sketch, scale), *_nut(sketch, scale), *_balls(sketch, scale), *_acting(sketch, scale, below)]
+    parts = [*_shaft(scene, scale), *_nut(scene, scale), *_balls(scene, scale), *_acting(scene, scale, below)]
     height = below + 12.0 + 2.6 * TEXT
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH:.0f} {height:.0f}" width="{WIDTH:.0f}" '
@@ -69,21 +76,26 @@ def draw(sketch: Sketch) -> str:
     return "\n".join([head, *parts, "</svg>"]) + "\n"
 
 
-def _scale(sketch: Sketch) -> _Scale:
-    low, high = sketch.nut
+def _scale(scene: Scene) -> _Scale:
+    low, high = faces(scene)
     room = BEYOND * (high - low)
-    ends = max(low - room, 0.0), min(high + room, sketch.screw_length)
-    tallest = max(sketch.nut_diameter, sketch.flange[0] if sketch.flange else 0.0)
+    ends = max(low - room, 0.0), min(high + room, scene.screw.length)
+    tallest = max(scene.nut.outer_diameter, scene.nut.flange.diameter if scene.nut.flange else 0.0)
     free = WIDTH - 2.0 * (SIDE + END)
     per_metre = min(free / (ends[1] - ends[0]), TALL / tallest)
     left = (WIDTH - per_metre * (ends[1] - ends[0])) / 2.0
-    return _Scale(*ends, sketch.screw_length, left, per_metre, 2.2 * TEXT + 30.0 + TALL / 2.0)
+    return _Scale(*ends, scene.screw.length, left, per_metre, 2.2 * TEXT + 30.0 + TALL / 2.0)
 
 
-def _shaft(sketch: Sketch, scale: _Scale) -> Iterator[str]:
+def faces(scene: Scene) -> tuple[float, float]:
+    """Stations [m] of the nut's faces."""
+    return scene.nut.position - scene.nut.length / 2.0, scene.nut.position + scene.nut.length / 2.0
+
+
+def _shaft(scene: Scene, scale: _Scale) -> Iterator[str]:
     """Shaft, its bore, its groove's lines and breaks, its axis."""
-    radius = sketch.screw_diameter / 2.0
-    x0, x1 = scale.x(0.0), scale.x(sketch.screw_length)
+    radius = scene.screw.outer_diameter / 2.0
+    x0, x1 = scale.x(0.0), scale.x(scene.screw.length)
     yield _box(x0, scale.y(radius), x1 - x0, 2.0 * (scale.middle - scale.y(radius)), SHAFT)
     for end, length, at in (
         (-1.0, scale.low, scale.left - END / 2.0),
@@ -95,36 +107,37 @@ def _shaft(sketch: Sketch, scale: _Scale) -> Iterator[str]:
             yield f'<path d="M {at - 2.5:.1f} {top:.1f} {wave}" fill="none" stroke="#ffffff" stroke-width="5"/>'
             for side in (-5.0, 0.0):
                 yield f'<path d="M {at + side:.1f} {top:.1f} {wave}" fill="none" stroke="{INK}" stroke-width="0.8"/>'
-    if sketch.bore:
+    if scene.screw.bore:
         for side in (-1.0, 1.0):
-            yield _line(x0, scale.y(side * sketch.bore / 2.0), x1, scale.y(side * sketch.bore / 2.0), dash="4 3")
+            yield _line(x0, scale.y(side * scene.screw.bore / 2.0), x1, scale.y(side * scene.screw.bore / 2.0), dash="4 3")
     yield _line(x0 - 10.0, scale.middle, x1 + 10.0, scale.middle, FRAME, "9 3 2 3")
     yield _text(x1 + 13.0, scale.middle + 4.0, "z", "start")
 
 
-def _nut(sketch: Sketch, scale: _Scale) -> Iterator[str]:
+def _nut(scene: Scene, scale: _Scale) -> Iterator[str]:
     """The nut in section, its flange, hatching where it is held, its length above."""
-    low, high = (scale.x(z) for z in sketch.nut)
-    inner, outer = sketch.pitch_diameter / 2.0, sketch.nut_diameter / 2.0
+    ends = faces(scene)
+    low, high = map(scale.x, ends)
+    held, outside = _held(scene, *ends)
+    inner, outer = scene.track.pitch_radius, scene.nut.outer_diameter / 2.0
     thick = scale.per_metre * (outer - inner)
     for side in (-1.0, 1.0):
         yield _box(low, min(scale.y(side * outer), scale.y(side * inner)), high - low, thick, NUT)
-        if sketch.flange:
-            rim, start, end = sketch.flange
-            wide = scale.per_metre * (rim / 2.0 - outer)
-            top = scale.y(rim / 2.0) if side > 0 else scale.y(-outer)
+        if scene.nut.flange:
+            rim = scene.nut.flange.diameter / 2.0
+            start, end = sorted(scene.nut.flange.stations(*ends)[:2])
+            wide = scale.per_metre * (rim - outer)
+            top = scale.y(rim) if side > 0 else scale.y(-outer)
             yield _box(scale.x(start), top, scale.x(end) - scale.x(start), wide, NUT)
-        for z, r0, r1 in sketch.held:
+        for z, r0, r1 in held:
             x, y0, y1 = scale.x(z), scale.y(side * r0), scale.y(side * r1)
-            yield from _hatch(x, min(y0, y1), max(y0, y1), -1.0 if z <= sum(sketch.nut) / 2.0 else 1.0)
-        if sketch.held_outside:
+            yield from _hatch(x, min(y0, y1), max(y0, y1), -1.0 if z <= scene.nut.position else 1.0)
+        if outside:
             y = scale.y(side * outer)
             for k in range(int((high - low) // 7.0)):
                 yield _line(low + 7.0 * k, y, low + 7.0 * k + 5.0, y - side * 5.0)
-    top = scale.middle - TALL / 2.0 - 12.0
-    yield from _across(
-        low, high, top, f"{sketch.around} {1e3 * (sketch.nut[1] - sketch.nut[0]):.4g} mm, Ø {1e3 * 2 * outer:.4g}"
-    )
+    top, around = scale.middle - TALL / 2.0 - 12.0, "nut" if scene.track.lead else "outer ring"
+    yield from _across(low, high, top, f"{around} {1e3 * scene.nut.length:.4g} mm, Ø {1e3 * 2 * outer:.4g}")
 
 
 def _hatch(x: float, top: float, foot: float, side: float) -> Iterator[str]:
@@ -133,36 +146,38 @@ def _hatch(x: float, top: float, foot: float, side: float) -> Iterator[str]:
         yield _line(x, top + 5.0 * k, x + 5.0 * side, top + 5.0 * k + 5.0)
 
 
-def _balls(sketch: Sketch, scale: _Scale) -> Iterator[str]:
+def _balls(scene: Scene, scale: _Scale) -> Iterator[str]:
     """Balls as they are seen from the side, those behind the axis pale."""
-    for z, height, front in sorted(sketch.balls, key=lambda ball: ball[2]):
-        radius = scale.per_metre * sketch.ball_radius
+    for height, front, z in sorted(ball_layout(scene).centre.tolist(), key=lambda centre: centre[1]):
+        radius = scale.per_metre * scene.balls.radius
         pale = "" if front >= 0.0 else ' opacity="0.45"'
         where = f'cx="{scale.x(z):.1f}" cy="{scale.y(height):.1f}" r="{radius:.1f}"'
         yield f'<circle {where} fill="{BALL}" stroke="{INK}" stroke-width="0.6"{pale}/>'
 
 
-def _acting(sketch: Sketch, scale: _Scale, below: float) -> Iterator[str]:
+def _acting(scene: Scene, scale: _Scale, below: float) -> Iterator[str]:
     """Supports under the shaft and loads on it, with their words, beside the nut where it hides them; the shaft's length at
     the foot."""
-    edge = scale.y(-sketch.screw_diameter / 2.0)
-    x0, x1 = scale.x(0.0), scale.x(sketch.screw_length)
-    for at, words in sketch.supports:
-        x, hidden = scale.x(at), sketch.nut[0] <= at <= sketch.nut[1]
+    edge = scale.y(-scene.screw.outer_diameter / 2.0)
+    x0, x1 = scale.x(0.0), scale.x(scene.screw.length)
+    low, high = faces(scene)
+    for support in scene.supports:
+        x, hidden = scale.x(support.at), low <= support.at <= high
         if not hidden:
             yield f'<path d="M {x:.1f} {edge:.1f} l -7 12 h 14 z" fill="{FRAME}" stroke="{INK}" stroke-width="0.8"/>'
-        for n, word in enumerate(words):
+        for n, word in enumerate(_support(support.fixed)):
             down = n * 1.2 * TEXT
             if hidden:
-                yield _text(scale.x(sketch.nut[1]) + 30.0, scale.middle + 4.0 + down, f"shaft: {word}", "start")
+                yield _text(scale.x(high) + 30.0, scale.middle + 4.0 + down, f"shaft: {word}", "start")
             else:
                 yield _text(_clear(x, word), edge + 25.0 + down, word)
-    above = scale.y(sketch.screw_diameter / 2.0)
+    above = scale.y(scene.screw.outer_diameter / 2.0)
     count: dict[float, int] = {}
-    for at, (axial, lateral), words in sketch.loads:
+    for load in scene.loads:
+        at, words, (lateral, _, axial) = load.at, _load(load.force, load.moment), load.force
         n = count[at] = count.get(at, -1) + 1
-        hidden = sketch.nut[0] <= at <= sketch.nut[1]
-        x, top = (scale.x(sketch.nut[0]) - 22.0, scale.middle) if hidden else (scale.x(at), above)
+        hidden = low <= at <= high
+        x, top = (scale.x(low) - 22.0, scale.middle) if hidden else (scale.x(at), above)
         if axial:
             tail = x - 34.0 if axial > 0.0 else x + 34.0
             yield _line(tail, scale.middle, x, scale.middle, FORCE, width=2.2)
@@ -175,8 +190,41 @@ def _acting(sketch: Sketch, scale: _Scale, below: float) -> Iterator[str]:
         else:
             up = 40.0 if lateral else 10.0
             yield _text(_clear(x, words), above - up - n * 1.2 * TEXT, words, colour=FORCE)
-    words = f"{sketch.shaft} {1e3 * sketch.screw_length:.4g} mm, Ø {1e3 * sketch.screw_diameter:.4g}"
+    shaft = "screw" if scene.track.lead else "inner ring"
+    words = f"{shaft} {1e3 * scene.screw.length:.4g} mm, Ø {1e3 * scene.screw.outer_diameter:.4g}"
     yield from _across(x0, x1, below + 2.0 * TEXT, words)
+
+
+def _held(scene: Scene, low: float, high: float) -> tuple[list[tuple[float, float, float]], bool]:
+    """Rings (station, inner and outer radius) by which the nut is held, and whether it is held by its outer surface."""
+    solid = dimensions(scene)
+    if solid.nut_held.startswith("outer surface"):
+        return [], True
+    if scene.nut.flange and solid.nut_held.startswith("flange face"):
+        return [(scene.nut.flange.stations(low, high)[1], *solid.held_radii)], False
+    faces = {"left": [low], "right": [high], "both": [low, high]}[solid.nut_held.split()[0]]
+    return [(face, *solid.held_radii) for face in faces], False
+
+
+def _support(fixed: tuple[tuple[str, float], ...]) -> Iterator[str]:
+    """Freedoms that a support holds, and its prescribed displacements."""
+    held = " ".join(freedom for freedom, value in fixed if value == 0.0)
+    if held:
+        yield f"holds {held}"
+    for freedom, value in fixed:
+        if value:
+            turned = freedom.startswith("r")
+            yield f"{freedom} = {1e3 * value:.4g} mrad" if turned else f"{freedom} = {value / MICRO:.4g} µm"
+
+
+def _load(force: tuple[float, float, float], moment: tuple[float, float, float]) -> str:
+    """The components of a load that are there."""
+    forces = [
+        f"F{axis} {value / KILO:.4g} kN" if abs(value) >= KILO else f"F{axis} {value:.4g} N"
+        for axis, value in zip("xyz", force, strict=True)
+        if value
+    ]
+    return ", ".join([*forces, *(f"M{axis} {value:.4g} N m" for axis, value in zip("xyz", moment, strict=True) if value)])
 
 
 def _clear(x: float, words: str) -> float:

@@ -16,6 +16,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.libraries import EXTRAS
 from rollbench.reports import scene3d
 from rollbench.reports.offscreen import draw_in_child
@@ -122,11 +123,10 @@ def _scale(picture: LoadedScrew) -> str:
 
 def _pointer(picture: LoadedScrew) -> str:
     """Label with the load of the ball under the pointer."""
-    middle = np.array([0.0, 0.0, picture.nut_position])
-    centres = 1e3 * (np.asarray(picture.ball_radii_centres, float).reshape(-1, 3) - middle)
+    centres = 1e3 * (ball_layout(picture.scene).centre - np.array([0.0, 0.0, picture.scene.nut.position]))
     data = {
-        "radius": 1e3 * picture.ball_radius,
-        "balls": [[*(round(float(x), 4) for x in c), load] for c, load in zip(centres, picture.ball_loads, strict=True)],
+        "radius": 1e3 * scene3d.ball_radius(picture.scene),
+        "balls": [[*c, load] for c, load in zip(centres.round(4).tolist(), picture.load.max(axis=1).tolist(), strict=True)],
     }
     return f'<div id="value" style="{_VALUE}" hidden></div><script>{_POINT.replace("DATA", json.dumps(data))}</script>'
 
@@ -159,12 +159,12 @@ def _export(picture: LoadedScrew, path: str) -> None:
 
     pyvista.OFF_SCREEN = True
     plotter = pyvista.Plotter(off_screen=True, window_size=(800, 600))
-    middle = np.array([0.0, 0.0, picture.nut_position * 1e3])  # the viewer's light shines towards the origin
+    middle = np.array([0.0, 0.0, picture.scene.nut.position * 1e3])  # the viewer's light shines towards the origin
     for mesh, colour in scene3d.bodies(picture, COARSE):
         faces = pyvista.PolyData(mesh.points - middle, mesh.faces)  # without lines, which would take the colour alone
         smooth = faces.compute_normals(feature_angle=SMOOTH, split_vertices=True, cell_normals=False)
         plotter.add_mesh(smooth, color=colour)
-    extent = 1e3 * max(2.0 * picture.nut_radius, picture.nut_length)
+    extent = 1e3 * max(picture.scene.nut.outer_diameter, picture.scene.nut.length)
     plotter.camera.focal_point = (0.0, 0.0, 0.0)
     plotter.camera.position = 3.2 * extent * scene3d.sight()
     plotter.camera.up = scene3d.directions()[1]

@@ -1,9 +1,12 @@
 """Shared by the tests of reports: a figure, a table, a loaded screw, a report of them, and the files of a folder."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
+from rollbench.comparison.scenes import catalogue
+from rollbench.meshes.helix import ball_layout
 from rollbench.reports.records import Figure, LoadedScrew, Page, Panel, Quantity, Report, Section, Series, Table, Text
 
 
@@ -39,38 +42,16 @@ def table(name="printed"):
     return Table(name, "Printed <and> computed", columns, rows, note="Error: 1 < 2.")
 
 
-def screw(lead=0.02, groove_radius=0.003254):
-    turns = 2 if lead else 1
-    phi = (np.arange(16 * turns) - 8 * turns) * 2.0 * np.pi / 16
-    track, ball, position = 0.0165, 0.002778, 0.4
-    path = np.linspace(phi[0], phi[-1], 100)
-
-    def on_track(azimuth):
-        height = position + lead * azimuth / (2.0 * np.pi)
-        return np.stack([track * np.cos(azimuth), track * np.sin(azimuth), height], axis=1)
-
-    radial = np.stack([np.cos(phi), np.sin(phi), np.zeros_like(phi)], axis=1)
-    line = (radial + np.array([0.0, 0.0, 1.0])) / np.sqrt(2.0)
-    force = 225.0 + 8.0 * np.cos(phi)[:, None]
-    return LoadedScrew(
-        name="screw",
-        title="The loaded screw",
-        screw_length=0.8,
-        screw_radius=0.016,
-        nut_position=position,
-        nut_length=0.054,
-        nut_radius=0.024,
-        track_radius=track,
-        ball_radius=ball,
-        ball_radii_centres=on_track(phi),
-        ball_loads=force[:, 0],
-        helix=on_track(path),
-        contact_points=np.concatenate([on_track(phi) - ball * line, on_track(phi) + ball * line]),
-        contact_forces=np.concatenate([force * line, -force * line]),
-        groove_radius=groove_radius,
-        lead=lead,
-        caption="Arrows are forces.",
-    )
+def screw(scene="lin-case1", **changes):
+    """Balls of a shipped scene pressed between two flanks, by forces that differ around it."""
+    parts = catalogue.scene(scene)
+    layout, load = ball_layout(parts), np.zeros((parts.ball_count, 4))
+    load[:, [0, 3]] = 225.0 + 8.0 * np.cos(layout.azimuth)[:, None]
+    line = (layout.radial + layout.binormal) / np.sqrt(2.0)
+    force, arm = load[:, :1] * line, parts.balls.radius * line
+    points = np.concatenate([layout.centre - arm, layout.centre + arm])
+    picture = LoadedScrew("screw", "The loaded screw", parts, load, points, np.concatenate([force, -force]), "Arrows.")
+    return replace(picture, **changes)
 
 
 def report(*items):

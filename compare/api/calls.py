@@ -21,6 +21,7 @@ from rollbench.meshes.parts import Scene
 if TYPE_CHECKING:
     from rollbench.comparison.commands.comparing.compare_output import Comparison
     from rollbench.comparison.reference.estimate import Reference
+    from rollbench.comparison.reference.store import Run
 
 
 def read(name: str | Path) -> Described:
@@ -40,7 +41,7 @@ def solve(scene: Described | str | Path, model: str = "", *, member: int = 0) ->
     Raises InputError for what cannot be solved so; no equilibrium is no error: see ``Solution.converged``.
     """
     from rollbench.comparison.commands.solving.cases_output import cases_json
-    from rollbench.comparison.commands.solving.one_output import case_json
+    from rollbench.comparison.commands.solving.output import case_json
     from rollbench.comparison.models.load_cases import solve_any
     from rollbench.comparison.models.registry import Options, default_model
     from rollbench.comparison.models.together import together
@@ -88,13 +89,11 @@ def compare(
     the best stored reference; all levels where there is none, which takes long); reference: your own, in place of the 3D
     reference; store: folder of the reference's runs. Raises InputError, Refusal where no run of the reference converged.
     """
-    from rollbench.comparison.commands.comparing.compare_output import compared, verdict
-    from rollbench.comparison.commands.comparing.compared_cases import together_json
-    from rollbench.comparison.commands.comparing.study import named, unconverged
+    from rollbench.comparison.commands.comparing.compare_output import verdict
+    from rollbench.comparison.commands.comparing.study import each_compared, named, own_references, together_json
     from rollbench.comparison.commands.printing import on_terminal
-    from rollbench.comparison.gate.user import judged_by, stored_beside
-    from rollbench.comparison.models.comparison import compared_models, suited
-    from rollbench.comparison.models.referenced import Referenced, referenced
+    from rollbench.comparison.models.comparison import compared_models
+    from rollbench.comparison.models.referenced import referenced
     from rollbench.comparison.reference.jobs import Engine, ensure, plan
     from rollbench.comparison.reference.levels import LEVELS
     from rollbench.comparison.reference.store import shipped_store
@@ -104,25 +103,18 @@ def compare(
     scenes, stores = each_case(described, described.name), (Path(store), shipped_store())
     chosen, cases = compared_models(tuple(models)), cases_by_name([described])
     warnings: list[str] = []
-    if reference is not None and levels is not None:
-        raise InputError("compare", "reference", str(reference), "without levels", "leave one out")
-    given: dict[str, list[Referenced]] = {}
-    for x in scenes if reference is not None else ():
-        case = cases[x.name].case.name if x.name in cases else None
-        given[x.name] = judged_by(Path(str(reference)), x, warnings.append, case=case)
-    missing = [x for x in scenes if not given and (levels is not None or not referenced(x, stores))]
-    failed = []
-    if missing:
-        wanted = range(1, (levels or len(LEVELS)) + 1)
-        failed = ensure(plan(missing, wanted), stores[0], Engine(cache=default_root()), on_terminal, stores)
-    pairs = []
-    for x in scenes:
-        sets = given.get(x.name) or referenced(x, stores)
-        if not sets:
-            raise unconverged(x.name, failed)
-        for one in sets:
-            beside = stored_beside(one, stores) if given else None
-            pairs.append((one, compared(one.scene, chosen or suited(x), one.found, stores, one.of, beside)))
+    failed: list[Run] = []
+    if reference is not None:
+        if levels is not None:
+            raise InputError("compare", "reference", str(reference), "without levels", "leave one out")
+        names = {name: case.case.name for name, case in cases.items()}
+        references = own_references(scenes, Path(reference), names, warnings)
+    else:
+        if missing := [x for x in scenes if levels is not None or not referenced(x, stores)]:
+            wanted = range(1, (levels or len(LEVELS)) + 1)
+            failed = ensure(plan(missing, wanted), stores[0], Engine(cache=default_root()), on_terminal, stores)
+        references = [referenced(x, stores) for x in scenes]
+    pairs = list(each_compared(scenes, references, chosen, stores, failed, own=reference is not None))
     lines = (*(f"WARNING: {words}" for words in warnings), *(verdict(each, one.found) for one, each in pairs))
     results = [_compared_json(each, one.found) | named(one) for one, each in pairs]
     if isinstance(described, DutyCycle):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from rollbench.comparison.models.comparison import Loads
+from rollbench.comparison.reference.estimate import Reference
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.reports.records import Panel, Series
@@ -24,12 +26,22 @@ def lateral(
     return x, y
 
 
-def load_panel(title: str, *series: Series) -> Panel:
+def load_panel(title: str, *series: Series, zero: bool = False) -> Panel:
     """Contact loads over the balls."""
-    return Panel(title, "ball", "contact load / N", series, integer_x=True)
+    return Panel(title, "ball", "contact load / N", series, zero=zero, integer_x=True)
 
 
-def loads(label: str, result: StaticResult, side: int, *, emphasis: bool = False) -> Series:
-    """Curve of the loads of one side over the ball number, 1 to n."""
-    balls = [float(i + 1) for i in range(result.z.size)]
-    return Series(label, balls, numbers(result.load[:, side]), emphasis=emphasis)
+def loads(
+    label: str,
+    result: StaticResult | Loads | Reference,
+    side: int,
+    style: str = "line+markers",
+    *,
+    emphasis: bool = False,
+    bar: Array | None = None,
+) -> Series:
+    """Curve of the loads of one side over the ball number, 1 to n; bar ``(n, 4)`` [N]: what they are uncertain by."""
+    load = result.load[:, side]
+    balls = [float(i + 1) for i in range(load.size)]
+    ends = None if bar is None else (numbers(load - bar[:, side]), numbers(load + bar[:, side]))
+    return Series(label, balls, numbers(load), style, emphasis=emphasis, bars=ends)

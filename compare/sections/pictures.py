@@ -14,7 +14,6 @@ from rollbench.comparison.models.registry import DEFAULT
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.levels import PRODUCTION
 from rollbench.comparison.reference.tasks import settings_of
-from rollbench.comparison.sections.loaded_screw import loaded_screw
 from rollbench.comparison.sections.pressures import MM, MPA, panel_of, pressure_table, profiles
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.errors import specimen
@@ -164,12 +163,12 @@ def mesh_overview(solved: Solved) -> FieldPicture:
     )
 
 
-def _around(found: Stresses, *, edges: bool, values: bool) -> tuple[MeshPart, ...]:
+def _around(found: Stresses, *, values: bool) -> tuple[MeshPart, ...]:
     """All pieces around the ball; with the mesh, or coloured by the equivalent stress in MPa."""
 
     def coloured(piece: SolidField, colour: str) -> MeshPart:
         stress = MPA * piece.von_mises if values else None
-        return MeshPart(piece.points, piece.cells, piece.kind, stress, colour, edges, outline=True)
+        return MeshPart(piece.points, piece.cells, piece.kind, stress, colour, edges=not values, outline=True)
 
     return (
         coloured(found.bodies[0], STEEL),
@@ -181,43 +180,26 @@ def _around(found: Stresses, *, edges: bool, values: bool) -> tuple[MeshPart, ..
 
 
 def section_picture(
-    solved: Solved,
-    found: Stresses,
-    name: str,
-    title: str,
-    caption: str,
-    *,
-    side: int | None,
-    height: float,
-    values: bool,
-    limits: tuple[float, float] | None = None,
-    log: bool = False,
-    bar: float = 1e-3,
+    solved: Solved, found: Stresses, name: str, title: str, caption: str, *, height: float, side: int | None = None
 ) -> FieldPicture:
-    """Plane of the groove's section through the ball, screw below, nut above; or one contact of it enlarged."""
+    """Mesh in the plane of the groove's section through the ball, screw below, nut above; or one contact of it enlarged."""
     x3, y3, _ = frame(solved)
     m = solved.setup.map
     centre = np.array([m.R, 0.0, 0.0])
     focus = centre if side is None else contact_point(solved, side)
-    words: list[tuple[tuple[float, ...], str]] = []
-    if side is None and not values:
-        b = m.ball
-        words = [(tuple(centre), "ball"), (tuple(centre - 1.36 * b * x3), "screw"), (tuple(centre + 1.40 * b * x3), "nut")]
+    places = (centre, "ball"), (centre - 1.36 * m.ball * x3, "screw"), (centre + 1.40 * m.ball * x3, "nut")
     return FieldPicture(
         name,
         title,
-        _around(found, edges=not values, values=values),
+        _around(found, values=False),
         sight=tuple(y3),
         up=tuple(x3),
         focus=tuple(focus),
         height=height,
         cuts=((tuple(focus + BESIDE * y3), tuple(y3)),),
         section=True,
-        label="von Mises stress [MPa]" if values else "",
-        limits=limits,
-        log=log,
-        words=tuple(words),
-        scale_bar=bar,
+        words=[(tuple(place), word) for place, word in places] if side is None else (),
+        scale_bar=1e-3,
         caption=caption,
     )
 
@@ -272,19 +254,6 @@ def ball_picture(solved: Solved, found: Stresses) -> FieldPicture:
     )
 
 
-def pressures(solved: Solved) -> dict[str, ContactPressure]:
-    """Both contacts of the chosen ball."""
-    from rollbench.hifi.fields import contact_pressure
-
-    setup = solved.setup
-    return {
-        f"ball {solved.ball + 1}, {SIDES[s]}": contact_pressure(
-            solved.scene, setup.map, s, setup.patches[s].groove, solved.forces[s][solved.ball]
-        )
-        for s in setup.sides
-    }
-
-
 def pressed(study: Study, name: str) -> tuple[int, dict[str, ContactPressure]]:
     """The ball of a scene whose least loaded contact carries most, pressed on a fine mesh by its loads in the reference
     (where none is stored: in the default model)."""
@@ -314,130 +283,99 @@ def loaded(solved: Solved) -> LoadedScrew:
         held = result.load[:, s] > 0.0
         points.append((layout.centre + ball * direction)[held])
         forces.append((-load * direction)[held])
-    return loaded_screw(
+    return LoadedScrew(
+        "loaded-screw-3d",
+        "Case 1: contact forces on the balls by the 3D reference",
         scene,
-        ("loaded-screw-3d", "Case 1: contact forces on the balls by the 3D reference"),
         result.load,
-        (np.concatenate(points), np.concatenate(forces)),
+        np.concatenate(points),
+        np.concatenate(forces),
         f"Mesh level {LEVEL}. Balls are coloured by their contact load, {result.load[:, 0].min():.0f} to "
         f"{result.load[:, 0].max():.0f} N.",
     )
 
 
-def stress_caption(solved: Solved, found: Stresses, pressure: ContactPressure) -> tuple[str, tuple[float, float]]:
-    """Largest equivalent stresses below the contact, by the 3D reference and by Hertz, and their ratio."""
-    from rollbench.hifi.fields import hertz_von_mises
+def stress_caption(solved: Solved, found: Stresses) -> str:
+    """Largest equivalent stresses below the contact with the screw, by the 3D reference and by Hertz."""
+    from rollbench.hifi.fields import contact_pressure, hertz_von_mises
 
-    h = pressure.hertz
-    short = min(h.semi_x, h.semi_y)
-    depth = np.linspace(0.2, 1.6, 141) * short
+    setup = solved.setup
+    side = setup.sides[0]
+    h = contact_pressure(solved.scene, setup.map, side, setup.patches[side].groove, solved.forces[side][solved.ball]).hertz
+    depth = np.linspace(0.2, 1.6, 141) * min(h.semi_x, h.semi_y)
     closed = hertz_von_mises(h, depth, solved.scene.balls.material.poissons_ratio)
     top, at = float(closed.max()), float(depth[closed.argmax()])
-    most = float(found.grooves[0].von_mises.max()), float(found.patches[0].von_mises.max())
-    words = (
-        f"Largest nodal values {MPA * most[0]:.0f} MPa in the groove and {MPA * most[1]:.0f} MPa in the ball; Hertz's "
-        f"half space {MPA * top:.0f} MPa ({top / h.pole_pressure:.3f} of the pole pressure), {1e6 * at:.0f} µm below "
-        "the surface."
+    return (
+        f"Largest nodal values {MPA * found.grooves[0].von_mises.max():.0f} MPa in the groove and "
+        f"{MPA * found.patches[0].von_mises.max():.0f} MPa in the ball; Hertz's half space {MPA * top:.0f} MPa "
+        f"({top / h.pole_pressure:.3f} of the pole pressure), {1e6 * at:.0f} µm below the surface."
     )
-    return words, (most[0] / top, most[1] / top)
+
+
+def pressure_map(name: str, title: str, found: dict[str, ContactPressure], caption: str) -> PressureMap:
+    """Pressures of the contacts of a ball with the ellipses of Hertz."""
+    panels = tuple(panel_of(contact, x) for contact, x in found.items())
+    axes = "across the groove / mm", "along the groove / mm", "pressure / MPa"
+    return PressureMap(name, title, panels, *axes, "contact ellipse by Hertz", caption=caption)
 
 
 def section(study: Study, step: Step) -> Section:
     """Section of the report."""
     solved = solve_pictured(study, step)
     found = stresses(solved, step)
-    n = solved.ball + 1
-    words, _ = stress_caption(solved, found, next(iter(pressures(solved).values())))
+    ball, b = f"ball {solved.ball + 1}", solved.setup.map.ball
     step(f"pressures of a ball of {SCENE}, mesh level {FINE_LEVEL}")
     ball2, two = pressed(study, SCENE)
     step(f"pressures of a ball of {FOUR}, mesh level {FINE_LEVEL}")
     ball4, four = pressed(study, FOUR)
-    honest = (
-        "Linear elastic, nominal geometry. The bodies are solved once more under the contact forces of all "
-        "balls: the screw is held at the low end of its 3D stretch, its other end is free; the nut is held "
-        f"at its {solved.setup.dims.nut_held}. "
+    text = (
+        f"Meshes and stresses are those of {SCENE} on mesh level {LEVEL}, the coarsest of the mesh study, so that its "
+        f"lines can be told apart; contact pressures are on level {FINE_LEVEL}. Sections lie in the plane of the groove's "
+        "section, radius upwards and the screw's axis to the right."
     )
-    b = solved.setup.map.ball
+    mesh = (
+        "Lines are the cells' faces cut by the plane. Orange and green: fine patches of grooves and ball. The grooves' "
+        "patches follow the azimuth, so the section crosses them at the lead angle."
+    )
+    pressure = (
+        f"Mesh level {FINE_LEVEL}. Nodal force over tributary area; dots are nodes (the note of the table explains their "
+        "scatter). The ellipse is Hertz's closed form for the same load and the local curvatures, centred on the resultant "
+        "force. Loads are those of the finest stored reference, applied to the 3D ball between its 3D groove patches, "
+        "which are held where they join screw and nut."
+    )
+    stress = (
+        "Linear elastic, nominal geometry. The bodies are solved once more under the contact forces of all balls: the "
+        "screw is held at the low end of its 3D stretch, its other end is free; the nut is held at its "
+        f"{solved.setup.dims.nut_held}. The scale goes by tens."
+    )
+    whole = section_picture(solved, found, "mesh-section", f"Mesh around {ball}, plane section", mesh, height=3.3 * b)
+    stressed = _around(found, values=True)
+    shown = replace(whole, parts=stressed, label="von Mises stress [MPa]", words=())
+    title = f"Von Mises stress around {ball}, plane section"
+    around = replace(shown, name="stress-section", title=title, caption=stress, limits=(2.0, 2000.0), log=True)
+    title = f"Von Mises stress at the contact of {ball} with the screw"
+    near = section_picture(solved, found, "stress-contact", title, stress_caption(solved, found), side=0, height=0.5 * b)
+    near = replace(near, parts=stressed, label=shown.label, limits=(0.0, 1800.0), scale_bar=0.2e-3)
     return Section(
         "pictures",
         "Pictures of the 3D reference",
         (
-            Text(
-                (
-                    (
-                        f"Meshes and stresses are those of {SCENE} on mesh level {LEVEL}, the coarsest of the "
-                        "mesh study, so that its lines can be told apart; contact pressures are on level "
-                        f"{FINE_LEVEL}. Sections lie in the plane of the groove's section, radius upwards and "
-                        "the screw's axis to the right."
-                    ),
-                )
-            ),
+            Text((text,)),
             mesh_overview(solved),
-            section_picture(
-                solved,
-                found,
-                "mesh-section",
-                f"Mesh around ball {n}, plane section",
-                "Lines are the cells' faces cut by the plane. Orange and green: fine patches of grooves and ball. The "
-                "grooves' patches follow the azimuth, so the section crosses them at the lead angle.",
-                side=None,
-                height=3.3 * b,
-                values=False,
-            ),
+            whole,
             contact_picture(solved, found),
             ball_picture(solved, found),
-            PressureMap(
-                "pressure-two",
-                f"Contact pressure of ball {ball2 + 1} of {SCENE}, screw and nut",
-                tuple(panel_of(name, x) for name, x in two.items()),
-                "across the groove / mm",
-                "along the groove / mm",
-                "pressure / MPa",
-                "contact ellipse by Hertz",
-                (
-                    f"Mesh level {FINE_LEVEL}. Nodal force over tributary area; dots are nodes (the note of the "
-                    "table explains their scatter). The ellipse is Hertz's closed form for the same load and "
-                    "the local curvatures, centred on the resultant force. Loads are those of the finest stored "
-                    "reference, applied to the 3D ball between its 3D groove patches, which are held where they "
-                    "join screw and nut."
-                ),
-            ),
+            pressure_map("pressure-two", f"Contact pressure of ball {ball2 + 1} of {SCENE}, screw and nut", two, pressure),
             profiles(two),
-            PressureMap(
+            pressure_map(
                 "pressure-four",
                 f"Contact pressure of ball {ball4 + 1} of {FOUR}, all four sides",
-                tuple(panel_of(name, x) for name, x in four.items()),
-                "across the groove / mm",
-                "along the groove / mm",
-                "pressure / MPa",
-                "contact ellipse by Hertz",
+                four,
                 f"Mesh level {FINE_LEVEL}; made as the pressures of {SCENE}.",
             ),
             pressure_table({SCENE: two, FOUR: four}),
-            section_picture(
-                solved,
-                found,
-                "stress-section",
-                f"Von Mises stress around ball {n}, plane section",
-                honest + "The scale goes by tens.",
-                side=None,
-                height=3.3 * b,
-                values=True,
-                limits=(2.0, 2000.0),
-                log=True,
-            ),
-            section_picture(
-                solved,
-                found,
-                "stress-contact",
-                f"Von Mises stress at the contact of ball {n} with the screw",
-                words,
-                side=0,
-                height=0.5 * b,
-                values=True,
-                limits=(0.0, 1800.0),
-                bar=0.2e-3,
-            ),
+            around,
+            near,
             loaded(solved),
         ),
     )

@@ -29,7 +29,7 @@ from rollbench.comparison.reference.grid_summary import uncertainty_percent
 from rollbench.comparison.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
 from rollbench.comparison.reference.store import Run, load
 from rollbench.comparison.registration import offered
-from rollbench.comparison.sections.curves import lateral
+from rollbench.comparison.sections.curves import lateral, load_panel, loads, numbers
 from rollbench.meshes.parts import SIDES
 from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
@@ -166,10 +166,6 @@ def line_table(study: Study, found: References) -> Table:
     return Table.of("reference-centreline", "Centreline of the screw", rows, note)
 
 
-def _curve(label: str, values: np.ndarray[tuple[int, ...], np.dtype[np.float64]], *, emphasis: bool = False) -> Series:
-    return Series(label, [float(i + 1) for i in range(values.size)], [float(x) for x in values], emphasis=emphasis)
-
-
 def load_figures(study: Study, found: References) -> list[Figure]:
     """Load distributions of all models on one axis; the reference's uncertainty as a band."""
     out = []
@@ -180,13 +176,12 @@ def load_figures(study: Study, found: References) -> list[Figure]:
         for s in range(4):
             if not (ref.load[:, s] > 0.0).any() or (s >= 2 and len(ref.best.sides) == 2):
                 continue
-            series = [_curve(f"3D reference, level {ref.best.level}", ref.load[:, s], emphasis=True)]
+            series = [loads(f"3D reference, level {ref.best.level}", ref, s, emphasis=True)]
             if ref.uncertainty is not None:
                 low, high = ref.load[:, s] - ref.uncertainty[:, s], ref.load[:, s] + ref.uncertainty[:, s]
-                x = [float(i + 1) for i in range(len(low))]
-                series.insert(0, Series("its uncertainty", x, [float(v) for v in low], "band", [float(v) for v in high]))
-            series += [_curve(m.label, a.load[:, s]) for m, a in answers.items() if (a.load[:, s] > 0.0).any()]
-            panels.append(Panel(SIDES[s], "ball", "contact load / N", tuple(series), integer_x=True))
+                series.insert(0, Series("its uncertainty", series[0].x, numbers(low), "band", numbers(high)))
+            series += [loads(m.label, a, s) for m, a in answers.items() if (a.load[:, s] > 0.0).any()]
+            panels.append(load_panel(SIDES[s], *series))
         out.append(Figure(f"reference-loads-{name}", f"{name}: contact loads of all models", tuple(panels)))
     return out
 

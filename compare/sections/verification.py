@@ -31,6 +31,8 @@ PRODUCTION = ("Q2", 4.0)
 TARGETS = {"approach": 0.3, "semi-axes": 0.5, "pole pressure": 1.0}
 NAMES = {"P1": "4-node tetrahedra", "P2": "10-node tetrahedra", "Q1": "8-node hexahedra", "Q2": "27-node hexahedra"}
 SOURCE = "4-node tetrahedra, source's size"
+#: Errors in the table.
+ERRORS = ("approach", "semi-axis a", "semi-axis b", "pole pressure", "fitted pole pressure")
 WHAT = {"A": "ball on a flat", "B": "ball in a groove"}
 
 
@@ -46,17 +48,10 @@ class Level:
 def level(label: str, run: HertzRun) -> Level:
     """Errors of a run against the closed form; of the two semi-axes the larger error counts for both."""
     exact = run.exact
-    a = float(error_percent(run.semi_x, exact.semi_x))
-    b = float(error_percent(run.semi_y, exact.semi_y))
-    errors = {
-        "approach": float(error_percent(run.approach, exact.approach)),
-        "a": a,
-        "b": b,
-        "semi-axes": max(a, b, key=abs),
-        "pole pressure": float(error_percent(run.pole_pressure, exact.pole_pressure)),
-        "fitted": float(error_percent(run.pole_fitted, exact.pole_pressure)),
-    }
-    return Level(label, run, errors)
+    values = run.approach, run.semi_x, run.semi_y, run.pole_pressure, run.pole_fitted
+    closed = exact.approach, exact.semi_x, exact.semi_y, exact.pole_pressure, exact.pole_pressure
+    errors = dict(zip(ERRORS, error_percent(values, closed).tolist(), strict=True))
+    return Level(label, run, errors | {"semi-axes": max(errors["semi-axis a"], errors["semi-axis b"], key=abs)})
 
 
 def levels(step: Callable[[str], None], wanted: Mapping[str, Sequence[float]]) -> list[Level]:
@@ -98,18 +93,10 @@ def _source_errors(one: Level) -> str:
     return (
         f"Job {one.run.job} on first-order tetrahedra of the source's size ({one.run.b_over_h:.1f} across the short "
         f"semi-axis): approach {one.errors['approach']:+.1f} %, semi-axes {one.errors['semi-axes']:+.1f} %, "
-        f"pole pressure {one.errors['pole pressure']:+.1f} %, fitted {one.errors['fitted']:+.1f} %."
+        f"pole pressure {one.errors['pole pressure']:+.1f} %, fitted {one.errors['fitted pole pressure']:+.1f} %."
     )
 
 
-#: Errors in the table, by their headings.
-ERRORS = {
-    "approach": "approach",
-    "a": "semi-axis a",
-    "b": "semi-axis b",
-    "pole pressure": "pole pressure",
-    "fitted": "fitted pole pressure",
-}
 TIMES = ("mesh", "assembly", "factor", "solve", "contact")
 #: Their headings where these are not their names.
 STAGES = {"mesh": "meshing"}
@@ -128,29 +115,29 @@ def error_row(one: Level) -> Row:
         "iterations": one.run.iterations,
         Quantity("seconds", "time", "s", "g2"): one.run.total_seconds,
     }
-    return mesh_row(one) | counts | {Quantity(k, words, "%", ".2f"): one.errors[k] for k, words in ERRORS.items()}
+    return mesh_row(one) | counts | {Quantity(name, name, "%", ".2f"): one.errors[name] for name in ERRORS}
 
 
 def value_rows(found: Sequence[Level]) -> list[Row]:
     """Values of the production mesh and of the closed form."""
     rows: list[Row] = []
+    quantities = (
+        ("approach", "µm", 1e6, "approach"),
+        ("semi-axis a", "mm", 1e3, "semi_x"),
+        ("semi-axis b", "mm", 1e3, "semi_y"),
+        ("pole pressure", "MPa", 1e-6, "pole_pressure"),
+    )
     for one in production(found):
-        run, exact = one.run, one.run.exact
-        for name, unit, scale, value, reference in (
-            ("approach", "µm", 1e6, run.approach, exact.approach),
-            ("semi-axis a", "mm", 1e3, run.semi_x, exact.semi_x),
-            ("semi-axis b", "mm", 1e3, run.semi_y, exact.semi_y),
-            ("pole pressure", "MPa", 1e-6, run.pole_pressure, exact.pole_pressure),
-        ):
-            most = TARGETS.get(name, TARGETS["semi-axes"])
-            error = float(error_percent(value, reference))
+        run = one.run
+        for name, unit, scale, key in quantities:
+            most, error = TARGETS.get(name, TARGETS["semi-axes"]), one.errors[name]
             rows.append(
                 {
                     "job": f"{run.job}, {WHAT[run.job]}",
                     "quantity": name,
                     "unit": unit,
-                    Quantity("value", "3D", "", "g6"): scale * value,
-                    Quantity("reference", "Hertz", "", "g6"): scale * reference,
+                    Quantity("value", "3D", "", "g6"): scale * getattr(run, key),
+                    Quantity("reference", "Hertz", "", "g6"): scale * getattr(run.exact, key),
                     Quantity("error", "error", "%", ".3f"): error,
                     Quantity("target", "target", "%", ".1f"): most,
                     "met": "yes" if abs(error) <= most else "NO",
@@ -202,35 +189,25 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
 def drawn(found: Sequence[Level]) -> Section:
     """Section of the runs ``found``."""
     job, mesh = JOBS["A"], f"{NAMES[PRODUCTION[0]]}, b/h = {PRODUCTION[1]:g}"
-    return Section(
-        "verification",
-        "The 3D reference against Hertz",
-        (
-            Text(
-                (
-                    (
-                        f"A ball of radius {1000.0 * BALL:g} mm (E = {1e-09 * job.young:g} GPa, nu = "
-                        f"{job.poisson:g}, both bodies elastic) is pressed with {job.load:g} N on a flat (job A) "
-                        f"and into a groove of radius {1000.0 * GROOVE:g} mm that is convex along its length "
-                        f"with {1000.0 * ALONG:g} mm (job B). One elastic body is modelled, a quarter by "
-                        "symmetry, and its compliance is doubled. The cut faces of the block move as in the "
-                        "half space (Boussinesq); if they were held, the approach would be shifted."
-                    ),
-                    (
-                        "h is the cell edge along the short semi-axis b. Semi-axes are those of the ellipsoid "
-                        "with the same load and second moments as the nodal forces. The pole pressure is the "
-                        "nodal force over its area at the pole, not the largest nodal value; the fitted one is "
-                        "that of the ellipsoid. On 10-node tetrahedra only mid-side nodes may touch, because a "
-                        "uniform pressure puts no force on corner nodes. The source's mesh is "
-                        f"{1000.0 * SOURCE_FINE:g} mm within a sphere of {1000.0 * SOURCE_RADIUS:g} mm (its size "
-                        f"is not printed) and up to {1000.0 * SOURCE_COARSE:g} mm outside."
-                    ),
-                )
-            ),
-            Text(verdict(found), bullets=True),
-            Table.of("verification-targets", f"Production mesh ({mesh}) against the closed form", value_rows(found)),
-            Table.of("verification-errors", "Errors, unknowns and seconds of all meshes", map(error_row, found)),
-            *(figure(found, job) for job in JOBS),
-            times_table(found),
-        ),
+    text = (
+        f"A ball of radius {1000.0 * BALL:g} mm (E = {1e-09 * job.young:g} GPa, nu = {job.poisson:g}, both bodies elastic) "
+        f"is pressed with {job.load:g} N on a flat (job A) and into a groove of radius {1000.0 * GROOVE:g} mm that is "
+        f"convex along its length with {1000.0 * ALONG:g} mm (job B). One elastic body is modelled, a quarter by "
+        "symmetry, and its compliance is doubled. The cut faces of the block move as in the half space (Boussinesq); if "
+        "they were held, the approach would be shifted.",
+        "h is the cell edge along the short semi-axis b. Semi-axes are those of the ellipsoid with the same load and "
+        "second moments as the nodal forces. The pole pressure is the nodal force over its area at the pole, not the "
+        "largest nodal value; the fitted one is that of the ellipsoid. On 10-node tetrahedra only mid-side nodes may "
+        "touch, because a uniform pressure puts no force on corner nodes. The source's mesh is "
+        f"{1000.0 * SOURCE_FINE:g} mm within a sphere of {1000.0 * SOURCE_RADIUS:g} mm (its size is not printed) and up to "
+        f"{1000.0 * SOURCE_COARSE:g} mm outside.",
     )
+    items: tuple[Text | Table | Figure, ...] = (
+        Text(text),
+        Text(verdict(found), bullets=True),
+        Table.of("verification-targets", f"Production mesh ({mesh}) against the closed form", value_rows(found)),
+        Table.of("verification-errors", "Errors, unknowns and seconds of all meshes", map(error_row, found)),
+        *(figure(found, job) for job in JOBS),
+        times_table(found),
+    )
+    return Section("verification", "The 3D reference against Hertz", items)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.helpers import relative, solved, with_ingredients
 
-from rollbench.comparison.commands.solving.solve_output import discretisation_percent
+from rollbench.comparison.commands.solving.output import discretisation_percent
 from rollbench.comparison.scenes import catalogue
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.loads import mean_load

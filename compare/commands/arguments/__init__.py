@@ -11,9 +11,7 @@ from rollbench.comparison.registration import registered
 #: Modules of this folder and the commands of the core that they add.
 CORE = {
     "scenes": ("list", "schema", "new", "solve", "condense"),
-    "reference": ("compare",),
-    "validation": ("report", "verify", "check"),
-    "machine": ("completion",),
+    "validation": ("compare", "report", "verify", "check", "completion"),
 }
 #: Commands that tell of all others.
 OF_ALL = ("completion",)

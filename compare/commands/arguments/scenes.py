@@ -141,8 +141,7 @@ def solve(
     assumptions
         Also print the assumptions, what is left out, the balance and the solver.
     """
-    from rollbench.comparison.commands.solving.solve import run_solve
-    from rollbench.comparison.commands.solving.solve_choices import Choices
+    from rollbench.comparison.commands.solving.solve import Choices, run_solve
 
     if members is not None:
         from rollbench.comparison.reference.jobs import Engine

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.comparison.commands.printing import cell
-from rollbench.comparison.commands.solving.solve_output import expected_json
+from rollbench.comparison.commands.solving.output import expected_json
 from rollbench.comparison.commands.solving.summary import GROUPS, contacts_json, loads_json
 from rollbench.comparison.commands.tables import plain
 from rollbench.comparison.errors import Refusal
@@ -27,12 +27,13 @@ from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.reference.grid_summary import uncertainty_percent
 from rollbench.comparison.reference.levels import SOURCE_LEVEL
 from rollbench.comparison.reference.store import load
+from rollbench.comparison.sections.curves import load_panel, loads
 from rollbench.comparison.writing import write_csv, write_figure
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.reports.records import Figure, Panel, Series
+from rollbench.reports.records import Figure
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -291,14 +292,9 @@ def load_figure(name: str, models: Sequence[Beside], reference: Reference) -> Fi
     for s in (0, 1):
         if not (reference.load[:, s] > 0.0).any():
             continue
-        balls = list(range(1, reference.load.shape[0] + 1))
-        value = reference.load[:, s]
-        bar = reference.uncertainty[:, s]
-        ends = (value - bar).tolist(), (value + bar).tolist()
-        series = [Series(reference.label, balls, value.tolist(), "line+markers", emphasis=True, bars=ends)]
-        shown = (b for b in models if b.label in (*MODELS, OURS))
-        series += [Series(b.label, balls, b.answer.load[:, s].tolist(), "line") for b in shown]
-        panels.append(Panel(f"screw's flank {SIDES[s]}", "ball", "contact load / N", series, integer_x=True))
+        series = [loads(reference.label, reference, s, emphasis=True, bar=reference.uncertainty)]
+        series += [loads(b.label, b.answer, s, "line") for b in models if b.label in (*MODELS, OURS)]
+        panels.append(load_panel(f"screw's flank {SIDES[s]}", *series))
     return Figure(name, "Contact loads: prediction and reference", panels)
 
 

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import shlex
-import sys
 from pathlib import Path
 
-from rollbench.comparison.commands.printing import Answer
+from rollbench.comparison.commands.printing import Answer, on_terminal
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.reference.levels import LEVELS
 from rollbench.comparison.reference.tasks import settings_of
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.scenes.scene_file import each_case, whole
 from rollbench.comparison.system import cores, need_reference, out_of_memory
-from rollbench.comparison.writing import need_writable
+from rollbench.comparison.writing import need_writable, written
 
 
 def run_condense(typed: str, out: Path | None, level: int, *, cache: Path | None) -> Answer:
@@ -34,19 +33,13 @@ def run_condense(typed: str, out: Path | None, level: int, *, cache: Path | None
     from rollbench.hifi.setup import prepare
     from rollbench.meshes.cache import Cache
 
-    def step(text: str) -> None:
-        print(text, file=sys.stderr, flush=True)
-
     try:
-        setup = prepare(scene, (0, 1, 2, 3), settings_of(scenes, level), step, cache=Cache(cache), processes=cores())
+        setup = prepare(scene, (0, 1, 2, 3), settings_of(scenes, level), on_terminal, cache=Cache(cache), processes=cores())
     except MemoryError as error:
         raise out_of_memory(error) from error
     except ValueError as error:
         raise Refusal(scene.name, "3D bodies", str(error), "change what it names") from error
-    try:
+    with written(out):
         condensed_bodies(setup, level).save(out)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(str(out), "file", reason, "a folder that can be written to", "check the path") from None
     command = f"rollbench solve {shlex.quote(typed)} --condensed {shlex.quote(str(out))}"
     return Answer(parts=[f"wrote {out}; use it with: {command}"])

@@ -1,4 +1,4 @@
-"""The command ``rollbench compare``."""
+"""The command ``rollbench compare``: scenes beside their references, and load cases together."""
 
 from __future__ import annotations
 
@@ -19,20 +19,23 @@ from rollbench.comparison.commands.comparing.compare_output import (
     write_files,
 )
 from rollbench.comparison.commands.comparing.compare_output import table as compared_table
-from rollbench.comparison.commands.comparing.compared_cases import cycles_of, together_json, together_lines
 from rollbench.comparison.commands.printing import Answer, on_terminal
 from rollbench.comparison.commands.tables import aligned
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.gate.user import judged_by, stored_beside
+from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.comparison import compared_models, finest_bodies, rows, suited
 from rollbench.comparison.models.referenced import Referenced, referenced
+from rollbench.comparison.models.registry import Model
+from rollbench.comparison.models.together import cycle_life
+from rollbench.comparison.quantities import number
 from rollbench.comparison.reference.estimate import Reference
 from rollbench.comparison.reference.jobs import Engine, ensure, plan
 from rollbench.comparison.reference.levels import ADVISED, LEVELS, SOURCE_LEVEL
 from rollbench.comparison.reference.store import Run, shipped_store
 from rollbench.comparison.reference.tasks import Solvable, Task
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.duty_cycle import cases_by_name
+from rollbench.comparison.scenes.duty_cycle import CaseOf, DutyCycle, cases_by_name
 from rollbench.comparison.scenes.scene_file import each_case
 from rollbench.meshes.parts import Scene
 
@@ -50,6 +53,25 @@ def unconverged(name: str, failed: Sequence[Run]) -> Refusal:
     why = [f"level {run.level}: {run.status}" for run in failed if run.scene == name]
     reason = f"no run of the 3D reference converged ({'; '.join(why)})" if why else "no converged run of the 3D reference"
     return Refusal(name, "3D reference", reason, "change what the status names, or solve it with a low-order model")
+
+
+def each_compared(
+    scenes: Sequence[Solvable],
+    references: Sequence[Sequence[Referenced]],
+    models: Sequence[Model],
+    stores: Sequence[Path],
+    failed: Sequence[Run],
+    *,
+    own: bool,
+) -> Iterator[tuple[Referenced, Comparison]]:
+    """References, set by set, and what is compared with them, as they are asked for; models: those that suit a scene where
+    none is named; own: they are the user's, beside which stored ones stand. Raises Refusal where a scene has none."""
+    for scene, sets in zip(scenes, references, strict=True):
+        if not sets:
+            raise unconverged(scene.name, failed)
+        for one in sets:
+            ours = stored_beside(one, stores) if own else None
+            yield one, compared(one.scene, models or suited(scene), one.found, stores, one.of, ours)
 
 
 def parse_levels(text: str) -> tuple[int, ...]:
@@ -91,7 +113,10 @@ def run_compare(
     stores = (store, shipped_store())
     warnings: list[str] = []
     names_of = {name: case.case.name for name, case in cases.items()}
-    given = None if reference is None else _given(scenes, reference, levels, warnings, names_of, fresh=fresh)
+    for name, beside in (("--levels", levels is not None), ("--fresh", fresh)) if reference is not None else ():
+        if beside:
+            raise InputError("command line", name, "with --reference", "one of both", "the file is the reference")
+    given = None if reference is None else own_references(scenes, reference, names_of, warnings)
     without = [s for s in scenes if not referenced(s, stores)] if levels is None and not fresh else scenes
     without = [] if given is not None else without
     failed: list[Run] = []
@@ -110,13 +135,7 @@ def run_compare(
     references = [referenced(scene, stores) for scene in scenes] if given is None else given
 
     def each() -> Iterator[tuple[Referenced, Comparison]]:
-        """References and what is compared with them, as they are asked for."""
-        for scene, sets in zip(scenes, references, strict=True):
-            if not sets:
-                raise unconverged(scene.name, failed)
-            for one in sets:
-                ours = None if given is None else stored_beside(one, stores)
-                yield one, compared(one.scene, chosen or suited(scene), one.found, stores, one.of, ours)
+        return each_compared(scenes, references, chosen, stores, failed, own=given is not None)
 
     def heading(one: Referenced) -> dict[str, Any]:
         return named(one) | (cases[one.described].keys if one.described in cases else {})
@@ -162,20 +181,11 @@ def run_compare(
     return Answer(data, parts(), code_of(one.found for sets in references for one in sets))
 
 
-def _given(
-    scenes: Sequence[Solvable],
-    path: Path,
-    levels: tuple[int, ...] | None,
-    warnings: list[str],
-    cases: Mapping[str, str],
-    *,
-    fresh: bool,
+def own_references(
+    scenes: Sequence[Solvable], path: Path, cases: Mapping[str, str], warnings: list[str]
 ) -> list[list[Referenced]]:
     """The one scene, or its load cases, beside the user's own reference, set by set; cases: which each scene is. Raises
-    InputError for several, and for what it makes meaningless."""
-    for name, given in (("--levels", levels is not None), ("--fresh", fresh)):
-        if given:
-            raise InputError("command line", name, "with --reference", "one of both", "the file is the reference")
+    InputError for several scenes."""
     if len(scenes) != 1 and len(cases) != len(scenes):
         advice = "compare the scenes one by one, each with its file"
         raise InputError("command line", "--reference", str(path), f"one scene, not {len(scenes)}", advice)
@@ -193,3 +203,58 @@ def named(one: Referenced) -> dict[str, str]:
 def _contacts(scene: Scene, models: Sequence[Beside], reference: Reference) -> Any:
     rows = [{k.removesuffix("_N"): v for k, v in [*row.items()][1:]} for row in contact_rows(scene, models, reference)]
     return aligned(rows, ".2f", f"{scene.name}: contact loads / N")
+
+
+def cycles_of(cases: Mapping[str, CaseOf]) -> Iterable[DutyCycle]:
+    """The cycles of some cases, each once."""
+    return {case.cycle.name: case.cycle for case in cases.values()}.values()
+
+
+#: What is compared of each case and set, by the names of their scene and set.
+Compared = Mapping[tuple[str, str], Comparison]
+
+
+def together_json(cycle: DutyCycle, each: Compared) -> list[dict[str, Any]]:
+    """Of each set: largest error of the model that the verdicts speak of, its case, and the lives over the cycle [10^6
+    revolutions] of every model and of the reference; null where a case has none."""
+    return [_of_set(cycle, name, each) for name in cycle.sets]
+
+
+def _of_set(cycle: DutyCycle, name: str, each: Compared) -> dict[str, Any]:
+    by_case = [(case, each[case.scene.name, name]) for case in cycle.cases]
+    errors = [(whole.spoken.error.max_percent, case.name) for case, whole in by_case if whole.spoken.error is not None]
+    error, worst = max(errors, default=(None, None))
+    lives = {}
+    for label in ("3D reference", *(b.label for b in by_case[0][1].models)):
+        of_case = [{b.label: b for b in (whole.itself, *whole.models)}.get(label) for _, whole in by_case]
+        rated, _ = cycle_life(cycle, name, [None if b is None else b.answer.load for b in of_case])
+        lives[label] = None if rated is None else number(rated.revolutions)
+    predicted, reference = lives[by_case[0][1].spoken.label], lives["3D reference"]
+    off = None if predicted is None or reference is None else float(error_percent(predicted, reference))
+    return {
+        "scene": cycle.name,
+        **({"set": name} if name else {}),
+        "model": by_case[0][1].spoken.label,
+        "largest_error_percent": error,
+        "largest_error_case": worst,
+        "life_million_revolutions": lives,
+        "life_error_percent": off,
+    }
+
+
+def together_lines(cycle: DutyCycle, each: Compared) -> list[str]:
+    """The same for the terminal."""
+    return [line for data in together_json(cycle, each) for line in ("", _line(data))]
+
+
+def _line(data: dict[str, Any]) -> str:
+    lives, off = data["life_million_revolutions"], data["life_error_percent"]
+    life = "no life over the duty cycle"
+    if off is not None:
+        life = (
+            f"life over the duty cycle {lives[data['model']]:.4g} million revolutions, {lives['3D reference']:.4g} by the "
+            f"reference's loads ({off:+.2f} %)"
+        )
+    error = data["largest_error_percent"]
+    worst = "" if error is None else f"{data['model']} is off most in case {data['largest_error_case']}, {error:.2f} %; "
+    return f"{data['scene']}{', ' + data['set'] if 'set' in data else ''}: {worst}{life}"

@@ -42,10 +42,6 @@ class LeftOut:
         """What, why, and the command."""
         return f"{', '.join(self.names)}: {self.why}; {self.remedy}"
 
-    def line(self) -> str:
-        """The same as one line."""
-        return f"left out: {self}"
-
 
 def kept_parts(parts: Sequence[Part], *, named: bool, everything: bool) -> tuple[list[Part], list[LeftOut]]:
     """Sections that can be made here, and those left out: costly ones unless named or everything is asked for, those that
@@ -100,10 +96,6 @@ class LiveCheck:
             f"{self.scene}, level {self.level}, computed anew in {self.seconds:.0f} s, {verdict} with the "
             f"shipped run: contact loads differ by up to {self.percent:.1g} % of the mean load"
         )
-
-    def line(self) -> str:
-        """The same as one line."""
-        return f"live check: {self}"
 
 
 def live_check(stores: Sequence[Path] | None, step: Callable[[str], None]) -> LiveCheck | None:

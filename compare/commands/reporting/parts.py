@@ -36,13 +36,13 @@ WORDS = {
 }
 #: Sections of the core; wings and sources register theirs.
 CORE = (
-    Part("how-to-read", "sections.how_to_read", quick=True, runs=True, beside=True, page="reading"),
-    Part("sheets", "sections.sheets", quick=True, runs=True, beside=True, page="cases"),
-    Part("reference", "sections.reference", quick=True, runs=True, meshes=True, beside=True, page="cases"),
-    Part("ladder", "sections.ladder", quick=True, runs=True, meshes=True, beside=True, page="accuracy"),
-    Part("u-val", "sections.u_val", quick=True, runs=True, meshes=True, beside=True, page="accuracy"),
-    Part("pictures", "sections.pictures", meshes=True, beside=True, page="reference"),
-    Part("verification", "sections.verification", meshes=True, beside=True, page="reference"),
+    Part("how-to-read", "sections.how_to_read", quick=True, runs=True, page="reading"),
+    Part("sheets", "sections.sheets", quick=True, runs=True, page="cases"),
+    Part("reference", "sections.reference", quick=True, runs=True, meshes=True, page="cases"),
+    Part("ladder", "sections.ladder", quick=True, runs=True, meshes=True, page="accuracy"),
+    Part("u-val", "sections.u_val", quick=True, runs=True, meshes=True, page="accuracy"),
+    Part("pictures", "sections.pictures", meshes=True, page="reference"),
+    Part("verification", "sections.verification", meshes=True, page="reference"),
     Part("fit", "sections.fit", quick=True, page="trust"),
 )
 #: Sections that stand before others of their page.

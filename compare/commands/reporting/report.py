@@ -5,17 +5,16 @@ from __future__ import annotations
 import datetime
 import platform
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import partial
+from importlib import import_module
 from pathlib import Path
 from time import perf_counter
 
 from rollbench.comparison import __version__
 from rollbench.comparison.commands.printing import Answer
-from rollbench.comparison.commands.reporting import moved as report_moved
 from rollbench.comparison.commands.reporting.first import kept_parts, lacking, live_check
-from rollbench.comparison.commands.reporting.halves import build, split
 from rollbench.comparison.commands.reporting.parts import PARTS, SECTIONS, pages
+from rollbench.comparison.commands.reporting.scene_page import replaced
+from rollbench.comparison.commands.reporting.verify import moved_tables, tables
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.provenance import commit, inputs
@@ -24,7 +23,7 @@ from rollbench.comparison.registration import Part, offered
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.system import gmsh_fault, libraries, machine, need_packages
 from rollbench.comparison.writing import need_writable
-from rollbench.reports.records import Report
+from rollbench.reports.records import Report, Section
 
 Step = Callable[[str], None]
 
@@ -61,32 +60,21 @@ class Progress:
         print(f"      {text}", flush=True)
 
 
-@dataclass(frozen=True)
-class Source:
-    """Where the runs of the 3D reference come from: folders, computed now or stored, coarse meshes only, anew even where
-    the folder holds them."""
-
-    stores: tuple[Path, ...] | None
-    engine: Engine
-    compute: bool = True
-    quick: bool = False
-    fresh: bool = False
-
-
-def compute_references(study: Study, source: Source, step: Step) -> None:
-    """Compute the runs that the report needs and ``source`` does not hold yet."""
+def compute_references(study: Study, engine: Engine, step: Step, *, fresh: bool = False) -> None:
+    """Compute the runs that the report needs and the stores of the study do not hold yet, if it has any; fresh: all of
+    them."""
     from rollbench.comparison.models.comparison import REFERENCED
     from rollbench.comparison.models.modelling import REFINED, VARIED
     from rollbench.comparison.reference.expected import expected
     from rollbench.comparison.reference.jobs import all_variants, ensure, plan, refinements
     from rollbench.comparison.reference.levels import LEVELS, STUDIED
 
-    if not source.compute or source.stores is None:
+    if study.stores is None:
         return
     from rollbench.comparison.models.ladder import DEEP, UNSEEN
 
     scenes = [study.scene(name) for name in REFERENCED]
-    if source.quick:
+    if study.quick:
         tasks = plan(scenes[:2], (min(LEVELS),))
     else:
         tasks = plan(scenes, STUDIED, source=True, ablate=True)
@@ -94,13 +82,13 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
             tasks += plan([study.scene(name)], (), (*all_variants(), *(refinements() if name == REFINED else ())))
         tasks += plan([study.scene(name) for name in UNSEEN], STUDIED)
         for added in offered("references"):
-            for names, levels in added(source.fresh):
+            for names, levels in added(fresh):
                 tasks += plan([study.scene(name) for name in names], levels)
         tasks += plan([study.scene(name) for name in DEEP], (max(LEVELS),))
         tasks.sort(key=lambda task: -expected(task).seconds)
-    ensure(tasks, source.stores[0], source.engine, step, source.stores[1:], fresh=source.fresh)
-    if not source.quick:
-        keep_experience(source.stores)
+    ensure(tasks, study.stores[0], engine, step, study.stores[1:], fresh=fresh)
+    if not study.quick:
+        keep_experience(study.stores)
 
 
 def keep_experience(stores: Sequence[Path]) -> None:
@@ -142,6 +130,17 @@ def save_model_form(study: Study) -> None:
         save_places(study.stores[0])
 
 
+def make_sections(parts: Sequence[Part], announce: Step, step: Step, study: Study) -> dict[str, Section]:
+    """Sections by name, one after the other; with the ladder also what the model-form estimate rests on."""
+    sections: dict[str, Section] = {}
+    for part in parts:
+        announce(part.name)
+        sections[part.name] = import_module(f"rollbench.comparison.{part.module}").section(study, step)
+    if "ladder" in sections:
+        save_model_form(study)
+    return sections
+
+
 def make_report(
     only: Sequence[str],
     out: Path,
@@ -163,39 +162,36 @@ def make_report(
     section of run times is named. Raises InputError for a bad section name or folder.
     """
     need_packages("matplotlib", "scikit-fem")
-    before = None if against is None else report_moved.tables(against)
+    before = None if against is None else tables(against)
     wanted = wanted_parts(only, quick=quick)
     if fresh and stored:
         raise InputError("command line", "--fresh", "also --stored", "one of both", "leave --stored out to compute")
-    from rollbench.reports.html import check_target, write
+    from rollbench.reports.html import write
 
-    try:
-        check_target(out)
-    except (ValueError, OSError) as error:
-        raise _bad_folder(out, error) from None
-    need_writable(out / "index.html")
+    with replaced(out):
+        need_writable(out / "index.html")
     wanted, missed = kept_parts(wanted, named=bool(only), everything=everything or fresh)
     meshing = not gmsh_fault()
     from rollbench.comparison.reference.store import shipped_store
 
     stores = (store,) if fresh or quick else (store, shipped_store())
     facts = provenance()  # before anything is written
-    source = Source(None if stored else stores, engine or Engine(), not stored and meshing, quick, fresh)
+    engine = engine or Engine()
     runs = any(part.runs for part in wanted)
     checking = runs and meshing and not (only or stored or fresh or quick)
     timed = fresh or "timing" in only
-    study = Study(source.stores, quick=quick, timed=timed, keeps=everything or fresh, cache=source.engine.cache)
-    aside, others = split(wanted, study)
-    progress = Progress(len(others) + bool(aside) + runs + checking + 1)
+    study = Study(None if stored else stores, quick=quick, timed=timed, keeps=everything or fresh, cache=engine.cache)
+    progress = Progress(len(wanted) + runs + checking + 1)
     start = perf_counter()
     if runs:
         progress.section("runs of the 3D reference")
-        compute_references(study, source, progress.step)
+        if meshing:
+            compute_references(study, engine, progress.step, fresh=fresh)
     checked = None
     if checking:
         progress.section("one shipped run computed anew")
         checked = live_check((shipped_store(),), progress.step)
-    sections = build(aside, others, progress.section, progress.step, study, save_model_form)
+    sections = make_sections(wanted, progress.section, progress.step, study)
     progress.section("drawing and writing")
     texts = {name: catalogue.scene_text(name) for name in study.used}
     facts["computed in"] = f"{perf_counter() - start:.0f} s"
@@ -211,23 +207,15 @@ def make_report(
         title="rollbench validation report",
         subtitle="Low-order models of ball screws and bearings against printed numbers and a 3D contact reference"
         + (f" (quick run: coarse meshes, cases 1 and 2 only{without})" if quick else "")
-        + "".join(f" ({gap.line()})" for gap in missed),
+        + "".join(f" (left out: {gap})" for gap in missed),
         provenance=facts,
         pages=pages(sections),
         origin={**facts, "inputs": inputs(study.stores or (shipped_store(),), texts)},
     )
-    try:
-        page = write(report, out, partial(progress.step))
-    except (ValueError, OSError) as error:
-        raise _bad_folder(out, error) from None
-    parts = [*([] if checked is None else [checked.line()]), *(gap.line() for gap in missed)]
+    with replaced(out):
+        page = write(report, out, progress.step)
+    parts = [*([] if checked is None else [f"live check: {checked}"]), *(f"left out: {gap}" for gap in missed)]
     if before is not None:
-        parts += [*report_moved.moved(before, report_moved.tables(page.parent))] or ["nothing moved"]
+        parts += [*moved_tables(before, tables(page.parent))] or ["nothing moved"]
     parts.append(f"report: {page} ({perf_counter() - start:.0f} s)")
     return Answer(parts=parts, code=0 if checked is None or checked.agrees else 1)
-
-
-def _bad_folder(out: Path, error: Exception) -> InputError:
-    return InputError(
-        str(out), "--out", str(error), "a folder that is new, empty or an earlier report", "choose another folder"
-    )

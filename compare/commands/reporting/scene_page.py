@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import datetime
 import platform
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from rollbench.comparison import __version__
 from rollbench.comparison.commands.solving.cases_output import case_rows, cases_json, together_entries
-from rollbench.comparison.commands.solving.one_output import case_json
-from rollbench.comparison.commands.solving.summary import entries
+from rollbench.comparison.commands.solving.entries import entries
+from rollbench.comparison.commands.solving.output import case_json
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.gate.user import judged_by
 from rollbench.comparison.measure import LoadError, load_error
@@ -34,7 +34,7 @@ from rollbench.comparison.registration import offered
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.scenes.duty_cycle import DutyCycle
 from rollbench.comparison.sections.applicability import range_figure, range_table
-from rollbench.comparison.sections.loaded_screw import loaded_screw
+from rollbench.comparison.sections.curves import load_panel, loads
 from rollbench.comparison.sections.sketch import sketch_of
 from rollbench.comparison.system import libraries
 from rollbench.comparison.writing import need_writable, replace_file
@@ -43,7 +43,7 @@ from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 from rollbench.reports.manifest import sha256
-from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
+from rollbench.reports.records import Figure, LoadedScrew, Quantity, Row, Section, Table, Text
 from rollbench.reports.scene_page import ScenePage
 
 SKETCH = "The scene, to scale about the nut; hatched: where a 3D model holds it"
@@ -57,18 +57,27 @@ def make_page(name: str, out: Path, store: Path, reference: Path | None = None) 
     Raises InputError for a scene of another kind and a folder that holds what no report wrote, Refusal where
     the scene does not solve.
     """
-    from rollbench.reports.html import check_target
     from rollbench.reports.scene_page import render
 
-    try:
-        check_target(out)
-    except (ValueError, OSError) as error:
-        allowed = "a folder that is new, empty or an earlier report"
-        raise InputError(str(out), "--out", str(error), allowed, "choose another folder") from None
-    need_writable(out / "index.html")
+    with replaced(out):
+        need_writable(out / "index.html")
     page = page_of(name, (store, shipped_store()), reference)
     replace_file(out / "index.html", render(page))
     return page
+
+
+@contextmanager
+def replaced(out: Path) -> Iterator[None]:
+    """Write a report into the folder ``out`` inside. Raises InputError where it holds what no report wrote, or cannot be
+    written."""
+    from rollbench.reports.html import check_target
+
+    try:
+        check_target(out)
+        yield
+    except (ValueError, OSError) as error:
+        allowed = "a folder that is new, empty or an earlier report"
+        raise InputError(str(out), "--out", str(error), allowed, "choose another folder") from None
 
 
 def page_of(name: str, stores: Sequence[Path], file: Path | None = None) -> ScenePage:
@@ -123,7 +132,6 @@ def _page_of_scene(
     tangent = tangent_of(scene, scene.nut.position, DEFAULT, options)
     stored = study.reference(scene.name)
     judged = [v for q in QUANTITIES if (v := validated(study, scene.name, DEFAULT, q, from_result(result))) is not None]
-    speed = None if scene.motion is None else scene.motion.speed
     text = _scene_text(name)
     sections = (
         Section("scene", "The scene", (sketch_of(scene, "sketch", SKETCH),)),
@@ -137,7 +145,7 @@ def _page_of_scene(
         scene.title,
         f"{scene.name}: contact loads, stiffness, pressure, friction and life by rollbench, model {DEFAULT}",
         verdict(answers, worth, judged, stored, None if given is None else against(given, result)),
-        entries(scene, result, answers, worth, speed),
+        entries(one),
         _picture(scene, result),
         sections,
         _provenance(name, scene, text, stored, file),
@@ -197,18 +205,13 @@ def verdict(
 
 def _loads(scene: Scene, result: StaticResult, references: Sequence[Reference]) -> Section:
     """Figure and table of all contacts with their pressures, beside those of references."""
-    balls = [float(k + 1) for k in range(result.load.shape[0])]
     panels = []
     pressure = 1e-6 * nominal_hertz(scene).pressure(result.load)
     for s, side in enumerate(SIDES[:2]):
         if not (result.load[:, s] > 0.0).any():
             continue
-        series = [Series(DEFAULT, balls, result.load[:, s].tolist(), "line+markers", emphasis=True)]
-        for reference in references:
-            load, bar = reference.load[:, s], reference.uncertainty[:, s]
-            ends = (load - bar).tolist(), (load + bar).tolist()
-            series.append(Series(reference.label, balls, load.tolist(), "markers", bars=ends))
-        panels.append(Panel(f"screw's flank {side}", "ball", "contact load / N", tuple(series), zero=True, integer_x=True))
+        series = [loads(r.label, r, s, "markers", bar=r.uncertainty) for r in references]
+        panels.append(load_panel(f"screw's flank {side}", loads(DEFAULT, result, s, emphasis=True), *series, zero=True))
     rows: list[Row] = []
     for i, s in zip(*np.nonzero(result.load > 0.0), strict=True):
         row: Row = {
@@ -262,7 +265,7 @@ def _error(
     scene: Scene, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None, given: Against | None = None
 ) -> Section:
     """Measured error with u_val where a reference is stored, expected error, and where the scene lies."""
-    from rollbench.comparison.commands.solving.solve_output import model_form_text
+    from rollbench.comparison.commands.solving.entries import model_form_text
 
     items: list[Text | Table | Figure] = []
     if given is not None:
@@ -308,11 +311,11 @@ def _notes(result: StaticResult, warnings: Sequence[str] = ()) -> Section:
     return Section("assumptions", "Assumptions", items)
 
 
-def _picture(scene: Scene, result: StaticResult) -> Any:
+def _picture(scene: Scene, result: StaticResult) -> LoadedScrew:
     loaded = result.load > 0.0
     arrows = result.contact_point[loaded], (result.force_direction * result.load[..., None])[loaded]
     caption = "Balls are coloured by their load; arrows are the contact forces on them."
-    return loaded_screw(scene, ("picture", "The scene under load"), result.load, arrows, caption)
+    return LoadedScrew("picture", "The scene under load", scene, result.load, *arrows, caption)
 
 
 def _scene_text(name: str) -> str:

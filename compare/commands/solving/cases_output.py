@@ -6,9 +6,9 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from rollbench.comparison.commands.printing import text_width
-from rollbench.comparison.commands.solving.one_output import case_json, case_table
-from rollbench.comparison.commands.solving.solve_output import stiffness_lines
-from rollbench.comparison.commands.solving.summary import LIFE, entry
+from rollbench.comparison.commands.solving.entries import entry
+from rollbench.comparison.commands.solving.output import case_json, case_table, stiffness_lines
+from rollbench.comparison.commands.solving.summary import LIFE
 from rollbench.comparison.commands.tables import aligned
 from rollbench.comparison.models.load_cases import Solved, SolvedAxis
 from rollbench.comparison.models.together import Lives, Together

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from rollbench.comparison.commands.printing import Answer
-from rollbench.comparison.commands.solving.one_output import case_json, case_table
-from rollbench.comparison.commands.solving.solve_choices import Choices
-from rollbench.comparison.commands.solving.solve_output import stiffness_lines
+from rollbench.comparison.commands.solving.output import case_json, case_table, stiffness_lines
 from rollbench.comparison.errors import InputError, named, one_line
 from rollbench.comparison.models.answers import tangent_of
 from rollbench.comparison.models.load_cases import Solved, SolvedAxis, solve_any
@@ -26,6 +24,26 @@ from rollbench.lowfi.warned import above
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What the command line says: model, whether to leave nothing out, specimen, condensed bodies, whether to print the
+    table of balls, station of the stiffness and its file, files of the load curve and of the contact loads, seconds after
+    which to give up, whether a warning above the answers makes the exit code 1, whether to print what lies behind them."""
+
+    model: str = ""
+    everything: bool = False
+    member: int = 0
+    condensed: Path | None = None
+    balls: bool = False
+    stiffness_at: str = ""
+    matrix: Path | None = None
+    curve: Path | None = None
+    loads_csv: Path | None = None
+    time_limit: float | None = None
+    strict: bool = False
+    assumptions: bool = False
 
 
 def run_solve(name: str, choices: Choices) -> Answer:
@@ -131,7 +149,7 @@ def _checked(choices: Choices) -> tuple[str, float]:
     if choices.matrix is not None:
         if not choices.stiffness_at:
             raise InputError("command line", "--matrix", str(choices.matrix), "with --stiffness-at", "give a station")
-        from rollbench.comparison.commands.solving.matrix_files import check_matrix
+        from rollbench.comparison.commands.solving.files import check_matrix
 
         check_matrix(choices.matrix)
     if choices.curve is not None and choices.curve.suffix.lower() != ".csv":
@@ -158,12 +176,12 @@ def _write(one: Solved | SolvedAxis, tangent: Tangent | None, options: Options, 
         advice = "ask for a station where no freedom of the shaft is held"
         raise InputError("command line", "--matrix", str(path), "a stiffness in all six freedoms", advice)
     if path is not None and K is not None:
-        from rollbench.comparison.commands.solving.matrix_files import write_stiffness
+        from rollbench.comparison.commands.solving.files import write_stiffness
 
         write_stiffness(path, K, f"tangent stiffness of {one.scene.name}, model {one.result.model}, {where}")
         lines.append(f"wrote {path}: the matrix, symmetric, in N, m and rad")
     if choices.curve is not None:
-        from rollbench.comparison.commands.solving.load_curve import write_curve
+        from rollbench.comparison.commands.solving.files import write_curve
 
         lines += write_curve(choices.curve, one.scene, one.result.model, options)
     return lines

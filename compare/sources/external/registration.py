@@ -7,7 +7,7 @@ REGISTRATION = Registration(
     needs=("evidence",),
     parts=(
         Part("external", "sources.external.section", runs=True, needs=("bearings", "friction", "rolling"), page="outside"),
-        Part("holding", "sources.external.holding", runs=True, beside=True, page="outside"),
+        Part("holding", "sources.external.holding", runs=True, page="outside"),
     ),
     functions={"gate": "sources.external.gate:external_rows"},
 )

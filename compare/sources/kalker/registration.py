@@ -10,7 +10,6 @@ REGISTRATION = Registration(
             "rolling",
             "sources.kalker.section",
             meshed="no motion against the static reference, sizes of bodies",
-            beside=True,
             needs=("bearings", "external"),
             page="rolling",
         ),

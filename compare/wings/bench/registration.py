@@ -6,9 +6,9 @@ REGISTRATION = Registration(
     needs=("members",),
     commands={"bench": "wings.bench.arguments"},
     parts=(
-        Part("overview", "wings.bench.sections.overview", quick=True, runs=True, beside=True, page="accuracy"),
-        Part("history", "wings.bench.sections.history", quick=True, runs=True, beside=True, page="trust"),
-        Part("timing", "wings.bench.section", alone=True, page="robustness"),
+        Part("overview", "wings.bench.sections.overview", quick=True, runs=True, page="accuracy"),
+        Part("history", "wings.bench.sections.history", quick=True, runs=True, page="trust"),
+        Part("timing", "wings.bench.section", page="robustness"),
     ),
     functions={"run times": "wings.bench.sections.reference_time:time_items"},
 )

@@ -4,7 +4,7 @@ from rollbench.comparison.registration import Part, Registration
 
 REGISTRATION = Registration(
     commands={"crosscheck": "wings.crosscheck.arguments"},
-    parts=(Part("crosscheck", "wings.crosscheck.section", runs=True, meshes=True, beside=True, page="reference"),),
+    parts=(Part("crosscheck", "wings.crosscheck.section", runs=True, meshes=True, page="reference"),),
     functions={
         "deck": "wings.crosscheck.export_deck:run",
         "other program": "wings.crosscheck.study:extrapolated",

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.comparison.commands.printing import Column, text_width
-from rollbench.comparison.commands.solving.solve_output import closing_lines
-from rollbench.comparison.commands.solving.summary import entry
+from rollbench.comparison.commands.solving.entries import entry
+from rollbench.comparison.commands.solving.output import closing_lines
 from rollbench.comparison.commands.tables import listed
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.quantities import number

@@ -1,6 +1,7 @@
 """What still works where a Python package is not installed: `ONLY_FOR` of `meshes.libraries` says what does not."""
 
 import os
+import shlex
 import subprocess
 import sys
 import venv
@@ -14,18 +15,7 @@ from rollbench.meshes import libraries
 
 TOP = Path(__file__).parents[3]
 CHECK = ("check", "lin-case1", "--no-compute")
-SWEEP = (
-    "sweep",
-    "two-balls",
-    "--vary",
-    "errors.balls.oversize=4 um:7 um",
-    "--samples",
-    "2",
-    "--model",
-    "lin",
-    "--out",
-    "out",
-)
+SWEEP = shlex.split("sweep two-balls --vary 'errors.balls.oversize=4 um:7 um' --samples 2 --model lin --out out")
 COMPARE = ("compare", "lin-case1", "--model", "lin", "--store", "runs")
 PAGE = ("report", "lin-case1", "--out", "page")
 EXPORT = ("export", "lin-case1", "nut", "--out", "nut.vtu")

@@ -3,8 +3,10 @@
 import io
 import json
 import re
+import shlex
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -12,6 +14,8 @@ import pytest
 from rollbench.comparison.commands.arguments import commands
 from rollbench.comparison.wings.friction.registration import KINDS as FRICTION_ONLY
 
+#: Command lines that are refused: exit status 2, nothing on standard output and one line that says why.
+REFUSED = tomllib.loads(Path(__file__).with_name("refused.toml").read_text(encoding="utf-8"))["refused"]
 HEAVY = ("gmsh", "pyvista", "vtk", "vtkmodules", "skfem", "meshio", "matplotlib", "numba")
 
 
@@ -19,18 +23,8 @@ def test_json_is_exactly_one_object(command) -> None:
     code, out, err = command("solve", "lin-case1", "--json")
     data = json.loads(out)
     assert (code, err) == (0, "")
-    assert set(data) >= {
-        "scene",
-        "model",
-        "status",
-        "balls",
-        "summary",
-        "centreline",
-        "equilibrium",
-        "solver",
-        "assumed",
-        "left_out",
-    }
+    keys = "scene model status balls summary centreline equilibrium solver assumed left_out"
+    assert set(data) >= set(keys.split())
     assert (data["scene"], data["model"], data["status"]) == ("lin-case1", "refined", "converged")
     assert len(data["balls"]) == 32
     ball = data["balls"][0]
@@ -215,3 +209,9 @@ def test_a_mesh_study_uses_shipped_runs_and_closes_with_a_sentence(command, tmp_
         r"\nEnough: level 1 for [0-9.]+ % of the mean contact load, by experience with other scenes \([0-9]+ s\)", out
     )
     assert "load of ball 12, NR" in (tmp_path / "unseen-four-point-mesh-study.csv").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(("line", "words"), [(line, words) for line, *words in REFUSED])
+def test_a_refused_command_line_says_why_in_one_line(command, line: str, words: list[str]) -> None:
+    said = command.refused(*shlex.split(line))
+    assert [word for word in words if word not in said] == []

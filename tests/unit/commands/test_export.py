@@ -89,8 +89,8 @@ def exported(part: str, tmp_path: Path, cache: Path, level: int = 1) -> tuple[me
 def our_cells(mesh: meshio.Mesh) -> tuple[str, np.ndarray]:
     """Element and cells in our order."""
     (block,) = mesh.cells
-    name = next(n for n, (kind, _) in bridge._VTK.items() if kind == block.type)
-    return name, block.data[:, np.argsort(bridge._VTK[name][1])]
+    name = next(n for n, (kind, _) in bridge.VTK.items() if kind == block.type)
+    return name, block.data[:, np.argsort(bridge.VTK[name][1])]
 
 
 def area(mesh: meshio.Mesh, group: str) -> float:
@@ -386,7 +386,7 @@ def test_calculix_finds_the_compliance_of_an_exported_nut(tmp_path: Path):
     run_export(scene, "nut-with-sockets", "inp", tmp_path / "nut.inp", 1)
     mesh = meshio.read(tmp_path / "nut.inp")
     (block,) = [b for b in mesh.cells if b.type == "tetra10"]
-    points, cells = mesh.points, block.data[:, np.argsort(bridge._VTK["P2"][1])]
+    points, cells = mesh.points, block.data[:, np.argsort(bridge.VTK["P2"][1])]
     sockets = mesh.point_sets["sockets"]
     held = np.flatnonzero(np.abs(np.hypot(*points[:, :2].T) - scene.nut.outer_diameter / 2.0) < 1e-7)
     forces = np.zeros((len(points), 3))

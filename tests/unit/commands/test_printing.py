@@ -9,7 +9,7 @@ from rollbench.comparison import commands
 from rollbench.comparison.commands.printing import Answer, cell, print_answer
 
 #: What writes to standard output itself: the printer, a completion script, the progress of a report.
-WRITERS = {"printing.py", "machine.py", "report.py", "halves.py"}
+WRITERS = {"printing.py", "validation.py", "report.py"}
 
 
 def writes(path: Path) -> bool:

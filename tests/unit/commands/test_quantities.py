@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from rollbench.comparison.commands.solving import summary
+from rollbench.comparison.commands.solving import entries
 from rollbench.comparison.quantities import UNITS, quantity, record, shown
 from rollbench.reports.records import Quantity, Table
 
@@ -64,4 +64,4 @@ def test_a_friction_torque_known_to_a_factor_has_two_digits() -> None:
             "efficiency_backward_percent": None,
         }
     }
-    assert summary._friction(data) == "torque 840 N mm; efficiency 94.9 % against the load, self-locking"
+    assert entries._friction(data) == "torque 840 N mm; efficiency 94.9 % against the load, self-locking"

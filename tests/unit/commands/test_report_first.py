@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.report_samples import screw
 
 from rollbench.comparison.commands.reporting import first as report_first
 from rollbench.comparison.commands.reporting import report
@@ -14,7 +15,6 @@ from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.store import Run, load, shipped_store
 from rollbench.comparison.reference.tasks import Task
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.sections.loaded_screw import loaded_screw
 from rollbench.comparison.sources.kalker import section as rolling
 from rollbench.reports.records import Section
 
@@ -75,7 +75,7 @@ def test_the_live_check_compares_a_run_with_the_shipped_one(
     assert found.agrees is agrees
     largest = 100.0 * (factor - 1.0) * shipped.load.max() / shipped.load[shipped.load > 0.0].mean()
     assert found.percent == pytest.approx(largest, abs=1e-9)
-    assert ("DOES NOT AGREE" in found.line()) is not agrees
+    assert ("DOES NOT AGREE" in str(found)) is not agrees
 
 
 def test_nothing_is_checked_where_no_run_is_stored(tmp_path: Path) -> None:
@@ -86,15 +86,13 @@ def test_nothing_is_checked_where_no_run_is_stored(tmp_path: Path) -> None:
 def test_packages_of_single_files_are_named_with_what_installs_them(monkeypatch):
     monkeypatch.setattr(report_first, "find_spec", lambda name: None if name == "typst" else name)
     (gap,) = report_first.lacking([])
-    assert gap.line() == "left out: the PDF of the first pages: typst is not installed; pip install typst"
+    assert str(gap) == "the PDF of the first pages: typst is not installed; pip install typst"
 
 
 def test_pictures_that_cannot_be_drawn_are_named_with_what_installs_them(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(report_first, "find_spec", lambda name: name)
     monkeypatch.setattr(report_first, "drawing_fault", lambda: "no off-screen OpenGL on this machine")
-    scene = catalogue.scene("two-balls")
-    screw = loaded_screw(scene, ("picture", "Loads"), np.ones((2, 4)), (np.zeros((1, 3)), np.ones((1, 3))), "")
-    plain, drawn = Section("a", "No picture", ()), Section("b", "One", (screw,))
+    plain, drawn = Section("a", "No picture", ()), Section("b", "One", (screw(),))
     assert report_first.lacking([plain]) == []
     (gap,) = report_first.lacking([plain, drawn])
-    assert gap.line().startswith("left out: 3D pictures: no off-screen OpenGL on this machine; apt-get install libegl1")
+    assert str(gap).startswith("3D pictures: no off-screen OpenGL on this machine; apt-get install libegl1")

@@ -8,9 +8,7 @@ from dataclasses import replace
 import pytest
 from tests.report_samples import paged
 
-from rollbench.comparison.commands.reporting import moved as report_moved
-from rollbench.comparison.commands.reporting.moved import checked, moved, tables
-from rollbench.comparison.commands.reporting.verify import run_verify
+from rollbench.comparison.commands.reporting.verify import MOST, checked_report, moved_tables, run_verify, tables
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.provenance import SCENE, inputs
 from rollbench.comparison.scenes import catalogue
@@ -32,20 +30,20 @@ def report(tmp_path, name: str, table: Table = TABLE):
 
 def test_nothing_moves_between_equal_reports_but_measured_seconds(tmp_path):
     later = replace(TABLE, rows=[{**row, "t": 9.0} for row in ROWS])
-    assert list(moved(tables(report(tmp_path, "a")), tables(report(tmp_path, "b", later)))) == []
+    assert list(moved_tables(tables(report(tmp_path, "a")), tables(report(tmp_path, "b", later)))) == []
 
 
 def test_what_moved_is_listed_by_the_texts_of_its_row(tmp_path):
     rows = [ROWS[2] | {"x": 0.77}, ROWS[0], {"m": "mei", "x": 20.0}, ROWS[1] | {"x": 0.8 * (1.0 + 1e-6)}]
-    found = list(moved(tables(report(tmp_path, "a")), tables(report(tmp_path, "b", replace(TABLE, rows=rows)))))
+    found = list(moved_tables(tables(report(tmp_path, "a")), tables(report(tmp_path, "b", replace(TABLE, rows=rows)))))
     assert found == [
         "errors: refined, error [%]: 0.8 became 0.77 (-3.75 %)",
         "errors: refined (2), error [%]: 0.7 became 0.800001 (+14.3 %)",
         "errors: mei: new row",
     ]
-    assert list(moved({"a": []}, {"b": []})) == ["a: no longer there", "b: new table"]
+    assert list(moved_tables({"a": []}, {"b": []})) == ["a: no longer there", "b: new table"]
     many = [{"m": f"model {k}", "x": 1.0} for k in range(20)]
-    assert len(list(moved(tables(tmp_path / "a"), {"errors": many}))) == report_moved.MOST + 1
+    assert len(list(moved_tables(tables(tmp_path / "a"), {"errors": many}))) == MOST + 1
 
 
 def test_a_report_is_verified_by_its_manifest(tmp_path):
@@ -56,13 +54,13 @@ def test_a_report_is_verified_by_its_manifest(tmp_path):
     stated = json.loads((folder / manifest.FILE).read_text(encoding="utf-8"))
     assert {"index.html", "s.html", "search.js", "tables/errors.csv"} == set(stated["files"])
     assert f"{SCENE}two-balls" in stated["inputs"]
-    assert {row.state for row in checked(folder, (tmp_path / "store",))} == {"ok"}
+    assert {row.state for row in checked_report(folder, (tmp_path / "store",))} == {"ok"}
     assert run_verify(folder / "index.html", tmp_path / "store").code == 0
     (folder / "tables" / "errors.csv").write_text("changed", encoding="utf-8")
     (folder / "s.html").unlink()
     (folder / "more.txt").write_text("added", encoding="utf-8")
     (tmp_path / "store" / "run.json").write_text("[]", encoding="utf-8")
-    wrong = {row.name: row.state for row in checked(folder, (tmp_path / "store",)) if row.state != "ok"}
+    wrong = {row.name: row.state for row in checked_report(folder, (tmp_path / "store",)) if row.state != "ok"}
     assert wrong == {
         "tables/errors.csv": "changed",
         "s.html": "missing",
@@ -79,4 +77,4 @@ def test_what_is_no_report_is_refused(tmp_path):
     folder = report(tmp_path, "a")
     (folder / manifest.FILE).write_text("{}", encoding="utf-8")
     with pytest.raises(InputError, match="damaged"):
-        list(checked(folder, ()))
+        list(checked_report(folder, ()))

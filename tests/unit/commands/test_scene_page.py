@@ -60,16 +60,16 @@ def test_manifest_holds_until_something_is_changed(html: str) -> None:
     blocks = read_page(html)
     assert blocks["manifest"]["page"] == sha256(without_manifest(html))
     assert all(len(x) == 64 for x in blocks["manifest"]["files"].values())
-    assert {row.state for row in verify.checked(html, blocks, stores)} == {"ok"}
+    assert {row.state for row in verify.checked_page(html, blocks, stores)} == {"ok"}
     shown = html.replace("The most pressed contact", "The least pressed contact")
-    assert [row.name for row in verify.checked(shown, read_page(shown), stores) if row.state == "changed"] == ["page"]
+    assert [row.name for row in verify.checked_page(shown, read_page(shown), stores) if row.state == "changed"] == ["page"]
     lead = json.dumps(blocks["scene"])[1:40]
     assert lead in html
     other = html.replace(lead, lead[:-2] + "  ", 1)
-    wrong = {row.name for row in verify.checked(other, read_page(other), stores) if row.state == "changed"}
+    wrong = {row.name for row in verify.checked_page(other, read_page(other), stores) if row.state == "changed"}
     assert wrong == {"page", "scene"}
     without = {**blocks, "manifest": {**blocks["manifest"], "files": {"x.json": "0"}}}
-    gone = list(verify.checked(html, without, ()))
+    gone = list(verify.checked_page(html, without, ()))
     assert gone[-1].state == "missing"
 
 

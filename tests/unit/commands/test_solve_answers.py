@@ -17,10 +17,12 @@ import pytest
 from scipy.io import mmread
 
 from rollbench.comparison.commands.comparing.compare_output import compared
-from rollbench.comparison.commands.solving.matrix_files import dmig, market
-from rollbench.comparison.commands.solving.summary import answers_json, block, entries
+from rollbench.comparison.commands.solving.entries import block, entries
+from rollbench.comparison.commands.solving.files import dmig, market
+from rollbench.comparison.commands.solving.summary import answers_json
 from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.models.answers import Answers, gather, tangent_of
+from rollbench.comparison.models.load_cases import Solved
 from rollbench.comparison.models.loading import lift_off, preload, solve_scaled
 from rollbench.comparison.models.model_form import estimate
 from rollbench.comparison.models.registry import MODELS, Options, run_model
@@ -49,7 +51,7 @@ def solved() -> tuple[Scene, StaticResult, Answers]:
 
 @pytest.mark.parametrize("width", [60, 80, 100])
 def test_the_block_has_eleven_entries_and_is_never_wider(solved: tuple[Scene, StaticResult, Answers], width: int) -> None:
-    lines = block(*solved, None, width).split("\n")
+    lines = block(Solved(*solved), width).split("\n")
     assert max(map(len, lines)) <= width
     assert tuple(line.split()[0] for line in lines if not line.startswith(" ")) == LABELS
 
@@ -57,12 +59,12 @@ def test_the_block_has_eleven_entries_and_is_never_wider(solved: tuple[Scene, St
 def test_what_is_not_covered_is_said_without_a_doubled_label(solved: tuple[Scene, StaticResult, Answers]) -> None:
     scene, result, found = solved
     uncovered = replace(estimate(scene, result), percent=None)
-    assert dict(entries(scene, result, found, uncovered))["error"].startswith("not covered by the comparisons")
+    assert dict(entries(Solved(scene, result, found, uncovered)))["error"].startswith("not covered by the comparisons")
 
 
 def test_the_json_holds_the_numbers_of_the_result(solved: tuple[Scene, StaticResult, Answers]) -> None:
     scene, result, found = solved
-    data = json.loads(json.dumps(answers_json(scene, result, found), allow_nan=False))
+    data = json.loads(json.dumps(answers_json(Solved(scene, result, found)), allow_nan=False))
     assert data["loads"]["max_N"] == pytest.approx(result.load.max())
     assert data["loads"]["mean_N"] == pytest.approx(result.load[result.load > 0].mean())
     assert data["axial"]["force_N"] == pytest.approx(5000.0)
@@ -313,7 +315,7 @@ def test_compare_counts_displacements_from_where_solve_does() -> None:
 
 
 def test_rigidities_of_formulas_are_not_presented_as_bounds(solved: tuple[Scene, StaticResult, Answers]) -> None:
-    text = dict(entries(*solved, None))["axial"]
+    text = dict(entries(Solved(*solved)))["axial"]
     assert re.search(
         r"secant \S+, tangent \S+ by this model; contacts alone \S+, contacts and bodies \S+ by formulas", text
     )

@@ -12,14 +12,14 @@ from types import SimpleNamespace
 import pytest
 
 from rollbench.comparison.cli import main
-from rollbench.comparison.commands.reporting.checked import Checked
+from rollbench.comparison.commands.reporting.verify import Checked
 from rollbench.comparison.errors import InputError
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.scenes.catalogue import scene_text
 from rollbench.comparison.writing import need_writable, replace_file
 from rollbench.lowfi import jit
 from rollbench.meshes.leftovers import temporary
-from rollbench.reports.html import harmless
+from rollbench.reports.cells import harmless
 
 COMMAND = [sys.executable, "-P", "-m", "rollbench"]
 
@@ -143,14 +143,10 @@ def test_control_characters_of_a_scene_are_escaped():
     assert scene.name == "bad\\x1bname"
 
 
-@pytest.mark.parametrize("text", ["=1+1", "+cmd", "-2+3", "@SUM(A1)", "\t=1"])
-def test_formulas_in_tables_are_neutralised(text):
-    assert harmless(text) == "'" + text
-
-
-@pytest.mark.parametrize("text", ["-3.5", "+1e-9", "plain", "", "–", "-5 um"])
-def test_numbers_and_words_in_tables_stay(text):
-    assert harmless(text) == text
+@pytest.mark.parametrize("text", ["=1+1", "+cmd", "-2+3", "@SUM(A1)", "\t=1", "-3.5", "+1e-9", "plain", "", "–", "-5 um"])
+def test_formulas_in_tables_are_neutralised_and_numbers_and_words_stay(text):
+    runs = text in ("=1+1", "+cmd", "-2+3", "@SUM(A1)", "\t=1")
+    assert harmless(text) == ("'" if runs else "") + text
 
 
 def test_a_page_whose_folder_cannot_be_made_is_refused_before_any_work(tmp_path, monkeypatch, command):
@@ -175,7 +171,7 @@ def test_the_tree_s_state_is_read_before_a_report_writes_into_it(tmp_path, monke
         seen.append(provenance.commit.cache_info().currsize)
         raise InputError("report", "build", "begun", "nothing", "the rest is not needed here")
 
-    monkeypatch.setattr(report, "build", build)
+    monkeypatch.setattr(report, "make_sections", build)
     with pytest.raises(InputError, match="begun"):
         report.make_report(["hertz"], tmp_path / "out", stored=True)
     assert seen == [1]
@@ -217,7 +213,7 @@ def test_escape_characters_of_names_are_not_printed_raw(words, tmp_path, monkeyp
 
 
 def test_escape_characters_of_a_report_s_files_are_not_printed_raw():
-    assert Checked("x\x1b]0;title", "changed", "\x1b", "").line.isprintable()
+    assert Checked("x\x1b]0;title", "\x1b", "y").line.isprintable()
 
 
 @pytest.mark.parametrize("words", [["list"], ["solve", "no-such-scene"]])

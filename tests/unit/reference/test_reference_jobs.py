@@ -205,16 +205,12 @@ def test_wrong_levels_are_refused(text: str) -> None:
 
 
 def test_what_a_report_computes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from rollbench.comparison.commands.reporting.report import Source, compute_references
+    from rollbench.comparison.commands.reporting.report import compute_references
 
     asked: list[list[Task]] = []
     monkeypatch.setattr(jobs, "ensure", lambda tasks, *_, **_named: asked.append(list(tasks)))
-    for source in (
-        Source((tmp_path,), jobs.Engine()),
-        Source((tmp_path,), jobs.Engine(), quick=True),
-        Source(None, jobs.Engine(), compute=False),
-    ):
-        compute_references(Study(), source, print)
+    for made in (Study((tmp_path,)), Study((tmp_path,), quick=True), Study(None)):
+        compute_references(made, jobs.Engine(), print)
     full, quick = asked
     assert {t.level for t in full if not t.variant} == {0, *LEVELS}
     assert {t.variant for t in full} == {"", *VARIANTS}

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from tests.report_samples import table
 
-from rollbench.reports import html
+from rollbench.reports import cells
 from rollbench.reports.records import Quantity, Table
 
 
@@ -38,10 +38,10 @@ class TestCells:
         ],
     )
     def test_format(self, value, form, text):
-        assert html.format_cell(value, form) == text
+        assert cells.format_cell(value, form) == text
 
     def test_csv(self, tmp_path):
-        html.write_csv(table(), tmp_path / "t.csv")
+        cells.write_csv(table(), tmp_path / "t.csv")
         raw = (tmp_path / "t.csv").read_bytes()
         assert raw.startswith(b'"Quantity, of all",Force [N],Error [%],Class,Verdict,Met\r\n')
         with open(tmp_path / "t.csv", newline="", encoding="utf-8") as stream:
@@ -56,7 +56,7 @@ class TestCells:
 def test_records_import_neither_matplotlib_nor_pyvista():
     heavy = "{'matplotlib', 'pyvista', 'vtk', 'jinja2'}"
     code = f"import sys, rollbench.reports.records; print(sorted({heavy} & set(sys.modules)))"
-    root = Path(html.__file__).parents[1]
+    root = Path(cells.__file__).parents[1]
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=root)
     assert done.stdout.strip() == "[]"
 

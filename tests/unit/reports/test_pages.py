@@ -1,4 +1,5 @@
-"""Pages of a report: files, escaping, search, first screen, marks, and that nothing is lost."""
+"""Pages of a report: files, escaping, search, first screen, marks; a report written over another: what is removed, brought
+back or refused."""
 
 import json
 from dataclasses import replace
@@ -8,9 +9,9 @@ from pathlib import Path
 import pytest
 from tests.report_samples import contents, figure, paged, report, screw, table
 
-from rollbench.reports import cells, figures, html, scene3d
-from rollbench.reports.pages import SEARCH
-from rollbench.reports.records import Quantity, Summary, Table, Text
+from rollbench.reports import cells, field3d, figures, html, pages, scene3d
+from rollbench.reports.pages import MARKER, SEARCH
+from rollbench.reports.records import FieldPicture, Quantity, Summary, Table, Text
 
 PNG_START = b"\x89PNG\r\n\x1a\n"
 
@@ -52,6 +53,7 @@ def no_picture(monkeypatch):
         raise RuntimeError("install libgl1 & co")
 
     monkeypatch.setattr(scene3d, "draw_loaded_screw", fail)
+    monkeypatch.setattr(field3d, "draw_field", fail)
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +75,7 @@ class TestPage:
         pages = {p.name: Page(p.read_text(encoding="utf-8")) for p in written.glob("*.html")}
         for name, page in pages.items():
             assert not page.open
-            assert html.MARKER in (written / name).read_text(encoding="utf-8")
+            assert MARKER in (written / name).read_text(encoding="utf-8")
             assert not {"link", "iframe", "object"} & {tag for tag, _ in page.elements}
             assert page.attributes("src") == [SEARCH]
             known = page.attributes("id")
@@ -124,19 +126,20 @@ class TestPage:
         assert "First &amp; foremost</a>: All is well." in index.read_text(encoding="utf-8")
         assert not (tmp_path / "out" / "second.html").exists()
 
-    @pytest.mark.parametrize(("whole", "rows", "columns"), [(False, 6, 8), (True, 12, 11)])
-    def test_a_long_table_shows_its_first_rows_and_the_verdict(self, tmp_path, whole, rows, columns):
+    @pytest.mark.parametrize(("whole", "shown", "rows", "columns"), [(False, 6, 6, 8), (False, 2, 2, 8), (True, 6, 12, 11)])
+    def test_a_long_table_shows_its_first_rows_and_the_verdict(self, tmp_path, whole, shown, rows, columns):
         keys = [*"abcdefghij", "verdict"]
         wide = Table(
             "t", "T", [Quantity(k, k, format="s") for k in keys], [dict.fromkeys(keys, f"x{n}") for n in range(12)]
         )
+        wide = wide if shown == 6 else replace(wide, shown=shown)
         document = report(wide)
         html.write(replace(document, pages=[replace(document.pages[0], whole=whole)]), tmp_path / "out")
         text = (tmp_path / "out" / "first.html").read_text(encoding="utf-8")
         assert text.count("<tr>") == rows + 1
         assert text.count("<th ") == columns
         assert ">verdict" in text
-        assert ("6 of 12 rows; the CSV has all." in text) is not whole
+        assert (f"{rows} of 12 rows; the CSV has all." in text) is not whole
         assert (tmp_path / "out" / "tables" / "t.csv").read_text(encoding="utf-8").count("\n") == 13
 
     def test_everything_is_escaped_and_nothing_is_missing(self, written):
@@ -185,9 +188,10 @@ class TestPage:
     def test_verdicts(self, text, kind):
         assert cells.verdict(text) == kind
 
-    def test_a_picture_that_cannot_be_drawn_is_left_out_and_said_so(self, tmp_path):
+    @pytest.mark.parametrize("picture", [screw(), FieldPicture("cube", "A cube", (), (), (), (), 2.0)])
+    def test_a_picture_that_cannot_be_drawn_is_left_out_and_said_so(self, tmp_path, picture):
         lines = []
-        html.write(report(screw()), tmp_path / "out", lines.append)
+        html.write(report(picture), tmp_path / "out", lines.append)
         page = (tmp_path / "out" / "first.html").read_text(encoding="utf-8")
         assert "This picture was left out. install libgl1 &amp; co" in page
         assert lines[0] == "report: 1/2 First & foremost"
@@ -200,14 +204,6 @@ class TestPage:
         page = Page((tmp_path / "out" / "first.html").read_text(encoding="utf-8"))
         assert page.attributes("src") == ["figures/screw.png", SEARCH]
         assert (tmp_path / "out" / "figures" / "screw.png").read_bytes() == PNG_START
-
-    def test_a_page_shows_some_rows_and_the_file_holds_all(self, tmp_path):
-        long = replace(Table.of("long", "Long", [{"name": f"row {k}"} for k in range(9)]), shown=2)
-        html.write(report(long), tmp_path / "out")
-        page = (tmp_path / "out" / "first.html").read_text(encoding="utf-8")
-        assert ("row 1" in page, "row 2" in page) == (True, False)
-        assert "2 of 9 rows; the CSV has all." in page
-        assert (tmp_path / "out" / "tables" / "long.csv").read_text(encoding="utf-8").count("row ") == 9
 
     def test_columns_without_an_entry_are_left_out_and_named(self, tmp_path):
         columns = (Quantity("a", "ball", format="s"), Quantity("b", "as printed"), Quantity("c", "claim", format="s"))
@@ -236,3 +232,76 @@ class TestPage:
     def test_same_report_same_bytes(self, tmp_path, written):
         html.write(report(), tmp_path / "b")
         assert contents(written) == contents(tmp_path / "b")
+
+
+class TestReplacing:
+    def test_leftovers_of_an_older_report_are_removed(self, tmp_path):
+        html.write(report(table("old"), figure("old")), tmp_path / "out")
+        html.write(report(table("new")), tmp_path / "out")
+        files = {"index.html", "first.html", "second.html", "search.js"}
+        assert set(contents(tmp_path / "out")) == files | {"tables/new.csv", "tables/empty.csv"}
+        assert [entry.name for entry in tmp_path.iterdir()] == ["out"]
+
+    @pytest.mark.parametrize("error", [ZeroDivisionError, KeyboardInterrupt])
+    def test_failure_while_drawing_leaves_the_earlier_report(self, tmp_path, monkeypatch, error):
+        html.write(report(table()), tmp_path / "out")
+        before = contents(tmp_path)
+
+        def fail(_):
+            raise error
+
+        monkeypatch.setattr(pages, "draw_parts", fail)
+        with pytest.raises(error):
+            html.write(report(table("new"), figure("new")), tmp_path / "out")
+        assert contents(tmp_path) == before
+        assert [entry.name for entry in tmp_path.iterdir()] == ["out"]
+
+    @pytest.mark.parametrize(("error", "raised"), [(KeyboardInterrupt, KeyboardInterrupt), (OSError, ValueError)])
+    def test_failure_while_swapping_brings_the_earlier_report_back(self, tmp_path, monkeypatch, error, raised):
+        html.write(report(table()), tmp_path / "out")
+        before = contents(tmp_path)
+        rename = Path.rename
+
+        def fail_on_new(self, target):
+            if self.name.endswith(".new"):
+                raise error
+            return rename(self, target)
+
+        monkeypatch.setattr(Path, "rename", fail_on_new)
+        with pytest.raises(raised):
+            html.write(report(table("new")), tmp_path / "out")
+        assert contents(tmp_path) == before
+
+    def test_an_empty_directory_is_taken(self, tmp_path):
+        (tmp_path / "out").mkdir()
+        assert html.write(report(table()), tmp_path / "out").is_file()
+
+    @pytest.mark.parametrize("name", ["notes.txt", "index.html"])
+    def test_a_foreign_directory_is_refused(self, tmp_path, name):
+        (tmp_path / name).write_text("<html>mine</html>", encoding="utf-8")
+        with pytest.raises(ValueError, match="holds no rollbench report"):
+            html.write(report(table()), tmp_path)
+        assert contents(tmp_path) == {name: b"<html>mine</html>"}
+
+    @pytest.mark.parametrize("name", ["notes.txt", "mine.html", "tables/mine.xlsx", "figures/more/a.svg"])
+    def test_a_report_with_foreign_files_in_it_is_refused(self, tmp_path, name):
+        html.write(report(table()), tmp_path / "out")
+        mine = tmp_path / "out" / name
+        mine.parent.mkdir(exist_ok=True)
+        mine.write_text("mine", encoding="utf-8")
+        with pytest.raises(ValueError, match="would be lost"):
+            html.write(report(table()), tmp_path / "out")
+        assert mine.read_text(encoding="utf-8") == "mine"
+
+    def test_a_file_is_refused(self, tmp_path):
+        (tmp_path / "out").write_text("mine", encoding="utf-8")
+        with pytest.raises(ValueError, match="is a file"):
+            html.write(report(table()), tmp_path / "out")
+
+    @pytest.mark.parametrize(
+        ("items", "words"), [((table(), table("Printed")), "given twice"), ((figure("../up"),), "letters, digits")]
+    )
+    def test_unfit_names_are_refused(self, tmp_path, items, words):
+        with pytest.raises(ValueError, match=words):
+            html.write(report(*items), tmp_path / "out")
+        assert not list(tmp_path.iterdir())

@@ -1,48 +1,31 @@
-"""The loaded screw in 3D: grooves, starts, colours, records that do not fit, and a picture."""
+"""The loaded screw in 3D: grooves, starts, colours, and a picture."""
 
-import math
 import subprocess
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from tests.report_samples import screw
 
+from rollbench.comparison.scenes import catalogue
+from rollbench.meshes.helix import ball_layout
 from rollbench.reports import scene3d
-from rollbench.reports.records import LoadedScrew
 
 PNG_START = b"\x89PNG\r\n\x1a\n"
 
 
 class TestScene:
-    def test_groove_holds_the_balls_and_leaves_the_lands(self):
-        picture = screw()
-        grooves = scene3d._grooves(picture)
-        centres = np.asarray(picture.ball_radii_centres)
-        phi, z = np.arctan2(centres[:, 1], centres[:, 0]), centres[:, 2]
-        under = grooves.surface(phi, z, picture.screw_radius)
-        gap = picture.track_radius - picture.ball_radius - under
+    @pytest.mark.parametrize(("name", "starts"), [("lin-case1", 1), ("unseen-63x20", 2), ("unseen-four-point", 1)])
+    def test_grooves_hold_the_balls_and_leave_the_lands(self, name, starts):
+        scene = catalogue.scene(name)
+        grooves, centres, radius = scene3d._grooves(scene), ball_layout(scene).centre, scene3d.ball_radius(scene)
+        assert len(grooves.phases) == starts
+        phi, z, land = np.arctan2(centres[:, 1], centres[:, 0]), centres[:, 2], scene.screw.outer_diameter / 2.0
+        gap = scene.track.pitch_radius - radius - grooves.surface(phi, z, land)
         assert np.all(gap > 0.0)
         assert np.all(gap < 0.15e-3)
-        assert np.all(grooves.surface(phi, z, 0.017) - (picture.track_radius + picture.ball_radius) > 0.0)
-        np.testing.assert_allclose(grooves.surface(phi, z + 0.5 * picture.lead, picture.screw_radius), 0.016)
-
-    def test_a_ring_has_one_groove_in_which_its_balls_stand(self):
-        ring = screw(lead=0.0)
-        phi = np.linspace(-np.pi, np.pi, 9)
-        under = scene3d._grooves(ring).surface(phi, np.full_like(phi, ring.nut_position), ring.screw_radius)
-        assert np.all(np.abs(ring.track_radius - ring.ball_radius - under) < 0.15e-3)
-
-    def test_starts_are_read_off_the_balls(self):
-        one = screw()
-        turned = np.asarray(one.ball_radii_centres) * np.array([-1.0, -1.0, 1.0])
-        both = np.concatenate([one.ball_radii_centres, turned])
-        two = LoadedScrew(**{**vars(one), "ball_radii_centres": both, "ball_loads": [1.0] * len(both)})
-        assert len(scene3d._grooves(one).phases) == 1
-        grooves = scene3d._grooves(two)
-        assert len(grooves.phases) == 2
-        azimuth = np.arctan2(both[:, 1], both[:, 0])
-        assert np.all(grooves.surface(azimuth, both[:, 2], one.screw_radius) < one.track_radius - one.ball_radius)
+        assert np.all(grooves.surface(phi, z, 1.01 * scene.track.pitch_radius) > scene.track.pitch_radius + radius)
+        aside = 0.5 * scene.track.lead / starts or 1.5 * radius
+        np.testing.assert_allclose(grooves.surface(phi, z + aside, land), land)
 
     @pytest.mark.parametrize(
         ("low", "high", "expected"),
@@ -53,19 +36,6 @@ class TestScene:
         assert first <= low <= high <= last
         assert (first, last) == pytest.approx(expected[:2])
         assert labels == expected[2]
-
-    @pytest.mark.parametrize(
-        ("changes", "words"),
-        [
-            ({"ball_loads": [1.0]}, "32 balls but 1 loads"),
-            ({"contact_forces": [[0.0, 0.0, 1.0]]}, "64 contact points but 1 forces"),
-            ({"helix": [[0.0, 0.0, 0.0]]}, "at least two"),
-            ({"contact_points": [[0.0, math.nan, 0.0]]}, "must be finite"),
-        ],
-    )
-    def test_refuses_arrays_that_do_not_belong_together(self, tmp_path, changes, words):
-        with pytest.raises(ValueError, match=words):
-            scene3d.draw_loaded_screw(LoadedScrew(**{**vars(screw()), **changes}), tmp_path / "s.png")
 
     @pytest.mark.parametrize(
         ("code", "stderr", "words"),
@@ -88,7 +58,7 @@ class TestScene:
         """Of a screw; the surfaces of a ring are drawn in test_view3d."""
         monkeypatch.delenv("DISPLAY", raising=False)
         try:
-            scene3d.draw_loaded_screw(replace(screw(), nut_length=0.02), tmp_path / "s.png")
+            scene3d.draw_loaded_screw(screw(), tmp_path / "s.png")
         except RuntimeError as error:
             if "libgl1" in str(error):
                 pytest.skip(str(error))

@@ -11,7 +11,7 @@ from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.sections import sheets
 from rollbench.comparison.sections.sketch import sketch_of
 from rollbench.reports.records import Sketch, Table, Text
-from rollbench.reports.sketch import FORCE, INK, WIDTH, draw
+from rollbench.reports.sketch import FORCE, INK, WIDTH, _held, draw, faces
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -43,7 +43,8 @@ def test_the_stretch_about_the_nut_is_to_scale_and_long_ends_are_cut() -> None:
     assert float(ball.get("r", "")) == pytest.approx(2.778 * scale, abs=0.06)
     waves = [p for p in root.iter(f"{SVG}path") if " q " in p.get("d", "")]
     assert len(waves) == 6  # two ends, each white with two lines
-    short = replace(sketch, screw_length=0.4 + 0.027 + 0.02)
+    scene = sketch.scene
+    short = replace(sketch, scene=replace(scene, screw=replace(scene.screw, length=0.4 + 0.027 + 0.02)))
     assert len([p for p in ElementTree.fromstring(draw(short)).iter(f"{SVG}path") if " q " in p.get("d", "")]) == 3
 
 
@@ -70,11 +71,14 @@ def test_arrows_point_where_loads_push() -> None:
 
 
 @pytest.mark.parametrize(("name", "rings"), [("unseen-four-point", 0), ("unseen-flange", 1), ("lin-case1", 1)])
-def test_the_nut_is_hatched_where_it_is_held(name: str, rings: int) -> None:
-    sketch, root = drawn(name)
-    assert (len(sketch.held), sketch.held_outside) == (rings, rings == 0)
-    plain = draw(replace(sketch, held=(), held_outside=False))
-    assert len(list(root.iter(f"{SVG}line"))) > plain.count("<line")
+def test_the_nut_is_hatched_where_it_is_held(name: str, rings: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = catalogue.scene(name)
+    held, outside = _held(scene, *faces(scene))
+    assert (len(held), outside) == (rings, rings == 0)
+    monkeypatch.setattr("rollbench.reports.sketch._held", lambda *_: ([], False))
+    _, root = drawn(name)
+    monkeypatch.undo()
+    assert len(list(drawn(name)[1].iter(f"{SVG}line"))) > len(list(root.iter(f"{SVG}line")))
 
 
 def test_nothing_leaves_the_drawing_and_inks_follow_the_page() -> None:

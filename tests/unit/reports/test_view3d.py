@@ -7,34 +7,15 @@ import subprocess
 
 import numpy as np
 import pytest
-from tests.report_samples import paged
+from tests.report_samples import paged, screw
 
 from rollbench.reports import pages, view3d
 from rollbench.reports.html import write
-from rollbench.reports.records import LoadedScrew, Report, Section
+from rollbench.reports.records import Report, Section
 
 CHROMIUM = shutil.which("chromium")
-TURN = np.linspace(0.0, 2.0 * np.pi, 7)
-BALLS = np.stack([0.01 * np.cos(TURN), 0.01 * np.sin(TURN), np.full_like(TURN, 0.05)], axis=1)
 #: A ring, whose surfaces come from the same functions as those of pictures (test_scene3d draws a screw).
-PICTURE = LoadedScrew(
-    "bearing",
-    "A short <screw>",
-    0.1,
-    0.0095,
-    0.055,
-    0.02,
-    0.016,
-    0.01,
-    0.002,
-    BALLS.tolist(),
-    [0.0, *range(10, 70, 10)],
-    BALLS.tolist(),
-    BALLS.tolist(),
-    BALLS.tolist(),
-    lead=0.0,
-    turns=True,
-)
+PICTURE = screw("unseen-four-point", name="bearing", title="A short <screw>", turns=True)
 
 
 def test_finished_surfaces_show_both_sides_and_have_some_light():

@@ -197,8 +197,10 @@ def test_an_expected_error_holds_the_share_that_it_says() -> None:
 
 def test_a_bearing_with_a_closed_form_gets_no_invented_error() -> None:
     """Two opposite balls in rigid rings: the model is exact (Hertz alone), and nothing like it was compared."""
-    from rollbench.comparison.commands.solving.solve_output import as_json, as_table
+    from rollbench.comparison.commands.solving.entries import model_form_words
+    from rollbench.comparison.commands.solving.output import case_json
     from rollbench.comparison.gate.closed_forms import two_opposite_balls
+    from rollbench.comparison.models.load_cases import Solved
 
     found, closed = two_opposite_balls(catalogue.scene("lin-case1"))
     assert found == pytest.approx(closed, rel=1e-9)
@@ -206,11 +208,13 @@ def test_a_bearing_with_a_closed_form_gets_no_invented_error() -> None:
     for other in (scene, replace(scene, solid=replace(scene.solid, nut="rigid"))):
         result = run_model(other, "lin", QUIET)
         form = model_form.estimate(other, result)
-        worth = as_json(other, result, form)["model_form"]
+        worth = case_json(Solved(other, result, None, form))["model_form"]
         assert worth["covered"] is False
         assert worth["largest_percent_of_mean"] is None
         assert worth["rms_percent_of_mean"] is None
-        assert any("not covered" in str(part) and "%" not in str(part) for part in as_table(other, result, form))
+        words = model_form_words(form)
+        assert "not covered" in words
+        assert "%" not in words
 
 
 def test_an_estimate_is_made_from_scenes_of_the_same_kind() -> None:

@@ -8,8 +8,9 @@ import pytest
 from scipy.optimize import brentq
 from tests.helpers import small_screw, solved, with_ingredients
 
-from rollbench.comparison.commands.solving.solve_output import as_json, as_table
+from rollbench.comparison.commands.solving.output import case_json, case_table
 from rollbench.comparison.errors import Refusal
+from rollbench.comparison.models.load_cases import Solved
 from rollbench.comparison.models.registry import Options, run_model
 from rollbench.comparison.scenes import catalogue
 from rollbench.lowfi.compliance.parts import LADDER
@@ -160,17 +161,17 @@ def test_what_was_included_does_not_stand_under_left_out(solve):
     assert (result.load > 0.0).any(axis=0).all()
     assert any("solved again with all four" in note for note in result.solver.notes)
     assert not any("included" in text or "all four" in text for text in result.left_out)
-    assert any("solved again with all four" in note for note in as_json(scene, result)["solver"]["notes"])
+    assert any("solved again with all four" in note for note in case_json(Solved(scene, result))["solver"]["notes"])
 
 
 def test_a_result_says_which_member_it_is():
     scene = catalogue.scene("lin-random")
     options = Options(member=3, discretisation=False)
     result = run_model(scene, "lin", options)
-    assert as_json(scene, result)["member"] == 3
-    assert "member 3 of its random errors" in str(as_table(scene, result)[0])
+    assert case_json(Solved(scene, result))["member"] == 3
+    assert "member 3 of its random errors" in str(case_table(Solved(scene, result))[0])
     plain = catalogue.scene("lin-case1")
-    assert as_json(plain, run_model(plain, "lin", replace(options, member=0)))["member"] is None
+    assert case_json(Solved(plain, run_model(plain, "lin", replace(options, member=0))))["member"] is None
 
 
 @pytest.mark.parametrize("screw", ["beam", "rigid"])

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.sections.curves import lateral, load_panel, loads
-from rollbench.comparison.sections.loaded_screw import loaded_screw
 from rollbench.comparison.sources.lin.evidence.choices_2_4_1 import Choice, choices
 from rollbench.comparison.sources.lin.evidence.loads_2_4_1 import CASES, READINGS, ratio, section_2_4_1, spread_of_choices
 from rollbench.comparison.sources.lin.sections.case3 import readings_table
@@ -143,8 +141,8 @@ def picture(scene: Scene, result: StaticResult, caption: str) -> LoadedScrew:
     """3D picture of a loaded screw."""
     held = result.load > 0.0
     arrows = result.contact_point[held], (result.force_direction * result.load[..., None])[held]
-    title = "loaded-screw", "Case 3 with offset: contact forces on the balls"
-    return replace(loaded_screw(scene, title, result.load, arrows, caption), turns=True)
+    title = "Case 3 with offset: contact forces on the balls"
+    return LoadedScrew("loaded-screw", title, scene, result.load, *arrows, caption, turns=True)
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
