@@ -18,10 +18,18 @@ from threadpoolctl import threadpool_limits
 
 from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.rolling.bodies import Place, Sizes, contact_kernel, make_kernels
-from rollbench.hifi.rolling.friction import PATH, Contact, Friction, solve_friction
-from rollbench.hifi.rolling.kinematics import MOTIONS, Touch, Track, axes_of, ball_contact, surface
-from rollbench.hifi.rolling.neighbours import Meeting, Together
-from rollbench.hifi.rolling.patch import Patch, hertz_patch
+from rollbench.hifi.rolling.friction import PATH, Contact, Friction, full_slip, solve_friction, solve_rigid
+from rollbench.hifi.rolling.kinematics import (
+    MOTIONS,
+    Rolling,
+    Together,
+    Touch,
+    axes_of,
+    ball_contact,
+    rigid_contact,
+    surface,
+)
+from rollbench.hifi.rolling.patch import Patch, hertz_patch, seen_radii
 from rollbench.hifi.rolling.regular import Regular
 from rollbench.meshes.arrays import Array
 
@@ -29,30 +37,8 @@ from rollbench.meshes.arrays import Array
 NEARLY_RIGID = 0.01
 #: Contact forces below this share of a ball's largest are none.
 NEGLIGIBLE = 1e-9
-
-
-@dataclass(frozen=True)
-class Ball:
-    """A ball: its own axes as rows in common ones ``(3, 3)``, and where it touches grooves."""
-
-    frame: Array
-    touches: tuple[Touch, ...]
-
-
-@dataclass(frozen=True)
-class Rolling:
-    """Balls of radius [m] on a track, of one material (Young's modulus [Pa], Poisson's ratio) with their grooves;
-    coefficients of friction at the grooves and between balls; orbit: nominal speed of the balls; which balls touch."""
-
-    track: Track
-    radius: float
-    young: float
-    poisson: float
-    mu: float
-    mu_balls: float
-    orbit: float
-    balls: tuple[Ball, ...]
-    meetings: tuple[Meeting, ...] = ()
+#: Points of the quadrature of the rigid limit along each axis of the ellipse, first and last.
+FIRST, POINTS = 40, 300
 
 
 @dataclass(frozen=True)
@@ -159,7 +145,7 @@ def kernel_of(scene: Rolling, touch: Touch, bodies: Sizes | None) -> Regular | N
         return None
     at, bottom = place_of(scene, touch)
     kernel = contact_kernel(at, _largest(scene), scene.young, scene.poisson, bodies)
-    axes = axes_of(touch, scene.track, scene.radius, scene.orbit)
+    axes = axes_of(touch, scene)
     return kernel if axes[1] @ bottom > 0.0 else kernel.turned
 
 
@@ -195,18 +181,9 @@ def touching(scene: Rolling) -> list[tuple[int, int, Touch]]:
 
 def contacts_of(scene: Rolling, choices: Choices) -> list[Contact]:
     """Every loaded contact as friction needs it."""
+    curved, elastic = choices.curved, choices.elastic
     return [
-        ball_contact(
-            t,
-            patch_of(scene, t, choices),
-            scene.track,
-            scene.radius,
-            scene.orbit,
-            scene.mu,
-            MOTIONS * b,
-            curved=choices.curved,
-            elastic=choices.elastic,
-        )
+        ball_contact(t, scene, b, patch_of(scene, t, choices), curved=curved, elastic=elastic)
         for b, _, t in touching(scene)
     ]
 
@@ -214,8 +191,20 @@ def contacts_of(scene: Rolling, choices: Choices) -> list[Contact]:
 def balance_of(scene: Rolling, contacts: Sequence[Contact]) -> Together:
     """Meetings of the balls as the solver takes them."""
     bound = max(float(c.bound.sum()) for c in contacts)
-    speed = max(float(np.abs(c.given).max()) for c in contacts)
-    return Together(len(scene.balls), scene.meetings, scene.mu_balls, np.zeros(MOTIONS * len(scene.balls)), bound / speed)
+    return Together(scene, bound / max(float(np.abs(c.given).max()) for c in contacts))
+
+
+def moving(scene: Rolling, y: Array) -> tuple[Array, Array, Array]:
+    """Of the unknowns: speeds of balls along the track ``(N,)``, rotations ``(N, 3)`` [rad/s], forces of meetings [N]."""
+    count = MOTIONS * len(scene.balls)
+    motions = y[:count].reshape(-1, MOTIONS)
+    return motions[:, 0] / scene.track.length, motions[:, 1:] / scene.radius, y[count:].copy()
+
+
+def meeting_losses(scene: Rolling, y: Array) -> Array:
+    """Losses of sliding friction at every meeting [W]."""
+    pairs = zip(moving(scene, y)[2], scene.meetings, strict=True)
+    return np.array([scene.mu_balls * f * float(np.linalg.norm((m.rows @ y[m.columns])[1:])) for f, m in pairs])
 
 
 def start_of(scene: Rolling) -> Array:
@@ -253,46 +242,27 @@ def solve_rolling(
 def _result(
     scene: Rolling, choices: Choices, contacts: Sequence[Contact], solution: Friction, seconds: float
 ) -> RollingResult:
-    count = len(scene.balls)
-    motions = solution.motions[: MOTIONS * count].reshape(count, MOTIONS)
-    force = solution.motions[MOTIONS * count :]
-    outs, power, wrench = [], 0.0, np.zeros((count, 6))
-    for k, (b, i, t) in enumerate(touching(scene)):
-        c, q, s = contacts[k], solution.forces[k], solution.slips[k]
-        patch, axes = patch_of(scene, t, choices), axes_of(t, scene.track, scene.radius, scene.orbit)
-        sunk = choices.elastic * patch.sunk
-        points, tangents = surface(axes, scene.radius, t.radii, patch.at, curved=choices.curved, sunk=sunk)
+    speed, rotation, force = moving(scene, solution.motions)
+    outs, power, wrench = [], 0.0, np.zeros((len(scene.balls), 6))
+    for (b, i, t), c, q, s, stick in zip(
+        touching(scene), contacts, solution.forces, solution.slips, solution.stick, strict=True
+    ):
+        patch = patch_of(scene, t, choices)
+        points, tangents = surface(t, scene, patch.at, curved=choices.curved, sunk=choices.elastic * patch.sunk)
         on_ball = np.einsum("nck,cn->nk", tangents, q.reshape(2, -1))
         wrench[b, :3] += on_ball.sum(axis=0)
         wrench[b, 3:] += np.cross(points, on_ball).sum(axis=0)
         power -= float(q @ c.given)
-        two = [v.reshape(2, -1).T for v in (q, s)]
+        pull, slip, axes = q.reshape(2, -1).T, s.reshape(2, -1).T, axes_of(t, scene)
         loss, upwind = -float(q @ s), float(q @ (c.elastic @ q))
-        outs.append(
-            ContactOut(b, i, patch.at, patch.size, patch.normal, two[0], two[1], solution.stick[k], axes, loss, upwind)
-        )
-    rub, between = np.zeros(force.size), np.zeros((count, 3))
-    for k, (f, m) in enumerate(zip(force, scene.meetings, strict=True)):
-        slide = (m.rows @ solution.motions[m.columns])[1:]
-        rub[k] = scene.mu_balls * float(f) * float(np.linalg.norm(slide))
-        pulls = m.forces(float(f), scene.mu_balls, slide)
+        outs.append(ContactOut(b, i, patch.at, patch.size, patch.normal, pull, slip, stick, axes, loss, upwind))
+    between = np.zeros((len(scene.balls), 3))
+    for f, m in zip(force, scene.meetings, strict=True):
+        pulls = m.forces(float(f), scene.mu_balls, (m.rows @ solution.motions[m.columns])[1:])
         for ball, sign in ((m.one, 1.0), (m.two, -1.0)):
             between[ball] += sign * (scene.balls[ball].frame @ pulls)
-    return RollingResult(
-        motions[:, 0] / scene.track.length,
-        motions[:, 1:] / scene.radius,
-        force,
-        rub,
-        wrench,
-        between,
-        power,
-        tuple(outs),
-        solution.status,
-        solution.residual,
-        solution.steps,
-        seconds,
-        solution,
-    )
+    rub, how = meeting_losses(scene, solution.motions), (solution.status, solution.residual, solution.steps)
+    return RollingResult(speed, rotation, force, rub, wrench, between, power, tuple(outs), *how, seconds, solution)
 
 
 def without_meetings(scene: Rolling) -> Rolling:
@@ -304,3 +274,70 @@ def hertz_size(scene: Rolling, touch: Touch) -> tuple[float, float]:
     """Semi-axes [m] along and across the groove."""
     ellipse = hertz(touch.load, *touch.radii, scene.young, scene.poisson)
     return ellipse.semi_x, ellipse.semi_y
+
+
+# --- the rigid limit: grooves that do not yield along tangents, Coulomb friction under Hertz's pressure by fine quadrature
+#
+# The limit that grids of elastic contacts are differenced against: what a grid's cells, its staircase edge and a spin
+# pole within a cell do to an answer they do to nearly rigid bodies too, so that
+#
+#     answer = grid(elastic) - grid(nearly rigid) + limit
+#
+# keeps of them only what they do to the effect of elasticity.
+
+
+@dataclass(frozen=True)
+class RigidResult:
+    """Speeds of the balls along the track ``(N,)``, rotations ``(N, 3)`` [rad/s], forces of meetings [N], losses at
+    every loaded contact and meeting [W]; what the smoothing of the path leaves, over the largest slip."""
+
+    speed: Array
+    rotation: Array
+    force: Array
+    contact_loss: Array
+    ball_loss: Array
+    remainder: float
+
+    @property
+    def loss(self) -> float:
+        """All losses of friction [W]."""
+        return float(self.contact_loss.sum() + self.ball_loss.sum())
+
+
+def quadrature(points: int) -> tuple[Array, Array]:
+    """Places ``(points^2, 2)`` in the unit disk and weights ``(points^2,)``; midpoints in angles that end at the edge."""
+    t = (np.arange(points) + 0.5) / points * np.pi
+    u, w = np.cos(t), np.sin(t) * np.pi / points
+    x, v = np.meshgrid(u, u, indexing="ij")
+    weight = np.outer(w * np.sqrt(1.0 - u**2), w)
+    return np.stack([x.ravel(), (v * np.sqrt(1.0 - x**2)).ravel()], axis=1), weight.ravel()
+
+
+def solve_rigid_rolling(
+    scene: Rolling, points: int = POINTS, *, curved: bool = True, bodies: Sizes | None = None
+) -> RigidResult:
+    """Steady rolling of rigid bodies under Hertz's pressures. Raises ValueError where no balance is found.
+
+    bodies: finite ones, by the half spaces that touch as they do (`hifi.rolling.patch.seen_radii`); None: half spaces.
+    """
+    y = start_of(scene)
+    with threadpool_limits(1):  # as `solve_rolling`
+        for count in (FIRST, points):
+            contacts = _rigid_contacts(scene, count, curved, bodies)
+            path = PATH if count == FIRST else PATH[-2:]
+            y, remainder = solve_rigid(contacts, balance_of(scene, contacts), y, path)
+    loss = np.array([-float(full_slip(c.bound, s) @ s) for c in contacts for s in (c.rigid_slip(y),)])
+    return RigidResult(*moving(scene, y), loss, meeting_losses(scene, y), remainder)
+
+
+def _rigid_contacts(scene: Rolling, points: int, curved: bool, bodies: Sizes | None) -> list[Contact]:
+    (unit, weight), material, contacts = quadrature(points), (scene.young, scene.poisson), []
+    for b, _, touch in touching(scene):
+        radii = seen_radii(touch.load, touch.radii, *material, kernel_of(scene, touch, bodies))
+        ellipse = hertz(touch.load, *radii, *material)
+        semi = np.array([ellipse.semi_x, ellipse.semi_y])
+        local = unit * semi
+        normal = ellipse.pressure(local[:, 0], local[:, 1]) * weight * semi.prod()
+        normal *= touch.load / normal.sum()
+        contacts.append(rigid_contact(touch, scene, b, normal, local, curved=curved))
+    return contacts

@@ -16,9 +16,18 @@ from time import process_time
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from rollbench.hifi.rolling.balls import Choices, Rolling, balance_of, contacts_of, patch_of, start_of, touching
+from rollbench.hifi.rolling.balls import (
+    Choices,
+    balance_of,
+    contacts_of,
+    meeting_losses,
+    moving,
+    patch_of,
+    start_of,
+    touching,
+)
 from rollbench.hifi.rolling.friction import Contact, solve_friction
-from rollbench.hifi.rolling.kinematics import MOTIONS, rolling_speed
+from rollbench.hifi.rolling.kinematics import Rolling, rolling_speed
 from rollbench.meshes.arrays import Array
 
 #: How far beyond its zone the kernel of finite bodies is good, over the zone's half length.
@@ -105,7 +114,7 @@ def _carried(scene: Rolling, choices: Choices, dt: float) -> list[_Carried]:
     out = []
     for (_, _, touch), contact in zip(touching(scene), contacts_of(scene, choices), strict=True):
         patch = patch_of(scene, touch, choices)
-        shift = rolling_speed(touch, scene.track, scene.radius, scene.orbit) * dt
+        shift = rolling_speed(touch, scene) * dt
         if patch.regular is not None and float(patch.at[:, 0].max()) + shift > REACH * patch.regular.scale[0]:
             raise ValueError(
                 "a step carries material from beyond the zone of finite bodies: take shorter ones, or half spaces"
@@ -124,13 +133,10 @@ def _row(
     gaps: Array,
 ) -> tuple[Array, Array, Array, Array, float, float, float]:
     """Speeds, rotations, forces, gaps, loss, power put in and stored at the end of a step; forces: before and after it."""
-    count = len(scene.balls)
-    motions, press = y[: MOTIONS * count].reshape(count, MOTIONS), y[MOTIONS * count :]
     old, new = forces
-    loss = -sum(float(q @ s) for q, s in zip(new, slips, strict=True))
-    for f, m in zip(press, scene.meetings, strict=True):
-        closing, *slide = m.rows @ y[m.columns]
-        loss += float(f) * (float(closing) + scene.mu_balls * float(np.linalg.norm(slide)))
+    speed, rotation, press = moving(scene, y)
+    closing = sum(float(f) * float(m.rows[0] @ y[m.columns]) for f, m in zip(press, scene.meetings, strict=True))
+    rub = -sum(float(q @ s) for q, s in zip(new, slips, strict=True)) + float(meeting_losses(scene, y).sum())
     power = -sum(float(q @ c.contact.given) for q, c in zip(new, carried, strict=True))
     stored = sum(float(q @ (c.present @ q - c.before @ before)) for q, before, c in zip(new, old, carried, strict=True))
-    return motions[:, 0] / scene.track.length, motions[:, 1:] / scene.radius, press.copy(), gaps, loss, power, stored
+    return speed, rotation, press, gaps, rub + closing, power, stored

@@ -17,8 +17,9 @@ from rollbench.comparison.wings.rolling.cases import case_of
 from rollbench.comparison.wings.rolling.from_rest import DURATION, GAP
 from rollbench.comparison.wings.rolling.low_order import low_order
 from rollbench.comparison.wings.rolling.runs import LEVELS
-from rollbench.hifi.rolling.balls import Choices, Rolling, finite_patch, prepare_bodies, solve_rolling, unit_patch
+from rollbench.hifi.rolling.balls import Choices, finite_patch, prepare_bodies, solve_rolling, unit_patch
 from rollbench.hifi.rolling.bodies import Sizes, forget_kernels
+from rollbench.hifi.rolling.kinematics import Rolling
 from rollbench.hifi.rolling.transient import run_from_rest
 from rollbench.meshes.memory import peak_MB
 

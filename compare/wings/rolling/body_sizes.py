@@ -11,9 +11,8 @@ from rollbench.comparison.scenes.catalogue import shipped
 from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.wings.rolling.cases import case_of
 from rollbench.comparison.wings.rolling.runs import BODIES, measures
-from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, solve_rolling
+from rollbench.hifi.rolling.balls import FIRST, NEARLY_RIGID, Choices, solve_rigid_rolling, solve_rolling
 from rollbench.hifi.rolling.bodies import Sizes
-from rollbench.hifi.rolling.rigid_limit import FIRST, solve_rigid_rolling
 
 #: Scenes: two balls of a linear bearing, on bars, and of a screw, on patches of the static reference.
 LINEAR, SCREW = SCENES = ("lin-pair-a", "lin-screw-pair-b-inferred")

@@ -18,8 +18,9 @@ from rollbench.comparison.wings.rolling.cases import case_of
 from rollbench.comparison.wings.rolling.from_rest import Series
 from rollbench.comparison.wings.rolling.rows import stored_rows
 from rollbench.comparison.wings.rolling.runs import LEVELS, load
-from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, Rolling, solve_rolling
+from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, solve_rolling
 from rollbench.hifi.rolling.friction import PATH
+from rollbench.hifi.rolling.kinematics import Rolling
 
 #: A grid beyond those of the uncertainty, and other paths: creeping speeds over the largest slip.
 BEYOND = (30, 44)

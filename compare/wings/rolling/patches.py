@@ -12,8 +12,8 @@ from rollbench.comparison.scenes.catalogue import shipped
 from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.wings.rolling.cases import case_of
 from rollbench.comparison.wings.rolling.runs import LEVELS
-from rollbench.hifi.rolling.balls import Choices, ContactOut, Rolling, hertz_size, solve_rolling
-from rollbench.hifi.rolling.kinematics import rolling_speed
+from rollbench.hifi.rolling.balls import Choices, ContactOut, hertz_size, solve_rolling
+from rollbench.hifi.rolling.kinematics import Rolling, rolling_speed
 from rollbench.meshes.arrays import Array
 
 #: Contacts shown: scene, ball, name of the contact.
@@ -53,7 +53,7 @@ def fields() -> tuple[PatchField, ...]:
 
 def _field(title: str, scene: Rolling, one: ContactOut) -> PatchField:
     touch = scene.balls[one.ball].touches[one.touch]
-    speed = rolling_speed(touch, scene.track, scene.radius, scene.orbit)
+    speed = rolling_speed(touch, scene)
     along, across = hertz_size(scene, touch)
     area = float(one.size.prod())
     turned = [1, 0]

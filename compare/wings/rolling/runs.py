@@ -4,7 +4,7 @@ Bodies are half spaces, or finite (`hifi.rolling.bodies`): patches of the static
 grooved bars.
 
 A run is a plain record. The answer of a grid is that of its elastic bodies less that of nearly rigid ones on the same
-grid, on top of the rigid limit by quadrature (`hifi.rolling.rigid_limit`).
+grid, on top of the rigid limit by quadrature (`hifi.rolling.balls`).
 """
 
 from __future__ import annotations
@@ -26,15 +26,16 @@ from rollbench.comparison.writing import replace_file
 from rollbench.hifi.rolling.balls import (
     NEARLY_RIGID,
     Choices,
-    Rolling,
+    RigidResult,
     RollingResult,
     hertz_size,
     prepare_bodies,
+    solve_rigid_rolling,
     solve_rolling,
 )
 from rollbench.hifi.rolling.bodies import Sizes
+from rollbench.hifi.rolling.kinematics import Rolling
 from rollbench.hifi.rolling.patch import MARGIN
-from rollbench.hifi.rolling.rigid_limit import RigidResult, solve_rigid_rolling
 from rollbench.meshes.canonical import digest
 
 #: Cells along and across the grooves of the levels; bump SCHEMA when the mechanics or the record change.
