@@ -17,11 +17,9 @@ from rollbench.comparison.scenes.catalogue import shipped
 from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.sources.kalker.proof import AS_RUNS, BY_GRID, RESOLVED, Proof, proofs
 from rollbench.comparison.system import gmsh_fault
-from rollbench.comparison.wings.rolling.body_sizes import NAMES
-from rollbench.comparison.wings.rolling.changes import Change, changes
-from rollbench.comparison.wings.rolling.from_rest import GAP, Series, from_rest
-from rollbench.comparison.wings.rolling.kept_sizes import Sizes
-from rollbench.comparison.wings.rolling.kept_sizes import sizes as body_sizes
+from rollbench.comparison.wings.rolling.body_sizes import NAMES, KeptSizes
+from rollbench.comparison.wings.rolling.body_sizes import sizes as body_sizes
+from rollbench.comparison.wings.rolling.changes import GAP, Change, Series, changes, from_rest
 from rollbench.comparison.wings.rolling.patches import PatchField, fields
 from rollbench.comparison.wings.rolling.rows import KNOWN, LIMIT, PAIRS, RINGS, RollingRow, load_state, stored_rows, within
 from rollbench.comparison.wings.rolling.runs import LEVELS, SOURCE_LEVEL, RollingRun, load
@@ -43,7 +41,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     series = from_rest()
     step("slip and traction; finite bodies of other sizes")
     left = "Left out of a quick report." if study.quick else "" if meshing else "Left out: gmsh cannot be loaded."
-    sizes = Sizes((), left) if left else body_sizes(stores, fresh=study.timed)
+    sizes = KeptSizes((), left) if left else body_sizes(stores, fresh=study.timed)
     patches = fields()
     step("other grids, steps and paths")
     changed = changes(stores, series, sizes.variants)
@@ -93,7 +91,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     return Section("rolling", "Rolling in 3D: balls that touch", items, conclusion=_conclusion(found))
 
 
-def _finite(stores: Sequence[Path], sizes: Sizes, proof: Sequence[Proof]) -> list[Text | Table | Figure | PressureMap]:
+def _finite(stores: Sequence[Path], sizes: KeptSizes, proof: Sequence[Proof]) -> list[Text | Table | Figure | PressureMap]:
     """What finite bodies change, and how far that depends on the choices behind them."""
     found = {name: stored_rows(name, stores, FINITE) for name in (*PAIRS, *RINGS)}
     missing = [name for name, rows in found.items() if not rows]

@@ -24,7 +24,7 @@ from rollbench.comparison.wings.friction.output import (
     static_only,
     warnings_of,
 )
-from rollbench.comparison.wings.friction.sums import sums
+from rollbench.comparison.wings.friction.quick import sums
 from rollbench.comparison.wings.friction.whole import NO_SPEED, ONE_TURN, Choices, coefficients, settled, status_of
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
 from rollbench.lowfi.statics.result import AxisResult, SetResult

@@ -22,8 +22,7 @@ from rollbench.comparison.wings.friction.answer import (
     load_row,
     solver_line,
 )
-from rollbench.comparison.wings.friction.kinds.bearing_ball import BearingBallScene
-from rollbench.comparison.wings.friction.kinds.bearing_pair import BearingPairScene
+from rollbench.comparison.wings.friction.kinds.bearings import BearingBallScene, BearingPairScene
 from rollbench.comparison.wings.friction.screw_kinds import screw_warnings, sliding
 from rollbench.lowfi.friction.bearing.module_load import ModuleLoad
 from rollbench.lowfi.friction.bearing.pairs import BearingCase, BearingState, bearing_states, free_motion

@@ -43,8 +43,8 @@ from rollbench.comparison.wings.friction.output import (
     solver_line,
     warnings_of,
 )
+from rollbench.comparison.wings.friction.quick import sums
 from rollbench.comparison.wings.friction.run import Run, run_data, run_lines, run_table, solve_run
-from rollbench.comparison.wings.friction.sums import sums
 from rollbench.lowfi.friction.whole.heathcote import WIDE, heathcote
 from rollbench.lowfi.friction.whole.state import FrictionState
 from rollbench.lowfi.statics.result import StaticResult

@@ -14,7 +14,7 @@ from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.system import cores
 from rollbench.comparison.wings.bench.costs.timing import Job, timed
 from rollbench.comparison.wings.rolling.cases import case_of
-from rollbench.comparison.wings.rolling.from_rest import DURATION, GAP
+from rollbench.comparison.wings.rolling.changes import DURATION, GAP
 from rollbench.comparison.wings.rolling.low_order import low_order
 from rollbench.comparison.wings.rolling.runs import LEVELS
 from rollbench.hifi.rolling.balls import Choices, finite_patch, prepare_bodies, solve_rolling, unit_patch

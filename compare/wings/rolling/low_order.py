@@ -5,7 +5,7 @@ from __future__ import annotations
 from time import perf_counter
 
 from rollbench.comparison.scenes.kinds import KindScene
-from rollbench.comparison.wings.friction.kinds.bearing_ball import BearingBallScene
+from rollbench.comparison.wings.friction.kinds.bearings import BearingBallScene
 from rollbench.comparison.wings.friction.kinds.linear import LinearScene
 from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewPairScene
 from rollbench.lowfi.friction.bearing.rotary import SIDES, solve_ball

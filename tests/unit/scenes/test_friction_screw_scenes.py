@@ -10,7 +10,7 @@ from tests.shipped_texts import changed
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.sources.lin.evidence.source_cases import double_row, four_point, inferred, lin_3_4_4, plain
 from rollbench.comparison.wings.friction.kind_solvers import solve_kind
-from rollbench.comparison.wings.friction.kinds.bearing_pair import BearingPairScene
+from rollbench.comparison.wings.friction.kinds.bearings import BearingPairScene
 from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewPairScene, ScrewRunScene
 from rollbench.comparison.wings.friction.solve import run_friction
 from rollbench.comparison.wings.friction.whole import Choices

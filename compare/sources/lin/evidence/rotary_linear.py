@@ -1,4 +1,4 @@
-"""Sections 3.2 and 3.3 and appendix G: evidence of every printed number; each solution is made once."""
+"""Sections 3.2 and 3.3 and appendix G: evidence of every printed number, each solution made once; other assumptions."""
 
 from __future__ import annotations
 
@@ -14,13 +14,22 @@ from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import entry, load_table
 from rollbench.comparison.sources.lin.evidence import source_cases
 from rollbench.comparison.wings.evidence.record import Evidence, Sheet
-from rollbench.lowfi.friction.bearing.rotary import SIDES, Mode, Solution, solve_ball, solve_ball_as_printed, source_law
+from rollbench.lowfi.friction.bearing.rotary import (
+    SIDES,
+    Mode,
+    Solution,
+    inner_torque,
+    solve_ball,
+    solve_ball_as_printed,
+    source_law,
+)
 from rollbench.lowfi.friction.contact.ellipse import cubic_factor, linear_error, linear_factor
 from rollbench.lowfi.friction.linear.analytic import velocity_deviation
 from rollbench.lowfi.friction.linear.loads import Loads
 from rollbench.lowfi.friction.linear.pair import PairMaps, PairResult, maps, pair_formulas, pair_state, solve_pair
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.meshes.arrays import Array
+from rollbench.reports.records import Quantity, Row
 
 #: Tables 3.1 and 3.3: inputs of the two case studies.
 ROTARY, AXIAL = source_cases.rotary("I").bearing, source_cases.rotary("I").force
@@ -258,3 +267,60 @@ def appendix_g(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every ta
     eta = degrees(reach * a_over_r)
     sheet.number("eta", eta, "from the value that was cut off", as_printed=degrees(reach * cut))
     return sheet.evidence()
+
+
+# --- lin 3.2 and 3.3 under several sets of assumptions: balance of power of the rotary cases, loads of the linear pair
+
+
+def balance_rows() -> list[Row]:
+    """Cases I to III: torque [N mm], power in and out [W], contacts at rest, by three sets of assumptions."""
+    rows: list[Row] = []
+    for case in CASES:
+        for label, s in (
+            ("right", right(case)),
+            ("least dissipation at the loads as printed", right(case, "as printed")),
+            ("as printed", as_printed(case)),
+        ):
+            torque = inner_torque(ROTARY, s.load, s.motion)
+            power = torque * ROTARY.speed
+            rows.append(
+                {
+                    "case": case,
+                    "model": label,
+                    Quantity("force", "sum of forces", "N", ".3f"): float(s.load.force.sum()),
+                    Quantity("torque", "friction's moment on the ring", "N mm", ".4f"): 1e3 * torque,
+                    Quantity("input", "power in", "W", ".6f"): power,
+                    Quantity("loss", "dissipation", "W", ".6f"): s.motion.loss,
+                    Quantity("balance", "power in against dissipation", "%", "g2"): float(
+                        error_percent(power, s.motion.loss)
+                    ),
+                    Quantity("rest", "contacts at rest", "", "s"): int(s.motion.rest.sum()),
+                    "status": s.motion.status,
+                }
+            )
+    return rows
+
+
+def sensitivity_rows() -> list[Row]:
+    """The linear pair under each assumption on loads and on friction between the balls: deviations and changes in per cent,
+    force in N."""
+    rows: list[Row] = []
+    printed = entry("lin-3.5", "a_force_numerical")
+    against = f"against the printed {printed.printed} N"
+    for loads, mu in product(LOADS, (0.1, 0.0)):
+        r, worst = pair(loads=loads, mu_balls=mu), pair(WORST, loads, mu_balls=mu)
+        increase = float(error_percent(worst.touching.loss, worst.free.loss))
+        rows.append(
+            {
+                "loads": loads,
+                Quantity("mu", "friction between balls", "", "g2"): mu,
+                Quantity("eps1", "ε₁, θ = 2°", "%", ".3f"): 100.0 * float(r.free.deviation[0]),
+                Quantity("eps2", "ε₂, θ = 2°", "%", ".3f"): 100.0 * float(r.free.deviation[1]),
+                Quantity("force", "force, θ = 2°", "N", ".3f"): r.force,
+                Quantity("error", against, "%", ".2f"): float(error_percent(r.force, printed.value or 0.0)),
+                Quantity("ratio", "total over baseline, θ = 3°", "%", ".1f"): 100.0 * worst.rubbing_ratio,
+                Quantity("increase", "increase of all losses, θ = 3°", "%", ".1f"): increase,
+                "status": r.touching.status,
+            }
+        )
+    return rows

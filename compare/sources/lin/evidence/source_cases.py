@@ -9,8 +9,7 @@ from dataclasses import replace
 
 from rollbench.comparison.printed.printed_data import entry
 from rollbench.comparison.scenes.catalogue import case
-from rollbench.comparison.wings.friction.kinds.bearing_ball import BearingBallScene
-from rollbench.comparison.wings.friction.kinds.bearing_pair import BearingPairScene
+from rollbench.comparison.wings.friction.kinds.bearings import BearingBallScene, BearingPairScene
 from rollbench.comparison.wings.friction.kinds.linear import LinearPairScene
 from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewPairScene, ScrewRunScene
 from rollbench.lowfi.friction.bearing.pairs import BearingCase

@@ -1,4 +1,4 @@
-"""Case studies 1, 2, 3 of Lin 2.4.1: load distributions, centreline, claims, and what the open choices change."""
+"""Case studies 1, 2, 3 of Lin 2.4.1: load distributions, centreline, claims, readings of the right end, choices."""
 
 from __future__ import annotations
 
@@ -7,16 +7,63 @@ from dataclasses import replace
 
 import numpy as np
 
+from rollbench.comparison.measure import load_error
+from rollbench.comparison.models.registry import DEFAULT
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.sections.curves import lateral, load_panel, loads
 from rollbench.comparison.sections.loaded_screw import loaded_screw
-from rollbench.comparison.sources.lin.evidence.choices_2_4_1 import Choice, choices
-from rollbench.comparison.sources.lin.evidence.loads_2_4_1 import CASES, READINGS, ratio, section_2_4_1, spread_of_choices
-from rollbench.comparison.sources.lin.sections.case3 import readings_table
+from rollbench.comparison.sources.lin.evidence.chapter_2 import (
+    CASES,
+    READINGS,
+    Choice,
+    choices,
+    ratio,
+    section_2_4_1,
+    spread_of_choices,
+)
 from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.reports.records import Figure, LoadedScrew, Panel, Quantity, Row, Section, Series, Table, Text
+
+
+def reference_words(study: Study, name: str) -> str:
+    """Text that says which 3D reference a scene has."""
+    found = study.reference(name)
+    return "none stored" if found is None else f"level {found.runs[-1].level}"
+
+
+def readings_table(study: Study) -> Table:
+    """Extremes of every reading and what it changes against the first, by the source's and the default model."""
+    rows: list[Row] = []
+    for reading in READINGS:
+        for name, first in ((reading.plain, READINGS[0].plain), (reading.offset, READINGS[0].offset)):
+            row: Row = {
+                "scene": name,
+                Quantity("held", "right end", "", "s"): reading.label,
+                Quantity("text", "text's reading", "", "s"): "yes" if reading.of_text else "no",
+                Quantity("reference", "3D reference", "", "s"): reference_words(study, name),
+            }
+            for model, words in (("lin", "source's model"), (DEFAULT, "refined model")):
+                result = study.solve(name, model)
+                e = load_error(result.load, study.solve(first, model).load)
+                where = f"{e.ball} {e.side}" if e.max_percent > 0.0 else "–"
+                row |= {
+                    Quantity(f"{model}_max", f"max, {words}", "N", ".1f"): float(result.load.max()),
+                    Quantity(f"{model}_min", f"min, {words}", "N", ".1f"): float(result.load.min()),
+                    Quantity(f"{model}_change", f"largest change, {words}", "% of mean", ".2f"): e.max_percent,
+                    Quantity(f"{model}_where", f"at ball, {words}", "", "s"): where,
+                }
+            rows.append(row)
+    note = (
+        "The text sets only the x-displacement of the last node (2.4.1.3). A bearing there holds the y-displacement too, "
+        "which is what the 3D reference was computed for; whether it holds rotations is open. Changes are against the "
+        "first reading."
+    )
+    return Table.of("cases-readings", "Case 3: readings of the right end", rows, note)
+
+
+# --- case studies 1, 2, 3 of Lin 2.4.1: load distributions, centreline, claims, and what the open choices change
 
 
 def choice_rows(found: Sequence[Choice]) -> list[Row]:

@@ -12,7 +12,6 @@ from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import entry
 from rollbench.comparison.sections.curves import numbers
-from rollbench.comparison.sources.lin.evidence.assumptions_3 import balance_rows, sensitivity_rows
 from rollbench.comparison.sources.lin.evidence.rotary_linear import (
     AXIAL,
     CASES,
@@ -22,9 +21,11 @@ from rollbench.comparison.sources.lin.evidence.rotary_linear import (
     ROTARY,
     VERTICAL,
     as_printed,
+    balance_rows,
     right,
+    sensitivity_rows,
 )
-from rollbench.comparison.sources.lin.extremes.printed_cases import pair_rows, root_rows
+from rollbench.comparison.sources.lin.extremes.cases import pair_rows, root_rows
 from rollbench.comparison.wings.evidence.registry import evidence
 from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
 from rollbench.lowfi.friction.bearing.rotary import SIDES, Solution, Sweep, sweep

@@ -8,7 +8,7 @@ import numpy as np
 
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study, with_groove
-from rollbench.comparison.sources.lin.evidence.hertz_b1 import TABLE_CONFORMITY, table_b_1
+from rollbench.comparison.sources.lin.evidence.chapter_2 import TABLE_CONFORMITY, table_b_1
 from rollbench.comparison.wings.evidence.audit import judge
 from rollbench.comparison.wings.evidence.record import Evidence
 from rollbench.lowfi.statics.problem import nominal_hertz, printed_sides

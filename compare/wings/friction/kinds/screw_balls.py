@@ -25,6 +25,7 @@ from rollbench.comparison.wings.friction.kinds.common import (
     Theta,
     body_faults,
     elastic,
+    hertz_faults,
     material_faults,
 )
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
@@ -178,22 +179,6 @@ def _screw_faults(keys: ScrewPairKeys | ScrewRunKeys) -> Iterator[Fault]:
     if keys.load.force == 0.0 and keys.errors.balls.oversize <= 0.0:
         advice = "nothing presses the balls: give a force, or an oversize above 0 um"
         yield Fault(("load.force",), "not zero for balls without oversize", advice)
-
-
-def hertz_faults(groove: ScrewGroove, prefix: str = "") -> Iterator[Fault]:
-    """Grooves for which the Hertz constants asked for do not exist; prefix: where their tables stand."""
-    try:
-        with np.errstate(invalid="ignore"):
-            if np.all(np.isfinite(groove.constants.C)):
-                return
-    except ValueError:
-        pass
-    if groove.hertz == "as printed":
-        advice = "the source's constants do not exist there, mostly because the helix is too steep"
-        yield Fault(("ingredients.hertz",), '"nominal" for these grooves', advice)
-        return
-    keys = (f"{prefix}screw.groove_radius", f"{prefix}screw.conformity")
-    yield Fault(keys, "a groove that does not conform to its ball", "take a wider groove")
 
 
 def _run_faults(keys: ScrewRunKeys) -> Iterator[Fault]:

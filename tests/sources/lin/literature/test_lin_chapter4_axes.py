@@ -8,8 +8,7 @@ from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import check, keys
 
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.sources.lin.evidence.lash_4_2_1 import PATTERNS, places
-from rollbench.comparison.sources.lin.evidence.steering_4_2 import rack, ratios
+from rollbench.comparison.sources.lin.evidence.steering import PATTERNS, places, rack, ratios
 from rollbench.comparison.sources.smith.evidence.case import APPLIED
 from rollbench.comparison.sources.smith.evidence.layouts import (
     LAYOUTS,

@@ -8,7 +8,7 @@ import pytest
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.store import load
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.sources.lin.reconstruction import scatter
+from rollbench.comparison.sources.lin.reconstruction import combined
 from rollbench.comparison.sources.lin.reconstruction.combined import (
     ERRORS,
     LOW_MOVERS,
@@ -19,15 +19,31 @@ from rollbench.comparison.sources.lin.reconstruction.combined import (
     ratio,
     solid_loads,
 )
-from rollbench.comparison.sources.lin.reconstruction.friction import MU, closure, off_line, slack, tilt_that_slides
-from rollbench.comparison.sources.lin.reconstruction.readings import CASES, LEVEL, LOW, SOLID, key_of, together
-from rollbench.comparison.sources.lin.reconstruction.runs import MOVERS, RUNS, scenes, stored, wanted
-from rollbench.comparison.sources.lin.sections.other_statements import has_shape, other_table
+from rollbench.comparison.sources.lin.reconstruction.readings import (
+    CASES,
+    LEVEL,
+    LOW,
+    MOVERS,
+    MU,
+    RUNS,
+    SOLID,
+    closure,
+    key_of,
+    off_line,
+    scenes,
+    slack,
+    stored,
+    tilt_that_slides,
+    together,
+    wanted,
+)
 from rollbench.comparison.sources.lin.sections.reconstruction import (
     combination_table,
     first_paragraph,
     friction_paragraph,
+    has_shape,
     met_table,
+    other_table,
     second_paragraph,
 )
 from rollbench.comparison.wings.evidence.audit import judge
@@ -89,24 +105,24 @@ def test_the_page_answers_first(study):
 
 def test_scatter_of_the_mesh_is_what_is_measured():
     pytest.importorskip("gmsh")
-    found = scatter.mesh_scatter()
-    assert found.approach == pytest.approx(scatter.APPROACH, rel=1e-4)
-    assert found.bias == pytest.approx(scatter.BIAS, abs=0.3)
-    assert found.percent == pytest.approx(scatter.SCATTER, rel=0.3)
+    found = combined.mesh_scatter()
+    assert found.approach == pytest.approx(combined.APPROACH, rel=1e-4)
+    assert found.bias == pytest.approx(combined.BIAS, abs=0.3)
+    assert found.percent == pytest.approx(combined.SCATTER, rel=0.3)
 
 
 def test_drawn_errors_are_those_of_the_loads_without_scatter(study):
     best = meeting(study.once(combinations))[0]
     loads = low_loads(study, best.low), solid_loads(study, best.solid)
     for of_load, definition in ((True, "own"), (False, "mean")):
-        still = scatter.drawn_errors(*loads, 0.0, of_load=of_load)
+        still = combined.drawn_errors(*loads, 0.0, of_load=of_load)
         assert np.ptp(still, axis=0) == pytest.approx(0.0, abs=1e-9)
         assert still[0] == pytest.approx(best.errors[definition], rel=2e-3)
-    drawn = scatter.drawn_errors(*loads, 1.0)
+    drawn = combined.drawn_errors(*loads, 1.0)
     assert (np.median(drawn, axis=0) > still[0]).all()
-    assert 0.0 < scatter.share_of_closure(loads[1]) < 1.5  # less than between rigid bodies
-    assert scatter.probability(drawn, 0.265, 0.15) > 10.0 * scatter.probability(
-        scatter.drawn_errors(*loads, 0.2), 0.265, 0.15
+    assert 0.0 < combined.share_of_closure(loads[1]) < 1.5  # less than between rigid bodies
+    assert combined.probability(drawn, 0.265, 0.15) > 10.0 * combined.probability(
+        combined.drawn_errors(*loads, 0.2), 0.265, 0.15
     )
 
 

@@ -1,4 +1,4 @@
-"""The kind "bearing pair": a four-point bearing against a double-row one, over the angle of the load (Lin 4.3.1)."""
+"""The kinds "bearing ball" and "bearing pair": one ball, a four-point bearing against a double-row one (Lin 3.2, 4.3.1)."""
 
 from __future__ import annotations
 
@@ -13,20 +13,136 @@ from pydantic import Field
 from rollbench.comparison.scenes.fault import Fault
 from rollbench.comparison.scenes.keys import BallSizeKeys, CoulombKeys, GrooveKeys, PathKeys, Size, SpeedKeys, Table
 from rollbench.comparison.scenes.kinds import KindKeys, KindScene, head_of
-from rollbench.comparison.scenes.quantity import Quantity, key
+from rollbench.comparison.scenes.quantity import Quantity, Rate, key
 from rollbench.comparison.wings.friction.kinds.common import (
     Body,
     HertzKeys,
     Pressing,
+    SectionKeys,
     SharedErrorKeys,
     body_faults,
     elastic,
+    hertz_faults,
     material_faults,
+    play_faults,
 )
-from rollbench.comparison.wings.friction.kinds.screw_balls import hertz_faults
 from rollbench.lowfi.friction.bearing.pairs import ALL, DIAGONAL, OTHER, BallRow, BearingCase
+from rollbench.lowfi.friction.bearing.rotary import Bearing, Mode
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.meshes.arrays import Array
+
+Law = Literal["coulomb", "regularised", "sigmoid"]
+Creep = Annotated[float, Rate("speed", "0 m/s", "1 m/s", "0.1 mm/s", above=True)]
+Move = Annotated[float, Quantity("length", "-1 mm", "1 mm", "5 um")]
+Axial = Annotated[float, Quantity("force", "-1 MN", "1 MN", "100 N")]
+Sharpness = Annotated[float, Quantity("number", 0, 1_000_000, 100, above=True)]
+MapStep = Annotated[float, Quantity("number", 0, 1, 0.08, above=True)]
+
+
+class RingLoadKeys(Table):
+    """What is done to the inner ring."""
+
+    axial_force: Axial = key("force along the axis")
+    radial_displacement: Move = key("displacement towards the ball", "0 um", "5 um")
+
+
+class LawKeys(CoulombKeys):
+    """Friction of the contacts, and the law it follows."""
+
+    law: Law = key("Coulomb's, Coulomb's regularised, or the sigmoid of Lin 3.20", "coulomb", "coulomb")
+    creep: Creep | None = key('speed that regularises, for law = "regularised"', None)
+    sharpness: Sharpness | None = key('k_S, for law = "sigmoid"', None)
+    map_step: MapStep | None = key("step in c/a of the source's maps; exact integrals if left out", None)
+
+
+class BearingBallKeys(SectionKeys):
+    """One ball of a rotary bearing; the inner ring turns, the outer one is held."""
+
+    kind: Literal["bearing ball"] = key("what the scene describes", example="bearing ball")
+    track: PathKeys = key("path of the ball centres, of zero lead")
+    balls: BallSizeKeys = key("the ball")
+    load: RingLoadKeys = key("force and displacement of the inner ring")
+    motion: SpeedKeys = key("motion of the inner ring")
+    friction: LawKeys = key("friction")
+
+
+@dataclass(frozen=True)
+class BearingBallScene(KindScene):
+    """One ball: bearing, axial force [N], radial displacement [m], Hertz constants, law with its parameters.
+
+    creep [m/s] for "regularised"; sharpness k_S and map_step in c/a (None: exact integrals) for "sigmoid".
+    """
+
+    kind: ClassVar[str] = "bearing ball"
+    bearing: Bearing
+    force: float
+    displacement: float
+    hertz: Mode
+    law: Law
+    creep: float
+    sharpness: float
+    map_step: float | None
+
+
+def ball_faults(keys: KindKeys) -> Iterator[Fault]:
+    """Contradictory choices and bodies that the model cannot treat."""
+    assert isinstance(keys, BearingBallKeys)
+    wrong = [*material_faults(keys.material), *body_faults(_ball_body(keys), ring=True)]
+    yield from wrong
+    if wrong:
+        return
+    reach = _ball_body(keys).groove - keys.balls.radius
+    yield from play_faults(reach, keys.load.radial_displacement, "load.radial_displacement")
+    yield from _law_faults(keys.friction, keys.motion.speed)
+
+
+def _law_faults(f: LawKeys, speed: float) -> Iterator[Fault]:
+    for name, law in (("creep", "regularised"), ("sharpness", "sigmoid"), ("map_step", "sigmoid")):
+        if getattr(f, name) is not None and f.law != law:
+            yield Fault((f"friction.{name}",), f'only with law = "{law}"', f'remove it, or set law = "{law}"')
+    if f.law == "regularised" and f.creep is None:
+        advice = 'add creep = "0.1 mm/s", the speed that regularises'
+        yield Fault(("friction.creep",), "above 0 m/s", advice, "nothing")
+    if f.law == "sigmoid" and f.sharpness is None:
+        yield Fault(("friction.sharpness",), "above 0", "add sharpness = 100, the k_S of the sigmoid", "nothing")
+    if f.law == "sigmoid" and speed == 0.0:
+        advice = "the sigmoid's spin is relative to the ring's speed: let it turn, or take another law"
+        yield Fault(("motion.speed",), "not zero for the sigmoid", advice)
+
+
+def _ball_body(keys: BearingBallKeys) -> Body:
+    return Body(keys.track, keys.screw, keys.nut, keys.balls, keys.errors.balls.oversize)
+
+
+def ball_record(keys: KindKeys, name: str) -> BearingBallScene:
+    """The scene of faultless keys."""
+    assert isinstance(keys, BearingBallKeys)
+    f, body = keys.friction, _ball_body(keys)
+    bearing = Bearing(
+        keys.balls.radius,
+        body.groove,
+        keys.track.pitch_radius,
+        keys.track.contact_angle,
+        *elastic(keys.material),
+        f.coefficient,
+        keys.motion.speed,
+        0.0 - body.oversize,
+    )
+    return BearingBallScene(
+        *head_of(keys, name),
+        bearing,
+        keys.load.axial_force,
+        keys.load.radial_displacement,
+        keys.ingredients.mode,
+        f.law,
+        f.creep or 0.0,
+        f.sharpness or 0.0,
+        f.map_step,
+    )
+
+
+# --- the kind "bearing pair": a four-point bearing against a double-row one, over the angle of the load (Lin 4.3.1)
+
 
 LoadAngle = Annotated[float, Quantity("angle", "0 deg", "90 deg", "18 deg")]
 
@@ -92,11 +208,11 @@ class BearingPairScene(KindScene):
     angle: Array
 
 
-def _body(b: RingKeys, table: str) -> Body:
+def _bearing_body(b: RingKeys, table: str) -> Body:
     return Body(b.track, b.screw, b.nut, b.balls, b.errors.balls.oversize, f"{table}.")
 
 
-def faults(keys: KindKeys) -> Iterator[Fault]:
+def pair_faults(keys: KindKeys) -> Iterator[Fault]:
     """Contradictory choices and bodies that the model cannot treat."""
     assert isinstance(keys, BearingPairKeys)
     wrong = list(material_faults(keys.material))
@@ -104,7 +220,7 @@ def faults(keys: KindKeys) -> Iterator[Fault]:
     if wrong:
         return
     for table, b in (("four_point", keys.four_point), ("double_row", keys.double_row)):
-        wrong = list(body_faults(_body(b, table), ring=True))
+        wrong = list(body_faults(_bearing_body(b, table), ring=True))
         yield from wrong
         if not wrong:
             most = int(pi / asin(b.balls.radius / b.track.pitch_radius))
@@ -120,7 +236,7 @@ def faults(keys: KindKeys) -> Iterator[Fault]:
 
 
 def _bearing(keys: BearingPairKeys, b: RingKeys, table: str) -> BearingCase:
-    body = _body(b, table)
+    body = _bearing_body(b, table)
     groove = ScrewGroove(
         b.balls.radius,
         body.groove,
@@ -141,7 +257,7 @@ def _bearing(keys: BearingPairKeys, b: RingKeys, table: str) -> BearingCase:
     return BearingCase(groove, b.balls.count, rows, keys.load.force, 0.0 - body.oversize, keys.load.tilt)
 
 
-def record(keys: KindKeys, name: str) -> BearingPairScene:
+def pair_record(keys: KindKeys, name: str) -> BearingPairScene:
     """The scene of faultless keys."""
     assert isinstance(keys, BearingPairKeys)
     four = _bearing(keys, keys.four_point, "four_point")

@@ -1,15 +1,15 @@
-"""Extreme cases of pairs and chains of balls, in a linear bearing and in a ball screw, and of a bearing with clearance."""
+"""Extreme cases of balls, pairs and chains, and of bearings with clearance; starts around the printed cases."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from math import radians
 
 import numpy as np
 
-from rollbench.comparison.sources.lin.evidence.rotary_linear import LINEAR, VERTICAL
+from rollbench.comparison.sources.lin.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, VERTICAL, right
 from rollbench.comparison.sources.lin.evidence.source_cases import four_point, inferred, plain, table_3_6
 from rollbench.comparison.sources.lin.extremes.tally import (
     ANGLES,
@@ -22,22 +22,151 @@ from rollbench.comparison.sources.lin.extremes.tally import (
     NEAR_START,
     NO_FORCE,
     RHO,
+    SHARPNESS,
     SMALL,
     SOURCE_BALLS,
+    STARTS,
     UNLOADED,
     Record,
     Tally,
 )
 from rollbench.lowfi.friction.as_source.starts import from_linear_starts, from_pair_starts, from_screw_starts
 from rollbench.lowfi.friction.bearing.pairs import solve_bearing
+from rollbench.lowfi.friction.bearing.rotary import Bearing, Mode, solve_ball, source_law
+from rollbench.lowfi.friction.contact.laws import Sigmoid
+from rollbench.lowfi.friction.contact.motion import Problem, balance_by_root, least_dissipation
 from rollbench.lowfi.friction.linear.bearing import LinearBearing, deviations
 from rollbench.lowfi.friction.linear.chain import Chain, prepare, solve_linear_chain
 from rollbench.lowfi.friction.linear.loads import balanced_loads
 from rollbench.lowfi.friction.linear.pair import pair_state
 from rollbench.lowfi.friction.screw.chain import Chain as ScrewChain
 from rollbench.lowfi.friction.screw.chain import ChainMotion, solve_chain
+from rollbench.lowfi.friction.screw.motion import screw_contacts
+from rollbench.lowfi.friction.screw.motion import source_law as screw_law
 from rollbench.lowfi.friction.screw.pair import Pair, solve_pair
 from rollbench.meshes.arrays import Array
+from rollbench.reports.records import Quantity, Row
+
+
+@dataclass(frozen=True)
+class OneBall:
+    """A ball at given loads: its problem, speed that drives it [rad/s], the source's law."""
+
+    problem: Problem
+    law: Sigmoid
+    power: Callable[[Array], float]
+
+
+def rotary_ball(bearing: Bearing, axial: float, u_y: float, sharpness: float = 100.0, hertz: Mode = "right") -> OneBall:
+    """Rotary bearing at an axial load [N] and a radial displacement [m]."""
+    s = solve_ball(bearing, axial, u_y, hertz, fast=True)
+    law = source_law(bearing, sharpness, None) if bearing.speed else Sigmoid(sharpness, 1.0)
+    return OneBall(s.problem, law, lambda f: _drive_power(s.problem, f))
+
+
+def screw_ball(pair: Pair, force: Array | None = None, sharpness: float = 100.0) -> OneBall:
+    """Second ball of a pair without contact, or with contact forces (4,) [N] at the nominal angles."""
+    g = pair.groove
+    angle = np.full(4, g.contact_angle)
+    if force is None:
+        load = solve_pair(pair).free.load
+        force, angle = load.force[1], load.angle[1]
+    maps, drives = g.maps(g.normals(angle))
+    problem = Problem(screw_contacts(g, force), maps, drives, np.zeros(4))
+    law = screw_law(g, sharpness) if g.speed else Sigmoid(sharpness, 1.0)
+    return OneBall(problem, law, lambda f: _drive_power(problem, f))
+
+
+def _drive_power(problem: Problem, wrench: Array) -> float:
+    """Power [W] of the driven surfaces against friction (m, 3) on the ball: what drives the contacts."""
+    return -float(np.sum(wrench * problem.drives))
+
+
+def try_ball(tally: Tally, ball: OneBall, rng: np.random.Generator, off: float) -> None:
+    """Least dissipation and the source's root from the same random starts, each unknown off by up to ``off``."""
+    tally.cases += 1
+    first = least_dissipation(ball.problem, fast=True)
+    size = float(np.max(np.abs(first.q))) or 1.0
+    starts = [
+        first.q + off * rng.uniform(-1.0, 1.0, first.q.size) * np.maximum(np.abs(first.q), 0.01 * size)
+        for _ in range(STARTS)
+    ]
+    for m in (first, *(least_dissipation(ball.problem, q, fast=True) for q in starts)):
+        wrench = np.column_stack([m.friction.force, m.friction.moment])
+        apart = abs(m.loss - first.loss) / first.loss if first.loss > 0.0 else abs(m.loss)
+        tally.add(m.status != "failed", ball.power(wrench), m.loss, apart)
+    for q in starts:
+        tally.source += balance_by_root(ball.problem, ball.law, q, fast=True).status == "exact"
+        tally.source_tries += 1
+
+
+def ball_group(group: str, model: str, balls: Sequence[OneBall], note: str = "", off: float = FAR_START) -> Record:
+    """A group of single balls; off: how far random starts are off, relative."""
+    rng, tally = np.random.default_rng(1), Tally()
+    for ball in balls:
+        try_ball(tally, ball, rng, off)
+    return tally.record(group, model, note)
+
+
+def screw_share(share: float) -> OneBall:
+    """Screw ball whose second diagonal bears a share of the first's load."""
+    return screw_ball(inferred(0.0), 100.0 * np.array([1.0, share, share, 1.0]))
+
+
+def ball_rows() -> list[Record]:
+    """One ball at given loads."""
+    two, rest = radians(2.0), table_3_6(nut_speed=0.0)
+    around = 1e-6 * np.linspace(4.2, 4.5, 13)
+    loose = [replace(ROTARY, clearance=c) for c in CLEARANCE]
+    rows = []
+    for off, k in product((NEAR_START, FAR_START), SHARPNESS):
+        note = f"starts within {off:.0%}"
+        printed = [rotary_ball(ROTARY, AXIAL, u, k, "as printed") for u in CASES.values()]
+        rows.append(ball_group(f"k_S {k:g}", "rotary, cases I to III as printed", printed, note, off))
+        pairs = [screw_ball(p(two), None, k) for p in (plain, inferred)]
+        rows.append(ball_group(f"k_S {k:g}", "screw, pair of Table 3.7", pairs, note, off))
+    rows += [
+        ball_group("theta to ±5°", "screw", [screw_ball(inferred(radians(t))) for t in ANGLES]),
+        ball_group("mu 0.001 to 0.5", "screw", [screw_ball(replace(inferred(two), groove=table_3_6(mu=m))) for m in MU]),
+        ball_group(
+            "mu 0.001 to 0.5",
+            "rotary",
+            [rotary_ball(replace(ROTARY, mu=m), AXIAL, u) for m, u in product(MU, CASES.values())],
+        ),
+        ball_group(
+            "two-point transition",
+            "rotary",
+            [rotary_ball(ROTARY, AXIAL, float(u)) for u in around],
+            "radial displacement 4.2 to 4.5 µm",
+        ),
+        ball_group(
+            "two-point transition",
+            "screw",
+            [screw_share(10.0**-k) for k in range(13)],
+            "load of the second diagonal down to 1e-12 of the first",
+        ),
+        ball_group("loads 1e-3 to 1e5 N", "rotary", [rotary_ball(ROTARY, f, u) for f, u in product(LOADS, CASES.values())]),
+        ball_group("loads 1e-3 to 1e5 N", "screw", [screw_ball(replace(inferred(two), force=(f,))) for f in LOADS]),
+        ball_group(
+            "clearance to 10 µm", "rotary", [rotary_ball(b, AXIAL, u) for b, u in product(loose, (0.0, 5.2e-6, 20e-6))]
+        ),
+        ball_group(
+            "clearance to 10 µm",
+            "screw",
+            [screw_ball(replace(plain(two), oversize=-c, coupling="none")) for c in CLEARANCE],
+        ),
+        ball_group(
+            "zero speed",
+            "rotary",
+            [rotary_ball(replace(ROTARY, speed=0.0), AXIAL, u) for u in CASES.values()],
+            "nothing turns",
+        ),
+        ball_group("zero speed", "screw", [screw_ball(replace(inferred(two), groove=rest))], "nothing turns"),
+    ]
+    return rows
+
+
+# --- extreme cases of pairs and chains of balls, in a linear bearing and in a ball screw, and of a bearing with clearance
 
 
 @dataclass(frozen=True)
@@ -236,3 +365,74 @@ def chain_rows() -> list[Record]:
         screw_chains(),
         bearing_clearance(),
     ]
+
+
+# --- extremes around the printed cases of Lin 3.2 and 3.3: the linear pair, and starts of the rotary bearing's ball
+
+
+#: Random starts of root finding, near and far.
+ROOT_STARTS = 8
+
+
+def pair_extremes() -> list[tuple[str, list[Chain]]]:
+    """Groups of extreme linear pairs, each a chain ready to solve."""
+
+    def make(theta: float, rho: float, vertical: float, mu: float) -> Chain:
+        bearing = replace(LINEAR, mu=mu, mu_balls=mu)
+        return prepare(bearing, *pair_state(bearing, radians(theta), rho, vertical, loads="elastic"))
+
+    return [
+        (
+            "rho to ±0.999, theta to ±5 deg",
+            [make(t, r, 100.0, 0.1) for t, r in product((-5.0, -0.1, 2.0, 5.0), (-0.999, -0.9, -0.3, 0.3, 0.9, 0.999))],
+        ),
+        (
+            "friction coefficient 0.001 to 0.5",
+            [make(2.0, r, 100.0, mu) for r, mu in product((-0.6, -0.999), (1e-3, 0.01, 0.1, 0.3, 0.5))],
+        ),
+        ("loads 1e-3 to 1e5 N", [make(2.0, r, f, 0.1) for r, f in product((-0.6, -0.999), (1e-3, 0.1, 10.0, 1e3, 1e5))]),
+    ]
+
+
+def pair_rows() -> list[Row]:
+    """Extreme pairs from the nominal start and from two random ones: solved, energy balance, spread of the answers."""
+    rng, rows = np.random.default_rng(3), list[Row]()
+    for group, chains in pair_extremes():
+        solved, energy, spread, residual = 0, 0.0, 0.0, 0.0
+        for c in chains:
+            starts = [None, *(c.problem.nominal * rng.uniform(-3.0, 3.0, (c.count, 3)) for _ in range(2))]
+            found = [solve_linear_chain(c, start) for start in starts]
+            solved += sum(r.status == "converged" for r in found)
+            energy = max(energy, *(abs(r.power / r.loss - 1.0) for r in found))
+            spread = max(spread, *(float(abs(r.ball_force[0] - found[0].ball_force[0])) / c.scale for r in found))
+            residual = max(residual, *(max(r.residual, r.lag) for r in found))
+        rows.append(
+            {
+                Quantity("group", "what is varied", "", "s"): group,
+                "cases": len(chains),
+                Quantity("solved", "solved from three starts", "", "s"): f"{solved} of {3 * len(chains)}",
+                Quantity("residual", "largest residual", "", "g2"): residual,
+                Quantity("energy", "relative excess of power in over dissipation", "", "g2"): energy,
+                Quantity("spread", "spread of the force over the starts", "", "g2"): spread,
+            }
+        )
+    return rows
+
+
+def root_rows() -> list[Row]:
+    """The source's root finding on cases I to III and least dissipation, from the same random starts."""
+    rng, rows = np.random.default_rng(5), list[Row]()
+    first = {case: right(case, "as printed") for case in CASES}
+    for case, sharpness in product(CASES, (100.0, 1e3, 1e4)):
+        s, law = first[case], source_law(ROTARY, sharpness, None)
+        row: Row = {"case": case, Quantity("sharpness", "k_S", "", "g3"): sharpness}
+        for key, words, off in (("near", "1 % of the solution", 0.01), ("far", "50 %", 0.5)):
+            begin = [s.motion.q * rng.uniform(1.0 - off, 1.0 + off, 3) for _ in range(ROOT_STARTS)]
+            by_root = sum(balance_by_root(s.problem, law, q, fast=True).status == "exact" for q in begin)
+            heading = f"root finding, starts within {words}"
+            row[Quantity(key, heading, "", "s")] = f"{by_root} of {ROOT_STARTS}"
+        least = [least_dissipation(s.problem, q, fast=True) for q in begin]
+        good = sum(m.status == "exact" and abs(m.loss / s.motion.loss - 1.0) < 1e-8 for m in least)
+        ours = Quantity("ours", "least dissipation, starts within 50 %", "", "s")
+        rows.append(row | {ours: f"{good} of {ROOT_STARTS}"})
+    return rows
