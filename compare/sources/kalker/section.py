@@ -103,18 +103,17 @@ def _finite(stores: Sequence[Path], sizes: KeptSizes, proof: Sequence[Proof]) ->
         Text(
             [
                 (
-                    "Finite bodies, normal and tangential: for rings and screws the static reference's patches "
-                    "of groove and ball, set into pieces of their bodies; for straight rails, which the static "
-                    "reference does not have, a whole ball and grooved bars of the same elements. Their "
-                    "response beyond a half space of the same cells is a smooth kernel, added to the closed "
-                    "form of half spaces. Without motion they give the pressures of the static reference's "
-                    "patches (first rows of the verification). Simplified: balls touch each other in a point. "
-                    "Over Hertz's circle and over the patch of two finite balls, all of which slides, force and "
-                    f"loss of that friction agree to {rub:.2g} % (verification), whatever the elasticity. The "
-                    "kernel changes the pressure, adds a strain by normal forces that half spaces of one "
-                    "material do not have, and shortens the rolling radius of the ball by half of the approach. "
-                    "Contact forces are unchanged, by Hertz's law; the contacts of one ball do not influence "
-                    "each other, and friction does not change pressures."
+                    "Finite bodies, normal and tangential: for rings and screws the static reference's patches of groove "
+                    "and ball, set into pieces of their bodies; for straight rails, which the static reference does not "
+                    "have, a whole ball and grooved bars of the same elements. Their response beyond a half space of the "
+                    "same cells is a smooth kernel, added to the closed form of half spaces. Without motion they give the "
+                    "pressures of the static reference's patches (first rows of the verification). Simplified: balls "
+                    "touch each other in a point. Over Hertz's circle and over the patch of two finite balls, all of "
+                    f"which slides, force and loss of that friction agree to {rub:.2g} % (verification), whatever the "
+                    "elasticity. The kernel changes the pressure, adds a strain by normal forces that half spaces of one "
+                    "material do not have, and shortens the rolling radius of the ball by half of the approach. Contact "
+                    "forces are unchanged, by Hertz's law; the contacts of one ball do not influence each other, and "
+                    "friction does not change pressures."
                 )
                 + most
             ]
@@ -210,12 +209,11 @@ def _words(found: dict[str, list[RollingRow]], proof: Sequence[Proof]) -> list[s
     beyond = [r for r in gated if not within(r)]
     out = [
         (
-            "The 3D model of rolling solves the normal and tangential contact of elastic bodies on a grid in "
-            "every contact. Coulomb's law holds in every cell to round-off, elastic displacements travel with "
-            "the material, and each ball moves so that its forces and moments balance. Bodies are elastic half "
-            "spaces; finite bodies are computed for comparison. Grid errors that also occur for rigid bodies "
-            "(cells, staircase edge, a spin pole inside a cell) are removed with nearly rigid bodies on the "
-            "same grid and the rigid limit by quadrature."
+            "The 3D model of rolling solves the normal and tangential contact of elastic bodies on a grid in every "
+            "contact. Coulomb's law holds in every cell to round-off, elastic displacements travel with the material, and "
+            "each ball moves so that its forces and moments balance. Bodies are elastic half spaces; finite bodies are "
+            "computed for comparison. Grid errors that also occur for rigid bodies (cells, staircase edge, a spin pole "
+            "inside a cell) are removed with nearly rigid bodies on the same grid and the rigid limit by quadrature."
         ),
         f"{reached} of {len(proof)} known answers are met within their targets.{_pole(proof)}",
     ]
@@ -239,10 +237,9 @@ def _pole(proof: Sequence[Proof]) -> str:
         return ""
     alone, resolved, differenced = worst
     return (
-        " Where a whole contact slips about a pole inside a cell, the error of the grid alone is "
-        f"{alone:.2g} %: the direction of slip turns within the cell. With that resolved, the staircase edge "
-        f"leaves {resolved:.2g} %. Evaluated as differences, as runs are, every level is within "
-        f"{differenced:.2g} %."
+        f" Where a whole contact slips about a pole inside a cell, the error of the grid alone is {alone:.2g} %: the "
+        f"direction of slip turns within the cell. With that resolved, the staircase edge leaves {resolved:.2g} %. "
+        f"Evaluated as differences, as runs are, every level is within {differenced:.2g} %."
     )
 
 

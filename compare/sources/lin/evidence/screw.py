@@ -237,10 +237,9 @@ def _claims_of_run(sheet: Sheet) -> None:
     sheet.claim(
         "groove_steady",
         max(vary) < 0.03,
-        f"largest less smallest over mean: {vary[0]:.1%} with 2 deg, {vary[1]:.1%} with 3 deg; without "
-        f"oversize, loads coupled to friction, {variation(loose):.1%} from the second step on and "
-        f"{summarise(loose).groove_variation:.0%} with the first, whose loads are computed without friction: mostly the "
-        "start, not third contacts that come and go",
+        f"largest less smallest over mean: {vary[0]:.1%} with 2 deg, {vary[1]:.1%} with 3 deg; without oversize, loads "
+        f"coupled to friction, {variation(loose):.1%} from the second step on and {summarise(loose).groove_variation:.0%} "
+        "with the first, whose loads are computed without friction: mostly the start, not third contacts that come and go",
     )
     again = [engages_again(screw_run(a)) for a in AMPLITUDES]
     sheet.claim("none_then_again", all(again), "with 2 and with 3 deg")

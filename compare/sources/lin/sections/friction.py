@@ -40,10 +40,9 @@ TABLES = ("lin-3.2", "lin-3.3", "lin-3.4", "lin-3.5", "lin-G")
 DIGITS = {"lin-3.2": 7}
 NOTES = {
     "lin-3.2": (
-        "As printed: Hertz constants by the method of Table B.1 (F = 1, second fundamental form alone), the "
-        "sigmoid with k_S = 100, maps interpolated linearly. Right: exact Hertz constants, Coulomb friction, "
-        "least dissipation. The error refers to the as-printed value in class as-printed, otherwise to the "
-        "right one."
+        "As printed: Hertz constants by the method of Table B.1 (F = 1, second fundamental form alone), the sigmoid with "
+        "k_S = 100, maps interpolated linearly. Right: exact Hertz constants, Coulomb friction, least dissipation. The "
+        "error refers to the as-printed value in class as-printed, otherwise to the right one."
     ),
     "lin-3.5": "The times are those of the source's machine and are not compared.",
 }
@@ -81,8 +80,7 @@ def sensitivity_table() -> Table:
     deviations = " and ".join(f"{entry('lin-3.4', f'a_eps{k}_numerical').printed} %" for k in (1, 2))
     note = (
         "diagonal: the text before (3.54); balanced: in equilibrium at the stated angles; elastic: angles follow the "
-        "loads. "
-        f"The printed force of {printed.printed} N {inside} the range of the assumptions, {min(forces):.2f} to "
+        f"loads. The printed force of {printed.printed} N {inside} the range of the assumptions, {min(forces):.2f} to "
         f"{max(forces):.2f} N; Table 3.4 prints deviations of {deviations} for the same case."
     )
     return replace(table, note=note)
@@ -100,9 +98,8 @@ def stability_table() -> Table:
 def root_table() -> Table:
     """Root finding as printed against least dissipation."""
     note = (
-        "At the loads as printed, sigmoid without maps; each of the three unknowns starts off at random. "
-        "Least dissipation succeeds only if its loss is the one minimum; it uses Coulomb friction whatever "
-        "k_S is."
+        "At the loads as printed, sigmoid without maps; each of the three unknowns starts off at random. Least "
+        "dissipation succeeds only if its loss is the one minimum; it uses Coulomb friction whatever k_S is."
     )
     return Table.of("friction-roots", "Rotary bearing: starts from which the motion is found", root_rows(), note)
 
@@ -136,11 +133,10 @@ def torque_figure() -> Figure:
     )
     missing = int(np.sum(~good))
     caption = (
-        "Once four contacts carry load, torque rises several times faster than force: the light contacts "
-        "first slide (steep part), then all spin (after the bend). With exact Hertz constants the bend "
-        "comes earlier, so case II, which is just before it as printed, lies beyond it. The printed sum of "
-        "forces of case III lies below the curve: a misprint. Gaps: the source's root was not found at "
-        f"{missing} of {u.size} points."
+        "Once four contacts carry load, torque rises several times faster than force: the light contacts first slide "
+        "(steep part), then all spin (after the bend). With exact Hertz constants the bend comes earlier, so case II, "
+        "which is just before it as printed, lies beyond it. The printed sum of forces of case III lies below the curve: "
+        f"a misprint. Gaps: the source's root was not found at {missing} of {u.size} points."
     )
     return Figure("friction-torque", "Rotary bearing: forces, torque, losses and motion over u_y", panels, caption)
 
@@ -161,10 +157,9 @@ def velocity_figure() -> Figure:
     panels = [velocity_panel(case, right(case), "right") for case in CASES]
     panels += [velocity_panel(case, as_printed(case), "as printed") for case in CASES]
     caption = (
-        "A slope is spin, a zero the centre of rotation, an offset sliding. Case I: one contact rolls (at "
-        "rest), the other spins about its centre. As printed, case II slides in IR and OL while OR is "
-        "nearly at rest; with exact Hertz constants all four contacts already spin. Case III: all four "
-        "spin."
+        "A slope is spin, a zero the centre of rotation, an offset sliding. Case I: one contact rolls (at rest), the "
+        "other spins about its centre. As printed, case II slides in IR and OL while OR is nearly at rest; with exact "
+        "Hertz constants all four contacts already spin. Case III: all four spin."
     )
     return Figure("friction-velocity", "Velocity along the major axes of the contacts", panels, caption, 3)
 

@@ -156,15 +156,14 @@ def map_figure() -> Figure:
     sets: tuple[tuple[str, Coupling], ...] = (("a", "none"), ("b", "none"), ("a", "ball"))
     panels = [p for case, coupling in sets for p in map_panels(case, coupling)]
     caption = (
-        "Once all four contacts are loaded (the bend, which comes later for larger axial forces) the force "
-        "grows with the oversize whatever the axial force is, while the relative increase of friction falls "
-        "because the grooves' losses grow faster. Before the bend forces are small: without oversize, at "
-        f"{LOAD:g} N and θ = {THETA['a']:g}°, friction that displaces the balls changes the force by a "
-        f"factor of {plain_ratio('a', 'ball') / plain_ratio('a', 'none'):.1f}, to "
-        f"{plain_ratio('a', 'ball'):.2f} of the printed one. The curves of {LOAD:g} N meet the printed "
-        f"forces at {meetings('force')}, and the printed increases at {meetings('increase')}; oversize and "
-        f"load of the other figures are inferred from both together: {1000000.0 * inferred().oversize:g} µm, "
-        f"{inferred().force[0]:g} N."
+        "Once all four contacts are loaded (the bend, which comes later for larger axial forces) the force grows with the "
+        "oversize whatever the axial force is, while the relative increase of friction falls because the grooves' losses "
+        f"grow faster. Before the bend forces are small: without oversize, at {LOAD:g} N and θ = {THETA['a']:g}°, friction "
+        "that displaces the balls changes the force by a factor of "
+        f"{plain_ratio('a', 'ball') / plain_ratio('a', 'none'):.1f}, to {plain_ratio('a', 'ball'):.2f} of the printed one. "
+        f"The curves of {LOAD:g} N meet the printed forces at {meetings('force')}, and the printed increases at "
+        f"{meetings('increase')}; oversize and load of the other figures are inferred from both together: "
+        f"{1000000.0 * inferred().oversize:g} µm, {inferred().force[0]:g} N."
     )
     return Figure("friction-pair-maps", "Two balls of a screw over oversize and load", panels, caption, 2)
 
@@ -237,12 +236,11 @@ def run_table() -> Table:
     """Sensitivity of the whole run to what 3.4.4 does not print."""
     largest, at, none_at = (entry("lin-3.4.4", key).printed for key in ("largest", "largest_at", "none_at"))
     note = (
-        f"Printed: {largest} % at {at}°, no contact at {none_at}°, four groups. The third row is the same "
-        "run by root finding as in the source, where neighbours touch if they are near and approach when "
-        "alone (3.77): overlapping balls that separate count as free, and fewer forces are found. The rows "
-        f"below change one assumption at a time from theta = 3°, {lin_3_4_4().force[0]:g} N, "
-        f"{oversize_text()} oversize, loads not coupled, over one turn of the nut in steps of 7.2°. A run "
-        "that loses no contact within that turn has no entry there."
+        f"Printed: {largest} % at {at}°, no contact at {none_at}°, four groups. The third row is the same run by root "
+        "finding as in the source, where neighbours touch if they are near and approach when alone (3.77): overlapping "
+        "balls that separate count as free, and fewer forces are found. The rows below change one assumption at a time "
+        f"from theta = 3°, {lin_3_4_4().force[0]:g} N, {oversize_text()} oversize, loads not coupled, over one turn of the "
+        "nut in steps of 7.2°. A run that loses no contact within that turn has no entry there."
     )
     return Table.of("friction-run-sensitivity", "Whole screw: what the assumptions change", run_rows(), note)
 
@@ -260,9 +258,8 @@ def bearing_table() -> Table:
 def onset_table(study: Study) -> Table:
     """4.3.2: how soon balls meet, by kind of error and by how unloaded balls move."""
     note = (
-        "Screw of Table 4.1, errors of 5 µm, 1000 N, evenly spaced balls at their instantaneous speeds. The "
-        "conclusion of 4.3.2 depends on unloaded balls being slow: if they roll along at the nominal speed "
-        "it no longer holds."
+        "Screw of Table 4.1, errors of 5 µm, 1000 N, evenly spaced balls at their instantaneous speeds. The conclusion of "
+        "4.3.2 depends on unloaded balls being slow: if they roll along at the nominal speed it no longer holds."
     )
     title = "Pitch against roundness error: when balls meet (4.3.2)"
     return Table.of("friction-onset", title, onset_rows(study), note)
@@ -280,14 +277,13 @@ def _of_the_pair(pairs: Table) -> str:
         " and ".join(f"{100.0 + float(row[f'error_{case}'] or 0.0):.0f} %" for case in THETA) for row in (loose, coupled)
     )
     return (
-        "The source does not print the load state of the pair in 3.4.3. Read literally (no oversize, "
-        f"{plain().force[0]:g} N along the axis), one diagonal carries nearly all: {uncoupled} of the printed "
-        f"forces (cases a and b), {moved} where friction moves the balls and loads a third contact. Printed "
-        f"force and increase together imply a contact load of {implied_contact_load():.0f} N per ball, "
-        f"against {float(coupled['load_a'] or 0.0):.0f} N here; {oversize_text()} of oversize would give "
-        f"{float(rows[oversized()]['load_a'] or 0.0):.0f} N. The literal reading is compared with the "
-        "printed numbers; the inferred one is shown with it and labelled so, because its oversize was "
-        "inferred from these numbers."
+        f"The source does not print the load state of the pair in 3.4.3. Read literally (no oversize, {plain().force[0]:g} "
+        f"N along the axis), one diagonal carries nearly all: {uncoupled} of the printed forces (cases a and b), {moved} "
+        "where friction moves the balls and loads a third contact. Printed force and increase together imply a contact "
+        f"load of {implied_contact_load():.0f} N per ball, against {float(coupled['load_a'] or 0.0):.0f} N here; "
+        f"{oversize_text()} of oversize would give {float(rows[oversized()]['load_a'] or 0.0):.0f} N. The literal reading "
+        "is compared with the printed numbers; the inferred one is shown with it and labelled so, because its oversize "
+        "was inferred from these numbers."
     )
 
 

@@ -233,16 +233,14 @@ def first_paragraph(study: Study) -> str:
     inside = [p for p in errors if p.comes_out]
     rest = ", ".join(_label(p) for p in errors if not p.comes_out)
     return (
-        f"Where does 5.38 % come from? It comes out at {errors[0].nearest:.2f} % if the gaps in the text are "
-        f"read so that both models have the printed ratio: {names(best.low)}; {names(best.solid)}. The "
-        f"ratios are then {best.low_ratio:.3f} and {best.solid_ratio:.3f}, the errors "
-        f"{_four(best.errors['own'])}, largest / RMS; printed are {printed}. By default they are "
-        f"{base.low_ratio:.3f} and {base.solid_ratio:.3f}, {_four(base.errors['own'])}. {len(good)} of "
-        f"{len(found)} combinations of readings have a ratio within {100.0 * ABOUT:g} % of "
-        f"{printed_ratio():g} in both models; their errors start from {spans[0]} and {spans[1]} % (case 1), "
-        f"{spans[2]} and {spans[3]} % (case 2), with the scatter of the source's mesh from {meshed[0]} and "
-        f"{meshed[1]} %, {meshed[2]} and {meshed[3]} %: {len(inside)} of the four come "
-        f"out{(f'; beside it lie {rest}' if rest else '')}."
+        f"Where does 5.38 % come from? It comes out at {errors[0].nearest:.2f} % if the gaps in the text are read so that "
+        f"both models have the printed ratio: {names(best.low)}; {names(best.solid)}. The ratios are then "
+        f"{best.low_ratio:.3f} and {best.solid_ratio:.3f}, the errors {_four(best.errors['own'])}, largest / RMS; printed "
+        f"are {printed}. By default they are {base.low_ratio:.3f} and {base.solid_ratio:.3f}, {_four(base.errors['own'])}. "
+        f"{len(good)} of {len(found)} combinations of readings have a ratio within {100.0 * ABOUT:g} % of "
+        f"{printed_ratio():g} in both models; their errors start from {spans[0]} and {spans[1]} % (case 1), {spans[2]} and "
+        f"{spans[3]} % (case 2), with the scatter of the source's mesh from {meshed[0]} and {meshed[1]} %, {meshed[2]} and "
+        f"{meshed[3]} %: {len(inside)} of the four come out{(f'; beside it lie {rest}' if rest else '')}."
     )
 
 
