@@ -79,10 +79,8 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
             "rolling-choices",
             "Ball-to-ball force when a numerical choice changes",
             [_choice(c) for c in changed],
-            (
-                "The uncertainty comes from coarser grids than this one; for finite bodies it includes their "
-                "own choices. Runs from rest are compared with steady rolling on the same grid."
-            ),
+            "The uncertainty comes from coarser grids than this one; for finite bodies it includes their "
+            "own choices. Runs from rest are compared with steady rolling on the same grid.",
         ),
     ]
     times = _times(stores)
@@ -208,13 +206,11 @@ def _words(found: dict[str, list[RollingRow]], proof: Sequence[Proof]) -> list[s
     gated = [r for rows in found.values() for r in rows if r.quantity in ("force 1-2", "torque")]
     beyond = [r for r in gated if not within(r)]
     out = [
-        (
-            "The 3D model of rolling solves the normal and tangential contact of elastic bodies on a grid in every "
-            "contact. Coulomb's law holds in every cell to round-off, elastic displacements travel with the material, and "
-            "each ball moves so that its forces and moments balance. Bodies are elastic half spaces; finite bodies are "
-            "computed for comparison. Grid errors that also occur for rigid bodies (cells, staircase edge, a spin pole "
-            "inside a cell) are removed with nearly rigid bodies on the same grid and the rigid limit by quadrature."
-        ),
+        "The 3D model of rolling solves the normal and tangential contact of elastic bodies on a grid in every "
+        "contact. Coulomb's law holds in every cell to round-off, elastic displacements travel with the material, and "
+        "each ball moves so that its forces and moments balance. Bodies are elastic half spaces; finite bodies are "
+        "computed for comparison. Grid errors that also occur for rigid bodies (cells, staircase edge, a spin pole "
+        "inside a cell) are removed with nearly rigid bodies on the same grid and the rigid limit by quadrature.",
         f"{reached} of {len(proof)} known answers are met within their targets.{_pole(proof)}",
     ]
     if gated:

@@ -223,12 +223,10 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
             load_table(study),
             Text(
                 (
-                    (
-                        "The printed errors against ANSYS refer to loads that only a figure shows: section "
-                        "reconstruction discusses where they may come from, section reference compares with "
-                        "this project's own 3D reference. The printed ratio of case 1 is compared with the "
-                        f"spread over the choices that the source leaves open: {spread_of_choices(study)}."
-                    ),
+                    "The printed errors against ANSYS refer to loads that only a figure shows: section "
+                    "reconstruction discusses where they may come from, section reference compares with "
+                    "this project's own 3D reference. The printed ratio of case 1 is compared with the "
+                    f"spread over the choices that the source leaves open: {spread_of_choices(study)}.",
                 )
             ),
         ),

@@ -194,32 +194,26 @@ def map_figures() -> tuple[Figure, Figure]:
         "friction-force",
         "Ball-to-ball force and total over baseline loss (Figure 3.15)",
         [*map_panels(m, "force", "force / N"), *map_panels(m, "ratio", "loss ratio")],
-        (
-            "No force where the balls separate. Where they approach, force and loss grow with both parameters, "
-            f"up to {m.force.max():.2f} N and {100.0 * m.ratio.max():.1f} % of the baseline (printed as an "
-            f"increase of {entry('lin-3.3', 'worst_ratio').printed} %). At the corners the formula's force is "
-            f"too small by up to {-m.force_error.min():.2f} N; its ratio is wrong by up to "
-            f"{np.abs(m.ratio_error).max():.2f} only, because its baseline is wrong too."
-        ),
+        "No force where the balls separate. Where they approach, force and loss grow with both parameters, "
+        f"up to {m.force.max():.2f} N and {100.0 * m.ratio.max():.1f} % of the baseline (printed as an "
+        f"increase of {entry('lin-3.3', 'worst_ratio').printed} %). At the corners the formula's force is "
+        f"too small by up to {-m.force_error.min():.2f} N; its ratio is wrong by up to "
+        f"{np.abs(m.ratio_error).max():.2f} only, because its baseline is wrong too.",
         3,
     )
     return first, second
 
 
 INTRODUCTION = (
-    (
-        "Cases I to III of the rotary bearing come out to every printed digit, except one misprinted sum, when "
-        "the source's faults are repeated: F = 1 with the second fundamental form alone in the Hertz constants, "
-        "the sigmoid with k_S = 100 on the magnitude of the spin, and friction interpolated linearly between "
-        f"maps. Radial displacements of {', '.join((f'{1000000.0 * u:g}' for u in CASES.values()))} µm and the "
-        "maps' step of 0.08 are not printed; they are inferred, and every number of a case follows from one of "
-        "them. The right values use exact Hertz constants and Coulomb friction in closed form."
-    ),
-    (
-        "For the linear pair the source, too, uses exact Hertz constants; misprints in its formulas (exponents "
-        "of 3.51) are corrected here. The load state behind the printed "
-        f"{entry('lin-3.5', 'a_force_numerical').printed} N stays open; see friction-sensitivity."
-    ),
+    "Cases I to III of the rotary bearing come out to every printed digit, except one misprinted sum, when "
+    "the source's faults are repeated: F = 1 with the second fundamental form alone in the Hertz constants, "
+    "the sigmoid with k_S = 100 on the magnitude of the spin, and friction interpolated linearly between "
+    f"maps. Radial displacements of {', '.join(f'{1000000.0 * u:g}' for u in CASES.values())} µm and the "
+    "maps' step of 0.08 are not printed; they are inferred, and every number of a case follows from one of "
+    "them. The right values use exact Hertz constants and Coulomb friction in closed form.",
+    "For the linear pair the source, too, uses exact Hertz constants; misprints in its formulas (exponents "
+    "of 3.51) are corrected here. The load state behind the printed "
+    f"{entry('lin-3.5', 'a_force_numerical').printed} N stays open; see friction-sensitivity.",
 )
 
 

@@ -15,21 +15,15 @@ from rollbench.meshes.parts import Scene
 from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 ABOUT = (
-    (
-        "Lash is the displacement of the screw under a force that reverses: axial, of its end along the axis; conical, "
-        "across the screw at a distance from the nut. The difference between four ball patterns is (largest - "
-        "smallest)/smallest of the peak-to-peak displacements at 200 N; the source does not define it."
-    ),
-    (
-        "For every choice of the open inputs, the axial tests differ less than the conical ones in most "
-        "directions, and always less than the largest of them. The numbers depend on the distance of the force "
-        "and the restraint of the screw more than they differ from the printed ones."
-    ),
-    (
-        "Rack: the printed ratios depend on place and restraint of the pinion, on the directions of the two "
-        "side forces and on the place of the bearing. Several layouts come near one or both ratios: they are "
-        "not identifiable, and no layout is chosen by them."
-    ),
+    "Lash is the displacement of the screw under a force that reverses: axial, of its end along the axis; conical, "
+    "across the screw at a distance from the nut. The difference between four ball patterns is (largest - "
+    "smallest)/smallest of the peak-to-peak displacements at 200 N; the source does not define it.",
+    "For every choice of the open inputs, the axial tests differ less than the conical ones in most "
+    "directions, and always less than the largest of them. The numbers depend on the distance of the force "
+    "and the restraint of the screw more than they differ from the printed ones.",
+    "Rack: the printed ratios depend on place and restraint of the pinion, on the directions of the two "
+    "side forces and on the place of the bearing. Several layouts come near one or both ratios: they are "
+    "not identifiable, and no layout is chosen by them.",
 )
 #: Note of the table of layouts.
 SENSE = (
