@@ -13,7 +13,7 @@ from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.body_names import FINITE
 from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.scenes.catalogue import shipped
+from rollbench.comparison.scenes.catalogue import case as shipped_case
 from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.sources.kalker.proof import AS_RUNS, BY_GRID, RESOLVED, Proof, proofs
 from rollbench.comparison.system import gmsh_fault
@@ -277,8 +277,7 @@ def _compared(row: RollingRow) -> Row:
 
 
 def _runs(name: str, stores: Sequence[Path]) -> list[RollingRun]:
-    scene = shipped(name)
-    assert isinstance(scene, KindScene)
+    scene = shipped_case(name, KindScene)
     found = (load(scene, level, stores) for level in (SOURCE_LEVEL, *LEVELS))
     return [run for run in found if run is not None]
 

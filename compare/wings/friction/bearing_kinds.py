@@ -9,19 +9,7 @@ import numpy as np
 
 from rollbench.comparison.commands.printing import cell
 from rollbench.comparison.quantities import number
-from rollbench.comparison.scenes.kinds import KindScene
-from rollbench.comparison.wings.friction.answer import (
-    NOTHING,
-    FrictionAnswer,
-    Line,
-    by_side,
-    energy,
-    energy_line,
-    head,
-    hertz_word,
-    load_row,
-    solver_line,
-)
+from rollbench.comparison.wings.friction import answer
 from rollbench.comparison.wings.friction.kinds.bearings import BearingBallScene, BearingPairScene
 from rollbench.comparison.wings.friction.screw_kinds import screw_warnings, sliding
 from rollbench.lowfi.friction.bearing.module_load import ModuleLoad
@@ -74,17 +62,17 @@ def ball_row(load: ModuleLoad, at: Contacts, motion: Motion) -> dict[str, Any]:
     f = motion.friction
     return (
         {"index": 1}
-        | load_row(SIDES, load.force, load.angle)
+        | answer.load_row(SIDES, load.force, load.angle)
         | {
-            "semi_axis_across_um": by_side(SIDES, 1e6 * at.a),
-            "semi_axis_along_um": by_side(SIDES, 1e6 * at.b),
+            "semi_axis_across_um": answer.by_side(SIDES, 1e6 * at.a),
+            "semi_axis_along_um": answer.by_side(SIDES, 1e6 * at.b),
             "orbit_rad_s": number(orbit),
             "rotation_rad_s": [number(omega_x), number(omega_y), 0.0],
             "sliding_mm_s": {s: [number(v) for v in 1e3 * row[:2]] for s, row in zip(SIDES, motion.motion, strict=True)},
-            "spin_rad_s": by_side(SIDES, motion.motion[:, 2]),
+            "spin_rad_s": answer.by_side(SIDES, motion.motion[:, 2]),
             "friction_N": {s: [number(v) for v in row] for s, row in zip(SIDES, f.force, strict=True)},
-            "moment_Nmm": by_side(SIDES, 1e3 * f.moment),
-            "loss_mW": by_side(SIDES, 1e3 * f.loss),
+            "moment_Nmm": answer.by_side(SIDES, 1e3 * f.moment),
+            "loss_mW": answer.by_side(SIDES, 1e3 * f.loss),
             "at_rest": {s: bool(r) for s, r in zip(SIDES, motion.rest, strict=True)},
         }
     )
@@ -115,9 +103,8 @@ CONTACT_COLUMNS = (
 )
 
 
-def solve_ball(scene: KindScene) -> FrictionAnswer:
+def solve_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
     """Loads, motion, losses and torque of one ball."""
-    assert isinstance(scene, BearingBallScene)
     b = scene.bearing
     load = bearing_load(b, scene.force, scene.displacement, scene.hertz)
     rough = replace(b, mu=b.mu or 1.0)
@@ -128,11 +115,11 @@ def solve_ball(scene: KindScene) -> FrictionAnswer:
     held = load.force > 0.0
     converged = bool(held.any()) and load.converged and motion.status != "failed"
     ball, torque, speed = ball_row(load, at, motion), inner_torque(b, load, motion), b.speed
-    power = energy(torque * speed, motion.loss, float(at.strength.sum()) * abs(speed) * b.pitch_radius)
+    power = answer.energy(torque * speed, motion.loss, float(at.strength.sum()) * abs(speed) * b.pitch_radius)
     by_loss = number(1e3 * motion.loss / abs(speed)) if speed != 0.0 else None
-    data = head(scene, ball_status(bool(held.any()), load.converged, motion.status), converged) | {
+    data = answer.head(scene, ball_status(bool(held.any()), load.converged, motion.status), converged) | {
         "law": scene.law,
-        "hertz": hertz_word(scene.hertz),
+        "hertz": answer.hertz_word(scene.hertz),
         "coupled": False,
         "balls": [ball],
         "load_sum_N": number(load.force.sum()),
@@ -147,10 +134,10 @@ def solve_ball(scene: KindScene) -> FrictionAnswer:
         },
         "warnings": size_warnings(at.a[held], b.ball_radius),
     }
-    return FrictionAnswer(data, [("per contact", CONTACT_COLUMNS, contact_rows(ball))], ball_lines(data), converged)
+    return answer.FrictionAnswer(data, [("per contact", CONTACT_COLUMNS, contact_rows(ball))], ball_lines(data), converged)
 
 
-def ball_lines(data: dict[str, Any]) -> list[Line]:
+def ball_lines(data: dict[str, Any]) -> list[answer.Line]:
     """The results of one ball in a few lines."""
     (ball,), torque = data["balls"], data["torque"]
     by_loss = torque["friction_torque_Nmm"]
@@ -167,8 +154,8 @@ def ball_lines(data: dict[str, Any]) -> list[Line]:
                 ball["orbit_rad_s"], *ball["rotation_rad_s"][:2]
             ),
         ),
-        energy_line(data["energy"]),
-        solver_line(data["solver"]),
+        answer.energy_line(data["energy"]),
+        answer.solver_line(data["solver"]),
         ("law", f"{data['law']}, Hertz constants {data['hertz']}"),
     ]
 
@@ -178,7 +165,7 @@ def ball_lines(data: dict[str, Any]) -> list[Line]:
 
 def rubs(case: BearingCase, state: BearingState) -> bool:
     """Whether friction spends more than round-off."""
-    return float(state.loss.sum()) > NOTHING * sliding(case.groove, state.load.force)
+    return float(state.loss.sum()) > answer.NOTHING * sliding(case.groove, state.load.force)
 
 
 def bearing_data(case: BearingCase, states: list[BearingState]) -> dict[str, Any]:
@@ -205,13 +192,12 @@ def loose(scene: BearingPairScene) -> list[str]:
     return out
 
 
-def solve_bearings(scene: KindScene) -> FrictionAnswer:
+def solve_bearings(scene: BearingPairScene) -> answer.FrictionAnswer:
     """Friction torque of both bearings over the angle of the load; the energy is the mean over all states."""
-    assert isinstance(scene, BearingPairScene)
     case, angle = scene.four_point, [number(a) for a in np.degrees(scene.angle)]
     common = {
         "law": "coulomb",
-        "hertz": hertz_word(case.groove.hertz),
+        "hertz": answer.hertz_word(case.groove.hertz),
         "coupled": False,
         "force_N": number(case.force),
         "tilt": case.tilt,
@@ -221,11 +207,11 @@ def solve_bearings(scene: KindScene) -> FrictionAnswer:
     if mechanisms:
         others = f" (and {len(mechanisms) - 1} more)" if len(mechanisms) > 1 else ""
         status = f"no equilibrium: {mechanisms[0]}{others}"
-        return FrictionAnswer(head(scene, status, False) | common | {"warnings": []}, [], [], False)
+        return answer.FrictionAnswer(answer.head(scene, status, False) | common | {"warnings": []}, [], [], False)
     return _bearing_answer(scene, common)
 
 
-def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> FrictionAnswer:
+def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> answer.FrictionAnswer:
     cases = scene.four_point, scene.double_row
     by_case = [bearing_states(case, scene.angle) for case in cases]
     four, double = (bearing_data(case, states) for case, states in zip(cases, by_case, strict=True))
@@ -241,14 +227,14 @@ def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> Friction
             [sliding(c.groove, s.load.force) for c, s in states],
         )
     )
-    spent = energy(power, loss, bound)
+    spent = answer.energy(power, loss, bound)
     large = [
         w.of(name)
         for name, c, one in zip(("four-point", "double row"), cases, by_case, strict=True)
         for w in screw_warnings(c.groove, np.stack([s.load.force for s in one]))
     ]
     solver = {"load_imbalance_N": number(max(s.load.left for _, s in states))}
-    data = head(scene, status, all(good)) | common | {"four_point": four, "double_row": double}
+    data = answer.head(scene, status, all(good)) | common | {"four_point": four, "double_row": double}
     data |= {"four_over_double": ratios, "energy": spent, "solver": solver, "warnings": large}
     columns = zip(
         common["load_angle_deg"],
@@ -260,13 +246,13 @@ def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> Friction
         strict=True,
     )
     rows = [dict(zip((name for name, _, _ in BEARING_COLUMNS), row, strict=True)) for row in columns]
-    return FrictionAnswer(data, [("over the load's angle", BEARING_COLUMNS, rows)], bearing_lines(data), all(good))
+    return answer.FrictionAnswer(data, [("over the load's angle", BEARING_COLUMNS, rows)], bearing_lines(data), all(good))
 
 
-def bearing_lines(data: dict[str, Any]) -> list[Line]:
+def bearing_lines(data: dict[str, Any]) -> list[answer.Line]:
     """The results of both bearings in a few lines."""
     four, double = (cell(data[name]["largest_over_smallest"], ".5g") for name in ("four_point", "double_row"))
-    label, text = energy_line(data["energy"])
+    label, text = answer.energy_line(data["energy"])
     ring = "free to tilt" if data["tilt"] else "held upright"
     return [
         ("torque", f"largest over smallest: four-point {four}, double row {double}"),

@@ -9,7 +9,7 @@ import numpy as np
 from joblib.externals.loky import get_reusable_executor
 from threadpoolctl import threadpool_limits
 
-from rollbench.comparison.scenes.catalogue import shipped
+from rollbench.comparison.scenes.catalogue import case as shipped_case
 from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.system import cores
 from rollbench.comparison.wings.bench.costs.timing import Job, timed
@@ -46,8 +46,7 @@ def jobs(repeats: int = 3) -> Iterator[Job]:
 
 
 def _steady(name: str, target: float, repeats: int) -> Job:
-    scene = shipped(name)
-    assert isinstance(scene, KindScene)
+    scene = shipped_case(name, KindScene)
     whole = _scene(name, PRODUCTION)
 
     def solve(shape: tuple[int, int]) -> None:
@@ -88,8 +87,7 @@ def _aim(seconds: float) -> str:
 
 
 def _scene(name: str, shape: tuple[int, int]) -> Rolling:
-    scene = shipped(name)
-    assert isinstance(scene, KindScene)
+    scene = shipped_case(name, KindScene)
     return case_of(scene, Choices(shape)).touching
 
 

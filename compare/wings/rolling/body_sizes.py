@@ -17,7 +17,7 @@ from rollbench.comparison.provenance import sources_hash
 from rollbench.comparison.reference.body_names import FINITE
 from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.scenes.catalogue import shipped
+from rollbench.comparison.scenes.catalogue import case as shipped_case
 from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.wings.rolling.cases import case_of
 from rollbench.comparison.wings.rolling.runs import BODIES, measures
@@ -64,8 +64,7 @@ def variants() -> dict[str, tuple[str, Sizes | None]]:
 def variant(choice: str) -> Variant:
     """One variant."""
     name, sizes = variants()[choice]
-    scene = shipped(name)
-    assert isinstance(scene, KindScene)
+    scene = shipped_case(name, KindScene)
     case = case_of(scene, Choices(SHAPE))
     systems = (case.apart, case.touching)
     elastic, near = (

@@ -12,7 +12,6 @@ import numpy as np
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.reference.body_names import FINITE
 from rollbench.comparison.scenes.catalogue import case as shipped_case
-from rollbench.comparison.scenes.catalogue import shipped
 from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.wings.friction.kinds.linear import LinearPairScene
 from rollbench.comparison.wings.rolling.body_sizes import LINEAR, SCENES, SHAPE, Variant, variants
@@ -89,8 +88,7 @@ def changes(stores: Sequence[Path], series: Sequence[Series], sizes: Sequence[Va
 
 
 def _changes(name: str, stores: Sequence[Path], series: Sequence[Series], sizes: Sequence[Variant]) -> Iterator[Change]:
-    scene = shipped(name)
-    assert isinstance(scene, KindScene)
+    scene = shipped_case(name, KindScene)
     half, finite = (_uncertainty(name, stores, *bodies) for bodies in ((), (FINITE,)))
     run = load(scene, max(LEVELS), stores)
     if run is None or half is None:

@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.comparison.scenes.catalogue import shipped
+from rollbench.comparison.scenes.catalogue import case as shipped_case
 from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.wings.rolling.cases import case_of
 from rollbench.comparison.wings.rolling.runs import LEVELS
@@ -40,8 +40,7 @@ def fields() -> tuple[PatchField, ...]:
     """The contacts of `SHOWN`, balls in touch, on half spaces."""
     choices, out = Choices(SHAPE), []
     for name in dict.fromkeys(shown[0] for shown in SHOWN):
-        scene = shipped(name)
-        assert isinstance(scene, KindScene)
+        scene = shipped_case(name, KindScene)
         case = case_of(scene, choices)
         found = solve_rolling(case.touching, choices)
         for _, ball, contact in (s for s in SHOWN if s[0] == name):

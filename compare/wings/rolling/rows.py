@@ -15,7 +15,7 @@ from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import entry
 from rollbench.comparison.reference.body_names import HALF_SPACE
 from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.scenes.catalogue import shipped
+from rollbench.comparison.scenes.catalogue import case as shipped_case
 from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.wings.rolling.body_sizes import choices_share
 from rollbench.comparison.wings.rolling.low_order import low_order
@@ -159,8 +159,7 @@ def within(row: RollingRow) -> bool:
 
 def stored_rows(name: str, stores: Sequence[Path], bodies: str = HALF_SPACE) -> list[RollingRow]:
     """Rows of a shipped scene from the stored runs of all levels; none where one is missing."""
-    scene = shipped(name)
-    assert isinstance(scene, KindScene)
+    scene = shipped_case(name, KindScene)
     found = [load(scene, level, stores, bodies) for level in LEVELS]
     runs = [run for run in found if run is not None and run.converged]
     beside = None if bodies == HALF_SPACE else load(scene, max(LEVELS), stores)

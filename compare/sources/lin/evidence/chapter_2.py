@@ -10,7 +10,7 @@ import numpy as np
 from rollbench.comparison.measure import LoadError, error_percent, load_error
 from rollbench.comparison.models.comparison import PRINTED
 from rollbench.comparison.models.study import Study, with_groove
-from rollbench.comparison.printed.printed_data import entry
+from rollbench.comparison.printed.printed_data import value_of
 from rollbench.comparison.sources.lin.reconstruction.combined import predicted
 from rollbench.comparison.wings.evidence.record import Evidence, Sheet, count_of
 from rollbench.comparison.wings.members.ensemble import of_study
@@ -140,7 +140,7 @@ def section_2_4_1(study: Study) -> tuple[Evidence, ...]:
     _against_ansys(study, sheet)
     elements = fixed_partition(study.changed("lin-case1", partition="source")).size - 1
     sheet.number("elements", float(elements), "12 outside + 3 of 15 mm inside + 12 outside")
-    times = {k: entry("lin-2.2", k).value or np.nan for k in ("time_ansys_1", "time_proposed_1")}
+    times = {k: value_of("lin-2.2", k) for k in ("time_ansys_1", "time_proposed_1")}
     sheet.number(
         "speed_ratio",
         times["time_ansys_1"] * 3600.0 / times["time_proposed_1"],

@@ -11,7 +11,7 @@ import numpy as np
 
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import entry, load_table
+from rollbench.comparison.printed.printed_data import entry, load_table, value_of
 from rollbench.comparison.sources.lin.evidence import source_cases
 from rollbench.comparison.wings.evidence.record import Evidence, Sheet
 from rollbench.lowfi.friction.bearing.rotary import (
@@ -230,7 +230,7 @@ def table_3_5(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every tab
     for case, of_loads, of_formula in (("a", f"loads {spread}", as_is), ("b", "", "")):
         sheet.number(f"{case}_force_numerical", pair(mated=case == "b").force, of_loads)
         sheet.number(f"{case}_force_analytic", formula[case], of_formula)
-    ansys, numerical = (entry("lin-3.5", f"a_force_{name}").value or np.nan for name in ("ansys", "numerical"))
+    ansys, numerical = (value_of("lin-3.5", f"a_force_{name}") for name in ("ansys", "numerical"))
     sheet.number("error_numerical", float(error_percent(numerical, ansys)))
     off = abs(float(error_percent(formula["a"], ansys)))
     sheet.claim("error_analytic", off < 6.0, f"{off:.1f} % off the printed ANSYS force")
@@ -253,7 +253,7 @@ def appendix_g(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every ta
     ratio = straight_groove(LINEAR.conformity, 1e6 * pressure)[0]
     slope, cubic = float(linear_factor(ratio)), float(cubic_factor(ratio))
     a_over_r = straight_groove(0.52, 1e6 * pressure)[1]
-    reach, cut = entry("lin-G", "reach").value or 0.0, np.floor(1e3 * a_over_r) / 1e3
+    reach, cut = value_of("lin-G", "reach"), np.floor(1e3 * a_over_r) / 1e3
     off = 100.0 * float(linear_error(ratio, K_F))
     sheet.number(
         "k_f",

@@ -11,25 +11,7 @@ import numpy as np
 
 from rollbench.comparison.sources.lin.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, VERTICAL, right
 from rollbench.comparison.sources.lin.evidence.source_cases import four_point, inferred, plain, table_3_6
-from rollbench.comparison.sources.lin.extremes.tally import (
-    ANGLES,
-    BALLS,
-    CHAIN_STARTS,
-    CLEARANCE,
-    FAR_START,
-    LOADS,
-    MU,
-    NEAR_START,
-    NO_FORCE,
-    RHO,
-    SHARPNESS,
-    SMALL,
-    SOURCE_BALLS,
-    STARTS,
-    UNLOADED,
-    Record,
-    Tally,
-)
+from rollbench.comparison.sources.lin.extremes import tally as tallies
 from rollbench.lowfi.friction.as_source.starts import from_linear_starts, from_pair_starts, from_screw_starts
 from rollbench.lowfi.friction.bearing.pairs import solve_bearing
 from rollbench.lowfi.friction.bearing.rotary import Bearing, Mode, solve_ball, source_law
@@ -82,14 +64,14 @@ def _drive_power(problem: Problem, wrench: Array) -> float:
     return -float(np.sum(wrench * problem.drives))
 
 
-def try_ball(tally: Tally, ball: OneBall, rng: np.random.Generator, off: float) -> None:
+def try_ball(tally: tallies.Tally, ball: OneBall, rng: np.random.Generator, off: float) -> None:
     """Least dissipation and the source's root from the same random starts, each unknown off by up to ``off``."""
     tally.cases += 1
     first = least_dissipation(ball.problem, fast=True)
     size = float(np.max(np.abs(first.q))) or 1.0
     starts = [
         first.q + off * rng.uniform(-1.0, 1.0, first.q.size) * np.maximum(np.abs(first.q), 0.01 * size)
-        for _ in range(STARTS)
+        for _ in range(tallies.STARTS)
     ]
     for m in (first, *(least_dissipation(ball.problem, q, fast=True) for q in starts)):
         wrench = np.column_stack([m.friction.force, m.friction.moment])
@@ -100,9 +82,11 @@ def try_ball(tally: Tally, ball: OneBall, rng: np.random.Generator, off: float) 
         tally.source_tries += 1
 
 
-def ball_group(group: str, model: str, balls: Sequence[OneBall], note: str = "", off: float = FAR_START) -> Record:
+def ball_group(
+    group: str, model: str, balls: Sequence[OneBall], note: str = "", off: float = tallies.FAR_START
+) -> tallies.Record:
     """A group of single balls; off: how far random starts are off, relative."""
-    rng, tally = np.random.default_rng(1), Tally()
+    rng, tally = np.random.default_rng(1), tallies.Tally()
     for ball in balls:
         try_ball(tally, ball, rng, off)
     return tally.record(group, model, note)
@@ -113,25 +97,27 @@ def screw_share(share: float) -> OneBall:
     return screw_ball(inferred(0.0), 100.0 * np.array([1.0, share, share, 1.0]))
 
 
-def ball_rows() -> list[Record]:
+def ball_rows() -> list[tallies.Record]:
     """One ball at given loads."""
     two, rest = radians(2.0), table_3_6(nut_speed=0.0)
     around = 1e-6 * np.linspace(4.2, 4.5, 13)
-    loose = [replace(ROTARY, clearance=c) for c in CLEARANCE]
+    loose = [replace(ROTARY, clearance=c) for c in tallies.CLEARANCE]
     rows = []
-    for off, k in product((NEAR_START, FAR_START), SHARPNESS):
+    for off, k in product((tallies.NEAR_START, tallies.FAR_START), tallies.SHARPNESS):
         note = f"starts within {off:.0%}"
         printed = [rotary_ball(ROTARY, AXIAL, u, k, "as printed") for u in CASES.values()]
         rows.append(ball_group(f"k_S {k:g}", "rotary, cases I to III as printed", printed, note, off))
         pairs = [screw_ball(p(two), None, k) for p in (plain, inferred)]
         rows.append(ball_group(f"k_S {k:g}", "screw, pair of Table 3.7", pairs, note, off))
     rows += [
-        ball_group("theta to ±5°", "screw", [screw_ball(inferred(radians(t))) for t in ANGLES]),
-        ball_group("mu 0.001 to 0.5", "screw", [screw_ball(replace(inferred(two), groove=table_3_6(mu=m))) for m in MU]),
+        ball_group("theta to ±5°", "screw", [screw_ball(inferred(radians(t))) for t in tallies.ANGLES]),
+        ball_group(
+            "mu 0.001 to 0.5", "screw", [screw_ball(replace(inferred(two), groove=table_3_6(mu=m))) for m in tallies.MU]
+        ),
         ball_group(
             "mu 0.001 to 0.5",
             "rotary",
-            [rotary_ball(replace(ROTARY, mu=m), AXIAL, u) for m, u in product(MU, CASES.values())],
+            [rotary_ball(replace(ROTARY, mu=m), AXIAL, u) for m, u in product(tallies.MU, CASES.values())],
         ),
         ball_group(
             "two-point transition",
@@ -145,15 +131,17 @@ def ball_rows() -> list[Record]:
             [screw_share(10.0**-k) for k in range(13)],
             "load of the second diagonal down to 1e-12 of the first",
         ),
-        ball_group("loads 1e-3 to 1e5 N", "rotary", [rotary_ball(ROTARY, f, u) for f, u in product(LOADS, CASES.values())]),
-        ball_group("loads 1e-3 to 1e5 N", "screw", [screw_ball(replace(inferred(two), force=(f,))) for f in LOADS]),
+        ball_group(
+            "loads 1e-3 to 1e5 N", "rotary", [rotary_ball(ROTARY, f, u) for f, u in product(tallies.LOADS, CASES.values())]
+        ),
+        ball_group("loads 1e-3 to 1e5 N", "screw", [screw_ball(replace(inferred(two), force=(f,))) for f in tallies.LOADS]),
         ball_group(
             "clearance to 10 µm", "rotary", [rotary_ball(b, AXIAL, u) for b, u in product(loose, (0.0, 5.2e-6, 20e-6))]
         ),
         ball_group(
             "clearance to 10 µm",
             "screw",
-            [screw_ball(replace(plain(two), oversize=-c, coupling="none")) for c in CLEARANCE],
+            [screw_ball(replace(plain(two), oversize=-c, coupling="none")) for c in tallies.CLEARANCE],
         ),
         ball_group(
             "zero speed",
@@ -186,16 +174,16 @@ def chain_group(
     group: str,
     cases: Sequence[LinearCase],
     model: str = "linear pair",
-    starts: int = CHAIN_STARTS,
+    starts: int = tallies.CHAIN_STARTS,
     most: int = 200,
     note: str = "",
-) -> Record:
+) -> tallies.Record:
     """Chains of the linear bearing from their own start and random ones; the source's method from starts at the same
     distance.
 
     starts: random ones; most: balls up to which the source's method is tried.
     """
-    rng, tally = np.random.default_rng(2), Tally()
+    rng, tally = np.random.default_rng(2), tallies.Tally()
     for case in cases:
         tally.cases += 1
         c = case.chain()
@@ -206,7 +194,7 @@ def chain_group(
             tally.add(r.status == "converged", r.power, r.loss, apart)
         if c.count > most:
             continue
-        for found in from_linear_starts(case.bearing, case.angles, case.loads, rng, starts, FAR_START):
+        for found in from_linear_starts(case.bearing, case.angles, case.loads, rng, starts, tallies.FAR_START):
             tally.theirs(found, first, c.scale)
     return tally.record(group, model, note)
 
@@ -235,7 +223,7 @@ def patchy_chain(count: int, mu: float) -> LinearCase:
     """The same with loads out of balance, none at some of the contacts: given loads, not those of a carriage."""
     case, rng = linear_chain(count, mu), np.random.default_rng(1000 + count)
     loads = case.loads * rng.uniform(0.2, 1.8, case.loads.shape)
-    return replace(case, loads=np.where(rng.uniform(size=loads.shape) < UNLOADED, 0.0, loads))
+    return replace(case, loads=np.where(rng.uniform(size=loads.shape) < tallies.UNLOADED, 0.0, loads))
 
 
 def relieved_pair(share: float) -> LinearCase:
@@ -243,9 +231,9 @@ def relieved_pair(share: float) -> LinearCase:
     return linear_pair(2.0, -1.0 + share)
 
 
-def screw_pairs(group: str, pairs: Sequence[Pair], note: str = "") -> Record:
+def screw_pairs(group: str, pairs: Sequence[Pair], note: str = "") -> tallies.Record:
     """Pairs of a screw: loads and motion in agreement; then the chain at these loads from random starts."""
-    rng, tally = np.random.default_rng(3), Tally()
+    rng, tally = np.random.default_rng(3), tallies.Tally()
     for p in pairs:
         tally.cases += 1
         r = solve_pair(p)
@@ -253,18 +241,18 @@ def screw_pairs(group: str, pairs: Sequence[Pair], note: str = "") -> Record:
         tally.add(r.converged, m.input_power, m.loss, 0.0)
         load = r.touching.load
         chain = ScrewChain(p.groove, load.force, p.groove.normals(load.angle), np.array([0.0, np.inf]))
-        restart(tally, chain, m, rng, FAR_START)
+        restart(tally, chain, m, rng, tallies.FAR_START)
         bound = p.groove.mu * float(r.load.max())
-        for found in from_pair_starts(p, r, rng, CHAIN_STARTS, FAR_START):
+        for found in from_pair_starts(p, r, rng, tallies.CHAIN_STARTS, tallies.FAR_START):
             tally.theirs(found, m.ball_force[:1], bound)
     return tally.record(group, "screw pair", note)
 
 
-def restart(tally: Tally, chain: ScrewChain, first: ChainMotion, rng: np.random.Generator, off: float) -> None:
+def restart(tally: tallies.Tally, chain: ScrewChain, first: ChainMotion, rng: np.random.Generator, off: float) -> None:
     """The chain of a screw from motions off by up to ``off`` and any forces, against what was found before."""
     bound = chain.groove.mu * float(chain.force.sum(axis=1).max())
-    size = np.maximum(first.ball_force, NO_FORCE * bound)
-    for _ in range(CHAIN_STARTS):
+    size = np.maximum(first.ball_force, tallies.NO_FORCE * bound)
+    for _ in range(tallies.CHAIN_STARTS):
         q = first.q * rng.uniform(1.0 - off, 1.0 + off, first.q.shape)
         m = solve_chain(chain, (q, size * rng.uniform(0.0, 2.0, size.size)))
         apart = float(np.max(np.abs(m.ball_force - first.ball_force))) / bound
@@ -288,61 +276,65 @@ def screw_chain(count: int) -> ScrewChain:
     return ScrewChain(g, force, g.normals(angle), slack)
 
 
-def screw_chains() -> Record:
+def screw_chains() -> tallies.Record:
     """Chains of a screw of several sizes."""
-    rng, tally = np.random.default_rng(4), Tally()
-    for count in BALLS:
+    rng, tally = np.random.default_rng(4), tallies.Tally()
+    for count in tallies.BALLS:
         tally.cases += 1
         chain = screw_chain(count)
         m = solve_chain(chain)
         tally.add(m.converged, m.input_power, m.loss, 0.0)
-        restart(tally, chain, m, rng, NEAR_START)
+        restart(tally, chain, m, rng, tallies.NEAR_START)
         bound = chain.groove.mu * float(chain.force.sum(axis=1).max())
-        for found in from_screw_starts(chain, screw_chain_state(count)[1], m, rng, CHAIN_STARTS, NEAR_START):
+        for found in from_screw_starts(
+            chain, screw_chain_state(count)[1], m, rng, tallies.CHAIN_STARTS, tallies.NEAR_START
+        ):
             tally.theirs(found, m.ball_force[:-1], bound)
-    return tally.record("chains", f"screw, {', '.join(map(str, BALLS))} balls")
+    return tally.record("chains", f"screw, {', '.join(map(str, tallies.BALLS))} balls")
 
 
-def bearing_clearance() -> Record:
+def bearing_clearance() -> tallies.Record:
     """Whole four-point bearing of Table 4.2 with clearance: loads and motions."""
-    tally = Tally()
-    for c, tilt in product(CLEARANCE, (False, True)):
+    tally = tallies.Tally()
+    for c, tilt in product(tallies.CLEARANCE, (False, True)):
         tally.cases += 1
         s = solve_bearing(four_point(clearance=c, tilt=tilt), radians(12.0))
         tally.add(s.converged, s.input_power, float(s.loss.sum()), 0.0)
     return tally.record("clearance to 10 µm", "four-point bearing, 9 balls", "one start each")
 
 
-def chain_rows() -> list[Record]:
+def chain_rows() -> list[tallies.Record]:
     """Pairs and chains."""
     two = radians(2.0)
-    base, few = inferred(two), f"one random start; source up to {SOURCE_BALLS} balls"
+    base, few = inferred(two), f"one random start; source up to {tallies.SOURCE_BALLS} balls"
     return [
-        chain_group("rho to ±0.999, theta to ±5°", [linear_pair(t, r) for t, r in product(ANGLES, RHO)]),
-        chain_group("mu 0.001 to 0.5", [linear_pair(2.0, r, VERTICAL, m) for r, m in product((-0.6, -0.999), MU)]),
-        chain_group("loads 1e-3 to 1e5 N", [linear_pair(2.0, r, f) for r, f in product((-0.6, -0.999), LOADS)]),
+        chain_group("rho to ±0.999, theta to ±5°", [linear_pair(t, r) for t, r in product(tallies.ANGLES, tallies.RHO)]),
+        chain_group("mu 0.001 to 0.5", [linear_pair(2.0, r, VERTICAL, m) for r, m in product((-0.6, -0.999), tallies.MU)]),
+        chain_group("loads 1e-3 to 1e5 N", [linear_pair(2.0, r, f) for r, f in product((-0.6, -0.999), tallies.LOADS)]),
         chain_group("two-point transition", [relieved_pair(10.0**-k) for k in range(1, 13)]),
         chain_group("zero speed", [linear_pair(2.0, -0.6, speed=0.0)]),
-        chain_group("chains", [linear_chain(n) for n in BALLS], f"linear, {', '.join(map(str, BALLS))} balls"),
+        chain_group(
+            "chains", [linear_chain(n) for n in tallies.BALLS], f"linear, {', '.join(map(str, tallies.BALLS))} balls"
+        ),
         chain_group(
             "chains, mu 0.001 to 0.5",
-            [linear_chain(n, m) for n, m in product(BALLS, MU)],
-            f"linear, {', '.join(map(str, BALLS))} balls",
+            [linear_chain(n, m) for n, m in product(tallies.BALLS, tallies.MU)],
+            f"linear, {', '.join(map(str, tallies.BALLS))} balls",
             1,
-            SOURCE_BALLS,
+            tallies.SOURCE_BALLS,
             few,
         ),
         chain_group(
             "chains, mu 0.001 to 0.5",
-            [patchy_chain(n, m) for n, m in product(BALLS, MU)],
+            [patchy_chain(n, m) for n, m in product(tallies.BALLS, tallies.MU)],
             "the same, a quarter of the contacts unloaded",
             1,
-            SOURCE_BALLS,
+            tallies.SOURCE_BALLS,
             few,
         ),
-        screw_pairs("theta to ±5°", [inferred(radians(t)) for t in ANGLES]),
-        screw_pairs("mu 0.001 to 0.5", [replace(base, groove=table_3_6(mu=m)) for m in MU]),
-        screw_pairs("loads 1e-3 to 1e5 N", [replace(base, force=(f,)) for f in LOADS]),
+        screw_pairs("theta to ±5°", [inferred(radians(t)) for t in tallies.ANGLES]),
+        screw_pairs("mu 0.001 to 0.5", [replace(base, groove=table_3_6(mu=m)) for m in tallies.MU]),
+        screw_pairs("loads 1e-3 to 1e5 N", [replace(base, force=(f,)) for f in tallies.LOADS]),
         screw_pairs(
             "two-point transition",
             [replace(base, oversize=o) for o in 1e-6 * np.linspace(0.8, 1.1, 13)],
@@ -350,15 +342,15 @@ def chain_rows() -> list[Record]:
         ),
         screw_pairs(
             "clearance to 10 µm",
-            [replace(plain(two), oversize=-c, coupling="none") for c in CLEARANCE],
+            [replace(plain(two), oversize=-c, coupling="none") for c in tallies.CLEARANCE],
             "loads not coupled",
         ),
         screw_pairs(
-            "clearance to 10 µm", [replace(plain(two), oversize=-c) for c in CLEARANCE], "friction moves the balls"
+            "clearance to 10 µm", [replace(plain(two), oversize=-c) for c in tallies.CLEARANCE], "friction moves the balls"
         ),
         screw_pairs(
             "small loads and clearance",
-            [replace(plain(two), oversize=-c, force=(f,)) for c, f in product(CLEARANCE[1:], SMALL)],
+            [replace(plain(two), oversize=-c, force=(f,)) for c, f in product(tallies.CLEARANCE[1:], tallies.SMALL)],
             "friction moves the balls; 1e-3 to 0.3 N, 1 to 10 µm",
         ),
         screw_pairs("zero speed", [replace(base, groove=table_3_6(nut_speed=0.0))]),

@@ -18,7 +18,7 @@ import numpy as np
 
 from rollbench.comparison.measure import error_percent, load_error
 from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import entry
+from rollbench.comparison.printed.printed_data import value_of
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.sources.lin.reconstruction.readings import (
     CASES,
@@ -133,9 +133,7 @@ class Combined:
 
 def printed_ratio() -> float:
     """The ratio that the text prints for both models."""
-    value = entry("lin-2.4.1", "case1_ratio").value
-    assert value is not None
-    return value
+    return value_of("lin-2.4.1", "case1_ratio")
 
 
 def ratio(load: Array) -> float:
@@ -229,9 +227,7 @@ def predicted(study: Study, definition: Definition) -> list[Predicted]:
 
 def printed_error(key: str) -> float:
     """A printed error [%]."""
-    value = entry("lin-2.4.1", key).value
-    assert value is not None
-    return value
+    return value_of("lin-2.4.1", key)
 
 
 def all_four(found: list[Combined], within: float) -> list[Combined]:

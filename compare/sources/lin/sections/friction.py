@@ -10,7 +10,7 @@ import numpy as np
 
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import entry
+from rollbench.comparison.printed.printed_data import entry, value_of
 from rollbench.comparison.sections.curves import numbers
 from rollbench.comparison.sources.lin.evidence.rotary_linear import (
     AXIAL,
@@ -121,7 +121,7 @@ def torque_figure() -> Figure:
             Series(name, x, numbers(np.where(ok, pick(s), np.nan), factor), "line", emphasis=name == "right")
             for name, s, ok in laws
         ]
-        dots = [entry("lin-3.2", f"{key}_{case}").value or 0.0 for case in CASES]
+        dots = [value_of("lin-3.2", f"{key}_{case}") for case in CASES]
         return (*drawn, Series("Table 3.2, cases I to III", marks, dots, "markers"))
 
     losses = [Series(side, x, numbers(true.loss[:, i]), "line") for i, side in enumerate(SIDES)]

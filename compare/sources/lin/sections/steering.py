@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import entry
+from rollbench.comparison.printed.printed_data import value_of
 from rollbench.comparison.sources.lin.evidence import steering
 from rollbench.comparison.sources.lin.evidence.steering import RACK, REACH, SCREW, rack, section_4_2
 from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
@@ -90,7 +90,7 @@ def rack_figure(points: list[steering.RatioPoint]) -> Figure:
     gear = rack()
     panels = []
     for key, words in (("screw", "ball screw"), ("bearing", "four-point bearing")):
-        printed = entry("lin-4.2.1", f"ratio_{key}").value or np.nan
+        printed = value_of("lin-4.2.1", f"ratio_{key}")
         stations = [1e3 * z for z in steering.PINIONS]
         series = [Series("printed", stations, [printed] * len(stations), "line", emphasis=True)]
         for (hold, opposed), layout in _layouts(points).items():

@@ -14,18 +14,7 @@ from rollbench.comparison.scenes.fault import Fault
 from rollbench.comparison.scenes.keys import BallSizeKeys, CoulombKeys, GrooveKeys, PathKeys, Size, SpeedKeys, Table
 from rollbench.comparison.scenes.kinds import KindKeys, KindScene, head_of
 from rollbench.comparison.scenes.quantity import Quantity, Rate, key
-from rollbench.comparison.wings.friction.kinds.common import (
-    Body,
-    HertzKeys,
-    Pressing,
-    SectionKeys,
-    SharedErrorKeys,
-    body_faults,
-    elastic,
-    hertz_faults,
-    material_faults,
-    play_faults,
-)
+from rollbench.comparison.wings.friction.kinds import common
 from rollbench.lowfi.friction.bearing.pairs import ALL, DIAGONAL, OTHER, BallRow, BearingCase
 from rollbench.lowfi.friction.bearing.rotary import Bearing, Mode
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
@@ -55,7 +44,7 @@ class LawKeys(CoulombKeys):
     map_step: MapStep | None = key("step in c/a of the source's maps; exact integrals if left out", None)
 
 
-class BearingBallKeys(SectionKeys):
+class BearingBallKeys(common.SectionKeys):
     """One ball of a rotary bearing; the inner ring turns, the outer one is held."""
 
     kind: Literal["bearing ball"] = key("what the scene describes", example="bearing ball")
@@ -84,15 +73,14 @@ class BearingBallScene(KindScene):
     map_step: float | None
 
 
-def ball_faults(keys: KindKeys) -> Iterator[Fault]:
+def ball_faults(keys: BearingBallKeys) -> Iterator[Fault]:
     """Contradictory choices and bodies that the model cannot treat."""
-    assert isinstance(keys, BearingBallKeys)
-    wrong = [*material_faults(keys.material), *body_faults(_ball_body(keys), ring=True)]
+    wrong = [*common.material_faults(keys.material), *common.body_faults(_ball_body(keys), ring=True)]
     yield from wrong
     if wrong:
         return
     reach = _ball_body(keys).groove - keys.balls.radius
-    yield from play_faults(reach, keys.load.radial_displacement, "load.radial_displacement")
+    yield from common.play_faults(reach, keys.load.radial_displacement, "load.radial_displacement")
     yield from _law_faults(keys.friction, keys.motion.speed)
 
 
@@ -110,20 +98,19 @@ def _law_faults(f: LawKeys, speed: float) -> Iterator[Fault]:
         yield Fault(("motion.speed",), "not zero for the sigmoid", advice)
 
 
-def _ball_body(keys: BearingBallKeys) -> Body:
-    return Body(keys.track, keys.screw, keys.nut, keys.balls, keys.errors.balls.oversize)
+def _ball_body(keys: BearingBallKeys) -> common.Body:
+    return common.Body(keys.track, keys.screw, keys.nut, keys.balls, keys.errors.balls.oversize)
 
 
-def ball_record(keys: KindKeys, name: str) -> BearingBallScene:
+def ball_record(keys: BearingBallKeys, name: str) -> BearingBallScene:
     """The scene of faultless keys."""
-    assert isinstance(keys, BearingBallKeys)
     f, body = keys.friction, _ball_body(keys)
     bearing = Bearing(
         keys.balls.radius,
         body.groove,
         keys.track.pitch_radius,
         keys.track.contact_angle,
-        *elastic(keys.material),
+        *common.elastic(keys.material),
         f.coefficient,
         keys.motion.speed,
         0.0 - body.oversize,
@@ -160,7 +147,7 @@ class RingKeys(Table):
     screw: GrooveKeys = key("groove of the inner ring", example={"groove_radius": "6.75 mm"})
     nut: GrooveKeys = key("groove of the outer ring; the same section", example={"groove_radius": "6.75 mm"})
     balls: RowBallKeys = key("balls of each row")
-    errors: SharedErrorKeys = key("geometric errors", SharedErrorKeys(), {"balls": {"oversize": "1 um"}})
+    errors: common.SharedErrorKeys = key("geometric errors", common.SharedErrorKeys(), {"balls": {"oversize": "1 um"}})
 
 
 class RowKeys(Table):
@@ -179,7 +166,7 @@ class DoubleRowKeys(RingKeys):
 class BearingLoadKeys(Table):
     """Force on the inner ring, midway between the rows."""
 
-    force: Pressing = key("size of the force")
+    force: common.Pressing = key("size of the force")
     angles: Annotated[list[LoadAngle], Field(min_length=2, max_length=500)] = key(
         "angles of the force from the axis, in ascending order", example=["0 deg", "10 deg", "18 deg"]
     )
@@ -195,7 +182,7 @@ class BearingPairKeys(KindKeys):
     load: BearingLoadKeys = key("force on the inner ring")
     motion: SpeedKeys = key("motion of the inner ring")
     friction: CoulombKeys = key("friction")
-    ingredients: HertzKeys = key("parts of the low-order model", HertzKeys(), {"hertz": "nominal"})
+    ingredients: common.HertzKeys = key("parts of the low-order model", common.HertzKeys(), {"hertz": "nominal"})
 
 
 @dataclass(frozen=True)
@@ -208,26 +195,25 @@ class BearingPairScene(KindScene):
     angle: Array
 
 
-def _bearing_body(b: RingKeys, table: str) -> Body:
-    return Body(b.track, b.screw, b.nut, b.balls, b.errors.balls.oversize, f"{table}.")
+def _bearing_body(b: RingKeys, table: str) -> common.Body:
+    return common.Body(b.track, b.screw, b.nut, b.balls, b.errors.balls.oversize, f"{table}.")
 
 
-def pair_faults(keys: KindKeys) -> Iterator[Fault]:
+def pair_faults(keys: BearingPairKeys) -> Iterator[Fault]:
     """Contradictory choices and bodies that the model cannot treat."""
-    assert isinstance(keys, BearingPairKeys)
-    wrong = list(material_faults(keys.material))
+    wrong = list(common.material_faults(keys.material))
     yield from wrong
     if wrong:
         return
     for table, b in (("four_point", keys.four_point), ("double_row", keys.double_row)):
-        wrong = list(body_faults(_bearing_body(b, table), ring=True))
+        wrong = list(common.body_faults(_bearing_body(b, table), ring=True))
         yield from wrong
         if not wrong:
             most = int(pi / asin(b.balls.radius / b.track.pitch_radius))
             if b.balls.count > most:
                 advice = "the balls would overlap: fewer or smaller balls"
                 yield Fault((f"{table}.balls.count",), f"1 to {most}", advice)
-            yield from hertz_faults(_bearing(keys, b, table).groove, f"{table}.")
+            yield from common.hertz_faults(_bearing(keys, b, table).groove, f"{table}.")
     if np.any(np.diff(keys.load.angles) <= 0.0):
         advice = "each state starts the next: sort the angles and give each once"
         yield Fault(("load.angles",), "angles in ascending order", advice)
@@ -243,7 +229,7 @@ def _bearing(keys: BearingPairKeys, b: RingKeys, table: str) -> BearingCase:
         b.track.pitch_radius,
         0.0,
         b.track.contact_angle,
-        *elastic(keys.material),
+        *common.elastic(keys.material),
         keys.friction.coefficient,
         0.0,
         keys.motion.speed,
@@ -257,9 +243,8 @@ def _bearing(keys: BearingPairKeys, b: RingKeys, table: str) -> BearingCase:
     return BearingCase(groove, b.balls.count, rows, keys.load.force, 0.0 - body.oversize, keys.load.tilt)
 
 
-def pair_record(keys: KindKeys, name: str) -> BearingPairScene:
+def pair_record(keys: BearingPairKeys, name: str) -> BearingPairScene:
     """The scene of faultless keys."""
-    assert isinstance(keys, BearingPairKeys)
     four = _bearing(keys, keys.four_point, "four_point")
     double = _bearing(keys, keys.double_row, "double_row")
     return BearingPairScene(*head_of(keys, name), four, double, np.array(keys.load.angles))

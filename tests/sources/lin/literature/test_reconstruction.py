@@ -9,16 +9,6 @@ from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.store import load
 from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.sources.lin.reconstruction import combined
-from rollbench.comparison.sources.lin.reconstruction.combined import (
-    ERRORS,
-    LOW_MOVERS,
-    combinations,
-    low_loads,
-    meeting,
-    predicted,
-    ratio,
-    solid_loads,
-)
 from rollbench.comparison.sources.lin.reconstruction.readings import (
     CASES,
     LEVEL,
@@ -58,9 +48,11 @@ def study():
 
 
 def test_readings_that_are_combined_are_those_that_move_the_ratio(study):
-    for readings, loads, movers in ((LOW, low_loads, LOW_MOVERS), (SOLID, solid_loads, MOVERS)):
-        base = ratio(loads(study, ())[0])
-        moves = {r.key for r in readings if not r.by_text and abs(ratio(loads(study, (r,))[0]) / base - 1.0) > 0.005}
+    for readings, loads, movers in ((LOW, combined.low_loads, combined.LOW_MOVERS), (SOLID, combined.solid_loads, MOVERS)):
+        base = combined.ratio(loads(study, ())[0])
+        moves = {
+            r.key for r in readings if not r.by_text and abs(combined.ratio(loads(study, (r,))[0]) / base - 1.0) > 0.005
+        }
         assert moves == set(movers)
 
 
@@ -72,8 +64,8 @@ def test_combinations_are_of_different_choices():
 
 
 def test_the_defaults_contradict_the_ratio_and_two_readings_meet_it(study):
-    found = study.once(combinations)
-    base, good = found[0], meeting(found)
+    found = study.once(combined.combinations)
+    base, good = found[0], combined.meeting(found)
     assert (base.low_ratio, base.solid_ratio) == pytest.approx((1.308, 1.406), abs=1e-3)
     assert (key_of(good[0].low), key_of(good[0].solid)) == ("squared+source", "plain")
     assert {key_of(c.solid) for c in good} == {"plain", "runout"}
@@ -82,11 +74,17 @@ def test_the_defaults_contradict_the_ratio_and_two_readings_meet_it(study):
 
 
 def test_what_comes_out_and_what_does_not(study):
-    errors = {p.key: p for p in predicted(study, "own")}
-    assert [key for key in ERRORS if errors[key].comes_out] == ["case1_max_error", "case2_max_error", "case2_rms_error"]
+    errors = {p.key: p for p in combined.predicted(study, "own")}
+    assert [key for key in combined.ERRORS if errors[key].comes_out] == [
+        "case1_max_error",
+        "case2_max_error",
+        "case2_rms_error",
+    ]
     assert all(p.meshed_low < p.low <= p.nearest <= p.high < p.meshed_high for p in errors.values())
     verdicts = {e.printed.key: judge(e)[0] for e in evidence(study, "lin-2.4.1")}
-    assert [key for key in ERRORS if verdicts[key] == "inferred"] == [key for key in ERRORS if errors[key].comes_out]
+    assert [key for key in combined.ERRORS if verdicts[key] == "inferred"] == [
+        key for key in combined.ERRORS if errors[key].comes_out
+    ]
     assert verdicts["case1_rms_error"] == "not identifiable"
 
 
@@ -99,7 +97,7 @@ def test_a_number_that_readings_miss_is_not_inferred(study):
 def test_the_page_answers_first(study):
     text = first_paragraph(study)
     assert text.startswith("Where does 5.38 % come from? It comes out at 5.36 %")
-    second = second_paragraph(study, study.once(combinations))
+    second = second_paragraph(study, study.once(combined.combinations))
     assert "within 1 % no combinations; within 3 % " in second
 
 
@@ -112,8 +110,8 @@ def test_scatter_of_the_mesh_is_what_is_measured():
 
 
 def test_drawn_errors_are_those_of_the_loads_without_scatter(study):
-    best = meeting(study.once(combinations))[0]
-    loads = low_loads(study, best.low), solid_loads(study, best.solid)
+    best = combined.meeting(study.once(combined.combinations))[0]
+    loads = combined.low_loads(study, best.low), combined.solid_loads(study, best.solid)
     for of_load, definition in ((True, "own"), (False, "mean")):
         still = combined.drawn_errors(*loads, 0.0, of_load=of_load)
         assert np.ptp(still, axis=0) == pytest.approx(0.0, abs=1e-9)
@@ -145,7 +143,7 @@ def test_other_statements(study):
 
 
 def test_the_table_of_combinations_has_every_pair_once_and_says_which_meet_the_ratio(study):
-    found = study.once(combinations)
+    found = study.once(combined.combinations)
     rows = combination_table(found).rows
     pairs = [(row["low order"], row["3D"]) for row in rows]
     assert len(pairs) == len(set(pairs)) == len(found)
@@ -207,13 +205,13 @@ def test_a_ball_beside_its_line_has_balanced_forces_that_are_not_turned_and_fill
 
 def test_balls_as_far_off_their_lines_as_friction_holds_them_change_loads_as_little_in_both_models(study):
     solid, low = (
-        solid_loads(study, FRICTION["off-line"]),
+        combined.solid_loads(study, FRICTION["off-line"]),
         [study.solve(off_line(catalogue.scene(c)), "lin").load for c in CASES],
     )
-    for found, base in ((solid, solid_loads(study, ())), (low, low_loads(study, ()))):
+    for found, base in ((solid, combined.solid_loads(study, ())), (low, combined.low_loads(study, ()))):
         for a, b in zip(found, base, strict=True):
             assert np.abs(a - b).max() < 1e-4 * b[:, 0].mean()
-            assert ratio(a) / ratio(b) - 1.0 == pytest.approx(2e-5, abs=3e-5)
+            assert combined.ratio(a) / combined.ratio(b) - 1.0 == pytest.approx(2e-5, abs=3e-5)
 
 
 @pytest.mark.parametrize(("key", "sense"), [("sliding", 1.0), ("sliding-back", -1.0)])
@@ -228,7 +226,7 @@ def test_friction_of_sliding_grooves_bears_its_part_of_the_axial_force(study, ke
         case = catalogue.scene(name)
         turned = replace(case, track=replace(case.track, contact_angle=case.track.contact_angle + sense * np.arctan(MU)))
         low, base = (study.solve(s, "lin").load[:, 0].mean() for s in (turned, case))
-        solid = solid_loads(study, ())[CASES.index(name)][:, 0].mean()
+        solid = combined.solid_loads(study, ())[CASES.index(name)][:, 0].mean()
         assert force.mean() / solid - 1.0 == pytest.approx(low / base - 1.0, rel=0.05)
 
 

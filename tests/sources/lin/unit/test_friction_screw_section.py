@@ -13,9 +13,9 @@ from tests.section_items import drawn, figures, shows_entries, tables
 
 from rollbench.comparison.printed.printed_data import load_table
 from rollbench.comparison.sources.lin import bench as friction_bench
-from rollbench.comparison.sources.lin.evidence import assumptions_3_4, screw
+from rollbench.comparison.sources.lin.evidence import screw
 from rollbench.comparison.sources.lin.evidence.source_cases import lin_3_4_4
-from rollbench.comparison.sources.lin.extremes import cases
+from rollbench.comparison.sources.lin.extremes import cases, tally
 from rollbench.comparison.sources.lin.extremes import items as friction_stability
 from rollbench.comparison.sources.lin.extremes.tally import BALLS, Record, Tally
 from rollbench.comparison.sources.lin.sections import friction_screw
@@ -37,7 +37,7 @@ def section() -> Section:
     """The section, with the first 15 of the 200 steps by the source's rule of contact, which take most of its time."""
     steps: list[str] = []
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(assumptions_3_4, "simulate_by_root", lambda run: simulate_by_root(run, 15))
+        patch.setattr(screw, "simulate_by_root", lambda run: simulate_by_root(run, 15))
         section = friction_screw.section(STUDY, steps.append)
     assert len(steps) == 4
     return section
@@ -59,9 +59,9 @@ def records() -> list[Record]:
     """The report's table but for chains of 10 to 200 balls (below: the longest once), from fewer random starts, and the
     source's method on a quarter of the pairs: these take most of its time."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(cases, "BALLS", (2, 5))
-        patch.setattr(cases, "CHAIN_STARTS", 1)
-        patch.setattr(cases, "STARTS", 3)
+        patch.setattr(tally, "BALLS", (2, 5))
+        patch.setattr(tally, "CHAIN_STARTS", 1)
+        patch.setattr(tally, "STARTS", 3)
         for name in ("from_linear_starts", "from_pair_starts"):
             patch.setattr(cases, name, every_fourth(getattr(cases, name)))
         return friction_stability.rows()
