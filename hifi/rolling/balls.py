@@ -17,18 +17,9 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from rollbench.hifi.contact.hertz import hertz
+from rollbench.hifi.rolling import kinematics
 from rollbench.hifi.rolling.bodies import Place, Sizes, contact_kernel, make_kernels
 from rollbench.hifi.rolling.friction import PATH, Contact, Friction, full_slip, solve_friction, solve_rigid
-from rollbench.hifi.rolling.kinematics import (
-    MOTIONS,
-    Rolling,
-    Together,
-    Touch,
-    axes_of,
-    ball_contact,
-    rigid_contact,
-    surface,
-)
 from rollbench.hifi.rolling.patch import Patch, hertz_patch, seen_radii
 from rollbench.hifi.rolling.regular import Regular
 from rollbench.meshes.arrays import Array
@@ -130,7 +121,7 @@ def finite_patch(
     return hertz_patch(load, radii, *material, shape, kernel)
 
 
-def patch_of(scene: Rolling, touch: Touch, choices: Choices) -> Patch:
+def patch_of(scene: kinematics.Rolling, touch: kinematics.Touch, choices: Choices) -> Patch:
     """The contact's patch under its force. Raises ValueError as `kernel_of`."""
     kernel = kernel_of(scene, touch, choices.bodies)
     if kernel is None:
@@ -139,17 +130,17 @@ def patch_of(scene: Rolling, touch: Touch, choices: Choices) -> Patch:
     return finite_patch(touch.load, touch.radii, (scene.young, scene.poisson), choices.shape, kernel)
 
 
-def kernel_of(scene: Rolling, touch: Touch, bodies: Sizes | None) -> Regular | None:
+def kernel_of(scene: kinematics.Rolling, touch: kinematics.Touch, bodies: Sizes | None) -> Regular | None:
     """What finite bodies add at a contact, in its axes; None for half spaces. Raises ValueError as `place_of`."""
     if bodies is None:
         return None
     at, bottom = place_of(scene, touch)
     kernel = contact_kernel(at, _largest(scene), scene.young, scene.poisson, bodies)
-    axes = axes_of(touch, scene)
+    axes = kinematics.axes_of(touch, scene)
     return kernel if axes[1] @ bottom > 0.0 else kernel.turned
 
 
-def prepare_bodies(scenes: Sequence[Rolling], bodies: Sizes | None, processes: int) -> float:
+def prepare_bodies(scenes: Sequence[kinematics.Rolling], bodies: Sizes | None, processes: int) -> float:
     """Make bodies of scenes of one material as `hifi.rolling.bodies.make_kernels`; raises as `kernel_of`."""
     if bodies is None:
         return 0.0
@@ -157,12 +148,12 @@ def prepare_bodies(scenes: Sequence[Rolling], bodies: Sizes | None, processes: i
     return make_kernels(contacts, scenes[0].young, scenes[0].poisson, bodies, processes)
 
 
-def _largest(scene: Rolling) -> float:
+def _largest(scene: kinematics.Rolling) -> float:
     """Largest force of a contact [N]."""
     return max(t.load for b in scene.balls for t in b.touches)
 
 
-def place_of(scene: Rolling, touch: Touch) -> tuple[Place, Array]:
+def place_of(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple[Place, Array]:
     """Where a ball touches its groove, and the direction to its bottom. Raises ValueError where that is unknown."""
     if touch.bottom is None:
         raise ValueError("a finite groove needs the direction of its bottom")
@@ -170,7 +161,7 @@ def place_of(scene: Rolling, touch: Touch) -> tuple[Place, Array]:
     return Place(scene.radius, touch.radii, angle, scene.track.curve), touch.bottom
 
 
-def touching(scene: Rolling) -> list[tuple[int, int, Touch]]:
+def touching(scene: kinematics.Rolling) -> list[tuple[int, int, kinematics.Touch]]:
     """Ball, number and record of every touch that carries load."""
     out = []
     for b, ball in enumerate(scene.balls):
@@ -179,39 +170,39 @@ def touching(scene: Rolling) -> list[tuple[int, int, Touch]]:
     return out
 
 
-def contacts_of(scene: Rolling, choices: Choices) -> list[Contact]:
+def contacts_of(scene: kinematics.Rolling, choices: Choices) -> list[Contact]:
     """Every loaded contact as friction needs it."""
     curved, elastic = choices.curved, choices.elastic
     return [
-        ball_contact(t, scene, b, patch_of(scene, t, choices), curved=curved, elastic=elastic)
+        kinematics.ball_contact(t, scene, b, patch_of(scene, t, choices), curved=curved, elastic=elastic)
         for b, _, t in touching(scene)
     ]
 
 
-def balance_of(scene: Rolling, contacts: Sequence[Contact]) -> Together:
+def balance_of(scene: kinematics.Rolling, contacts: Sequence[Contact]) -> kinematics.Together:
     """Meetings of the balls as the solver takes them."""
     bound = max(float(c.bound.sum()) for c in contacts)
-    return Together(scene, bound / max(float(np.abs(c.given).max()) for c in contacts))
+    return kinematics.Together(scene, bound / max(float(np.abs(c.given).max()) for c in contacts))
 
 
-def moving(scene: Rolling, y: Array) -> tuple[Array, Array, Array]:
+def moving(scene: kinematics.Rolling, y: Array) -> tuple[Array, Array, Array]:
     """Of the unknowns: speeds of balls along the track ``(N,)``, rotations ``(N, 3)`` [rad/s], forces of meetings [N]."""
-    count = MOTIONS * len(scene.balls)
-    motions = y[:count].reshape(-1, MOTIONS)
+    count = kinematics.MOTIONS * len(scene.balls)
+    motions = y[:count].reshape(-1, kinematics.MOTIONS)
     return motions[:, 0] / scene.track.length, motions[:, 1:] / scene.radius, y[count:].copy()
 
 
-def meeting_losses(scene: Rolling, y: Array) -> Array:
+def meeting_losses(scene: kinematics.Rolling, y: Array) -> Array:
     """Losses of sliding friction at every meeting [W]."""
     pairs = zip(moving(scene, y)[2], scene.meetings, strict=True)
     return np.array([scene.mu_balls * f * float(np.linalg.norm((m.rows @ y[m.columns])[1:])) for f, m in pairs])
 
 
-def start_of(scene: Rolling) -> Array:
+def start_of(scene: kinematics.Rolling) -> Array:
     """Motions near rolling: each ball at its nominal speed, turning so that its contacts slide least."""
-    y = np.zeros(MOTIONS * len(scene.balls) + len(scene.meetings))
+    y = np.zeros(kinematics.MOTIONS * len(scene.balls) + len(scene.meetings))
     for b, ball in enumerate(scene.balls):
-        y[MOTIONS * b] = scene.orbit * scene.track.length
+        y[kinematics.MOTIONS * b] = scene.orbit * scene.track.length
         rows, driven = [], []
         for t in ball.touches:
             if t.load > 0.0:
@@ -219,12 +210,17 @@ def start_of(scene: Rolling) -> Array:
                 turn = np.cross(np.eye(3), at).T / scene.radius
                 rows.append(turn * t.load)
                 driven.append((t.ride - scene.orbit) * scene.track.field(at) * t.load)
-        y[MOTIONS * b + 1 : MOTIONS * (b + 1)] = np.linalg.lstsq(np.vstack(rows), np.concatenate(driven), rcond=1e-10)[0]
+        y[kinematics.MOTIONS * b + 1 : kinematics.MOTIONS * (b + 1)] = np.linalg.lstsq(
+            np.vstack(rows), np.concatenate(driven), rcond=1e-10
+        )[0]
     return y
 
 
 def solve_rolling(
-    scene: Rolling, choices: Choices | None = None, near: RollingResult | None = None, path: tuple[float, ...] = PATH
+    scene: kinematics.Rolling,
+    choices: Choices | None = None,
+    near: RollingResult | None = None,
+    path: tuple[float, ...] = PATH,
 ) -> RollingResult:
     """Steady rolling; near: a solution on the same grid to start from; path: creeping speeds that lead to one from none
     (`hifi.rolling.friction.solve_friction`). Raises ValueError for a ball without a contact."""
@@ -240,7 +236,7 @@ def solve_rolling(
 
 
 def _result(
-    scene: Rolling, choices: Choices, contacts: Sequence[Contact], solution: Friction, seconds: float
+    scene: kinematics.Rolling, choices: Choices, contacts: Sequence[Contact], solution: Friction, seconds: float
 ) -> RollingResult:
     speed, rotation, force = moving(scene, solution.motions)
     outs, power, wrench = [], 0.0, np.zeros((len(scene.balls), 6))
@@ -248,12 +244,12 @@ def _result(
         touching(scene), contacts, solution.forces, solution.slips, solution.stick, strict=True
     ):
         patch = patch_of(scene, t, choices)
-        points, tangents = surface(t, scene, patch.at, curved=choices.curved, sunk=choices.elastic * patch.sunk)
+        points, tangents = kinematics.surface(t, scene, patch.at, curved=choices.curved, sunk=choices.elastic * patch.sunk)
         on_ball = np.einsum("nck,cn->nk", tangents, q.reshape(2, -1))
         wrench[b, :3] += on_ball.sum(axis=0)
         wrench[b, 3:] += np.cross(points, on_ball).sum(axis=0)
         power -= float(q @ c.given)
-        pull, slip, axes = q.reshape(2, -1).T, s.reshape(2, -1).T, axes_of(t, scene)
+        pull, slip, axes = q.reshape(2, -1).T, s.reshape(2, -1).T, kinematics.axes_of(t, scene)
         loss, upwind = -float(q @ s), float(q @ (c.elastic @ q))
         outs.append(ContactOut(b, i, patch.at, patch.size, patch.normal, pull, slip, stick, axes, loss, upwind))
     between = np.zeros((len(scene.balls), 3))
@@ -265,12 +261,12 @@ def _result(
     return RollingResult(speed, rotation, force, rub, wrench, between, power, tuple(outs), *how, seconds, solution)
 
 
-def without_meetings(scene: Rolling) -> Rolling:
+def without_meetings(scene: kinematics.Rolling) -> kinematics.Rolling:
     """The same balls out of each other's reach."""
     return replace(scene, meetings=())
 
 
-def hertz_size(scene: Rolling, touch: Touch) -> tuple[float, float]:
+def hertz_size(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple[float, float]:
     """Semi-axes [m] along and across the groove."""
     ellipse = hertz(touch.load, *touch.radii, scene.young, scene.poisson)
     return ellipse.semi_x, ellipse.semi_y
@@ -314,7 +310,7 @@ def quadrature(points: int) -> tuple[Array, Array]:
 
 
 def solve_rigid_rolling(
-    scene: Rolling, points: int = POINTS, *, curved: bool = True, bodies: Sizes | None = None
+    scene: kinematics.Rolling, points: int = POINTS, *, curved: bool = True, bodies: Sizes | None = None
 ) -> RigidResult:
     """Steady rolling of rigid bodies under Hertz's pressures. Raises ValueError where no balance is found.
 
@@ -330,7 +326,7 @@ def solve_rigid_rolling(
     return RigidResult(*moving(scene, y), loss, meeting_losses(scene, y), remainder)
 
 
-def _rigid_contacts(scene: Rolling, points: int, curved: bool, bodies: Sizes | None) -> list[Contact]:
+def _rigid_contacts(scene: kinematics.Rolling, points: int, curved: bool, bodies: Sizes | None) -> list[Contact]:
     (unit, weight), material, contacts = quadrature(points), (scene.young, scene.poisson), []
     for b, _, touch in touching(scene):
         radii = seen_radii(touch.load, touch.radii, *material, kernel_of(scene, touch, bodies))
@@ -339,5 +335,5 @@ def _rigid_contacts(scene: Rolling, points: int, curved: bool, bodies: Sizes | N
         local = unit * semi
         normal = ellipse.pressure(local[:, 0], local[:, 1]) * weight * semi.prod()
         normal *= touch.load / normal.sum()
-        contacts.append(rigid_contact(touch, scene, b, normal, local, curved=curved))
+        contacts.append(kinematics.rigid_contact(touch, scene, b, normal, local, curved=curved))
     return contacts

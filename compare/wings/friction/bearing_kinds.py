@@ -12,16 +12,9 @@ from rollbench.comparison.quantities import number
 from rollbench.comparison.wings.friction import answer
 from rollbench.comparison.wings.friction.kinds.bearings import BearingBallScene, BearingPairScene
 from rollbench.comparison.wings.friction.screw_kinds import screw_warnings, sliding
+from rollbench.lowfi.friction.bearing import rotary
 from rollbench.lowfi.friction.bearing.module_load import ModuleLoad
 from rollbench.lowfi.friction.bearing.pairs import BearingCase, BearingState, bearing_states, free_motion
-from rollbench.lowfi.friction.bearing.rotary import (
-    SIDES,
-    ball_contacts,
-    bearing_load,
-    inner_torque,
-    motion_problem,
-    source_law,
-)
 from rollbench.lowfi.friction.contact.ellipse import Contacts
 from rollbench.lowfi.friction.contact.laws import Regularised
 from rollbench.lowfi.friction.contact.motion import (
@@ -42,7 +35,7 @@ def ball_motion(scene: BearingBallScene, problem: Problem) -> Motion:
         return first
     if scene.law == "regularised":
         return balance_by_root(problem, Regularised(scene.creep), first.q)
-    law = source_law(scene.bearing, scene.sharpness, scene.map_step)
+    law = rotary.source_law(scene.bearing, scene.sharpness, scene.map_step)
     found = balance_by_root(problem, law, first.q)
     return found if found.status == "exact" else balance_by_sharpening(problem, law, first.q)
 
@@ -62,18 +55,20 @@ def ball_row(load: ModuleLoad, at: Contacts, motion: Motion) -> dict[str, Any]:
     f = motion.friction
     return (
         {"index": 1}
-        | answer.load_row(SIDES, load.force, load.angle)
+        | answer.load_row(rotary.SIDES, load.force, load.angle)
         | {
-            "semi_axis_across_um": answer.by_side(SIDES, 1e6 * at.a),
-            "semi_axis_along_um": answer.by_side(SIDES, 1e6 * at.b),
+            "semi_axis_across_um": answer.by_side(rotary.SIDES, 1e6 * at.a),
+            "semi_axis_along_um": answer.by_side(rotary.SIDES, 1e6 * at.b),
             "orbit_rad_s": number(orbit),
             "rotation_rad_s": [number(omega_x), number(omega_y), 0.0],
-            "sliding_mm_s": {s: [number(v) for v in 1e3 * row[:2]] for s, row in zip(SIDES, motion.motion, strict=True)},
-            "spin_rad_s": answer.by_side(SIDES, motion.motion[:, 2]),
-            "friction_N": {s: [number(v) for v in row] for s, row in zip(SIDES, f.force, strict=True)},
-            "moment_Nmm": answer.by_side(SIDES, 1e3 * f.moment),
-            "loss_mW": answer.by_side(SIDES, 1e3 * f.loss),
-            "at_rest": {s: bool(r) for s, r in zip(SIDES, motion.rest, strict=True)},
+            "sliding_mm_s": {
+                s: [number(v) for v in 1e3 * row[:2]] for s, row in zip(rotary.SIDES, motion.motion, strict=True)
+            },
+            "spin_rad_s": answer.by_side(rotary.SIDES, motion.motion[:, 2]),
+            "friction_N": {s: [number(v) for v in row] for s, row in zip(rotary.SIDES, f.force, strict=True)},
+            "moment_Nmm": answer.by_side(rotary.SIDES, 1e3 * f.moment),
+            "loss_mW": answer.by_side(rotary.SIDES, 1e3 * f.loss),
+            "at_rest": {s: bool(r) for s, r in zip(rotary.SIDES, motion.rest, strict=True)},
         }
     )
 
@@ -82,7 +77,7 @@ def contact_rows(ball: dict[str, Any]) -> list[dict[str, Any]]:
     """The loaded contacts of a ball for the terminal."""
     size = ("load_N", "contact_angle_deg", "semi_axis_across_um", "semi_axis_along_um")
     rows = []
-    for side in (s for s in SIDES if ball["load_N"][s] > 0.0):
+    for side in (s for s in rotary.SIDES if ball["load_N"][s] > 0.0):
         row = {name: ball[name][side] for name in (*size, "spin_rad_s", "moment_Nmm", "loss_mW", "at_rest")}
         rows.append({"side": side, "slide": ball["sliding_mm_s"][side][1], "along": ball["friction_N"][side][1]} | row)
     return rows
@@ -106,15 +101,15 @@ CONTACT_COLUMNS = (
 def solve_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
     """Loads, motion, losses and torque of one ball."""
     b = scene.bearing
-    load = bearing_load(b, scene.force, scene.displacement, scene.hertz)
+    load = rotary.bearing_load(b, scene.force, scene.displacement, scene.hertz)
     rough = replace(b, mu=b.mu or 1.0)
-    at = ball_contacts(rough, load, scene.hertz)
-    motion = ball_motion(scene, motion_problem(rough, load, at))
+    at = rotary.ball_contacts(rough, load, scene.hertz)
+    motion = ball_motion(scene, rotary.motion_problem(rough, load, at))
     if b.mu == 0.0:
         motion = without_friction(motion)
     held = load.force > 0.0
     converged = bool(held.any()) and load.converged and motion.status != "failed"
-    ball, torque, speed = ball_row(load, at, motion), inner_torque(b, load, motion), b.speed
+    ball, torque, speed = ball_row(load, at, motion), rotary.inner_torque(b, load, motion), b.speed
     power = answer.energy(torque * speed, motion.loss, float(at.strength.sum()) * abs(speed) * b.pitch_radius)
     by_loss = number(1e3 * motion.loss / abs(speed)) if speed != 0.0 else None
     data = answer.head(scene, ball_status(bool(held.any()), load.converged, motion.status), converged) | {

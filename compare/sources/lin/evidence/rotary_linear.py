@@ -14,15 +14,7 @@ from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import entry, load_table, value_of
 from rollbench.comparison.sources.lin.evidence import source_cases
 from rollbench.comparison.wings.evidence.record import Evidence, Sheet
-from rollbench.lowfi.friction.bearing.rotary import (
-    SIDES,
-    Mode,
-    Solution,
-    inner_torque,
-    solve_ball,
-    solve_ball_as_printed,
-    source_law,
-)
+from rollbench.lowfi.friction.bearing import rotary
 from rollbench.lowfi.friction.contact.ellipse import cubic_factor, linear_error, linear_factor
 from rollbench.lowfi.friction.linear.analytic import velocity_deviation
 from rollbench.lowfi.friction.linear.loads import Loads
@@ -40,7 +32,7 @@ CASES = {name: source_cases.rotary(name).displacement for name in source_cases.R
 #: Slope of the normalised friction force, as printed.
 K_F = source_cases.k_f()
 #: The source's own law of friction, with what was inferred for it.
-PRINTED_LAW = source_law(
+PRINTED_LAW = rotary.source_law(
     ROTARY, source_cases.rotary("I", printed=True).sharpness, source_cases.rotary("I", printed=True).map_step
 )
 LOADS: tuple[Loads, ...] = ("balanced", "diagonal", "elastic")
@@ -52,17 +44,17 @@ YIELD, MULTIPLE = 370.0, 4.2
 
 
 @cache
-def as_printed(case: str) -> Solution:
+def as_printed(case: str) -> rotary.Solution:
     """A case of Table 3.2 with the source's Hertz constants, sigmoid and root."""
     scene = source_cases.rotary(case, printed=True)
-    law = source_law(scene.bearing, scene.sharpness, scene.map_step)
-    return solve_ball_as_printed(scene.bearing, scene.force, scene.displacement, law, fast=True)
+    law = rotary.source_law(scene.bearing, scene.sharpness, scene.map_step)
+    return rotary.solve_ball_as_printed(scene.bearing, scene.force, scene.displacement, law, fast=True)
 
 
 @cache
-def right(case: str, hertz: Mode = "right") -> Solution:
+def right(case: str, hertz: rotary.Mode = "right") -> rotary.Solution:
     """The same with least dissipation; hertz "as printed" keeps the source's loads and ellipses."""
-    return solve_ball(ROTARY, AXIAL, CASES[case], hertz, fast=True)
+    return rotary.solve_ball(ROTARY, AXIAL, CASES[case], hertz, fast=True)
 
 
 @cache
@@ -99,19 +91,19 @@ def table_3_1(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every tab
     return sheet.evidence()
 
 
-def rotary_value(s: Solution, key: str) -> float:
+def rotary_value(s: rotary.Solution, key: str) -> float:
     """Quantity of a row of Table 3.2 (the key without its case) in the unit printed there."""
     kind, _, what = key.partition("_")
     if kind == "F":
-        return float(s.load.force.sum() if what == "sum" else s.load.force[SIDES.index(what)])
+        return float(s.load.force.sum() if what == "sum" else s.load.force[rotary.SIDES.index(what)])
     if kind == "P":
-        return float(s.motion.loss if what == "sum" else s.motion.friction.loss[SIDES.index(what)])
+        return float(s.motion.loss if what == "sum" else s.motion.friction.loss[rotary.SIDES.index(what)])
     if kind == "omega":
         return float(s.motion.q["Bxy".index(what)])
     return 1e3 * s.torque
 
 
-def rise(first: Solution, raised: Solution, what: str) -> float:
+def rise(first: rotary.Solution, raised: rotary.Solution, what: str) -> float:
     """Increase of the sum of forces [%], or of the torque in torques of the first."""
     if what == "force":
         return float(error_percent(raised.load.force.sum(), first.load.force.sum()))
@@ -281,7 +273,7 @@ def balance_rows() -> list[Row]:
             ("least dissipation at the loads as printed", right(case, "as printed")),
             ("as printed", as_printed(case)),
         ):
-            torque = inner_torque(ROTARY, s.load, s.motion)
+            torque = rotary.inner_torque(ROTARY, s.load, s.motion)
             power = torque * ROTARY.speed
             rows.append(
                 {

@@ -27,15 +27,7 @@ from rollbench.comparison.sources.lin.reconstruction.readings import (
     together,
     wanted,
 )
-from rollbench.comparison.sources.lin.sections.reconstruction import (
-    combination_table,
-    first_paragraph,
-    friction_paragraph,
-    has_shape,
-    met_table,
-    other_table,
-    second_paragraph,
-)
+from rollbench.comparison.sources.lin.sections import reconstruction
 from rollbench.comparison.wings.evidence.audit import judge
 from rollbench.comparison.wings.evidence.registry import evidence
 
@@ -95,9 +87,9 @@ def test_a_number_that_readings_miss_is_not_inferred(study):
 
 
 def test_the_page_answers_first(study):
-    text = first_paragraph(study)
+    text = reconstruction.first_paragraph(study)
     assert text.startswith("Where does 5.38 % come from? It comes out at 5.36 %")
-    second = second_paragraph(study, study.once(combined.combinations))
+    second = reconstruction.second_paragraph(study, study.once(combined.combinations))
     assert "within 1 % no combinations; within 3 % " in second
 
 
@@ -127,15 +119,16 @@ def test_drawn_errors_are_those_of_the_loads_without_scatter(study):
 def test_the_shape_of_case_3_is_a_rise_on_the_inner_flanks_of_the_last_balls():
     change = np.zeros((32, 4))
     change[31, 2] = 5.0
-    assert has_shape(change)
-    assert not has_shape(-change)
-    assert not has_shape(change[::-1])
-    assert not has_shape(change[:, ::-1] * [0, 0, 0, 0] + np.eye(32, 4, k=-28) * 6.0)
+    assert reconstruction.has_shape(change)
+    assert not reconstruction.has_shape(-change)
+    assert not reconstruction.has_shape(change[::-1])
+    assert not reconstruction.has_shape(change[:, ::-1] * [0, 0, 0, 0] + np.eye(32, 4, k=-28) * 6.0)
 
 
 def test_other_statements(study):
     rows = {
-        row["place"]: [r for r in other_table(study).rows if r["place"] == row["place"]] for row in other_table(study).rows
+        row["place"]: [r for r in reconstruction.other_table(study).rows if r["place"] == row["place"]]
+        for row in reconstruction.other_table(study).rows
     }
     assert all(r["verdict"].count("held") == 3 for r in rows["2.4.1.3, case 3"])
     assert "may be its mesh" in rows["Table 3.5 (a)"][0]["verdict"]
@@ -144,14 +137,14 @@ def test_other_statements(study):
 
 def test_the_table_of_combinations_has_every_pair_once_and_says_which_meet_the_ratio(study):
     found = study.once(combined.combinations)
-    rows = combination_table(found).rows
+    rows = reconstruction.combination_table(found).rows
     pairs = [(row["low order"], row["3D"]) for row in rows]
     assert len(pairs) == len(set(pairs)) == len(found)
     near = {pair for pair, row in zip(pairs, rows, strict=True) if row["meets the ratio"] == "yes"}
     ratios = {pair: (row["low_ratio"], row["solid_ratio"]) for pair, row in zip(pairs, rows, strict=True)}
     assert near == {pair for pair, two in ratios.items() if all(abs(x / 1.34 - 1.0) <= 0.015 for x in two)}
     allowed = {pair for pair, row in zip(pairs, rows, strict=True) if row["text"] == "silent"}
-    assert near & allowed == {(row["low order"], row["3D"]) for row in met_table(found).rows}
+    assert near & allowed == {(row["low order"], row["3D"]) for row in reconstruction.met_table(found).rows}
     assert near - allowed
 
 
@@ -231,7 +224,7 @@ def test_friction_of_sliding_grooves_bears_its_part_of_the_axial_force(study, ke
 
 
 def test_the_page_says_what_friction_does(study):
-    text = friction_paragraph(study)
+    text = reconstruction.friction_paragraph(study)
     assert text.startswith("Friction of 0.01 is computed")
     assert "no load by more than 0.007 % of the mean and the ratio by +0.004 %" in text
     assert "bears 0.95 % of the load" in text
