@@ -7,8 +7,7 @@ import typing
 
 import numpy as np
 
-from rollbench.comparison.wings.friction.kinds.bearing_ball import BearingBallScene
-from rollbench.comparison.wings.friction.kinds.bearing_pair import BearingPairScene
+from rollbench.comparison.wings.friction.kinds.bearings import BearingBallScene, BearingPairScene
 from rollbench.comparison.wings.friction.kinds.linear import LinearChainScene, LinearPairScene
 from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewPairScene, ScrewRunScene
 from rollbench.hifi.meshing.settings import Settings

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from rollbench.hifi.rolling.balls import Rolling
+from rollbench.hifi.rolling.kinematics import Rolling
 from rollbench.hifi.rolling.scenes import Material, linear_layout, scene_of, screw_layout
 
 STEEL = Material(210e9, 0.28, 0.1, 0.1)

@@ -82,6 +82,14 @@ def entry(table: str, key: str) -> Printed:
     raise KeyError(f"{table}: no printed entry {key!r}")
 
 
+def value_of(table: str, key: str) -> float:
+    """Printed number of a table by key. Raises KeyError where there is none, and as `entry`."""
+    value = entry(table, key).value
+    if value is None:
+        raise KeyError(f"{table}: {key!r} is no number")
+    return value
+
+
 def parse_table(text: str, name: str) -> tuple[Printed, ...]:
     """Rows of a table: ``source``, ``place`` and ``[[row]]`` entries. Raises InputError for a bad one."""
     try:

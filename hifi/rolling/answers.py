@@ -18,9 +18,9 @@ from rollbench.hifi.elements import assembly
 from rollbench.hifi.elements.forms import elasticity
 from rollbench.hifi.elements.pressures import contact_weights, mean_weights
 from rollbench.hifi.elements.rigid import rigid_modes
-from rollbench.hifi.rolling.halves import compliance_by_halves
+from rollbench.hifi.linear_algebra.response import compliance
 from rollbench.hifi.rolling.regular import monomials
-from rollbench.meshes.arrays import Array
+from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.contact_bodies import ContactBody, Zone, half_space
 from rollbench.meshes.fem import freedoms_on, moved, nodes_on, points_of
 
@@ -85,33 +85,30 @@ def tractions(
 
 def free_answer(body: ContactBody, rows: sp.csr_matrix, young: float, poisson: float) -> Array:
     """Answers ``(m, m)`` [m/N] of a free body, loads and motions freed of what moves it as a whole."""
-    K = assembly.assemble(elasticity(young, poisson), body.mesh)
-    points = points_of(body.mesh)
-    beside = np.flatnonzero(np.abs(points[:, 0]) > 1e-9 * np.abs(points).max())  # not in the plane of symmetry
-    free = np.setdiff1d(np.arange(K.shape[0]), isostatic(points, np.union1d(body.contact, beside)))
+    K, points = assembly.assemble(elasticity(young, poisson), body.mesh), points_of(body.mesh)
     relief, rigid = rigid_loads(body.mesh), rigid_modes(points)
-    all_rows = sp.vstack([rows, sp.csr_matrix(relief)]).tocsr()[:, free]
-    F = compliance_by_halves(K[free][:, free], all_rows, points, free)
+    F = _held(K, isostatic(points, body.contact), sp.vstack([rows, sp.csr_matrix(relief)]))
     S = np.hstack([np.eye(rows.shape[0]), -np.linalg.solve(relief @ rigid, (rows @ rigid).T).T])
     return np.asarray(S @ F @ S.T)
 
 
+def _held(K: sp.csr_matrix, held: Index, rows: sp.spmatrix) -> Array:
+    """Answers ``(m, m)`` [m/N] of a body whose freedoms ``held`` stand."""
+    free = np.setdiff1d(np.arange(K.shape[0]), held)
+    return compliance(K[free][:, free], rows.tocsr()[:, free])
+
+
 def held_answer(body: ContactBody, rows: sp.csr_matrix, young: float, poisson: float) -> Array:
     """Answers ``(m, m)`` [m/N] of a body held at its boundary "held"."""
-    K = assembly.assemble(elasticity(young, poisson), body.mesh)
-    free = np.setdiff1d(np.arange(K.shape[0]), freedoms_on(body.mesh, "held"))
-    return compliance_by_halves(K[free][:, free], rows[:, free], points_of(body.mesh), free)
+    return _held(assembly.assemble(elasticity(young, poisson), body.mesh), freedoms_on(body.mesh, "held"), rows)
 
 
 def half_space_answer(body: ContactBody, rows: sp.csr_matrix, young: float, poisson: float) -> Array:
     """Answers ``(m, m)`` [m/N] of a block of a half space, the rest of it in the motion of its cut
     (`hifi.contact.block`)."""
-    K = assembly.assemble(elasticity(young, poisson), body.mesh)
-    cut = freedoms_on(body.mesh, "held")
-    free = np.setdiff1d(np.arange(K.shape[0]), cut)
-    by_cut = sp.csr_matrix(-(K[cut][:, free].T @ _far_field(body, rows, young, poisson)).T)
-    F = compliance_by_halves(K[free][:, free], sp.vstack([rows[:, free], by_cut]).tocsr(), points_of(body.mesh), free)
-    m = rows.shape[0]
+    K, cut = assembly.assemble(elasticity(young, poisson), body.mesh), freedoms_on(body.mesh, "held")
+    by_cut = sp.csr_matrix(-(K[cut].T @ _far_field(body, rows, young, poisson)).T)
+    F, m = _held(K, cut, sp.vstack([rows, by_cut])), rows.shape[0]
     out = F[:m, :m] + F[:m, m:]
     return np.asarray(0.5 * (out + out.T))
 

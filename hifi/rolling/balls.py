@@ -17,11 +17,10 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from rollbench.hifi.contact.hertz import hertz
+from rollbench.hifi.rolling import kinematics
 from rollbench.hifi.rolling.bodies import Place, Sizes, contact_kernel, make_kernels
-from rollbench.hifi.rolling.friction import PATH, Contact, Friction, solve_friction
-from rollbench.hifi.rolling.kinematics import MOTIONS, Touch, Track, axes_of, ball_contact, surface
-from rollbench.hifi.rolling.neighbours import Meeting, Together
-from rollbench.hifi.rolling.patch import Patch, hertz_patch
+from rollbench.hifi.rolling.friction import PATH, Contact, Friction, full_slip, solve_friction, solve_rigid
+from rollbench.hifi.rolling.patch import Patch, hertz_patch, seen_radii
 from rollbench.hifi.rolling.regular import Regular
 from rollbench.meshes.arrays import Array
 
@@ -29,30 +28,8 @@ from rollbench.meshes.arrays import Array
 NEARLY_RIGID = 0.01
 #: Contact forces below this share of a ball's largest are none.
 NEGLIGIBLE = 1e-9
-
-
-@dataclass(frozen=True)
-class Ball:
-    """A ball: its own axes as rows in common ones ``(3, 3)``, and where it touches grooves."""
-
-    frame: Array
-    touches: tuple[Touch, ...]
-
-
-@dataclass(frozen=True)
-class Rolling:
-    """Balls of radius [m] on a track, of one material (Young's modulus [Pa], Poisson's ratio) with their grooves;
-    coefficients of friction at the grooves and between balls; orbit: nominal speed of the balls; which balls touch."""
-
-    track: Track
-    radius: float
-    young: float
-    poisson: float
-    mu: float
-    mu_balls: float
-    orbit: float
-    balls: tuple[Ball, ...]
-    meetings: tuple[Meeting, ...] = ()
+#: Points of the quadrature of the rigid limit along each axis of the ellipse, first and last.
+FIRST, POINTS = 40, 300
 
 
 @dataclass(frozen=True)
@@ -144,7 +121,7 @@ def finite_patch(
     return hertz_patch(load, radii, *material, shape, kernel)
 
 
-def patch_of(scene: Rolling, touch: Touch, choices: Choices) -> Patch:
+def patch_of(scene: kinematics.Rolling, touch: kinematics.Touch, choices: Choices) -> Patch:
     """The contact's patch under its force. Raises ValueError as `kernel_of`."""
     kernel = kernel_of(scene, touch, choices.bodies)
     if kernel is None:
@@ -153,17 +130,17 @@ def patch_of(scene: Rolling, touch: Touch, choices: Choices) -> Patch:
     return finite_patch(touch.load, touch.radii, (scene.young, scene.poisson), choices.shape, kernel)
 
 
-def kernel_of(scene: Rolling, touch: Touch, bodies: Sizes | None) -> Regular | None:
+def kernel_of(scene: kinematics.Rolling, touch: kinematics.Touch, bodies: Sizes | None) -> Regular | None:
     """What finite bodies add at a contact, in its axes; None for half spaces. Raises ValueError as `place_of`."""
     if bodies is None:
         return None
     at, bottom = place_of(scene, touch)
     kernel = contact_kernel(at, _largest(scene), scene.young, scene.poisson, bodies)
-    axes = axes_of(touch, scene.track, scene.radius, scene.orbit)
+    axes = kinematics.axes_of(touch, scene)
     return kernel if axes[1] @ bottom > 0.0 else kernel.turned
 
 
-def prepare_bodies(scenes: Sequence[Rolling], bodies: Sizes | None, processes: int) -> float:
+def prepare_bodies(scenes: Sequence[kinematics.Rolling], bodies: Sizes | None, processes: int) -> float:
     """Make bodies of scenes of one material as `hifi.rolling.bodies.make_kernels`; raises as `kernel_of`."""
     if bodies is None:
         return 0.0
@@ -171,12 +148,12 @@ def prepare_bodies(scenes: Sequence[Rolling], bodies: Sizes | None, processes: i
     return make_kernels(contacts, scenes[0].young, scenes[0].poisson, bodies, processes)
 
 
-def _largest(scene: Rolling) -> float:
+def _largest(scene: kinematics.Rolling) -> float:
     """Largest force of a contact [N]."""
     return max(t.load for b in scene.balls for t in b.touches)
 
 
-def place_of(scene: Rolling, touch: Touch) -> tuple[Place, Array]:
+def place_of(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple[Place, Array]:
     """Where a ball touches its groove, and the direction to its bottom. Raises ValueError where that is unknown."""
     if touch.bottom is None:
         raise ValueError("a finite groove needs the direction of its bottom")
@@ -184,7 +161,7 @@ def place_of(scene: Rolling, touch: Touch) -> tuple[Place, Array]:
     return Place(scene.radius, touch.radii, angle, scene.track.curve), touch.bottom
 
 
-def touching(scene: Rolling) -> list[tuple[int, int, Touch]]:
+def touching(scene: kinematics.Rolling) -> list[tuple[int, int, kinematics.Touch]]:
     """Ball, number and record of every touch that carries load."""
     out = []
     for b, ball in enumerate(scene.balls):
@@ -193,36 +170,39 @@ def touching(scene: Rolling) -> list[tuple[int, int, Touch]]:
     return out
 
 
-def contacts_of(scene: Rolling, choices: Choices) -> list[Contact]:
+def contacts_of(scene: kinematics.Rolling, choices: Choices) -> list[Contact]:
     """Every loaded contact as friction needs it."""
+    curved, elastic = choices.curved, choices.elastic
     return [
-        ball_contact(
-            t,
-            patch_of(scene, t, choices),
-            scene.track,
-            scene.radius,
-            scene.orbit,
-            scene.mu,
-            MOTIONS * b,
-            curved=choices.curved,
-            elastic=choices.elastic,
-        )
+        kinematics.ball_contact(t, scene, b, patch_of(scene, t, choices), curved=curved, elastic=elastic)
         for b, _, t in touching(scene)
     ]
 
 
-def balance_of(scene: Rolling, contacts: Sequence[Contact]) -> Together:
+def balance_of(scene: kinematics.Rolling, contacts: Sequence[Contact]) -> kinematics.Together:
     """Meetings of the balls as the solver takes them."""
     bound = max(float(c.bound.sum()) for c in contacts)
-    speed = max(float(np.abs(c.given).max()) for c in contacts)
-    return Together(len(scene.balls), scene.meetings, scene.mu_balls, np.zeros(MOTIONS * len(scene.balls)), bound / speed)
+    return kinematics.Together(scene, bound / max(float(np.abs(c.given).max()) for c in contacts))
 
 
-def start_of(scene: Rolling) -> Array:
+def moving(scene: kinematics.Rolling, y: Array) -> tuple[Array, Array, Array]:
+    """Of the unknowns: speeds of balls along the track ``(N,)``, rotations ``(N, 3)`` [rad/s], forces of meetings [N]."""
+    count = kinematics.MOTIONS * len(scene.balls)
+    motions = y[:count].reshape(-1, kinematics.MOTIONS)
+    return motions[:, 0] / scene.track.length, motions[:, 1:] / scene.radius, y[count:].copy()
+
+
+def meeting_losses(scene: kinematics.Rolling, y: Array) -> Array:
+    """Losses of sliding friction at every meeting [W]."""
+    pairs = zip(moving(scene, y)[2], scene.meetings, strict=True)
+    return np.array([scene.mu_balls * f * float(np.linalg.norm((m.rows @ y[m.columns])[1:])) for f, m in pairs])
+
+
+def start_of(scene: kinematics.Rolling) -> Array:
     """Motions near rolling: each ball at its nominal speed, turning so that its contacts slide least."""
-    y = np.zeros(MOTIONS * len(scene.balls) + len(scene.meetings))
+    y = np.zeros(kinematics.MOTIONS * len(scene.balls) + len(scene.meetings))
     for b, ball in enumerate(scene.balls):
-        y[MOTIONS * b] = scene.orbit * scene.track.length
+        y[kinematics.MOTIONS * b] = scene.orbit * scene.track.length
         rows, driven = [], []
         for t in ball.touches:
             if t.load > 0.0:
@@ -230,12 +210,17 @@ def start_of(scene: Rolling) -> Array:
                 turn = np.cross(np.eye(3), at).T / scene.radius
                 rows.append(turn * t.load)
                 driven.append((t.ride - scene.orbit) * scene.track.field(at) * t.load)
-        y[MOTIONS * b + 1 : MOTIONS * (b + 1)] = np.linalg.lstsq(np.vstack(rows), np.concatenate(driven), rcond=1e-10)[0]
+        y[kinematics.MOTIONS * b + 1 : kinematics.MOTIONS * (b + 1)] = np.linalg.lstsq(
+            np.vstack(rows), np.concatenate(driven), rcond=1e-10
+        )[0]
     return y
 
 
 def solve_rolling(
-    scene: Rolling, choices: Choices | None = None, near: RollingResult | None = None, path: tuple[float, ...] = PATH
+    scene: kinematics.Rolling,
+    choices: Choices | None = None,
+    near: RollingResult | None = None,
+    path: tuple[float, ...] = PATH,
 ) -> RollingResult:
     """Steady rolling; near: a solution on the same grid to start from; path: creeping speeds that lead to one from none
     (`hifi.rolling.friction.solve_friction`). Raises ValueError for a ball without a contact."""
@@ -251,56 +236,104 @@ def solve_rolling(
 
 
 def _result(
-    scene: Rolling, choices: Choices, contacts: Sequence[Contact], solution: Friction, seconds: float
+    scene: kinematics.Rolling, choices: Choices, contacts: Sequence[Contact], solution: Friction, seconds: float
 ) -> RollingResult:
-    count = len(scene.balls)
-    motions = solution.motions[: MOTIONS * count].reshape(count, MOTIONS)
-    force = solution.motions[MOTIONS * count :]
-    outs, power, wrench = [], 0.0, np.zeros((count, 6))
-    for k, (b, i, t) in enumerate(touching(scene)):
-        c, q, s = contacts[k], solution.forces[k], solution.slips[k]
-        patch, axes = patch_of(scene, t, choices), axes_of(t, scene.track, scene.radius, scene.orbit)
-        sunk = choices.elastic * patch.sunk
-        points, tangents = surface(axes, scene.radius, t.radii, patch.at, curved=choices.curved, sunk=sunk)
+    speed, rotation, force = moving(scene, solution.motions)
+    outs, power, wrench = [], 0.0, np.zeros((len(scene.balls), 6))
+    for (b, i, t), c, q, s, stick in zip(
+        touching(scene), contacts, solution.forces, solution.slips, solution.stick, strict=True
+    ):
+        patch = patch_of(scene, t, choices)
+        points, tangents = kinematics.surface(t, scene, patch.at, curved=choices.curved, sunk=choices.elastic * patch.sunk)
         on_ball = np.einsum("nck,cn->nk", tangents, q.reshape(2, -1))
         wrench[b, :3] += on_ball.sum(axis=0)
         wrench[b, 3:] += np.cross(points, on_ball).sum(axis=0)
         power -= float(q @ c.given)
-        two = [v.reshape(2, -1).T for v in (q, s)]
+        pull, slip, axes = q.reshape(2, -1).T, s.reshape(2, -1).T, kinematics.axes_of(t, scene)
         loss, upwind = -float(q @ s), float(q @ (c.elastic @ q))
-        outs.append(
-            ContactOut(b, i, patch.at, patch.size, patch.normal, two[0], two[1], solution.stick[k], axes, loss, upwind)
-        )
-    rub, between = np.zeros(force.size), np.zeros((count, 3))
-    for k, (f, m) in enumerate(zip(force, scene.meetings, strict=True)):
-        slide = (m.rows @ solution.motions[m.columns])[1:]
-        rub[k] = scene.mu_balls * float(f) * float(np.linalg.norm(slide))
-        pulls = m.forces(float(f), scene.mu_balls, slide)
+        outs.append(ContactOut(b, i, patch.at, patch.size, patch.normal, pull, slip, stick, axes, loss, upwind))
+    between = np.zeros((len(scene.balls), 3))
+    for f, m in zip(force, scene.meetings, strict=True):
+        pulls = m.forces(float(f), scene.mu_balls, (m.rows @ solution.motions[m.columns])[1:])
         for ball, sign in ((m.one, 1.0), (m.two, -1.0)):
             between[ball] += sign * (scene.balls[ball].frame @ pulls)
-    return RollingResult(
-        motions[:, 0] / scene.track.length,
-        motions[:, 1:] / scene.radius,
-        force,
-        rub,
-        wrench,
-        between,
-        power,
-        tuple(outs),
-        solution.status,
-        solution.residual,
-        solution.steps,
-        seconds,
-        solution,
-    )
+    rub, how = meeting_losses(scene, solution.motions), (solution.status, solution.residual, solution.steps)
+    return RollingResult(speed, rotation, force, rub, wrench, between, power, tuple(outs), *how, seconds, solution)
 
 
-def without_meetings(scene: Rolling) -> Rolling:
+def without_meetings(scene: kinematics.Rolling) -> kinematics.Rolling:
     """The same balls out of each other's reach."""
     return replace(scene, meetings=())
 
 
-def hertz_size(scene: Rolling, touch: Touch) -> tuple[float, float]:
+def hertz_size(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple[float, float]:
     """Semi-axes [m] along and across the groove."""
     ellipse = hertz(touch.load, *touch.radii, scene.young, scene.poisson)
     return ellipse.semi_x, ellipse.semi_y
+
+
+# --- the rigid limit: grooves that do not yield along tangents, Coulomb friction under Hertz's pressure by fine quadrature
+#
+# The limit that grids of elastic contacts are differenced against: what a grid's cells, its staircase edge and a spin
+# pole within a cell do to an answer they do to nearly rigid bodies too, so that
+#
+#     answer = grid(elastic) - grid(nearly rigid) + limit
+#
+# keeps of them only what they do to the effect of elasticity.
+
+
+@dataclass(frozen=True)
+class RigidResult:
+    """Speeds of the balls along the track ``(N,)``, rotations ``(N, 3)`` [rad/s], forces of meetings [N], losses at
+    every loaded contact and meeting [W]; what the smoothing of the path leaves, over the largest slip."""
+
+    speed: Array
+    rotation: Array
+    force: Array
+    contact_loss: Array
+    ball_loss: Array
+    remainder: float
+
+    @property
+    def loss(self) -> float:
+        """All losses of friction [W]."""
+        return float(self.contact_loss.sum() + self.ball_loss.sum())
+
+
+def quadrature(points: int) -> tuple[Array, Array]:
+    """Places ``(points^2, 2)`` in the unit disk and weights ``(points^2,)``; midpoints in angles that end at the edge."""
+    t = (np.arange(points) + 0.5) / points * np.pi
+    u, w = np.cos(t), np.sin(t) * np.pi / points
+    x, v = np.meshgrid(u, u, indexing="ij")
+    weight = np.outer(w * np.sqrt(1.0 - u**2), w)
+    return np.stack([x.ravel(), (v * np.sqrt(1.0 - x**2)).ravel()], axis=1), weight.ravel()
+
+
+def solve_rigid_rolling(
+    scene: kinematics.Rolling, points: int = POINTS, *, curved: bool = True, bodies: Sizes | None = None
+) -> RigidResult:
+    """Steady rolling of rigid bodies under Hertz's pressures. Raises ValueError where no balance is found.
+
+    bodies: finite ones, by the half spaces that touch as they do (`hifi.rolling.patch.seen_radii`); None: half spaces.
+    """
+    y = start_of(scene)
+    with threadpool_limits(1):  # as `solve_rolling`
+        for count in (FIRST, points):
+            contacts = _rigid_contacts(scene, count, curved, bodies)
+            path = PATH if count == FIRST else PATH[-2:]
+            y, remainder = solve_rigid(contacts, balance_of(scene, contacts), y, path)
+    loss = np.array([-float(full_slip(c.bound, s) @ s) for c in contacts for s in (c.rigid_slip(y),)])
+    return RigidResult(*moving(scene, y), loss, meeting_losses(scene, y), remainder)
+
+
+def _rigid_contacts(scene: kinematics.Rolling, points: int, curved: bool, bodies: Sizes | None) -> list[Contact]:
+    (unit, weight), material, contacts = quadrature(points), (scene.young, scene.poisson), []
+    for b, _, touch in touching(scene):
+        radii = seen_radii(touch.load, touch.radii, *material, kernel_of(scene, touch, bodies))
+        ellipse = hertz(touch.load, *radii, *material)
+        semi = np.array([ellipse.semi_x, ellipse.semi_y])
+        local = unit * semi
+        normal = ellipse.pressure(local[:, 0], local[:, 1]) * weight * semi.prod()
+        normal *= touch.load / normal.sum()
+        contacts.append(kinematics.rigid_contact(touch, scene, b, normal, local, curved=curved))
+    return contacts

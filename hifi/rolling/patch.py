@@ -13,8 +13,6 @@ from functools import cached_property
 import numpy as np
 
 from rollbench.hifi.contact.hertz import hertz
-from rollbench.hifi.rolling.elements import Solids, influence
-from rollbench.hifi.rolling.normal import press
 from rollbench.hifi.rolling.regular import NORMAL, TANGENTS, Regular
 from rollbench.meshes.arrays import Array, Index
 
@@ -24,19 +22,116 @@ MARGIN = 1.08
 STEP = 0.5
 #: Points along each axis of Hertz's ellipse at which the displacement of finite bodies is taken.
 POINTS = 12
+#: Most changes of the active set.
+MOST = 100
+
+
+# --- half spaces
+
+
+def _over_rectangle(corner: Array) -> Array:
+    """Double integral from a double antiderivative's values (2, 2, ...) at the corners; summed so that places on opposite
+    sides have the same to the last digit."""
+    return np.asarray((corner[0, 0] + corner[1, 1]) - (corner[0, 1] + corner[1, 0]))
+
+
+def _corners(x: Array, y: Array, dx: float, dy: float) -> tuple[Array, Array]:
+    """Coordinates (2, 2, ...) of the points x, y seen from the corners of a rectangle about the origin."""
+    ends = np.array([0.5, -0.5])
+    X = np.broadcast_to(x + dx * ends.reshape(2, 1, *([1] * np.ndim(x))), (2, 2, *np.shape(x)))
+    Y = np.broadcast_to(y + dy * ends.reshape(1, 2, *([1] * np.ndim(y))), (2, 2, *np.shape(y)))
+    return X, Y
+
+
+def _log_sum(x: Array, y: Array) -> Array:
+    """x ln(y + R) up to a function of x alone, without cancellation for y < 0; its limit 0 at x = 0."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(x == 0.0, 0.0, x * np.arcsinh(y / np.abs(x)))
+
+
+def influence(x: Array, y: Array, dx: float, dy: float, young: float, poisson: float) -> Array:
+    """Relative displacement ``(..., 3, 3)`` [m/Pa] of the surfaces of two like bodies at x, y [m] by unit tractions on a
+    rectangle; Young's modulus in Pa.
+
+    The rectangle dx by dy lies about the origin. Rows: displacement of body 1 past body 2 along x, y, and the parting along
+    the normal; columns: traction on body 1 along x, y, and pressure. Boussinesq's and Cerruti's point forces (Johnson,
+    Contact Mechanics, 1985, (3.22), (3.75) and (3.77)), integrated exactly. Bodies of one material: normal tractions part
+    the surfaces along the normal only, and tangential ones along tangents only.
+    """
+    X, Y = _corners(x, y, dx, dy)
+    R = np.hypot(X, Y)
+    along_x, along_y = _log_sum(Y, X), _log_sum(X, Y)  # integrals of X^2/R^3 and Y^2/R^3
+    over, shear = _over_rectangle, 0.5 * young / (1.0 + poisson)
+    upright, aslant = (1.0 - poisson) / (np.pi * shear), poisson / (np.pi * shear)
+    inverse = over(along_x) + over(along_y)
+    out = np.zeros((*np.shape(x), 3, 3))
+    out[..., 0, 0] = upright * inverse + aslant * over(along_x)
+    out[..., 1, 1] = upright * inverse + aslant * over(along_y)
+    out[..., 0, 1] = out[..., 1, 0] = aslant * over(-R)
+    out[..., 2, 2] = upright * inverse
+    return out
+
+
+def _table(cells: Index, size: Array, material: tuple[float, float], directions: slice, shift: float = 0.0) -> Array:
+    """Displacements ``(2 w - 1, 2 h - 1, k, k)`` [m/N] along ``directions`` by a cell's unit forces along them, each spread
+    evenly over the cell, at all offsets of a grid of w by h cells, ``shift`` [m] upstream."""
+    span = np.ptp(cells, axis=0)
+    dx, dy = size
+    x, y = np.meshgrid(np.arange(-span[0], span[0] + 1) * dx + shift, np.arange(-span[1], span[1] + 1) * dy, indexing="ij")
+    return np.asarray(influence(x, y, dx, dy, *material)[..., directions, directions] / (dx * dy))
+
+
+def _matrix(cells: Index, table: Array) -> Array:
+    """Values ``(k n, k n)`` of a table of all offsets at those of ``cells`` ``(n, 2)``, directions slowest."""
+    span, n, k = np.ptp(cells, axis=0), len(cells), table.shape[-1]
+    line = cells @ (2 * span[1] + 1, 1)
+    apart = line[:, None] - line + ((2 * span[1] + 1) * span[0] + span[1])
+    out = np.empty((k, n, k, n))
+    for a, b in np.ndindex(k, k):
+        out[a, :, b] = table[..., a, b].ravel()[apart]
+    return out.reshape(k * n, k * n)
+
+
+def press(
+    cells: Index, size: Array, gap: Array, load: float, material: tuple[float, float], extra: Array | None = None
+) -> tuple[Array, float]:
+    """Normal contact on a grid: forces ``(n,)`` [N] >= 0 of sum ``load`` and the approach [m] that closes the ``gap``
+    ``(n,)`` [m] where they act; material: Young's modulus [Pa] and Poisson's ratio.
+
+    extra ``(n, n)`` [m/N]: compliance beyond that of half spaces. Primal-dual active set; open cells carry exactly nothing.
+    Raises ValueError where the set does not settle.
+    """
+    C = _matrix(cells, _table(cells, size, material, NORMAL)) + (0.0 if extra is None else extra)
+    active = gap <= np.quantile(gap, 0.5)
+    for _ in range(MOST):
+        i = np.flatnonzero(active)
+        K = np.ones((i.size + 1, i.size + 1))
+        K[:-1, :-1], K[:-1, -1], K[-1, -1] = C[np.ix_(i, i)], -1.0, 0.0
+        solved = np.linalg.solve(K, np.append(-gap[i], load))
+        forces, approach = np.zeros(gap.size), float(solved[-1])
+        forces[i] = solved[:-1]
+        overlap = approach - gap - C @ forces
+        closed = np.where(active, forces > 0.0, overlap > 0.0)
+        if np.array_equal(closed, active):
+            return forces, approach
+        active = closed
+    raise ValueError(f"the contact's active set did not settle in {MOST} changes")
+
+
+# --- a contact
 
 
 @dataclass(frozen=True)
 class Patch:
     """A contact of n cells: columns and rows of the cells ``(n, 2)`` on a grid, centres x, y ``(n, 2)`` [m], size of a cell
-    ``(2,)`` [m], normal forces ``(n,)`` [N], the bodies, the approach [m]; what finite bodies add to half spaces (None:
-    half spaces)."""
+    ``(2,)`` [m], normal forces ``(n,)`` [N], Young's modulus [Pa] and Poisson's ratio of both bodies, the approach [m];
+    what finite bodies add to half spaces (None: half spaces)."""
 
     cells: Index
     at: Array
     size: Array
     normal: Array
-    solids: Solids
+    material: tuple[float, float]
     approach: float
     regular: Regular | None = None
 
@@ -45,13 +140,16 @@ class Patch:
         """Normal force [N]."""
         return float(self.normal.sum())
 
+    def _table(self, shift: float) -> Array:
+        return _table(self.cells, self.size, self.material, TANGENTS, shift)
+
     def tangential(self, shift: float = 0.0) -> Array:
         """Compliance ``(2 n, 2 n)`` [m/N]: displacement of body 1 past body 2 at the cells' centres, ``shift`` [m]
         upstream.
 
         Of unit tangential forces, each uniform over its cell.
         """
-        half_space = _matrix(self.cells, _table(self, shift))
+        half_space = _matrix(self.cells, self._table(shift))
         return half_space if self.regular is None else half_space + self.regular.block(self.at, TANGENTS, TANGENTS, shift)
 
     @property
@@ -77,7 +175,7 @@ class Patch:
         is interpolated. The symmetric part of D is positive: forces do work on it that the differences lose.
         """
         step = STEP * float(self.size[0])
-        half_space = _matrix(self.cells, _backward([_table(self, k * step) for k in range(3)], step))
+        half_space = _matrix(self.cells, _backward([self._table(k * step) for k in range(3)], step))
         if self.regular is None:
             return half_space
         return half_space + _backward([self.regular.block(self.at, TANGENTS, TANGENTS, k * step) for k in range(3)], step)
@@ -95,31 +193,10 @@ class Patch:
         return out
 
 
-def _table(patch: Patch, shift: float) -> Array:
-    """Displacements ``(2 w - 1, 2 h - 1, 2, 2)`` [m/N] along tangents by a cell's unit forces, at all offsets of a grid of
-    w by h cells, ``shift`` [m] upstream."""
-    span = np.ptp(patch.cells, axis=0)
-    dx, dy = patch.size
-    x, y = np.meshgrid(np.arange(-span[0], span[0] + 1) * dx + shift, np.arange(-span[1], span[1] + 1) * dy, indexing="ij")
-    return np.asarray(influence(x, y, dx, dy, patch.solids)[..., :2, :2] / (dx * dy))
-
-
 def _backward(values: list[Array], step: float) -> Array:
     """Difference of second order, per length, of values now and one and two steps [m] upstream."""
     current, before, first = values
     return np.asarray((3.0 * current - 4.0 * before + first) / (2.0 * step))
-
-
-def _matrix(cells: Index, table: Array) -> Array:
-    """Values ``(2 n, 2 n)`` of a table of all offsets at those of ``cells`` ``(n, 2)`` from one another."""
-    span, n = np.ptp(cells, axis=0), len(cells)
-    line = cells @ (2 * span[1] + 1, 1)
-    apart = line[:, None] - line + ((2 * span[1] + 1) * span[0] + span[1])
-    out = np.empty((2, n, 2, n))
-    for a in range(2):
-        for b in range(2):
-            out[a, :, b] = table[..., a, b].ravel()[apart]
-    return out.reshape(2 * n, 2 * n)
 
 
 def grid(shape: tuple[int, int], size: Array) -> tuple[Index, Array]:
@@ -169,9 +246,8 @@ def hertz_patch(
     ellipse = hertz(load, *seen_radii(load, radii, young, poisson, regular), young, poisson)
     size = 2.0 * margin * np.array([ellipse.semi_x, ellipse.semi_y]) / np.array(shape)
     cells, at = grid(shape, size)
-    solids = Solids.same(young, poisson)
     gap = 0.5 * (at[:, 0] ** 2 / radii[0] + at[:, 1] ** 2 / radii[1])
     extra = None if regular is None else regular.block(at, NORMAL, NORMAL)
-    forces, approach = press(cells, size, gap, load, solids, extra)
+    forces, approach = press(cells, size, gap, load, (young, poisson), extra)
     inside = forces > 0.0
-    return Patch(cells[inside], at[inside], size, forces[inside], solids, approach, regular)
+    return Patch(cells[inside], at[inside], size, forces[inside], (young, poisson), approach, regular)

@@ -7,7 +7,7 @@ varies slowly over a contact,
 
 Phi the monomials of x and y for each of the three directions. Rows: displacement of the ball past the groove along x and y,
 and the parting along the normal; columns: forces on the ball along x and y, and normal force, as in
-`hifi.rolling.elements.influence`.
+`hifi.rolling.patch.influence`.
 """
 
 from __future__ import annotations

@@ -12,9 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rollbench.hifi.contact.hertz import hertz
-from rollbench.hifi.rolling.balls import Ball, Rolling
-from rollbench.hifi.rolling.kinematics import Touch, Track
-from rollbench.hifi.rolling.neighbours import Meeting, meeting
+from rollbench.hifi.rolling.kinematics import Ball, Meeting, Rolling, Touch, Track, meeting
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.roots import brentq
 

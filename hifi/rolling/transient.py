@@ -16,9 +16,9 @@ from time import process_time
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from rollbench.hifi.rolling.balls import Choices, Rolling, balance_of, contacts_of, patch_of, start_of, touching
+from rollbench.hifi.rolling import balls
 from rollbench.hifi.rolling.friction import Contact, solve_friction
-from rollbench.hifi.rolling.kinematics import MOTIONS, rolling_speed
+from rollbench.hifi.rolling.kinematics import Rolling, rolling_speed
 from rollbench.meshes.arrays import Array
 
 #: How far beyond its zone the kernel of finite bodies is good, over the zone's half length.
@@ -64,7 +64,7 @@ class _Carried:
 
 
 def run_from_rest(
-    scene: Rolling, duration: float, steps: int, gap: float = 0.0, choices: Choices | None = None
+    scene: Rolling, duration: float, steps: int, gap: float = 0.0, choices: balls.Choices | None = None
 ) -> TransientResult:
     """Equal steps of ``duration`` [s] from rest, all neighbours ``gap`` [m] apart at first.
 
@@ -74,18 +74,18 @@ def run_from_rest(
     if not duration > 0.0 or steps < 1 or gap < 0.0:
         raise ValueError("need a duration > 0, at least one step and no negative gap")
     with threadpool_limits(1):  # as `hifi.rolling.balls.solve_rolling`
-        return _run(scene, duration / steps, steps, gap, choices or Choices())
+        return _run(scene, duration / steps, steps, gap, choices or balls.Choices())
 
 
-def _run(scene: Rolling, dt: float, steps: int, gap: float, choices: Choices) -> TransientResult:
+def _run(scene: Rolling, dt: float, steps: int, gap: float, choices: balls.Choices) -> TransientResult:
     begin = process_time()
     carried = _carried(scene, choices, dt)
     forces = [np.zeros(c.contact.given.size) for c in carried]
-    y, gaps, out, status = start_of(scene), np.full(len(scene.meetings), gap), [], "converged"
+    y, gaps, out, status = balls.start_of(scene), np.full(len(scene.meetings), gap), [], "converged"
     for step in range(steps):
         meetings = tuple(replace(m, apart=float(g) / dt) for m, g in zip(scene.meetings, gaps, strict=True))
         contacts = [c.at(q) for c, q in zip(carried, forces, strict=True)]
-        balance = balance_of(replace(scene, meetings=meetings), contacts)
+        balance = balls.balance_of(replace(scene, meetings=meetings), contacts)
         solution = solve_friction(contacts, balance, y, forces)
         if not solution.converged:
             status = f"step {step + 1}: {solution.status}"
@@ -101,11 +101,11 @@ def _run(scene: Rolling, dt: float, steps: int, gap: float, choices: Choices) ->
     return TransientResult(time, speed, rotation, force, gap_left, loss, power, stored, process_time() - begin, status)
 
 
-def _carried(scene: Rolling, choices: Choices, dt: float) -> list[_Carried]:
+def _carried(scene: Rolling, choices: balls.Choices, dt: float) -> list[_Carried]:
     out = []
-    for (_, _, touch), contact in zip(touching(scene), contacts_of(scene, choices), strict=True):
-        patch = patch_of(scene, touch, choices)
-        shift = rolling_speed(touch, scene.track, scene.radius, scene.orbit) * dt
+    for (_, _, touch), contact in zip(balls.touching(scene), balls.contacts_of(scene, choices), strict=True):
+        patch = balls.patch_of(scene, touch, choices)
+        shift = rolling_speed(touch, scene) * dt
         if patch.regular is not None and float(patch.at[:, 0].max()) + shift > REACH * patch.regular.scale[0]:
             raise ValueError(
                 "a step carries material from beyond the zone of finite bodies: take shorter ones, or half spaces"
@@ -124,13 +124,10 @@ def _row(
     gaps: Array,
 ) -> tuple[Array, Array, Array, Array, float, float, float]:
     """Speeds, rotations, forces, gaps, loss, power put in and stored at the end of a step; forces: before and after it."""
-    count = len(scene.balls)
-    motions, press = y[: MOTIONS * count].reshape(count, MOTIONS), y[MOTIONS * count :]
     old, new = forces
-    loss = -sum(float(q @ s) for q, s in zip(new, slips, strict=True))
-    for f, m in zip(press, scene.meetings, strict=True):
-        closing, *slide = m.rows @ y[m.columns]
-        loss += float(f) * (float(closing) + scene.mu_balls * float(np.linalg.norm(slide)))
+    speed, rotation, press = balls.moving(scene, y)
+    closing = sum(float(f) * float(m.rows[0] @ y[m.columns]) for f, m in zip(press, scene.meetings, strict=True))
+    rub = -sum(float(q @ s) for q, s in zip(new, slips, strict=True)) + float(balls.meeting_losses(scene, y).sum())
     power = -sum(float(q @ c.contact.given) for q, c in zip(new, carried, strict=True))
     stored = sum(float(q @ (c.present @ q - c.before @ before)) for q, before, c in zip(new, old, carried, strict=True))
-    return motions[:, 0] / scene.track.length, motions[:, 1:] / scene.radius, press.copy(), gaps, loss, power, stored
+    return speed, rotation, press, gaps, rub + closing, power, stored

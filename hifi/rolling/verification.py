@@ -16,23 +16,20 @@ from rollbench.hifi.contact.block import read_ellipse
 from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.elements.pressures import mean_weights
 from rollbench.hifi.rolling.answers import half_space_answer, tractions
-from rollbench.hifi.rolling.balls import Rolling, RollingResult
+from rollbench.hifi.rolling.balls import RollingResult, quadrature
 from rollbench.hifi.rolling.bodies import Place, Sizes, ball_kernel, contact_kernel, of_groove
-from rollbench.hifi.rolling.elements import Solids, influence
 from rollbench.hifi.rolling.friction import Contact, Friction, full_slip, solve_friction
-from rollbench.hifi.rolling.kinematics import MOTIONS, motion_rows
-from rollbench.hifi.rolling.normal import press
-from rollbench.hifi.rolling.patch import Patch, grid, hertz_patch, seen_radii
+from rollbench.hifi.rolling.kinematics import MOTIONS, Rolling, motion_rows
+from rollbench.hifi.rolling.patch import Patch, grid, hertz_patch, influence, press, seen_radii
 from rollbench.hifi.rolling.regular import Regular
-from rollbench.hifi.rolling.rigid_limit import quadrature
 from rollbench.hifi.rolling.static_patches import Curve, cuts_of
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.contact_bodies import Zone, half_space
 
 #: Length over half width of the strip that stands for a cylinder.
 LONG = 1e4
-#: Shear modulus of a body that is rigid beside another; points along each axis of a mean.
-RIGID, MEANS = 1e12, 200
+#: Points along each axis of a mean.
+MEANS = 200
 
 
 @dataclass(frozen=True)
@@ -191,10 +188,10 @@ def carter(cells: int, share: float) -> tuple[Array, Array]:
     long = LONG * half
     size = np.array([2.1 * half / cells, long])
     index, at = grid((cells, 1), size)
-    solids = Solids((shear, shear), (nu, nu))
-    forces, approach = press(index, size, at[:, 0] ** 2 / (2.0 * radius), load * long, solids)
+    material = 2.0 * shear * (1.0 + nu), nu
+    forces, approach = press(index, size, at[:, 0] ** 2 / (2.0 * radius), load * long, material)
     inside = forces > 0.0
-    patch = Patch(index[inside], at[inside], size, forces[inside], solids, approach)
+    patch = Patch(index[inside], at[inside], size, forces[inside], material, approach)
     rest = float(np.sqrt(1.0 - share))
     answer = steady(patch, Creep(mu * half / radius * (1.0 - rest), 0.0, 0.0), mu)
     stick = 2.0 * deviations(patch, mu * patch.normal, answer.friction.forces[0])[0]
@@ -287,10 +284,8 @@ def uniform_on_half_space(zone: Zone, size: float, young: float, poisson: float)
     computed = half_space_answer(block, tractions(block, zone, 0, (0.0, 0.0)), young, poisson).diagonal()
     sides = 2.0 * np.array(zone.half)
     _, at = grid((MEANS, MEANS), sides / MEANS)
-    shear = 0.5 * young / (1.0 + poisson)
-    alone = Solids((shear, RIGID * shear), (poisson, poisson))
-    exact = influence(at[:, 0], at[:, 1], sides[0], sides[1], alone).mean(axis=0).diagonal() / sides.prod()
-    return computed, exact
+    both = influence(at[:, 0], at[:, 1], sides[0], sides[1], young, poisson).mean(axis=0).diagonal() / sides.prod()
+    return computed, 0.5 * both
 
 
 # --- Kalker's linear theory
@@ -307,9 +302,8 @@ def ellipse_patch(ratio: float, poisson: float, shape: tuple[int, int]) -> Patch
     index, at = grid(shape, size)
     inside = ((at / semi) ** 2).sum(axis=1) < 1.0
     stretch = float(np.sqrt(np.pi / (np.count_nonzero(inside) * size.prod())))
-    solids = Solids((1.0, 1.0), (poisson, poisson))
     forces = np.full(np.count_nonzero(inside), np.inf)
-    return Patch(index[inside], stretch * at[inside], stretch * size, forces, solids, 0.0)
+    return Patch(index[inside], stretch * at[inside], stretch * size, forces, (2.0 * (1.0 + poisson), poisson), 0.0)
 
 
 def linear_coefficients(ratio: float, poisson: float, shape: tuple[int, int]) -> Array:

@@ -6,7 +6,6 @@ from scipy.optimize import brentq
 
 from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.rolling.bodies import ball_kernel
-from rollbench.hifi.rolling.elements import Solids
 from rollbench.hifi.rolling.patch import Patch, grid, hertz_patch
 from rollbench.hifi.rolling.verification import (
     Creep,
@@ -56,7 +55,7 @@ def test_stick_is_measured_by_what_the_tractions_leave_of_their_bound():
     """Uniform remainders of friction on known cells: deviations of a rectangle, exact on any grid, whatever else slips."""
     size = np.array([0.5, 0.25])
     index, at = grid((8, 6), size)
-    patch = Patch(index, at, size, np.ones(48), Solids.same(210e9, 0.3), 0.0)
+    patch = Patch(index, at, size, np.ones(48), (210e9, 0.3), 0.0)
     held = (index[:, 0] >= 2) & (index[:, 1] < 3)
     forces = np.concatenate([np.where(held, 0.06, 0.1), np.where(held, 0.08, 0.0)])
     bound = np.where(held, 0.3, 0.1)

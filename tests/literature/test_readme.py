@@ -69,7 +69,7 @@ def test_shown_output_is_what_is_printed(tmp_path: Path, monkeypatch, capsys) ->
 def test_report_s_tables_are_what_the_models_give_now() -> None:
     from rollbench.comparison.models.study import Study
     from rollbench.comparison.sections.reference import case_studies, error_table
-    from rollbench.comparison.sources.lin.evidence.choices_2_4_1 import choices
+    from rollbench.comparison.sources.lin.evidence.chapter_2 import choices
     from rollbench.comparison.sources.lin.sections.cases import choice_rows
     from rollbench.reports.records import Table
 

@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 from tests.rolling_scenes import linear_pair, screw_pair
 
-from rollbench.hifi.rolling.balls import Choices, solve_rolling, without_meetings
-from rollbench.hifi.rolling.kinematics import Track
-from rollbench.hifi.rolling.neighbours import meeting
-from rollbench.hifi.rolling.rigid_limit import solve_rigid_rolling
+from rollbench.hifi.rolling.balls import Choices, solve_rigid_rolling, solve_rolling, without_meetings
+from rollbench.hifi.rolling.kinematics import Track, meeting
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.linear.pair import solve_pair
 

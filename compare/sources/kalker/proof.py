@@ -10,35 +10,23 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from rollbench.comparison.measure import error_percent
-from rollbench.comparison.printed.printed_data import entry
-from rollbench.comparison.scenes.catalogue import shipped
+from rollbench.comparison.printed.printed_data import entry, value_of
+from rollbench.comparison.scenes.catalogue import case
 from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.sources.external.evidence.contacts import EXAMPLE_CELLS, example
 from rollbench.comparison.sources.kalker.evidence import GRIDS, coefficients
 from rollbench.comparison.wings.rolling.cases import case_of
 from rollbench.comparison.wings.rolling.runs import LEVELS, QUADRATURES
+from rollbench.hifi.rolling import verification
 from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, place_of, solve_rolling
 from rollbench.hifi.rolling.bodies import Place, Sizes
 from rollbench.hifi.rolling.patch import Patch, hertz_patch
-from rollbench.hifi.rolling.verification import (
-    Creep,
-    Pressed,
-    at_rest,
-    carter,
-    mindlin,
-    rubbing,
-    slip_everywhere,
-    slip_within_cells,
-    static_reference,
-    steady,
-    uniform_on_half_space,
-)
 from rollbench.meshes.arrays import Array
 
 #: Contact of the full-slip cases: load [N], relative radii [m], Young's modulus [Pa], Poisson's ratio; friction.
 GROOVE, MU = (100.0, (5e-3, 46.667e-3), 210e9, 0.28), 0.1
 #: Creepages of full slip: spin pole outside, near the edge, inside.
-SLIPS = {"pole outside": Creep(0.02, 0.004, 30.0), "pole inside": Creep(0.02, 0.004, 400.0)}
+SLIPS = {"pole outside": verification.Creep(0.02, 0.004, 30.0), "pole inside": verification.Creep(0.02, 0.004, 400.0)}
 #: How full slip is computed on grids: alone, with the slip resolved within cells, and as runs have it.
 BY_GRID, RESOLVED, AS_RUNS = "on a grid alone", "on a grid, slip resolved within cells", "as runs have it, worst level"
 #: What full slip is compared by.
@@ -113,11 +101,11 @@ def proofs(*, meshing: bool = True) -> tuple[Proof, ...]:
 def resting(cells: tuple[int, int] = STATIC_CELLS) -> tuple[float, ...]:
     """``AT_REST`` of the most loaded contact of two balls of a screw by the static reference with so many cells."""
     at, load, material = _most_loaded()
-    return _read(static_reference(at, load, *material, cells))
+    return _read(verification.static_reference(at, load, *material, cells))
 
 
 def _most_loaded() -> tuple[Place, float, tuple[float, float]]:
-    scene = case_of(_pair(SCREW), Choices(LEVELS[1])).touching
+    scene = case_of(case(SCREW, KindScene), Choices(LEVELS[1])).touching
     touch = max((t for b in scene.balls for t in b.touches), key=lambda t: t.load)
     return place_of(scene, touch)[0], touch.load, (scene.young, scene.poisson)
 
@@ -125,13 +113,13 @@ def _most_loaded() -> tuple[Place, float, tuple[float, float]]:
 def _at_rest() -> Iterator[Proof]:
     at, load, material = _most_loaded()
     exact = resting()
-    found = [_read(at_rest(at, load, *material, shape, Sizes())) for shape in LEVELS.values()]
+    found = [_read(verification.at_rest(at, load, *material, shape, Sizes())) for shape in LEVELS.values()]
     for k, (name, reach) in enumerate(zip(AT_REST, STATIC_REACH, strict=True)):
         values = tuple(one[k] for one in found)
         yield Proof("no motion: the static reference's patch", name, values, exact[k], reach, values[-1], FINER)
 
 
-def _read(one: Pressed) -> tuple[float, ...]:
+def _read(one: verification.Pressed) -> tuple[float, ...]:
     return 1e6 * one.approach, 1e6 * one.semi[0], 1e6 * one.semi[1], 1e-6 * one.peak
 
 
@@ -139,7 +127,7 @@ def _elements() -> Iterator[Proof]:
     load, radii, young, poisson = GROOVE
     at = Place(radii[0], radii, 0.25 * np.pi, None)
     zones = (at.zone(load, young, poisson, replace(Sizes(), cells=(n, n))) for n in (2, 3, 4))
-    found = [uniform_on_half_space(zone, at.ball, young, poisson) for zone in zones]
+    found = [verification.uniform_on_half_space(zone, at.ball, young, poisson) for zone in zones]
     for k, name in enumerate(("along", "across", "normal")):
         values = tuple(1e9 * float(f[0][k]) for f in found)
         exact, quantity = 1e9 * float(found[-1][1][k]), f"compliance, {name} [nm/N]"
@@ -148,28 +136,22 @@ def _elements() -> Iterator[Proof]:
 
 def _rubbing() -> Iterator[Proof]:
     choices = Choices((12, 16))
-    scene = case_of(_pair(LINEAR), choices).touching
+    scene = case_of(case(LINEAR, KindScene), choices).touching
     found = solve_rolling(scene, choices)
     for where, bodies, grids in (("Hertz's circle", None, (20, 30, 40)), ("the balls' own patch", Sizes(), (8, 12, 16))):
-        shares = [rubbing(scene, found, 0, points, bodies) for points in grids]
+        shares = [verification.rubbing(scene, found, 0, points, bodies) for points in grids]
         for k, name in enumerate(("force over that of a point", "loss over that of a point")):
             values = tuple(s[k] for s in shares)
             yield Proof(f"balls that touch, over {where}", name, values, 1.0, RUB_REACH, values[-1])
 
 
-def _pair(name: str) -> KindScene:
-    scene = shipped(name)
-    assert isinstance(scene, KindScene)
-    return scene
-
-
 def _carter() -> Iterator[Proof]:
     for share in (0.1, 0.25, 0.5, 0.75, 0.9):
-        found = [carter(n, share) for n in (41, 61, 82)]
+        found = [verification.carter(n, share) for n in (41, 61, 82)]
         for k, name in enumerate(("force over mu P", "half width of stick over a")):
             values = tuple(float(f[0][k]) for f in found)
             yield Proof(f"Carter, Q = {share:g} mu P", name, values, float(found[-1][1][k]), REACH[0], values[-1])
-    found = [carter(n, NARROW) for n in (40, 80, 160)]
+    found = [verification.carter(n, NARROW) for n in (40, 80, 160)]
     for k, name in enumerate(("force over mu P", "half width of stick over a")):
         values, exact = tuple(float(f[0][k]) for f in found), float(found[-1][1][k])
         name += " (stick of a few cells: no order)"
@@ -179,7 +161,7 @@ def _carter() -> Iterator[Proof]:
 def _mindlin() -> Iterator[Proof]:
     for balls, what in ((None, "Cattaneo-Mindlin"), (Sizes(), "Cattaneo-Mindlin on two finite balls")):
         for share in (0.25, 0.5, 0.75):
-            found = [mindlin(n, share, balls=balls) for n in (14, 20, 28)]
+            found = [verification.mindlin(n, share, balls=balls) for n in (14, 20, 28)]
             for k, name in enumerate(("force over mu P", "stick radius over a")):
                 values = tuple(float(f[0][k]) for f in found)
                 yield Proof(f"{what}, Q = {share:g} mu P", name, values, float(found[-1][1][k]), REACH[1], values[-1])
@@ -187,19 +169,19 @@ def _mindlin() -> Iterator[Proof]:
 
 def _full_slip() -> Iterator[Proof]:
     for where, creep in SLIPS.items():
-        exact = _wrench(*slip_everywhere(*GROOVE, creep, MU, 1200))
+        exact = _wrench(*verification.slip_everywhere(*GROOVE, creep, MU, 1200))
         patches = [hertz_patch(*GROOVE, (n, n)) for n in (16, 24, 32)]
         ways = {
-            "by quadrature": [_wrench(*slip_everywhere(*GROOVE, creep, MU, n)) for n in (150, 225, 300)],
+            "by quadrature": [_wrench(*verification.slip_everywhere(*GROOVE, creep, MU, n)) for n in (150, 225, 300)],
             BY_GRID: [_stiff(p, creep, STIFF) for p in patches],
         }
         if "inside" in where:
-            ways[RESOLVED] = [_wrench(*slip_within_cells(p, creep, MU)) for p in patches]
+            ways[RESOLVED] = [_wrench(*verification.slip_within_cells(p, creep, MU)) for p in patches]
         for way, found in ways.items():
             reach = ALONE if way == BY_GRID and "inside" in where else REACH[2]
             for name, values, known in zip(WRENCH, zip(*found, strict=True), exact, strict=True):
                 yield Proof(f"full slip {way}, {where}", name, values, known, reach, values[-1])
-        limits = [_wrench(*slip_everywhere(*GROOVE, creep, MU, n)) for n in QUADRATURES]
+        limits = [_wrench(*verification.slip_everywhere(*GROOVE, creep, MU, n)) for n in QUADRATURES]
         found = [_differenced(hertz_patch(*GROOVE, shape), creep, limits) for shape in LEVELS.values()]
         for name, values, known in zip(WRENCH, zip(*found, strict=True), exact, strict=True):
             worst = values[int(np.argmax(np.abs(np.array(values) - known)))]
@@ -210,12 +192,12 @@ def _wrench(force: Array, moment: float) -> tuple[float, float]:
     return float(force[0]), 1e3 * moment
 
 
-def _stiff(patch: Patch, creep: Creep, share: float) -> tuple[float, float]:
-    found = steady(patch, creep, MU, elastic=share)
+def _stiff(patch: Patch, creep: verification.Creep, share: float) -> tuple[float, float]:
+    found = verification.steady(patch, creep, MU, elastic=share)
     return _wrench(found.force, found.moment)
 
 
-def _differenced(patch: Patch, creep: Creep, limits: list[tuple[float, float]]) -> tuple[float, float]:
+def _differenced(patch: Patch, creep: verification.Creep, limits: list[tuple[float, float]]) -> tuple[float, float]:
     """What elasticity changes on a grid, on top of the mean of the rigid limit's quadratures, as runs are put together."""
     limit, elastic, near = np.mean(limits, axis=0), _stiff(patch, creep, STIFF), _stiff(patch, creep, STIFF * NEARLY_RIGID)
     force, moment = limit + np.subtract(elastic, near)
@@ -225,8 +207,7 @@ def _differenced(patch: Patch, creep: Creep, limits: list[tuple[float, float]]) 
 def _kalker() -> Iterator[Proof]:
     for one in coefficients():
         name, ratio, poisson = one.key.split("_")
-        value = entry("kalker-E3", one.key).value
-        assert value is not None
+        value = value_of("kalker-E3", one.key)
         yield Proof(
             f"Kalker, a/b = {ratio}, nu = {poisson}",
             name,

@@ -13,15 +13,13 @@ from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.body_names import FINITE
 from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.scenes.catalogue import shipped
+from rollbench.comparison.scenes.catalogue import case as shipped_case
 from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.sources.kalker.proof import AS_RUNS, BY_GRID, RESOLVED, Proof, proofs
 from rollbench.comparison.system import gmsh_fault
-from rollbench.comparison.wings.rolling.body_sizes import NAMES
-from rollbench.comparison.wings.rolling.changes import Change, changes
-from rollbench.comparison.wings.rolling.from_rest import GAP, Series, from_rest
-from rollbench.comparison.wings.rolling.kept_sizes import Sizes
-from rollbench.comparison.wings.rolling.kept_sizes import sizes as body_sizes
+from rollbench.comparison.wings.rolling.body_sizes import NAMES, KeptSizes
+from rollbench.comparison.wings.rolling.body_sizes import sizes as body_sizes
+from rollbench.comparison.wings.rolling.changes import GAP, Change, Series, changes, from_rest
 from rollbench.comparison.wings.rolling.patches import PatchField, fields
 from rollbench.comparison.wings.rolling.rows import KNOWN, LIMIT, PAIRS, RINGS, RollingRow, load_state, stored_rows, within
 from rollbench.comparison.wings.rolling.runs import LEVELS, SOURCE_LEVEL, RollingRun, load
@@ -43,7 +41,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     series = from_rest()
     step("slip and traction; finite bodies of other sizes")
     left = "Left out of a quick report." if study.quick else "" if meshing else "Left out: gmsh cannot be loaded."
-    sizes = Sizes((), left) if left else body_sizes(stores, fresh=study.timed)
+    sizes = KeptSizes((), left) if left else body_sizes(stores, fresh=study.timed)
     patches = fields()
     step("other grids, steps and paths")
     changed = changes(stores, series, sizes.variants)
@@ -81,10 +79,8 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
             "rolling-choices",
             "Ball-to-ball force when a numerical choice changes",
             [_choice(c) for c in changed],
-            (
-                "The uncertainty comes from coarser grids than this one; for finite bodies it includes their "
-                "own choices. Runs from rest are compared with steady rolling on the same grid."
-            ),
+            "The uncertainty comes from coarser grids than this one; for finite bodies it includes their "
+            "own choices. Runs from rest are compared with steady rolling on the same grid.",
         ),
     ]
     times = _times(stores)
@@ -93,7 +89,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     return Section("rolling", "Rolling in 3D: balls that touch", items, conclusion=_conclusion(found))
 
 
-def _finite(stores: Sequence[Path], sizes: Sizes, proof: Sequence[Proof]) -> list[Text | Table | Figure | PressureMap]:
+def _finite(stores: Sequence[Path], sizes: KeptSizes, proof: Sequence[Proof]) -> list[Text | Table | Figure | PressureMap]:
     """What finite bodies change, and how far that depends on the choices behind them."""
     found = {name: stored_rows(name, stores, FINITE) for name in (*PAIRS, *RINGS)}
     missing = [name for name, rows in found.items() if not rows]
@@ -105,18 +101,17 @@ def _finite(stores: Sequence[Path], sizes: Sizes, proof: Sequence[Proof]) -> lis
         Text(
             [
                 (
-                    "Finite bodies, normal and tangential: for rings and screws the static reference's patches "
-                    "of groove and ball, set into pieces of their bodies; for straight rails, which the static "
-                    "reference does not have, a whole ball and grooved bars of the same elements. Their "
-                    "response beyond a half space of the same cells is a smooth kernel, added to the closed "
-                    "form of half spaces. Without motion they give the pressures of the static reference's "
-                    "patches (first rows of the verification). Simplified: balls touch each other in a point. "
-                    "Over Hertz's circle and over the patch of two finite balls, all of which slides, force and "
-                    f"loss of that friction agree to {rub:.2g} % (verification), whatever the elasticity. The "
-                    "kernel changes the pressure, adds a strain by normal forces that half spaces of one "
-                    "material do not have, and shortens the rolling radius of the ball by half of the approach. "
-                    "Contact forces are unchanged, by Hertz's law; the contacts of one ball do not influence "
-                    "each other, and friction does not change pressures."
+                    "Finite bodies, normal and tangential: for rings and screws the static reference's patches of groove "
+                    "and ball, set into pieces of their bodies; for straight rails, which the static reference does not "
+                    "have, a whole ball and grooved bars of the same elements. Their response beyond a half space of the "
+                    "same cells is a smooth kernel, added to the closed form of half spaces. Without motion they give the "
+                    "pressures of the static reference's patches (first rows of the verification). Simplified: balls "
+                    "touch each other in a point. Over Hertz's circle and over the patch of two finite balls, all of "
+                    f"which slides, force and loss of that friction agree to {rub:.2g} % (verification), whatever the "
+                    "elasticity. The kernel changes the pressure, adds a strain by normal forces that half spaces of one "
+                    "material do not have, and shortens the rolling radius of the ball by half of the approach. Contact "
+                    "forces are unchanged, by Hertz's law; the contacts of one ball do not influence each other, and "
+                    "friction does not change pressures."
                 )
                 + most
             ]
@@ -211,14 +206,11 @@ def _words(found: dict[str, list[RollingRow]], proof: Sequence[Proof]) -> list[s
     gated = [r for rows in found.values() for r in rows if r.quantity in ("force 1-2", "torque")]
     beyond = [r for r in gated if not within(r)]
     out = [
-        (
-            "The 3D model of rolling solves the normal and tangential contact of elastic bodies on a grid in "
-            "every contact. Coulomb's law holds in every cell to round-off, elastic displacements travel with "
-            "the material, and each ball moves so that its forces and moments balance. Bodies are elastic half "
-            "spaces; finite bodies are computed for comparison. Grid errors that also occur for rigid bodies "
-            "(cells, staircase edge, a spin pole inside a cell) are removed with nearly rigid bodies on the "
-            "same grid and the rigid limit by quadrature."
-        ),
+        "The 3D model of rolling solves the normal and tangential contact of elastic bodies on a grid in every "
+        "contact. Coulomb's law holds in every cell to round-off, elastic displacements travel with the material, and "
+        "each ball moves so that its forces and moments balance. Bodies are elastic half spaces; finite bodies are "
+        "computed for comparison. Grid errors that also occur for rigid bodies (cells, staircase edge, a spin pole "
+        "inside a cell) are removed with nearly rigid bodies on the same grid and the rigid limit by quadrature.",
         f"{reached} of {len(proof)} known answers are met within their targets.{_pole(proof)}",
     ]
     if gated:
@@ -241,10 +233,9 @@ def _pole(proof: Sequence[Proof]) -> str:
         return ""
     alone, resolved, differenced = worst
     return (
-        " Where a whole contact slips about a pole inside a cell, the error of the grid alone is "
-        f"{alone:.2g} %: the direction of slip turns within the cell. With that resolved, the staircase edge "
-        f"leaves {resolved:.2g} %. Evaluated as differences, as runs are, every level is within "
-        f"{differenced:.2g} %."
+        f" Where a whole contact slips about a pole inside a cell, the error of the grid alone is {alone:.2g} %: the "
+        f"direction of slip turns within the cell. With that resolved, the staircase edge leaves {resolved:.2g} %. "
+        f"Evaluated as differences, as runs are, every level is within {differenced:.2g} %."
     )
 
 
@@ -286,8 +277,7 @@ def _compared(row: RollingRow) -> Row:
 
 
 def _runs(name: str, stores: Sequence[Path]) -> list[RollingRun]:
-    scene = shipped(name)
-    assert isinstance(scene, KindScene)
+    scene = shipped_case(name, KindScene)
     found = (load(scene, level, stores) for level in (SOURCE_LEVEL, *LEVELS))
     return [run for run in found if run is not None]
 

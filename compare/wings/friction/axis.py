@@ -13,18 +13,9 @@ from rollbench.comparison.errors import InputError
 from rollbench.comparison.models.axis_answers import solve_sets
 from rollbench.comparison.models.registry import run_model
 from rollbench.comparison.quantities import number
+from rollbench.comparison.wings.friction import output
 from rollbench.comparison.wings.friction.answer import NOTHING, FrictionAnswer, Line, balance, energy_line, three
-from rollbench.comparison.wings.friction.output import (
-    BALL_COLUMNS,
-    ball_rows,
-    flat_rows,
-    left_out,
-    loss_rows,
-    solver_line,
-    static_only,
-    warnings_of,
-)
-from rollbench.comparison.wings.friction.sums import sums
+from rollbench.comparison.wings.friction.quick import sums
 from rollbench.comparison.wings.friction.whole import NO_SPEED, ONE_TURN, Choices, coefficients, settled, status_of
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
 from rollbench.lowfi.statics.result import AxisResult, SetResult
@@ -105,16 +96,16 @@ def _answer(
 ) -> FrictionAnswer:
     friction, motion, solved, drag = found
     rows = [_set_row(i, s, state, drag.get(i)) for i, s, state in solved]
-    balls = [{"set": i + 1} | row for i, s, state in solved if s.balls for row in ball_rows(s.balls, state)]
-    losses = [{"set": i + 1} | row for i, _, state in solved for row in loss_rows(state)]
+    balls = [{"set": i + 1} | row for i, s, state in solved if s.balls for row in output.ball_rows(s.balls, state)]
+    losses = [{"set": i + 1} | row for i, _, state in solved for row in output.loss_rows(state)]
     good = all(settled(state) for _, _, state in solved)
     failed = next((x for x in solved if not settled(x[2])), None)
     torque, power = _sum(solved, drag), _energy(solved)
     without = any(s.balls is None for s in result.sets)
-    warnings = static_only(result.warnings)
+    warnings = output.static_only(result.warnings)
     for _, s, state in solved:
         if isinstance(s.of.parts, Scene):
-            warnings += [w.of(s.of.name) for w in warnings_of(s.of.parts, friction, state, ())]
+            warnings += [w.of(s.of.name) for w in output.warnings_of(s.of.parts, friction, state, ())]
     data = head | {
         "status": "converged" if failed is None else f"{failed[1].of.name}: {status_of(failed[2])}",
         "converged": good,
@@ -132,11 +123,11 @@ def _answer(
             *assembly.assumed,
             *(f"contact loads: {x}" for x in result.assumed if x not in assembly.assumed),
         ],
-        "left_out": [*left_out(friction), *((ROLLERS,) if without else ())],
+        "left_out": [*output.left_out(friction), *((ROLLERS,) if without else ())],
         "warnings": warnings,
     }
-    flat = [{"set": b["set"]} | f for b, f in zip(balls, flat_rows(balls), strict=True)]
-    every = [("per ball", (("set", "set", "s"), *BALL_COLUMNS), flat)]
+    flat = [{"set": b["set"]} | f for b, f in zip(balls, output.flat_rows(balls), strict=True)]
+    every = [("per ball", (("set", "set", "s"), *output.BALL_COLUMNS), flat)]
     lines = [
         (
             "torque",
@@ -144,7 +135,7 @@ def _answer(
             f"friction torque of all sets {three(torque['friction_torque_Nmm'])} N mm",
         ),
         _energy_line(power),
-        solver_line(result.solver.residual, max((x.balls.left for _, _, x in solved), default=0.0)),
+        output.solver_line(result.solver.residual, max((x.balls.left for _, _, x in solved), default=0.0)),
     ]
     return FrictionAnswer(data, [("sets", SET_COLUMNS, rows)], lines, good, every)
 

@@ -84,9 +84,8 @@ def band_lines(data: dict[str, Any]) -> list[Line]:
     lines = [("band", f"friction torque {_range(data['friction_torque_Nmm'])} N mm {words}")]
     if data["makers_formula_Nmm"] is not None:
         text = (
-            f"without load drag torque {_range(data['drag_torque_Nmm'])} N mm at these; makers' formula "
-            "0.05/sqrt(tan(lead angle)) F l/(2 pi) for the preload of "
-            f"{data['preload_N']:.4g} N: {three(data['makers_formula_Nmm'])} N mm"
+            f"without load drag torque {_range(data['drag_torque_Nmm'])} N mm at these; makers' formula 0.05/sqrt(tan(lead "
+            f"angle)) F l/(2 pi) for the preload of {data['preload_N']:.4g} N: {three(data['makers_formula_Nmm'])} N mm"
         )
         lines.append(("drag", text))
     return lines

@@ -9,32 +9,12 @@ import numpy as np
 
 from rollbench.comparison.commands.printing import cell
 from rollbench.comparison.quantities import number
-from rollbench.comparison.scenes.kinds import KindScene
-from rollbench.comparison.wings.friction.answer import (
-    NOTHING,
-    FrictionAnswer,
-    Line,
-    by_side,
-    energy,
-    energy_line,
-    head,
-    hertz_word,
-    load_row,
-    solver_line,
-)
-from rollbench.comparison.wings.friction.kinds.bearing_ball import BearingBallScene
-from rollbench.comparison.wings.friction.kinds.bearing_pair import BearingPairScene
+from rollbench.comparison.wings.friction import answer
+from rollbench.comparison.wings.friction.kinds.bearings import BearingBallScene, BearingPairScene
 from rollbench.comparison.wings.friction.screw_kinds import screw_warnings, sliding
+from rollbench.lowfi.friction.bearing import rotary
 from rollbench.lowfi.friction.bearing.module_load import ModuleLoad
 from rollbench.lowfi.friction.bearing.pairs import BearingCase, BearingState, bearing_states, free_motion
-from rollbench.lowfi.friction.bearing.rotary import (
-    SIDES,
-    ball_contacts,
-    bearing_load,
-    inner_torque,
-    motion_problem,
-    source_law,
-)
 from rollbench.lowfi.friction.contact.ellipse import Contacts
 from rollbench.lowfi.friction.contact.laws import Regularised
 from rollbench.lowfi.friction.contact.motion import (
@@ -55,7 +35,7 @@ def ball_motion(scene: BearingBallScene, problem: Problem) -> Motion:
         return first
     if scene.law == "regularised":
         return balance_by_root(problem, Regularised(scene.creep), first.q)
-    law = source_law(scene.bearing, scene.sharpness, scene.map_step)
+    law = rotary.source_law(scene.bearing, scene.sharpness, scene.map_step)
     found = balance_by_root(problem, law, first.q)
     return found if found.status == "exact" else balance_by_sharpening(problem, law, first.q)
 
@@ -75,18 +55,20 @@ def ball_row(load: ModuleLoad, at: Contacts, motion: Motion) -> dict[str, Any]:
     f = motion.friction
     return (
         {"index": 1}
-        | load_row(SIDES, load.force, load.angle)
+        | answer.load_row(rotary.SIDES, load.force, load.angle)
         | {
-            "semi_axis_across_um": by_side(SIDES, 1e6 * at.a),
-            "semi_axis_along_um": by_side(SIDES, 1e6 * at.b),
+            "semi_axis_across_um": answer.by_side(rotary.SIDES, 1e6 * at.a),
+            "semi_axis_along_um": answer.by_side(rotary.SIDES, 1e6 * at.b),
             "orbit_rad_s": number(orbit),
             "rotation_rad_s": [number(omega_x), number(omega_y), 0.0],
-            "sliding_mm_s": {s: [number(v) for v in 1e3 * row[:2]] for s, row in zip(SIDES, motion.motion, strict=True)},
-            "spin_rad_s": by_side(SIDES, motion.motion[:, 2]),
-            "friction_N": {s: [number(v) for v in row] for s, row in zip(SIDES, f.force, strict=True)},
-            "moment_Nmm": by_side(SIDES, 1e3 * f.moment),
-            "loss_mW": by_side(SIDES, 1e3 * f.loss),
-            "at_rest": {s: bool(r) for s, r in zip(SIDES, motion.rest, strict=True)},
+            "sliding_mm_s": {
+                s: [number(v) for v in 1e3 * row[:2]] for s, row in zip(rotary.SIDES, motion.motion, strict=True)
+            },
+            "spin_rad_s": answer.by_side(rotary.SIDES, motion.motion[:, 2]),
+            "friction_N": {s: [number(v) for v in row] for s, row in zip(rotary.SIDES, f.force, strict=True)},
+            "moment_Nmm": answer.by_side(rotary.SIDES, 1e3 * f.moment),
+            "loss_mW": answer.by_side(rotary.SIDES, 1e3 * f.loss),
+            "at_rest": {s: bool(r) for s, r in zip(rotary.SIDES, motion.rest, strict=True)},
         }
     )
 
@@ -95,7 +77,7 @@ def contact_rows(ball: dict[str, Any]) -> list[dict[str, Any]]:
     """The loaded contacts of a ball for the terminal."""
     size = ("load_N", "contact_angle_deg", "semi_axis_across_um", "semi_axis_along_um")
     rows = []
-    for side in (s for s in SIDES if ball["load_N"][s] > 0.0):
+    for side in (s for s in rotary.SIDES if ball["load_N"][s] > 0.0):
         row = {name: ball[name][side] for name in (*size, "spin_rad_s", "moment_Nmm", "loss_mW", "at_rest")}
         rows.append({"side": side, "slide": ball["sliding_mm_s"][side][1], "along": ball["friction_N"][side][1]} | row)
     return rows
@@ -116,24 +98,23 @@ CONTACT_COLUMNS = (
 )
 
 
-def solve_ball(scene: KindScene) -> FrictionAnswer:
+def solve_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
     """Loads, motion, losses and torque of one ball."""
-    assert isinstance(scene, BearingBallScene)
     b = scene.bearing
-    load = bearing_load(b, scene.force, scene.displacement, scene.hertz)
+    load = rotary.bearing_load(b, scene.force, scene.displacement, scene.hertz)
     rough = replace(b, mu=b.mu or 1.0)
-    at = ball_contacts(rough, load, scene.hertz)
-    motion = ball_motion(scene, motion_problem(rough, load, at))
+    at = rotary.ball_contacts(rough, load, scene.hertz)
+    motion = ball_motion(scene, rotary.motion_problem(rough, load, at))
     if b.mu == 0.0:
         motion = without_friction(motion)
     held = load.force > 0.0
     converged = bool(held.any()) and load.converged and motion.status != "failed"
-    ball, torque, speed = ball_row(load, at, motion), inner_torque(b, load, motion), b.speed
-    power = energy(torque * speed, motion.loss, float(at.strength.sum()) * abs(speed) * b.pitch_radius)
+    ball, torque, speed = ball_row(load, at, motion), rotary.inner_torque(b, load, motion), b.speed
+    power = answer.energy(torque * speed, motion.loss, float(at.strength.sum()) * abs(speed) * b.pitch_radius)
     by_loss = number(1e3 * motion.loss / abs(speed)) if speed != 0.0 else None
-    data = head(scene, ball_status(bool(held.any()), load.converged, motion.status), converged) | {
+    data = answer.head(scene, ball_status(bool(held.any()), load.converged, motion.status), converged) | {
         "law": scene.law,
-        "hertz": hertz_word(scene.hertz),
+        "hertz": answer.hertz_word(scene.hertz),
         "coupled": False,
         "balls": [ball],
         "load_sum_N": number(load.force.sum()),
@@ -148,10 +129,10 @@ def solve_ball(scene: KindScene) -> FrictionAnswer:
         },
         "warnings": size_warnings(at.a[held], b.ball_radius),
     }
-    return FrictionAnswer(data, [("per contact", CONTACT_COLUMNS, contact_rows(ball))], ball_lines(data), converged)
+    return answer.FrictionAnswer(data, [("per contact", CONTACT_COLUMNS, contact_rows(ball))], ball_lines(data), converged)
 
 
-def ball_lines(data: dict[str, Any]) -> list[Line]:
+def ball_lines(data: dict[str, Any]) -> list[answer.Line]:
     """The results of one ball in a few lines."""
     (ball,), torque = data["balls"], data["torque"]
     by_loss = torque["friction_torque_Nmm"]
@@ -168,8 +149,8 @@ def ball_lines(data: dict[str, Any]) -> list[Line]:
                 ball["orbit_rad_s"], *ball["rotation_rad_s"][:2]
             ),
         ),
-        energy_line(data["energy"]),
-        solver_line(data["solver"]),
+        answer.energy_line(data["energy"]),
+        answer.solver_line(data["solver"]),
         ("law", f"{data['law']}, Hertz constants {data['hertz']}"),
     ]
 
@@ -179,7 +160,7 @@ def ball_lines(data: dict[str, Any]) -> list[Line]:
 
 def rubs(case: BearingCase, state: BearingState) -> bool:
     """Whether friction spends more than round-off."""
-    return float(state.loss.sum()) > NOTHING * sliding(case.groove, state.load.force)
+    return float(state.loss.sum()) > answer.NOTHING * sliding(case.groove, state.load.force)
 
 
 def bearing_data(case: BearingCase, states: list[BearingState]) -> dict[str, Any]:
@@ -206,13 +187,12 @@ def loose(scene: BearingPairScene) -> list[str]:
     return out
 
 
-def solve_bearings(scene: KindScene) -> FrictionAnswer:
+def solve_bearings(scene: BearingPairScene) -> answer.FrictionAnswer:
     """Friction torque of both bearings over the angle of the load; the energy is the mean over all states."""
-    assert isinstance(scene, BearingPairScene)
     case, angle = scene.four_point, [number(a) for a in np.degrees(scene.angle)]
     common = {
         "law": "coulomb",
-        "hertz": hertz_word(case.groove.hertz),
+        "hertz": answer.hertz_word(case.groove.hertz),
         "coupled": False,
         "force_N": number(case.force),
         "tilt": case.tilt,
@@ -222,11 +202,11 @@ def solve_bearings(scene: KindScene) -> FrictionAnswer:
     if mechanisms:
         others = f" (and {len(mechanisms) - 1} more)" if len(mechanisms) > 1 else ""
         status = f"no equilibrium: {mechanisms[0]}{others}"
-        return FrictionAnswer(head(scene, status, False) | common | {"warnings": []}, [], [], False)
+        return answer.FrictionAnswer(answer.head(scene, status, False) | common | {"warnings": []}, [], [], False)
     return _bearing_answer(scene, common)
 
 
-def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> FrictionAnswer:
+def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> answer.FrictionAnswer:
     cases = scene.four_point, scene.double_row
     by_case = [bearing_states(case, scene.angle) for case in cases]
     four, double = (bearing_data(case, states) for case, states in zip(cases, by_case, strict=True))
@@ -242,14 +222,14 @@ def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> Friction
             [sliding(c.groove, s.load.force) for c, s in states],
         )
     )
-    spent = energy(power, loss, bound)
+    spent = answer.energy(power, loss, bound)
     large = [
         w.of(name)
         for name, c, one in zip(("four-point", "double row"), cases, by_case, strict=True)
         for w in screw_warnings(c.groove, np.stack([s.load.force for s in one]))
     ]
     solver = {"load_imbalance_N": number(max(s.load.left for _, s in states))}
-    data = head(scene, status, all(good)) | common | {"four_point": four, "double_row": double}
+    data = answer.head(scene, status, all(good)) | common | {"four_point": four, "double_row": double}
     data |= {"four_over_double": ratios, "energy": spent, "solver": solver, "warnings": large}
     columns = zip(
         common["load_angle_deg"],
@@ -261,13 +241,13 @@ def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> Friction
         strict=True,
     )
     rows = [dict(zip((name for name, _, _ in BEARING_COLUMNS), row, strict=True)) for row in columns]
-    return FrictionAnswer(data, [("over the load's angle", BEARING_COLUMNS, rows)], bearing_lines(data), all(good))
+    return answer.FrictionAnswer(data, [("over the load's angle", BEARING_COLUMNS, rows)], bearing_lines(data), all(good))
 
 
-def bearing_lines(data: dict[str, Any]) -> list[Line]:
+def bearing_lines(data: dict[str, Any]) -> list[answer.Line]:
     """The results of both bearings in a few lines."""
     four, double = (cell(data[name]["largest_over_smallest"], ".5g") for name in ("four_point", "double_row"))
-    label, text = energy_line(data["energy"])
+    label, text = answer.energy_line(data["energy"])
     ring = "free to tilt" if data["tilt"] else "held upright"
     return [
         ("torque", f"largest over smallest: four-point {four}, double row {double}"),

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.wings.friction.answer import FrictionAnswer
 from rollbench.comparison.wings.friction.bearing_kinds import solve_ball, solve_bearings
 from rollbench.comparison.wings.friction.linear_kinds import solve_linear
 from rollbench.comparison.wings.friction.screw_kinds import solve_run, solve_screw_pair
 
-SOLVERS = {
+SOLVERS: dict[str, Callable[[Any], FrictionAnswer]] = {
     "bearing ball": solve_ball,
     "bearing pair": solve_bearings,
     "linear pair": solve_linear,

@@ -9,16 +9,7 @@ import numpy as np
 from rollbench.comparison.commands.printing import Column
 from rollbench.comparison.errors import Refusal
 from rollbench.comparison.quantities import number
-from rollbench.comparison.scenes.kinds import KindScene
-from rollbench.comparison.wings.friction.answer import (
-    FrictionAnswer,
-    Line,
-    by_contact,
-    energy_line,
-    flat_ball,
-    head,
-    load_row,
-)
+from rollbench.comparison.wings.friction import answer
 from rollbench.comparison.wings.friction.kinds.linear import LinearScene
 from rollbench.lowfi.friction.linear.bearing import CONTACTS, directions
 from rollbench.lowfi.friction.linear.chain import (
@@ -71,7 +62,7 @@ def ball_rows(
     rows = []
     for k in range(force.shape[0]):
         row: dict[str, Any] = {"index": k + 1, "side_force_ratio": number(scene.side[k])}
-        row |= load_row(CONTACTS, force[k], angles[k])
+        row |= answer.load_row(CONTACTS, force[k], angles[k])
         for name, r in (("apart", apart), ("touching", near)):
             row[f"velocity_{name}_mm_s"] = number(1e3 * r.velocity[k])
             moving = scene.bearing.speed != 0.0
@@ -95,9 +86,8 @@ def pair_rows(scene: LinearScene, near: ChainResult) -> list[dict[str, Any]]:
     ]
 
 
-def solve_linear(scene: KindScene) -> FrictionAnswer:
+def solve_linear(scene: LinearScene) -> answer.FrictionAnswer:
     """Motion and forces of two or more balls, apart and in reach of each other."""
-    assert isinstance(scene, LinearScene)
     angles, force, left = linear_loads(scene)
     chains = [prepare(scene.bearing, angles, force, touching) for touching in (False, scene.gap <= 0.0)]
     fast = force.shape[0] > LONG
@@ -109,7 +99,7 @@ def solve_linear(scene: KindScene) -> FrictionAnswer:
     bound = scene.bearing.mu * float(force.sum()) * abs(scene.bearing.speed)
     ball_loss = float(near.ball_loss.sum())
     semi = np.asarray(scene.bearing.hertz().C_a * np.cbrt(force))
-    data = head(scene, near.status if loads_good else "no balance of the loads found", converged) | {
+    data = answer.head(scene, near.status if loads_good else "no balance of the loads found", converged) | {
         "law": "coulomb",
         "distribution": scene.distribution,
         "coupled": False,
@@ -119,7 +109,7 @@ def solve_linear(scene: KindScene) -> FrictionAnswer:
         "drive_apart_N": number(apart.drive),
         "second_state": None if second is None else second_json(near, second),
         "second_state_words": second_words(chains[1], second),
-        **by_contact(near.power, near.loss, apart.loss, ball_loss, bound),
+        **answer.by_contact(near.power, near.loss, apart.loss, ball_loss, bound),
         "solver": {
             "load_imbalance": number(left),
             "residual": number(near.residual),
@@ -129,10 +119,10 @@ def solve_linear(scene: KindScene) -> FrictionAnswer:
         "warnings": [*size_warnings(semi, scene.bearing.ball_radius), *jam_warnings(near, second)],
     }
     tables = [
-        ("per ball", BALL_COLUMNS, [flat_ball(CONTACTS, row) for row in balls]),
+        ("per ball", BALL_COLUMNS, [answer.flat_ball(CONTACTS, row) for row in balls]),
         ("between balls", PAIR_COLUMNS, pairs),
     ]
-    return FrictionAnswer(data, [t for t in tables if t[2]], linear_lines(data), converged)
+    return answer.FrictionAnswer(data, [t for t in tables if t[2]], linear_lines(data), converged)
 
 
 def second_json(near: ChainResult, second: ChainResult) -> dict[str, Any]:
@@ -168,7 +158,7 @@ def jam_warnings(near: ChainResult, second: ChainResult | None) -> list[Warned]:
     return [Warned("jam", text)]
 
 
-def linear_lines(data: dict[str, Any]) -> list[Line]:
+def linear_lines(data: dict[str, Any]) -> list[answer.Line]:
     """The results in a few lines."""
     rise, solver = data["friction_increase_percent"], data["solver"]
     return [
@@ -178,7 +168,7 @@ def linear_lines(data: dict[str, Any]) -> list[Line]:
             + ("" if rise is None else f": ball-to-ball contact changes it by {rise:+.4g} %"),
         ),
         ("states", data["second_state_words"]),
-        energy_line(data["energy"]),
+        answer.energy_line(data["energy"]),
         (
             "solver",
             f"loads out of balance by {solver['load_imbalance']:.1e} of the vertical force, friction by "

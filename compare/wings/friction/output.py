@@ -10,9 +10,8 @@ import numpy as np
 
 from rollbench.comparison.commands.printing import Column
 from rollbench.comparison.quantities import number
-from rollbench.comparison.wings.friction.answer import Line, balance, energy_line, increase, three
-from rollbench.comparison.wings.friction.left_out import BESIDES, WHOLE
-from rollbench.comparison.wings.friction.sums import moves, sums
+from rollbench.comparison.wings.friction.answer import BESIDES, WHOLE, Line, balance, energy_line, increase, three
+from rollbench.comparison.wings.friction.quick import moves, sums
 from rollbench.lowfi.friction.whole.feedback import JAMMED
 from rollbench.lowfi.friction.whole.heathcote import WIDE
 from rollbench.lowfi.friction.whole.losses import CAUSES

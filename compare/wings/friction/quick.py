@@ -1,20 +1,58 @@
-"""What the core and other wings ask of friction: a state beside static answers, its sums, a torque, faults of circuits."""
+"""Sums of friction as JSON-ready values, and what the core and other wings ask of friction."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from math import pi
 from typing import Any
 
 from rollbench.comparison.models.registry import Options
+from rollbench.comparison.quantities import number
 from rollbench.comparison.scenes.fault import TOLERANCE, Fault, mm
-from rollbench.comparison.wings.friction.sums import sums
 from rollbench.lowfi.friction.whole.settled import torque_of
 from rollbench.lowfi.friction.whole.torque import ScrewTorque
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.kept import kept
 from rollbench.meshes.parts import Friction, Motion, Scene
+
+
+def sums(t: ScrewTorque, drag: float | None) -> dict[str, Any]:
+    """Torques [N mm] about +z, axial load, efficiencies; null where the scene has none."""
+    screw, ideal = t.translating, t.ratio != 0.0
+    forward, backward = t.efficiency
+    return {
+        "friction_torque_Nmm": number(1e3 * t.friction),
+        "friction_torque_on_screw_Nmm": number(-math.copysign(1e3 * t.friction, t.speed)),
+        "friction_torque_on_nut_Nmm": number(math.copysign(1e3 * t.friction, t.speed)),
+        "drag_torque_Nmm": None if drag is None else number(1e3 * drag),
+        "axial_load_N": number(t.load) if screw or not ideal else 0.0,
+        "driving_torque_on_screw_Nmm": number(1e3 * t.on_screw),
+        "driving_torque_on_nut_Nmm": number(-1e3 * t.on_screw),
+        "load_moves": moves(t),
+        "forward_torque_Nmm": number(1e3 * t.forward) if screw else None,
+        "backward_torque_Nmm": number(1e3 * t.backward) if screw else None,
+        "efficiency_forward_percent": percent(forward),
+        "efficiency_backward_percent": None if t.locking else percent(backward),
+        "self_locking": t.locking if screw else None,
+    }
+
+
+def moves(torque: ScrewTorque) -> str | None:
+    """Whether the scene's motion goes against the axial load or with it."""
+    if not torque.translating:
+        return None
+    return "with the load" if torque.load * torque.ratio * torque.speed > 0.0 else "against the load"
+
+
+def percent(share: float) -> float | None:
+    """A share in per cent."""
+    return number(100.0 * share)
+
+
+# --- what the core and other wings ask of friction: a state beside static answers, its sums, a torque, faults of circuits
+
 
 #: Where a scene does not say how fast it turns.
 DRIVE = Motion(2.0 * pi)

@@ -9,20 +9,7 @@ import numpy as np
 
 from rollbench.comparison.commands.printing import Column, cell
 from rollbench.comparison.quantities import number
-from rollbench.comparison.scenes.kinds import KindScene
-from rollbench.comparison.wings.friction.answer import (
-    FrictionAnswer,
-    Line,
-    by_contact,
-    energy,
-    energy_line,
-    flat_ball,
-    head,
-    hertz_word,
-    load_row,
-    solver_line,
-    without_round_off,
-)
+from rollbench.comparison.wings.friction import answer
 from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewPairScene, ScrewRunScene
 from rollbench.comparison.wings.friction.run import judged, run_data, run_lines, stepped
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
@@ -61,7 +48,7 @@ def pair_rows(r: PairResult) -> list[dict[str, Any]]:
             q, loss = chain.motion.q[k], chain.motion.groove_loss[k]
             rows.append(
                 {"index": k + 1, "state": state}
-                | load_row(SIDES, chain.load.force[k], chain.load.angle[k])
+                | answer.load_row(SIDES, chain.load.force[k], chain.load.angle[k])
                 | {
                     "orbit_rad_s": number(q[0]),
                     "rotation_rad_s": [number(w) for w in q[1:]],
@@ -80,9 +67,8 @@ def pair_status(r: PairResult) -> str:
     return "no balance of the loads or of friction found"
 
 
-def solve_screw_pair(scene: KindScene) -> FrictionAnswer:
+def solve_screw_pair(scene: ScrewPairScene) -> answer.FrictionAnswer:
     """Forces, losses and what contact adds to friction for two balls of a ball screw."""
-    assert isinstance(scene, ScrewPairScene)
     pair = scene.pair
     r = solve_pair(pair)
     m, apart, rows, chains = r.touching.motion, r.free.motion.loss, pair_rows(r), (r.free, r.touching)
@@ -94,9 +80,9 @@ def solve_screw_pair(scene: KindScene) -> FrictionAnswer:
         "feedback_change_N": number(max(c.change for c in chains)) if pair.coupling != "none" else 0.0,
         "rounds": max(c.rounds for c in chains),
     }
-    data = head(scene, pair_status(r), r.converged, pair.coupling) | {
+    data = answer.head(scene, pair_status(r), r.converged, pair.coupling) | {
         "law": "coulomb",
-        "hertz": hertz_word(pair.groove.hertz),
+        "hertz": answer.hertz_word(pair.groove.hertz),
         "coupling": pair.coupling,
         "coupled": pair.coupling != "none",
         "deviation_deg": [number(degrees(t)) for t in pair.theta],
@@ -104,16 +90,16 @@ def solve_screw_pair(scene: KindScene) -> FrictionAnswer:
         "balls": rows,
         "pairs": [between | {"closing_apart_rad_s": number(r.closing)}],
         "load_sum_N": [number(f) for f in r.load],
-        **by_contact(m.input_power, m.loss, apart, ball_loss, bound),
+        **answer.by_contact(m.input_power, m.loss, apart, ball_loss, bound),
         "solver": solver,
         "warnings": screw_warnings(pair.groove, r.touching.load.force),
     }
-    return FrictionAnswer(
-        data, [("per ball", PAIR_COLUMNS, [flat_ball(SIDES, row) for row in rows])], pair_lines(data), r.converged
+    return answer.FrictionAnswer(
+        data, [("per ball", PAIR_COLUMNS, [answer.flat_ball(SIDES, row) for row in rows])], pair_lines(data), r.converged
     )
 
 
-def pair_lines(data: dict[str, Any]) -> list[Line]:
+def pair_lines(data: dict[str, Any]) -> list[answer.Line]:
     """The results of two balls in a few lines."""
     (pair,), rise, solver = data["pairs"], data["friction_increase_percent"], data["solver"]
     return [
@@ -123,13 +109,13 @@ def pair_lines(data: dict[str, Any]) -> list[Line]:
             + ("" if rise is None else f"; contact changes all losses by {rise:+.4g} %"),
         ),
         ("closing", f"when apart the balls close in at {pair['closing_apart_rad_s']:.6g} rad/s of azimuth"),
-        energy_line(data["energy"]),
-        solver_line(solver, f", {solver['rounds']} rounds"),
+        answer.energy_line(data["energy"]),
+        answer.solver_line(solver, f", {solver['rounds']} rounds"),
         law_line(data),
     ]
 
 
-def law_line(data: dict[str, Any]) -> Line:
+def law_line(data: dict[str, Any]) -> answer.Line:
     """The law of friction, the contacts' constants and what friction moves."""
     return "law", f"coulomb, Hertz constants {data['hertz']}, coupling of friction to loads: {data['coupling']}"
 
@@ -196,23 +182,22 @@ def run_series(h: History) -> dict[str, list[Any]]:
     return out | {"converged": h.converged.tolist()}
 
 
-def solve_run(scene: KindScene) -> FrictionAnswer:
+def solve_run(scene: ScrewRunScene) -> answer.FrictionAnswer:
     """Contacts, torques and energy of a whole screw in time."""
-    assert isinstance(scene, ScrewRunScene)
     run, time = scene.run, scene.time
     in_time = judged(*stepped(run, Motion(run.groove.speed), time, scene.name), time)
     h, speed = in_time.history, abs(run.groove.speed)
     bound = sliding(run.groove, h.load) / h.time.size
     loss = h.torque * speed
-    spent = energy(h.mean(loss * (1.0 + h.imbalance)), h.mean(loss), bound)
+    spent = answer.energy(h.mean(loss * (1.0 + h.imbalance)), h.mean(loss), bound)
     known = spent["balance_percent"] is not None
-    largest = without_round_off(float(np.abs(h.imbalance).max()), 1.0)
+    largest = answer.without_round_off(float(np.abs(h.imbalance).max()), 1.0)
     spent["largest_step_balance_percent"] = number(100.0 * largest) if known else None
     summary, failed = run_summary(h), int(np.sum(~h.converged))
     found = run_data(in_time)
-    data = head(scene, in_time.status, in_time.converged, run.coupling) | {
+    data = answer.head(scene, in_time.status, in_time.converged, run.coupling) | {
         "law": "coulomb",
-        "hertz": hertz_word(run.groove.hertz),
+        "hertz": answer.hertz_word(run.groove.hertz),
         "coupling": run.coupling,
         "coupled": run.coupling != "none",
         "ball_count": run.count,
@@ -228,7 +213,7 @@ def solve_run(scene: KindScene) -> FrictionAnswer:
         "run": found,
         "warnings": screw_warnings(run.groove, h.load),
     }
-    label, text = energy_line(spent)
+    label, text = answer.energy_line(spent)
     lines = [
         *run_lines(in_time),
         ("balls", f"{run.count} over {run.duration:.6g} s"),
@@ -237,7 +222,7 @@ def solve_run(scene: KindScene) -> FrictionAnswer:
         law_line(data),
     ]
     shown = [{"quantity": label, "value": cell(summary[name], form)} for name, label, form in RUN_LINES]
-    return FrictionAnswer(data, [("summary", RUN_COLUMNS, shown)], lines, in_time.converged)
+    return answer.FrictionAnswer(data, [("summary", RUN_COLUMNS, shown)], lines, in_time.converged)
 
 
 RUN_COLUMNS = (("quantity", "quantity", "s"), ("value", "value", "s"))

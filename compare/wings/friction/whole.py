@@ -17,6 +17,7 @@ from rollbench.comparison.models.outside import outside
 from rollbench.comparison.models.registry import DEFAULT, Options, run_model
 from rollbench.comparison.quantities import number
 from rollbench.comparison.scenes.scene_file import kind_of
+from rollbench.comparison.wings.friction import output
 from rollbench.comparison.wings.friction.answer import FrictionAnswer, balance
 from rollbench.comparison.wings.friction.band import (
     Solved,
@@ -27,24 +28,8 @@ from rollbench.comparison.wings.friction.band import (
     play,
     play_warning,
 )
-from rollbench.comparison.wings.friction.output import (
-    BALL_COLUMNS,
-    LOSS_COLUMNS,
-    ball_rows,
-    flat_rows,
-    left_out,
-    lines_of,
-    loss_rows,
-    mu_columns,
-    mu_row,
-    neighbour_data,
-    slip_warnings,
-    slip_words,
-    solver_line,
-    warnings_of,
-)
+from rollbench.comparison.wings.friction.quick import sums
 from rollbench.comparison.wings.friction.run import Run, run_data, run_lines, run_table, solve_run
-from rollbench.comparison.wings.friction.sums import sums
 from rollbench.lowfi.friction.whole.heathcote import WIDE, heathcote
 from rollbench.lowfi.friction.whole.state import FrictionState
 from rollbench.lowfi.statics.result import StaticResult
@@ -217,8 +202,8 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
     good = all(settled(s) for s in solved[1])
     status = status_of(next((s for s in solved[1] if not settled(s)), state))
     torque = sums(state.torque, drag.torque)
-    rows, losses = ball_rows(result, state), loss_rows(state)
-    over = [mu_row(f, s, d.torque) for f, s, d in zip(*solved, strict=True)]
+    rows, losses = output.ball_rows(result, state), output.loss_rows(state)
+    over = [output.mu_row(f, s, d.torque) for f, s, d in zip(*solved, strict=True)]
     assumed = [*friction.assumed, *(() if scene.motion else (NO_SPEED,)), *_assumed(scene, result)]
     wide, played = band(besides, result), play(besides, state)
     held = preload(scene, besides.bare).axial if besides.bare.converged else 0.0
@@ -249,7 +234,7 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
             "friction_torque_without_Nmm": number(1e3 * state.bare.friction),
             "unsettled_balls": len(state.unsettled),
             "axial_friction_on_screw_N": number(e.pull),
-            "balls_touching": None if state.neighbours is None else neighbour_data(state),
+            "balls_touching": None if state.neighbours is None else output.neighbour_data(state),
             "friction_over_load": number(e.tilt),
         },
         "solver": {
@@ -259,8 +244,8 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
             "second_states": None if state.second is None else [k + 1 for k in state.second],
         },
         "assumed": assumed,
-        "left_out": left_out(friction),
-        "warnings": warnings_of(
+        "left_out": output.left_out(friction),
+        "warnings": output.warnings_of(
             scene,
             friction,
             state,
@@ -269,18 +254,21 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
                 *result.warnings,
                 *outside(scene, load_answers(scene, result.load, result.contact_angle), held),
                 *feedback_warnings(state),
-                *slip_warnings(slip),
+                *output.slip_warnings(slip),
             ),
         ),
     }
     tables: list[tuple[str, Sequence[tuple[str, str, str]], Sequence[dict[str, object]]]] = []
     if state.loaded:
-        tables = [("losses by contact and cause", LOSS_COLUMNS, losses)]
+        tables = [("losses by contact and cause", output.LOSS_COLUMNS, losses)]
     if len(over) > 1:
-        tables.append(("over the coefficient of friction", mu_columns(kind_of(scene)), over))
-    every = [("per ball", BALL_COLUMNS, flat_rows(rows))] if state.loaded else []
-    lines = [*lines_of(motion, state, (drag.torque, drag.reason or drag.note)), *(band_lines(wide) if state.loaded else ())]
-    lines.append(solver_line(result.solver.residual, state.balls.left))
+        tables.append(("over the coefficient of friction", output.mu_columns(kind_of(scene)), over))
+    every = [("per ball", output.BALL_COLUMNS, output.flat_rows(rows))] if state.loaded else []
+    lines = [
+        *output.lines_of(motion, state, (drag.torque, drag.reason or drag.note)),
+        *(band_lines(wide) if state.loaded else ()),
+    ]
+    lines.append(output.solver_line(result.solver.residual, state.balls.left))
     if e.friction and slip <= WIDE:
-        lines.append(("slip", "contacts are not flat: " + slip_words(slip)))
+        lines.append(("slip", "contacts are not flat: " + output.slip_words(slip)))
     return FrictionAnswer(data, tables, lines, good, every)

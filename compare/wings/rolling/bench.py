@@ -9,16 +9,17 @@ import numpy as np
 from joblib.externals.loky import get_reusable_executor
 from threadpoolctl import threadpool_limits
 
-from rollbench.comparison.scenes.catalogue import shipped
+from rollbench.comparison.scenes.catalogue import case as shipped_case
 from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.system import cores
 from rollbench.comparison.wings.bench.costs.timing import Job, timed
 from rollbench.comparison.wings.rolling.cases import case_of
-from rollbench.comparison.wings.rolling.from_rest import DURATION, GAP
+from rollbench.comparison.wings.rolling.changes import DURATION, GAP
 from rollbench.comparison.wings.rolling.low_order import low_order
 from rollbench.comparison.wings.rolling.runs import LEVELS
-from rollbench.hifi.rolling.balls import Choices, Rolling, finite_patch, prepare_bodies, solve_rolling, unit_patch
+from rollbench.hifi.rolling.balls import Choices, finite_patch, prepare_bodies, solve_rolling, unit_patch
 from rollbench.hifi.rolling.bodies import Sizes, forget_kernels
+from rollbench.hifi.rolling.kinematics import Rolling
 from rollbench.hifi.rolling.transient import run_from_rest
 from rollbench.meshes.memory import peak_MB
 
@@ -45,8 +46,7 @@ def jobs(repeats: int = 3) -> Iterator[Job]:
 
 
 def _steady(name: str, target: float, repeats: int) -> Job:
-    scene = shipped(name)
-    assert isinstance(scene, KindScene)
+    scene = shipped_case(name, KindScene)
     whole = _scene(name, PRODUCTION)
 
     def solve(shape: tuple[int, int]) -> None:
@@ -87,8 +87,7 @@ def _aim(seconds: float) -> str:
 
 
 def _scene(name: str, shape: tuple[int, int]) -> Rolling:
-    scene = shipped(name)
-    assert isinstance(scene, KindScene)
+    scene = shipped_case(name, KindScene)
     return case_of(scene, Choices(shape)).touching
 
 

@@ -8,12 +8,12 @@ import numpy as np
 
 from rollbench.comparison.errors import Refusal
 from rollbench.comparison.scenes.kinds import KindScene
-from rollbench.comparison.wings.friction.kinds.bearing_ball import BearingBallScene
+from rollbench.comparison.wings.friction.kinds.bearings import BearingBallScene
 from rollbench.comparison.wings.friction.kinds.linear import LinearScene
 from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewPairScene
-from rollbench.hifi.rolling.balls import Choices, Rolling, without_meetings
-from rollbench.hifi.rolling.feedback import solve_loaded
-from rollbench.hifi.rolling.loads import Cell, cell_loads
+from rollbench.hifi.rolling.balls import Choices, without_meetings
+from rollbench.hifi.rolling.kinematics import Rolling
+from rollbench.hifi.rolling.loads import Cell, cell_loads, solve_loaded
 from rollbench.hifi.rolling.scenes import (
     Layout,
     Material,

@@ -1,25 +1,63 @@
-"""How far ball-to-ball forces move when a numerical choice changes, beside their stated uncertainty: a grid finer than
-those behind it, bodies of other sizes and cells, time steps from rest, path of the regularisation."""
+"""How far ball-to-ball forces move when a numerical choice changes, and how they come about from rest."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.reference.body_names import FINITE
-from rollbench.comparison.scenes.catalogue import shipped
+from rollbench.comparison.scenes.catalogue import case as shipped_case
 from rollbench.comparison.scenes.kinds import KindScene
+from rollbench.comparison.wings.friction.kinds.linear import LinearPairScene
 from rollbench.comparison.wings.rolling.body_sizes import LINEAR, SCENES, SHAPE, Variant, variants
 from rollbench.comparison.wings.rolling.cases import case_of
-from rollbench.comparison.wings.rolling.from_rest import Series
 from rollbench.comparison.wings.rolling.rows import stored_rows
 from rollbench.comparison.wings.rolling.runs import LEVELS, load
-from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, Rolling, solve_rolling
+from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, solve_rolling
 from rollbench.hifi.rolling.friction import PATH
+from rollbench.hifi.rolling.kinematics import Rolling
+from rollbench.hifi.rolling.transient import run_from_rest
+
+#: Time [s], gap at the start [m] and steps (Lin 3.3.5 has ten).
+DURATION, GAP, STEPS = 0.1, 1e-6, (10, 50, 100)
+
+
+@dataclass(frozen=True)
+class Series:
+    """A run: steps, their ends [s], force [N], speeds of the balls [m/s], the steady force on the same grid [N], processor
+    seconds, status."""
+
+    steps: int
+    time: tuple[float, ...]
+    force: tuple[float, ...]
+    speed: tuple[tuple[float, ...], ...]
+    steady: float
+    seconds: float
+    status: str
+
+
+@lru_cache(maxsize=1)
+def from_rest() -> tuple[Series, ...]:
+    """Runs with each number of steps of ``STEPS``."""
+    choices = Choices(SHAPE)
+    scene = case_of(shipped_case("lin-pair-a", LinearPairScene), choices).touching
+    steady = float(solve_rolling(scene, choices).force[0])
+    out = []
+    for count in STEPS:
+        run = run_from_rest(scene, DURATION, count, GAP, choices)
+        force = tuple(map(float, run.force[:, 0]))
+        speed = tuple(tuple(map(float, row)) for row in run.speed)
+        out.append(Series(count, tuple(map(float, run.time)), force, speed, steady, run.seconds, run.status))
+    return tuple(out)
+
+
+# --- how far ball-to-ball forces move when a numerical choice changes, beside their stated uncertainty: a grid finer than
+
 
 #: A grid beyond those of the uncertainty, and other paths: creeping speeds over the largest slip.
 BEYOND = (30, 44)
@@ -50,8 +88,7 @@ def changes(stores: Sequence[Path], series: Sequence[Series], sizes: Sequence[Va
 
 
 def _changes(name: str, stores: Sequence[Path], series: Sequence[Series], sizes: Sequence[Variant]) -> Iterator[Change]:
-    scene = shipped(name)
-    assert isinstance(scene, KindScene)
+    scene = shipped_case(name, KindScene)
     half, finite = (_uncertainty(name, stores, *bodies) for bodies in ((), (FINITE,)))
     run = load(scene, max(LEVELS), stores)
     if run is None or half is None:

@@ -2,37 +2,34 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from time import perf_counter
+from typing import Any
 
 from rollbench.comparison.scenes.kinds import KindScene
-from rollbench.comparison.wings.friction.kinds.bearing_ball import BearingBallScene
+from rollbench.comparison.wings.friction.kinds.bearings import BearingBallScene
 from rollbench.comparison.wings.friction.kinds.linear import LinearScene
 from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewPairScene
+from rollbench.comparison.wings.friction.linear_kinds import linear_loads
 from rollbench.lowfi.friction.bearing.rotary import SIDES, solve_ball
 from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain
-from rollbench.lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads
 from rollbench.lowfi.friction.screw.pair import solve_pair
 
 
 def low_order(scene: KindScene) -> tuple[dict[str, float], float, str]:
     """Values by name, seconds of a second solve, and "converged" or why not; kinds as in
     `compare.wings.rolling.cases.case_of`."""
-    solver = _linear if isinstance(scene, LinearScene) else _screw if isinstance(scene, ScrewPairScene) else _ring
+    kinds: dict[type[KindScene], Callable[[Any], tuple[dict[str, float], str]]]
+    kinds = {LinearScene: _linear, ScrewPairScene: _screw, BearingBallScene: _ring}
+    solver = next(solver for kind, solver in kinds.items() if isinstance(scene, kind))
     solver(scene)
     begin = perf_counter()
     values, status = solver(scene)
     return values, perf_counter() - begin, status
 
 
-def _linear(scene: KindScene) -> tuple[dict[str, float], str]:
-    assert isinstance(scene, LinearScene)
-    angles = scene.angles
-    if scene.distribution == "elastic":
-        force, angles = elastic_loads(scene.bearing, angles, scene.vertical, scene.side)
-    elif scene.distribution == "balanced":
-        force = balanced_loads(angles, scene.vertical, scene.side)
-    else:
-        force = diagonal_loads(scene.vertical, scene.side, scene.bearing.contact_angle)
+def _linear(scene: LinearScene) -> tuple[dict[str, float], str]:
+    angles, force, _ = linear_loads(scene)
     apart, near = (
         solve_linear_chain(prepare(scene.bearing, angles, force, t), fast=False) for t in (False, scene.gap <= 0.0)
     )
@@ -44,8 +41,7 @@ def _linear(scene: KindScene) -> tuple[dict[str, float], str]:
     return out, next((r.status for r in (apart, near) if r.status != "converged"), "converged")
 
 
-def _screw(scene: KindScene) -> tuple[dict[str, float], str]:
-    assert isinstance(scene, ScrewPairScene)
+def _screw(scene: ScrewPairScene) -> tuple[dict[str, float], str]:
     found = solve_pair(scene.pair)
     apart, near = found.free.motion, found.touching.motion
     out = {"force 1-2 N": found.force}
@@ -55,8 +51,7 @@ def _screw(scene: KindScene) -> tuple[dict[str, float], str]:
     return out, "converged" if found.converged else "loads and friction do not agree"
 
 
-def _ring(scene: KindScene) -> tuple[dict[str, float], str]:
-    assert isinstance(scene, BearingBallScene)
+def _ring(scene: BearingBallScene) -> tuple[dict[str, float], str]:
     found = solve_ball(scene.bearing, scene.force, scene.displacement)
     q, loss = found.motion.q, found.motion.friction.loss
     out = {"orbit rad/s": float(q[0]), "omega x rad/s": float(q[1]), "omega y rad/s": float(q[2])}

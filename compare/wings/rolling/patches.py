@@ -8,12 +8,12 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.comparison.scenes.catalogue import shipped
+from rollbench.comparison.scenes.catalogue import case as shipped_case
 from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.wings.rolling.cases import case_of
 from rollbench.comparison.wings.rolling.runs import LEVELS
-from rollbench.hifi.rolling.balls import Choices, ContactOut, Rolling, hertz_size, solve_rolling
-from rollbench.hifi.rolling.kinematics import rolling_speed
+from rollbench.hifi.rolling.balls import Choices, ContactOut, hertz_size, solve_rolling
+from rollbench.hifi.rolling.kinematics import Rolling, rolling_speed
 from rollbench.meshes.arrays import Array
 
 #: Contacts shown: scene, ball, name of the contact.
@@ -40,8 +40,7 @@ def fields() -> tuple[PatchField, ...]:
     """The contacts of `SHOWN`, balls in touch, on half spaces."""
     choices, out = Choices(SHAPE), []
     for name in dict.fromkeys(shown[0] for shown in SHOWN):
-        scene = shipped(name)
-        assert isinstance(scene, KindScene)
+        scene = shipped_case(name, KindScene)
         case = case_of(scene, choices)
         found = solve_rolling(case.touching, choices)
         for _, ball, contact in (s for s in SHOWN if s[0] == name):
@@ -53,7 +52,7 @@ def fields() -> tuple[PatchField, ...]:
 
 def _field(title: str, scene: Rolling, one: ContactOut) -> PatchField:
     touch = scene.balls[one.ball].touches[one.touch]
-    speed = rolling_speed(touch, scene.track, scene.radius, scene.orbit)
+    speed = rolling_speed(touch, scene)
     along, across = hertz_size(scene, touch)
     area = float(one.size.prod())
     turned = [1, 0]

@@ -8,7 +8,7 @@ REGISTRATION = Registration(
     functions={
         "rolling study": "wings.rolling.commands:run_rolling_study",
         "rolling compare": "wings.rolling.commands:run_rolling_compare",
-        "gate": "wings.rolling.gate:rolling_rows",
+        "gate": "wings.rolling.rows:rolling_rows",
         "bench": "wings.rolling.bench:jobs",
     },
 )

@@ -1,4 +1,4 @@
-"""Low-order against 3D against printed, with the 3D model's own uncertainty, for scenes of rolling balls."""
+"""Low-order against 3D against printed, with the 3D model's own uncertainty, for scenes of rolling balls; their gate."""
 
 from __future__ import annotations
 
@@ -9,12 +9,15 @@ from typing import Any
 
 import numpy as np
 
+from rollbench.comparison.gate.gate import GateRow
 from rollbench.comparison.measure import error_percent
+from rollbench.comparison.models.study import Study
 from rollbench.comparison.printed.printed_data import entry
 from rollbench.comparison.reference.body_names import HALF_SPACE
-from rollbench.comparison.scenes.catalogue import shipped
+from rollbench.comparison.reference.store import shipped_store
+from rollbench.comparison.scenes.catalogue import case as shipped_case
 from rollbench.comparison.scenes.kinds import KindScene
-from rollbench.comparison.wings.rolling.kept_sizes import choices_share
+from rollbench.comparison.wings.rolling.body_sizes import choices_share
 from rollbench.comparison.wings.rolling.low_order import low_order
 from rollbench.comparison.wings.rolling.runs import LEVELS, RollingRun, load
 
@@ -156,9 +159,37 @@ def within(row: RollingRow) -> bool:
 
 def stored_rows(name: str, stores: Sequence[Path], bodies: str = HALF_SPACE) -> list[RollingRow]:
     """Rows of a shipped scene from the stored runs of all levels; none where one is missing."""
-    scene = shipped(name)
-    assert isinstance(scene, KindScene)
+    scene = shipped_case(name, KindScene)
     found = [load(scene, level, stores, bodies) for level in LEVELS]
     runs = [run for run in found if run is not None and run.converged]
     beside = None if bodies == HALF_SPACE else load(scene, max(LEVELS), stores)
     return rows(scene, runs, beside) if len(runs) == len(LEVELS) else []
+
+
+# --- rows of the gate on rolling: low-order balls against the 3D model's
+
+
+def rolling_rows(study: Study, max_error: float) -> list[GateRow]:
+    """Low-order balls in motion against the stored runs of the 3D model of rolling: ball-to-ball forces and torques.
+
+    A quantity beyond the line passes where the list of known ones names it with its cause, and fails where it names one
+    that is not.
+    """
+    out: list[GateRow] = []
+    stores = study.stores or (shipped_store(),)
+    limit = min(LIMIT, max_error)
+    for name in (*PAIRS, *RINGS):
+        rows = [row for row in stored_rows(name, stores) if row.quantity in GATED]
+        if not rows:
+            text = f"no stored runs of the 3D model of rolling: run rollbench mesh-study {name}"
+            out.append(GateRow(f"{name}: 3D rolling", "3D rolling", None, None, None, limit, False, text))
+        for row in rows:
+            cause = KNOWN.get((name, row.quantity), "")
+            passed = within(row) != bool(cause)
+            state = f", {row.load_state} load state" if row.load_state else ""
+            label = f"{name}: {row.quantity} [{row.unit}] against 3D rolling{state}" + (
+                f" (known: {cause})" if cause else ""
+            )
+            text = f"uncertainty of the 3D model {row.uncertainty:.2g} {row.unit}"
+            out.append(GateRow(label, "3D rolling", row.low, row.reference, row.error_percent, limit, passed, text))
+    return out

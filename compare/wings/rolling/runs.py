@@ -4,7 +4,7 @@ Bodies are half spaces, or finite (`hifi.rolling.bodies`): patches of the static
 grooved bars.
 
 A run is a plain record. The answer of a grid is that of its elastic bodies less that of nearly rigid ones on the same
-grid, on top of the rigid limit by quadrature (`hifi.rolling.rigid_limit`).
+grid, on top of the rigid limit by quadrature (`hifi.rolling.balls`).
 """
 
 from __future__ import annotations
@@ -23,18 +23,10 @@ from rollbench.comparison.scenes.kinds import KindScene
 from rollbench.comparison.system import out_of_memory
 from rollbench.comparison.wings.rolling.cases import Case, case_of
 from rollbench.comparison.writing import replace_file
-from rollbench.hifi.rolling.balls import (
-    NEARLY_RIGID,
-    Choices,
-    Rolling,
-    RollingResult,
-    hertz_size,
-    prepare_bodies,
-    solve_rolling,
-)
+from rollbench.hifi.rolling import balls
 from rollbench.hifi.rolling.bodies import Sizes
+from rollbench.hifi.rolling.kinematics import Rolling
 from rollbench.hifi.rolling.patch import MARGIN
-from rollbench.hifi.rolling.rigid_limit import RigidResult, solve_rigid_rolling
 from rollbench.meshes.canonical import digest
 
 #: Cells along and across the grooves of the levels; bump SCHEMA when the mechanics or the record change.
@@ -86,7 +78,7 @@ class RollingRun:
 
 def key_of(scene: KindScene, level: int, bodies: str = HALF_SPACE) -> str:
     """Digest of all that a run's numbers depend on."""
-    content = (SCHEMA, scene, level, LEVELS.get(level), SOURCE_SIZE.get(scene.kind), QUADRATURES, NEARLY_RIGID)
+    content = (SCHEMA, scene, level, LEVELS.get(level), SOURCE_SIZE.get(scene.kind), QUADRATURES, balls.NEARLY_RIGID)
     sizes = BODIES[bodies]
     return digest(*content, *(() if sizes is None else (sizes, MESHED)))[:16]
 
@@ -121,7 +113,7 @@ def shape_of(case: Case, level: int) -> tuple[int, int]:
         return LEVELS[level]
     size = SOURCE_SIZE[case.kind]
     largest = max((t for b in case.touching.balls for t in b.touches), key=lambda t: t.load)
-    along, across = (max(1, round(2.0 * MARGIN * a / size)) for a in hertz_size(case.touching, largest))
+    along, across = (max(1, round(2.0 * MARGIN * a / size)) for a in balls.hertz_size(case.touching, largest))
     return along, across
 
 
@@ -140,14 +132,14 @@ def compute(scene: KindScene, level: int, bodies: str = HALF_SPACE, processes: i
 
 def _compute(scene: KindScene, level: int, bodies: str, processes: int) -> RollingRun:
     begin, sizes = process_time(), BODIES[bodies]
-    case = case_of(scene, Choices(LEVELS.get(level, LEVELS[1])))
+    case = case_of(scene, balls.Choices(LEVELS.get(level, LEVELS[1])))
     shape = shape_of(case, level)
-    elsewhere = prepare_bodies((case.apart, case.touching), sizes, processes)
+    elsewhere = balls.prepare_bodies((case.apart, case.touching), sizes, processes)
     pairs = {
-        name: _both(case, Choices(shape, share, curved, sizes))
-        for name, share, curved in (("elastic", 1.0, True), ("near", NEARLY_RIGID, True), ("flat", 1.0, False))
+        name: _both(case, balls.Choices(shape, share, curved, sizes))
+        for name, share, curved in (("elastic", 1.0, True), ("near", balls.NEARLY_RIGID, True), ("flat", 1.0, False))
     }
-    limits = [[solve_rigid_rolling(s, n, bodies=sizes) for s in (case.apart, case.touching)] for n in QUADRATURES]
+    limits = [[balls.solve_rigid_rolling(s, n, bodies=sizes) for s in (case.apart, case.touching)] for n in QUADRATURES]
     measured = {name: measures(case, *pair) for name, pair in pairs.items()}
     fine, other = (measures(case, *pair) for pair in limits)
     apart, touching = pairs["elastic"]
@@ -171,12 +163,14 @@ def _compute(scene: KindScene, level: int, bodies: str, processes: int) -> Rolli
     )
 
 
-def _both(case: Case, choices: Choices) -> tuple[RollingResult, RollingResult]:
-    apart = solve_rolling(case.apart, choices)
-    return apart, (apart if case.touching is case.apart else solve_rolling(case.touching, choices))
+def _both(case: Case, choices: balls.Choices) -> tuple[balls.RollingResult, balls.RollingResult]:
+    apart = balls.solve_rolling(case.apart, choices)
+    return apart, (apart if case.touching is case.apart else balls.solve_rolling(case.touching, choices))
 
 
-def measures(case: Case, apart: RollingResult | RigidResult, touching: RollingResult | RigidResult) -> dict[str, float]:
+def measures(
+    case: Case, apart: balls.RollingResult | balls.RigidResult, touching: balls.RollingResult | balls.RigidResult
+) -> dict[str, float]:
     """Quantities of a solved case by name; the unit is at the end of the name."""
     out: dict[str, float] = {}
     linear = case.kind.startswith("linear")
@@ -203,7 +197,7 @@ def _loaded(scene: Rolling) -> list[int]:
     return [k for k, t in enumerate(scene.balls[0].touches) if t.load > 0.0]
 
 
-def _losses(result: RollingResult | RigidResult) -> list[float]:
-    if isinstance(result, RollingResult):
+def _losses(result: balls.RollingResult | balls.RigidResult) -> list[float]:
+    if isinstance(result, balls.RollingResult):
         return [c.loss for c in result.contacts]
     return [float(v) for v in np.asarray(result.contact_loss)]

@@ -114,9 +114,8 @@ def test_list_and_schema(command) -> None:
 @pytest.mark.parametrize("tokens", [["--help"], ["solve", "two-balls", "--json"], ["list"]])
 def test_start_up_imports_nothing_heavy(tokens: list[str]) -> None:
     code = (
-        "import sys\nfrom rollbench.comparison.cli import main\n"
-        f"try:\n    main({tokens!r})\nexcept SystemExit:\n    pass\n"
-        f"print([m for m in {HEAVY!r} if m in sys.modules], file=sys.stderr)\n"
+        f"import sys\nfrom rollbench.comparison.cli import main\ntry:\n    main({tokens!r})\nexcept SystemExit:\n    "
+        f"pass\nprint([m for m in {HEAVY!r} if m in sys.modules], file=sys.stderr)\n"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=120)
     assert done.stderr.strip() == "[]"

@@ -9,6 +9,7 @@ from rollbench.comparison.scenes import catalogue
 from rollbench.comparison.wings.rolling import commands as rolling
 from rollbench.comparison.wings.rolling import runs
 from rollbench.comparison.wings.rolling.rows import RollingRow, uncertainty, within
+from rollbench.hifi.rolling import balls
 from rollbench.hifi.rolling.bodies import Sizes
 
 
@@ -110,6 +111,6 @@ def test_a_process_that_ends_for_want_of_memory_is_bad_input(monkeypatch):
     def ended(*_):
         raise MemoryError("ended from outside")
 
-    monkeypatch.setattr(runs, "prepare_bodies", ended)
+    monkeypatch.setattr(balls, "prepare_bodies", ended)
     with pytest.raises(InputError, match="memory"):
         runs.compute(catalogue.any_scene("lin-rotary-3"), 1)

@@ -116,11 +116,10 @@ def test_no_code_comes_from_the_working_folder(tmp_path):
     """A numpy.py beside a scene was executed by children of pictures and bench."""
     (tmp_path / "numpy.py").write_text("raise SystemExit('code of the working folder ran')")
     code = (
-        "import sys, runpy; from rollbench.reports import offscreen\n"
-        "try: offscreen.draw_in_child('rollbench.reports.nowhere', None, 'x.png')\n"
-        "except RuntimeError as error: print(error)\n"
-        "from rollbench.comparison.wings.bench.costs.timing import launch\n"
-        "print(launch(['-c', 'import numpy; print(numpy.__file__)'])[1].stdout)\n"
+        "import sys, runpy; from rollbench.reports import offscreen\ntry: "
+        "offscreen.draw_in_child('rollbench.reports.nowhere', None, 'x.png')\nexcept RuntimeError as error: "
+        "print(error)\nfrom rollbench.comparison.wings.bench.costs.timing import launch\nprint(launch(['-c', 'import "
+        "numpy; print(numpy.__file__)'])[1].stdout)\n"
     )
     root = str(Path(__file__).parents[3] / ".import")
     done = subprocess.run(

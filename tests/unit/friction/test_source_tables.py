@@ -8,12 +8,12 @@ import pytest
 from rollbench.comparison.sources.lin import bench as friction_bench
 from rollbench.comparison.sources.lin.bench import FrictionJob, against_source
 from rollbench.comparison.sources.lin.evidence.source_cases import inferred, plain
-from rollbench.comparison.sources.lin.extremes.balls import screw_ball
-from rollbench.comparison.sources.lin.extremes.chains import (
+from rollbench.comparison.sources.lin.extremes.cases import (
     chain_group,
     linear_chain,
     linear_pair,
     patchy_chain,
+    screw_ball,
     screw_pairs,
 )
 from rollbench.comparison.sources.lin.extremes.tally import BALLS, MU, SOURCE_BALLS, UNLOADED, Tally

@@ -49,7 +49,7 @@ def test_a_stiffness_off_by_20_per_cent_fails(monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_a_wrong_printed_digit_fails() -> None:
-    from rollbench.comparison.sources.lin.evidence.hertz_b1 import table_b_1
+    from rollbench.comparison.sources.lin.evidence.chapter_2 import table_b_1
     from rollbench.comparison.wings.evidence.gate import evidence_row
 
     found = table_b_1(Study())[3]

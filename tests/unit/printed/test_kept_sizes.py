@@ -7,9 +7,8 @@ import re
 import pytest
 
 from rollbench.comparison.reference.store import shipped_store
-from rollbench.comparison.wings.rolling import kept_sizes
-from rollbench.comparison.wings.rolling.body_sizes import NAMES, Variant, variants
-from rollbench.comparison.wings.rolling.kept_sizes import LIVE, sizes
+from rollbench.comparison.wings.rolling import body_sizes
+from rollbench.comparison.wings.rolling.body_sizes import LIVE, NAMES, Variant, sizes, variants
 
 
 @pytest.fixture
@@ -21,8 +20,8 @@ def solved(monkeypatch):
         found.append(choice)
         return Variant(choice, dict.fromkeys(NAMES, 2.0))
 
-    monkeypatch.setattr(kept_sizes, "variant", variant)
-    monkeypatch.setattr(kept_sizes, "body_sizes", lambda: tuple(variant(choice) for choice in variants()))
+    monkeypatch.setattr(body_sizes, "variant", variant)
+    monkeypatch.setattr(body_sizes, "body_sizes", lambda: tuple(variant(choice) for choice in variants()))
     return found
 
 
@@ -33,27 +32,27 @@ def test_only_one_is_computed_where_they_are_kept(tmp_path, solved, monkeypatch)
     found = sizes([tmp_path / "none", tmp_path], fresh=False)
     assert (found.variants, solved) == (fresh.variants, [LIVE])
     assert found.words == f'Kept with the package; "{LIVE}" computed anew differs by up to 0 %.'
-    monkeypatch.setattr(kept_sizes, "variant", lambda choice: Variant(choice, dict.fromkeys(NAMES, 2.002)))
+    monkeypatch.setattr(body_sizes, "variant", lambda choice: Variant(choice, dict.fromkeys(NAMES, 2.002)))
     assert "differs by up to 0.1 %" in sizes([tmp_path], fresh=False).words
 
 
 def test_kept_ones_of_other_sources_are_not_taken(tmp_path, solved, monkeypatch):
     sizes([tmp_path], fresh=True)
     solved.clear()
-    monkeypatch.setattr(kept_sizes, "key", lambda: "of other sources")
+    monkeypatch.setattr(body_sizes, "key", lambda: "of other sources")
     assert sizes([tmp_path], fresh=False).words == "Computed for this report."
     assert solved == list(variants())
 
 
 @pytest.mark.parametrize("text", ["", "{}", '{"key": "of other sources", "variants": []}'])
 def test_all_are_computed_where_the_key_does_not_hold(text, tmp_path, solved):
-    (tmp_path / kept_sizes.FILE).write_text(text)
+    (tmp_path / body_sizes.FILE).write_text(text)
     assert sizes([tmp_path], fresh=False).words == "Computed for this report."
     assert solved == list(variants())
 
 
 def test_the_package_has_them_of_every_choice():
-    text = (shipped_store() / kept_sizes.FILE).read_text(encoding="utf-8")
+    text = (shipped_store() / body_sizes.FILE).read_text(encoding="utf-8")
     assert all(choice in text for choice in variants())
 
 
@@ -62,9 +61,9 @@ def test_what_choices_change_is_counted_from_the_shipped_ones_without_half_space
     for k, (choice, (_, bodies)) in enumerate(variants().items()):
         value = 9.0 if bodies is None else 2.0 if "as shipped" in choice else 2.0 * (1.0 + 0.01 * k)
         rows.append({"choice": choice, "values": dict.fromkeys(NAMES, value)})
-    (tmp_path / kept_sizes.FILE).write_text(json.dumps({"variants": rows}))
-    monkeypatch.setattr(kept_sizes, "shipped_store", lambda: tmp_path)
-    assert [kept_sizes.choices_share(straight) for straight in (True, False)] == pytest.approx([0.06, 0.10])
+    (tmp_path / body_sizes.FILE).write_text(json.dumps({"variants": rows}))
+    monkeypatch.setattr(body_sizes, "shipped_store", lambda: tmp_path)
+    assert [body_sizes.choices_share(straight) for straight in (True, False)] == pytest.approx([0.06, 0.10])
 
 
 def test_every_choice_has_the_sizes_that_its_name_says():

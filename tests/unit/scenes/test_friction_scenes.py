@@ -7,11 +7,11 @@ import pytest
 from tests.shipped_texts import axis_names, changed
 
 from rollbench.comparison.scenes import catalogue, scene_file
+from rollbench.comparison.wings.friction.answer import left_out_of_kind
 from rollbench.comparison.wings.friction.kind_solvers import solve_kind
-from rollbench.comparison.wings.friction.kinds.bearing_ball import BearingBallScene
+from rollbench.comparison.wings.friction.kinds.bearings import BearingBallScene
 from rollbench.comparison.wings.friction.kinds.linear import LinearScene
 from rollbench.comparison.wings.friction.kinds.table import KINDS
-from rollbench.comparison.wings.friction.left_out import left_out_of_kind
 from rollbench.comparison.wings.friction.solve import run_friction
 from rollbench.comparison.wings.friction.whole import Choices
 from rollbench.lowfi.friction.bearing.rotary import SIDES, Bearing, solve_ball, solve_ball_as_printed, source_law

@@ -10,20 +10,11 @@ from tests.shipped_texts import changed
 from rollbench.comparison.scenes import catalogue, scene_file
 from rollbench.comparison.sources.lin.evidence.source_cases import double_row, four_point, inferred, lin_3_4_4, plain
 from rollbench.comparison.wings.friction.kind_solvers import solve_kind
-from rollbench.comparison.wings.friction.kinds.bearing_pair import BearingPairScene
+from rollbench.comparison.wings.friction.kinds.bearings import BearingPairScene
 from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewPairScene, ScrewRunScene
 from rollbench.comparison.wings.friction.solve import run_friction
 from rollbench.comparison.wings.friction.whole import Choices
-from rollbench.lowfi.friction.bearing.pairs import (
-    ALL,
-    DIAGONAL,
-    OTHER,
-    BallRow,
-    BearingCase,
-    free_motion,
-    solve_bearing,
-    torque_curve,
-)
+from rollbench.lowfi.friction.bearing import pairs
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.pair import SHIFTED, Pair, solve_pair
 from rollbench.lowfi.friction.screw.run import Run, summarise
@@ -76,8 +67,13 @@ def test_shipped_cases_are_these_numbers():
         close(plain(np.radians(theta)), pair)
         close(inferred(np.radians(theta)), replace(pair, oversize=1.7e-6, coupling="none"))
     close(lin_3_4_4(), Run(screw, 37, 2.0, (1500.0,), "z", 2.0, 200, 1.7e-6, np.radians(3.0)))
-    close(four_point(), BearingCase(ring, 9, (BallRow(0.0, ALL),), 3000.0, tilt=True))
-    close(double_row(), BearingCase(small, 9, (BallRow(-6e-3, OTHER), BallRow(6e-3, DIAGONAL)), 3000.0, tilt=True))
+    close(four_point(), pairs.BearingCase(ring, 9, (pairs.BallRow(0.0, pairs.ALL),), 3000.0, tilt=True))
+    close(
+        double_row(),
+        pairs.BearingCase(
+            small, 9, (pairs.BallRow(-6e-3, pairs.OTHER), pairs.BallRow(6e-3, pairs.DIAGONAL)), 3000.0, tilt=True
+        ),
+    )
 
 
 def test_which_part_turns():
@@ -90,7 +86,7 @@ def test_which_part_turns():
 def test_oversize_is_the_opposite_of_a_clearance():
     preload = loaded("lin-bearing-pairs", ('"0 um"', '"2 um"'))
     assert (preload.four_point.clearance, preload.double_row.clearance) == (-2e-6, 0.0)
-    tight, free = (solve_bearing(case, 0.1).load.force.sum() for case in (preload.four_point, four_point()))
+    tight, free = (pairs.solve_bearing(case, 0.1).load.force.sum() for case in (preload.four_point, four_point()))
     assert tight > 1.01 * free
 
 
@@ -210,12 +206,12 @@ def test_run_and_bearings_without_friction_have_no_ratios():
 @pytest.mark.parametrize("angle", [0.3, 0.9])
 def test_one_ball_holds_a_tilting_ring_only_against_a_force_through_its_centre(angle):
     ball = four_point(count=1)
-    assert "ry" in free_motion(ball, angle)
-    assert free_motion(replace(ball, tilt=False), angle) == ""
+    assert "ry" in pairs.free_motion(ball, angle)
+    assert pairs.free_motion(replace(ball, tilt=False), angle) == ""
     through = -ball.groove.pitch_radius / np.tan(angle)
-    assert free_motion(replace(ball, arm=through), angle) == ""
-    assert "ry" in free_motion(replace(ball, arm=1.001 * through), angle)
-    assert free_motion(four_point(), angle) == free_motion(double_row(), angle) == ""
+    assert pairs.free_motion(replace(ball, arm=through), angle) == ""
+    assert "ry" in pairs.free_motion(replace(ball, arm=1.001 * through), angle)
+    assert pairs.free_motion(four_point(), angle) == pairs.free_motion(double_row(), angle) == ""
 
 
 def test_return_tube_is_a_length():
@@ -233,7 +229,7 @@ def test_bearing_scene_is_the_library_s(tilt):
     answer = solve_kind(scene)
     found = answer.data
     assert answer.converged
-    curves = [torque_curve(make(tilt=tilt), scene.angle) for make in (four_point, double_row)]
+    curves = [pairs.torque_curve(make(tilt=tilt), scene.angle) for make in (four_point, double_row)]
     for name, curve in zip(("four_point", "double_row"), curves, strict=True):
         assert found[name]["friction_torque_Nmm"] == pytest.approx(1e3 * curve.torque, rel=1e-7)
         assert found[name]["balls_beyond_two_contacts"] == curve.four.tolist()
@@ -244,7 +240,7 @@ def test_bearing_scene_is_the_library_s(tilt):
 
 def test_rows_face_to_face_are_turned_round():
     rows = loaded("lin-bearing-pairs", ('back to back"\n', 'face to face"\n')).double_row.rows
-    assert [r.contacts for r in rows] == [DIAGONAL, OTHER]
+    assert [r.contacts for r in rows] == [pairs.DIAGONAL, pairs.OTHER]
 
 
 # --- printing

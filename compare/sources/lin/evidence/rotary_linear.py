@@ -1,4 +1,4 @@
-"""Sections 3.2 and 3.3 and appendix G: evidence of every printed number; each solution is made once."""
+"""Sections 3.2 and 3.3 and appendix G: evidence of every printed number, each solution made once; other assumptions."""
 
 from __future__ import annotations
 
@@ -11,16 +11,17 @@ import numpy as np
 
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import entry, load_table
+from rollbench.comparison.printed.printed_data import entry, load_table, value_of
 from rollbench.comparison.sources.lin.evidence import source_cases
 from rollbench.comparison.wings.evidence.record import Evidence, Sheet
-from rollbench.lowfi.friction.bearing.rotary import SIDES, Mode, Solution, solve_ball, solve_ball_as_printed, source_law
+from rollbench.lowfi.friction.bearing import rotary
 from rollbench.lowfi.friction.contact.ellipse import cubic_factor, linear_error, linear_factor
 from rollbench.lowfi.friction.linear.analytic import velocity_deviation
 from rollbench.lowfi.friction.linear.loads import Loads
 from rollbench.lowfi.friction.linear.pair import PairMaps, PairResult, maps, pair_formulas, pair_state, solve_pair
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.meshes.arrays import Array
+from rollbench.reports.records import Quantity, Row
 
 #: Tables 3.1 and 3.3: inputs of the two case studies.
 ROTARY, AXIAL = source_cases.rotary("I").bearing, source_cases.rotary("I").force
@@ -31,7 +32,7 @@ CASES = {name: source_cases.rotary(name).displacement for name in source_cases.R
 #: Slope of the normalised friction force, as printed.
 K_F = source_cases.k_f()
 #: The source's own law of friction, with what was inferred for it.
-PRINTED_LAW = source_law(
+PRINTED_LAW = rotary.source_law(
     ROTARY, source_cases.rotary("I", printed=True).sharpness, source_cases.rotary("I", printed=True).map_step
 )
 LOADS: tuple[Loads, ...] = ("balanced", "diagonal", "elastic")
@@ -43,17 +44,17 @@ YIELD, MULTIPLE = 370.0, 4.2
 
 
 @cache
-def as_printed(case: str) -> Solution:
+def as_printed(case: str) -> rotary.Solution:
     """A case of Table 3.2 with the source's Hertz constants, sigmoid and root."""
     scene = source_cases.rotary(case, printed=True)
-    law = source_law(scene.bearing, scene.sharpness, scene.map_step)
-    return solve_ball_as_printed(scene.bearing, scene.force, scene.displacement, law, fast=True)
+    law = rotary.source_law(scene.bearing, scene.sharpness, scene.map_step)
+    return rotary.solve_ball_as_printed(scene.bearing, scene.force, scene.displacement, law, fast=True)
 
 
 @cache
-def right(case: str, hertz: Mode = "right") -> Solution:
+def right(case: str, hertz: rotary.Mode = "right") -> rotary.Solution:
     """The same with least dissipation; hertz "as printed" keeps the source's loads and ellipses."""
-    return solve_ball(ROTARY, AXIAL, CASES[case], hertz, fast=True)
+    return rotary.solve_ball(ROTARY, AXIAL, CASES[case], hertz, fast=True)
 
 
 @cache
@@ -90,19 +91,19 @@ def table_3_1(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every tab
     return sheet.evidence()
 
 
-def rotary_value(s: Solution, key: str) -> float:
+def rotary_value(s: rotary.Solution, key: str) -> float:
     """Quantity of a row of Table 3.2 (the key without its case) in the unit printed there."""
     kind, _, what = key.partition("_")
     if kind == "F":
-        return float(s.load.force.sum() if what == "sum" else s.load.force[SIDES.index(what)])
+        return float(s.load.force.sum() if what == "sum" else s.load.force[rotary.SIDES.index(what)])
     if kind == "P":
-        return float(s.motion.loss if what == "sum" else s.motion.friction.loss[SIDES.index(what)])
+        return float(s.motion.loss if what == "sum" else s.motion.friction.loss[rotary.SIDES.index(what)])
     if kind == "omega":
         return float(s.motion.q["Bxy".index(what)])
     return 1e3 * s.torque
 
 
-def rise(first: Solution, raised: Solution, what: str) -> float:
+def rise(first: rotary.Solution, raised: rotary.Solution, what: str) -> float:
     """Increase of the sum of forces [%], or of the torque in torques of the first."""
     if what == "force":
         return float(error_percent(raised.load.force.sum(), first.load.force.sum()))
@@ -221,7 +222,7 @@ def table_3_5(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every tab
     for case, of_loads, of_formula in (("a", f"loads {spread}", as_is), ("b", "", "")):
         sheet.number(f"{case}_force_numerical", pair(mated=case == "b").force, of_loads)
         sheet.number(f"{case}_force_analytic", formula[case], of_formula)
-    ansys, numerical = (entry("lin-3.5", f"a_force_{name}").value or np.nan for name in ("ansys", "numerical"))
+    ansys, numerical = (value_of("lin-3.5", f"a_force_{name}") for name in ("ansys", "numerical"))
     sheet.number("error_numerical", float(error_percent(numerical, ansys)))
     off = abs(float(error_percent(formula["a"], ansys)))
     sheet.claim("error_analytic", off < 6.0, f"{off:.1f} % off the printed ANSYS force")
@@ -244,7 +245,7 @@ def appendix_g(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every ta
     ratio = straight_groove(LINEAR.conformity, 1e6 * pressure)[0]
     slope, cubic = float(linear_factor(ratio)), float(cubic_factor(ratio))
     a_over_r = straight_groove(0.52, 1e6 * pressure)[1]
-    reach, cut = entry("lin-G", "reach").value or 0.0, np.floor(1e3 * a_over_r) / 1e3
+    reach, cut = value_of("lin-G", "reach"), np.floor(1e3 * a_over_r) / 1e3
     off = 100.0 * float(linear_error(ratio, K_F))
     sheet.number(
         "k_f",
@@ -258,3 +259,60 @@ def appendix_g(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every ta
     eta = degrees(reach * a_over_r)
     sheet.number("eta", eta, "from the value that was cut off", as_printed=degrees(reach * cut))
     return sheet.evidence()
+
+
+# --- lin 3.2 and 3.3 under several sets of assumptions: balance of power of the rotary cases, loads of the linear pair
+
+
+def balance_rows() -> list[Row]:
+    """Cases I to III: torque [N mm], power in and out [W], contacts at rest, by three sets of assumptions."""
+    rows: list[Row] = []
+    for case in CASES:
+        for label, s in (
+            ("right", right(case)),
+            ("least dissipation at the loads as printed", right(case, "as printed")),
+            ("as printed", as_printed(case)),
+        ):
+            torque = rotary.inner_torque(ROTARY, s.load, s.motion)
+            power = torque * ROTARY.speed
+            rows.append(
+                {
+                    "case": case,
+                    "model": label,
+                    Quantity("force", "sum of forces", "N", ".3f"): float(s.load.force.sum()),
+                    Quantity("torque", "friction's moment on the ring", "N mm", ".4f"): 1e3 * torque,
+                    Quantity("input", "power in", "W", ".6f"): power,
+                    Quantity("loss", "dissipation", "W", ".6f"): s.motion.loss,
+                    Quantity("balance", "power in against dissipation", "%", "g2"): float(
+                        error_percent(power, s.motion.loss)
+                    ),
+                    Quantity("rest", "contacts at rest", "", "s"): int(s.motion.rest.sum()),
+                    "status": s.motion.status,
+                }
+            )
+    return rows
+
+
+def sensitivity_rows() -> list[Row]:
+    """The linear pair under each assumption on loads and on friction between the balls: deviations and changes in per cent,
+    force in N."""
+    rows: list[Row] = []
+    printed = entry("lin-3.5", "a_force_numerical")
+    against = f"against the printed {printed.printed} N"
+    for loads, mu in product(LOADS, (0.1, 0.0)):
+        r, worst = pair(loads=loads, mu_balls=mu), pair(WORST, loads, mu_balls=mu)
+        increase = float(error_percent(worst.touching.loss, worst.free.loss))
+        rows.append(
+            {
+                "loads": loads,
+                Quantity("mu", "friction between balls", "", "g2"): mu,
+                Quantity("eps1", "ε₁, θ = 2°", "%", ".3f"): 100.0 * float(r.free.deviation[0]),
+                Quantity("eps2", "ε₂, θ = 2°", "%", ".3f"): 100.0 * float(r.free.deviation[1]),
+                Quantity("force", "force, θ = 2°", "N", ".3f"): r.force,
+                Quantity("error", against, "%", ".2f"): float(error_percent(r.force, printed.value or 0.0)),
+                Quantity("ratio", "total over baseline, θ = 3°", "%", ".1f"): 100.0 * worst.rubbing_ratio,
+                Quantity("increase", "increase of all losses, θ = 3°", "%", ".1f"): increase,
+                "status": r.touching.status,
+            }
+        )
+    return rows

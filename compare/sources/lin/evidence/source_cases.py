@@ -7,10 +7,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from rollbench.comparison.printed.printed_data import entry
+from rollbench.comparison.printed.printed_data import value_of
 from rollbench.comparison.scenes.catalogue import case
-from rollbench.comparison.wings.friction.kinds.bearing_ball import BearingBallScene
-from rollbench.comparison.wings.friction.kinds.bearing_pair import BearingPairScene
+from rollbench.comparison.wings.friction.kinds.bearings import BearingBallScene, BearingPairScene
 from rollbench.comparison.wings.friction.kinds.linear import LinearPairScene
 from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewPairScene, ScrewRunScene
 from rollbench.lowfi.friction.bearing.pairs import BearingCase
@@ -39,7 +38,7 @@ def linear(name: str = LINEAR_PAIR) -> LinearPairScene:
 
 def k_f() -> float:
     """Slope of friction force over c/a as the source read it off its Figure 3.11 (appendix G): its formulas need it."""
-    return entry("lin-G", "k_f").value or 0.0
+    return value_of("lin-G", "k_f")
 
 
 def plain(theta: float | None = None) -> Pair:

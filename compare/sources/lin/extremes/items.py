@@ -10,8 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict
 
-from rollbench.comparison.sources.lin.extremes.balls import ball_rows
-from rollbench.comparison.sources.lin.extremes.chains import chain_rows
+from rollbench.comparison.sources.lin.extremes.cases import ball_rows, chain_rows
 from rollbench.comparison.sources.lin.extremes.tally import CHAIN_STARTS, FAR_START, NEAR_START, STARTS, Record
 from rollbench.reports.records import Cell, Quantity, Table, Text
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rollbench.comparison.commands.arguments.terminal import cache_folder
 from rollbench.comparison.commands.printing import on_terminal
-from rollbench.comparison.sources.lin.reconstruction.runs import RUNS, complete
+from rollbench.comparison.sources.lin.reconstruction.readings import RUNS, complete
 
 complete(on_terminal, cache_folder())
 on_terminal(f"all runs are in {RUNS}; what follows from them: rollbench report --only reconstruction")

@@ -1,15 +1,76 @@
-"""Readings of what section 2.4.1 leaves open: of the source's low-order model, and of its 3D model."""
+"""Readings of what section 2.4.1 leaves open: of the source's low-order model, and of its 3D model, with their runs.
+
+Two forces act on such a ball, so that they lie on the line through its two contacts. Nothing keeps it from rolling along
+the track: no friction acts that way. Across it, the ball may stand beside the line of the arcs' centres by e. Both normals
+then turn by phi = e/h against the line of the contacts, h the arc's radius less the ball's, and friction holds the ball
+while tan(phi) <= mu. With arcs of one radius the line of the contacts stays parallel to that of the arcs' centres, so that
+friction turns no force. It shifts both by the arc's radius times phi, and the ball fills the grooves as a ball does whose
+radius is larger by h phi^2/2 (`closure`).
+
+How far a ball stands beside its line follows from how it gets there. Rolling on both grooves, it goes half of the way that
+one surface goes past the other. So does the middle of the arcs' centres, but for the tilt of one groove against the other:
+phi = r tilt/(2 h), r the arc's radius (`tilt_that_slides`).
+
+Where a model keeps its balls from turning, the grooves slide on them instead, and friction does turn the forces, by mu
+(`rollbench.comparison.sources.lin.reconstruction.dragging`).
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from itertools import combinations
+from pathlib import Path
 from typing import Any
 
+from rollbench.comparison.reference.computing import compute
 from rollbench.comparison.reference.levels import SOURCE_LEVEL
+from rollbench.comparison.reference.store import load, save
+from rollbench.comparison.reference.tasks import Task
 from rollbench.comparison.reference.variants import ends_in_plain_shaft, scaled, solid
-from rollbench.comparison.sources.lin.reconstruction.friction import MU, off_line
+from rollbench.comparison.scenes import catalogue
+from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
+
+#: The coefficient that the source prints for the contacts of its 3D model.
+MU = 0.01
+
+
+def slack(scene: Scene) -> float:
+    """h [m]: the arc's radius less the ball's. Raises ValueError for grooves of different radii."""
+    if scene.screw.groove_radius != scene.nut.groove_radius:
+        raise ValueError("arcs of different radii: a ball that rolls leaves the line of their centres")
+    return scene.screw.groove_radius - scene.balls.radius
+
+
+def closure(scene: Scene, phi: float = MU) -> float:
+    """What a ball is larger by [m in radius] in effect whose normals are turned by ``phi`` [rad]."""
+    return 0.5 * slack(scene) * phi**2
+
+
+def tilt_that_slides(scene: Scene) -> float:
+    """Tilt [rad] of one groove against the other in their section at which a ball that rolled there begins to slide."""
+    return 2.0 * MU * slack(scene) / scene.screw.groove_radius
+
+
+def off_line(scene: Scene, balls: Iterable[int] | None = None) -> Scene:
+    """The scene with these balls, from 1 (all unless given), as far beside the lines of their arcs' centres as friction can
+    hold them."""
+    oversize, gap = dict(scene.errors.balls.listed), closure(scene)
+    for k in range(1, scene.ball_count + 1) if balls is None else balls:
+        oversize[k] = oversize.get(k, 0.0) + gap
+    listed = tuple(sorted(oversize.items()))
+    return replace(scene, errors=replace(scene.errors, balls=replace(scene.errors.balls, listed=listed)))
+
+
+def largest_change(scene: Scene, of: Callable[[Scene], float]) -> float:
+    """Relative change of a quantity ``of`` a scene by friction on those balls alone by which it rises."""
+    base = of(scene)
+    return of(off_line(scene, [k for k in range(1, scene.ball_count + 1) if of(off_line(scene, (k,))) > base])) / base - 1.0
+
+
+# --- readings of what section 2.4.1 leaves open: of the source's low-order model, and of its 3D model
+
 
 #: The cases whose errors are printed, and the mesh level of the 3D runs.
 CASES, LEVEL = ("lin-case1", "lin-case2"), 1
@@ -100,3 +161,48 @@ def solid_scene(scene: Scene, readings: Combination) -> Scene:
 def level_of(readings: Combination) -> int:
     """Mesh level of a combination."""
     return min((r.level for r in readings), default=LEVEL)
+
+
+# --- 3D runs of the readings: computed where none is stored, kept in this folder
+
+
+#: Folder of the runs.
+RUNS = Path(__file__).parent / "runs"
+#: Readings that move largest over smallest load by more than 0.5 % and that the text does not speak against: these are
+#: combined in 3D (tests/sources/lin/literature/test_reconstruction.py).
+MOVERS = ("plain", "runout", "outer-half", "tetrahedra")
+
+
+def wanted() -> list[Combination]:
+    """Combinations of the 3D model that have runs: none, every reading alone, all pairs and triples of `MOVERS`."""
+    movers = tuple(r for r in SOLID if r.key in MOVERS)
+    return [*together(SOLID, 1), *(c for c in together(movers, 3) if len(c) > 1)]
+
+
+def scenes(readings: Combination) -> tuple[Scene, ...]:
+    """The cases by a combination, which share a set-up; named after both."""
+    return tuple(replace(solid_scene(catalogue.scene(c), readings), name=f"{c}-{key_of(readings)}") for c in CASES)
+
+
+def stored(readings: Combination) -> tuple[Array, ...] | None:
+    """Loads ``(n, 4)`` [N] of the cases; None where a run is missing."""
+    found = [load(scene, level_of(readings), stores=[RUNS]) for scene in scenes(readings)]
+    loads = tuple(run.load for run in found if run is not None and run.status == "converged")
+    return loads if len(loads) == len(CASES) else None
+
+
+def complete(step: Callable[[str], None], cache: Path | None = None) -> None:
+    """Compute and keep the runs that are missing. Raises ValueError for one that does not converge."""
+    for readings in wanted():
+        if stored(readings) is not None:
+            continue
+        step(f"3D: {key_of(readings)}")
+        pair = scenes(readings)
+        runs = compute(Task(pair, level_of(readings), cache=cache))
+        sliding = sum(r.sliding for r in readings)
+        if sliding:
+            from rollbench.comparison.sources.lin.reconstruction.dragging import with_sliding
+
+            runs = with_sliding(pair, runs, sliding, cache)
+        for scene, run in zip(pair, runs, strict=True):
+            save(RUNS, scene, run)

@@ -9,8 +9,7 @@ import numpy as np
 from rollbench.comparison.measure import load_error
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.sections.curves import load_panel, loads
-from rollbench.comparison.sources.lin.evidence.errors_2_4_2 import section_2_4_2
-from rollbench.comparison.sources.lin.evidence.loads_2_4_1 import ratio
+from rollbench.comparison.sources.lin.evidence.chapter_2 import ratio, section_2_4_2
 from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
 from rollbench.comparison.wings.members.ensemble import EnsembleResult, of_study
 from rollbench.meshes.parts import SIDES

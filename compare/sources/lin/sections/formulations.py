@@ -62,14 +62,11 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
                     "The energy solver eliminates contact angles and ball centres and minimises a convex energy; the "
                     "source's own equations (2.25) keep them as unknowns and are solved by plain Newton (2.26), dense, "
                     "with a Jacobian of their own. On the same equations both agree to round-off.",
-                    (
-                        "The remaining difference between the two forms is kinematic. Here the groove's arc "
-                        "moves rigidly with the section at the nominal contact, so that every contact force "
-                        "keeps its line of action through the arc's centre. In the source's form the point of "
-                        "application, its lever arm and its station follow the contact angle, and a linearised "
-                        "rotation stretches the arc by half the square of the rotation. Freezing the lever arm "
-                        "at the nominal contact changes more than either."
-                    ),
+                    "The remaining difference between the two forms is kinematic. Here the groove's arc moves rigidly "
+                    "with the section at the nominal contact, so that every contact force keeps its line of action "
+                    "through the arc's centre. In the source's form the point of application, its lever arm and its "
+                    "station follow the contact angle, and a linearised rotation stretches the arc by half the square "
+                    "of the rotation. Freezing the lever arm at the nominal contact changes more than either.",
                 )
             ),
             Table.of("formulations-agreement", "Differences of the loads", rows),

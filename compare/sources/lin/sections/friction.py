@@ -10,9 +10,8 @@ import numpy as np
 
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import entry
+from rollbench.comparison.printed.printed_data import entry, value_of
 from rollbench.comparison.sections.curves import numbers
-from rollbench.comparison.sources.lin.evidence.assumptions_3 import balance_rows, sensitivity_rows
 from rollbench.comparison.sources.lin.evidence.rotary_linear import (
     AXIAL,
     CASES,
@@ -22,9 +21,11 @@ from rollbench.comparison.sources.lin.evidence.rotary_linear import (
     ROTARY,
     VERTICAL,
     as_printed,
+    balance_rows,
     right,
+    sensitivity_rows,
 )
-from rollbench.comparison.sources.lin.extremes.printed_cases import pair_rows, root_rows
+from rollbench.comparison.sources.lin.extremes.cases import pair_rows, root_rows
 from rollbench.comparison.wings.evidence.registry import evidence
 from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
 from rollbench.lowfi.friction.bearing.rotary import SIDES, Solution, Sweep, sweep
@@ -39,10 +40,9 @@ TABLES = ("lin-3.2", "lin-3.3", "lin-3.4", "lin-3.5", "lin-G")
 DIGITS = {"lin-3.2": 7}
 NOTES = {
     "lin-3.2": (
-        "As printed: Hertz constants by the method of Table B.1 (F = 1, second fundamental form alone), the "
-        "sigmoid with k_S = 100, maps interpolated linearly. Right: exact Hertz constants, Coulomb friction, "
-        "least dissipation. The error refers to the as-printed value in class as-printed, otherwise to the "
-        "right one."
+        "As printed: Hertz constants by the method of Table B.1 (F = 1, second fundamental form alone), the sigmoid with "
+        "k_S = 100, maps interpolated linearly. Right: exact Hertz constants, Coulomb friction, least dissipation. The "
+        "error refers to the as-printed value in class as-printed, otherwise to the right one."
     ),
     "lin-3.5": "The times are those of the source's machine and are not compared.",
 }
@@ -80,8 +80,7 @@ def sensitivity_table() -> Table:
     deviations = " and ".join(f"{entry('lin-3.4', f'a_eps{k}_numerical').printed} %" for k in (1, 2))
     note = (
         "diagonal: the text before (3.54); balanced: in equilibrium at the stated angles; elastic: angles follow the "
-        "loads. "
-        f"The printed force of {printed.printed} N {inside} the range of the assumptions, {min(forces):.2f} to "
+        f"loads. The printed force of {printed.printed} N {inside} the range of the assumptions, {min(forces):.2f} to "
         f"{max(forces):.2f} N; Table 3.4 prints deviations of {deviations} for the same case."
     )
     return replace(table, note=note)
@@ -99,9 +98,8 @@ def stability_table() -> Table:
 def root_table() -> Table:
     """Root finding as printed against least dissipation."""
     note = (
-        "At the loads as printed, sigmoid without maps; each of the three unknowns starts off at random. "
-        "Least dissipation succeeds only if its loss is the one minimum; it uses Coulomb friction whatever "
-        "k_S is."
+        "At the loads as printed, sigmoid without maps; each of the three unknowns starts off at random. Least "
+        "dissipation succeeds only if its loss is the one minimum; it uses Coulomb friction whatever k_S is."
     )
     return Table.of("friction-roots", "Rotary bearing: starts from which the motion is found", root_rows(), note)
 
@@ -123,7 +121,7 @@ def torque_figure() -> Figure:
             Series(name, x, numbers(np.where(ok, pick(s), np.nan), factor), "line", emphasis=name == "right")
             for name, s, ok in laws
         ]
-        dots = [entry("lin-3.2", f"{key}_{case}").value or 0.0 for case in CASES]
+        dots = [value_of("lin-3.2", f"{key}_{case}") for case in CASES]
         return (*drawn, Series("Table 3.2, cases I to III", marks, dots, "markers"))
 
     losses = [Series(side, x, numbers(true.loss[:, i]), "line") for i, side in enumerate(SIDES)]
@@ -135,11 +133,10 @@ def torque_figure() -> Figure:
     )
     missing = int(np.sum(~good))
     caption = (
-        "Once four contacts carry load, torque rises several times faster than force: the light contacts "
-        "first slide (steep part), then all spin (after the bend). With exact Hertz constants the bend "
-        "comes earlier, so case II, which is just before it as printed, lies beyond it. The printed sum of "
-        "forces of case III lies below the curve: a misprint. Gaps: the source's root was not found at "
-        f"{missing} of {u.size} points."
+        "Once four contacts carry load, torque rises several times faster than force: the light contacts first slide "
+        "(steep part), then all spin (after the bend). With exact Hertz constants the bend comes earlier, so case II, "
+        "which is just before it as printed, lies beyond it. The printed sum of forces of case III lies below the curve: "
+        f"a misprint. Gaps: the source's root was not found at {missing} of {u.size} points."
     )
     return Figure("friction-torque", "Rotary bearing: forces, torque, losses and motion over u_y", panels, caption)
 
@@ -160,10 +157,9 @@ def velocity_figure() -> Figure:
     panels = [velocity_panel(case, right(case), "right") for case in CASES]
     panels += [velocity_panel(case, as_printed(case), "as printed") for case in CASES]
     caption = (
-        "A slope is spin, a zero the centre of rotation, an offset sliding. Case I: one contact rolls (at "
-        "rest), the other spins about its centre. As printed, case II slides in IR and OL while OR is "
-        "nearly at rest; with exact Hertz constants all four contacts already spin. Case III: all four "
-        "spin."
+        "A slope is spin, a zero the centre of rotation, an offset sliding. Case I: one contact rolls (at rest), the "
+        "other spins about its centre. As printed, case II slides in IR and OL while OR is nearly at rest; with exact "
+        "Hertz constants all four contacts already spin. Case III: all four spin."
     )
     return Figure("friction-velocity", "Velocity along the major axes of the contacts", panels, caption, 3)
 
@@ -198,32 +194,26 @@ def map_figures() -> tuple[Figure, Figure]:
         "friction-force",
         "Ball-to-ball force and total over baseline loss (Figure 3.15)",
         [*map_panels(m, "force", "force / N"), *map_panels(m, "ratio", "loss ratio")],
-        (
-            "No force where the balls separate. Where they approach, force and loss grow with both parameters, "
-            f"up to {m.force.max():.2f} N and {100.0 * m.ratio.max():.1f} % of the baseline (printed as an "
-            f"increase of {entry('lin-3.3', 'worst_ratio').printed} %). At the corners the formula's force is "
-            f"too small by up to {-m.force_error.min():.2f} N; its ratio is wrong by up to "
-            f"{np.abs(m.ratio_error).max():.2f} only, because its baseline is wrong too."
-        ),
+        "No force where the balls separate. Where they approach, force and loss grow with both parameters, "
+        f"up to {m.force.max():.2f} N and {100.0 * m.ratio.max():.1f} % of the baseline (printed as an "
+        f"increase of {entry('lin-3.3', 'worst_ratio').printed} %). At the corners the formula's force is "
+        f"too small by up to {-m.force_error.min():.2f} N; its ratio is wrong by up to "
+        f"{np.abs(m.ratio_error).max():.2f} only, because its baseline is wrong too.",
         3,
     )
     return first, second
 
 
 INTRODUCTION = (
-    (
-        "Cases I to III of the rotary bearing come out to every printed digit, except one misprinted sum, when "
-        "the source's faults are repeated: F = 1 with the second fundamental form alone in the Hertz constants, "
-        "the sigmoid with k_S = 100 on the magnitude of the spin, and friction interpolated linearly between "
-        f"maps. Radial displacements of {', '.join((f'{1000000.0 * u:g}' for u in CASES.values()))} µm and the "
-        "maps' step of 0.08 are not printed; they are inferred, and every number of a case follows from one of "
-        "them. The right values use exact Hertz constants and Coulomb friction in closed form."
-    ),
-    (
-        "For the linear pair the source, too, uses exact Hertz constants; misprints in its formulas (exponents "
-        "of 3.51) are corrected here. The load state behind the printed "
-        f"{entry('lin-3.5', 'a_force_numerical').printed} N stays open; see friction-sensitivity."
-    ),
+    "Cases I to III of the rotary bearing come out to every printed digit, except one misprinted sum, when "
+    "the source's faults are repeated: F = 1 with the second fundamental form alone in the Hertz constants, "
+    "the sigmoid with k_S = 100 on the magnitude of the spin, and friction interpolated linearly between "
+    f"maps. Radial displacements of {', '.join(f'{1000000.0 * u:g}' for u in CASES.values())} µm and the "
+    "maps' step of 0.08 are not printed; they are inferred, and every number of a case follows from one of "
+    "them. The right values use exact Hertz constants and Coulomb friction in closed form.",
+    "For the linear pair the source, too, uses exact Hertz constants; misprints in its formulas (exponents "
+    "of 3.51) are corrected here. The load state behind the printed "
+    f"{entry('lin-3.5', 'a_force_numerical').printed} N stays open; see friction-sensitivity.",
 )
 
 

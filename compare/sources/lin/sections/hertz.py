@@ -8,7 +8,7 @@ import numpy as np
 
 from rollbench.comparison.measure import error_percent
 from rollbench.comparison.models.study import Study, with_groove
-from rollbench.comparison.sources.lin.evidence.hertz_b1 import TABLE_CONFORMITY, table_b_1
+from rollbench.comparison.sources.lin.evidence.chapter_2 import TABLE_CONFORMITY, table_b_1
 from rollbench.comparison.wings.evidence.audit import judge
 from rollbench.comparison.wings.evidence.record import Evidence
 from rollbench.lowfi.statics.problem import nominal_hertz, printed_sides
@@ -69,13 +69,10 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         (
             Text(
                 (
-                    (
-                        "Table B.1 comes out to every printed digit when the source's faults are repeated: a "
-                        "groove radius of 0.56 ball diameters instead of Table 2.1's 3.254 mm, eigenvalues of "
-                        "the second fundamental form alone, a correction factor of 1, and the ratio of B.8 "
-                        "inverted against the table's labels. The right values use I⁻¹ II and exact elliptic "
-                        "integrals with the same groove radius."
-                    ),
+                    "Table B.1 comes out to every printed digit when the source's faults are repeated: a groove radius "
+                    "of 0.56 ball diameters instead of Table 2.1's 3.254 mm, eigenvalues of the second fundamental form "
+                    "alone, a correction factor of 1, and the ratio of B.8 inverted against the table's labels. The "
+                    "right values use I⁻¹ II and exact elliptic integrals with the same groove radius.",
                 )
             ),
             Table.of("hertz-B1", "Table B.1: printed, as printed, right", rows),

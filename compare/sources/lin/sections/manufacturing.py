@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import entry
+from rollbench.comparison.printed.printed_data import entry, value_of
 from rollbench.comparison.sections.curves import loads
 from rollbench.comparison.sources.lin.evidence.errors_4_3_2 import SCREWS, readings, section_4_3_2, spread, unloaded
 from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
@@ -21,7 +21,7 @@ def equivalent_errors(scene: Scene) -> Panel:
     """Errors along the nominal contact normal over the azimuth (Lin 4.2, 4.4)."""
     phi = np.linspace(0.0, 2.0 * np.pi, 181)
     alpha, beta = lead_angle(scene.track), scene.track.contact_angle
-    size = {key: entry("lin-4.3.2", key).value or np.nan for key in ("e_p", "e_R")}
+    size = {key: value_of("lin-4.3.2", key) for key in ("e_p", "e_R")}
     pitch = size["e_p"] * np.cos(alpha) * np.sin(beta) * np.sin(phi)
     roundness = size["e_R"] * np.cos(beta) * np.sin(2.0 * phi)
     degrees = [float(x) for x in np.degrees(phi)]

@@ -7,31 +7,23 @@ from collections.abc import Callable
 import numpy as np
 
 from rollbench.comparison.models.study import Study
-from rollbench.comparison.printed.printed_data import entry
-from rollbench.comparison.sources.lin.evidence import lash_4_2_1 as tests
-from rollbench.comparison.sources.lin.evidence import steering_maps as maps
-from rollbench.comparison.sources.lin.evidence.steering_4_2 import RACK, REACH, SCREW, rack, section_4_2
+from rollbench.comparison.printed.printed_data import value_of
+from rollbench.comparison.sources.lin.evidence import steering
+from rollbench.comparison.sources.lin.evidence.steering import RACK, REACH, SCREW, rack, section_4_2
 from rollbench.comparison.wings.evidence.sections.finding_table import printed_table
 from rollbench.meshes.parts import Scene
 from rollbench.reports.records import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 ABOUT = (
-    (
-        "Lash is the displacement of the screw under a force that reverses: axial, of its end along the axis; "
-        "conical, across the screw at a distance from the nut. The difference between four ball patterns is "
-        "(largest - smallest)/smallest of the peak-to-peak displacements at 200 N; the source does not define "
-        "it."
-    ),
-    (
-        "For every choice of the open inputs, the axial tests differ less than the conical ones in most "
-        "directions, and always less than the largest of them. The numbers depend on the distance of the force "
-        "and the restraint of the screw more than they differ from the printed ones."
-    ),
-    (
-        "Rack: the printed ratios depend on place and restraint of the pinion, on the directions of the two "
-        "side forces and on the place of the bearing. Several layouts come near one or both ratios: they are "
-        "not identifiable, and no layout is chosen by them."
-    ),
+    "Lash is the displacement of the screw under a force that reverses: axial, of its end along the axis; conical, "
+    "across the screw at a distance from the nut. The difference between four ball patterns is (largest - "
+    "smallest)/smallest of the peak-to-peak displacements at 200 N; the source does not define it.",
+    "For every choice of the open inputs, the axial tests differ less than the conical ones in most "
+    "directions, and always less than the largest of them. The numbers depend on the distance of the force "
+    "and the restraint of the screw more than they differ from the printed ones.",
+    "Rack: the printed ratios depend on place and restraint of the pinion, on the directions of the two "
+    "side forces and on the place of the bearing. Several layouts come near one or both ratios: they are "
+    "not identifiable, and no layout is chosen by them.",
 )
 #: Note of the table of layouts.
 SENSE = (
@@ -42,18 +34,18 @@ SENSE = (
 
 def lash_figure(scene: Scene) -> Figure:
     """Curves of both tests for the four patterns, and the conical one over the direction of its force."""
-    force = np.linspace(-tests.FORCE, tests.FORCE, 17)
+    force = np.linspace(-steering.FORCE, steering.FORCE, 17)
     around = np.linspace(0.0, 180.0, 13)
     newtons, degrees = [float(f) for f in force], [float(d) for d in around]
     axial, conical, peaks = [], [], []
-    for pattern in tests.PATTERNS:
-        screw = tests.with_balls(scene, pattern)
-        axial.append(Series(pattern, newtons, _micro(tests.axial_curve(screw, newtons)), "line"))
-        conical.append(Series(pattern, newtons, _micro(tests.conical_curve(screw, newtons, 0.0, REACH)), "line"))
-        displaced = [tests.conical(screw, float(np.radians(d)), REACH) for d in degrees]
+    for pattern in steering.PATTERNS:
+        screw = steering.with_balls(scene, pattern)
+        axial.append(Series(pattern, newtons, _micro(steering.axial_curve(screw, newtons)), "line"))
+        conical.append(Series(pattern, newtons, _micro(steering.conical_curve(screw, newtons, 0.0, REACH)), "line"))
+        displaced = [steering.conical(screw, float(np.radians(d)), REACH) for d in degrees]
         peaks.append(Series(pattern, degrees, _micro(displaced), "line"))
-    spread = [tests.difference([s.y[k] for s in peaks]) for k in range(len(degrees))]
-    flat = tests.difference([s.y[-1] - s.y[0] for s in axial])
+    spread = [steering.difference([s.y[k] for s in peaks]) for k in range(len(degrees))]
+    flat = steering.difference([s.y[-1] - s.y[0] for s in axial])
     shown = (Series("conical", degrees, spread, "line"), Series("axial", degrees, [flat] * len(degrees), "line"))
     at = f"{1e3 * REACH:.0f} mm from the nut"
     panels = (
@@ -83,48 +75,54 @@ def lash_rows(scene: Scene) -> list[Row]:
             Quantity("most", "conical, largest direction", "%", ".1f"): max(p.found.conical),
             Quantity("ordered", "axial below conical", "", "s"): _ordered(p.found),
         }
-        for p in maps.lash_map(scene)
+        for p in steering.lash_map(scene)
     ]
 
 
-def _ordered(found: tests.Lash) -> str:
+def _ordered(found: steering.Lash) -> str:
     """In how many of the directions the axial tests differ less."""
     count = sum(found.axial < x for x in found.conical)
     return f"{count} of {len(found.conical)} directions"
 
 
-def rack_figure(points: list[maps.RatioPoint]) -> Figure:
+def rack_figure(points: list[steering.RatioPoint]) -> Figure:
     """Ratios over the pinion's station for every layout, with the printed ones; largest loads over the angle."""
     gear = rack()
     panels = []
     for key, words in (("screw", "ball screw"), ("bearing", "four-point bearing")):
-        printed = entry("lin-4.2.1", f"ratio_{key}").value or np.nan
-        stations = [1e3 * z for z in maps.PINIONS]
+        printed = value_of("lin-4.2.1", f"ratio_{key}")
+        stations = [1e3 * z for z in steering.PINIONS]
         series = [Series("printed", stations, [printed] * len(stations), "line", emphasis=True)]
         for (hold, opposed), layout in _layouts(points).items():
             label = hold + (", side forces opposed" if opposed else "")
             series.append(Series(label, stations, [getattr(p, key) for p in layout], "line"))
         panels.append(Panel(words, "pinion at / mm", "largest load, 18 deg over 0 deg", series, zero=True))
-    loads = maps.over_angles(gear)
+    loads = steering.over_angles(gear)
     for k, words in enumerate(("ball screw", "four-point bearing")):
         values = [pair[k] for pair in loads]
         panels.append(
-            Panel(words, "tie-rod angle / deg", "largest load / N", (Series("as shipped", maps.ANGLES, values),), zero=True)
+            Panel(
+                words,
+                "tie-rod angle / deg",
+                "largest load / N",
+                (Series("as shipped", steering.ANGLES, values),),
+                zero=True,
+            )
         )
     caption = f"{ABOUT[2]} Bearing in the plane of the nut's centre."
     return Figure("rack", "Steering gear: loads over angle, ratios over the pinion's place", panels, caption)
 
 
-def _layouts(points: list[maps.RatioPoint]) -> dict[tuple[str, bool], list[maps.RatioPoint]]:
+def _layouts(points: list[steering.RatioPoint]) -> dict[tuple[str, bool], list[steering.RatioPoint]]:
     """Points with the bearing at the nut's centre by restraint and sense."""
-    out: dict[tuple[str, bool], list[maps.RatioPoint]] = {}
+    out: dict[tuple[str, bool], list[steering.RatioPoint]] = {}
     for p in points:
         if p.offset == 0.0:
             out.setdefault((p.hold, p.opposed), []).append(p)
     return out
 
 
-def ratio_rows(points: list[maps.RatioPoint]) -> list[Row]:
+def ratio_rows(points: list[steering.RatioPoint]) -> list[Row]:
     """Ratios of every layout."""
     return [
         {
@@ -147,7 +145,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     figures = [lash_figure(scene)]
     lash = lash_rows(scene)
     step("steering gear")
-    points = list(maps.ratio_map(rack()))
+    points = list(steering.ratio_map(rack()))
     figures.append(rack_figure(points))
     return Section(
         "steering",

@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
+import numpy as np
+
 from rollbench.comparison.scenes.fault import Fault, mm
 from rollbench.comparison.scenes.key_checks import groove_choice_faults
 from rollbench.comparison.scenes.keys import (
@@ -21,6 +23,7 @@ from rollbench.comparison.scenes.keys import (
 from rollbench.comparison.scenes.kinds import KindKeys
 from rollbench.comparison.scenes.quantity import Quantity, key
 from rollbench.lowfi.friction.bearing.rotary import Mode
+from rollbench.lowfi.friction.screw.groove import ScrewGroove
 
 Pressing = Annotated[float, Quantity("force", "0 N", "1 MN", "100 N", above=True)]
 AxialLoad = Annotated[float, Quantity("force", "-1 MN", "1 MN", "50 N")]
@@ -131,3 +134,19 @@ def play_faults(reach: float, size: float, where: str) -> Iterator[Fault]:
     if abs(size) >= reach:
         advice = "the ball's centre would leave its groove's section: the models hold for small displacements"
         yield Fault((where,), f"between -{mm(reach)} and {mm(reach)}, groove radius less ball radius", advice)
+
+
+def hertz_faults(groove: ScrewGroove, prefix: str = "") -> Iterator[Fault]:
+    """Grooves for which the Hertz constants asked for do not exist; prefix: where their tables stand."""
+    try:
+        with np.errstate(invalid="ignore"):
+            if np.all(np.isfinite(groove.constants.C)):
+                return
+    except ValueError:
+        pass
+    if groove.hertz == "as printed":
+        advice = "the source's constants do not exist there, mostly because the helix is too steep"
+        yield Fault(("ingredients.hertz",), '"nominal" for these grooves', advice)
+        return
+    keys = (f"{prefix}screw.groove_radius", f"{prefix}screw.conformity")
+    yield Fault(keys, "a groove that does not conform to its ball", "take a wider groove")

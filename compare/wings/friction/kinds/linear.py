@@ -14,16 +14,7 @@ from rollbench.comparison.scenes.fault import Fault
 from rollbench.comparison.scenes.keys import BallSizeKeys, ContactAngle, GrooveKeys, Table
 from rollbench.comparison.scenes.kinds import KindKeys, KindScene, head_of
 from rollbench.comparison.scenes.quantity import Quantity, Rate, key
-from rollbench.comparison.wings.friction.kinds.common import (
-    Gap,
-    Pressing,
-    RubbingKeys,
-    Theta,
-    elastic,
-    groove_faults,
-    groove_radius,
-    material_faults,
-)
+from rollbench.comparison.wings.friction.kinds import common
 from rollbench.lowfi.friction.linear.bearing import LinearBearing, deviations
 from rollbench.lowfi.friction.linear.loads import Loads
 from rollbench.meshes.arrays import Array
@@ -41,7 +32,7 @@ class StraightKeys(Table):
 class ChainLoadKeys(Table):
     """Force of the carriage on every ball."""
 
-    vertical_force: Pressing = key("force that presses on each ball")
+    vertical_force: common.Pressing = key("force that presses on each ball")
     distribution: Loads = key(
         "loads in balance at the angles, equal on each diagonal, or with angles that follow", "balanced", "elastic"
     )
@@ -62,7 +53,7 @@ class CarriageKeys(Table):
 class LinearAngleKeys(Table):
     """Contact angles of the pair: bottom left less, bottom right more by the deviation."""
 
-    deviation: Theta = key("deviation theta of the bottom groove's contact angles")
+    deviation: common.Theta = key("deviation theta of the bottom groove's contact angles")
     mated: bool = key("top groove made to match (Lin 3.3.4.2)", False, False)
 
 
@@ -70,12 +61,12 @@ class ChainBallKeys(Table):
     """One ball of a chain, in order along the track."""
 
     side_force_ratio: SideRatio = key("side force over vertical_force", 0.0)
-    angle_deviations: Annotated[list[Theta], Field(min_length=4, max_length=4)] = key(
+    angle_deviations: Annotated[list[common.Theta], Field(min_length=4, max_length=4)] = key(
         "deviations of the contact angles at BL, BR, TR, TL",
         ["0 deg", "0 deg", "0 deg", "0 deg"],
         ["-2 deg", "2 deg", "0 deg", "0 deg"],
     )
-    gap: Gap = key("gap to the next ball; none: in reach of each other", "0 mm", "0.5 mm")
+    gap: common.Gap = key("gap to the next ball; none: in reach of each other", "0 mm", "0.5 mm")
 
 
 class LinearKeys(KindKeys):
@@ -85,7 +76,7 @@ class LinearKeys(KindKeys):
     grooves: GrooveKeys = key("section of both grooves", example={"conformity": 0.56})
     balls: BallSizeKeys = key("the balls")
     motion: CarriageKeys = key("motion of the carriage")
-    friction: RubbingKeys = key("friction")
+    friction: common.RubbingKeys = key("friction")
 
 
 class LinearPairKeys(LinearKeys):
@@ -137,10 +128,9 @@ class LinearChainScene(LinearScene):
 # --- what a scene may not describe
 
 
-def faults(keys: KindKeys) -> Iterator[Fault]:
+def faults(keys: LinearPairKeys | LinearChainKeys) -> Iterator[Fault]:
     """Contradictory choices and bodies that the model cannot treat."""
-    assert isinstance(keys, (LinearPairKeys, LinearChainKeys))
-    wrong = [*material_faults(keys.material), *groove_faults(keys.grooves, keys.balls, "grooves")]
+    wrong = [*common.material_faults(keys.material), *common.groove_faults(keys.grooves, keys.balls, "grooves")]
     yield from wrong or _linear_faults(keys)
 
 
@@ -189,18 +179,17 @@ def _balls(keys: LinearPairKeys | LinearChainKeys) -> tuple[Array, Array, Array]
     return keys.track.contact_angle + turned, side, gap
 
 
-def record(keys: KindKeys, name: str) -> LinearScene:
+def record(keys: LinearPairKeys | LinearChainKeys, name: str) -> LinearScene:
     """The scene of faultless keys."""
-    assert isinstance(keys, (LinearPairKeys, LinearChainKeys))
     f, radius = keys.friction, keys.balls.radius
     bearing = LinearBearing(
         radius,
-        keys.grooves.conformity or 0.5 * groove_radius(keys.grooves, keys.balls) / radius,
+        keys.grooves.conformity or 0.5 * common.groove_radius(keys.grooves, keys.balls) / radius,
         keys.track.contact_angle,
         keys.motion.carriage,
         f.coefficient,
         f.coefficient if f.balls is None else f.balls,
-        *elastic(keys.material),
+        *common.elastic(keys.material),
     )
     angles, side, gap = _balls(keys)
     force, how, head = keys.load.vertical_force, keys.load.distribution, head_of(keys, name)

@@ -13,20 +13,10 @@ from pydantic import Field
 from rollbench.comparison.scenes.fault import Fault, mm
 from rollbench.comparison.scenes.key_checks import time_faults
 from rollbench.comparison.scenes.keys import Azimuth, BallSizeKeys, HelixKeys, MotionKeys, Table, Turns
-from rollbench.comparison.scenes.kinds import KindKeys, KindScene, head_of
+from rollbench.comparison.scenes.kinds import KindScene, head_of
 from rollbench.comparison.scenes.quantity import Quantity, key
 from rollbench.comparison.scenes.schema import TimeKeys
-from rollbench.comparison.wings.friction.kinds.common import (
-    AxialLoad,
-    Body,
-    Gap,
-    RubbingKeys,
-    SectionKeys,
-    Theta,
-    body_faults,
-    elastic,
-    material_faults,
-)
+from rollbench.comparison.wings.friction.kinds import common
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.pair import Pair
@@ -48,11 +38,11 @@ _PATTERN = "how much of the deviation the contact angles at SL, SR, NL, NR (scre
 class ScrewLoadKeys(Table):
     """What is done to the screw; the nut stands against it."""
 
-    force: AxialLoad = key("force on the screw")
+    force: common.AxialLoad = key("force on the screw")
     direction: Direction = key("along the axis, or radially at every ball; the screw moves that way only", "axial", "axial")
 
 
-class ScrewFrictionKeys(RubbingKeys):
+class ScrewFrictionKeys(common.RubbingKeys):
     """Coulomb friction of grooves and balls, and what it moves."""
 
     coupling: Coupling = key("what friction moves: nothing, the balls, or balls and screw", "none", "ball")
@@ -61,7 +51,7 @@ class ScrewFrictionKeys(RubbingKeys):
 class ScrewAngleKeys(Table):
     """Contact angles of two balls."""
 
-    deviations: Annotated[list[Theta], Field(min_length=2, max_length=2)] = key(
+    deviations: Annotated[list[common.Theta], Field(min_length=2, max_length=2)] = key(
         "deviation theta at the ball behind and at the one ahead", example=["0 deg", "2 deg"]
     )
     pattern: Pattern = key(_PATTERN, [1, 1, 0, 0], [1, 1, 0, 0])
@@ -70,7 +60,7 @@ class ScrewAngleKeys(Table):
 class RunAngleKeys(Table):
     """Contact angles along the screw: theta = amplitude sin(cycles azimuth + phase)."""
 
-    amplitude: Theta = key("amplitude of the deviation theta")
+    amplitude: common.Theta = key("amplitude of the deviation theta")
     cycles_per_turn: Cycles = key("periods of theta in a turn of the screw", 2, 2)
     phase: Azimuth = key("phase of theta", "0 deg", "90 deg")
     pattern: Pattern = key(_PATTERN, [1, 1, 0, 0], [1, 1, 0, 0])
@@ -86,7 +76,7 @@ class RunBallKeys(BallSizeKeys):
 class ClosedTrackKeys(Table):
     """How the balls come back."""
 
-    return_tube: Gap = key("length of the return tube, whose balls bear no load", "0 mm", "5.6 mm")
+    return_tube: common.Gap = key("length of the return tube, whose balls bear no load", "0 mm", "5.6 mm")
     first_ball: Part = key("place of the first ball at the start, as part of the distance between balls", 0.5, 0.5)
 
 
@@ -98,7 +88,7 @@ class RunTimeKeys(TimeKeys):
     )
 
 
-class ScrewBallKeys(SectionKeys):
+class ScrewBallKeys(common.SectionKeys):
     """Balls of a ball screw; only the difference of the speeds of nut and screw matters."""
 
     track: HelixKeys = key("path of the ball centres")
@@ -145,19 +135,18 @@ class ScrewRunScene(KindScene):
 # --- what a scene may not describe
 
 
-def faults(keys: KindKeys) -> Iterator[Fault]:
+def faults(keys: ScrewPairKeys | ScrewRunKeys) -> Iterator[Fault]:
     """Contradictory choices and bodies that the models cannot treat."""
-    assert isinstance(keys, (ScrewPairKeys, ScrewRunKeys))
-    wrong = list(material_faults(keys.material))
-    wrong = wrong or list(body_faults(_body(keys), ring=False))
+    wrong = list(common.material_faults(keys.material))
+    wrong = wrong or list(common.body_faults(_body(keys), ring=False))
     wrong = wrong or list(_screw_faults(keys))
     if not wrong and isinstance(keys, ScrewRunKeys):
         wrong = list(_run_faults(keys))
     yield from wrong
 
 
-def _body(keys: ScrewPairKeys | ScrewRunKeys) -> Body:
-    return Body(keys.track, keys.screw, keys.nut, keys.balls, keys.errors.balls.oversize)
+def _body(keys: ScrewPairKeys | ScrewRunKeys) -> common.Body:
+    return common.Body(keys.track, keys.screw, keys.nut, keys.balls, keys.errors.balls.oversize)
 
 
 def _screw_faults(keys: ScrewPairKeys | ScrewRunKeys) -> Iterator[Fault]:
@@ -174,26 +163,10 @@ def _screw_faults(keys: ScrewPairKeys | ScrewRunKeys) -> Iterator[Fault]:
     except ValueError:
         advice = "two balls cannot touch within a quarter of a turn: take smaller balls"
         yield Fault(("balls.radius",), f"small against the pitch radius, {mm(keys.track.pitch_radius)}", advice)
-    yield from hertz_faults(_screw_groove(keys))
+    yield from common.hertz_faults(_screw_groove(keys))
     if keys.load.force == 0.0 and keys.errors.balls.oversize <= 0.0:
         advice = "nothing presses the balls: give a force, or an oversize above 0 um"
         yield Fault(("load.force",), "not zero for balls without oversize", advice)
-
-
-def hertz_faults(groove: ScrewGroove, prefix: str = "") -> Iterator[Fault]:
-    """Grooves for which the Hertz constants asked for do not exist; prefix: where their tables stand."""
-    try:
-        with np.errstate(invalid="ignore"):
-            if np.all(np.isfinite(groove.constants.C)):
-                return
-    except ValueError:
-        pass
-    if groove.hertz == "as printed":
-        advice = "the source's constants do not exist there, mostly because the helix is too steep"
-        yield Fault(("ingredients.hertz",), '"nominal" for these grooves', advice)
-        return
-    keys = (f"{prefix}screw.groove_radius", f"{prefix}screw.conformity")
-    yield Fault(keys, "a groove that does not conform to its ball", "take a wider groove")
 
 
 def _run_faults(keys: ScrewRunKeys) -> Iterator[Fault]:
@@ -224,7 +197,7 @@ def _screw_groove(keys: ScrewPairKeys | ScrewRunKeys) -> ScrewGroove:
         track.pitch_radius,
         -track.lead if track.hand == "left" else track.lead,
         track.contact_angle,
-        *elastic(keys.material),
+        *common.elastic(keys.material),
         f.coefficient,
         nut,
         screw,
@@ -233,9 +206,8 @@ def _screw_groove(keys: ScrewPairKeys | ScrewRunKeys) -> ScrewGroove:
     )
 
 
-def pair_record(keys: KindKeys, name: str) -> ScrewPairScene:
+def pair_record(keys: ScrewPairKeys, name: str) -> ScrewPairScene:
     """The scene of faultless keys."""
-    assert isinstance(keys, ScrewPairKeys)
     first, second = keys.angles.deviations
     pattern = tuple(keys.angles.pattern)
     pair = Pair(
@@ -250,9 +222,8 @@ def pair_record(keys: KindKeys, name: str) -> ScrewPairScene:
     return ScrewPairScene(*head_of(keys, name), pair)
 
 
-def run_record(keys: KindKeys, name: str) -> ScrewRunScene:
+def run_record(keys: ScrewRunKeys, name: str) -> ScrewRunScene:
     """The scene of faultless keys."""
-    assert isinstance(keys, ScrewRunKeys)
     groove, a = _screw_groove(keys), keys.angles
     time = Time(**keys.time.model_dump(exclude={"rounds"}))
     run = Run(

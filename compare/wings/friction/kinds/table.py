@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from rollbench.comparison.scenes.kinds import Kind
-from rollbench.comparison.wings.friction.kinds import bearing_ball, bearing_pair, linear, screw_balls
-from rollbench.comparison.wings.friction.kinds.bearing_ball import BearingBallKeys
-from rollbench.comparison.wings.friction.kinds.bearing_pair import BearingPairKeys
+from rollbench.comparison.wings.friction.kinds import bearings, linear, screw_balls
+from rollbench.comparison.wings.friction.kinds.bearings import BearingBallKeys, BearingPairKeys
 from rollbench.comparison.wings.friction.kinds.linear import LinearChainKeys, LinearPairKeys
 from rollbench.comparison.wings.friction.kinds.screw_balls import ScrewPairKeys, ScrewRunKeys
 
 KINDS = {
-    "bearing ball": Kind(BearingBallKeys, bearing_ball.faults, bearing_ball.record),
-    "bearing pair": Kind(BearingPairKeys, bearing_pair.faults, bearing_pair.record),
+    "bearing ball": Kind(BearingBallKeys, bearings.ball_faults, bearings.ball_record),
+    "bearing pair": Kind(BearingPairKeys, bearings.pair_faults, bearings.pair_record),
     "linear pair": Kind(LinearPairKeys, linear.faults, linear.record),
     "linear chain": Kind(LinearChainKeys, linear.faults, linear.record),
     "screw pair": Kind(ScrewPairKeys, screw_balls.faults, screw_balls.pair_record),

@@ -11,13 +11,9 @@ from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.sources.kalker import section as rolling
 from rollbench.comparison.sources.kalker.proof import AS_RUNS, BY_GRID, RESOLVED, Proof
 from rollbench.comparison.wings.rolling import changes as rolling_changes
-from rollbench.comparison.wings.rolling import from_rest as rolling_from_rest
-from rollbench.comparison.wings.rolling import gate as gate_rows
 from rollbench.comparison.wings.rolling import rows as rolling_rows
-from rollbench.comparison.wings.rolling.body_sizes import NAMES, SCENES, Variant, variants
-from rollbench.comparison.wings.rolling.changes import Change, changes
-from rollbench.comparison.wings.rolling.from_rest import Series, from_rest
-from rollbench.comparison.wings.rolling.kept_sizes import FILE, Sizes
+from rollbench.comparison.wings.rolling.body_sizes import FILE, NAMES, SCENES, KeptSizes, Variant, variants
+from rollbench.comparison.wings.rolling.changes import Change, Series, changes, from_rest
 from rollbench.comparison.wings.rolling.patches import PatchField
 from rollbench.comparison.wings.rolling.rows import KNOWN
 from rollbench.comparison.wings.rolling.runs import FINITE, LEVELS
@@ -63,7 +59,7 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
     monkeypatch.setattr(rolling, "proofs", lambda **_: proof)
     monkeypatch.setattr(rolling, "from_rest", lambda: series)
     values = dict.fromkeys(NAMES, 1.0)
-    monkeypatch.setattr(rolling, "body_sizes", lambda _, **__: Sizes((Variant("as shipped", values),), "Kept."))
+    monkeypatch.setattr(rolling, "body_sizes", lambda _, **__: KeptSizes((Variant("as shipped", values),), "Kept."))
     at = np.array([[0.0, 0.0], [1e-5, 0.0], [0.0, 1e-5], [1e-5, 1e-5]])
     field = PatchField("one", at, 1e-2 * at, 1e12 * at, np.array([True, False, False, False]), (1e-5, 1e-5))
     monkeypatch.setattr(rolling, "fields", lambda: (field,))
@@ -100,17 +96,17 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
 
 @pytest.mark.usefixtures("_low")
 def test_gate_takes_the_rows_in_and_fails_where_the_low_order_model_is_off(monkeypatch):
-    rows = gate_rows.rolling_rows(Study(), 7.0)
+    rows = rolling_rows.rolling_rows(Study(), 7.0)
     assert len(rows) == len(LOW)
     assert [row.name for row in rows if not row.passed] == []
     monkeypatch.setitem(LOW, "lin-screw-pair-a", 1.05)
-    assert sum(not row.passed for row in gate_rows.rolling_rows(Study(), 7.0)) == 1
+    assert sum(not row.passed for row in rolling_rows.rolling_rows(Study(), 7.0)) == 1
 
 
 @pytest.mark.usefixtures("_low")
 def test_a_known_exceedance_that_is_none_fails(monkeypatch):
     monkeypatch.setitem(KNOWN, ("lin-rotary-2", "torque"), "made up")
-    assert any("made up" in row.name and not row.passed for row in gate_rows.rolling_rows(Study(), 7.0))
+    assert any("made up" in row.name and not row.passed for row in rolling_rows.rolling_rows(Study(), 7.0))
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -130,7 +126,7 @@ def test_no_choice_behind_finite_bodies_moves_an_answer_by_more_than_its_uncerta
 def test_no_grid_step_or_path_moves_an_answer_by_more_than_its_uncertainty(monkeypatch):
     """A grid less fine than the report's, but finer than all of a run; the two longest of its steps from rest."""
     monkeypatch.setattr(rolling_changes, "BEYOND", BEYOND)
-    monkeypatch.setattr(rolling_from_rest, "STEPS", rolling_from_rest.STEPS[:2])
+    monkeypatch.setattr(rolling_changes, "STEPS", rolling_changes.STEPS[:2])
     assert all(cells > most for cells, most in zip(BEYOND, LEVELS[max(LEVELS)], strict=True))
     kept = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))["variants"]
     series = from_rest.__wrapped__()

@@ -4,8 +4,8 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import check, found, keys
 
-from rollbench.comparison.sources.lin.evidence.loads_2_4_1 import CASES, ratio
-from rollbench.comparison.sources.lin.sections import case3, cases
+from rollbench.comparison.sources.lin.evidence.chapter_2 import CASES, ratio
+from rollbench.comparison.sources.lin.sections import cases
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
@@ -50,7 +50,7 @@ def test_source_partition_and_root_free_factor_explain_the_ratio() -> None:
 
 def test_readings_of_case_3_stand_beside_each_other_with_what_they_change():
     """Holding uy as well as ux, as a bearing does and the text does not say, moves loads by 7.5 to 8.4 % of the mean."""
-    rows = {row["scene"]: row for row in case3.readings_table(STUDY).rows}
+    rows = {row["scene"]: row for row in cases.readings_table(STUDY).rows}
     assert [name for name, row in rows.items() if row["text"] == "yes"] == ["lin-case3-ux", "lin-case3-offset-ux"]
     assert rows["lin-case3"]["lin_change"] == 0.0
     assert rows["lin-case3-ux"]["lin_change"] == pytest.approx(7.37, abs=0.01)

@@ -6,17 +6,7 @@ from tests.evidence_study import GROUP
 from tests.sources.entries import check, found, keys
 
 from rollbench.comparison.printed.printed_data import Printed, load_table
-from rollbench.comparison.sources.lin.evidence import source_cases
-from rollbench.comparison.sources.lin.evidence.rotary_linear import (
-    AXIAL,
-    CASES,
-    PRINTED_LAW,
-    ROTARY,
-    as_printed,
-    right,
-    rotary_value,
-    straight_groove,
-)
+from rollbench.comparison.sources.lin.evidence import rotary_linear, source_cases
 from rollbench.lowfi.friction.bearing.rotary import SIDES, inner_torque, solve_ball_as_printed, source_law
 from rollbench.lowfi.friction.contact.ellipse import cubic_factor, linear_error, linear_factor
 
@@ -24,7 +14,7 @@ pytestmark = pytest.mark.xdist_group(GROUP)
 
 PRINTED = source_cases.rotary("I", printed=True)
 #: The source's law with exact integrals in place of its maps.
-EXACT = source_law(ROTARY, PRINTED.sharpness, None)
+EXACT = source_law(rotary_linear.ROTARY, PRINTED.sharpness, None)
 
 
 @pytest.mark.parametrize("key", keys("lin-3.1", "lin-3.2", "lin-G"))
@@ -38,10 +28,10 @@ def rows(table: str) -> dict[str, Printed]:
 
 def test_forces_to_every_printed_digit() -> None:
     table = rows("lin-3.2")
-    for case in CASES:
+    for case in rotary_linear.CASES:
         for side in SIDES:
             row = table[f"F_{side}_{case}"]
-            value = rotary_value(as_printed(case), f"F_{side}")
+            value = rotary_linear.rotary_value(rotary_linear.as_printed(case), f"F_{side}")
             assert f"{value:.4f}" == row.printed or (row.printed == "0" and value == 0.0)
 
 
@@ -63,33 +53,39 @@ def test_printed_sum_of_case_iii_is_a_misprint() -> None:
 def test_step_of_the_maps_is_inferred_from_case_iii(spacing: float | None) -> None:
     """Exact integrals and other steps miss the losses of case III; 0.08 gives every digit of the case (above)."""
     table = rows("lin-3.2")
-    s = solve_ball_as_printed(ROTARY, AXIAL, CASES["III"], source_law(ROTARY, PRINTED.sharpness, spacing), fast=True)
-    off = [abs(rotary_value(s, f"P_{side}") - table[f"P_{side}_III"].value) for side in SIDES]
+    s = solve_ball_as_printed(
+        rotary_linear.ROTARY,
+        rotary_linear.AXIAL,
+        rotary_linear.CASES["III"],
+        source_law(rotary_linear.ROTARY, PRINTED.sharpness, spacing),
+        fast=True,
+    )
+    off = [abs(rotary_linear.rotary_value(s, f"P_{side}") - table[f"P_{side}_III"].value) for side in SIDES]
     assert max(off) > 3.0 * 5e-5
     assert s.torque * 1e3 == pytest.approx(table["torque_III"].value, rel=1.1e-3)
 
 
 def test_interpolated_maps_break_the_balance_of_power() -> None:
     """Fault of the source: with its maps torque 3.21 is 0.2 % more than the moment friction exerts on the ring."""
-    s = as_printed("III")
-    assert s.torque / inner_torque(ROTARY, s.load, s.motion) - 1.0 == pytest.approx(1.92e-3, abs=1e-4)
-    exact = solve_ball_as_printed(ROTARY, AXIAL, CASES["III"], EXACT, fast=True)
-    assert exact.torque == pytest.approx(inner_torque(ROTARY, exact.load, exact.motion), rel=1e-9)
+    s = rotary_linear.as_printed("III")
+    assert s.torque / inner_torque(rotary_linear.ROTARY, s.load, s.motion) - 1.0 == pytest.approx(1.92e-3, abs=1e-4)
+    exact = solve_ball_as_printed(rotary_linear.ROTARY, rotary_linear.AXIAL, rotary_linear.CASES["III"], EXACT, fast=True)
+    assert exact.torque == pytest.approx(inner_torque(rotary_linear.ROTARY, exact.load, exact.motion), rel=1e-9)
 
 
-@pytest.mark.parametrize("case", list(CASES))
+@pytest.mark.parametrize("case", list(rotary_linear.CASES))
 def test_right_values_balance_power(case: str) -> None:
     for hertz in ("right", "as printed"):
-        s = right(case, hertz)
+        s = rotary_linear.right(case, hertz)
         assert s.motion.status == "exact"
         assert s.input_power == pytest.approx(s.motion.loss, rel=1e-10)
 
 
-@pytest.mark.parametrize("case", list(CASES))
+@pytest.mark.parametrize("case", list(rotary_linear.CASES))
 def test_sigmoid_spends_what_stick_spends(case: str) -> None:
     """At the printed loads the source's total is the least dissipation; only who spends it and the motion differ."""
-    printed = solve_ball_as_printed(ROTARY, AXIAL, CASES[case], EXACT, fast=True)
-    least = right(case, "as printed")
+    printed = solve_ball_as_printed(rotary_linear.ROTARY, rotary_linear.AXIAL, rotary_linear.CASES[case], EXACT, fast=True)
+    least = rotary_linear.right(case, "as printed")
     assert printed.motion.loss == pytest.approx(least.motion.loss, rel=1e-8)
     assert least.motion.rest.sum() == {"I": 1, "II": 1, "III": 0}[case]
 
@@ -99,15 +95,15 @@ def test_sigmoid_spends_what_stick_spends(case: str) -> None:
 )
 def test_right_values(case: str, force: float, torque: float) -> None:
     """Exact Hertz constants change case II most: its ball has gone on from sliding to spin."""
-    s = right(case)
+    s = rotary_linear.right(case)
     assert s.load.force.sum() == pytest.approx(force, rel=1e-6)
     assert s.torque * 1e3 == pytest.approx(torque, rel=1e-5)
 
 
 def test_transition_of_figure_3_7() -> None:
     """Forces nearly constant before four-point contact, torque then rises much faster than force."""
-    start, end = as_printed("I"), as_printed("III")
-    early = solve_ball_as_printed(ROTARY, AXIAL, 3e-6, PRINTED_LAW, fast=True)
+    start, end = rotary_linear.as_printed("I"), rotary_linear.as_printed("III")
+    early = solve_ball_as_printed(rotary_linear.ROTARY, rotary_linear.AXIAL, 3e-6, rotary_linear.PRINTED_LAW, fast=True)
     assert early.load.force.sum() == pytest.approx(start.load.force.sum(), rel=5e-3)
     assert np.sum(early.load.force > 0.0) == 2
     assert end.torque / start.torque > 5.0 * end.load.force.sum() / start.load.force.sum()
@@ -116,9 +112,9 @@ def test_transition_of_figure_3_7() -> None:
 def test_appendix_g() -> None:
     """The printed a/R is cut off, not rounded, and conformity 0.52 is the widest of those plotted."""
     table, pressure = rows("lin-G"), 1e6 * rows("lin-G")["pressure"].value
-    a_over_r = straight_groove(0.52, pressure)[1]
+    a_over_r = rotary_linear.straight_groove(0.52, pressure)[1]
     assert a_over_r == pytest.approx(0.2186, abs=5e-5)
-    assert max(straight_groove(c, pressure)[1] for c in (0.54, 0.56, 0.58, 0.60)) < a_over_r
+    assert max(rotary_linear.straight_groove(c, pressure)[1] for c in (0.54, 0.56, 0.58, 0.60)) < a_over_r
     assert table["a_over_R"].value < a_over_r - table["a_over_R"].tolerance
 
 
@@ -126,7 +122,7 @@ def test_linear_slope_of_the_source() -> None:
     """1.38 lies between the secants to c/a = 0.5 and the slopes at 0 of all conformities; its error is 4 to 7 %."""
     row = rows("lin-G")["k_f"]
     pressure = 1e6 * rows("lin-G")["pressure"].value
-    ratios = np.array([straight_groove(c, pressure)[0] for c in (0.515, 0.52, 0.54, 0.56, 0.58, 0.60)])
+    ratios = np.array([rotary_linear.straight_groove(c, pressure)[0] for c in (0.515, 0.52, 0.54, 0.56, 0.58, 0.60)])
     start, end = linear_factor(ratios), linear_factor(ratios) - 0.25 * cubic_factor(ratios)
     assert row.low == pytest.approx(np.min(end), abs=1e-2)
     assert row.high == pytest.approx(np.max(start), abs=1e-2)

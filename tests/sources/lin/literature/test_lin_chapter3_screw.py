@@ -10,22 +10,14 @@ from tests.evidence_study import GROUP
 from tests.sources.entries import check, keys
 
 from rollbench.comparison.printed.printed_data import Printed, load_table
+from rollbench.comparison.sources.lin.evidence import source_cases
 from rollbench.comparison.sources.lin.evidence.screw import AMPLITUDES, as_stepped, pair
-from rollbench.comparison.sources.lin.evidence.source_cases import (
-    PAIR_SCENES,
-    deviation,
-    inferred,
-    inferred_oversize,
-    lin_3_4_4,
-    plain,
-    table_3_6,
-)
 from rollbench.lowfi.friction.screw.pair import BOTH, SHIFTED, Pair, PairResult, implied_load, sliding_speed, solve_pair
 from rollbench.lowfi.friction.screw.run import RunSummary, equal_steps, summarise
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
-THETA = {case: deviation(case) for case in PAIR_SCENES}
+THETA = {case: source_cases.deviation(case) for case in source_cases.PAIR_SCENES}
 
 
 def rows(table: str) -> dict[str, Printed]:
@@ -41,7 +33,7 @@ def test_entry(key: str) -> None:
 def reading(name: str, case: str) -> PairResult:
     theta = THETA[case]
     if name == "radial":
-        return solve_pair(replace(plain(theta), free="r", force=(100.0,), coupling="none"))
+        return solve_pair(replace(source_cases.plain(theta), free="r", force=(100.0,), coupling="none"))
     return pair(case, "plain" if name == "plain" else "inferred")
 
 
@@ -68,7 +60,7 @@ def test_plain_reading(case: str, force: float, increase: float) -> None:
     assert r.friction_increase == pytest.approx(increase, rel=1e-4)
     printed = rows("lin-3.7")[f"force_{case}"].value
     assert 0.44 < r.force / printed < 0.52
-    decoupled = solve_pair(replace(plain(THETA[case]), coupling="none"))
+    decoupled = solve_pair(replace(source_cases.plain(THETA[case]), coupling="none"))
     assert decoupled.force < 0.4 * printed
 
 
@@ -77,7 +69,7 @@ def test_inferred_reading(case: str) -> None:
     """With 1.7 um of oversize forces come out within 2.5 %, increases within half a per cent point."""
     table = rows("lin-3.7")
     for coupling in ("none", "ball"):
-        r = solve_pair(replace(inferred(THETA[case]), coupling=coupling))  # type: ignore[arg-type]
+        r = solve_pair(replace(source_cases.inferred(THETA[case]), coupling=coupling))  # type: ignore[arg-type]
         assert r.force == pytest.approx(table[f"force_{case}"].value, rel=0.025)
         assert 100.0 * r.friction_increase == pytest.approx(table[f"increase_{case}"].value, abs=0.8)
     assert np.all(r.free.load.force > 0.0)
@@ -89,12 +81,12 @@ def test_ratio_of_the_printed_forces_tells_the_pattern() -> None:
     printed = table["force_b"].value / table["force_a"].value
     off = {}
     for pattern in (BOTH, (1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), SHIFTED):
-        two = [solve_pair(replace(inferred(t), pattern=(pattern, pattern))).force for t in THETA.values()]
+        two = [solve_pair(replace(source_cases.inferred(t), pattern=(pattern, pattern))).force for t in THETA.values()]
         off[pattern] = abs(two[1] / two[0] - printed)
     assert min(off, key=lambda p: off[p]) == BOTH
     assert off[BOTH] < 0.005
     for pattern in ((-1.0, 1.0, 0.0, 0.0), (-1.0, -1.0, 0.0, 0.0)):
-        assert solve_pair(replace(inferred(THETA["a"]), pattern=(pattern, pattern))).closing < 0.0
+        assert solve_pair(replace(source_cases.inferred(THETA["a"]), pattern=(pattern, pattern))).closing < 0.0
 
 
 def test_printed_numbers_imply_four_loaded_contacts() -> None:
@@ -105,26 +97,30 @@ def test_printed_numbers_imply_four_loaded_contacts() -> None:
     table = rows("lin-3.7")
     for case in THETA:
         force, increase = table[f"force_{case}"].value, 1e-2 * table[f"increase_{case}"].value
-        implied = implied_load(inferred(THETA[case]), force, increase)
+        implied = implied_load(source_cases.inferred(THETA[case]), force, increase)
         assert implied == pytest.approx(141.0, abs=2.0)
         assert reading("inferred", case).load.mean() == pytest.approx(implied, rel=0.03)
         assert implied > 1.7 * reading("plain", case).load.mean()
-    assert sliding_speed(inferred(THETA["a"])) == pytest.approx(sliding_speed(plain(THETA["a"])), rel=0.02)
+    assert sliding_speed(source_cases.inferred(THETA["a"])) == pytest.approx(
+        sliding_speed(source_cases.plain(THETA["a"])), rel=0.02
+    )
 
 
 def test_oversize_is_what_matters() -> None:
     """Half and one and a half times the oversize miss the forces by 20 % and more; half the axial load hardly."""
-    base = inferred(THETA["a"])
+    base = source_cases.inferred(THETA["a"])
     printed = rows("lin-3.7")["force_a"].value
     for factor in (0.5, 1.5):
-        assert abs(solve_pair(replace(base, oversize=factor * inferred_oversize())).force / printed - 1.0) > 0.2
+        assert (
+            abs(solve_pair(replace(base, oversize=factor * source_cases.inferred_oversize())).force / printed - 1.0) > 0.2
+        )
     for force in (25.0, 100.0):
         assert solve_pair(replace(base, force=(force,))).force == pytest.approx(printed, rel=0.03)
 
 
 def test_hertz_constants_of_the_source_change_little() -> None:
-    exact = inferred(THETA["a"])
-    printed = replace(exact, groove=table_3_6(hertz="as printed"))
+    exact = source_cases.inferred(THETA["a"])
+    printed = replace(exact, groove=source_cases.table_3_6(hertz="as printed"))
     assert isinstance(printed, Pair)
     assert solve_pair(printed).force == pytest.approx(solve_pair(exact).force, rel=0.13)
     b1 = rows("lin-B1")
@@ -137,11 +133,11 @@ def test_hertz_constants_of_the_source_change_little() -> None:
 def run_summary(amplitude: float, phase: float = 0.0) -> RunSummary:
     if phase == 0.0:
         return summarise(as_stepped(amplitude))
-    return summarise(equal_steps(lin_3_4_4(amplitude=np.radians(amplitude), phase=phase)))
+    return summarise(equal_steps(source_cases.lin_3_4_4(amplitude=np.radians(amplitude), phase=phase)))
 
 
 def test_occupation_means_no_volume_of_the_tube() -> None:
-    assert lin_3_4_4().tube == 0.0
+    assert source_cases.lin_3_4_4().tube == 0.0
 
 
 def found_of_run(name: str) -> list[float]:
@@ -176,7 +172,7 @@ def test_times_of_3_4_4_are_open_because_nothing_tried_gives_them(key: str, name
 def test_without_oversize_only_coupled_friction_makes_contact() -> None:
     """Two contacts leave the balls' speeds nearly alike; the third contact that friction brings makes them differ."""
     short = {"oversize": 0.0, "steps": 70, "duration": 0.7}
-    assert not equal_steps(lin_3_4_4(**short)).contact.any()
-    coupled = equal_steps(lin_3_4_4(coupling="ball and screw", **short))
+    assert not equal_steps(source_cases.lin_3_4_4(**short)).contact.any()
+    coupled = equal_steps(source_cases.lin_3_4_4(coupling="ball and screw", **short))
     assert coupled.contact.any()
     assert summarise(coupled).groove_variation > 0.1

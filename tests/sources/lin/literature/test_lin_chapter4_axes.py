@@ -8,19 +8,9 @@ from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import check, keys
 
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.sources.lin.evidence.lash_4_2_1 import PATTERNS, places
-from rollbench.comparison.sources.lin.evidence.steering_4_2 import rack, ratios
+from rollbench.comparison.sources.lin.evidence.steering import PATTERNS, places, rack, ratios
+from rollbench.comparison.sources.smith.evidence import layouts
 from rollbench.comparison.sources.smith.evidence.case import APPLIED
-from rollbench.comparison.sources.smith.evidence.layouts import (
-    LAYOUTS,
-    SUPPORTED,
-    TAPERED,
-    TRIPLEX,
-    Layout,
-    by_formulas,
-    by_scene,
-    in_series,
-)
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
@@ -58,18 +48,20 @@ def test_ratios_of_the_steering_gear_depend_on_what_is_not_printed() -> None:
     assert pinned[1] / clamped[1] > 1.2
 
 
-@pytest.mark.parametrize("layout", LAYOUTS, ids=lambda x: x.scene)
-def test_smiths_axis_as_scenes_agrees_with_the_formulas(layout: Layout) -> None:
+@pytest.mark.parametrize("layout", layouts.LAYOUTS, ids=lambda x: x.scene)
+def test_smiths_axis_as_scenes_agrees_with_the_formulas(layout: layouts.Layout) -> None:
     """Rows apart from one another on an elastic shaft share less evenly: a few per cent of the tension."""
-    scene, closed = by_scene(STUDY, layout, 0.5), by_formulas(layout, 0.5)
+    scene, closed = layouts.by_scene(STUDY, layout, 0.5), layouts.by_formulas(layout, 0.5)
     assert scene.right - scene.left == pytest.approx(APPLIED, abs=1e-6)
     assert scene.left == pytest.approx(closed.left, abs=0.03 * max(closed.right, APPLIED))
     assert scene.stiffness == pytest.approx(closed.stiffness, rel=0.015)
 
 
 def test_sum_in_series_is_no_stiffness_of_any_layout() -> None:
-    for layout in (TRIPLEX, TAPERED):
-        assert in_series(layout) < 0.75 * by_scene(STUDY, layout, 0.5).stiffness
-    assert np.isnan(in_series(SUPPORTED))
-    ratio = by_scene(STUDY, TRIPLEX, 0.5).stiffness / by_scene(STUDY, SUPPORTED, 0.5).stiffness
+    for layout in (layouts.TRIPLEX, layouts.TAPERED):
+        assert layouts.in_series(layout) < 0.75 * layouts.by_scene(STUDY, layout, 0.5).stiffness
+    assert np.isnan(layouts.in_series(layouts.SUPPORTED))
+    ratio = (
+        layouts.by_scene(STUDY, layouts.TRIPLEX, 0.5).stiffness / layouts.by_scene(STUDY, layouts.SUPPORTED, 0.5).stiffness
+    )
     assert ratio == pytest.approx(2.0, abs=0.05)

@@ -8,28 +8,26 @@ import pytest
 from rollbench.comparison.models.study import Study
 from rollbench.comparison.reference.store import load
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.sources.lin.reconstruction import scatter
-from rollbench.comparison.sources.lin.reconstruction.combined import (
-    ERRORS,
-    LOW_MOVERS,
-    combinations,
-    low_loads,
-    meeting,
-    predicted,
-    ratio,
-    solid_loads,
+from rollbench.comparison.sources.lin.reconstruction import combined
+from rollbench.comparison.sources.lin.reconstruction.readings import (
+    CASES,
+    LEVEL,
+    LOW,
+    MOVERS,
+    MU,
+    RUNS,
+    SOLID,
+    closure,
+    key_of,
+    off_line,
+    scenes,
+    slack,
+    stored,
+    tilt_that_slides,
+    together,
+    wanted,
 )
-from rollbench.comparison.sources.lin.reconstruction.friction import MU, closure, off_line, slack, tilt_that_slides
-from rollbench.comparison.sources.lin.reconstruction.readings import CASES, LEVEL, LOW, SOLID, key_of, together
-from rollbench.comparison.sources.lin.reconstruction.runs import MOVERS, RUNS, scenes, stored, wanted
-from rollbench.comparison.sources.lin.sections.other_statements import has_shape, other_table
-from rollbench.comparison.sources.lin.sections.reconstruction import (
-    combination_table,
-    first_paragraph,
-    friction_paragraph,
-    met_table,
-    second_paragraph,
-)
+from rollbench.comparison.sources.lin.sections import reconstruction
 from rollbench.comparison.wings.evidence.audit import judge
 from rollbench.comparison.wings.evidence.registry import evidence
 
@@ -42,9 +40,11 @@ def study():
 
 
 def test_readings_that_are_combined_are_those_that_move_the_ratio(study):
-    for readings, loads, movers in ((LOW, low_loads, LOW_MOVERS), (SOLID, solid_loads, MOVERS)):
-        base = ratio(loads(study, ())[0])
-        moves = {r.key for r in readings if not r.by_text and abs(ratio(loads(study, (r,))[0]) / base - 1.0) > 0.005}
+    for readings, loads, movers in ((LOW, combined.low_loads, combined.LOW_MOVERS), (SOLID, combined.solid_loads, MOVERS)):
+        base = combined.ratio(loads(study, ())[0])
+        moves = {
+            r.key for r in readings if not r.by_text and abs(combined.ratio(loads(study, (r,))[0]) / base - 1.0) > 0.005
+        }
         assert moves == set(movers)
 
 
@@ -56,8 +56,8 @@ def test_combinations_are_of_different_choices():
 
 
 def test_the_defaults_contradict_the_ratio_and_two_readings_meet_it(study):
-    found = study.once(combinations)
-    base, good = found[0], meeting(found)
+    found = study.once(combined.combinations)
+    base, good = found[0], combined.meeting(found)
     assert (base.low_ratio, base.solid_ratio) == pytest.approx((1.308, 1.406), abs=1e-3)
     assert (key_of(good[0].low), key_of(good[0].solid)) == ("squared+source", "plain")
     assert {key_of(c.solid) for c in good} == {"plain", "runout"}
@@ -66,11 +66,17 @@ def test_the_defaults_contradict_the_ratio_and_two_readings_meet_it(study):
 
 
 def test_what_comes_out_and_what_does_not(study):
-    errors = {p.key: p for p in predicted(study, "own")}
-    assert [key for key in ERRORS if errors[key].comes_out] == ["case1_max_error", "case2_max_error", "case2_rms_error"]
+    errors = {p.key: p for p in combined.predicted(study, "own")}
+    assert [key for key in combined.ERRORS if errors[key].comes_out] == [
+        "case1_max_error",
+        "case2_max_error",
+        "case2_rms_error",
+    ]
     assert all(p.meshed_low < p.low <= p.nearest <= p.high < p.meshed_high for p in errors.values())
     verdicts = {e.printed.key: judge(e)[0] for e in evidence(study, "lin-2.4.1")}
-    assert [key for key in ERRORS if verdicts[key] == "inferred"] == [key for key in ERRORS if errors[key].comes_out]
+    assert [key for key in combined.ERRORS if verdicts[key] == "inferred"] == [
+        key for key in combined.ERRORS if errors[key].comes_out
+    ]
     assert verdicts["case1_rms_error"] == "not identifiable"
 
 
@@ -81,47 +87,48 @@ def test_a_number_that_readings_miss_is_not_inferred(study):
 
 
 def test_the_page_answers_first(study):
-    text = first_paragraph(study)
+    text = reconstruction.first_paragraph(study)
     assert text.startswith("Where does 5.38 % come from? It comes out at 5.36 %")
-    second = second_paragraph(study, study.once(combinations))
+    second = reconstruction.second_paragraph(study, study.once(combined.combinations))
     assert "within 1 % no combinations; within 3 % " in second
 
 
 def test_scatter_of_the_mesh_is_what_is_measured():
     pytest.importorskip("gmsh")
-    found = scatter.mesh_scatter()
-    assert found.approach == pytest.approx(scatter.APPROACH, rel=1e-4)
-    assert found.bias == pytest.approx(scatter.BIAS, abs=0.3)
-    assert found.percent == pytest.approx(scatter.SCATTER, rel=0.3)
+    found = combined.mesh_scatter()
+    assert found.approach == pytest.approx(combined.APPROACH, rel=1e-4)
+    assert found.bias == pytest.approx(combined.BIAS, abs=0.3)
+    assert found.percent == pytest.approx(combined.SCATTER, rel=0.3)
 
 
 def test_drawn_errors_are_those_of_the_loads_without_scatter(study):
-    best = meeting(study.once(combinations))[0]
-    loads = low_loads(study, best.low), solid_loads(study, best.solid)
+    best = combined.meeting(study.once(combined.combinations))[0]
+    loads = combined.low_loads(study, best.low), combined.solid_loads(study, best.solid)
     for of_load, definition in ((True, "own"), (False, "mean")):
-        still = scatter.drawn_errors(*loads, 0.0, of_load=of_load)
+        still = combined.drawn_errors(*loads, 0.0, of_load=of_load)
         assert np.ptp(still, axis=0) == pytest.approx(0.0, abs=1e-9)
         assert still[0] == pytest.approx(best.errors[definition], rel=2e-3)
-    drawn = scatter.drawn_errors(*loads, 1.0)
+    drawn = combined.drawn_errors(*loads, 1.0)
     assert (np.median(drawn, axis=0) > still[0]).all()
-    assert 0.0 < scatter.share_of_closure(loads[1]) < 1.5  # less than between rigid bodies
-    assert scatter.probability(drawn, 0.265, 0.15) > 10.0 * scatter.probability(
-        scatter.drawn_errors(*loads, 0.2), 0.265, 0.15
+    assert 0.0 < combined.share_of_closure(loads[1]) < 1.5  # less than between rigid bodies
+    assert combined.probability(drawn, 0.265, 0.15) > 10.0 * combined.probability(
+        combined.drawn_errors(*loads, 0.2), 0.265, 0.15
     )
 
 
 def test_the_shape_of_case_3_is_a_rise_on_the_inner_flanks_of_the_last_balls():
     change = np.zeros((32, 4))
     change[31, 2] = 5.0
-    assert has_shape(change)
-    assert not has_shape(-change)
-    assert not has_shape(change[::-1])
-    assert not has_shape(change[:, ::-1] * [0, 0, 0, 0] + np.eye(32, 4, k=-28) * 6.0)
+    assert reconstruction.has_shape(change)
+    assert not reconstruction.has_shape(-change)
+    assert not reconstruction.has_shape(change[::-1])
+    assert not reconstruction.has_shape(change[:, ::-1] * [0, 0, 0, 0] + np.eye(32, 4, k=-28) * 6.0)
 
 
 def test_other_statements(study):
     rows = {
-        row["place"]: [r for r in other_table(study).rows if r["place"] == row["place"]] for row in other_table(study).rows
+        row["place"]: [r for r in reconstruction.other_table(study).rows if r["place"] == row["place"]]
+        for row in reconstruction.other_table(study).rows
     }
     assert all(r["verdict"].count("held") == 3 for r in rows["2.4.1.3, case 3"])
     assert "may be its mesh" in rows["Table 3.5 (a)"][0]["verdict"]
@@ -129,15 +136,15 @@ def test_other_statements(study):
 
 
 def test_the_table_of_combinations_has_every_pair_once_and_says_which_meet_the_ratio(study):
-    found = study.once(combinations)
-    rows = combination_table(found).rows
+    found = study.once(combined.combinations)
+    rows = reconstruction.combination_table(found).rows
     pairs = [(row["low order"], row["3D"]) for row in rows]
     assert len(pairs) == len(set(pairs)) == len(found)
     near = {pair for pair, row in zip(pairs, rows, strict=True) if row["meets the ratio"] == "yes"}
     ratios = {pair: (row["low_ratio"], row["solid_ratio"]) for pair, row in zip(pairs, rows, strict=True)}
     assert near == {pair for pair, two in ratios.items() if all(abs(x / 1.34 - 1.0) <= 0.015 for x in two)}
     allowed = {pair for pair, row in zip(pairs, rows, strict=True) if row["text"] == "silent"}
-    assert near & allowed == {(row["low order"], row["3D"]) for row in met_table(found).rows}
+    assert near & allowed == {(row["low order"], row["3D"]) for row in reconstruction.met_table(found).rows}
     assert near - allowed
 
 
@@ -191,13 +198,13 @@ def test_a_ball_beside_its_line_has_balanced_forces_that_are_not_turned_and_fill
 
 def test_balls_as_far_off_their_lines_as_friction_holds_them_change_loads_as_little_in_both_models(study):
     solid, low = (
-        solid_loads(study, FRICTION["off-line"]),
+        combined.solid_loads(study, FRICTION["off-line"]),
         [study.solve(off_line(catalogue.scene(c)), "lin").load for c in CASES],
     )
-    for found, base in ((solid, solid_loads(study, ())), (low, low_loads(study, ()))):
+    for found, base in ((solid, combined.solid_loads(study, ())), (low, combined.low_loads(study, ()))):
         for a, b in zip(found, base, strict=True):
             assert np.abs(a - b).max() < 1e-4 * b[:, 0].mean()
-            assert ratio(a) / ratio(b) - 1.0 == pytest.approx(2e-5, abs=3e-5)
+            assert combined.ratio(a) / combined.ratio(b) - 1.0 == pytest.approx(2e-5, abs=3e-5)
 
 
 @pytest.mark.parametrize(("key", "sense"), [("sliding", 1.0), ("sliding-back", -1.0)])
@@ -212,12 +219,12 @@ def test_friction_of_sliding_grooves_bears_its_part_of_the_axial_force(study, ke
         case = catalogue.scene(name)
         turned = replace(case, track=replace(case.track, contact_angle=case.track.contact_angle + sense * np.arctan(MU)))
         low, base = (study.solve(s, "lin").load[:, 0].mean() for s in (turned, case))
-        solid = solid_loads(study, ())[CASES.index(name)][:, 0].mean()
+        solid = combined.solid_loads(study, ())[CASES.index(name)][:, 0].mean()
         assert force.mean() / solid - 1.0 == pytest.approx(low / base - 1.0, rel=0.05)
 
 
 def test_the_page_says_what_friction_does(study):
-    text = friction_paragraph(study)
+    text = reconstruction.friction_paragraph(study)
     assert text.startswith("Friction of 0.01 is computed")
     assert "no load by more than 0.007 % of the mean and the ratio by +0.004 %" in text
     assert "bears 0.95 % of the load" in text

@@ -13,10 +13,9 @@ from tests.section_items import drawn, figures, shows_entries, tables
 
 from rollbench.comparison.printed.printed_data import load_table
 from rollbench.comparison.sources.lin import bench as friction_bench
-from rollbench.comparison.sources.lin.evidence import assumptions_3_4, screw
+from rollbench.comparison.sources.lin.evidence import screw
 from rollbench.comparison.sources.lin.evidence.source_cases import lin_3_4_4
-from rollbench.comparison.sources.lin.extremes import balls as friction_balls
-from rollbench.comparison.sources.lin.extremes import chains as friction_chains
+from rollbench.comparison.sources.lin.extremes import cases, tally
 from rollbench.comparison.sources.lin.extremes import items as friction_stability
 from rollbench.comparison.sources.lin.extremes.tally import BALLS, Record, Tally
 from rollbench.comparison.sources.lin.sections import friction_screw
@@ -38,7 +37,7 @@ def section() -> Section:
     """The section, with the first 15 of the 200 steps by the source's rule of contact, which take most of its time."""
     steps: list[str] = []
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(assumptions_3_4, "simulate_by_root", lambda run: simulate_by_root(run, 15))
+        patch.setattr(screw, "simulate_by_root", lambda run: simulate_by_root(run, 15))
         section = friction_screw.section(STUDY, steps.append)
     assert len(steps) == 4
     return section
@@ -60,11 +59,11 @@ def records() -> list[Record]:
     """The report's table but for chains of 10 to 200 balls (below: the longest once), from fewer random starts, and the
     source's method on a quarter of the pairs: these take most of its time."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(friction_chains, "BALLS", (2, 5))
-        patch.setattr(friction_chains, "CHAIN_STARTS", 1)
-        patch.setattr(friction_balls, "STARTS", 3)
+        patch.setattr(tally, "BALLS", (2, 5))
+        patch.setattr(tally, "CHAIN_STARTS", 1)
+        patch.setattr(tally, "STARTS", 3)
         for name in ("from_linear_starts", "from_pair_starts"):
-            patch.setattr(friction_chains, name, every_fourth(getattr(friction_chains, name)))
+            patch.setattr(cases, name, every_fourth(getattr(cases, name)))
         return friction_stability.rows()
 
 
@@ -186,8 +185,8 @@ def test_ours_has_no_failure_and_unique_answers(records):
 
 
 def test_the_longest_chains_are_solved_and_balance():
-    linear = solve_linear_chain(friction_chains.linear_chain(max(BALLS), 0.5).chain())
-    screws = solve_chain(friction_chains.screw_chain(max(BALLS)))
+    linear = solve_linear_chain(cases.linear_chain(max(BALLS), 0.5).chain())
+    screws = solve_chain(cases.screw_chain(max(BALLS)))
     assert (linear.status, screws.converged) == ("converged", True)
     assert linear.power == pytest.approx(linear.loss, rel=1e-8)
     assert screws.input_power == pytest.approx(screws.loss, rel=1e-8)

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from rollbench.comparison.scenes import catalogue
-from rollbench.comparison.sources.lin.evidence import lash_4_2_1 as lash
-from rollbench.comparison.sources.lin.evidence import steering_maps as maps
-from rollbench.comparison.sources.lin.evidence.steering_4_2 import REACH, at_angle, rack, ratios
+from rollbench.comparison.sources.lin.evidence import steering as gear
+from rollbench.comparison.sources.lin.evidence.steering import REACH, at_angle, rack, ratios
 from rollbench.comparison.sources.lin.sections import steering
 from rollbench.reports.figures import draw
 from rollbench.reports.records import Table
@@ -16,7 +15,7 @@ SCENE = catalogue.scene("lin-nominal-4p1")
 
 @pytest.fixture(scope="module")
 def points():
-    return list(maps.ratio_map(rack()))
+    return list(gear.ratio_map(rack()))
 
 
 def test_ratios_span_the_printed_ones_so_that_they_identify_no_layout(points):
@@ -31,26 +30,26 @@ def test_ratios_span_the_printed_ones_so_that_they_identify_no_layout(points):
 def test_layouts_are_what_they_say():
     shipped = rack()
     (pinion,) = shipped.supports
-    same = maps.with_layout(shipped, pinion.at, "held but along the rack", 0.0)
+    same = gear.with_layout(shipped, pinion.at, "held but along the rack", 0.0)
     assert ratios(same) == pytest.approx(ratios(shipped), rel=1e-12)
-    moved = maps.with_layout(shipped, 0.5, "pinned across", 0.02)
+    moved = gear.with_layout(shipped, 0.5, "pinned across", 0.02)
     assert moved.sets[0] == shipped.sets[0]
     assert moved.sets[1].position == pytest.approx(shipped.sets[1].position + 0.02)
     assert moved.sets[1].parts.nut.position == moved.sets[1].position
     assert at_angle(shipped, 0.0, opposed=True).sets[0].force == pytest.approx(at_angle(shipped, 0.0).sets[0].force)
-    held = maps.with_layout(shipped, 0.55, "held but along the rack", 0.0)
+    held = gear.with_layout(shipped, 0.55, "held but along the rack", 0.0)
     assert ratios(held, opposed=True) == pytest.approx(ratios(held), rel=1e-9)
 
 
 def test_lash_curves_end_in_the_peaks():
-    screw = lash.with_balls(SCENE, "half-half")
-    curve = lash.axial_curve(screw, (-lash.FORCE, 0.0, lash.FORCE))
-    assert curve[2] - curve[0] == pytest.approx(lash.axial(screw), rel=1e-12)
+    screw = gear.with_balls(SCENE, "half-half")
+    curve = gear.axial_curve(screw, (-gear.FORCE, 0.0, gear.FORCE))
+    assert curve[2] - curve[0] == pytest.approx(gear.axial(screw), rel=1e-12)
     assert curve[0] < curve[1] < curve[2]
-    across = lash.conical_curve(screw, (-lash.FORCE, lash.FORCE), 0.3, REACH)
-    assert across[1] - across[0] == pytest.approx(lash.conical(screw, 0.3, REACH), rel=1e-12)
-    back = lash.conical(screw, 0.3 + np.pi, REACH)  # the test goes both ways: a direction is its opposite
-    assert back == pytest.approx(lash.conical(screw, 0.3, REACH), rel=1e-6)
+    across = gear.conical_curve(screw, (-gear.FORCE, gear.FORCE), 0.3, REACH)
+    assert across[1] - across[0] == pytest.approx(gear.conical(screw, 0.3, REACH), rel=1e-12)
+    back = gear.conical(screw, 0.3 + np.pi, REACH)  # the test goes both ways: a direction is its opposite
+    assert back == pytest.approx(gear.conical(screw, 0.3, REACH), rel=1e-6)
 
 
 def test_figures_and_tables_are_whole(points):
@@ -58,5 +57,5 @@ def test_figures_and_tables_are_whole(points):
     assert [len(p.series) for p in figure.panels[:2]] == [4, 4]
     assert draw(figure).startswith("<?xml")
     rows = steering.ratio_rows(points)
-    assert len(rows) == len(maps.PINIONS) * len(maps.OFFSETS) * 3
+    assert len(rows) == len(gear.PINIONS) * len(gear.OFFSETS) * 3
     assert len(Table.of("ratios", "", rows).columns) == 6
