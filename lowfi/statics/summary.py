@@ -239,24 +239,21 @@ def assemble_result(
 
 def failed_result(problem: Problem, model: str, status: Status, seconds: float) -> StaticResult:
     """Result record of a scene that has no equilibrium: no loads, and the reason."""
-    n = problem.layout.z.size
-    nan = np.full((n, 4), np.nan)
     report = SolverReport(0, 0, float("nan"), seconds, problem.unknowns, problem.nodes.size - 1, "none", "none")
+    assumed = (*problem.scene.assumed, *model_assumptions(problem.scene))
+    n, layout = problem.layout.z.size, problem.layout
+    shapes = {"load": (4,), "contact_angle": (4,), "contact_point": (4, 3), "force_direction": (4, 3), "centre_shift": (2,)}
     return StaticResult(
         model=model,
         status=status,
-        azimuth=problem.layout.azimuth,
-        z=problem.layout.z,
-        load=nan,
-        contact_angle=nan,
-        contact_point=np.full((n, 4, 3), np.nan),
-        force_direction=np.full((n, 4, 3), np.nan),
-        centre_shift=np.full((n, 2), np.nan),
+        azimuth=layout.azimuth,
+        z=layout.z,
         hertz_C=problem.C.copy(),
         centreline_z=np.zeros(0),
         centreline=np.zeros((0, 6)),
         equilibrium=None,
         solver=report,
-        assumed=(*problem.scene.assumed, *model_assumptions(problem.scene)),
+        assumed=assumed,
         left_out=(),
+        **{name: np.full((n, *shape), np.nan) for name, shape in shapes.items()},
     )

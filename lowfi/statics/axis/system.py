@@ -14,8 +14,8 @@ from rollbench.lowfi.rollers.tapered_roller import TaperedBearing
 from rollbench.lowfi.statics.axis.structure import Structure, structure_of
 from rollbench.lowfi.statics.kernel.beam import element_constants
 from rollbench.lowfi.statics.problem import Problem, flank_rows, hertz_C, pack_geometry
-from rollbench.lowfi.statics.records import AxisArrays, AxisBalls, AxisRollers, AxisState
-from rollbench.lowfi.statics.settle import Contacts, Flanks
+from rollbench.lowfi.statics.records import AxisArrays, AxisBalls, AxisRollers, RowState
+from rollbench.lowfi.statics.settle import SetFlanks
 from rollbench.lowfi.statics.shape import motion_matrices
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
@@ -218,17 +218,12 @@ def with_arms(system: System, arms: Sequence[Array]) -> System:
     return replace(system, balls=balls, contacts=_all_balls(balls)._replace(tiny=system.contacts.tiny))
 
 
-def set_contacts(system: System, contact: Array) -> list[Contacts]:
-    """Contacts of each set of balls, of those of all (N, 4, 5)."""
-    return [Contacts(b.problem, contact[b.balls]) for b in system.balls]
-
-
-def set_flanks(system: System, state: AxisState, shifts: Array | None = None) -> list[Flanks]:
+def set_flanks(system: System, state: RowState, shifts: Array | None = None) -> list[SetFlanks]:
     """Contacts, centres and flank motions of each set of balls; shifts (N, 4, 2) [m]: of all flanks, where they are not
     those of the rows."""
     moved = [moved_flanks(b, state.q) if shifts is None else shifts[b.balls] for b in system.balls]
     contact, centre = state.contact, state.p
-    return [Flanks(b.problem, contact[b.balls], centre[b.balls], m) for b, m in zip(system.balls, moved, strict=True)]
+    return [SetFlanks(b.problem, contact[b.balls], centre[b.balls], m) for b, m in zip(system.balls, moved, strict=True)]
 
 
 def moved_flanks(b: BallSet, q: Array) -> Array:
