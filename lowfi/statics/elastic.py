@@ -17,14 +17,13 @@ from rollbench.lowfi.compliance.bodies import WholeBody, whole_body
 from rollbench.lowfi.compliance.parts import REFINED, Backend, geometry_only, grooved_section, idealised
 from rollbench.lowfi.hertz import contact_stiffness
 from rollbench.lowfi.statics.elastic_system import LARGEST, Flanks, flanks_of, pair_data, spring_rows
-from rollbench.lowfi.statics.problem import Problem
+from rollbench.lowfi.statics.problem import Problem, SolvedState
 from rollbench.lowfi.statics.records import NO_ROLLERS, BallContacts, BodyState, BodySystem, Outcome
 from rollbench.lowfi.statics.response import one_pair, response_of
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.selection import all_clear, all_sides, choose_sides
 from rollbench.lowfi.statics.settle import SetFlanks, least_residual
 from rollbench.lowfi.statics.shaft import Shaft, flank_loads, node_forces, node_motions
-from rollbench.lowfi.statics.solved import SolvedState
 from rollbench.lowfi.statics.static import Build, Engine, OneSet, Words, options_of, pick_engine, scale_of, solve_built
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS
 from rollbench.lowfi.threads import one_thread

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from rollbench.lowfi import jit
 from rollbench.lowfi.hertz import contact_force, contact_stiffness
 from rollbench.lowfi.statics.mechanism import Mechanism, free_motions
-from rollbench.lowfi.statics.problem import Problem, build, distances, tightest
+from rollbench.lowfi.statics.problem import Problem, SolvedState, build, distances, tightest
 from rollbench.lowfi.statics.records import BeamArrays, BeamContacts, BeamSystem, Options, Outcome, RowState, Slopes
 from rollbench.lowfi.statics.result import StaticResult, Status
 from rollbench.lowfi.statics.selection import (
@@ -29,7 +29,6 @@ from rollbench.lowfi.statics.selection import (
 )
 from rollbench.lowfi.statics.settle import NO_LOADS, Prepared, SetFlanks, least_residual, lost, report_of, settled, verdict
 from rollbench.lowfi.statics.shape import lifted
-from rollbench.lowfi.statics.solved import SolvedState
 from rollbench.lowfi.statics.summary import assemble_result, failed_result, model_assumptions
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.errors import Specimen, specimen

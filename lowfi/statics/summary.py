@@ -10,11 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.hertz import contact_approach
-from rollbench.lowfi.statics.problem import Problem
+from rollbench.lowfi.statics.problem import Problem, SolvedState
 from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult, Status
 from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.lowfi.statics.shape import motion_matrices, rigid_transport
-from rollbench.lowfi.statics.solved import SolvedState
 from rollbench.lowfi.statics.validity import profile_warning, warnings_of
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Load, Scene

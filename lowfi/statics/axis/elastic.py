@@ -23,8 +23,7 @@ from rollbench.lowfi.statics.axis.rollers import RollerElements, roller_elements
 from rollbench.lowfi.statics.axis.solve import Model, Sets, equilibrium, solve_assembly
 from rollbench.lowfi.statics.axis.stiffness import asked_row, inverse, rigid_rows
 from rollbench.lowfi.statics.axis.structure import Structure, threaded
-from rollbench.lowfi.statics.axis.system import BallSet, System, set_flanks, widened, with_arms
-from rollbench.lowfi.statics.axis.typical import typical, typical_force
+from rollbench.lowfi.statics.axis.system import BallSet, System, set_flanks, typical, typical_force, widened, with_arms
 from rollbench.lowfi.statics.conformity import oblique_term
 from rollbench.lowfi.statics.elastic import CONDENSED
 from rollbench.lowfi.statics.elastic_system import LARGEST, contact_compliance, spring_rows
@@ -255,29 +254,20 @@ def own_bodies(
     return (blocks[0], blocks[1]), e, h, ball.g * np.array([1.0, ball.sign, ball.sign, 1.0]), tuple(assumed)
 
 
-def outer_rows(system: System, rollers: RollerElements) -> Array:
-    """Motion (4 N, 6 m) of the outer flanks of all balls, then of the cups of all rollers, by that of m housings."""
+def housing_rows(system: System, rollers: RollerElements) -> tuple[Array, Array]:
+    """Motions (4 N, 6 m) of the outer flanks of all balls, then of the cups of all rollers, by those of m housings; and of
+    the inner flanks that housings carry."""
     n, m, balls = system.structure.nodes.size, system.structure.at.size, system.contacts.r_ball.size
-    rows = np.zeros((balls + rollers.count, 2, 2, 6 * m))
+    outer, inner = np.zeros((2, balls + rollers.count, 2, 2, 6 * m))
     for b in system.balls:
-        if b.outer >= 0:
-            j = 6 * (b.outer - n)
-            rows[b.balls, :, :, j : j + 6] = b.of_one_row(slice(2, 4))
+        carrier = -1 if b.of.carrier is None else int(b.problem.node[0, 0])
+        for rows, row, flanks in ((outer, b.outer, slice(2, 4)), (inner, carrier, slice(2))):
+            if row >= 0:
+                rows[b.balls, :, :, 6 * (row - n) : 6 * (row - n) + 6] = b.of_one_row(flanks)
     for i in np.flatnonzero(rollers.outer >= 0):
         j = 6 * (int(rollers.outer[i]) - n)
-        rows[balls + i, 0, :, j : j + 6] = rollers.B[i, 1]
-    return rows.reshape(4 * (balls + rollers.count), 6 * m)
-
-
-def inner_rows(system: System, rollers: RollerElements) -> Array:
-    """Motion (4 N, 6 m) of the inner flanks that m housings carry, by these."""
-    n, m, balls = system.structure.nodes.size, system.structure.at.size, system.contacts.r_ball.size
-    rows = np.zeros((balls + rollers.count, 2, 2, 6 * m))
-    for b in system.balls:
-        if b.of.carrier is not None:
-            j = 6 * (int(b.problem.node[0, 0]) - n)
-            rows[b.balls, :, :, j : j + 6] = b.of_one_row(slice(2))
-    return rows.reshape(4 * (balls + rollers.count), 6 * m)
+        outer[balls + i, 0, :, j : j + 6] = rollers.B[i, 1]
+    return outer.reshape(4 * len(outer), 6 * m), inner.reshape(4 * len(inner), 6 * m)
 
 
 def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticSets:
@@ -305,7 +295,7 @@ def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticSets:
         beam, moved = beam + squeeze.added, moved + squeeze.moved
     forces = [typical_force(system, b) for b in system.balls]
     parts = [own_bodies(b, backend, x) for b, x in zip(system.balls, forces, strict=True)]
-    flat, carried = outer_rows(system, rollers), inner_rows(system, rollers)
+    flat, carried = housing_rows(system, rollers)
     if np.any(carried @ housings.solve(carried.T)):
         raise ValueError(
             "an inner ring on a housing that stands on springs: its motion couples inner and outer flanks, which elastic "

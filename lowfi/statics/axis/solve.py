@@ -19,8 +19,7 @@ from rollbench.lowfi.statics.axis.proof import unheld
 from rollbench.lowfi.statics.axis.sides import all_sides, clear, complete, likely_sides
 from rollbench.lowfi.statics.axis.stiffness import set_stiffness, whole_stiffness
 from rollbench.lowfi.statics.axis.summary import AXIS_ASSUMPTIONS, Ending, assemble_axis, failed_axis
-from rollbench.lowfi.statics.axis.system import System, build, placed, set_flanks, with_arms
-from rollbench.lowfi.statics.axis.typical import typical
+from rollbench.lowfi.statics.axis.system import System, build, placed, set_flanks, typical, with_arms
 from rollbench.lowfi.statics.problem import Problem
 from rollbench.lowfi.statics.records import AxisSystem, Options, RowState, Slopes
 from rollbench.lowfi.statics.result import AxisResult, Status
