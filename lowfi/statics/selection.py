@@ -99,9 +99,10 @@ def all_clear(
     A ball with load must clear the flanks that are not in ``use`` (4,) where it is; a ball without load must find one
     place, of two tried, where it clears all four. Both are sufficient. loads ``(k, N, 4)``; for the rest see ``gaps``.
     """
-    loaded, clearance = (loads > 0.0).any(axis=2), gaps(centres, shift, geometry)
+    loaded: NDArray[np.bool_] = np.asarray((loads > 0.0).any(axis=2))
+    clearance = gaps(centres, shift, geometry)
     room = np.where(loaded, clearance[..., ~use].min(axis=2), clearance.min(axis=2))
-    idle = ~loaded.all(axis=1)
+    idle = ~np.all(loaded, axis=1)
     elsewhere = gaps(shift[idle].mean(axis=2), shift[idle], geometry[idle]).min(axis=2)
     room[idle] = np.where(loaded[idle], room[idle], np.maximum(room[idle], elsewhere))
     return np.asarray((room >= margin).all(axis=1))

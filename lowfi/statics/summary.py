@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -242,6 +243,7 @@ def failed_result(problem: Problem, model: str, status: Status, seconds: float) 
     assumed = (*problem.scene.assumed, *model_assumptions(problem.scene))
     n, layout = problem.layout.z.size, problem.layout
     shapes = {"load": (4,), "contact_angle": (4,), "contact_point": (4, 3), "force_direction": (4, 3), "centre_shift": (2,)}
+    unknown: dict[str, Any] = {name: np.full((n, *shape), np.nan) for name, shape in shapes.items()}
     return StaticResult(
         model=model,
         status=status,
@@ -254,5 +256,5 @@ def failed_result(problem: Problem, model: str, status: Status, seconds: float) 
         solver=report,
         assumed=assumed,
         left_out=(),
-        **{name: np.full((n, *shape), np.nan) for name, shape in shapes.items()},
+        **unknown,
     )
