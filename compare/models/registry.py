@@ -122,7 +122,7 @@ def _axis_lin(assembly: Assembly, options: Options) -> AxisResult:
 
 def _axis_elastic(assembly: Assembly, options: Options, *, name: str) -> AxisResult:
     from rollbench.lowfi.compliance.parts import LADDER
-    from rollbench.lowfi.statics.axis.refined import solve_refined
+    from rollbench.lowfi.statics.axis.elastic import solve_refined
 
     return solve_refined(
         assembly,
