@@ -12,8 +12,7 @@ import numpy as np
 from rollbench.lowfi.friction.linear.records import Array, ChainArrays, ChainPoint, Smoothing, Work
 from rollbench.lowfi.jit import kernel
 
-from .band import solve_banded
-from .coupled import assemble, copied, restore, shift
+from .equations import assemble, copied, restore, shift, solve_banded
 from .newton import largest, semismooth_newton
 
 #: Creeping speed at the beginning of the path.
