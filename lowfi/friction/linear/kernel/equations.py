@@ -151,46 +151,31 @@ def assemble(chain: ChainArrays, point: ChainPoint, law: Smoothing, K: Array, g:
 
 
 @kernel
+def _move(contacts: Array, point: ChainPoint, x: Array) -> None:
+    """Adds motions x ``(N, 3)`` of the balls to slips and differences of neighbours."""
+    slip, pair, _, _ = point
+    p, q, nx, ny = x[:, 1:2], x[:, 2:3], contacts[:, :, 0], contacts[:, :, 1]
+    slip[:, :, 0] += x[:, 0:1] + ny * p - nx * q
+    slip[:, :, 1] += contacts[:, :, 4] * (nx * p + ny * q)
+    pair[:, 0] += x[:-1, 0] - x[1:, 0]
+    pair[:, 1:] += x[:-1, 1:3] + x[1:, 1:3]
+
+
+@kernel
 def rebuild(chain: ChainArrays, point: ChainPoint) -> None:
     """Slips and differences of neighbours from the drift of the motion."""
-    contacts, nominal = chain.contacts, chain.nominal
-    slip, pair, drift, _ = point
-    for j in range(contacts.shape[0]):
-        v, p, q = nominal[j, 0] + drift[j, 0], nominal[j, 1] + drift[j, 1], nominal[j, 2] + drift[j, 2]
-        for i in range(contacts.shape[1]):
-            nx, ny = contacts[j, i, 0], contacts[j, i, 1]
-            slip[j, i, 0] = v + ny * p - nx * q - contacts[j, i, 2]
-            slip[j, i, 1] = contacts[j, i, 4] * (nx * p + ny * q)
-        if j > 0:
-            pair[j - 1, 0] = nominal[j - 1, 0] + drift[j - 1, 0] - v
-            pair[j - 1, 1] = nominal[j - 1, 1] + drift[j - 1, 1] + p
-            pair[j - 1, 2] = nominal[j - 1, 2] + drift[j - 1, 2] + q
+    point.slip[:, :, 0], point.slip[:, :, 1], point.pair[:] = -chain.contacts[:, :, 2], 0.0, 0.0
+    _move(chain.contacts, point, chain.nominal + point.drift)
 
 
 @kernel
 def shift(chain: ChainArrays, point: ChainPoint, step: Array, t: float) -> None:
     """Add t times the step ``(4N,)`` of the unknowns to the point and everything that depends on them."""
-    contacts = chain.contacts
-    slip, pair, drift, z = point
-    for k in range(z.shape[0]):
-        z[k] += t * step[4 * k + 3]
-    for j in range(contacts.shape[0]):
-        dv, dp, dq = t * step[4 * j], t * step[4 * j + 1], t * step[4 * j + 2]
-        drift[j, 0] += dv
-        drift[j, 1] += dp
-        drift[j, 2] += dq
-        for i in range(contacts.shape[1]):
-            nx, ny = contacts[j, i, 0], contacts[j, i, 1]
-            slip[j, i, 0] += dv + ny * dp - nx * dq
-            slip[j, i, 1] += contacts[j, i, 4] * (nx * dp + ny * dq)
-        if j > 0:
-            pair[j - 1, 0] -= dv
-            pair[j - 1, 1] += dp
-            pair[j - 1, 2] += dq
-        if j < contacts.shape[0] - 1:
-            pair[j, 0] += dv
-            pair[j, 1] += dp
-            pair[j, 2] += dq
+    n = point.drift.shape[0]
+    change = t * step[: 4 * n].reshape(n, 4)
+    point.z[:] += change[:-1, 3]
+    point.drift[:] += change[:, :3]
+    _move(chain.contacts, point, change)
 
 
 @kernel

@@ -28,11 +28,7 @@ def largest(x: Array) -> float:
 @kernel
 def _reach(step: Array) -> float:
     """Part of the step after which no velocity has changed by more than ``LONGEST``."""
-    longest = LONGEST
-    for i in range(step.shape[0]):
-        if i % 4 != 3:
-            longest = max(longest, abs(step[i]))
-    return LONGEST / longest
+    return float(LONGEST / max(LONGEST, np.max(np.abs(step.reshape(-1, 4)[:, :3]))))
 
 
 @kernel
