@@ -6,11 +6,12 @@ import numpy as np
 from scipy.special import ellipe
 
 from rollbench.lowfi.friction.contact.ellipse import Contacts
+from rollbench.lowfi.friction.contact.rings import Settled
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.screw.coupled import PATIENCE
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.joint import solve_joint
-from rollbench.lowfi.friction.screw.load import Cell, ScrewLoad, screw_rows, settle_load
+from rollbench.lowfi.friction.screw.load import Cell, screw_rows, settle_load
 from rollbench.lowfi.friction.screw.motion import (
     AGREED,
     ROUNDS,
@@ -99,7 +100,7 @@ def ball_cell(
 class CoupledBall:
     """Loads and motion that agree. change: last change of the friction fed back [N]; converged: also the parts are."""
 
-    load: ScrewLoad
+    load: Settled
     motion: BallMotion
     change: float
     rounds: int
@@ -115,7 +116,7 @@ def coupled_ball(cell: Cell, coupling: Coupling = "ball and screw", fast: bool =
     if coupling == "ball":
         cell = hold_screw(cell, load)
         load = settle_load(cell, (load.ball, np.zeros(0)))
-    groove, mixer, bare = cell.groove, Mixer(), (load.ball, load.screw)
+    groove, mixer, bare = cell.groove, Mixer(), (load.ball, load.inner)
     push, drag, start = cell.push, cell.drag, None
     rounds, change, good = 0, np.inf, False
     while True:
@@ -134,6 +135,6 @@ def coupled_ball(cell: Cell, coupling: Coupling = "ball and screw", fast: bool =
         else:
             x = mixer.next(x, g)
             push, drag = x[:2].reshape(1, 2), x[2:]
-            load = settle_load(replace(cell, push=push, drag=drag), (load.ball, load.screw))
+            load = settle_load(replace(cell, push=push, drag=drag), (load.ball, load.inner))
         start = moved.motion.q
     return CoupledBall(load, moved, change, rounds, good and change <= AGREED * float(np.sum(load.force)))

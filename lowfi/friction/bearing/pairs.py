@@ -11,8 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rollbench.lowfi.friction.contact.rings import Settled
 from rollbench.lowfi.friction.screw.groove import ScrewGroove, frame
-from rollbench.lowfi.friction.screw.load import Cell, ScrewLoad, settle_load
+from rollbench.lowfi.friction.screw.load import Cell, settle_load
 from rollbench.lowfi.friction.screw.motion import ball_motion
 from rollbench.lowfi.friction.screw.path import ON_SCREW, SIGN_X, SIGN_Z
 from rollbench.meshes.arrays import Array
@@ -63,7 +64,7 @@ class BearingState:
     points (N,): loaded contacts of each ball; converged: loads and every motion.
     """
 
-    load: ScrewLoad
+    load: Settled
     loss: Array
     torque: float
     points: NDArray[np.int64]
@@ -130,7 +131,7 @@ def free_motion(case: BearingCase, angle: float) -> str:
 
 def solve_bearing(case: BearingCase, angle: float, near: BearingState | None = None) -> BearingState:
     """Loads, motions and friction torque with the force at ``angle`` [rad] from the axis; near: a similar state."""
-    load = settle_load(bearing_cell(case, angle), None if near is None else (near.load.ball, near.load.screw))
+    load = settle_load(bearing_cell(case, angle), None if near is None else (near.load.ball, near.load.inner))
     loss, good, power = np.zeros_like(load.force), load.converged, 0.0
     for k in np.flatnonzero(load.force.sum(axis=1) > 0.0):
         ball = ball_motion(case.groove, load.force[k], load.angle[k])

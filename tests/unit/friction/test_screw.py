@@ -151,7 +151,7 @@ def test_loads_are_the_least_energy(rng: np.random.Generator) -> None:
     found = settle_load(cell)
     assert found.converged
     best = minimize(energy, np.zeros(6), method="BFGS", options={"gtol": 1e-9})
-    x = np.append(found.ball.ravel(), found.screw) / scale
+    x = np.append(found.ball.ravel(), found.inner) / scale
     assert energy(x) <= best.fun + 1e-12 * abs(best.fun)
     assert x == pytest.approx(best.x, abs=1e-3)
     p, u, h = rng.normal(size=(2, 2)) * 1e-6, rng.normal(size=2) * 1e-6, 1e-10
