@@ -11,7 +11,7 @@ from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.screw.coupled import PATIENCE
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.joint import solve_joint
-from rollbench.lowfi.friction.screw.load import Cell, screw_rows, settle_load
+from rollbench.lowfi.friction.screw.load import Cell, bare_cell, screw_rows, settle_load
 from rollbench.lowfi.friction.screw.motion import (
     AGREED,
     ROUNDS,
@@ -75,25 +75,11 @@ def pure_spin_moment(at: Contacts) -> Array:
     return np.asarray(0.375 * at.strength * at.a * ellipe(1.0 - (at.b / at.a) ** 2))
 
 
-def ball_cell(
-    groove: ScrewGroove, deviation: Array, oversize: float, free: str, force: Array, offset: Array | None = None
-) -> Cell:
-    """One ball at azimuth 0: deviations (4,) of its groove angles [rad], oversize of its radius [m], free, force (m,).
-
-    offset (2,): displacement of the screw along x3, z3 [m], besides its free motions.
-    """
+def ball_cell(groove: ScrewGroove, deviation: Array, oversize: float, free: str, force: Array) -> Cell:
+    """One ball at azimuth 0: deviations (4,) of its groove angles [rad], oversize of its radius [m], free, force (m,)."""
     angle = np.asarray(groove.contact_angle + deviation, dtype=float)[None, :]
-    place = np.zeros((1, 2)) if offset is None else np.asarray(offset, dtype=float).reshape(1, 2)
-    return Cell(
-        groove,
-        angle,
-        np.full((1, 4), float(oversize)),
-        screw_rows(groove, np.zeros(1), free),
-        np.asarray(force, dtype=float),
-        place,
-        np.zeros((1, 2)),
-        np.zeros(len(free)),
-    )
+    rows, pull = screw_rows(groove, np.zeros(1), free), np.asarray(force, dtype=float)
+    return bare_cell(groove, angle, np.full((1, 4), float(oversize)), rows, pull)
 
 
 @dataclass(frozen=True)

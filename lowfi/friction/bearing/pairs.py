@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.contact.rings import Settled
 from rollbench.lowfi.friction.screw.groove import ScrewGroove, frame
-from rollbench.lowfi.friction.screw.load import Cell, settle_load
+from rollbench.lowfi.friction.screw.load import Cell, bare_cell, settle_load
 from rollbench.lowfi.friction.screw.motion import ball_motion
 from rollbench.lowfi.friction.screw.path import ON_SCREW, SIGN_X, SIGN_Z
 from rollbench.meshes.arrays import Array
@@ -96,17 +96,8 @@ def bearing_cell(case: BearingCase, angle: float) -> Cell:
     force = case.force * np.array([np.sin(angle), 0.0, np.cos(angle)])
     if case.tilt:
         force = np.append(force, np.cross([0.0, 0.0, case.arm], force)[:2] / g.pitch_radius)
-    n = has.shape[0]
-    return Cell(
-        g,
-        np.full((n, 4), g.contact_angle),
-        np.where(has, -case.clearance, -2.0 * g.reach),
-        rows,
-        force,
-        np.zeros((n, 2)),
-        np.zeros((n, 2)),
-        np.zeros(rows.shape[2]),
-    )
+    interference = np.where(has, -case.clearance, -2.0 * g.reach)
+    return bare_cell(g, np.full(has.shape, g.contact_angle), interference, rows, force)
 
 
 def free_motion(case: BearingCase, angle: float) -> str:

@@ -19,6 +19,12 @@ from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.meshes.arrays import Array
 
 
+def bare_cell(groove: ScrewGroove, angle: Array, interference: Array, rows: Array, force: Array) -> Cell:
+    """A cell with no forces but ``force`` on the screw, which begins at its place."""
+    none = np.zeros((angle.shape[0], 2))
+    return Cell(groove, angle, interference, rows, force, none, none, np.zeros(force.size))
+
+
 @dataclass(frozen=True)
 class Cell:
     """N balls: groove angles (N, 4) [rad], interference (N, 4) [m] along each, screw's motion rows (N, 3, m) per u.
