@@ -6,11 +6,12 @@ import numpy as np
 from scipy.special import ellipe
 
 from rollbench.lowfi.friction.contact.ellipse import Contacts
+from rollbench.lowfi.friction.contact.rings import Settled
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.screw.coupled import PATIENCE
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.joint import solve_joint
-from rollbench.lowfi.friction.screw.load import Cell, ScrewLoad, screw_rows, settle_load
+from rollbench.lowfi.friction.screw.load import Cell, bare_cell, screw_rows, settle_load
 from rollbench.lowfi.friction.screw.motion import (
     AGREED,
     ROUNDS,
@@ -74,32 +75,18 @@ def pure_spin_moment(at: Contacts) -> Array:
     return np.asarray(0.375 * at.strength * at.a * ellipe(1.0 - (at.b / at.a) ** 2))
 
 
-def ball_cell(
-    groove: ScrewGroove, deviation: Array, oversize: float, free: str, force: Array, offset: Array | None = None
-) -> Cell:
-    """One ball at azimuth 0: deviations (4,) of its groove angles [rad], oversize of its radius [m], free, force (m,).
-
-    offset (2,): displacement of the screw along x3, z3 [m], besides its free motions.
-    """
+def ball_cell(groove: ScrewGroove, deviation: Array, oversize: float, free: str, force: Array) -> Cell:
+    """One ball at azimuth 0: deviations (4,) of its groove angles [rad], oversize of its radius [m], free, force (m,)."""
     angle = np.asarray(groove.contact_angle + deviation, dtype=float)[None, :]
-    place = np.zeros((1, 2)) if offset is None else np.asarray(offset, dtype=float).reshape(1, 2)
-    return Cell(
-        groove,
-        angle,
-        np.full((1, 4), float(oversize)),
-        screw_rows(groove, np.zeros(1), free),
-        np.asarray(force, dtype=float),
-        place,
-        np.zeros((1, 2)),
-        np.zeros(len(free)),
-    )
+    rows, pull = screw_rows(groove, np.zeros(1), free), np.asarray(force, dtype=float)
+    return bare_cell(groove, angle, np.full((1, 4), float(oversize)), rows, pull)
 
 
 @dataclass(frozen=True)
 class CoupledBall:
     """Loads and motion that agree. change: last change of the friction fed back [N]; converged: also the parts are."""
 
-    load: ScrewLoad
+    load: Settled
     motion: BallMotion
     change: float
     rounds: int
@@ -115,7 +102,7 @@ def coupled_ball(cell: Cell, coupling: Coupling = "ball and screw", fast: bool =
     if coupling == "ball":
         cell = hold_screw(cell, load)
         load = settle_load(cell, (load.ball, np.zeros(0)))
-    groove, mixer, bare = cell.groove, Mixer(), (load.ball, load.screw)
+    groove, mixer, bare = cell.groove, Mixer(), (load.ball, load.inner)
     push, drag, start = cell.push, cell.drag, None
     rounds, change, good = 0, np.inf, False
     while True:
@@ -134,6 +121,6 @@ def coupled_ball(cell: Cell, coupling: Coupling = "ball and screw", fast: bool =
         else:
             x = mixer.next(x, g)
             push, drag = x[:2].reshape(1, 2), x[2:]
-            load = settle_load(replace(cell, push=push, drag=drag), (load.ball, load.screw))
+            load = settle_load(replace(cell, push=push, drag=drag), (load.ball, load.inner))
         start = moved.motion.q
     return CoupledBall(load, moved, change, rounds, good and change <= AGREED * float(np.sum(load.force)))

@@ -7,7 +7,7 @@ from tests.helpers import FLANK_ERRORS, small_screw, solved
 
 from rollbench.lowfi.friction.whole.contacts import StaticContacts
 from rollbench.lowfi.friction.whole.state import friction_state
-from rollbench.meshes.helix import BallLayout
+from rollbench.meshes.helix import layout_at
 from rollbench.meshes.parts import Balls, Friction, Load, Material, Motion, Nut, Scene, Screw, Track
 
 MU, TURN = Friction(0.1, 0.1, feedback=False), Motion(10.0)
@@ -47,29 +47,18 @@ def mirrored(scene):
 
 def single(force, angle, groove):
     """Contacts of one ball at azimuth 0 with the groove's own Hertz constants."""
-    h, at = groove.constants, np.array(force, dtype=float)[None, :]
-    cube = np.cbrt(np.maximum(at, 1e-9 * at.max()))
-    c, s = np.cos(groove.lead_angle), np.sin(groove.lead_angle)
-    layout = BallLayout(
-        np.zeros(1),
-        np.zeros(1),
-        np.array([[groove.pitch_radius, 0.0, 0.0]]),
-        np.array([[1.0, 0.0, 0.0]]),
-        np.array([[0.0, -s, c]]),
-        np.array([[0.0, c, s]]),
-    )
-    return StaticContacts(
-        np.array([groove.ball_radius]),
-        at,
-        np.array(angle, dtype=float)[None, :],
-        h.C_a * cube,
-        h.C_b * cube,
-        np.ones((1, 4), dtype=bool),
-        layout,
-    )
+    return contacts_in(groove, np.array(force, dtype=float)[None, :], np.array(angle, dtype=float)[None, :], np.zeros(1))
 
 
-def scene_of(groove):
+def contacts_in(groove, force, angle, azimuth):
+    """Contacts of N balls in a groove with its Hertz constants; force, angle (N, 4), azimuth (N,)."""
+    h, cube = groove.constants, np.cbrt(np.maximum(force, 1e-9 * force.max()))
+    layout = layout_at(scene_of(groove).track, azimuth, groove.ratio * azimuth)
+    size, across = np.full(azimuth.size, groove.ball_radius), np.ones(force.shape, dtype=bool)
+    return StaticContacts(size, force, angle, h.C_a * cube, h.C_b * cube, across, layout)
+
+
+def scene_of(groove, azimuth=(0.0,)):
     """A screw with the kinematics of the groove."""
     steel = Material(groove.young, groove.poisson)
     track = Track(groove.pitch_radius, abs(groove.lead), groove.contact_angle, "left" if groove.lead < 0.0 else "right")
@@ -79,5 +68,5 @@ def scene_of(groove):
         track,
         Screw(0.2, 2.0 * groove.pitch_radius, groove.groove_radius, steel),
         Nut(0.1, 0.05, 0.1, groove.groove_radius, steel),
-        Balls(groove.ball_radius, steel, (0.0,)),
+        Balls(groove.ball_radius, steel, tuple(azimuth)),
     )

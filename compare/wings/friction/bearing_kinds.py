@@ -13,7 +13,6 @@ from rollbench.comparison.wings.friction import answer
 from rollbench.comparison.wings.friction.kinds.bearings import BearingBallScene, BearingPairScene
 from rollbench.comparison.wings.friction.screw_kinds import screw_warnings, sliding
 from rollbench.lowfi.friction.bearing import rotary
-from rollbench.lowfi.friction.bearing.module_load import ModuleLoad
 from rollbench.lowfi.friction.bearing.pairs import BearingCase, BearingState, bearing_states, free_motion
 from rollbench.lowfi.friction.contact.ellipse import Contacts
 from rollbench.lowfi.friction.contact.laws import Regularised
@@ -25,6 +24,7 @@ from rollbench.lowfi.friction.contact.motion import (
     least_dissipation,
     without_friction,
 )
+from rollbench.lowfi.friction.contact.rings import Settled
 from rollbench.lowfi.statics.validity import size_warnings
 
 
@@ -49,7 +49,7 @@ def ball_status(loaded: bool, balanced: bool, motion: str) -> str:
     return "no balance of friction found" if motion == "failed" else "converged"
 
 
-def ball_row(load: ModuleLoad, at: Contacts, motion: Motion) -> dict[str, Any]:
+def ball_row(load: Settled, at: Contacts, motion: Motion) -> dict[str, Any]:
     """The ball; x of a contact lies across its groove, z along it. Loads and friction lie in planes of symmetry."""
     orbit, omega_x, omega_y = motion.q
     f = motion.friction
@@ -121,7 +121,7 @@ def solve_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
         "torque": {"friction_torque_Nmm": by_loss, "driving_torque_on_screw_Nmm": number(1e3 * torque)},
         "energy": power,
         "solver": {
-            "load_imbalance_N": number(load.imbalance),
+            "load_imbalance_N": number(load.left),
             "friction_imbalance_N": number(motion.imbalance),
             "load_steps": load.steps,
             "motion_steps": motion.steps,

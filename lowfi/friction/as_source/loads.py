@@ -13,8 +13,9 @@ from scipy.optimize import root
 
 from rollbench.lowfi.friction.as_source.chain import ACCEPTED
 from rollbench.lowfi.friction.contact.motion import HYBRID
-from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z
-from rollbench.lowfi.friction.screw.load import Cell, ScrewLoad
+from rollbench.lowfi.friction.contact.rings import Settled
+from rollbench.lowfi.friction.screw.load import Cell
+from rollbench.lowfi.friction.screw.path import ON_SCREW, SIGN_X, SIGN_Z
 from rollbench.meshes.arrays import Array
 
 
@@ -58,7 +59,7 @@ def first_place(cell: Cell) -> Places:
     return Places(0.5 * (cell.section @ screw + cell.offset), cell.angle.copy(), screw)
 
 
-def loads_by_root(cell: Cell, start: Places | None = None) -> ScrewLoad:
+def loads_by_root(cell: Cell, start: Places | None = None) -> Settled:
     """Loads of a cell of N balls as a root of 6 N + m equations; from ``first_place`` where start is None.
 
     left [N]: largest force out of balance; steps: calls; ``converged`` is False where no root is found.
@@ -82,4 +83,4 @@ def loads_by_root(cell: Cell, start: Places | None = None) -> ScrewLoad:
     force, _, _ = contact_forces(cell, places)
     left = float(np.max(np.abs(solution.fun))) * scale
     good = left <= ACCEPTED * (scale * n + float(force.sum()))
-    return ScrewLoad(force, places.gamma, places.ball, places.screw, left, int(solution.nfev), good)
+    return Settled(force, places.gamma, places.ball, places.screw, left, int(solution.nfev), good)

@@ -80,7 +80,7 @@ def simulate_by_root(run: Run, steps: int | None = None) -> SourceRun:
     for k in range(steps or run.steps):
         azimuths, loaded = run.place(azimuth, g.speed * dt * k)
         load = loads_by_root(run_cell(run, azimuths, loaded), None if before is None else before.at)
-        at = Places(load.ball, load.angle, load.screw)
+        at = Places(load.ball, load.angle, load.inner)
         motion, order = _step(run, load.force, load.angle, gap <= 0.0, law, before)
         good = load.converged and motion.status != "failed"
         force, q, free = np.zeros(n), np.empty((n, 4)), np.empty((n, 4))

@@ -27,8 +27,9 @@ from rollbench.lowfi.friction.as_source.chain import (
 from rollbench.lowfi.friction.as_source.loads import Places, contact_forces, loads_by_root
 from rollbench.lowfi.friction.contact.laws import Law
 from rollbench.lowfi.friction.contact.motion import HYBRID
+from rollbench.lowfi.friction.contact.rings import Settled
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
-from rollbench.lowfi.friction.screw.load import Cell, ScrewLoad
+from rollbench.lowfi.friction.screw.load import Cell
 from rollbench.lowfi.friction.screw.motion import contact_wrench, hold_screw, screw_contacts, source_law
 from rollbench.lowfi.friction.screw.pair import Pair, PairResult
 from rollbench.meshes.arrays import Array, Mask
@@ -77,7 +78,7 @@ class SourceState:
 class SourceScrew:
     """Balls of a screw by the source's method: loads without friction, then contact forces (N, 4) [N] with it, motion."""
 
-    load: ScrewLoad
+    load: Settled
     force: Array
     angle: Array
     motion: SourceMotion
@@ -149,7 +150,7 @@ def state_of(result: PairResult, touching: bool) -> SourceState:
     return SourceState(at, solution.load.force, solution.motion.q, solution.motion.ball_force[:1], 0.0, 0)
 
 
-def at_given_loads(cell: Cell, load: ScrewLoad, law: Law) -> SourceState:
+def at_given_loads(cell: Cell, load: Settled, law: Law) -> SourceState:
     """Balls alone at loads without friction, searched from rolling: the start where no other is given."""
     n, pair = cell.angle.shape[0], neighbours(cell.groove)
     none, first = np.zeros(n - 1), np.tile(pair.nominal, (n, 1))
@@ -158,12 +159,7 @@ def at_given_loads(cell: Cell, load: ScrewLoad, law: Law) -> SourceState:
 
 
 def coupled_by_root(
-    cell: Cell,
-    load: ScrewLoad,
-    reach: Mask,
-    law: Law,
-    start: SourceState | None = None,
-    touching: SourceState | None = None,
+    cell: Cell, load: Settled, reach: Mask, law: Law, start: SourceState | None = None, touching: SourceState | None = None
 ) -> SourceScrew:
     """N balls whose friction changes their loads; load: without friction; reach (N-1,): neighbours near enough.
 

@@ -11,9 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, ScrewGroove, frame
-from rollbench.lowfi.friction.screw.load import Cell, ScrewLoad, settle_load
+from rollbench.lowfi.friction.contact.rings import Settled
+from rollbench.lowfi.friction.screw.groove import ScrewGroove, frame
+from rollbench.lowfi.friction.screw.load import Cell, bare_cell, settle_load
 from rollbench.lowfi.friction.screw.motion import ball_motion
+from rollbench.lowfi.friction.screw.path import ON_SCREW, SIGN_X, SIGN_Z
 from rollbench.meshes.arrays import Array
 
 #: Freedoms of the inner ring in the order of the unknowns, and the smallest part that is not round-off.
@@ -62,7 +64,7 @@ class BearingState:
     points (N,): loaded contacts of each ball; converged: loads and every motion.
     """
 
-    load: ScrewLoad
+    load: Settled
     loss: Array
     torque: float
     points: NDArray[np.int64]
@@ -94,17 +96,8 @@ def bearing_cell(case: BearingCase, angle: float) -> Cell:
     force = case.force * np.array([np.sin(angle), 0.0, np.cos(angle)])
     if case.tilt:
         force = np.append(force, np.cross([0.0, 0.0, case.arm], force)[:2] / g.pitch_radius)
-    n = has.shape[0]
-    return Cell(
-        g,
-        np.full((n, 4), g.contact_angle),
-        np.where(has, -case.clearance, -2.0 * g.reach),
-        rows,
-        force,
-        np.zeros((n, 2)),
-        np.zeros((n, 2)),
-        np.zeros(rows.shape[2]),
-    )
+    interference = np.where(has, -case.clearance, -2.0 * g.reach)
+    return bare_cell(g, np.full(has.shape, g.contact_angle), interference, rows, force)
 
 
 def free_motion(case: BearingCase, angle: float) -> str:
@@ -129,7 +122,7 @@ def free_motion(case: BearingCase, angle: float) -> str:
 
 def solve_bearing(case: BearingCase, angle: float, near: BearingState | None = None) -> BearingState:
     """Loads, motions and friction torque with the force at ``angle`` [rad] from the axis; near: a similar state."""
-    load = settle_load(bearing_cell(case, angle), None if near is None else (near.load.ball, near.load.screw))
+    load = settle_load(bearing_cell(case, angle), None if near is None else (near.load.ball, near.load.inner))
     loss, good, power = np.zeros_like(load.force), load.converged, 0.0
     for k in np.flatnonzero(load.force.sum(axis=1) > 0.0):
         ball = ball_motion(case.groove, load.force[k], load.angle[k])

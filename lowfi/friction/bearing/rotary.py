@@ -7,12 +7,11 @@ Friction does not change the contact loads here: they lie in the x-y plane, fric
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
 
-from rollbench.lowfi.friction.bearing.module_load import ModuleLoad, settle_module
 from rollbench.lowfi.friction.contact.ellipse import Contacts, contacts
 from rollbench.lowfi.friction.contact.laws import Sigmoid
 from rollbench.lowfi.friction.contact.motion import (
@@ -22,6 +21,8 @@ from rollbench.lowfi.friction.contact.motion import (
     balance_by_sharpening,
     least_dissipation,
 )
+from rollbench.lowfi.friction.contact.records import CellArrays
+from rollbench.lowfi.friction.contact.rings import Settled, settle_cell
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants, printed_hertz
 from rollbench.meshes.arrays import Array
 
@@ -73,7 +74,7 @@ class Solution:
     """A ball under load: loads, contacts, the problem of motion, its solution, torque on the inner ring [N m]."""
 
     bearing: Bearing
-    load: ModuleLoad
+    load: Settled
     at: Contacts
     problem: Problem
     motion: Motion
@@ -108,14 +109,31 @@ def groove_hertz(bearing: Bearing, mode: Mode = "right") -> GrooveHertz:
     return GrooveHertz(C=rows[:, 0], C_a=rows[:, 1], C_b=rows[:, 2])
 
 
-def bearing_load(bearing: Bearing, force_x: float, u_y: float, mode: Mode = "right") -> ModuleLoad:
+def bearing_load(bearing: Bearing, force_x: float, u_y: float, mode: Mode = "right") -> Settled:
     """Contact loads for an axial force [N] on the inner ring and its radial displacement u_y [m] towards the ball.
 
-    Groove centres at the nominal contact angle (Lin 3.2.2). Loads, actual contact angles, positions of ring and ball.
+    Groove centres at the nominal contact angle (Lin 3.2.2). Loads (4,), actual contact angles (4,) from the radial line,
+    place of the ball (2,) along x, y and of the ring (1,) along x. A ring is a screw of zero lead: the least of the energy
+    of `lowfi.friction.contact.rings` over its axial displacement and the ball's centre. Contact forces are unique; with
+    no force and play the ball floats, and its place is where the search ends.
     """
     normals = np.stack([SIGN_X * np.sin(bearing.contact_angle), SIGN_Y * np.cos(bearing.contact_angle)], axis=1)
-    reach = bearing.groove_radius - bearing.ball_radius
-    return settle_module(normals, reach, bearing.clearance, groove_hertz(bearing, mode).C, force_x, u_y)
+    reach, C = bearing.groove_radius - bearing.ball_radius, groove_hertz(bearing, mode).C
+    cell = CellArrays(
+        start=np.ascontiguousarray(reach * normals[None]),
+        interference=np.full((1, 4), -bearing.clearance),
+        C=np.ascontiguousarray(C),
+        section=np.array([[[1.0], [0.0]]]),
+        offset=np.array([[0.0, u_y]]),
+        push=np.zeros((1, 2)),
+        pull=np.array([force_x]),
+        reach=reach,
+    )
+    typical = float(np.max(C)) * max(abs(force_x), 1e-6) ** (2.0 / 3.0) + max(bearing.clearance, 0.0) + abs(u_y)
+    way = typical * float(np.sign(force_x))
+    start = np.array([[2.0 * way, 0.5 * u_y]]), np.array([4.0 * way])
+    found = settle_cell(cell, abs(force_x), *start, lambda n: np.arctan2(np.abs(n[..., 0]), np.abs(n[..., 1])))
+    return replace(found, force=found.force[0], angle=found.angle[0], ball=found.ball[0])
 
 
 def contact_maps(bearing: Bearing, angles: Array, free_z: bool = False) -> tuple[Array, Array]:
@@ -140,20 +158,20 @@ def contact_maps(bearing: Bearing, angles: Array, free_z: bool = False) -> tuple
     return maps, drives
 
 
-def ball_contacts(bearing: Bearing, load: ModuleLoad, mode: Mode = "right") -> Contacts:
+def ball_contacts(bearing: Bearing, load: Settled, mode: Mode = "right") -> Contacts:
     """Friction contacts of the loaded ball; an unloaded one keeps a vanishing ellipse."""
     h = groove_hertz(bearing, mode)
     cube = np.cbrt(np.maximum(load.force, max(1e-9 * float(np.max(load.force)), 1e-30)))
     return contacts(h.C_a * cube, h.C_b * cube, load.force, bearing.mu)
 
 
-def motion_problem(bearing: Bearing, load: ModuleLoad, at: Contacts, free_z: bool = False) -> Problem:
+def motion_problem(bearing: Bearing, load: Settled, at: Contacts, free_z: bool = False) -> Problem:
     """The problem of motion at given loads and angles; works for two, three or four loaded contacts."""
     maps, drives = contact_maps(bearing, load.angle, free_z)
     return Problem(at=at, maps=maps, drives=drives, push=np.zeros(maps.shape[2]))
 
 
-def inner_torque(bearing: Bearing, load: ModuleLoad, motion: Motion) -> float:
+def inner_torque(bearing: Bearing, load: Settled, motion: Motion) -> float:
     """Torque [N m] about the axis that keeps the inner ring turning: friction's moment on the ball at its contacts."""
     radius = bearing.pitch_radius + SIGN_Y * bearing.ball_radius * np.cos(load.angle)
     along = -SIGN_X * np.sin(load.angle)  # of each contact's y on the axis

@@ -6,6 +6,7 @@ one stands, and every ball has its place in the plane of its section.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,13 +21,13 @@ STEPS = 600
 
 @dataclass(frozen=True)
 class Settled:
-    """Contact forces (N, 4) [N] and normals (N, 4, 2), positions of balls (N, 2) and inner body (m,) [m].
+    """Contact forces (N, 4) [N], actual contact angles (N, 4) [rad], positions of balls (N, 2) and inner body (m,) [m].
 
     left: largest force out of balance [N]; converged: whether that is below 1e-8 of the sum of forces.
     """
 
     force: Array
-    normal: Array
+    angle: Array
     ball: Array
     inner: Array
     left: float
@@ -40,17 +41,20 @@ def cell_state(cell: CellArrays) -> CellState:
     return CellState(np.zeros((n, 2)), np.zeros(m), np.zeros((n, 4, 3)), np.zeros((n, 4)), np.zeros((n, 4, 2)))
 
 
-def settle_cell(cell: CellArrays, load: float, ball: Array, inner: Array, fast: bool = False) -> Settled:
+def settle_cell(
+    cell: CellArrays, load: float, ball: Array, inner: Array, angles: Callable[[Array], Array], fast: bool = False
+) -> Settled:
     """Loads from positions of balls (N, 2) and inner body (m,) [m], overwritten; forces do not depend on the start.
 
-    load: sum of the sizes of the given forces [N]. Minimises sum (2/5) C^(-3/2) <approach>^(5/2) - pull . u - push . p
-    by Newton with line search, in the compiled kernels if ``fast``. Valid for approaches far below the reach r_G - r_B.
+    load: sum of the sizes of the given forces [N]; angles: contact angles from normals (N, 4, 2). Minimises
+    sum (2/5) C^(-3/2) <approach>^(5/2) - pull . u - push . p by Newton with line search, in the compiled kernels if
+    ``fast``. Valid for approaches far below the reach r_G - r_B.
     """
     state = cell_state(cell)
     steps = int(kernels(CONTACT, compiled=fast).minimise_energy(cell, load, ball, inner, state, GOAL, STEPS))
     left = float(max(np.max(np.abs(state.ball), initial=0.0), np.max(np.abs(state.inner), initial=0.0)))
     good = left <= ACCEPTED * (load + float(np.sum(state.force)))
-    return Settled(state.force, state.normal, ball, inner, left, steps, good)
+    return Settled(state.force, angles(state.normal), ball, inner, left, steps, good)
 
 
 def settle_each(

@@ -13,7 +13,8 @@ from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.meshes.arrays import Array
 
 
-def _second_kind(axis_ratio: float) -> float:
+def second_kind(axis_ratio: float) -> float:
+    """Complete elliptic integral E(e) of an ellipse b/a."""
     from scipy.special import ellipe
 
     return float(ellipe(1.0 - axis_ratio**2))
@@ -54,5 +55,5 @@ def spin_loss(bearing: LinearBearing, loads: Array) -> Array:
     """
     constants = bearing.hertz()
     spin = 0.5 * abs(bearing.speed) * np.tan(bearing.contact_angle) / bearing.ball_radius
-    ellip = _second_kind(float(constants.C_b / constants.C_a))
+    ellip = second_kind(float(constants.C_b / constants.C_a))
     return np.asarray(0.375 * bearing.mu * loads * constants.C_a * np.cbrt(loads) * ellip * spin)

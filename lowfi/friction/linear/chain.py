@@ -23,10 +23,11 @@ from typing import Literal
 
 import numpy as np
 
+from rollbench.lowfi.friction.contact.ellipse import cubic_factor, linear_factor
+from rollbench.lowfi.friction.linear.analytic import second_kind
 from rollbench.lowfi.friction.linear.bearing import MOVING, LinearBearing, directions, semi_axes
-from rollbench.lowfi.friction.linear.kernel.band import FILLED, WIDTH
-from rollbench.lowfi.friction.linear.quadrature import contact_shape, node_count, nodes
-from rollbench.lowfi.friction.linear.records import ChainArrays, ChainState, Work
+from rollbench.lowfi.friction.linear.kernel import FILLED, WIDTH
+from rollbench.lowfi.friction.linear.records import ChainArrays, ChainPoint, Work
 from rollbench.lowfi.jit import LINEAR, kernels
 from rollbench.meshes.arrays import Array, Mask
 
@@ -44,6 +45,8 @@ ANOTHER = 1e-3
 RISEN, FALLING = (0.3, 1.0), 0.85
 #: Most Newton steps.
 STEPS = 50_000
+#: Narrowest ellipse b/a for which friction is good to many digits.
+NARROWEST = 1e-3
 
 
 @dataclass(frozen=True)
@@ -128,31 +131,40 @@ def prepare(bearing: LinearBearing, angles: Array, loads: Array, touching: Mask 
     contacts[..., 2] = MOVING * sign
     contacts[..., 3] = bounds / scale if scale > 0.0 else 0.0
     contacts[..., 4] = a / bearing.ball_radius
-    constants = bearing.hertz()
-    ratio = float(constants.C_b / constants.C_a)
-    shapes = np.ascontiguousarray(np.broadcast_to(np.array(contact_shape(ratio)), (count, 4, 4)))
     hold = HOLD * np.maximum(contacts[..., 3].sum(axis=1), HOLD)
     nominal = np.tile(np.array([0.5, 0.5 / np.cos(bearing.contact_angle), 0.0]) * sign, (count, 1))
-    table = nodes(node_count(ratio)).table
-    arrays = ChainArrays(contacts, shapes, table, closed, float(bearing.mu_balls), hold, nominal)
+    arrays = ChainArrays(contacts, contact_shape(bearing), closed, float(bearing.mu_balls), hold, nominal)
     return Chain(bearing, arrays, scale, sign)
 
 
+def contact_shape(bearing: LinearBearing) -> Array:
+    """Constants (b/a, q0, k1, k3) of the contacts' ellipses: where one spins about a point within it at t = c/a,
+
+    with force F and mu = 1, f = F (k1 t - k3 t^3) and moment about the contact's centre M = a F (q0 - k1 t2/2 + 3 k3 t4/4);
+    q0 = 3 E(e)/8 is Lin (3.32). Raises ValueError for b/a below 1e-3.
+    """
+    constants = bearing.hertz()
+    ratio = float(constants.C_b / constants.C_a)
+    if not ratio >= NARROWEST:
+        raise ValueError(f"ratio b/a of the semi-axes must lie in [{NARROWEST}, 1], not {ratio}")
+    return np.array([ratio, 0.375 * second_kind(ratio), linear_factor(ratio), cubic_factor(ratio)])
+
+
 def solve_linear_chain(chain: Chain, start: Array | None = None, fast: bool = True) -> ChainResult:
-    """Motion and forces of the chain from a start x ``(N, 3)`` as in ``kernel.energy``, which has no influence.
+    """Motion and forces of the chain from a start x ``(N, 3)`` as in ``kernel.equations``, which has no influence.
 
     A carriage at rest, or a chain without load, has no motion and no friction force (any force below the bound would
     do). Lin (3.25)-(3.31) with exact Coulomb friction in place of the sigmoid (3.20). Checked for 2 to 200 balls at
     mu_balls 0 to 0.5, contacts without load included; ``status`` tells where forces are not in balance. Where a ball
     has motions without resistance (less than three contacts), forces are unique and these motions only roughly so.
     """
-    state, push, work = _room(chain)
+    point, work = _room(chain)
     if start is not None:
-        state.drift[:] = np.asarray(start, dtype=float) - chain.problem.nominal
+        point.drift[:] = np.asarray(start, dtype=float) - chain.problem.nominal
     if chain.scale == 0.0 or chain.sign == 0.0:
-        return _result(chain, state, push, (0, 0.0), fast)
-    done = kernels(LINEAR, compiled=fast).chain_motion(chain.problem, state, push, work, CREEP, TOLERANCE, STEPS)
-    return _result(chain, state, push, done, fast)
+        return _result(chain, point, (0, 0.0), fast)
+    done = kernels(LINEAR, compiled=fast).chain_motion(chain.problem, point, work, CREEP, TOLERANCE, STEPS)
+    return _result(chain, point, done, fast)
 
 
 def may_jam(chain: Chain) -> bool:
@@ -171,18 +183,18 @@ def second_state(chain: Chain, known: ChainResult, fast: bool = True) -> ChainRe
 
     def states() -> Iterator[ChainResult]:
         for start in range(engine.STARTS):
-            state, push, work = _room(chain)
-            done = engine.other_motion(chain.problem, state, push, work, CREEP, TOLERANCE, STEPS, start)
-            yield _result(chain, state, push, done, fast)
+            point, work = _room(chain)
+            done = engine.other_motion(chain.problem, point, work, CREEP, TOLERANCE, STEPS, start)
+            yield _result(chain, point, done, fast)
         for mu in (mu for mu in RISEN if mu > chain.bearing.mu_balls):
-            state, push, work = _room(chain)
+            point, work = _room(chain)
             at = chain.problem._replace(mu=mu)
-            done = engine.other_motion(at, state, push, work, CREEP, TOLERANCE, STEPS, 0)
-            while at.mu > chain.bearing.mu_balls and done[1] <= ACCEPTED and push.max() > 0.0:
+            done = engine.other_motion(at, point, work, CREEP, TOLERANCE, STEPS, 0)
+            while at.mu > chain.bearing.mu_balls and done[1] <= ACCEPTED and point.z.max() > 0.0:
                 at = at._replace(mu=max(at.mu * FALLING, chain.bearing.mu_balls))
-                done = engine.motion_from(at, state, push, work, CREEP, TOLERANCE)
+                done = engine.motion_from(at, point, work, CREEP, TOLERANCE)
             if at.mu == chain.bearing.mu_balls:
-                yield _result(chain, state, push, done, fast)
+                yield _result(chain, point, done, fast)
 
     if not may_jam(chain):
         return None
@@ -191,24 +203,22 @@ def second_state(chain: Chain, known: ChainResult, fast: bool = True) -> ChainRe
     return max(others, key=lambda other: float(other.ball_force.max()), default=None)
 
 
-def _room(chain: Chain) -> tuple[ChainState, Array, Work]:
+def _room(chain: Chain) -> tuple[ChainPoint, Work]:
     """Nominal motion, no forces between balls, and room for Newton's method."""
     count, n = chain.count, 4 * chain.count
-    state = ChainState(np.zeros((count, 4, 2)), np.zeros((count - 1, 3)), np.zeros((count, 3)))
-    work = Work(np.empty((n, WIDTH)), np.empty((n, FILLED)), np.empty(n), np.empty(n), np.zeros(n))
-    return state, np.zeros(count - 1), work
+    point = ChainPoint(np.zeros((count, 4, 2)), np.zeros((count - 1, 3)), np.zeros((count, 3)), np.zeros(count - 1))
+    return point, Work(np.empty((n, WIDTH)), np.empty((n, FILLED)), np.empty(n), np.empty(n), np.zeros(n))
 
 
-def _result(chain: Chain, state: ChainState, push: Array, done: tuple[int, float], fast: bool) -> ChainResult:
-    contacts, shapes, table, _, mu_balls, _, nominal = chain.problem
-    slips, pair, drift = state
+def _result(chain: Chain, point: ChainPoint, done: tuple[int, float], fast: bool) -> ChainResult:
+    contacts, shape, _, mu_balls, _, nominal = chain.problem
+    slips, pair, drift, push = point
     speed = abs(chain.bearing.speed)
     x = (nominal + drift) * speed
     force, moment = np.zeros(slips.shape[:2]), np.zeros(slips.shape[:2])
     law = kernels(LINEAR, compiled=fast).regularised
     for j, i in np.ndindex(*force.shape):
-        _, f, m, *_ = law(slips[j, i, 0], slips[j, i, 1], shapes[j, i], table, CREEP)
-        force[j, i], moment[j, i] = f, m
+        force[j, i], moment[j, i], *_ = law(slips[j, i, 0], slips[j, i, 1], shape, CREEP)
     scale = chain.scale if chain.bearing.mu > 0.0 else 0.0
     bound = scale * contacts[..., 3]
     rub = np.hypot(pair[:, 1], pair[:, 2])

@@ -71,8 +71,12 @@ def _elastic(bearing: LinearBearing, angles: Array, vertical: float, rho: float)
         pull=pull,
         reach=slack,
     )
-    settled = settle_cell(cell, float(np.linalg.norm(pull)), place[None].copy(), 2.0 * place)
+
+    def angles_of(normal: Array) -> Array:
+        outward = SENSE * normal[:, TOP_FIRST]
+        return np.asarray(np.arctan2(outward[..., 0], outward[..., 1]))
+
+    settled = settle_cell(cell, float(np.linalg.norm(pull)), place[None].copy(), 2.0 * place, angles_of)
     if not settled.converged:
         raise ArithmeticError(f"contact loads out of balance by {settled.left:.1e} N after {settled.steps} steps")
-    outward = SENSE * settled.normal[0, TOP_FIRST]
-    return settled.force[0, TOP_FIRST], np.arctan2(outward[:, 0], outward[:, 1])
+    return settled.force[0, TOP_FIRST], settled.angle[0]

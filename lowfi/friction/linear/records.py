@@ -17,10 +17,8 @@ class ChainArrays(NamedTuple):
 
     #: Direction (n_x, n_y), speed of the body in contact, friction bound, semi-axis a over the ball's radius; (N, C, 5).
     contacts: Array
-    #: Constants (N, C, 4) of the contacts' friction, see `lowfi.friction.linear.kernel.law`.
-    shapes: Array
-    #: Squared sines and weights of the quadrature (2, m).
-    nodes: Array
+    #: Constants (4,) of the contacts' friction, see `lowfi.friction.linear.chain.contact_shape`.
+    shape: Array
     #: 1 where neighbours touch, else 0 (N - 1,).
     closed: Array
     #: Coefficient of friction from ball to ball.
@@ -31,22 +29,15 @@ class ChainArrays(NamedTuple):
     nominal: Array
 
 
-class ChainState(NamedTuple):
-    """Linear functions of the unknowns, moved by increments so that nothing cancels where contacts stick."""
+class ChainPoint(NamedTuple):
+    """Linear functions of the unknowns, moved by increments so that nothing cancels where contacts stick, and ball-to-ball
+    contacts."""
 
     #: Sliding and spinning speed of the contacts (N, C, 2).
     slip: Array
     #: Closing speed and sliding (2) of neighbours (N - 1, 3).
     pair: Array
     #: Deviation (N, 3) from the nominal motion.
-    drift: Array
-
-
-class ChainPoint(NamedTuple):
-    """A state with its ball-to-ball contacts."""
-
-    slip: Array
-    pair: Array
     drift: Array
     #: Unknowns (N - 1,) of the contacts: force where positive, rate of the gap turned round where negative.
     z: Array

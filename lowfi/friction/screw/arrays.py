@@ -6,8 +6,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from rollbench.lowfi.friction.screw.groove import ON_SCREW, Grooved
-from rollbench.lowfi.friction.screw.path import HelicalMotion
+from rollbench.lowfi.friction.screw.groove import Grooved
+from rollbench.lowfi.friction.screw.path import ON_SCREW, HelicalMotion
 from rollbench.lowfi.friction.screw.records import GrooveArrays
 from rollbench.meshes.arrays import Array
 

@@ -10,9 +10,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rollbench.lowfi.friction.contact.rings import Settled
 from rollbench.lowfi.friction.screw.chain import Chain, ChainMotion, solve_chain
 from rollbench.lowfi.friction.screw.joint import solve_joint
-from rollbench.lowfi.friction.screw.load import Cell, ScrewLoad, settle_load
+from rollbench.lowfi.friction.screw.load import Cell, settle_load
 from rollbench.lowfi.friction.screw.motion import AGREED, ROUNDS, Coupling, Mixer, feedback, hold_screw
 from rollbench.meshes.arrays import Array
 
@@ -28,8 +29,8 @@ class CoupledChain:
     ``AGREED`` of the sum of contact forces, loads and motion in balance.
     """
 
-    bare: ScrewLoad
-    load: ScrewLoad
+    bare: Settled
+    load: Settled
     motion: ChainMotion
     change: float
     rounds: int
@@ -66,13 +67,13 @@ def coupled_chain(
     Not always unique: a ball that bears no load in ``bare``, or next to none, may float or be wedged between the
     grooves by its own friction. What is found then depends on where the search begins.
     """
-    bare = settle_load(cell, None if near is None else (near.bare.ball, near.bare.screw))
+    bare = settle_load(cell, None if near is None else (near.bare.ball, near.bare.inner))
     held = hold_screw(cell, bare) if coupling == "ball" else cell
     m = held.rows.shape[2]
     if guess is None:
         guess = _guess(held, coupling, near)
     push, drag, start = guess.push, guess.drag[:m], (guess.q, guess.ball_force)
-    place, mixer, count = (bare.ball, bare.screw[:m]), Mixer(), 0
+    place, mixer, count = (bare.ball, bare.inner[:m]), Mixer(), 0
     while True:
         alike = held is cell and np.array_equal(push, cell.push) and np.array_equal(drag, cell.drag)
         load = bare if alike else settle_load(replace(held, push=push, drag=drag), place)
@@ -84,8 +85,8 @@ def coupled_chain(
         if agreed or count == rounds:
             return CoupledChain(bare, load, moved, change, count, agreed and load.converged and moved.converged)
         if count == PATIENCE:
-            like = None if near is None else (near.load.ball, near.load.screw)
-            joint = solve_joint(held, slack, (bare.ball, bare.screw[:m]), like)
+            like = None if near is None else (near.load.ball, near.load.inner)
+            joint = solve_joint(held, slack, (bare.ball, bare.inner[:m]), like)
             if joint.done:
                 push, drag, place = joint.push, joint.drag, (joint.ball, joint.screw)
                 start = (joint.q, joint.ball_force)
@@ -94,7 +95,7 @@ def coupled_chain(
         push, drag = x[: push.size].reshape(push.shape), x[push.size :]
         # no friction on a ball without load: what the mixer makes of it would push the ball about
         push = np.where(np.any(moved.wrench != 0.0, axis=(1, 2))[:, None], push, new_push)
-        place, start = (load.ball, load.screw), (moved.q, moved.ball_force)
+        place, start = (load.ball, load.inner), (moved.q, moved.ball_force)
 
 
 def _guess(cell: Cell, coupling: Coupling, near: CoupledChain | None) -> Guess:

@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rollbench.lowfi.friction.screw.path import ON_SCREW, SIGN_X, SIGN_Z, HelicalMotion, contact_axes
+from rollbench.lowfi.friction.screw.path import HelicalMotion
 from rollbench.lowfi.hertz import contact_modulus, printed_hertz
 from rollbench.lowfi.statics.problem import nominal_hertz
 from rollbench.meshes.arrays import Array
@@ -24,20 +24,6 @@ from rollbench.meshes.roots import brentq
 from rollbench.meshes.surface import printed_radii
 
 Mode = Literal["right", "as printed"]
-
-__all__ = [
-    "ON_SCREW",
-    "SIGN_X",
-    "SIGN_Z",
-    "Constants",
-    "Mode",
-    "PairGeometry",
-    "ScrewGroove",
-    "contact_axes",
-    "contact_spacing",
-    "frame",
-    "pair_geometry",
-]
 
 
 @dataclass(frozen=True)

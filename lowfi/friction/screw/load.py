@@ -11,11 +11,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from rollbench.lowfi.friction.contact.records import CellArrays
-from rollbench.lowfi.friction.contact.rings import settle_cell
+from rollbench.lowfi.friction.contact.rings import Settled, settle_cell
 from rollbench.lowfi.friction.screw.arrays import plain_array
-from rollbench.lowfi.friction.screw.groove import SIGN_X, SIGN_Z, ScrewGroove, frame
+from rollbench.lowfi.friction.screw.groove import ScrewGroove, frame
+from rollbench.lowfi.friction.screw.path import SIGN_X, SIGN_Z
 from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.meshes.arrays import Array
+
+
+def bare_cell(groove: ScrewGroove, angle: Array, interference: Array, rows: Array, force: Array) -> Cell:
+    """A cell with no forces but ``force`` on the screw, which begins at its place."""
+    none = np.zeros((angle.shape[0], 2))
+    return Cell(groove, angle, interference, rows, force, none, none, np.zeros(force.size))
 
 
 @dataclass(frozen=True)
@@ -41,22 +48,6 @@ class Cell:
         return self.rows[:, [0, 2]]
 
 
-@dataclass(frozen=True)
-class ScrewLoad:
-    """Contact forces (N, 4) [N], actual contact angles (N, 4) [rad], positions of balls (N, 2) and screw (m,) [m].
-
-    left: largest force out of balance [N]; converged: whether that is below 1e-8 of the sum of forces.
-    """
-
-    force: Array
-    angle: Array
-    ball: Array
-    screw: Array
-    left: float
-    steps: int
-    converged: bool
-
-
 def load_arrays(cell: Cell) -> CellArrays:
     """The cell as the kernels take it."""
     start = cell.groove.reach * np.stack([SIGN_X * np.cos(cell.angle), SIGN_Z * np.sin(cell.angle)], axis=-1)
@@ -78,7 +69,7 @@ def _first_guess(cell: Cell) -> tuple[Array, Array]:
     return 0.5 * (cell.section @ u), u
 
 
-def settle_load(cell: Cell, start: tuple[Array, Array] | None = None, fast: bool = True) -> ScrewLoad:
+def settle_load(cell: Cell, start: tuple[Array, Array] | None = None, fast: bool = True) -> Settled:
     """Loads of the cell, from positions of balls (N, 2) and screw (m,) [m] if given; forces do not depend on the start.
 
     Minimises sum (2/5) C^(-3/2) <approach>^(5/2) - force . u - push . p by Newton with line search, in the compiled
@@ -86,12 +77,9 @@ def settle_load(cell: Cell, start: tuple[Array, Array] | None = None, fast: bool
     """
     load = float(np.linalg.norm(cell.force) + np.linalg.norm(cell.drag) + np.sum(np.abs(cell.push)))
     p, u = _first_guess(cell) if start is None else (plain_array(start[0]).copy(), plain_array(start[1]).copy())
-    settled = settle_cell(load_arrays(cell), load, p, u, fast)
+    settled = settle_cell(load_arrays(cell), load, p, u, contact_angles, fast)
     # from a distant start a nearly unloaded ball may creep along a flat energy
-    if not settled.converged and start is not None:
-        return settle_load(cell, None, fast)
-    angle = contact_angles(settled.normal)
-    return ScrewLoad(settled.force, angle, settled.ball, settled.inner, settled.left, settled.steps, settled.converged)
+    return settled if settled.converged or start is None else settle_load(cell, None, fast)
 
 
 def screw_rows(groove: ScrewGroove, azimuth: Array, free: str) -> Array:

@@ -14,9 +14,11 @@ import numpy as np
 from rollbench.lowfi.friction.contact.ellipse import Contacts, contacts
 from rollbench.lowfi.friction.contact.laws import Law, Sigmoid
 from rollbench.lowfi.friction.contact.motion import Motion, Problem, balance_by_root, least_dissipation
+from rollbench.lowfi.friction.contact.rings import Settled
 from rollbench.lowfi.friction.screw.arrays import plain_array
-from rollbench.lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, contact_axes
-from rollbench.lowfi.friction.screw.load import Cell, ScrewLoad
+from rollbench.lowfi.friction.screw.groove import ScrewGroove
+from rollbench.lowfi.friction.screw.load import Cell
+from rollbench.lowfi.friction.screw.path import ON_SCREW, contact_axes
 from rollbench.lowfi.jit import SCREW, kernels
 from rollbench.meshes.arrays import Array, Mask
 
@@ -148,12 +150,12 @@ class Mixer:
         return np.asarray(x + damping * (g - x) - ((dx + damping * dr) @ share)[..., 0])
 
 
-def hold_screw(cell: Cell, load: ScrewLoad) -> Cell:
+def hold_screw(cell: Cell, load: Settled) -> Cell:
     """The cell with its screw held where it settled: no freedoms left."""
     return replace(
         cell,
         rows=np.zeros((cell.angle.shape[0], 3, 0)),
         force=np.zeros(0),
         drag=np.zeros(0),
-        offset=cell.offset + cell.section @ load.screw,
+        offset=cell.offset + cell.section @ load.inner,
     )

@@ -12,7 +12,7 @@ import numpy as np
 
 from rollbench.lowfi.friction.screw.coupled import CoupledChain, Guess, coupled_chain
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
-from rollbench.lowfi.friction.screw.load import Cell, screw_rows
+from rollbench.lowfi.friction.screw.load import Cell, bare_cell, screw_rows
 from rollbench.lowfi.friction.screw.motion import Coupling, ball_motion
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.roots import brentq
@@ -40,17 +40,14 @@ class Pair:
 
     def cell(self) -> Cell:
         """The balls, half the spacing before and behind azimuth 0, and their loads."""
-        half, m = 0.5 * self.groove.pair.spacing, len(self.free)
+        half = 0.5 * self.groove.pair.spacing
         angle = self.groove.contact_angle + np.array(self.theta)[:, None] * np.array(self.pattern)
-        return Cell(
+        return bare_cell(
             self.groove,
             angle,
             np.full((2, 4), self.oversize),
             screw_rows(self.groove, np.array([-half, half]), self.free),
             np.array(self.force),
-            np.zeros((2, 2)),
-            np.zeros((2, 2)),
-            np.zeros(m),
         )
 
 

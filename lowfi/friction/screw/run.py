@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.screw.coupled import CoupledChain, coupled_chain
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
-from rollbench.lowfi.friction.screw.load import Cell, screw_rows
+from rollbench.lowfi.friction.screw.load import Cell, bare_cell, screw_rows
 from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.pair import BOTH
 from rollbench.lowfi.friction.screw.track import Track
@@ -131,19 +131,11 @@ def deviation(run: Run, azimuth: Array) -> Array:
 
 def run_cell(run: Run, azimuth: Array, loaded: NDArray[np.bool_]) -> Cell:
     """Balls at azimuths (N,) on the screw; those not loaded keep clear of the grooves."""
-    n, g = azimuth.size, run.groove
+    g = run.groove
     angle = g.contact_angle + deviation(run, azimuth)[:, None] * np.array(run.pattern)
     clear = np.where(loaded, run.oversize, -0.5 * g.reach)
-    return Cell(
-        g,
-        angle,
-        np.repeat(clear[:, None], 4, axis=1),
-        screw_rows(g, azimuth, run.free),
-        np.array(run.force),
-        np.zeros((n, 2)),
-        np.zeros((n, 2)),
-        np.zeros(len(run.free)),
-    )
+    rows = screw_rows(g, azimuth, run.free)
+    return bare_cell(g, angle, np.repeat(clear[:, None], 4, axis=1), rows, np.array(run.force))
 
 
 def equal_steps(run: Run) -> History:

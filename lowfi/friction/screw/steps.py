@@ -7,13 +7,16 @@ difference of shares.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rollbench.meshes.arrays import Array
+
+if TYPE_CHECKING:
+    from rollbench.lowfi.friction.screw.travel import History
 
 #: Orders of smooth motion and of jumps; factor of the change between levels where no order is seen, and the order below
 #: which Richardson's extrapolation has that factor too.
@@ -25,30 +28,6 @@ SAFETY = 1.25
 MOST = 20_000
 #: Change between levels, as a part of the mean torque, below which its ratios are round-off and tell no order.
 ROUND_OFF = 1e-9
-
-
-class Stepped(Protocol):
-    """A run: mean friction torque of each of equal steps (T,), torques by name [N m], the largest share of ball-to-ball
-    contact in them (nan: there is none), and whether every step converged."""
-
-    @property
-    def per_step(self) -> Array:
-        """Friction torque (T,) [N m]."""
-
-    @property
-    def torques(self) -> Mapping[str, float]:
-        """Torques by name [N m]."""
-
-    @property
-    def share(self) -> float:
-        """Largest share of ball-to-ball contact."""
-
-    @property
-    def good(self) -> bool:
-        """Whether every step converged."""
-
-
-R = TypeVar("R", bound=Stepped)
 
 
 @dataclass(frozen=True)
@@ -118,7 +97,7 @@ def observed(before: float, last: float, jumps: bool = False) -> Observed:
     return Observed(SAFETY * max(abs(last), abs(before) / 2.0**used) / (2.0**used - 1.0), order, used)
 
 
-def step_error(levels: Sequence[Stepped]) -> StepError | None:
+def step_error(levels: Sequence[History]) -> StepError | None:
     """Errors of the last of three runs, each with twice the steps of the one before; None for fewer.
 
     Levels may agree by chance on a wrong time of a jump in the torque: its error is never below the largest jump between
@@ -141,7 +120,9 @@ def step_error(levels: Sequence[Stepped]) -> StepError | None:
     return StepError(errors, steps)
 
 
-def solve_steps(simulate: Callable[[int], R], steps: int | None, first: int, goal: float) -> tuple[R, StepError | None]:
+def solve_steps(
+    simulate: Callable[[int], History], steps: int | None, first: int, goal: float
+) -> tuple[History, StepError | None]:
     """The run at given steps, with about half and a quarter of them; without, at doubled steps until the errors are small.
 
     first: steps to begin with where none are given. No error (None) where a run ended early, or for fewer than four steps.
@@ -150,7 +131,7 @@ def solve_steps(simulate: Callable[[int], R], steps: int | None, first: int, goa
         counts = sorted({max(1, steps // 4), max(1, steps // 2), steps})
     else:
         counts = [first * 2**k for k in range(20) if first * 2**k <= MOST]
-    levels: list[R] = []
+    levels: list[History] = []
     error: StepError | None = None
     for count in counts:
         levels.append(simulate(count))

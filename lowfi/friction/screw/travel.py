@@ -10,7 +10,7 @@ motions at their start, of first order, with the time of an event wrong by a par
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any, Literal, NamedTuple, Protocol
 
@@ -247,24 +247,15 @@ def _piece(left: float, step: float, event: float, after: bool) -> tuple[float, 
     return (left, ends) if left - piece < TINY * step else (piece, ends)
 
 
-@dataclass
-class _Log:
-    rows: dict[str, list[Any]] = field(default_factory=dict)
-
-    def add(self, **values: object) -> None:
-        """Append one piece."""
-        for key, value in values.items():
-            self.rows.setdefault(key, []).append(value)
-
-    def history(self, setting: Setting, span: float, steps: int, status: str) -> History:
-        """The arrays of all pieces."""
-        direct = ("setting", "span", "steps", "status")
-        rows = {f.name: np.array(self.rows.get(f.name, [])) for f in fields(History) if f.name not in direct}
-        run = History(setting, span, steps, status=status, **rows)
-        if status != "converged" or run.converged.all():
-            return run
-        first = np.degrees(run.turned[np.argmin(run.converged)])
-        return replace(run, status=f"no balance of friction found at {first:.6g} deg")
+def _history(rows: list[dict[str, Any]], setting: Setting, span: float, steps: int, status: str) -> History:
+    """The arrays of all pieces."""
+    direct = ("setting", "span", "steps", "status")
+    arrays = {f.name: np.array([row[f.name] for row in rows]) for f in fields(History) if f.name not in direct}
+    run = History(setting, span, steps, status=status, **arrays)
+    if status != "converged" or run.converged.all():
+        return run
+    first = np.degrees(run.turned[np.argmin(run.converged)])
+    return replace(run, status=f"no balance of friction found at {first:.6g} deg")
 
 
 def simulate(
@@ -276,7 +267,7 @@ def simulate(
     """
     if steps < 1 or not span > 0.0:
         raise ValueError("need steps >= 1 and a duration above zero")
-    dt, place, log, located = span / steps, setting.begin(), _Log(), scheme == "located"
+    dt, place, rows, located = span / steps, setting.begin(), list[dict[str, Any]](), scheme == "located"
     speed = abs(setting.grooves.speed)
     if located:
         first = setting.instant(place.azimuth, 0.0, np.full(place.gap.size, np.inf), place.memory)
@@ -296,31 +287,33 @@ def simulate(
                 slack = np.where(slack > FASTEST * np.abs(place.omega).max(), np.inf, slack)
             instant = setting.instant(azimuth, time, slack, place.memory)
             if isinstance(instant, str):
-                return log.history(setting, span, steps, f"at {np.degrees(speed * time):.6g} deg: {instant}")
+                return _history(rows, setting, span, steps, f"at {np.degrees(speed * time):.6g} deg: {instant}")
             place = _moved(setting, place, instant, piece)
             loss = sum(instant.losses)
-            log.add(
-                time=time,
-                lasts=piece,
-                step=k,
-                azimuth=azimuth,
-                loaded=instant.loaded,
-                gap=place.gap,
-                ball_force=instant.ball_force,
-                omega=instant.omega,
-                load=instant.load,
-                groove_torque=instant.losses[0] / speed,
-                ball_torque=instant.losses[1] / speed,
-                closing_torque=instant.losses[2] / speed,
-                axial=instant.axial,
-                on_screw=instant.on_screw,
-                imbalance=(instant.input_power - loss) / loss if loss > 0.0 else instant.input_power,
-                change=instant.change,
-                converged=instant.converged,
+            rows.append(
+                {
+                    "time": time,
+                    "lasts": piece,
+                    "step": k,
+                    "azimuth": azimuth,
+                    "loaded": instant.loaded,
+                    "gap": place.gap,
+                    "ball_force": instant.ball_force,
+                    "omega": instant.omega,
+                    "load": instant.load,
+                    "groove_torque": instant.losses[0] / speed,
+                    "ball_torque": instant.losses[1] / speed,
+                    "closing_torque": instant.losses[2] / speed,
+                    "axial": instant.axial,
+                    "on_screw": instant.on_screw,
+                    "imbalance": (instant.input_power - loss) / loss if loss > 0.0 else instant.input_power,
+                    "change": instant.change,
+                    "converged": instant.converged,
+                }
             )
             left -= piece
         report((k + 1) / steps)
-    return log.history(setting, span, steps, "converged")
+    return _history(rows, setting, span, steps, "converged")
 
 
 def no_report(steps: str, share: float) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 
 import numpy as np
 
@@ -39,7 +39,7 @@ def grooves_of(scene: Scene, friction: Friction, drive: Drive) -> SceneGrooves:
 
 @dataclass(frozen=True)
 class SceneChain(AnyChain):
-    """Balls of their own sizes and coefficients; contacts: as friction sees them, coefficients as parts of the largest."""
+    """Balls of their own sizes and coefficients; contacts: as friction sees them."""
 
     at: StaticContacts
     contacts: Rubs
@@ -84,23 +84,10 @@ def chain_motion(
     balls is that of nominal ones; their sizes count in the slack. Failure is data: see ``ChainMotion.converged``.
     """
     share, top = shares(friction)
-    rubs = rubs_of(scene, at, share, drive)
-    between = friction.between_balls
-    chain = SceneChain(grooves, at.force, at.normals, slack, at, rubs, between)
-    if start is not None and top > 0.0:
-        start = start[0], start[1] / top
-    motion = solve_chain(chain, start, fast, warm=True)
+    rubs = rubs_of(scene, at, top * share, drive)
+    motion = solve_chain(
+        SceneChain(grooves, at.force, at.normals, slack, at, rubs, friction.between_balls), start, fast, True
+    )
     for rows in (motion.seen, motion.pull):
         turn_back(at, rows)
-    return replace(
-        motion,
-        ball_force=top * motion.ball_force,
-        wrench=top * motion.wrench,
-        pull=top * motion.pull,
-        ball_push=top * motion.ball_push,
-        groove_loss=top * motion.groove_loss,
-        ball_loss=top * motion.ball_loss,
-        closing_loss=top * motion.closing_loss,
-        input_power=top * motion.input_power,
-        left=top * motion.left,
-    )
+    return motion

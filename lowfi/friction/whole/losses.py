@@ -117,19 +117,25 @@ def ball_friction(
     seen[rests > 0.0] = 0.0
     turn_back(pressed, seen)
     turn_back(pressed, forces)
-    orbit, rotation = np.full(count, np.nan), np.full((count, 3), np.nan)
-    motion, pull = np.full((count, 4, 3), np.nan), np.zeros((count, 4, 3))
+    every, motion, pull = np.full((count, 4), np.nan), np.zeros((count, 4, 3)), np.zeros((count, 4, 3))
     rest, status = np.zeros((count, 4), dtype=bool), ["no load"] * count
-    orbit[loaded], rotation[loaded], pull[loaded] = q[:, 0], q[:, 1:], -top * forces
-    motion[loaded], rest[loaded] = seen, (rests > 0.0) & (pressed.force > 0.0)
+    every[loaded], motion[loaded], pull[loaded] = q, seen, -top * forces
+    rest[loaded] = (rests > 0.0) & (pressed.force > 0.0)
     left = outcome[:, 1] / rubs.shape[..., 2].sum(axis=1)
     for k, code, off in zip(loaded, outcome[:, 0].astype(int), left, strict=True):
         status[k] = STATUS[code] if off <= UNBALANCED else "failed"
-    motion[at.force == 0.0] = np.nan
-    loss = np.where(at.force[..., None] > 0.0, -pull * np.nan_to_num(motion), 0.0) + 0.0
-    return BallFriction(
-        orbit, rotation, motion, pull[..., :2], pull[..., 2], loss, rest, tuple(status), float(left.max(initial=0.0))
-    )
+    return from_motions(at, every, motion, pull, rest, status, float(left.max(initial=0.0)))
+
+
+def from_motions(
+    at: StaticContacts, q: Array, motion: Array, pull: Array, rest: NDArray[np.bool_], status: list[str], left: float
+) -> BallFriction:
+    """The record of N balls of motions q (N, 4), nan without load; pull (N, 4, 3): force and moment of friction; motion,
+    rest, status and left as there."""
+    loaded = at.force[..., None] > 0.0
+    loss = np.where(loaded, -pull * np.nan_to_num(motion), 0.0) + 0.0
+    seen = np.where(loaded, motion, np.nan)
+    return BallFriction(q[:, 0], q[:, 1:], seen, pull[..., :2], pull[..., 2], loss, rest, tuple(status), left)
 
 
 def shares(friction: Friction) -> tuple[Array, float]:

@@ -9,7 +9,7 @@ import numpy as np
 from rollbench.lowfi.friction.whole.balls import balls_of
 from rollbench.lowfi.friction.whole.chain import chain_motion
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, spread
-from rollbench.lowfi.friction.whole.losses import BallFriction
+from rollbench.lowfi.friction.whole.losses import BallFriction, from_motions
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import draw
 from rollbench.meshes.parts import Friction, Scene
@@ -50,8 +50,8 @@ def neighbours(
     gap = all_balls.gaps(all_balls.azimuth) * all_balls.grooves.pair.closing
     slack = np.where(gap <= TOUCHING, 0.0, np.inf)
     least = np.inf
-    orbit, rotation, force = np.full(order.size, np.nan), np.full((order.size, 3), np.nan), np.zeros(order.size)
-    motion, pull, status = np.full((order.size, 4, 3), np.nan), np.zeros((order.size, 4, 3)), ["no load"] * order.size
+    q, force, status = np.full((order.size, 4), np.nan), np.zeros(order.size), ["no load"] * order.size
+    motion, pull = np.zeros((order.size, 4, 3)), np.zeros((order.size, 4, 3))
     power, touching, left = 0.0, 0, 0.0
     for members in (track.balls for track in all_balls.tracks):
         number = all_balls.number[members]
@@ -64,16 +64,13 @@ def neighbours(
         moved = chain_motion(scene, full.subset(members), limit, friction, drive, all_balls.grooves, None, fast)
         kept, to = number >= 0, number[number >= 0]
         pressed = at.force[to].sum(axis=1) > 0.0
-        orbit[to] = np.where(pressed, moved.q[kept, 0], np.nan)
-        rotation[to] = np.where(pressed[:, None], moved.q[kept, 1:], np.nan)
+        q[to] = np.where(pressed[:, None], moved.q[kept], np.nan)
         motion[to], pull[to], force[to] = moved.seen[kept], moved.pull[kept], moved.ball_force[kept]
         power += float(moved.ball_loss.sum() + moved.closing_loss.sum())
         left = max(left, moved.left)
         for k in to[pressed]:
             status[k] = "balanced" if moved.converged else "failed"
-    motion[at.force == 0.0] = np.nan
-    loss = np.where(at.force[..., None] > 0.0, -pull * np.nan_to_num(motion), 0.0) + 0.0
     rest = np.zeros(at.force.shape, dtype=bool)
     scale = max(max(friction.screw, friction.nut) * float(at.force.sum(axis=1).max(initial=0.0)), 1e-30)
-    by_ball = BallFriction(orbit, rotation, motion, pull[..., :2], pull[..., 2], loss, rest, tuple(status), left / scale)
+    by_ball = from_motions(at, q, motion, pull, rest, status, left / scale)
     return Neighbours(by_ball, force, power, touching, least)

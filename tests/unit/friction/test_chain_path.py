@@ -7,9 +7,9 @@ import pytest
 
 from rollbench.comparison.sources.lin.evidence import source_cases
 from rollbench.lowfi.friction.linear.chain import CREEP, prepare, second_state, solve_linear_chain
-from rollbench.lowfi.friction.linear.kernel import band, coupled, energy, newton, path
+from rollbench.lowfi.friction.linear.kernel import equations, newton, path
 from rollbench.lowfi.friction.linear.loads import balanced_loads
-from rollbench.lowfi.friction.linear.records import ChainPoint, ChainState, Smoothing, Work
+from rollbench.lowfi.friction.linear.records import ChainPoint, Smoothing, Work
 
 BEARING = replace(source_cases.linear().bearing, mu_balls=0.3)
 
@@ -25,17 +25,18 @@ def random_chain(count, seed, mu_balls=0.5, bare=0.0):
 
 def random_point(chain, rng):
     count = chain.count
-    slip, pair, drift = np.zeros((count, 4, 2)), np.zeros((count - 1, 3)), rng.normal(size=(count, 3))
-    energy.rebuild(chain.problem, ChainState(slip, pair, drift))
-    return ChainPoint(slip, pair, drift, rng.normal(size=count - 1))
+    drift, z = rng.normal(size=(count, 3)), rng.normal(size=count - 1)
+    point = ChainPoint(np.zeros((count, 4, 2)), np.zeros((count - 1, 3)), drift, z)
+    equations.rebuild(chain.problem, point)
+    return point
 
 
 def dense(banded):
     n = len(banded)
     full = np.zeros((n, n))
     for i in range(n):
-        for j in range(max(0, i - band.HALF), min(n, i + band.HALF + 1)):
-            full[i, j] = banded[i, band.HALF + j - i]
+        for j in range(max(0, i - equations.HALF), min(n, i + equations.HALF + 1)):
+            full[i, j] = banded[i, equations.HALF + j - i]
     return full
 
 
@@ -44,23 +45,23 @@ def test_elimination_exchanges_rows(seed):
     """Against a dense solver, with zeros on the diagonal and the determinant's sign."""
     rng = np.random.default_rng(seed)
     n = 23
-    banded = rng.normal(size=(n, band.WIDTH))
-    banded[rng.random(n) < 0.5, band.HALF] = 0.0
+    banded = rng.normal(size=(n, equations.WIDTH))
+    banded[rng.random(n) < 0.5, equations.HALF] = 0.0
     full, x, y = dense(banded), rng.normal(size=n), rng.normal(size=n)
     left, right = np.linalg.solve(full, x), np.linalg.solve(full, y)
-    assert band.solve_banded(banded, np.empty((n, band.FILLED)), x, y) == np.sign(np.linalg.det(full))
+    assert equations.solve_banded(banded, np.empty((n, equations.FILLED)), x, y) == np.sign(np.linalg.det(full))
     np.testing.assert_allclose(x, left, rtol=1e-9)
     np.testing.assert_allclose(y, right, rtol=1e-9)
 
 
 @pytest.mark.parametrize("z", [-3.0, -1e-9, 0.0, 1e-4, 2.0])
 def test_force_and_rate_of_the_gap(z):
-    force, rate, slope = coupled.push_and_rate(z, 1e-6)
+    force, rate, slope = equations.push_and_rate(z, 1e-6)
     assert force - rate == pytest.approx(z, rel=1e-12, abs=1e-18)
     assert force * rate == pytest.approx(1e-6, rel=1e-12)
-    ahead, behind = (coupled.push_and_rate(z + h, 1e-6)[0] for h in (1e-7, -1e-7))
+    ahead, behind = (equations.push_and_rate(z + h, 1e-6)[0] for h in (1e-7, -1e-7))
     assert slope == pytest.approx((ahead - behind) / 2e-7, rel=1e-5)
-    assert coupled.push_and_rate(z, 0.0)[:2] == (max(z, 0.0), max(-z, 0.0))
+    assert equations.push_and_rate(z, 0.0)[:2] == (max(z, 0.0), max(-z, 0.0))
 
 
 def test_jacobian_of_the_coupled_equations():
@@ -69,16 +70,16 @@ def test_jacobian_of_the_coupled_equations():
     chain.problem.closed[1] = 0.0
     point = random_point(chain, rng)
     n = 4 * chain.count
-    K, g, waste = np.empty((n, band.WIDTH)), np.empty(n), np.empty((n, band.WIDTH))
-    coupled.assemble(chain.problem, point, law, K, g)
+    K, g, waste = np.empty((n, equations.WIDTH)), np.empty(n), np.empty((n, equations.WIDTH))
+    equations.assemble(chain.problem, point, law, K, g)
     full, ahead, behind = dense(K), np.empty(n), np.empty(n)
     for j in range(n - 1):
         unit = np.zeros(n)
         unit[j] = 1.0
         for t, out in ((1e-6, ahead), (-2e-6, behind)):
-            coupled.shift(chain.problem, point, unit, t)
-            coupled.assemble(chain.problem, point, law, waste, out)
-        coupled.shift(chain.problem, point, unit, 1e-6)
+            equations.shift(chain.problem, point, unit, t)
+            equations.assemble(chain.problem, point, law, waste, out)
+        equations.shift(chain.problem, point, unit, 1e-6)
         np.testing.assert_allclose((ahead - behind) / 2e-6, full[:, j], atol=1e-6)
 
 
@@ -87,19 +88,18 @@ def test_path_begins_without_friction_between_balls_and_ends_with_all_of_it():
     assert path.stage(1.0, CREEP)[:2] == (pytest.approx(CREEP), 1.0)
     for balls in (random_chain(5, 0), random_chain(4, 0)):
         n, point = 4 * balls.count, random_point(balls, np.random.default_rng(2))
-        K, g = np.empty((n, band.WIDTH)), np.empty(n)
-        coupled.assemble(balls.problem, point, Smoothing(0.1, 0.0, 1e-3, 1e-2), K, g)
-        assert band.solve_banded(K, np.empty((n, band.FILLED)), g, g.copy()) == path.convex_sign(point)
+        K, g = np.empty((n, equations.WIDTH)), np.empty(n)
+        equations.assemble(balls.problem, point, Smoothing(0.1, 0.0, 1e-3, 1e-2), K, g)
+        assert equations.solve_banded(K, np.empty((n, equations.FILLED)), g, g.copy()) == path.convex_sign(point)
 
 
 def follow(chain, monkeypatch=None):
     """Forces at the path's end over the friction bound, and how often s turned on the way."""
     count = chain.count
     n, slopes, tangent = 4 * count, [], path._tangent
-    slip, pair, drift = np.zeros((count, 4, 2)), np.zeros((count - 1, 3)), np.zeros((count, 3))
-    point = ChainPoint(slip, pair, drift, np.zeros(count - 1))
-    work = Work(np.empty((n, band.WIDTH)), np.empty((n, band.FILLED)), np.empty(n), np.empty(n), np.zeros(n))
-    energy.rebuild(chain.problem, ChainState(slip, pair, drift))
+    point = ChainPoint(np.zeros((count, 4, 2)), np.zeros((count - 1, 3)), np.zeros((count, 3)), np.zeros(count - 1))
+    work = Work(np.empty((n, equations.WIDTH)), np.empty((n, equations.FILLED)), np.empty(n), np.empty(n), np.zeros(n))
+    equations.rebuild(chain.problem, point)
 
     def record(*args):
         sign = tangent(*args)
@@ -110,7 +110,7 @@ def follow(chain, monkeypatch=None):
         monkeypatch.setattr(path, "_tangent", record)
     _, good = path.trace(chain.problem, point, CREEP, work, 5000)
     assert good
-    coupled.reopen(point, CREEP)
+    equations.reopen(point, CREEP)
     _, left = newton.semismooth_newton(chain.problem, point, Smoothing(CREEP, 1.0, 0.0, 0.0), work, 1e-12, 60, 1.0)
     assert left <= 1e-9
     return np.maximum(point.z, 0.0), np.sum(np.diff(np.sign(slopes)) != 0)

@@ -18,9 +18,10 @@ from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.linear.pair import pair_state
 from rollbench.lowfi.friction.linear.pair import solve_pair as solve_linear_pair
 from rollbench.lowfi.friction.screw.chain import Chain, solve_chain
-from rollbench.lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, frame
+from rollbench.lowfi.friction.screw.groove import ScrewGroove, frame
 from rollbench.lowfi.friction.screw.load import load_arrays, screw_rows, settle_load
 from rollbench.lowfi.friction.screw.motion import ball_motion, ball_motion_by_root, source_law
+from rollbench.lowfi.friction.screw.path import ON_SCREW
 
 SCREW = table_3_6()
 TWO = np.radians(2.0)
@@ -150,7 +151,7 @@ def test_loads_are_the_least_energy(rng: np.random.Generator) -> None:
     found = settle_load(cell)
     assert found.converged
     best = minimize(energy, np.zeros(6), method="BFGS", options={"gtol": 1e-9})
-    x = np.append(found.ball.ravel(), found.screw) / scale
+    x = np.append(found.ball.ravel(), found.inner) / scale
     assert energy(x) <= best.fun + 1e-12 * abs(best.fun)
     assert x == pytest.approx(best.x, abs=1e-3)
     p, u, h = rng.normal(size=(2, 2)) * 1e-6, rng.normal(size=2) * 1e-6, 1e-10

@@ -58,7 +58,7 @@ def test_one_system_gives_what_rounds_give(make, coupling: str) -> None:
     cell = pair.cell()
     bare = settle_load(cell)
     held = hold_screw(cell, bare) if coupling == "ball" else cell
-    found = solve_joint(held, np.array([0.0, np.inf]), (bare.ball, bare.screw[: held.force.size]))
+    found = solve_joint(held, np.array([0.0, np.inf]), (bare.ball, bare.inner[: held.force.size]))
     assert found.done
     friction, pushed = rounds.motion.wrench, rounds.motion.ball_push[:, [0, 2]]
     push, drag = feedback(held, friction, pushed, coupling)  # type: ignore[arg-type]

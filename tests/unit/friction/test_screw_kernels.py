@@ -126,7 +126,7 @@ def test_jacobian_of_the_joint_system_against_differences(rng: np.random.Generat
 
     x = s.alone() * (1.0 + 0.1 * rng.normal(size=(2, 4)))
     unknowns = np.column_stack([load.ball / length + 0.1 * rng.normal(size=(2, 2)), x, rng.uniform(0.1, 0.3, 2)])
-    z, h = np.append(unknowns.ravel(), load.screw / length), 1e-6
+    z, h = np.append(unknowns.ravel(), load.inner / length), 1e-6
     value, (_, _, K, columns, lines, corner) = residual(z)
     full = np.zeros((16, 16))
     for i, j in np.ndindex(14, 14):

@@ -20,25 +20,15 @@ from rollbench.lowfi.friction.whole.losses import CAUSES, ball_friction
 from rollbench.lowfi.statics.problem import drawn_hertz
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.parts import Balls, Friction, Load, Material, Motion, Nut, Scene, Screw, Support, Track
+from rollbench.meshes.parts import Friction, Load, Motion, Support
 
 
 def ring_at(angle, force, groove, clearance=0.0, count=9):
     """A rigid bearing of the groove, free to move but not to tilt, its force at ``angle`` from the axis."""
-    steel = Material(groove.young, groove.poisson)
     held = (("rx", 0.0), ("ry", 0.0), ("rz", 0.0))
     push = (force * np.sin(angle), 0.0, force * np.cos(angle))
-    pitch, ball = groove.pitch_radius, groove.ball_radius
-    scene = Scene(
-        "ring",
-        "ring",
-        Track(pitch, 0.0, groove.contact_angle),
-        Screw(0.04, 2.0 * pitch, groove.groove_radius, steel),
-        Nut(0.02, 0.04, 2.0 * (pitch + 4.0 * ball), groove.groove_radius, steel),
-        Balls(ball, steel, tuple(2.0 * np.pi * np.arange(count) / count)),
-        supports=(Support(0.02, held),),
-        loads=(Load(0.02, push),),
-    )
+    scene = scene_of(groove, 2.0 * np.pi * np.arange(count) / count)
+    scene = replace(scene, supports=(Support(0.1, held),), loads=(Load(0.1, push),))
     errors = replace(scene.errors, balls=replace(scene.errors.balls, oversize=-clearance))
     return with_ingredients(replace(scene, errors=errors), screw="rigid", hertz="error-free")
 

@@ -6,8 +6,10 @@ from functools import cache
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
+from tests import whole_screws
 from tests.friction_runs import MU, TURN, WAVES, crowded, setting, sparse
-from tests.helpers import FLANK_ERRORS, small_screw, solved
+from tests.helpers import small_screw, solved
+from tests.whole_screws import contacts_in, mirrored, scene_of
 
 from rollbench.comparison.sources.lin.evidence.source_cases import lin_3_4_4
 from rollbench.lowfi.friction.screw.chain import Chain, solve_chain
@@ -16,7 +18,6 @@ from rollbench.lowfi.friction.screw.run import run_cell
 from rollbench.lowfi.friction.screw.travel import simulate
 from rollbench.lowfi.friction.whole.balls import balls_of
 from rollbench.lowfi.friction.whole.chain import chain_motion, grooves_of
-from rollbench.lowfi.friction.whole.contacts import StaticContacts
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.statics import again
 from rollbench.lowfi.statics.again import beam_loads, elastic_loads
@@ -25,22 +26,7 @@ from rollbench.lowfi.statics.selection import choose_sides
 from rollbench.lowfi.statics.static import pick_engine, solve_sides, solve_static
 from rollbench.meshes.errors import draw, specimen
 from rollbench.meshes.helix import ball_layout, layout_at, reduced_lead
-from rollbench.meshes.parts import (
-    BallErrors,
-    Balls,
-    Circulation,
-    Errors,
-    FourierTerm,
-    Friction,
-    Load,
-    Material,
-    Motion,
-    Nut,
-    Scene,
-    Screw,
-    SideErrors,
-    Track,
-)
+from rollbench.meshes.parts import BallErrors, Circulation, Errors, FourierTerm, Friction, Load, Motion, SideErrors
 
 pytestmark = pytest.mark.xdist_group("run in time")
 
@@ -53,10 +39,7 @@ SCENES = {
 
 
 def two_starts():
-    base = small_screw(8, 0.9, hand="left", oversize=4e-6, force=(30.0, 10.0, -600.0))
-    errors = replace(FLANK_ERRORS, balls=base.errors.balls)
-    circulation = Circulation(circuits=2, returning=1)
-    return replace(base, track=replace(base.track, starts=2, lead=24e-3), errors=errors, circulation=circulation)
+    return replace(whole_screws.two_starts(), circulation=Circulation(circuits=2, returning=1))
 
 
 @cache
@@ -134,14 +117,6 @@ def test_friction_that_moves_balls_is_that_of_the_instant():
     assert h.torque[0] > 1.2 * simulate(setting(scene, MU), 1e-7, 2).torque[0], "two-point contact"
 
 
-def mirrored(scene):
-    """The scene in a mirror that turns y; its balls in the opposite order."""
-    track = replace(scene.track, hand="left" if scene.track.hand == "right" else "right")
-    (x, y, z) = scene.loads[0].force
-    balls = replace(scene.balls, azimuths=tuple(-a for a in scene.balls.azimuths))
-    return replace(scene, track=track, balls=balls, loads=(Load(scene.loads[0].at, (x, -y, z)),))
-
-
 def test_left_hand_is_the_mirrored_right_hand():
     scene = replace(crowded(), errors=Errors(balls=WAVES.balls), circulation=Circulation())
     one = simulate(setting(scene), 0.1, 10)
@@ -205,24 +180,6 @@ def test_sizes_belong_to_balls_and_errors_to_places():
     assert len(set(h.load.sum(axis=2).argmax(axis=1))) > 1
 
 
-def contacts_of_groove(groove, force, angle, azimuth):
-    """Contacts of balls in the grooves of the source's screw, with its Hertz constants, and a scene of that screw."""
-    steel = Material(groove.young, groove.poisson)
-    track = Track(groove.pitch_radius, groove.lead, groove.contact_angle)
-    scene = Scene(
-        "source",
-        "source",
-        track,
-        Screw(0.2, 2.0 * groove.pitch_radius, groove.groove_radius, steel),
-        Nut(0.1, 0.05, 0.1, groove.groove_radius, steel),
-        Balls(groove.ball_radius, steel, tuple(azimuth)),
-    )
-    h, cube = groove.constants, np.cbrt(np.maximum(force, max(1e-9 * force.max(), 1e-30)))
-    layout = layout_at(track, azimuth, 0.1 + groove.ratio * azimuth)
-    size = np.full(azimuth.size, groove.ball_radius)
-    return scene, StaticContacts(size, force, angle, h.C_a * cube, h.C_b * cube, np.ones(force.shape, dtype=bool), layout)
-
-
 @pytest.mark.parametrize("clearance", [0.0, 1e-3])
 def test_given_loads_move_balls_as_in_the_source_s_module(clearance):
     """The situation of Lin 3.4.4 at one instant: 37 balls, both grooves alike, neighbours that may touch."""
@@ -232,7 +189,7 @@ def test_given_loads_move_balls_as_in_the_source_s_module(clearance):
     slack = np.full(37, clearance)
     slack[-1] = np.inf
     expected = solve_chain(Chain(g, loads.force, g.normals(loads.angle), slack))
-    scene, at = contacts_of_groove(g, loads.force, loads.angle, azimuth)
+    scene, at = scene_of(g, azimuth), contacts_in(g, loads.force, loads.angle, azimuth)
     friction, drive = Friction(g.mu, g.mu, feedback=False), Motion(g.nut_speed, "nut")
     found = chain_motion(scene, at, slack, friction, drive, grooves_of(scene, friction, drive))
     assert expected.ball_force.max() > 0.1

@@ -29,59 +29,20 @@ def holds(shape: Array, force: Array) -> bool:
 
     It does where D(v; 1 m/s) - force . v has a minimum: the force is then a gradient of D, inside the limit surface.
     """
-    q = np.zeros(3)
-    drives = np.zeros((1, 3))
-    maps = np.zeros((1, 3, 3))
-    for j in range(3):
-        maps[0, j, j] = 1.0
-    _, _, left, _ = descend(shape, maps, drives, force, 1.0, q, 1e-9, int(np.int64(100)), 1e9)
+    maps, q = np.eye(3).reshape(1, 3, 3), np.zeros(3)
+    _, _, left, _ = descend(shape, maps, np.zeros((1, 3)), force, 1.0, q, 1e-9, int(np.int64(100)), 1e9)
     return bool(left <= 1e-6 * shape[0, 2])
-
-
-@kernel
-def resting_rows(shape: Array, maps: Array, motion: Array, rest: Array, units: Array) -> tuple[Array, Array]:
-    """Rows (3k, n) and motions (3k,) of the k contacts at rest, as surface speeds per unit of speed."""
-    n = maps.shape[2]
-    k = int(np.sum(rest))
-    rows, seen = np.zeros((3 * k, n)), np.zeros(3 * k)
-    k = 0
-    for i in range(shape.shape[0]):
-        if rest[i] > 0.0:
-            for r in range(3):
-                unit = shape[i, 0] if r == 2 else 1.0
-                seen[k] = unit * motion[i, r]
-                for j in range(n):
-                    rows[k, j] = unit * maps[i, r, j] / units[j]
-                k += 1
-    return rows, seen
-
-
-@kernel
-def slip_only(shape: Array, rest: Array) -> Array:
-    """``shape`` with no strength at the contacts at rest."""
-    out = shape.copy()
-    for i in range(shape.shape[0]):
-        if rest[i] > 0.0:
-            out[i, 2] = 0.0
-    return out
 
 
 @kernel
 def free_motion(slipping: Array, maps: Array, drives: Array, push: Array, basis: Array, q: Array, reach: float) -> int:
     """Minimise without regularisation over q + span of the rows of ``basis`` (f, n); overwrites q (n,); steps."""
-    m, n, f = maps.shape[0], maps.shape[2], basis.shape[0]
-    reduced, pull, y = np.zeros((m, 3, f)), np.zeros(f), np.zeros(f)
-    for k in range(f):
-        for j in range(n):
-            pull[k] += basis[k, j] * push[j]
-            for i in range(m):
-                for r in range(3):
-                    reduced[i, r, k] += maps[i, r, j] * basis[k, j]
-    motion, _ = speeds_at(slipping, maps, drives, q)
-    _, _, _, count = descend(slipping, reduced, motion, pull, 0.0, y, 1e-13, int(np.int64(60)), reach)
-    for k in range(f):
-        for j in range(n):
-            q[j] += basis[k, j] * y[k]
+    reduced = np.empty((maps.shape[0], 3, basis.shape[0]))
+    for i in range(maps.shape[0]):
+        reduced[i] = maps[i] @ basis.T
+    y, (motion, _) = np.zeros(basis.shape[0]), speeds_at(slipping, maps, drives, q)
+    _, _, _, count = descend(slipping, reduced, motion, basis @ push, 0.0, y, 1e-13, int(np.int64(60)), reach)
+    q += y @ basis
     return count
 
 
@@ -91,44 +52,30 @@ def reactions(
     maps: Array,
     drives: Array,
     push: Array,
-    rest: Array,
+    resting: Array,
     units: Array,
     inverse: Array,
     q: Array,
     forces: Array,
 ) -> float:
-    """Completes ``forces`` by what rest needs for balance; inverse (n, 3k): pseudo-inverse of the resting rows.
+    """Completes ``forces`` by what rest needs for balance; inverse (n, 3k): pseudo-inverse of the rows of the k contacts
+    at rest, numbers ``resting``.
 
     Where the reactions are not unique they are those nearest to the forces given. Returns what stays out of balance.
     """
-    m, n = maps.shape[0], maps.shape[2]
-    grad, hess = np.zeros(n), np.zeros((n, n))
-    evaluate(slipping, maps, drives, push, 0.0, q, grad, hess)
-    motion, _ = speeds_at(slipping, maps, drives, q)
-    slip = forces.copy()
-    friction_of(slipping, motion, 0.0, slip)
-    k = 0
-    for turn in range(2):
-        for i in range(m):
-            if rest[i] == 0.0:
-                forces[i] = slip[i]
-            elif turn == 0:
-                for r in range(3):
-                    for j in range(n):
-                        grad[j] += maps[i, r, j] * forces[i, r]
-            else:
-                for r in range(3):
-                    unit = slipping[i, 0] if r == 2 else 1.0
-                    change = 0.0
-                    for j in range(n):
-                        change -= inverse[j, k] * grad[j] / units[j]
-                    forces[i, r] += change * unit
-                    k += 1
-    out = -push
-    for i in range(m):
-        for r in range(3):
-            for j in range(n):
-                out[j] += maps[i, r, j] * forces[i, r]
+    n = maps.shape[2]
+    out, hess, held = np.zeros(n), np.zeros((n, n)), forces[resting]
+    evaluate(slipping, maps, drives, push, 0.0, q, out, hess)
+    friction_of(slipping, speeds_at(slipping, maps, drives, q)[0], 0.0, forces)
+    for k in range(resting.shape[0]):
+        out += held[k] @ maps[resting[k]]
+    change = -(out / units) @ inverse
+    for k in range(resting.shape[0]):
+        i = resting[k]
+        forces[i] = held[k] + change[3 * k : 3 * k + 3] * np.array([1.0, 1.0, slipping[i, 0]])
+    out[:] = -push
+    for i in range(maps.shape[0]):
+        out += forces[i] @ maps[i]
     return residual(out, units)
 
 
@@ -140,14 +87,8 @@ def rest_space(rows: Array, units: Array) -> tuple[Array, Array]:
     rank = 0
     while rank < min(n, rows.shape[0]) and size[rank] > 1e-9 * size[0]:
         rank += 1
-    inverse, basis = np.zeros((n, rows.shape[0])), np.zeros((n - rank, n))
-    for j in range(n):
-        for k in range(rank):
-            for r in range(rows.shape[0]):
-                inverse[j, r] += right[k, j] * left[r, k] / size[k]
-        for k in range(n - rank):
-            basis[k, j] = right[rank + k, j] / units[j]
-    return inverse, basis
+    inverse = np.ascontiguousarray(right[:rank].T / size[:rank]) @ np.ascontiguousarray(left[:, :rank].T)
+    return inverse, np.ascontiguousarray(right[rank:] / units)
 
 
 @kernel
@@ -159,30 +100,27 @@ def lock(
     Returns whether that is the least dissipation (rest possible, every reaction inside its limit surface), the largest
     force out of balance [N], and the steps.
     """
-    m, n = maps.shape[0], maps.shape[2]
-    units = column_units(shape, maps)
-    motion, size = speeds_at(shape, maps, drives, q)
-    for i in range(m):
-        rest[i] = 1.0 if shape[i, 2] > 0.0 and size[i] < still else 0.0
-    slipping = slip_only(shape, rest)
-    inverse, basis = np.zeros((n, 0)), np.zeros((n, n))
-    for j in range(n):
-        basis[j, j] = 1.0
-    if np.sum(rest) > 0.0:
-        rows, seen = resting_rows(shape, maps, motion, rest, units)
+    n, units, count = maps.shape[2], column_units(shape, maps), 0
+    (motion, size), slipping = speeds_at(shape, maps, drives, q), shape.copy()
+    rest[:] = np.where((shape[:, 2] > 0.0) & (size < still), 1.0, 0.0)
+    slipping[:, 2] *= 1.0 - rest
+    resting = np.flatnonzero(rest)
+    inverse, basis = np.zeros((n, 0)), np.eye(n)
+    if resting.size > 0:
+        rows, seen = np.empty((3 * resting.size, n)), np.empty(3 * resting.size)
+        for k in range(3 * resting.size):
+            i, r = resting[k // 3], k % 3
+            unit = shape[i, 0] if r == 2 else 1.0
+            rows[k], seen[k] = unit * maps[i, r] / units, unit * motion[i, r]
         inverse, basis = rest_space(rows, units)
-        for j in range(n):
-            for r in range(rows.shape[0]):
-                q[j] -= inverse[j, r] * seen[r] / units[j]
-    count = 0
+        q -= inverse @ seen / units
     if basis.shape[0] > 0:
         count = free_motion(slipping, maps, drives, push, basis, q, 1e9 * still)
-    balance = reactions(slipping, maps, drives, push, rest, units, inverse, q, forces)
+    balance = reactions(slipping, maps, drives, push, resting, units, inverse, q, forces)
     _, size = speeds_at(shape, maps, drives, q)
     good = balance <= 1e-9 * np.sum(shape[:, 2])
-    for i in range(m):
-        if rest[i] > 0.0 and good:
-            good = size[i] <= 1e-6 * still and holds(shape[i : i + 1], forces[i])
+    for i in resting:
+        good = good and size[i] <= 1e-6 * still and holds(shape[i : i + 1], forces[i])
     return bool(good), balance, count
 
 
@@ -227,8 +165,7 @@ def least_dissipation(
         near = False
         if at_end:
             bounds[0] = value - excess
-            motion, _ = speeds_at(shape, maps, drives, q)
-            friction_of(shape, motion, ratio * top, forces)
+            friction_of(shape, speeds_at(shape, maps, drives, q)[0], ratio * top, forces)
             exact_q, exact_forces = q.copy(), forces.copy()
             good, left, steps = lock(shape, maps, drives, push, exact_q, exact_forces, rest, 100.0 * ratio * top)
             count += steps

@@ -1,20 +1,20 @@
-"""Motion of a chain of balls: order of the velocities, ball-to-ball friction."""
+"""Motion of a chain of balls: without friction between balls, then with all of it."""
 
 from math import sqrt
 
 import numpy as np
 
-from rollbench.lowfi.friction.linear.records import Array, ChainArrays, ChainPoint, ChainState, Smoothing, Work
+from rollbench.lowfi.friction.linear.records import Array, ChainArrays, ChainPoint, Smoothing, Work
 from rollbench.lowfi.jit import kernel
 
-from .band import solve_banded
-from .coupled import copied, reopen, restore
-from .energy import rebuild
-from .newton import descend, leap, semismooth_newton
+from .equations import copied, rebuild, reopen, restore, solve_banded
+from .newton import leap, semismooth_newton
 from .path import FIRST, convex_sign, trace
 
 #: Stiffness towards nominal rolling per creeping speed, until the last: motions without resistance stay in place.
 SPRING = 1e-3
+#: Force times rate of a gap from which the order of the balls is sought.
+ROUND = 1e-3
 #: Friction between balls, over that of the grooves, up to which Newton's method may try without the path, and up to
 #: which it may take more than ``FEW`` steps at a creeping speed: beyond, the solution it found was at times another.
 #: Forces of N - 1 contacts that push at random add up like the root of their number.
@@ -31,55 +31,35 @@ STARTS, PRESSED = 3, 3.0
 
 
 @kernel
-def _order(chain: ChainArrays, state: ChainState, lam: Array, work: Work) -> int:
-    """Least energy under v_k <= v_(k+1) without friction between balls at eps ``FIRST``, multipliers in ``lam``."""
-    total, rho = 0, 100.0 / FIRST
-    for _ in range(20):
-        used, _ = descend(chain, state, FIRST, lam, rho, work, 1e-10, 200)
+def _order(chain: ChainArrays, point: ChainPoint, work: Work) -> int:
+    """The one solution without friction between balls at creeping speed ``FIRST``, from any drift; Newton steps."""
+    rebuild(chain, point)
+    total = 0
+    for smooth in (ROUND, 0.0):
+        law = Smoothing(FIRST, 0.0, smooth, SPRING * FIRST)
+        used, _ = semismooth_newton(chain, point, law, work, 1e-10, int(np.int64(200)), FIRMEST)
         total += used
-        change = 0.0
-        for k in range(lam.shape[0]):
-            push = max(0.0, lam[k] + rho * state.pair[k, 0]) if chain.closed[k] != 0.0 else 0.0
-            change = max(change, abs(push - lam[k]))
-            lam[k] = push
-        if change <= COARSE:
-            break
     return total
 
 
 @kernel
 def _supported(contacts: Array) -> bool:
     """Whether every ball has at least ``SUPPORTS`` loaded contacts."""
-    for j in range(contacts.shape[0]):
-        count = 0
-        for i in range(contacts.shape[1]):
-            if contacts[j, i, 3] > 0.0:
-                count += 1
-        if count < SUPPORTS:
-            return False
-    return True
+    return bool(np.min((contacts[:, :, 3] > 0.0).sum(axis=1)) >= SUPPORTS)
 
 
 @kernel
-def _pressed(z: Array) -> int:
-    """Number of contacts under force."""
-    count = 0
-    for k in range(z.shape[0]):
-        if z[k] > 0.0:
-            count += 1
-    return count
-
-
-@kernel
-def _descend_eps(chain: ChainArrays, point: ChainPoint, work: Work, eps_end: float, limit: int) -> tuple[int, bool]:
-    """Coupled equations at creeping speeds from ``FIRST`` to ``eps_end``, the whole friction from the beginning.
+def _descend_eps(
+    chain: ChainArrays, point: ChainPoint, work: Work, eps_end: float, share: float, limit: int
+) -> tuple[int, bool]:
+    """Equations at creeping speeds from ``FIRST`` to ``eps_end``, with a share of the friction between balls.
 
     Returns Newton steps and whether all went well: a determinant of the other sign tells of another branch.
     """
     total, eps = 0, FIRST
     while True:
         reopen(point, eps)
-        used, left = semismooth_newton(chain, point, Smoothing(eps, 1.0, 0.0, SPRING * eps), work, COARSE, limit, 0.0)
+        used, left = semismooth_newton(chain, point, Smoothing(eps, share, 0.0, SPRING * eps), work, COARSE, limit, 0.0)
         total += used
         if not left <= COARSE:
             return total, False
@@ -91,31 +71,26 @@ def _descend_eps(chain: ChainArrays, point: ChainPoint, work: Work, eps_end: flo
 
 @kernel
 def chain_motion(
-    chain: ChainArrays, state: ChainState, z: Array, work: Work, eps: float, tolerance: float, limit: int
+    chain: ChainArrays, point: ChainPoint, work: Work, eps: float, tolerance: float, limit: int
 ) -> tuple[int, float]:
-    """Motion of all balls at creeping speed ``eps`` and forces max(z, 0); Newton steps and largest residual.
+    """Motion of the balls and forces between them, from the drift of the point; returns iterations and largest residual.
 
     The first step has no ball-to-ball friction, so that a convex problem alone decides where the answer starts from.
     Where friction between balls may bring further solutions, and where Newton's method does not follow from there at
     once while creeping speeds fall, the path by ``trace`` decides, unless the balls all part without that friction.
     """
-    point = ChainPoint(state.slip, state.pair, state.drift, z)
-    contacts, shapes, nodes, closed, mu, hold, nominal = chain
-    rebuild(chain, state)
-    firm = ChainArrays(contacts, shapes, nodes, closed, mu, hold + SPRING * FIRST, nominal)
-    total = _order(firm, state, z, work)
+    total = _order(chain, point, work)
     first = copied(point)
-    share = mu * sqrt(z.shape[0])
-    good = mu == 0.0 or (share <= LARGE and _supported(contacts))
+    share = chain.mu * sqrt(point.z.shape[0])
+    good = chain.mu == 0.0 or (share <= LARGE and _supported(chain.contacts))
     if good:
-        used, good = _descend_eps(chain, point, work, eps, FEW if share > SLIGHT else MANY)
+        used, good = _descend_eps(chain, point, work, eps, 1.0, FEW if share > SLIGHT else MANY)
         total += used
     if not good:
         restore(point, first)
-        without = ChainArrays(contacts, shapes, nodes, closed, 0.0, hold, nominal)
-        used, good = _descend_eps(without, point, work, eps, int(np.int64(MANY)))
+        used, good = _descend_eps(chain, point, work, eps, 0.0, int(np.int64(MANY)))
         total += used
-        good = good and _pressed(z) == 0
+        good = good and not np.any(point.z > 0.0)
     if not good:
         restore(point, first)
         used, _ = trace(chain, point, eps, work, limit)
@@ -127,23 +102,18 @@ def chain_motion(
 
 @kernel
 def other_motion(
-    chain: ChainArrays, state: ChainState, z: Array, work: Work, eps: float, tolerance: float, limit: int, start: int
+    chain: ChainArrays, point: ChainPoint, work: Work, eps: float, tolerance: float, limit: int, start: int
 ) -> tuple[int, float]:
     """As ``chain_motion``, from another of ``STARTS`` starts: the end of the path, the balls as they are without friction
     between them, all pairs pressed together."""
-    point = ChainPoint(state.slip, state.pair, state.drift, z)
-    contacts, shapes, nodes, closed, _, hold, nominal = chain
-    rebuild(chain, state)
-    total = _order(ChainArrays(contacts, shapes, nodes, closed, 0.0, hold + SPRING * FIRST, nominal), state, z, work)
+    total = _order(chain, point, work)
     if start == 0:
         used, _ = trace(chain, point, eps, work, limit)
     elif start == 1:
-        without = ChainArrays(contacts, shapes, nodes, closed, 0.0, hold, nominal)
-        used, _ = _descend_eps(without, point, work, eps, int(np.int64(MANY)))
+        used, _ = _descend_eps(chain, point, work, eps, 0.0, int(np.int64(MANY)))
     else:
-        for k in range(z.shape[0]):
-            z[k] = PRESSED * closed[k]
-        used, _ = _descend_eps(chain, point, work, eps, int(np.int64(MANY)))
+        point.z[:] = PRESSED * chain.closed
+        used, _ = _descend_eps(chain, point, work, eps, 1.0, int(np.int64(MANY)))
     total += used
     reopen(point, eps)
     used, residual = _settle(chain, point, work, eps, tolerance)
@@ -151,11 +121,8 @@ def other_motion(
 
 
 @kernel
-def motion_from(
-    chain: ChainArrays, state: ChainState, z: Array, work: Work, eps: float, tolerance: float
-) -> tuple[int, float]:
+def motion_from(chain: ChainArrays, point: ChainPoint, work: Work, eps: float, tolerance: float) -> tuple[int, float]:
     """As ``chain_motion``, by Newton's method alone from the state given, one of a similar chain."""
-    point = ChainPoint(state.slip, state.pair, state.drift, z)
     reopen(point, eps)
     return _settle(chain, point, work, eps, tolerance)
 

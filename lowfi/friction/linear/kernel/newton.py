@@ -1,14 +1,13 @@
-"""Newton's method on the energy of a chain and on its coupled equations."""
+"""Newton's method on the equations of a chain."""
 
 from math import sqrt
 
 import numpy as np
 
-from rollbench.lowfi.friction.linear.records import Array, ChainArrays, ChainPoint, ChainState, Smoothing, Work
+from rollbench.lowfi.friction.linear.records import Array, ChainArrays, ChainPoint, Smoothing, Work
 from rollbench.lowfi.jit import kernel
 
-from . import coupled, energy
-from .band import HALF, solve_banded
+from .equations import HALF, assemble, copied, restore, shift, solve_banded
 
 #: Longest step of a velocity: longer ones, back and forth in the line search, would cost digits.
 LONGEST = 2.0
@@ -29,70 +28,7 @@ def largest(x: Array) -> float:
 @kernel
 def _reach(step: Array) -> float:
     """Part of the step after which no velocity has changed by more than ``LONGEST``."""
-    longest = LONGEST
-    for i in range(step.shape[0]):
-        if i % 4 != 3:
-            longest = max(longest, abs(step[i]))
-    return LONGEST / longest
-
-
-@kernel
-def _dot(x: Array, y: Array) -> float:
-    """Product of the motions' rows; the rows of forces carry no residual."""
-    total = 0.0
-    for i in range(x.shape[0]):
-        if i % 4 != 3:
-            total += x[i] * y[i]
-    return total
-
-
-@kernel
-def _direction(work: Work) -> float:
-    """Newton's step, damped where round-off spoils it; returns the slope of the energy along it, negative."""
-    K, factors, g, step, other = work
-    damping, top, slope = 0.0, 0.0, 0.0
-    for i in range(g.shape[0]):
-        top = max(top, K[i, HALF])
-    for _ in range(9):
-        step[:] = -g
-        solve_banded(K, factors, step, other)
-        slope = _dot(g, step)
-        if slope < 0.0:
-            break
-        added = max(1e-15 * top, 100.0 * damping) - damping
-        damping += added
-        for i in range(g.shape[0]):
-            if i % 4 != 3:
-                K[i, HALF] += added
-    fraction = _reach(step)
-    step *= fraction
-    return slope * fraction
-
-
-@kernel
-def descend(
-    chain: ChainArrays, state: ChainState, eps: float, lam: Array, rho: float, work: Work, tolerance: float, limit: int
-) -> tuple[int, float]:
-    """Newton's method with line search on the convex energy; returns iterations and largest force out of balance."""
-    K, _, g, step, _ = work
-    level = energy.assemble(chain, state, eps, lam, rho, K, g)
-    for iteration in range(limit):
-        residual = largest(g)
-        if residual <= tolerance:
-            return iteration, residual
-        slope = _direction(work)
-        if not slope < 0.0:
-            return iteration, residual
-        t, at = 1.0, 0.0
-        for _ in range(60):
-            energy.move(chain, state, step, t - at)
-            at = t
-            trial = energy.assemble(chain, state, eps, lam, rho, K, g)
-            if trial <= level + 1e-4 * t * slope + 1e-14 * abs(level):  # the last term is round-off
-                break
-            t *= min(0.7, max(0.1, slope / (slope - _dot(g, step))))
-        level = trial
-    return limit, largest(g)
+    return float(LONGEST / max(LONGEST, np.max(np.abs(step.reshape(-1, 4)[:, :3]))))
 
 
 @kernel
@@ -105,7 +41,7 @@ def semismooth_newton(
     Returns iterations and the largest residual; leaves ``work`` as assembled at the point.
     """
     K, factors, g, step, other = work
-    coupled.assemble(chain, point, law, K, g)
+    assemble(chain, point, law, K, g)
     size, damping = sqrt(np.dot(g, g)), 0.0
     for iteration in range(limit):
         if largest(g) <= tolerance:
@@ -117,9 +53,9 @@ def semismooth_newton(
         solve_banded(K, factors, step, other)
         t, at, trial = _reach(step), 0.0, size
         for _ in range(12):
-            coupled.shift(chain, point, step, t - at)
+            shift(chain, point, step, t - at)
             at = t
-            coupled.assemble(chain, point, law, K, g)
+            assemble(chain, point, law, K, g)
             trial = sqrt(np.dot(g, g))
             if trial < (1.0 - 0.1 * t) * size:
                 break
@@ -131,8 +67,8 @@ def semismooth_newton(
             else:
                 damping = min(firmest, max(SOFTEST, 100.0 * damping))
             continue
-        coupled.shift(chain, point, step, -at)
-        coupled.assemble(chain, point, law, K, g)
+        shift(chain, point, step, -at)
+        assemble(chain, point, law, K, g)
         damping = max(SOFTEST, 100.0 * damping)
         if not damping <= firmest:
             return iteration, largest(g)
@@ -148,16 +84,16 @@ def leap(
     Returns iterations and the largest residual; the point is left where it was if that has not fallen.
     """
     K, factors, g, step, other = work
-    coupled.assemble(chain, point, law, K, g)
-    start, kept = largest(g), coupled.copied(point)
+    assemble(chain, point, law, K, g)
+    start, kept = largest(g), copied(point)
     for iteration in range(limit):
         step[:] = -g
         solve_banded(K, factors, step, other)
-        coupled.shift(chain, point, step, _reach(step))
-        coupled.assemble(chain, point, law, K, g)
+        shift(chain, point, step, _reach(step))
+        assemble(chain, point, law, K, g)
         if largest(g) <= tolerance:
             return iteration + 1, largest(g)
     if not largest(g) < start:
-        coupled.restore(point, kept)
+        restore(point, kept)
         return limit, start
     return limit, largest(g)

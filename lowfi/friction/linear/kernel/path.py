@@ -12,8 +12,7 @@ import numpy as np
 from rollbench.lowfi.friction.linear.records import Array, ChainArrays, ChainPoint, Smoothing, Work
 from rollbench.lowfi.jit import kernel
 
-from .band import solve_banded
-from .coupled import assemble, copied, restore, shift
+from .equations import assemble, copied, restore, shift, solve_banded
 from .newton import largest, semismooth_newton
 
 #: Creeping speed at the beginning of the path.
@@ -104,11 +103,7 @@ def _correct(
 def _cap(tau: Array) -> float:
     """Longest step: what moves no velocity by more than 0.5 and s by more than 0.1."""
     n = tau.shape[0] - 1
-    size = abs(tau[n]) / 0.1
-    for i in range(n):
-        if i % 4 != 3:
-            size = max(size, abs(tau[i]) / 0.5)
-    return float(1.0 / size)
+    return float(1.0 / max(abs(tau[n]) / 0.1, np.max(np.abs(tau[:n].reshape(-1, 4)[:, :3])) / 0.5))
 
 
 @kernel

@@ -34,69 +34,19 @@ def _law(groove: GrooveArrays, i: int, f: float, rows: Array, x: Array, eps: flo
 
 
 @kernel
-def _add_force(
-    f: float, bound: float, n_x: float, n_z: float, rows: Array, g: Array, speed: float, share: float, on: bool, out: Array
+def _acts(
+    n_x: float, n_z: float, rows: Array, speed: float, share: float, along: float, on: bool, load: Array, pull: Array
 ) -> None:
-    """Adds one contact to the ball's rows ``out`` (9,), see ``ball_rows``."""
-    out[0] += f * n_x + share * bound * g[0] * n_z
-    out[1] += f * n_z - share * bound * g[0] * n_x
-    for j in range(4):
-        out[2 + j] += bound * (rows[0, j] * g[0] + rows[1, j] * g[1] + rows[2, j] * g[2]) / speed
+    """Writes how a contact's normal force (9,) and friction per component (9, 3) act on the rows of ``ball_rows``.
+
+    rows: its map (3, 4); along: share of the friction along the path. Linear in (n_x, n_z, rows, along).
+    """
+    load[:] = 0.0
+    pull[:] = 0.0
+    pull[2:6] = rows.T / speed
+    load[0], load[1], pull[0, 0], pull[1, 0] = n_x, n_z, share * n_z, -share * n_x
     if on:
-        out[6] += f * n_x + share * bound * g[0] * n_z
-        out[7] += share * bound * g[1]
-        out[8] += f * n_z - share * bound * g[0] * n_x
-
-
-@kernel
-def _by_load(
-    groove: GrooveArrays,
-    i: int,
-    f: float,
-    mu: float,
-    n_x: float,
-    n_z: float,
-    rows: Array,
-    x: Array,
-    g: Array,
-    h: Array,
-    share: float,
-    by: Array,
-) -> None:
-    """Writes the derivatives (9, 3) of a contact's rows by its force and by n_x and n_z, taken apart."""
-    affine, speed, bound = groove.affine, groove.speed, mu * f
-    turned, own_turn = np.zeros((2, 3)), np.zeros((2, 4))
-    for c in range(2):
-        move = affine[1 + c] @ x - affine[1 + c, :, 0] * groove.ride[i]
-        turned[c] = bound * (h[:3] @ move)
-        own_turn[c] = bound * (g @ affine[1 + c])
-    by[0, 0], by[1, 0] = n_x + share * mu * h[3, 0] * n_z, n_z - share * mu * h[3, 0] * n_x
-    by[0, 1], by[1, 1] = f + share * turned[0, 0] * n_z, -share * (turned[0, 0] * n_x + bound * g[0])
-    by[0, 2], by[1, 2] = share * (turned[1, 0] * n_z + bound * g[0]), f - share * turned[1, 0] * n_x
-    for j in range(4):
-        by[2 + j, 0] = mu * (rows[0, j] * h[3, 0] + rows[1, j] * h[3, 1] + rows[2, j] * h[3, 2]) / speed
-        for c in range(2):
-            through = rows[0, j] * turned[c, 0] + rows[1, j] * turned[c, 1] + rows[2, j] * turned[c, 2]
-            by[2 + j, 1 + c] = (through + own_turn[c, j]) / speed
-    by[6], by[8] = by[0], by[1]
-    by[7, 0], by[7, 1], by[7, 2] = share * mu * h[3, 1], share * turned[0, 1], share * turned[1, 1]
-
-
-@kernel
-def _by_motion(
-    bound: float, n_x: float, n_z: float, rows: Array, h: Array, speed: float, share: float, on: bool, by: Array
-) -> None:
-    """Adds the derivatives of a contact's rows by the ball's motion."""
-    bent = bound * (h[:3] @ rows)
-    for j in range(4):
-        by[0, 2 + j] += share * bent[0, j] * n_z
-        by[1, 2 + j] -= share * bent[0, j] * n_x
-        for q in range(4):
-            by[2 + q, 2 + j] += (rows[0, q] * bent[0, j] + rows[1, q] * bent[1, j] + rows[2, q] * bent[2, j]) / speed
-        if on:
-            by[6, 2 + j] += share * bent[0, j] * n_z
-            by[7, 2 + j] += share * bent[1, j]
-            by[8, 2 + j] -= share * bent[0, j] * n_x
+        load[6], load[8], pull[6, 0], pull[8, 0], pull[7, 1] = n_x, n_z, share * n_z, -share * n_x, along
 
 
 @kernel
@@ -109,9 +59,10 @@ def ball_rows(
     the ball on the screw in x3, y3, z3.
     """
     cell, groove, balls = system.cell, system.groove, system.balls
-    start, interference, C = cell.start, cell.interference, cell.C
+    start, interference, C, affine = cell.start, cell.interference, cell.C, groove.affine
     speed, mu = groove.speed, balls.strength * system.unit
-    rows, load, g, h = np.empty((3, 4)), np.empty((OWN_ROWS, 3)), np.zeros(3), np.zeros((4, 3))
+    rows, g, h, turned = np.empty((3, 4)), np.zeros(3), np.zeros((4, 3)), np.empty((2, OWN_ROWS))
+    load, pull, d_load, d_pull = np.empty(OWN_ROWS), np.empty((OWN_ROWS, 3)), np.empty(OWN_ROWS), np.empty((OWN_ROWS, 3))
     out[:] = 0.0
     by[:] = 0.0
     for i in range(4):
@@ -125,15 +76,18 @@ def ball_rows(
         h[:] = 0.0
         if np.max(balls.force[k]) > 0.0:  # others count as unloaded
             _law(groove, i, f, rows, x, eps, g, h)
-        _add_force(f, mu * f, n_x, n_z, rows, g, speed, share, on, out)
-        _by_load(groove, i, f, mu, n_x, n_z, rows, x, g, h, share, load)
-        _by_motion(mu * f, n_x, n_z, rows, h, speed, share, on, by)
-        k_n = 1.5 * sqrt(d) / C[i]
-        for r in range(OWN_ROWS if on else 6):
-            along = (load[r, 2] * n_x - load[r, 1] * n_z) / size  # by a turn of the normal
-            b_x, b_z = load[r, 0] * k_n * n_x - along * n_z, load[r, 0] * k_n * n_z + along * n_x
-            by[r, 0] += b_x
-            by[r, 1] += b_z
-            if on:
-                by[r, 6] -= b_x
-                by[r, 7] -= b_z
+        _acts(n_x, n_z, rows, speed, share, share, on, load, pull)
+        out += f * load + mu * f * (pull @ g)
+        by[:, 2:6] += mu * f * (pull @ (h[:3] @ rows))
+        for c in range(2):  # by n_x and n_z, taken apart
+            _acts(1.0 - c, float(c), affine[1 + c], speed, share, 0.0, on, d_load, d_pull)
+            seen_more = affine[1 + c] @ x - affine[1 + c, :, 0] * groove.ride[i]
+            turned[c] = f * d_load + mu * f * (d_pull @ g + pull @ (h[:3] @ seen_more))
+        by_force = (1.5 * sqrt(d) / C[i]) * (load + mu * (pull @ h[3]))
+        across = (turned[1] * n_x - turned[0] * n_z) / size  # by a turn of the normal
+        b_x, b_z = by_force * n_x - across * n_z, by_force * n_z + across * n_x
+        by[:, 0] += b_x
+        by[:, 1] += b_z
+        if on:
+            by[:, 6] -= b_x
+            by[:, 7] -= b_z

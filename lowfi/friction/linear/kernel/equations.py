@@ -1,0 +1,198 @@
+"""Equations of a chain of balls: friction at the grooves and between balls, which the contact force itself bounds.
+
+Velocities are in units of the carriage's speed, forces in units of the largest friction bound of a ball. Unknowns of a
+ball: axial velocity and ball radius times the two spin components across the track, x = (v, R omega_x, R omega_y), and
+last z of the contact with the next ball: its force where z is positive and, turned round, the rate of its gap where it is
+negative. F = max(z, 0), rate = max(-z, 0) are complementary by themselves. Smoothed, F rate = ``smooth`` instead of zero.
+Exact, the rate is in units of eps, what sticking contacts yield to a force, so that Newton's method passes z = 0 with ease.
+"""
+
+from math import sqrt
+
+import numpy as np
+
+from rollbench.lowfi.friction.linear.records import Array, ChainArrays, ChainPoint, Smoothing
+from rollbench.lowfi.jit import CONTACT, is_compiled, kernel, kernels
+
+_OTHER = kernels(CONTACT, compiled=is_compiled(__name__))
+dissipation, solve_with_pivots = _OTHER.dissipation, _OTHER.solve_with_pivots
+#: Columns of the banded matrix: half a band, the diagonal, half a band.
+HALF = 5
+WIDTH = 11
+#: Columns while rows are exchanged: what lies right of the diagonal may grow to twice the band.
+FILLED = 16
+
+
+@kernel
+def solve_banded(K: Array, A: Array, x: Array, y: Array) -> float:
+    """Solve K ``(n, 11)`` for x and y in place, with room A ``(n, 16)``; sign of K's determinant."""
+    both = np.empty((x.size, 2))
+    A[:, :WIDTH], A[:, WIDTH:] = K, 0.0
+    both[:, 0], both[:, 1] = x, y
+    sign: float = solve_with_pivots(A, both, HALF)
+    x[:], y[:] = both[:, 0], both[:, 1]
+    return sign
+
+
+@kernel
+def slide_and_spin(s: float, w: float, shape: Array) -> tuple[float, float, float, float, float]:
+    """Friction of one elliptical contact sliding at s along its minor axis and spinning at w / a, per unit bound.
+
+    shape: (b/a, q0, k1, k3), see ``contact_shape``. Returns force and moment / a, the gradient of the dissipation
+    s f + w m, a norm, and its Hessian (3: ss, sw, ww); not at rest.
+    """
+    ratio, q0, k1, k3 = shape
+    if abs(s) >= abs(w):
+        d = dissipation(1.0, ratio, 0.0, s, w, 0.0)
+        return d.by_vz, d.by_spin, d.zz, d.z_spin, d.spin_spin
+    t, sign = s / w, 1.0 if w > 0.0 else -1.0
+    h = (k1 - 3.0 * k3 * t * t) / abs(w)
+    return sign * t * (k1 - k3 * t * t), sign * (q0 - t * t * (0.5 * k1 - 0.75 * k3 * t * t)), h, -h * t, h * t * t
+
+
+@kernel
+def regularised(s: float, w: float, shape: Array, eps: float) -> tuple[float, float, float, float, float]:
+    """Gradient (2) and Hessian (3: ss, sw, ww) of the convex energy sqrt(phi2 + eps2) - eps per unit bound by (s, w).
+
+    The force is phi / sqrt(phi2 + eps2) times Coulomb's, so contacts stick at creeping speeds below eps.
+    """
+    if s == 0.0 and w == 0.0:
+        return 0.0, 0.0, 1.0 / eps, 0.0, shape[1] * shape[1] / eps
+    f, m, ss, sw, ww = slide_and_spin(s, w, shape)
+    phi = s * f + w * m
+    eta = sqrt(phi * phi + eps * eps)
+    c, b = phi / eta, (eps / eta) * (eps / eta) / eta
+    return c * f, c * m, c * ss + b * f * f, c * sw + b * f * m, c * ww + b * m * m
+
+
+@kernel
+def push_and_rate(z: float, smooth: float) -> tuple[float, float, float]:
+    """Contact force, rate of the gap, and the force's slope; force - rate = z, force times rate = ``smooth``."""
+    if smooth == 0.0:
+        return max(z, 0.0), max(-z, 0.0), 1.0 if z > 0.0 else 0.0
+    root = sqrt(z * z + 4.0 * smooth)
+    larger = 0.5 * (abs(z) + root)
+    if z > 0.0:
+        return larger, smooth / larger, larger / root
+    return smooth / larger, larger, smooth / (larger * root)
+
+
+@kernel
+def _add_grooves(chain: ChainArrays, point: ChainPoint, eps: float, K: Array, g: Array) -> None:
+    """Adds friction at the grooves to g ``(4N,)`` and K ``(4N, 11)``."""
+    contacts, slip = chain.contacts, point.slip
+    for j in range(contacts.shape[0]):
+        for i in range(contacts.shape[1]):
+            bound = contacts[j, i, 3]
+            if bound == 0.0:
+                continue
+            f, m, ss, sw, ww = regularised(slip[j, i, 0], slip[j, i, 1], chain.shape, eps)
+            nx, ny, arm = contacts[j, i, 0], contacts[j, i, 1], contacts[j, i, 4]
+            rows = ((1.0, 0.0), (ny, arm * nx), (-nx, arm * ny))
+            for k in range(3):
+                a, b = rows[k]
+                g[4 * j + k] += bound * (a * f + b * m)
+                left, right = a * ss + b * sw, a * sw + b * ww
+                for q in range(3):
+                    c, d = rows[q]
+                    K[4 * j + k, HALF + q - k] += bound * (left * c + right * d)
+
+
+@kernel
+def _add_rubbing(eps: float, bound: float, slope: float, k: int, pair: Array, K: Array, g: Array) -> None:
+    """Friction between balls k and k+1 that slide at ``pair[k, 1:]``; slope: growth of its bound with z."""
+    i, tx, ty = 4 * k, pair[k, 1], pair[k, 2]
+    eta = sqrt(tx * tx + ty * ty + eps * eps)
+    across = (tx / eta, ty / eta)
+    for a in range(2):
+        for row in (i + 1 + a, i + 5 + a):
+            g[row] += bound * across[a]
+            K[row, HALF + i + 3 - row] += slope * across[a]
+            for b in range(2):
+                h = bound * ((1.0 if a == b else 0.0) - across[a] * across[b]) / eta
+                for column in (i + 1 + b, i + 5 + b):
+                    K[row, HALF + column - row] += h
+
+
+@kernel
+def assemble(chain: ChainArrays, point: ChainPoint, law: Smoothing, K: Array, g: Array) -> None:
+    """Forces out of balance and gaps' equations g ``(4N,)``, and their Jacobian K ``(4N, 11)``."""
+    pair, drift, z = point.pair, point.drift, point.z
+    eps, share, smooth, spring = law
+    closed, mu, hold = chain.closed, chain.mu, chain.hold
+    K[:] = 0.0
+    for j in range(drift.shape[0]):
+        stiffness = hold[j] + spring
+        for k in range(3):
+            g[4 * j + k] = stiffness * drift[j, k]
+            K[4 * j + k, HALF] = stiffness
+        g[4 * j + 3] = 0.0
+        K[4 * j + 3, HALF] = -1.0
+    _add_grooves(chain, point, eps, K, g)
+    for k in range(closed.shape[0]):
+        i = 4 * k + 3
+        if closed[k] == 0.0:
+            g[i] = -z[k]
+            continue
+        force, rate, slope = push_and_rate(z[k], smooth)
+        g[i - 3] += force
+        g[i + 1] -= force
+        K[i - 3, HALF + 3] += slope
+        K[i + 1, HALF - 1] -= slope
+        stiff, scale = 1.0, 1.0
+        if smooth == 0.0:
+            stiff, scale = 1.0 / eps, 1.0 / (1.0 + rate)
+        g[i] = scale * (stiff * pair[k, 0] + rate)
+        K[i, HALF - 3] = scale * stiff
+        K[i, HALF + 1] = -scale * stiff
+        K[i, HALF] = scale * (slope - 1.0)
+        if share * mu > 0.0:
+            _add_rubbing(eps, mu * share * force, mu * share * slope, k, pair, K, g)
+
+
+@kernel
+def _move(contacts: Array, point: ChainPoint, x: Array) -> None:
+    """Adds motions x ``(N, 3)`` of the balls to slips and differences of neighbours."""
+    slip, pair, _, _ = point
+    p, q, nx, ny = x[:, 1:2], x[:, 2:3], contacts[:, :, 0], contacts[:, :, 1]
+    slip[:, :, 0] += x[:, 0:1] + ny * p - nx * q
+    slip[:, :, 1] += contacts[:, :, 4] * (nx * p + ny * q)
+    pair[:, 0] += x[:-1, 0] - x[1:, 0]
+    pair[:, 1:] += x[:-1, 1:3] + x[1:, 1:3]
+
+
+@kernel
+def rebuild(chain: ChainArrays, point: ChainPoint) -> None:
+    """Slips and differences of neighbours from the drift of the motion."""
+    point.slip[:, :, 0], point.slip[:, :, 1], point.pair[:] = -chain.contacts[:, :, 2], 0.0, 0.0
+    _move(chain.contacts, point, chain.nominal + point.drift)
+
+
+@kernel
+def shift(chain: ChainArrays, point: ChainPoint, step: Array, t: float) -> None:
+    """Add t times the step ``(4N,)`` of the unknowns to the point and everything that depends on them."""
+    n = point.drift.shape[0]
+    change = t * step[: 4 * n].reshape(n, 4)
+    point.z[:] += change[:-1, 3]
+    point.drift[:] += change[:, :3]
+    _move(chain.contacts, point, change)
+
+
+@kernel
+def reopen(point: ChainPoint, eps: float) -> None:
+    """Take z of open gaps from their rates, in the units of exact complementarity at ``eps``."""
+    for k in range(point.z.shape[0]):
+        if point.z[k] <= 0.0:
+            point.z[k] = min(0.0, point.pair[k, 0] / eps)
+
+
+@kernel
+def copied(point: ChainPoint) -> ChainPoint:
+    """A copy of the point."""
+    return ChainPoint(point.slip.copy(), point.pair.copy(), point.drift.copy(), point.z.copy())
+
+
+@kernel
+def restore(point: ChainPoint, kept: ChainPoint) -> None:
+    """Overwrite the point by ``kept``: moving back by increments would leave round-off in the slips."""
+    point.slip[:], point.pair[:], point.drift[:], point.z[:] = kept
