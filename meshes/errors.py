@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 from math import cos
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -181,7 +181,7 @@ def without_draws(scene: Scene) -> Scene:
         return tuple(replace(term, sigma=0.0) for term in terms)
 
     errors = scene.errors
-    sides = {
+    sides: dict[str, Any] = {
         name: replace(e, profile_sigma=(), pitch=certain(e.pitch), roundness=certain(e.roundness))
         for name, e in ((name, errors.side(name)) for name in SIDES)
     }
