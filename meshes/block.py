@@ -14,7 +14,7 @@ import numpy as np
 from skfem import Mesh
 
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.fem import Meshed, kind_of, moved, named, points_of, tensor_grid
+from rollbench.meshes.fem import Meshed, kind_of, mesh_of, moved, named, points_of, tensor_grid
 from rollbench.meshes.gmsh_session import session
 
 
@@ -119,16 +119,18 @@ def tetrahedra(order: int, influence: Influence, size: float) -> BlockMesh:
         ImportError: gmsh, or a system library that it needs, is missing.
     """
     with session() as gmsh:
-        from rollbench.meshes.bridge import from_gmsh, to_skfem
-
         gmsh.model.add("block")
         gmsh.model.occ.addBox(0.0, 0.0, 0.0, 1.0, 1.0, 1.0)  # OpenCASCADE's tolerances suit lengths about 1
         gmsh.model.occ.synchronize()
         _set_edges(gmsh, influence.scaled(1.0 / size))
         gmsh.model.mesh.generate(3)
         gmsh.model.mesh.setOrder(order)
-        mesh = to_skfem(from_gmsh(), f"P{order}")
+        tags, xyz, _ = gmsh.model.mesh.getNodes()
+        ascending = np.argsort(tags)
+        _, nodes = gmsh.model.mesh.getElementsByType({1: 4, 2: 11}[order])
         gmsh.model.remove()
+    cells = np.searchsorted(tags[ascending], nodes).reshape(-1, {1: 4, 2: 10}[order])
+    mesh, _ = mesh_of(xyz.reshape(-1, 3)[ascending], cells, f"P{order}")
     return _named(moved(mesh, size * points_of(mesh)), size)
 
 

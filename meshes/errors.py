@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 from math import cos
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.helix import BallLayout, groove_radii, lead_angle, nominal_groove_centres
-from rollbench.meshes.parts import SIDES, BallErrors, Errors, FourierTerm, Scene, SideErrors
+from rollbench.meshes.parts import SIDES, FourierTerm, Scene, SideErrors
 
 #: Distance from the nut's centre, over the ball's radius, up to which a ball stands at it.
 AT_CENTRE = 1e-6
@@ -167,69 +167,23 @@ def alike_in_shape(scene: Scene) -> bool:
 
 
 def specimens(scene: Scene, layout: BallLayout, first: int, count: int) -> Specimens:
-    """Specimens number ``first`` and on of a scene that is ``alike_in_shape``: the same draws as ``specimen``, at once."""
-    from rollbench.meshes.generators import generators
-
-    balls, n = scene.errors.balls, scene.ball_count
-    radius = np.tile(draw_ball_radii(without_draws(scene), _UNUSED), (count, 1))
-    terms = _terms(scene)
-    drawn = [k for k, t in enumerate(terms) if t.sigma > 0.0]
-    z, uniform = np.zeros((count, n + 2 * len(drawn))), balls.distribution != "normal"
-    for m, rng in enumerate(generators(scene.errors.seed, first, count)):
-        if balls.sigma > 0.0 and uniform:
-            rng.random(out=z[m, :n])
-            rng.standard_normal(out=z[m, n:])
-        else:
-            rng.standard_normal(out=z[m] if balls.sigma > 0.0 else z[m, n:])
-    half = np.sqrt(3.0) * balls.sigma
-    radius += (-half + 2.0 * half * z[:, :n]) if uniform and balls.sigma > 0.0 else balls.sigma * z[:, :n]
-    centre = np.tile(_shifted_centres(scene, layout.z), (count if drawn else 1, 1, 1, 1))
-    for k, term in enumerate(terms):
-        phi = term.harmonic * (layout.azimuth - (scene.nut.azimuth if term.side >= 2 else 0.0))
-        a, b = np.full(len(centre), term.sin), np.full(len(centre), term.cos)
-        if term.sigma > 0.0:
-            at = n + 2 * drawn.index(k)
-            a, b = a + term.sigma * z[:, at], b + term.sigma * z[:, at + 1]
-        centre[:, :, term.side, term.axis] += term.along * (np.outer(a, np.sin(phi)) + np.outer(b, np.cos(phi)))
-    offset = np.array([sum(scene.errors.side(name).profile) for name in SIDES])
-    return Specimens(radius, centre, groove_radii(scene) - offset)
-
-
-@dataclass(frozen=True)
-class _Term:
-    """A term of a Fourier series of groove centres: side, axis (0 radial, 1 along the track), factor, and its numbers."""
-
-    side: int
-    axis: int
-    along: float
-    harmonic: float
-    sin: float
-    cos: float
-    sigma: float
-
-
-def _terms(scene: Scene) -> list[_Term]:
-    """All terms in the order in which ``draw`` takes them."""
-    terms = []
-    for s, name in enumerate(SIDES):
-        e = scene.errors.side(name)
-        along = cos(lead_angle(scene.track)) if e.pitch_along == "axis" else 1.0
-        terms += [_Term(s, 1, along, t.harmonic, t.sin, t.cos, t.sigma) for t in e.pitch]
-        terms += [_Term(s, 0, 1.0, t.harmonic, t.sin, t.cos, t.sigma) for t in e.roundness]
-    return terms
+    """Specimens number ``first`` and on of a scene that is ``alike_in_shape``."""
+    drawn = [specimen(scene, layout, member) for member in range(first, first + count)]
+    centre = np.stack([one.centre for one in drawn])
+    shared = bool((centre == centre[0]).all())
+    return Specimens(np.stack([one.ball_radius for one in drawn]), centre[:1] if shared else centre, drawn[0].radius)
 
 
 def without_draws(scene: Scene) -> Scene:
     """The scene without its random errors."""
-    e = scene.errors
-    sides = {
-        name: SideErrors(
-            profile=e.side(name).profile,
-            pitch=tuple(replace(t, sigma=0.0) for t in e.side(name).pitch),
-            pitch_along=e.side(name).pitch_along,
-            roundness=tuple(replace(t, sigma=0.0) for t in e.side(name).roundness),
-        )
-        for name in SIDES
+
+    def certain(terms: tuple[FourierTerm, ...]) -> tuple[FourierTerm, ...]:
+        return tuple(replace(term, sigma=0.0) for term in terms)
+
+    errors = scene.errors
+    sides: dict[str, Any] = {
+        name: replace(e, profile_sigma=(), pitch=certain(e.pitch), roundness=certain(e.roundness))
+        for name, e in ((name, errors.side(name)) for name in SIDES)
     }
-    balls = BallErrors(oversize=e.balls.oversize, listed=e.balls.listed)
-    return replace(scene, errors=Errors(balls=balls, seed=e.seed, lead_offset=e.lead_offset, **sides))
+    balls = replace(errors.balls, sigma=0.0, distribution="normal")
+    return replace(scene, errors=replace(errors, balls=balls, **sides))

@@ -1,8 +1,8 @@
 """Meshes of the parts as scikit-fem has them: made from arrays in gmsh's node order, names kept, and back.
 
-P1, P2 tetrahedra and Q1, Q2 hexahedra are MeshTet1, MeshTet2, MeshHex1 and MeshHex2, numbered faster; those of second
-order map with their curved cells. Faces go by names in `mesh.boundaries`, cells in `mesh.subdomains`. Freedom 3 * node +
-component of the vector space on a mesh's own element belongs to the node `mesh.doflocs[:, node]`.
+P1, P2 tetrahedra and Q1, Q2 hexahedra are MeshTet1, MeshTet2, MeshHex1 and MeshHex2; those of second order map with their
+curved cells. Faces go by names in `mesh.boundaries`. Freedom 3 * node + component of the vector space on a mesh's own
+element belongs to the node `mesh.doflocs[:, node]`.
 """
 
 from __future__ import annotations
@@ -17,48 +17,7 @@ from skfem.assembly import Dofs
 
 from rollbench.meshes.arrays import Array, Index
 
-
-class _Numbered:
-    """Edges and faces numbered as scikit-fem does, in a fifth of the time: by one integer for each in place of corners."""
-
-    @staticmethod
-    def build_entities(t: Index, indices: Any, sort: bool = True) -> tuple[Any, Any]:
-        """Corners of the edges or faces, and which of them each cell has."""
-        if indices is None:
-            return None, None
-        corners = np.hstack([t[local] for local in indices])
-        low = np.sort(corners, axis=0)
-        _, first, again = np.unique(_keys(low.T, int(t.max()) + 1), return_index=True, return_inverse=True)
-        return np.ascontiguousarray((low if sort else corners)[:, first]), again.reshape(len(indices), -1)
-
-    @staticmethod
-    def build_inverse(t: Index, mapping: Index) -> Index:
-        """First and last cell of every face, the last -1 where that is the first."""
-        cell = np.tile(np.arange(t.shape[1]), len(mapping))
-        inverse = np.zeros((2, mapping.max() + 1), dtype=np.int32)
-        inverse[0, mapping.ravel()[::-1]] = cell[::-1]
-        inverse[1, mapping.ravel()] = cell
-        inverse[1, inverse[0] == inverse[1]] = -1
-        return inverse
-
-
-class Tet1(_Numbered, MeshTet1):  # type: ignore[misc]
-    """P1."""
-
-
-class Tet2(_Numbered, MeshTet2):  # type: ignore[misc]
-    """P2."""
-
-
-class Hex1(_Numbered, MeshHex1):  # type: ignore[misc]
-    """Q1."""
-
-
-class Hex2(_Numbered, MeshHex2):  # type: ignore[misc]
-    """Q2."""
-
-
-MESHES: dict[str, Any] = {"P1": Tet1, "P2": Tet2, "Q1": Hex1, "Q2": Hex2}
+MESHES: dict[str, Any] = {"P1": MeshTet1, "P2": MeshTet2, "Q1": MeshHex1, "Q2": MeshHex2}
 # Place k of scikit-fem's cell holds gmsh's local node; by matching coordinates (see the tests).
 _SKFEM: dict[str, tuple[int, ...]] = {
     "P1": tuple(range(4)),
@@ -68,17 +27,11 @@ _SKFEM: dict[str, tuple[int, ...]] = {
 }
 
 
-def mesh_of(
-    points: Array,
-    cells: Index,
-    kind: str,
-    boundaries: Mapping[str, Index] | None = None,
-    regions: Mapping[str, Index] | None = None,
-) -> tuple[Mesh, Index]:
+def mesh_of(points: Array, cells: Index, kind: str, boundaries: Mapping[str, Index] | None = None) -> tuple[Mesh, Index]:
     """Mesh of points ``(n, 3)`` [m] and cells ``(m, nodes)`` in gmsh's order, and the new number of every point ``(n,)``.
 
     scikit-fem numbers the nodes of second-order meshes anew, vertices first; points of no cell get -1 there.
-    boundaries: faces ``(k, 3 or more)`` by name, their corners first; regions: numbers of cells by name.
+    boundaries: faces ``(k, 3 or more)`` by name, their corners first.
     Raises ValueError for an unknown kind, cells of another, or a boundary that has a face which no cell has.
     """
     if kind not in MESHES:
@@ -90,10 +43,7 @@ def mesh_of(
     mesh = MESHES[kind](np.ascontiguousarray(points.T), np.ascontiguousarray(ordered.T))
     number = np.full(len(points), -1, dtype=np.int64)
     number[ordered] = mesh.dofs.element_dofs.T
-    mesh = with_faces(mesh, {name: number[f[:, : len(mesh.facets)]] for name, f in (boundaries or {}).items()})
-    if regions:
-        mesh = _changed(mesh, _subdomains={name: np.asarray(numbers, dtype=np.int32) for name, numbers in regions.items()})
-    return mesh, number
+    return with_faces(mesh, {name: number[f[:, : len(mesh.facets)]] for name, f in (boundaries or {}).items()}), number
 
 
 def with_faces(mesh: Mesh, faces: Mapping[str, Index]) -> Mesh:
@@ -201,8 +151,8 @@ def _on(dofs: Dofs, mesh: Mesh, names: tuple[str, ...]) -> Index:
 
 def tensor_grid(x: Array, y: Array, z: Array, kind: str, *, left_handed: bool = False) -> Mesh:
     """Q1 or Q2 hexahedra between ascending coordinates x, y, z of their corners; left_handed: for maps that mirror them."""
-    mirrored = Hex1.init_tensor(x, y, z)  # left-handed
-    grid = Hex1(mirrored.doflocs, mirrored.t if left_handed else mirrored.t[[3, 5, 6, 0, 7, 1, 2, 4]])
+    mirrored = MeshHex1.init_tensor(x, y, z)  # left-handed
+    grid = MeshHex1(mirrored.doflocs, mirrored.t if left_handed else mirrored.t[[3, 5, 6, 0, 7, 1, 2, 4]])
     return grid if kind == "Q1" else second_order(grid)
 
 

@@ -46,8 +46,8 @@ def made_anew() -> Iterator[None]:
 
 
 def kept(type_: type[T]) -> Callable[[Callable[P, T]], Callable[P, T]]:
-    """Mark a function of plain records, called by position, that makes a record of a class of the package: `switch_on`
-    lets its results be kept."""
+    """Mark a function of plain records, called by position, that makes a number or a record of a class of the package:
+    `switch_on` lets its results be kept."""
 
     def mark(build: Callable[P, T]) -> Callable[P, T]:
         @wraps(build)

@@ -13,10 +13,10 @@ from typing import Any, TypeVar
 
 import numpy as np
 from scipy.spatial import cKDTree
-from skfem import Mesh
+from skfem import Mesh, MeshTet1
 
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.fem import Tet1, moved, second_order, with_faces
+from rollbench.meshes.fem import moved, second_order, with_faces
 from rollbench.meshes.gmsh_session import session
 from rollbench.meshes.sockets import SocketMesh
 
@@ -383,7 +383,7 @@ def fill(shell: Shell, algorithm: int) -> Filled:
     used[: len(shell.points)] = True
     used[cells] = True
     cells, corners = (np.cumsum(used) - 1)[cells], corners[used]
-    straight = second_order(Tet1(np.ascontiguousarray(corners.T), np.ascontiguousarray(cells.T)))
+    straight = second_order(MeshTet1(np.ascontiguousarray(corners.T), np.ascontiguousarray(cells.T)))
     pairs = np.sort(straight.edges, axis=0).T @ np.array([len(corners), 1])
     order = np.argsort(pairs)
     filled = Filled(straight, pairs[order], straight.dofs.edge_dofs[0, order].astype(np.int64))

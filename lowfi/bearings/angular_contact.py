@@ -12,54 +12,25 @@ the contact angle is iterated; u = A sin(alpha - alpha_0) / cos(alpha) is his 2.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rollbench.lowfi.hertz import HertzConstants, contact_force, contact_modulus, contact_slope, hertz_constants
+from rollbench.lowfi.hertz import (
+    HertzConstants,
+    contact_approach,
+    contact_force,
+    contact_modulus,
+    contact_slope,
+    hertz_constants,
+)
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.roots import brentq
 
-
-class BallRows(Protocol):
-    """What thrust needs of a bearing, or of many at once: then arrays, of a shape to go with the displacements."""
-
-    @property
-    def balls(self) -> float | Array:
-        """Number Z."""
-
-    @property
-    def ball_diameter(self) -> float | Array:
-        """D [m]."""
-
-    @property
-    def pitch_diameter(self) -> float | Array:
-        """d_m [m]."""
-
-    @property
-    def inner_groove(self) -> float | Array:
-        """r_i [m]."""
-
-    @property
-    def outer_groove(self) -> float | Array:
-        """r_o [m]."""
-
-    @property
-    def centre_distance(self) -> float | Array:
-        """Distance A [m] of the groove centres."""
-
-    @property
-    def free_angle(self) -> float | Array:
-        """Contact angle [rad] without load."""
-
-    @property
-    def young(self) -> float:
-        """Young's modulus [Pa]."""
-
-    @property
-    def poisson(self) -> float:
-        """Poisson's ratio."""
+#: Conformities among which one is looked for.
+CONFORMITIES = (0.503, 0.65)
+#: Steps at most, the relative step at which they end, and the displacement over the ball's diameter where they begin.
+STEPS, ENOUGH, BEGINS = 40, 1e-10, 1e-4
 
 
 @dataclass(frozen=True)
@@ -136,6 +107,36 @@ def of_angle(
         young,
         poisson,
     )
+
+
+@dataclass(frozen=True)
+class AngleRows:
+    """Bearings given as catalogues do, many at once: numbers of balls, diameters of ball and pitch circle [m], conformities
+    (groove radius over ball diameter, of both grooves), contact angles without load [rad], arrays of one shape."""
+
+    balls: Array
+    ball_diameter: Array
+    pitch_diameter: Array
+    conformity: Array
+    free_angle: Array
+    young: float
+    poisson: float
+
+    @property
+    def inner_groove(self) -> Array:
+        """Radii of both grooves [m]."""
+        return np.asarray(self.conformity * self.ball_diameter)
+
+    outer_groove = inner_groove
+
+    @property
+    def centre_distance(self) -> Array:
+        """Distances of the groove centres [m]."""
+        return np.asarray((2.0 * self.conformity - 1.0) * self.ball_diameter)
+
+
+#: What thrust needs of a bearing, or of many at once: then arrays, of a shape to go with the displacements.
+BallRows = BallBearing | AngleRows
 
 
 @dataclass(frozen=True)
@@ -271,3 +272,45 @@ def displacement(bearing: BallBearing, load: float) -> float:
         return float(thrust_state(bearing, u).load) - load
 
     return float(brentq(excess, 0.0, high, xtol=1e-22, rtol=8.9e-16))
+
+
+def state_under(bearings: BallRows, load: Array) -> ThrustState:
+    """State under thrusts [N] above zero, of a shape that the bearings' fields go with: Newton's method on F^(2/3), which
+    is nearly linear in u. Raises ValueError for a thrust that needs displacements beyond Hertz contact."""
+    first = BEGINS * bearings.ball_diameter
+    u = contact_approach(load / thrust_state(bearings, first).load, first)
+    for _ in range(STEPS):
+        state = thrust_state(bearings, u)
+        step = 1.5 * (np.cbrt(load / state.load) ** 2 - 1.0) * state.load / state.stiffness
+        u = np.maximum(u + step, 0.2 * u)
+        if float(np.abs(step / u).max()) < ENOUGH and bool(np.all(u < bearings.ball_diameter)):
+            return state
+    raise ValueError(f"thrust of {float(np.max(load)):.3g} N is beyond what Hertz contact describes for this bearing")
+
+
+def conformity_of_pair(bearings: AngleRows, preload: Array, rigidity: Array) -> Array:
+    """Conformities, the same of both grooves, at which two equal bearings pressed against one another by a preload [N] have
+    a tangent rigidity [N/m], 2 dF/du of either; the bearings' own conformities are where the search begins.
+
+    The rigidity falls as the conformity c grows, nearly as a power of c - 1/2: secants on the logarithms. Raises ValueError
+    where none in `CONFORMITIES` gives it.
+    """
+    low, high = np.log(np.array(CONFORMITIES) - 0.5)
+
+    def excess(x: Array) -> Array:
+        state = state_under(replace(bearings, conformity=0.5 + np.exp(x)), preload)
+        return np.asarray(np.log(2.0 * state.stiffness / rigidity))
+
+    old = np.log(bearings.conformity - 0.5)
+    value, slope = excess(old), np.full_like(old, -0.2)
+    for _ in range(STEPS):
+        new = np.clip(old - value / slope, low, high)
+        if float(np.abs(new - old).max()) < ENOUGH:
+            break
+        fresh = excess(new)
+        moved = new != old
+        slope = np.where(moved, np.minimum((fresh - value) / np.where(moved, new - old, 1.0), -0.02), slope)
+        old, value = new, fresh
+    if float(np.abs(value).max()) > 1e-6:
+        raise ValueError("no conformity of {:g} to {:g} gives a pair of these balls that rigidity".format(*CONFORMITIES))
+    return np.asarray(0.5 + np.exp(old))

@@ -46,13 +46,6 @@ class Coupling:
 
 
 @dataclass(frozen=True)
-class OwnFlank:
-    """e [m/N] of a contact on the true flank, for a narrow patch."""
-
-    e: float
-
-
-@dataclass(frozen=True)
 class BodyCompliance:
     """Compliance of a body beyond the screw's beam: G ``(2 c, 2 c)`` [m/N] of its flanks' contacts (all left ones, then
     all right ones; two axes each), e [m/N] of each contact beside Hertz, and slope [m/N], what e gains by the logarithm of
@@ -103,7 +96,7 @@ def body_compliance(
 
         return BodyCompliance(nut_beam(scene, layout, flanks), 0.0, 0.0, ())
     refuse_flat(geometry, screw, backend)
-    e = _own_flank(geometry, screw, backend).e
+    e = _own_flank(geometry, screw, backend)
     slope = 0.0
     if backend.flank:
         e += at_size(flank_of(geometry, screw), semi_axes)
@@ -156,11 +149,11 @@ def _whole_body(scene: Scene, screw: bool, backend: Backend) -> Coupling:
 
 
 @lru_cache(maxsize=64)
-@kept(OwnFlank)
-def _own_flank(geometry: Scene, screw: bool, backend: Backend) -> OwnFlank:
+@kept(float)
+def _own_flank(geometry: Scene, screw: bool, backend: Backend) -> float:
     from rollbench.lowfi.compliance.between import own_flank
 
-    return OwnFlank(own_flank(geometry, screw, backend))
+    return own_flank(geometry, screw, backend)
 
 
 def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Backend) -> BallCompliance:

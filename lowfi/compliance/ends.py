@@ -42,7 +42,7 @@ def end_response(scene: Scene, layout: BallLayout, backend: Backend) -> EndRespo
     parts, azimuths = with_balls(scene)
     if np.array_equal(layout.azimuth, azimuths):
         return _known(parts, backend)
-    from rollbench.lowfi.compliance.end_motions import motions_by_end
+    from rollbench.lowfi.compliance.between import motions_by_end
 
     return EndResponse(*motions_by_end(parts, layout, backend))
 
@@ -50,7 +50,7 @@ def end_response(scene: Scene, layout: BallLayout, backend: Backend) -> EndRespo
 @lru_cache(maxsize=8)
 @kept(EndResponse)
 def _known(scene: Scene, backend: Backend) -> EndResponse:
-    from rollbench.lowfi.compliance.end_motions import motions_by_end
+    from rollbench.lowfi.compliance.between import motions_by_end
 
     return EndResponse(*motions_by_end(scene, ball_layout(scene), backend))
 

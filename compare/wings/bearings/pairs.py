@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rollbench.lowfi.bearings.inverse import AngleRows, conformity_of_pair
+from rollbench.lowfi.bearings.angular_contact import AngleRows, conformity_of_pair
 from rollbench.lowfi.bearings.torque import LoadTorque, load_torque, static_rating
 from rollbench.lowfi.statics.problem import nominal_curvatures
 from rollbench.meshes.parts import Scene

@@ -130,7 +130,7 @@ def write_meshes(one: Problem, folder: Path) -> list[Path]:
     out = []
     for part in BODIES:
         out.append(folder / f"{one.name}-{part}.vtu")
-        write_mesh(out[-1], part_mesh(bodies, part, LEVEL), {}, form="vtu")
+        write_mesh(out[-1], part_mesh(bodies, part, LEVEL), form="vtu")
     return out
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,10 +13,12 @@ from rollbench.comparison.errors import InputError, Refusal
 from rollbench.comparison.reference.tasks import needed_sides, settings_of
 from rollbench.comparison.system import need_gmsh, need_packages
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.bridge import FORMATS, MeshData, form_of, from_skfem, need, reduced, write_mesh
+from rollbench.meshes.bridge import FORMATS, form_of, need, only, reduced, write_mesh
 from rollbench.meshes.parts import SIDES, Scene
 
 if TYPE_CHECKING:
+    from skfem import Mesh
+
     from rollbench.hifi.bodies.patch import PatchMesh
     from rollbench.hifi.meshing.part_meshes import Meshes
 
@@ -84,23 +85,22 @@ def run_export(
             from rollbench.meshes.solid import dimensions
 
             refuse_beyond_low_end(scene, dimensions(scene))
-        data = part_mesh(scene, part, level, cache)
-        data = replace(data, regions={part: np.arange(data.count)})
+        mesh = part_mesh(scene, part, level, cache)
         if ball is not None:
             fields = result_fields(scene, part, level, ball - 1, cache)
     except ValueError as error:
         raise Refusal(scene.name, part, str(error), "see solid.* and the nut's length in the scene") from error
     try:
         out.parent.mkdir(parents=True, exist_ok=True)
-        write_mesh(out, data, fields, form=form)
+        write_mesh(out, mesh, fields, region=part, form=form)
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(str(out), "file", reason, "a folder that can be written to", "check the path") from None
-    cells = ", ".join(f"{len(elements)} {_LABELS[kind]}" for kind, elements in data.cells.items())
-    lines.append(
-        f"wrote {out}: {len(data.points)} nodes, {cells}; lengths in m; groups: {', '.join(data.boundaries) or 'none'}"
-    )
-    if reduced(data, form):
+    from rollbench.meshes.fem import kind_of
+
+    nodes, cells = mesh.doflocs.shape[1], f"{mesh.nelements} {_LABELS[kind_of(mesh)]}"
+    lines.append(f"wrote {out}: {nodes} nodes, {cells}; lengths in m; groups: {', '.join(mesh.boundaries) or 'none'}")
+    if reduced(mesh, form):
         lines.append(f".{form} holds no 27-node hexahedra: their face and centre nodes were left out (20 nodes remain)")
     return Answer(parts=lines)
 
@@ -108,7 +108,7 @@ def run_export(
 _LABELS = {"P1": "4-node tetrahedra", "P2": "10-node tetrahedra", "Q1": "8-node hexahedra", "Q2": "27-node hexahedra"}
 
 
-def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) -> MeshData:
+def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) -> Mesh:
     """Mesh of a part: a whole body with that level's element sizes, the others as the reference of that level uses them.
 
     Raises ValueError where it cannot be built.
@@ -170,7 +170,7 @@ def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | 
     return {"displacement": u, "von_mises": fields.von_mises(stress), **six}
 
 
-def _whole(scene: Scene, part: str, level: int) -> MeshData:
+def _whole(scene: Scene, part: str, level: int) -> Mesh:
     """Whole screw (its 3D stretch), nut or ball, finest where contacts are expected, with all parts of its surface."""
     from rollbench.hifi.bodies.coarse import of_order
     from rollbench.hifi.meshing.fit import socket_size
@@ -197,16 +197,16 @@ def _whole(scene: Scene, part: str, level: int) -> MeshData:
         near = np.concatenate([groove_points(m, place, middle) for place in places])
         body = whole_body(m, spec, Refinement(near, settings.fine, AWAY, settings.coarse))
     mesh = of_order(body.mesh, body_kind(settings))
-    return from_skfem(mesh, *sorted(mesh.boundaries))
+    return only(mesh, *sorted(mesh.boundaries))
 
 
-def _body(meshes: Meshes, part: str, kind: str) -> MeshData:
+def _body(meshes: Meshes, part: str, kind: str) -> Mesh:
     """Screw, nut or ball of ``kind`` elements, with its sockets' inner faces and the flat ends."""
     from rollbench.hifi.bodies.coarse import of_order
 
     mesh = {"ball": meshes.ball.mesh, "screw": meshes.screw.mesh, "nut": meshes.nut.mesh}[part]
     names = [name for name in mesh.boundaries if "socket" in name or " end" in name or name in ("seat", "centring")]
-    return from_skfem(of_order(mesh, kind), *names)
+    return only(of_order(mesh, kind), *names)
 
 
 def _patch_mesh(meshes: Meshes, m: Any, side: int, settings: Any, *, of_ball: bool) -> PatchMesh:
@@ -221,15 +221,15 @@ def _patch_mesh(meshes: Meshes, m: Any, side: int, settings: Any, *, of_ball: bo
     return patch_mesh(meshes, body.sockets[side], partial(local_points, m, meshes.size, side), settings)
 
 
-def _patch(mesh: PatchMesh) -> MeshData:
+def _patch(mesh: PatchMesh) -> Mesh:
     """A patch with its contact zone and the faces that are tied to the body."""
-    return from_skfem(mesh.mesh, "contact", "interface")
+    return only(mesh.mesh, "contact", "interface")
 
 
-def _block() -> MeshData:
+def _block() -> Mesh:
     from rollbench.hifi.contact.block import SOURCE_COARSE, SOURCE_FINE, SOURCE_RADIUS
     from rollbench.meshes.block import Influence, tetrahedra
 
     radius = SOURCE_RADIUS
     mesh = tetrahedra(1, Influence(SOURCE_FINE, (radius, radius, radius), 0.2, SOURCE_COARSE), SOURCE_COARSE)
-    return from_skfem(mesh.mesh, "contact")
+    return only(mesh.mesh, "contact")

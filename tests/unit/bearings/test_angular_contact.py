@@ -8,15 +8,17 @@ from scipy.integrate import quad
 from scipy.special import ellipe, ellipk
 
 from rollbench.lowfi.bearings.angular_contact import (
+    AngleRows,
     BallBearing,
     BallRow,
+    conformity_of_pair,
     contact_parameters,
     curvatures,
     displacement,
     of_angle,
+    state_under,
     thrust_state,
 )
-from rollbench.lowfi.bearings.inverse import AngleRows, conformity_of_pair, state_under
 
 STEEL = (207e9, 0.3)
 

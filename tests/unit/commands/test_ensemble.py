@@ -9,7 +9,6 @@ from rollbench.comparison.scenes.catalogue import scene as shipped
 from rollbench.comparison.wings.members.ensemble import BATCH_PATH, GENERAL_PATH, one_pass, run_ensemble, work_of
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.errors import specimen, specimens
-from rollbench.meshes.generators import generators
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import BallErrors, FourierTerm, Load, SideErrors
 
@@ -82,12 +81,6 @@ def test_many_specimens_are_those_drawn_one_by_one(distribution):
         np.testing.assert_allclose(many.centre[k], one.centre, rtol=0, atol=1e-19)
         np.testing.assert_array_equal(many.radius, one.radius)
     assert np.ptp(many.centre[:, :, 0, 1], axis=0).max() > 1e-7
-
-
-@pytest.mark.parametrize(("seed", "first"), [(0, 0), (2**32 - 5, 7), (3, 2**32 - 4), (3, 2**32 - 1), (2**40, 5)])
-def test_generators_of_members_are_those_of_numpy(seed, first):
-    for m, rng in enumerate(generators(seed, first, 3)):
-        assert rng.bit_generator.state == np.random.default_rng([seed, first + m]).bit_generator.state
 
 
 def test_numbers_do_not_depend_on_threads():
