@@ -16,7 +16,7 @@ from rollbench.comparison.reference.store import shipped_store
 from rollbench.comparison.system import need_gmsh
 from rollbench.comparison.wings.crosscheck import nut
 from rollbench.comparison.wings.crosscheck.data import CrossData, load, save, shipped
-from rollbench.comparison.wings.crosscheck.rows import ContactRow, agreement, columns, contact_rows
+from rollbench.comparison.wings.crosscheck.rows import COLUMNS, ContactRow, agreement, contact_rows
 from rollbench.comparison.wings.crosscheck.study import STUDIES, checked_scene, run_study, scene_key
 from rollbench.meshes.parts import Scene
 
@@ -80,7 +80,7 @@ def _ours(scene: Scene, store: Path, engine: Engine) -> Reference:
 
 
 def _table(scene: Scene, rows: Sequence[ContactRow]) -> Any:
-    heads = {c.key: "\n".join((*c.label.split(", "), *([c.unit] if c.unit else ()))) for c in columns()}
-    texts = ([cell(row.cells().get(c.key), c.format) for c in columns()] for row in rows)
+    heads = {c.key: "\n".join((*c.label.split(", "), *([c.unit] if c.unit else ()))) for c in COLUMNS}
+    texts = ([cell(row.cells().get(c.key), c.format) for c in COLUMNS] for row in rows)
     title = f"{scene.name}: contact loads, CalculiX extrapolated; every mesh: --json"
     return ruled(title, heads.values(), texts, [heads["side"]])
