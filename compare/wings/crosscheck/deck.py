@@ -94,9 +94,9 @@ class MeshedDeck:
 
 def refuse(where: str, faults: Iterable[tuple[bool, str, str, str, str]]) -> None:
     """Raise InputError for the first fault that is there: whether it is, key, value, allowed values and advice."""
-    for there, *words in faults:
+    for there, key, value, allowed, advice in faults:
         if there:
-            raise InputError(where, *words)
+            raise InputError(where, key, value, allowed, advice)
 
 
 def _refuse_unlike_decks(scene: Scene, half: bool) -> None:

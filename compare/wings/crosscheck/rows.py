@@ -45,7 +45,8 @@ class ContactRow:
 
     def cells(self) -> dict[str, Cell]:
         """The row of a table."""
-        return {"ball": str(self.ball), "side": self.side, **self.meshes} | {q.key: getattr(self, q.key) for q in COMPARED}
+        compared: dict[str, Cell] = {q.key: getattr(self, q.key) for q in COMPARED}
+        return {"ball": str(self.ball), "side": self.side, **self.meshes, **compared}
 
 
 def series(data: CrossData) -> list[CrossRun]:
