@@ -11,8 +11,7 @@ from rollbench.comparison.registration import offered
 from rollbench.comparison.sections.fit import WORDS
 from rollbench.comparison.wings.extremes.campaign.record import rows as campaign_rows
 from rollbench.comparison.wings.extremes.campaign.record import shipped
-from rollbench.comparison.wings.extremes.rows import tally, wide_rows
-from rollbench.comparison.wings.extremes.static import ENERGY, FORMULATIONS, table
+from rollbench.comparison.wings.extremes.static import ENERGY, FORMULATIONS, table, tally, wide_rows
 from rollbench.comparison.wings.extremes.survey import run as survey
 from rollbench.comparison.wings.extremes.survey.record import MODELS
 from rollbench.reports.records import Quantity, Row, Section, Table, Text
