@@ -56,9 +56,8 @@ def stored(folder: Path, scene: Scene) -> CrossData:
     if found is None:
         raise InputError(scene.name, "crosscheck", "no stored results", ", ".join(STUDIES), "solve it: --run")
     if found.key != scene_key(scene.name):
-        raise InputError(
-            scene.name, "crosscheck", "results of another scene", "results of this scene", "solve it anew: --run"
-        )
+        wanted = "results of this scene", "solve it anew: --run"
+        raise InputError(scene.name, "crosscheck", "results of another scene", *wanted)
     return found
 
 
@@ -69,13 +68,8 @@ def _ours(scene: Scene, store: Path, engine: Engine) -> Reference:
         ensure(plan([scene], tuple(LEVELS)), store, engine, on_terminal, stores)
         found = reference(scene, stores)
     if found is None:
-        raise InputError(
-            scene.name,
-            "3D reference",
-            "no converged run",
-            "a scene whose contact problem has a solution",
-            "see the status of the runs in the store",
-        )
+        wanted = "a scene whose contact problem has a solution", "see the status of the runs in the store"
+        raise InputError(scene.name, "3D reference", "no converged run", *wanted)
     return found
 
 

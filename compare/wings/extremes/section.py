@@ -41,13 +41,12 @@ def survey_items() -> tuple[Text | Table, ...]:
         | {name: r.get("models", {}).get(model, {}).get(key) for name, (model, key) in errors.items()}
         for r in scenes
     ]
-    sums = ("model", "error", "scenes", "median", "p95", "largest")
     return (
         Text((about,)),
         Table(
             "stability-survey",
             "Models against the survey",
-            tuple(Quantity(name, name, "", "s" if name in sums[:3] else ".2f") for name in sums),
+            tuple(Quantity(name, name, "", "s" if name in survey.SUMS[:3] else ".2f") for name in survey.SUMS),
             [row | {"error": WORDS[row["error"].removeprefix("largest_")]} for row in survey.summary(scenes)],
         ),
         Table(

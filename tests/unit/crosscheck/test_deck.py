@@ -243,22 +243,20 @@ def test_balls_cannot_turn_and_nothing_else_is_held():
 
 
 def test_what_a_deck_cannot_say_is_refused(tmp_path: Path):
-    scene = catalogue.scene("two-balls")
-    with pytest.raises(InputError, match=r"1 to 4 balls.*--balls 3:5"):
-        build_deck(catalogue.scene("lin-case1"), COARSE)
-    bad = replace(scene.errors, SL=replace(scene.errors.SL, roundness=(FourierTerm(2.0, 1e-6),)))
-    with pytest.raises(InputError, match="a displaced groove"):
-        build_deck(replace(scene, errors=bad), COARSE)
-    bad = replace(scene.errors, NL=replace(scene.errors.NL, profile=(1e-6,)))
-    with pytest.raises(InputError, match="grooves of two radii"):
-        build_deck(replace(scene, errors=bad), COARSE)
-    with pytest.raises(InputError, match=r"solid\.nut"):
-        build_deck(replace(scene, solid=replace(scene.solid, nut="rigid")), COARSE)
-    with pytest.raises(InputError, match="no face of the mesh lies within an expected contact"):
-        build_deck(scene, DeckOptions(b_over_h=0.4, growth=1.5))
-    cut = catalogue.scene("lin-case1-cut")
-    with pytest.raises(InputError, match=r"a station at 0 mm; allowed: the ends of the 3D stretch, 381\.375 mm"):
-        build_deck(replace(cut, loads=(replace(cut.loads[0], at=0.0),)), COARSE)
+    scene, cut = catalogue.scene("two-balls"), catalogue.scene("lin-case1-cut")
+    displaced = replace(scene.errors, SL=replace(scene.errors.SL, roundness=(FourierTerm(2.0, 1e-6),)))
+    uneven = replace(scene.errors, NL=replace(scene.errors.NL, profile=(1e-6,)))
+    stations = r"a station at 0 mm; allowed: the ends of the 3D stretch, 381\.375 mm"
+    for bad, options, words in (
+        (catalogue.scene("lin-case1"), COARSE, r"1 to 4 balls.*--balls 3:5"),
+        (replace(scene, errors=displaced), COARSE, "a displaced groove"),
+        (replace(scene, errors=uneven), COARSE, "grooves of two radii"),
+        (replace(scene, solid=replace(scene.solid, nut="rigid")), COARSE, r"solid\.nut"),
+        (scene, DeckOptions(b_over_h=0.4, growth=1.5), "no face of the mesh lies within an expected contact"),
+        (replace(cut, loads=(replace(cut.loads[0], at=0.0),)), COARSE, stations),
+    ):
+        with pytest.raises(InputError, match=words):
+            build_deck(bad, options)
     good = {"program": "ccx", "unit": "mm", "balls": "", "b_over_h": 1.5, "growth": 0.4, "stiffness": 2e8}
     for choices, key in (
         ({"program": "abaqus"}, "--deck"),
