@@ -217,9 +217,9 @@ def test_several_sets_have_the_same_outputs():
 @pytest.mark.parametrize(
     ("vary", "model", "words"),
     [
-        ("track.led=1 mm:2 mm", "lin", ""),
-        ("track.lead=1 kN:2 kN", "lin", ""),
-        ("loads[3].force[2]=1 N:2 N", "lin", ""),
+        ("track.led=1 mm:2 mm", "lin", None),
+        ("track.lead=1 kN:2 kN", "lin", None),
+        ("loads[3].force[2]=1 N:2 N", "lin", None),
         ("track.lead=10 mm:20 mm", "no such", "--model"),
     ],
 )
